@@ -1,29 +1,29 @@
-"""Array types that annotations share.
+"""Array types for type annotations.
 
-Functions that relate several dimensions write their shapes out; these are the types of
-functions whose arrays all have one leading shape.
+They are used in functions whose arrays all have the same batch shape; other functions
+annotate the shape of each array.
 """
 
 import numpy as np
 from jaxtyping import Bool, Float, Int, Int32
 
-# Unit vectors, one number each, one point of the unit square each
+# Unit vectors, scalars, and points of the unit square
 Directions = Float[np.ndarray, "*batch 3"]
 Values = Float[np.ndarray, "*batch"]
 Points2 = Float[np.ndarray, "*batch 2"]
 
-# Whole numbers and truth values of the same leading shape
+# Integers and booleans
 Indices = Int[np.ndarray, "*batch"]
 Mask = Bool[np.ndarray, "*batch"]
 
-# One vector in space, one in a plane
+# A single vector in space, and a single vector in a plane
 Vector = Float[np.ndarray, "3"]
 Vector2 = Float[np.ndarray, "2"]
 
-# Table from incident patches to exit patches
+# Matrix of a BSDF: exit patches by incident patches
 ExitIncident = Float[np.ndarray, "exit incident"]
 
-# Spectral values, one per wavelength
+# One value per wavelength
 PerWavelength = Float[np.ndarray, " wavelength"]
 
 # Values and branches of a tensor tree

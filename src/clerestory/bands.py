@@ -1,8 +1,8 @@
-"""Spectral bands: the parts of the spectrum in which light is computed.
+"""Spectral bands in which radiance is computed, such as Radiance's RGB.
 
-Radiance's red, green and blue are one set of bands. Arrays have a channel axis with one
-channel per band, or a single channel whose values apply to every band, as in a room of
-grey materials. A value of one in every band is white light of 179 lm/W.
+Arrays have a channel axis with one channel per band, or a single channel that applies
+to all bands, as in a scene of grey materials. White light has the same radiance in
+every band and a luminous efficacy of 179 lm/W.
 """
 
 import math
@@ -25,15 +25,15 @@ class Bands:
     Attributes
     ----------
     names : unique names of the bands
-    efficacy : luminance [cd/m²] per radiance [W/(m²·sr)] in each band [lm/W]; None if
-        unknown
-    limits_nm : shortest and longest wavelength of each band [nm]; None if the bands are
-        not wavelength intervals, such as RGB
+    efficacy : luminous efficacy of each band: luminance [cd/m²] per radiance
+        [W/(m²·sr)], in lm/W; None if unknown
+    limits_nm : shortest and longest wavelength of each band [nm]; None for bands that
+        are not wavelength intervals, such as RGB
 
     Raises
     ------
-    InputError : no band, a repeated name, a negative efficacy, limits that do not
-        increase, or efficacies or limits that are not one per band
+    InputError : there are no bands, a name is repeated, an efficacy is negative, limits
+        do not increase, or the number of efficacies or limits is not that of the bands
 
     Examples
     --------
@@ -95,12 +95,12 @@ class Bands:
     def photometric(
         self, values: Float[np.ndarray, "*batch"], *, axis: int = -1
     ) -> Float[np.ndarray, "..."]:
-        """Luminance [cd/m²] of radiance, or illuminance [lux] of irradiance.
+        """Convert radiance to luminance [cd/m²], or irradiance to illuminance [lux].
 
         Parameters
         ----------
         values : radiance [W/(m²·sr)] or irradiance [W/m²]
-        axis : index of the channel axis (one channel per band, or one for all bands)
+        axis : index of the channel axis, with one channel per band or a single channel
         """
         return weighted_sum(values, self.weights, axis=axis)
 
@@ -111,7 +111,7 @@ def weighted_sum(
     *,
     axis: int = -1,
 ) -> Float[np.ndarray, "..."]:
-    """Weighted sum of the channels; a single channel applies to every band.
+    """Sum of the channels, weighted by band; a single channel applies to every band.
 
     >>> weighted_sum(np.array([[1.0, 2.0]]), np.array([0.5, 0.25, 0.25]), axis=0)
     array([1., 2.])
@@ -128,9 +128,9 @@ def weighted_sum(
 
 
 def unnamed_bands(count: int) -> Bands:
-    """Return the bands of a file that does not name them.
+    """Return the bands of a file without band names, from the number of channels.
 
-    Three bands are Radiance's red, green and blue; a single one applies to all three.
+    One channel or three channels stand for Radiance's RGB.
     """
     if count in (1, len(RGB)):
         return RGB
@@ -138,14 +138,15 @@ def unnamed_bands(count: int) -> Bands:
 
 
 def common_bands(parts: Iterable[tuple[Bands, int]]) -> Bands:
-    """Return the bands of a product or sum, from the bands and channels of its parts.
+    """Return the common bands of the operands of a product or sum.
 
-    A part with one channel has the same value in every band and is compatible with any
-    bands. If all parts have one channel, the bands of the last part are returned.
+    Operands are given by their bands and numbers of channels. An operand with one
+    channel is compatible with any bands. If all operands have one channel, the bands of
+    the last operand are returned.
 
     Raises
     ------
-    MatrixError : two parts with several channels have different bands
+    MatrixError : two operands with several channels have different bands
     """
     pairs = list(parts)
     several = [bands for bands, channels in pairs if channels > 1]
@@ -158,11 +159,11 @@ def common_bands(parts: Iterable[tuple[Bands, int]]) -> Bands:
     return several[0] if several else pairs[-1][0]
 
 
-# Red, green and blue of Radiance's primaries (color.h: CIE_rf, CIE_gf, CIE_bf).
+# Radiance's RGB with its luminance weights (color.h: CIE_rf, CIE_gf, CIE_bf)
 RGB = Bands(
     ("red", "green", "blue"),
     tuple(LUMINOUS_EFFICACY * share for share in (0.265, 0.670, 0.065)),
 )
 
-# Visible light as a whole.
+# A single band of visible light
 GREY = Bands(("visible",), (LUMINOUS_EFFICACY,))

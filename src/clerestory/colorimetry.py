@@ -1,9 +1,9 @@
 """Colorimetry: the CIE 1931 observer, RGB primaries and chromatic adaptation.
 
-Radiance's primaries have an equal-energy white (color.h). Other white points are
-adapted by the von Kries transform in the sharpened space of Süsstrunk, Holm and
-Finlayson, "Chromatic adaptation performance of different RGB sensors", Proc. SPIE 4300
-(2001).
+The white point of Radiance's primaries is equal-energy white (color.h). Other white
+points are adapted by the von Kries transform in the sharpened space of Süsstrunk, Holm
+and Finlayson, "Chromatic adaptation performance of different RGB sensors", Proc. SPIE
+4300 (2001).
 """
 
 from collections.abc import Sequence
@@ -51,7 +51,7 @@ class Primaries:
 
     Raises
     ------
-    InputError : a white point is not positive, or the primaries lie on a line
+    InputError : the white point has y ≤ 0, or the primaries lie on a line
     """
 
     red: tuple[float, float]
@@ -81,13 +81,13 @@ class Primaries:
         return scale
 
     def to_xyz(self) -> Float[np.ndarray, "3 3"]:
-        """Matrix from red, green, blue to XYZ in which white has Y = 1."""
+        """Matrix from RGB to XYZ; white (1, 1, 1) has Y = 1."""
         matrix: np.ndarray = self._corners() * self._scale()
         return matrix
 
 
 def xyz_of(white: tuple[float, float]) -> Float[np.ndarray, "3"]:
-    """XYZ of a chromaticity with Y = 1."""
+    """XYZ of a white point given by its chromaticity x, y, with Y = 1."""
     x, y = white
     return np.array([x / y, 1.0, (1 - x - y) / y])
 
@@ -95,7 +95,7 @@ def xyz_of(white: tuple[float, float]) -> Float[np.ndarray, "3"]:
 def adaptation(
     source: tuple[float, float], target: tuple[float, float]
 ) -> Float[np.ndarray, "3 3"]:
-    """Chromatic adaptation matrix in XYZ from one white point to another."""
+    """Chromatic adaptation matrix for XYZ, from one white point to another."""
     ratio = (_SHARP @ xyz_of(target)) / (_SHARP @ xyz_of(source))
     matrix: np.ndarray = np.linalg.solve(_SHARP, ratio[:, None] * _SHARP)
     return matrix
@@ -108,7 +108,7 @@ SRGB = Primaries((0.64, 0.33), (0.30, 0.60), (0.15, 0.06), (0.3127, 0.3290))
 
 
 def conversion(source: Primaries, target: Primaries) -> Float[np.ndarray, "3 3"]:
-    """Matrix from the red, green and blue of one set of primaries to another.
+    """Matrix from the RGB of one set of primaries to the RGB of another.
 
     >>> (conversion(RADIANCE, RADIANCE) @ np.ones(3)).round(9).tolist()
     [1.0, 1.0, 1.0]
@@ -119,7 +119,7 @@ def conversion(source: Primaries, target: Primaries) -> Float[np.ndarray, "3 3"]
 
 
 def xyz_to_rgb() -> Float[np.ndarray, "3 3"]:
-    """Matrix from XYZ to Radiance's red, green and blue."""
+    """Matrix from XYZ to Radiance's RGB."""
     matrix: np.ndarray = np.linalg.inv(RADIANCE.to_xyz())
     return matrix
 
@@ -134,7 +134,7 @@ def rgb_from_xyz(
     """
     rgb = np.tensordot(xyz_to_rgb(), xyz, axes=1)
 
-    # Keep the luminance Y and add grey until no primary is negative
+    # Mix with grey of the same luminance Y until no primary is negative
     luminance, least = xyz[1], rgb.min(axis=0)
     share = np.divide(
         luminance, luminance - least, out=np.ones_like(least), where=least < 0
@@ -146,11 +146,10 @@ def rgb_from_xyz(
 
 
 def wavelength_bands(limits_nm: Sequence[float]) -> Bands:
-    """Return adjacent bands between wavelengths [nm].
+    """Return adjacent bands with the given limits [nm].
 
-    The luminous efficacy of a band is its share of the photopic sensitivity of the
-    CIE 1931 observer, times 179 lm/W: a spectrum of one in all bands of the visible
-    range has 179 lm/W.
+    The luminous efficacy of a band is 179 lm/W times the fraction of the integral of
+    V(λ) within the band, so equal-energy white in the visible range has 179 lm/W.
 
     >>> nine = wavelength_bands(range(380, 830, 45))
     >>> nine.names[2], round(float(nine.weights.sum()), 6)

@@ -2,7 +2,7 @@
 
 import math
 
-# Radiance's luminous efficacy for white light [lm/W] (Radiance color.h: WHTEFFICACY).
+# Luminous efficacy of white light in Radiance [lm/W] (color.h: WHTEFFICACY)
 LUMINOUS_EFFICACY = 179.0
 
 # Default sky colour and ground reflectance of gendaymtx.

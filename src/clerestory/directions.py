@@ -1,4 +1,4 @@
-"""Unit vectors, azimuth and altitude, and frames of surfaces.
+"""Unit vectors, azimuth and altitude, and coordinate frames of surfaces.
 
 East is +x, north +y, up +z. Azimuth is measured clockwise from north and altitude from
 the horizon, both in radians.
@@ -14,7 +14,7 @@ from clerestory.errors import InputError
 
 
 def unit(vector: Directions) -> Directions:
-    """Vectors scaled to length one."""
+    """Vectors normalised to unit length."""
     vector = np.asarray(vector, dtype=float)
     length = np.linalg.norm(vector, axis=-1, keepdims=True)
     if not np.all(np.isfinite(length) & (length > 0)):
@@ -38,11 +38,11 @@ def from_azimuth(azimuth: Values, altitude: Values) -> Directions:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """Right-handed frame of a surface: right × up = normal.
+    """Right-handed coordinate frame of a surface: right × up = normal.
 
     Attributes
     ----------
-    right, up, normal : unit vectors in the scene
+    right, up, normal : unit vectors in scene coordinates
     """
 
     right: Float[np.ndarray, "3"]
@@ -51,9 +51,7 @@ class Frame:
 
     @classmethod
     def from_normal_up(cls, normal: Vector, up: Vector) -> "Frame":
-        """Frame with the given normal; its up is the projection of `up` onto the
-        surface.
-        """
+        """Frame with the given normal and with `up` projected onto the surface."""
         normal, up = unit(normal), unit(up)
         flat = up - np.dot(up, normal) * normal
         if np.linalg.norm(flat) < 1e-4:

@@ -6,7 +6,7 @@
     ├── DeviceError     no usable compute device or LLVM            exit status 1
     └── OutputError     a result could not be written               exit status 1
 
-Every message is one line: the location, what is wrong, what was expected.
+Every message is one line: location, fault and expected input.
 """
 
 from collections.abc import Iterator
@@ -25,8 +25,8 @@ class InputError(ClerestoryError):
 
     Parameters
     ----------
-    message : what is wrong and what was expected
-    file, line : location of the fault, if it is in a file
+    message : fault and expected input
+    file, line : file and line number of the fault
 
     Examples
     --------
@@ -50,7 +50,7 @@ class MatrixError(InputError):
 
 
 class DeviceError(ClerestoryError):
-    """No usable compute device, or its compiler fails."""
+    """No compute device is usable, or its compiler fails."""
 
 
 class OutputError(ClerestoryError):
@@ -61,11 +61,12 @@ class OutputError(ClerestoryError):
 def located(
     *, file: str | Path | None, line: int | None = None, subject: str = ""
 ) -> Iterator[None]:
-    """Add a location to input errors raised in the `with` block without one.
+    """Add a location to input errors without one, raised in the `with` block.
 
     Parameters
     ----------
-    subject : object at fault, put before the message
+    file, line : file and line number of the fault
+    subject : name of the faulty object, written before the message
 
     Examples
     --------
@@ -84,4 +85,4 @@ def located(
 
 
 class ClerestoryWarning(UserWarning):
-    """Usable but physically doubtful input; the message quantifies the deviation."""
+    """Input is usable but physically doubtful; the message quantifies the deviation."""

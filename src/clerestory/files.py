@@ -1,4 +1,4 @@
-"""Atomic writing and safe reading of files."""
+"""Atomic writing of files, and reading with error messages that name the file."""
 
 import os
 import tempfile
@@ -12,10 +12,10 @@ from clerestory.errors import InputError, OutputError
 
 @contextmanager
 def replace_file(path: str | Path) -> Iterator[BinaryIO]:
-    """Open a binary stream that replaces `path` if the `with` block succeeds.
+    """Open a binary stream to a file that replaces `path` if the `with` block succeeds.
 
-    The bytes go to a temporary file in the same folder, which is renamed at the end;
-    after an error or an interruption an existing file is unchanged.
+    Data are written to a temporary file in the same folder, which is finally renamed;
+    after an error or interruption, an existing file is unchanged.
     """
     with replace_path(path) as temporary, temporary.open("wb") as stream:
         yield cast(BinaryIO, stream)
@@ -31,7 +31,7 @@ def replace_path(path: str | Path) -> Iterator[Path]:
         os.close(handle)
         temporary = Path(name)
         yield temporary
-        # mkstemp restricts access to the owner; apply the umask instead
+        # mkstemp gives access to the owner only; apply the umask instead
         umask = os.umask(0)
         os.umask(umask)
         temporary.chmod(0o666 & ~umask)
@@ -69,7 +69,7 @@ def read_bytes(path: str | Path) -> bytes:
 
 
 def make_folder(path: str | Path) -> Path:
-    """Create a folder for results, with its parents, and return it."""
+    """Create a folder for results, with parent folders, and return the path."""
     path = Path(path)
     try:
         path.mkdir(parents=True, exist_ok=True)

@@ -1,9 +1,9 @@
-"""Options of commands, described by the fields of frozen dataclasses.
+"""Command-line options, declared as fields of frozen dataclasses.
 
-A request is a dataclass whose fields are options and arguments; it is constructed in
-Python or parsed from a command line. A field that is itself such a dataclass is a group
-of options. Types shared by several requests are `Annotated` with an `Option`; all other
-fields are described in place by `option`.
+The options and arguments of a command are one dataclass, constructed in Python or
+parsed from a command line. A field whose type is such a dataclass is a group of
+options. Types shared by several commands are `Annotated` with an `Option`; all other
+fields are declared by `option`.
 """
 
 from dataclasses import MISSING, Field, dataclass, field, fields
@@ -17,12 +17,12 @@ class Option:
 
     Attributes
     ----------
-    help : one sentence, with the unit in brackets
-    names : names on the command line; `--field-name` is added if none begins with two
-        dashes; a bare "--" suppresses the long name
-    metavar : placeholder of the value in the help
+    help : help text: one sentence, with the unit in brackets
+    names : names on the command line; `--field-name` is added if no name begins with
+        two dashes; the name "--" suppresses the long name
+    metavar : placeholder of the value in the help text
     least, most : smallest and largest permitted value
-    panel : heading of the option's group in the help
+    panel : heading of the option's group in the help text
     """
 
     def __init__(
@@ -40,9 +40,7 @@ class Option:
 
 @dataclass(frozen=True)
 class Argument:
-    """Description of a positional argument; `metavar` is its placeholder in the
-    help.
-    """
+    """Help text and placeholder of a positional argument."""
 
     help: str
     metavar: str | None = None
@@ -65,7 +63,7 @@ def argument(help: str, metavar: str | None = None, *, default: Any = MISSING) -
 
 
 def description(each: "Field[Any]", hint: Any) -> tuple[Any, Option | Argument]:
-    """Return type and description of a field with a resolved type hint."""
+    """Return the type and the description of a field, from the resolved type hint."""
     if _KEY in each.metadata:
         return hint, each.metadata[_KEY]
     kind, described = get_args(hint)

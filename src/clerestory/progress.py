@@ -1,19 +1,20 @@
-"""Progress reports of long computations."""
+"""Progress callbacks of long computations."""
 
 from collections.abc import Callable
 
-# Called with the fraction done, 0…1, and a note such as the rate
+# Callback with the completed fraction, 0…1, and a note such as the ray rate
 Progress = Callable[[float, str], None]
 
 
 def share_of_progress(
     progress: Progress | None, start: float, share: float, name: str = ""
 ) -> Progress | None:
-    """Return a progress callback for the part of the work that begins at `start`.
+    """Return a progress callback for one part of a computation.
 
     Parameters
     ----------
-    start, share : beginning and length of the part, as fractions of the whole work
+    progress : callback for the whole computation
+    start, share : beginning and length of the part, as fractions of the computation
     name : prefix of the notes of the part
 
     Examples

@@ -1,7 +1,6 @@
-"""Spectra: quantities over wavelength, interpolated linearly.
+"""Spectra: quantities as functions of wavelength, interpolated linearly.
 
-Wavelengths are in nanometres. Files of the glazing industry also use micrometres;
-their readers convert.
+Wavelengths are in nanometres; the readers of glazing files convert micrometres.
 """
 
 from dataclasses import dataclass
@@ -12,19 +11,19 @@ from jaxtyping import Float
 
 from clerestory.errors import InputError
 
-# Length of units in nanometres, by the first letters of their names.
+# Wavelength units in nanometres, by the first letters of the unit name
 _UNITS_NM = {"nm": 1.0, "nano": 1.0, "um": 1000.0, "µm": 1000.0, "micro": 1000.0}
 
 
 @final
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """A quantity over wavelength.
+    """A quantity as a function of wavelength.
 
     Attributes
     ----------
     wavelength_nm : increasing wavelengths [nm]
-    value : quantity at each wavelength
+    value : value at each wavelength
 
     Raises
     ------
@@ -60,11 +59,11 @@ class Spectrum:
 
 
 def check_wavelengths(wavelength_nm: Float[np.ndarray, " wavelength"]) -> None:
-    """Require increasing, positive wavelengths.
+    """Check that wavelengths are positive and increasing.
 
     Raises
     ------
-    InputError : a wavelength is missing, not positive or not increasing
+    InputError : there are no wavelengths, or one is not positive or not increasing
     """
     w = wavelength_nm
     if len(w) == 0 or not np.all(np.isfinite(w)) or w[0] <= 0:
@@ -81,7 +80,9 @@ def check_wavelengths(wavelength_nm: Float[np.ndarray, " wavelength"]) -> None:
 def interpolation_matrix(
     known_nm: Float[np.ndarray, " known"], wanted_nm: Float[np.ndarray, " wanted"]
 ) -> Float[np.ndarray, "wanted known"]:
-    """Weights of the known values in each interpolated value; constant beyond the ends.
+    """Matrix of linear interpolation from known to wanted wavelengths [nm].
+
+    Values beyond the ends are constant.
 
     >>> one = interpolation_matrix(np.array([1.0, 2.0]), np.array([1.25]))
     >>> one.tolist()
@@ -96,7 +97,7 @@ def interpolation_matrix(
 def common_wavelengths(
     grids: list[Float[np.ndarray, " _"]],
 ) -> Float[np.ndarray, " wavelength"]:
-    """All wavelengths of several grids within their common range [nm].
+    """Union of several wavelength grids within their common range [nm].
 
     Raises
     ------
@@ -120,7 +121,7 @@ def common_wavelengths(
 
 
 def wavelength_unit_nm(name: str) -> float | None:
-    """Return the length of a unit in nanometres by its name; None if it is unknown.
+    """Return a wavelength unit in nanometres from its name; None if unknown.
 
     >>> wavelength_unit_nm("Microns"), wavelength_unit_nm("nanometers")
     (1000.0, 1.0)

@@ -10,14 +10,14 @@ from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.errors import InputError
 from clerestory.hemisphere.partition import RingPartition
 
-# Incidence angles per ring over which glass properties are averaged.
+# Number of incidence angles per ring over which glass properties are averaged.
 _SAMPLES_PER_RING = 64
 
 
 def lambertian(
     transmittance: float, partition: RingPartition, *, reflectance: float = 0.0
 ) -> Bsdf:
-    """Return a Lambertian diffuser, equal on both sides.
+    """Lambertian diffuser with equal properties on both sides.
 
     `transmittance`, `reflectance`: 0…1, with a sum of at most 1.
 
@@ -40,7 +40,7 @@ def lambertian(
 
 
 def clear_air(partition: RingPartition) -> Bsdf:
-    """Return a layer that transmits all light undeviated.
+    """Layer that transmits all light undeviated.
 
     Its transmission matrix is the identity.
 
@@ -65,7 +65,7 @@ def thin_pane(
     index: float = 1.52,
     panes: int = 1,
 ) -> Bsdf:
-    """Return clear glass panes, with the model of Radiance's material `glass`.
+    """Layer of clear glass panes, modelled as Radiance's material `glass`.
 
     Transmittance and reflectance are averaged over each patch with cosine weights.
 
@@ -151,7 +151,7 @@ def _symmetric(
     reflection: ExitIncident,
     partition: RingPartition,
 ) -> Bsdf:
-    # Build a layer whose two sides have equal functions
+    # Build a layer with equal transmission and reflection on both sides
     tables: dict[Function, ExitIncident] = {
         "transmission_front": transmission,
         "transmission_back": transmission,

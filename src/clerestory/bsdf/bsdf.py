@@ -1,12 +1,12 @@
 """Bidirectional scattering distribution functions (BSDFs) of layers.
 
-Directions are unit vectors that point away from the layer, in the frame of the window:
-x right, y up, z along the normal into the room.
+Directions are unit vectors that point away from the layer, in window coordinates: x
+right, y up, z along the normal into the room.
 
 *Front* is the outdoor side, as in LBNL WINDOW and its XML files: "transmission front"
 is for daylight from outdoors into the room. Radiance calls the room side front and
-swaps the names when it reads a file; it also applies the file's "Transmission Front" to
-daylight.
+swaps the names when it reads a file, so that it also applies "Transmission Front" in a
+file to daylight.
 """
 
 from collections.abc import Callable, Mapping
@@ -46,7 +46,7 @@ class Bsdf:
     ----------
     functions : scattering functions by channel ("visible", "solar", …) and name
     product : product information in the file
-    notes : irregularities of the file and how they were resolved
+    notes : irregularities of the file and their treatment
     source : file name, for error messages
 
     Examples
@@ -65,11 +65,11 @@ class Bsdf:
 
     @property
     def channels(self) -> tuple[str, ...]:
-        """Channels that have at least one function."""
+        """Names of the channels that have at least one scattering function."""
         return tuple(dict.fromkeys(channel for channel, _ in self.functions))
 
     def has(self, function: Function, *, channel: str = "visible") -> bool:
-        """Whether the function is known, directly or by reciprocity."""
+        """Whether a scattering function is available, directly or by reciprocity."""
         other = OTHER_SIDE.get(function, function)
         return (channel, function) in self.functions or (
             channel,
@@ -81,8 +81,8 @@ class Bsdf:
     ) -> ScatteringFunction:
         """Return one scattering function, a matrix or a tensor tree.
 
-        If only one side's transmission is given, that of the other side follows by
-        reciprocity.
+        If the transmission of only one side is given, the transmission of the other
+        side follows by reciprocity.
 
         Raises
         ------
@@ -101,7 +101,7 @@ class Bsdf:
         )
 
     def tabulated(self) -> "Bsdf":
-        """Return the layer with all functions as matrices or trees, for ray tracing."""
+        """Return the layer with all functions as matrices or tensor trees."""
         parts = {key: part.tabulated() for key, part in self.functions.items()}
         return replace(self, functions=parts)
 
@@ -223,7 +223,7 @@ class Bsdf:
     ) -> Float[np.ndarray, "*pair"]:
         """Projected solid angle [sr] of the cell or patch that contains each pair.
 
-        Where the layer has no scattering function it is π, the whole hemisphere.
+        Where the layer has no scattering function, the result is π (hemisphere).
         """
         return self._over_pairs(
             lambda part, i, o: part.resolution(i, o), incident, leaving, channel, np.pi
@@ -239,7 +239,8 @@ class Bsdf:
     ) -> tuple[Directions, Values]:
         """Sample exit directions; return them and their probability density [1/sr].
 
-        The density is BSDF × cosine / directional-hemispherical value.
+        The density is BSDF × exit cosine / directional-hemispherical transmittance or
+        reflectance.
 
         Parameters
         ----------
@@ -260,7 +261,7 @@ class Bsdf:
         channel: str,
         missing: float,
     ) -> Float[np.ndarray, "*pair"]:
-        # Evaluate each scattering function for the pairs of its sides, in chunks
+        # Apply to each pair of directions the scattering function of its two sides
         incident, leaving = np.broadcast_arrays(incident, leaving)
         answer = np.full(incident.shape[:-1], missing)
         flat, i, o = answer.reshape(-1), incident.reshape(-1, 3), leaving.reshape(-1, 3)

@@ -18,12 +18,12 @@ class Comparison:
     ----------
     rms : root mean square difference of the BSDF [1/sr], weighted by the projected
         solid angles of the exit and incident patches
-    mean : mean of the first BSDF with the same weights [1/sr]
+    mean : mean of the first BSDF [1/sr], weighted in the same way
     redistributed : under a uniform sky, the fraction of the flux that the second layer
         scatters into other patches; 0 for equal layers, 1 for disjoint distributions
     share_bias, share_rms, share_worst : mean, root mean square and largest difference
-        of the directional-hemispherical values
-    worst_patch : incident patch with the largest difference
+        of directional-hemispherical transmittance or reflectance
+    worst_patch : index of the incident patch with the largest difference
     incidents : partition of incident directions used for the comparison
     diffuse : diffuse transmittance or reflectance of the first and the second layer
     """
@@ -48,8 +48,8 @@ def compare(
 ) -> Comparison:
     """Return the differences of one scattering function between two layers.
 
-    Layers with equal partitions are compared on them, others on the coarser of the two
-    incident partitions. Tensor trees are averaged over Klems full patches.
+    Layers with different partitions are compared on the coarser of the two incident
+    partitions. Tensor trees are averaged over Klems full patches.
 
     >>> from clerestory.bsdf.analytic import lambertian
     >>> from clerestory.hemisphere.klems import klems

@@ -1,7 +1,7 @@
 """Inverse transform sampling of piecewise constant distributions.
 
-Cells are chosen in proportion to their flux. The random number is then rescaled to
-choose the position within the cell.
+A cell is chosen with a probability proportional to its flux. The random number is then
+rescaled to select the position within the cell.
 """
 
 import numpy as np
@@ -16,7 +16,7 @@ _Samples = Float[np.ndarray, " samples"]
 def choose_cells(
     flux: Float[np.ndarray, " cells"], first: _Cells, last: _Cells, u: _Samples
 ) -> tuple[_Cells, _Samples, _Samples]:
-    """Choose a cell in each range first…last − 1, in proportion to the flux.
+    """Sample a cell in each range first…last − 1, in proportion to the flux.
 
     Return the cells, the random numbers rescaled to 0…1, and the flux of each range.
 

@@ -1,4 +1,4 @@
-"""Checks for missing, empty and duplicated functions of a BSDF."""
+"""Checks for missing, zero and duplicated scattering functions of a BSDF."""
 
 from collections.abc import Iterator, Mapping
 
@@ -10,12 +10,12 @@ from clerestory.bsdf.quality_finding import Finding
 from clerestory.bsdf.reciprocity import Tables
 from clerestory.bsdf.scattering_function import Function
 
-# Mismatch above which the two sides of a layer are considered different.
+# The two sides of a layer count as different above this mismatch (fraction of flux).
 _ASYMMETRIC = 0.05
 
 
 def check_components(bsdf: Bsdf, tables: Mapping[str, Tables]) -> Iterator[Finding]:
-    """Yield functions that are missing, all zero, or copies of other functions."""
+    """Yield findings of missing, zero and duplicated scattering functions."""
     if "visible" not in bsdf.channels:
         yield Finding(
             "missing",
@@ -59,7 +59,7 @@ def _empty(channel: str, tables: Tables) -> Iterator[Finding]:
         other = name.replace("front", "back") if "front" in name else ""
         other = other or name.replace("back", "front")
         transmits = name.startswith("transmission")
-        # Zero transmission on one side only violates reciprocity
+        # If only one of front and back transmission is zero, reciprocity is violated
         matters = transmits and other in full
         yield Finding(
             "empty",
@@ -86,8 +86,8 @@ def _copied_sides(channel: str, tables: Tables) -> Iterator[Finding]:
         if not np.array_equal(one.values, other.values):
             continue
         kind = front.removesuffix("_front")
-        # Equal transmissions are plausible if each is its own reciprocal, equal
-        # reflections if the transmittances of both sides are equal
+        # Equal transmissions are plausible if the transmission is its own reciprocal,
+        # equal reflections if the transmittances of both sides are equal
         doubt = sides["reverse" if kind == "transmission" else "passing"]
         asymmetric = doubt > _ASYMMETRIC
         yield Finding(
@@ -107,7 +107,7 @@ def mismatch_of_sides(tables: Tables) -> dict[str, float]:
     """Differences between the two sides of a layer, from its transmission.
 
     "reverse": mismatch between the front transmission and its reciprocal; "passing":
-    mismatch between front and back transmittances. Both are 0 for unknown transmission.
+    mismatch between front and back transmittances. Without transmission both are 0.
     """
     front = tables.get("transmission_front")
     back = tables.get("transmission_back")

@@ -1,8 +1,8 @@
 """Overlap areas between two partitions of the hemisphere.
 
 The Shirley–Chiu map turns rings into concentric squares and azimuths into straight
-lines through the centre. Each overlap area is a sum over thin strips, with exact
-lengths within each strip. The totals per patch and per cell are exact, so that
+lines through the centre. Each overlap area is summed over thin strips, from the exact
+overlap length in each strip. The total areas per patch and per cell are exact, so that
 resampling conserves flux.
 """
 
@@ -13,7 +13,7 @@ from clerestory.array_types import Indices, Values
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.shirley_chiu import directions_from_square
 
-# Strips between consecutive cell or ring boundaries.
+# Number of strips between consecutive cell or ring boundaries.
 _STRIPS = 8
 
 # The four triangular quarters of the square: axis (x, y) pointing outwards, and the
@@ -22,7 +22,7 @@ _QUARTERS = (((1, 0), (0, 1)), ((0, 1), (-1, 0)), ((-1, 0), (0, -1)), ((0, -1), 
 
 
 def patches_in_cells(partition: RingPartition, halvings: int) -> sparse.csr_array:
-    """Projected solid angle [sr] common to each patch and cell of the unit square.
+    """Overlap [sr, projected] of each patch with each cell of the unit square.
 
     `halvings`: 2^halvings cells along each axis, in row-major order.
 
@@ -66,7 +66,7 @@ def patches_in_cells(partition: RingPartition, halvings: int) -> sparse.csr_arra
 
 
 def patches_in_patches(old: RingPartition, new: RingPartition) -> sparse.csr_array:
-    """Projected solid angle [sr] common to each old and each new patch."""
+    """Overlap [sr, projected] of each old patch with each new patch."""
     ring = np.unique(np.sin([*old.theta, *new.theta]) ** 2)
     turn = np.unique([*_azimuth_limits(old), *_azimuth_limits(new)])
     turn = np.append(turn, turn[0] + 2 * np.pi)

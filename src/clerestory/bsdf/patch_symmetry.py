@@ -1,7 +1,7 @@
 """Symmetry and reciprocity mismatch of scattering matrices.
 
-A mismatch is the fraction of the flux under a uniform sky that is scattered into other
-patches: 0 for equal tables, 1 for disjoint ones.
+The mismatch of two tables is the fraction of the flux under a uniform sky that they
+scatter into different patches: 0 for equal and 1 for disjoint distributions.
 """
 
 from typing import Literal, get_args
@@ -21,7 +21,7 @@ _RINGS_TOGETHER = 2
 
 
 def mismatch(one: ExitIncident, other: ExitIncident) -> float:
-    """Return the fraction of the flux by which two tables differ.
+    """Fraction of the flux that two tables scatter into different patches.
 
     >>> mismatch(np.array([[1.0, 1.0]]), np.array([[1.0, 1.2]])).__round__(6)
     0.047619
@@ -54,7 +54,7 @@ def turned_mismatch(part: ScatteringMatrix, turn: Turn) -> float:
 
 
 def turned_patches(partition: RingPartition, turn: Turn) -> Indices:
-    """Index of the patch that contains the image of each patch's centre."""
+    """Index of the patch that contains the image of the centre of each patch."""
     x, y, z = partition.centres().T
     moved = {
         "half a turn": (-x, -y, z),
@@ -62,7 +62,7 @@ def turned_patches(partition: RingPartition, turn: Turn) -> Indices:
         "up and down": (x, -y, z),
         "a quarter turn": (-y, x, z),
     }[turn]
-    # If the image of a centre lies on a boundary, take the next patch
+    # If the image of a centre lies on a patch boundary, use the next patch
     return np.asarray(partition.find(np.stack(moved, axis=-1)))
 
 
@@ -79,7 +79,7 @@ def _flux_of_groups(part: ScatteringMatrix) -> Float[np.ndarray, "group group"]:
 
 
 def _groups(partition: RingPartition) -> Float[np.ndarray, "patch group"]:
-    # Group indicator of each patch: sectors of two rings; the pole is its own group
+    # Membership of patches in groups: azimuth sectors of two rings; the pole patch
     x, y, _ = partition.centres().T
     sector = np.floor(np.arctan2(y, x) * _SECTORS / (2 * np.pi) + 0.5 + 1e-6)
     ring = np.repeat(np.arange(len(partition.count)), partition.count)

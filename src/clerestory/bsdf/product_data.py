@@ -1,4 +1,4 @@
-"""Product information in BSDF files: everything but the scattering data."""
+"""Product information in BSDF files: all elements except the scattering data."""
 
 from dataclasses import dataclass, field
 
@@ -9,8 +9,8 @@ class Geometry:
 
     Attributes
     ----------
-    text : MGF text in the frame of the BSDF; z points into the room, all z ≤ 0
-    metres : length unit of the text [m]
+    text : MGF text in window coordinates: z points into the room, all z ≤ 0
+    metres : length unit of the MGF text [m]
     line : line of the file where the text starts, for error messages
     """
 
@@ -21,7 +21,7 @@ class Geometry:
 
 @dataclass(frozen=True)
 class Detail:
-    """An XML element that is stored unchanged, such as a conductivity.
+    """XML element that is copied unchanged, such as a conductivity.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class Detail:
 
 @dataclass(frozen=True)
 class Spectra:
-    """File names of the light source and detector spectra of a channel."""
+    """File names of the source spectrum and the detector spectrum of a channel."""
 
     channel: str
     source: str
@@ -61,13 +61,13 @@ class Product:
 
     Attributes
     ----------
-    name, manufacturer, device_type : texts of the elements of the same names
+    name, manufacturer, device_type : texts of the XML elements of the same names
     thickness, width, height : dimensions [m]; None if not given
     emissivity_front, emissivity_back : hemispherical, far infrared, 0…1; None if not
         given
     geometry : geometry of the layer; None if the file contains none
     details : all other elements of the file
-    spectra : spectra of the channels that differ from `usual_spectra`
+    spectra : file names of spectra, for channels that differ from `usual_spectra`
     """
 
     name: str = ""

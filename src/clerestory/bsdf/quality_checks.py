@@ -1,8 +1,8 @@
 """Quality checks of BSDFs: energy, reciprocity, order, labels, copies and missing data.
 
 Helmholtz reciprocity and energy conservation hold for every layer. If a file violates
-either, corrections are tried; a correction that restores it identifies the fault. Every
-finding states the size of the deviation.
+one of these laws, typical errors are reversed (such as swapped sides); a reversal that
+removes the violation identifies the error. Every finding states the deviation.
 """
 
 from collections.abc import Callable, Iterator
@@ -29,7 +29,7 @@ _NAMES = ("full", "half", "quarter")
 
 
 def check_angle_bases(bsdf: Bsdf) -> Iterator[Finding]:
-    """Yield angle bases that differ from WINDOW's, and notes of the file reader."""
+    """Yield findings of angle bases unlike WINDOW's, and notes of the file reader."""
     seen: set[str] = set()
     for part in bsdf.functions.values():
         if not isinstance(part, ScatteringMatrix):
@@ -75,24 +75,26 @@ def _label(partition: RingPartition) -> Finding | None:
     )
 
 
-# Smallest energy excess for the severities info, warning and error.
+# Smallest excess of transmittance plus reflectance over 1, for the severities info,
+# warning and error.
 _ENERGY = (0.001, 0.01, 0.05)
 
-# Range of the sum of values over exit patches that suggests flux fractions, not BSDF.
+# If the values of all exit patches have a sum in this range, they probably are flux
+# fractions instead of BSDF values.
 _LIKE_SHARES = (0.3, 1.01)
 
-# Ratio of transmittances (light from above to light from below) that suggests an
-# inverted layer.
+# A larger ratio of the transmittances of light from above and from below suggests that
+# the layer is upside down.
 _FROM_ABOVE = 1.5
 
-# Mismatch below which a layer is considered symmetric or isotropic.
+# Layers with smaller mismatch (fraction of flux) count as symmetric or isotropic.
 _ALIKE = 0.025
 
 
 def check(bsdf: Bsdf) -> tuple[Finding, ...]:
     """Return the findings about a BSDF, errors first.
 
-    Tensor trees are averaged over Klems full patches first.
+    Tensor trees are first averaged over Klems full patches.
 
     >>> from clerestory.bsdf.analytic import lambertian
     >>> from clerestory.hemisphere.klems import klems
@@ -149,7 +151,7 @@ def _energy(channel: str, tables: Tables) -> Iterator[Finding]:
 def _scattered(
     tables: Tables, side: Side, *, reflection_of: Side
 ) -> tuple[Values, ScatteringMatrix | None]:
-    # Sum transmittance and reflectance per incident patch; 0 if their patches differ
+    # Transmittance plus reflectance per incident patch; 0 if the two partitions differ
     names = OF_SIDE[side][0], OF_SIDE[reflection_of][1]
     parts = [tables[name] for name in names if name in tables]
     alike = parts and all(p.incidents.matches(parts[0].incidents) for p in parts)
@@ -160,7 +162,7 @@ def _scattered(
 
 
 def _darkness(channel: str, tables: Tables) -> Iterator[Finding]:
-    # Very low values suggest flux fractions instead of 1/sr
+    # Very low values are probably flux fractions instead of BSDF values [1/sr]
     for side in SIDES:
         share, dark = _scattered(tables, side, reflection_of=side)
         if dark is None:
@@ -213,7 +215,7 @@ def from_above_and_below(front: ScatteringMatrix) -> tuple[float, float]:
     _, y, z = front.incidents.centres().T
     slant = (z < np.cos(np.radians(30))) & (z > np.cos(np.radians(70)))
     share = front.direct_hemispherical()
-    # Patch centres give the direction of propagation: light from above has y < 0
+    # Incident patches are indexed by direction of propagation: y < 0 from above
     groups = (slant & (y < -0.35), slant & (y > 0.35))
     above, below = (float(share[g].mean()) if np.any(g) else 0.0 for g in groups)
     return above, below

@@ -19,8 +19,8 @@ class Finding:
     name : kind of irregularity: "energy", "reciprocity", "order", …
     severity : "error" if results are invalid, "warning" if they are doubtful, else
         "info"
-    size : deviation; `what` states the quantity
-    what : description that includes the size
+    size : deviation, of the quantity described in `what`
+    what : description, including the deviation
     where : channel, function, patch and direction
     effect : consequence for a simulation
     """
@@ -34,7 +34,7 @@ class Finding:
 
     @property
     def matters(self) -> bool:
-        """Whether results can change."""
+        """Whether the irregularity can change simulation results."""
         return self.severity != "info"
 
     def __str__(self) -> str:
@@ -44,7 +44,7 @@ class Finding:
 
 
 def severity_of(size: float, limits: tuple[float, float, float]) -> Severity | None:
-    """Return the severity of a deviation, None up to the first limit.
+    """Severity of a deviation; None if it does not exceed the first limit.
 
     >>> severity_of(0.02, (0.001, 0.01, 0.05))
     'warning'
@@ -57,7 +57,7 @@ def severity_of(size: float, limits: tuple[float, float, float]) -> Severity | N
 
 
 def patch_label(partition: RingPartition, patch: int) -> str:
-    """Return the index of a patch and the direction of its centre as text.
+    """Index of a patch and direction of the patch centre, as text.
 
     >>> from clerestory.hemisphere.klems import klems
     >>> patch_label(klems("full"), 3)

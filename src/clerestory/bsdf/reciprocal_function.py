@@ -1,7 +1,7 @@
-"""Reciprocal of scattering functions that have no reciprocal table.
+"""Reciprocal of scattering functions whose reciprocal cannot be tabulated exactly.
 
-The reciprocal of a rank 3 tensor tree is not a rank 3 tree. Values are exact; integrals
-and samples use a grid of exit directions that is finer than the tree's cells.
+The reciprocal of a rank 3 tensor tree is not a rank 3 tree. BSDF values are exact;
+integrals and samples use a grid of exit directions that is finer than the tree cells.
 """
 
 from dataclasses import dataclass
@@ -17,7 +17,8 @@ from clerestory.bsdf.scattering_function import ScatteringFunction
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.shirley_chiu import cell_centres, directions_from_square
 
-# Halvings of the grid beyond those of the function, and their lower and upper limits.
+# The grid of exit directions has 2^n cells along each axis; n is the tree depth plus
+# _FINER, limited to _COARSEST…_FINEST.
 _FINER, _COARSEST, _FINEST = 2, 8, 10
 
 
@@ -29,7 +30,8 @@ class ReciprocalFunction(ScatteringFunction):
     Attributes
     ----------
     forward : original scattering function
-    halvings : depth of `forward`: the smallest cells have edge 2^-halvings
+    halvings : number of tree levels of `forward`; the smallest cells have edge
+        2^-halvings
     """
 
     forward: ScatteringFunction
@@ -47,7 +49,7 @@ class ReciprocalFunction(ScatteringFunction):
         return np.reshape(np.array(share), np.shape(incident)[:-1])
 
     def sample(self, incident: Directions, u: Points2) -> tuple[Directions, Values]:
-        """Sample exit directions on the grid; return them and their density [1/sr]."""
+        """Sample exit directions; return them and their probability density [1/sr]."""
         shape = np.shape(incident)[:-1]
         each, which = np.unique(
             np.reshape(incident, (-1, 3)), axis=0, return_inverse=True
@@ -72,7 +74,7 @@ class ReciprocalFunction(ScatteringFunction):
         return np.ascontiguousarray(table[opposite].T)
 
     def extrema(self) -> tuple[float, float]:
-        """Smallest and largest value [1/sr]."""
+        """Smallest and largest BSDF [1/sr]."""
         return self.forward.extrema()
 
     def reciprocal(self) -> ScatteringFunction:

@@ -1,9 +1,8 @@
 """Check of Helmholtz reciprocity.
 
-A violation that vanishes if incident patches are renumbered indicates a different
-azimuth convention. One that vanishes if values are divided by a weight indicates that
-the values are not BSDFs. Other violations indicate noise, interpolation or an invalid
-model.
+If renumbering of the incident patches removes a violation, the file has a different
+azimuth convention. If division of the values by a weight removes it, the values are not
+BSDFs. All other violations result from noise, interpolation or an invalid model.
 """
 
 from collections.abc import Iterator
@@ -16,13 +15,14 @@ from clerestory.bsdf.quality_finding import Finding, Severity, severity_of
 from clerestory.bsdf.scattering_function import Function
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 
-# Smallest mismatch of a function with its reciprocal, and smallest difference of the
-# two diffuse transmittances, for the severities info, warning and error.
+# Smallest mismatch between a function and its reciprocal (fraction of the flux), and
+# smallest relative difference of the diffuse transmittances, for severities info,
+# warning and error.
 _RECIPROCITY = (0.015, 0.05, 0.25)
 _SIDES = (0.02, 0.10, 0.50)
 
-# Largest fraction of the mismatch left by a plausible and by a proven correction;
-# smallest mismatch for which division by weights is tested.
+# Largest fraction of the mismatch that remains after a plausible and after a certain
+# correction; smallest mismatch for which division by weights is tested.
 _REPAIRED = 0.4
 _PROVEN = 0.1
 _WEIGHTED = 0.005
@@ -31,13 +31,13 @@ Tables = dict[Function, ScatteringMatrix]
 
 
 def check_reciprocity(channel: str, tables: Tables) -> Iterator[Finding]:
-    """Yield functions that violate reciprocity, with a correction if one is found."""
+    """Yield findings of violated reciprocity, with the correction if there is one."""
     for title, part, partner in _reverses(tables):
         size = reciprocity_mismatch(part, partner)
         severity = severity_of(size, _RECIPROCITY)
         if severity is None:
             continue
-        # Find the renumbering of incident patches that satisfies reciprocity best
+        # Find the renumbering of incident patches with the smallest mismatch
         left = {
             turn: reciprocity_mismatch(
                 turn_incident(part, turn), turn_incident(partner, turn)
@@ -71,7 +71,7 @@ def check_reciprocity(channel: str, tables: Tables) -> Iterator[Finding]:
 def _reverses(
     tables: Tables,
 ) -> Iterator[tuple[str, ScatteringMatrix, ScatteringMatrix]]:
-    # Functions and their reciprocal partners; a reflection is its own partner
+    # Functions and their reciprocal functions; a reflection is its own reciprocal
     pairs: tuple[tuple[str, Function, Function], ...] = (
         ("transmission", "transmission_front", "transmission_back"),
         ("reflection front", "reflection_front", "reflection_front"),
@@ -87,8 +87,9 @@ def _reverses(
 
 
 def check_sides(channel: str, tables: Tables) -> Iterator[Finding]:
-    """Yield unequal diffuse transmittances of the two sides; reciprocity makes them
-    equal.
+    """Yield findings of unequal diffuse transmittances of the two sides.
+
+    By reciprocity the diffuse transmittances are equal.
     """
     if not {"transmission_front", "transmission_back"} <= set(tables):
         return
@@ -115,7 +116,7 @@ def diffuse_share(part: ScatteringMatrix) -> float:
 
 
 def check_scaling(channel: str, tables: Tables) -> Iterator[Finding]:
-    """Yield functions that satisfy reciprocity after division by a weight."""
+    """Yield findings of functions that are reciprocal after division by a weight."""
     for title, part, partner in _reverses(tables):
         size = reciprocity_mismatch(part, partner)
         if size < _WEIGHTED:

@@ -1,8 +1,7 @@
 """Resampling of BSDFs between matrices and trees, and between partitions.
 
-Each new value is the mean of the old values, weighted by the projected solid angle of
-the overlap on the incident and on the exit side. This conserves the flux between larger
-patches or cells.
+Each new BSDF value is the mean of the old values, weighted by the projected solid
+angles of the overlaps of incident and of exit patches. This conserves flux.
 """
 
 from dataclasses import replace
@@ -26,9 +25,9 @@ _FINEST = 6
 
 
 def to_matrices(bsdf: Bsdf, partition: RingPartition) -> Bsdf:
-    """Return the BSDF as matrices on one partition.
+    """Convert a BSDF to matrices on one partition.
 
-    Colour given as CIE u′ and v′ becomes CIE X and Z, which can be averaged.
+    CIE u′ and v′ are converted to CIE X and Z, which can be averaged.
 
     >>> from clerestory.bsdf.analytic import lambertian
     >>> from clerestory.hemisphere.klems import klems
@@ -46,7 +45,7 @@ def to_matrices(bsdf: Bsdf, partition: RingPartition) -> Bsdf:
 
 
 def to_trees(bsdf: Bsdf, *, halvings: int = 5) -> Bsdf:
-    """Return the BSDF as tensor trees of rank 4; existing trees are unchanged.
+    """Convert matrices to tensor trees of rank 4; tensor trees are unchanged.
 
     `halvings`: the smallest cells have edge 2^-halvings; 6 at most.
     """
@@ -58,7 +57,7 @@ def to_trees(bsdf: Bsdf, *, halvings: int = 5) -> Bsdf:
 
 
 def tree_from(part: ScatteringFunction, halvings: int) -> ScatteringTree:
-    """Return the rank 4 tree of a matrix, with equal cells merged."""
+    """Convert a matrix to a rank 4 tensor tree; equal cells are merged."""
     if not 0 <= halvings <= _FINEST or not isinstance(part, ScatteringMatrix):
         raise InputError(
             f"tensor tree with {halvings} halvings from a {type(part).__name__}; a"
@@ -72,7 +71,7 @@ def tree_from(part: ScatteringFunction, halvings: int) -> ScatteringTree:
 
 
 def reciprocal_mean(bsdf: Bsdf) -> Bsdf:
-    """Return the mean of a BSDF and its reciprocal; it satisfies reciprocity.
+    """Return the mean of a BSDF and its reciprocal, which satisfies reciprocity.
 
     Trees of rank 3 have no reciprocal tree and are unchanged.
     """
@@ -97,7 +96,7 @@ def _mean(one: ScatteringFunction, two: ScatteringFunction) -> ScatteringFunctio
 def full_tree(
     value: Float[np.ndarray, "incident leaving"], halvings: int
 ) -> ScatteringTree:
-    """Return the rank 4 tree of a full grid of cells.
+    """Convert a full grid of cells to a rank 4 tensor tree.
 
     `value`: BSDF [1/sr] of the smallest cells, in row-major order; incident cells are
     indexed by the direction of propagation.

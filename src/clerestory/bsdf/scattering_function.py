@@ -1,8 +1,8 @@
 """Interface of scattering functions.
 
-Directions are unit vectors that point away from the layer, in the frame of the window,
-x right and y up; incident directions point towards the source. Only x and y are used:
-the function determines the sides of incidence and exit.
+Directions are unit vectors that point away from the layer, in window coordinates, x
+right and y up; incident directions point towards the source. Only x and y are used: the
+name of the function determines the sides of incidence and exit.
 """
 
 from abc import ABC, abstractmethod
@@ -19,19 +19,19 @@ Function = Literal[
 ]
 FUNCTIONS: tuple[Function, ...] = get_args(Function)
 
-# Pairs of directions per chunk, so that arrays fit into the processor cache.
+# Number of direction pairs evaluated together; such arrays fit into the CPU cache.
 CHUNK = 1 << 15
 
 Side = Literal["front", "back"]
 SIDES: tuple[Side, ...] = get_args(Side)
 
-# Transmission and reflection of the light that is incident on each side
+# Transmission and reflection of light incident on each side
 OF_SIDE: dict[Side, tuple[Function, Function]] = {
     "front": ("transmission_front", "reflection_front"),
     "back": ("transmission_back", "reflection_back"),
 }
 
-# Reciprocal partners: transmissions of opposite sides
+# Reciprocal functions: the transmissions of opposite sides; reflections unchanged
 OTHER_SIDE: dict[Function, Function] = {
     "transmission_front": "transmission_back",
     "transmission_back": "transmission_front",
@@ -41,7 +41,7 @@ OTHER_SIDE: dict[Function, Function] = {
 def pairs_by_function(
     incident: Float[np.ndarray, "pair 3"], leaving: Float[np.ndarray, "pair 3"]
 ) -> dict[Function, Int[np.ndarray, " some"]]:
-    """Indices of the pairs of directions to which each of the four functions applies.
+    """Indices of the direction pairs to which each of the four functions applies.
 
     `incident`, `leaving`: directions that point away from the layer; z points into the
     room.
@@ -74,9 +74,9 @@ class ScatteringFunction(ABC):
     def sample(self, incident: Directions, u: Points2) -> tuple[Directions, Values]:
         """Sample exit directions; return them and their probability density [1/sr].
 
-        The density is BSDF × exit cosine / directional-hemispherical value. Directions
-        have z ≥ 0 for exit on either side. If no light is scattered, the density is 0
-        and the direction is the normal.
+        The density is BSDF × exit cosine / directional-hemispherical transmittance or
+        reflectance. Directions have z ≥ 0 for exit on either side. If no light is
+        scattered, the density is 0 and the direction is the normal.
 
         `u`: random points in the unit square [0, 1)², one per direction.
         """
@@ -87,22 +87,21 @@ class ScatteringFunction(ABC):
 
     @abstractmethod
     def average(self, exits: RingPartition, incidents: RingPartition) -> ExitIncident:
-        """BSDF averaged over pairs of patches [1/sr], weighted by projected solid
-        angle.
+        """BSDF averaged over pairs of patches by projected solid angle [1/sr].
 
         Incident patches are indexed by the direction of propagation.
         """
 
     @abstractmethod
     def extrema(self) -> tuple[float, float]:
-        """Smallest and largest value [1/sr]."""
+        """Smallest and largest BSDF [1/sr]."""
 
     @abstractmethod
     def reciprocal(self) -> "ScatteringFunction":
         """Return the function with incident and exit directions exchanged.
 
-        By Helmholtz reciprocity this is the transmission of the other side, or the same
-        reflection.
+        By Helmholtz reciprocity the result is the transmission of the other side, or
+        the same reflection.
         """
 
     @abstractmethod

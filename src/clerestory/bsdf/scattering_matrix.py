@@ -1,7 +1,7 @@
 """Scattering function as a matrix from incident patches to exit patches.
 
-Exit patch i is patch i of its partition, mirrored in z for light that leaves to the
-outdoor side. Incident patch i contains the directions from which undeviated light
+Exit patch i is patch i of the exit partition, mirrored in z for light that leaves to
+the outdoor side. Incident patch i contains the directions from which undeviated light
 leaves through exit patch i on the other side; specularly reflected light leaves through
 exit patch i on the same side.
 """
@@ -51,7 +51,7 @@ class ScatteringMatrix(ScatteringFunction):
             )
 
     def direct_hemispherical(self) -> Values:
-        """Directional-hemispherical value per incident patch."""
+        """Directional-hemispherical transmittance or reflectance per incident patch."""
         return np.asarray(self.exits.projected_solid_angles() @ self.values)
 
     def flux_factors(self) -> ExitIncident:
@@ -112,7 +112,7 @@ class ScatteringMatrix(ScatteringFunction):
         return np.asarray(flux.T / measure)
 
     def extrema(self) -> tuple[float, float]:
-        """Smallest and largest value [1/sr]."""
+        """Smallest and largest BSDF [1/sr]."""
         return float(self.values.min()), float(self.values.max())
 
     def reciprocal(self) -> "ScatteringMatrix":

@@ -7,7 +7,7 @@ first coordinate is half the distance of the projected incident direction from t
 of the disc, and exit azimuths are relative to the incident azimuth. The conventions are
 those of Radiance's bsdf_t.c.
 
-A tree is one array of 32-bit slots. A non-negative slot holds the bits of a float
+A tree is one array of 32-bit slots. A non-negative slot contains the bits of a float
 value. A negative slot is a branch node: the bitwise complement of the index of the
 first of its 2^rank children; dimension i is bit i of the child number. Slot 0 is the
 root.
@@ -39,7 +39,8 @@ from clerestory.errors import InputError
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.shirley_chiu import cells_from_disc, disc_from_square
 
-# Offset that keeps normal incidence in the used half of rank 3 trees, as in Radiance.
+# Offset of the first coordinate of rank 3 trees, so that it is below 1/2 at normal
+# incidence, as in Radiance.
 _OFF_MIDDLE = 1e-6
 
 # Largest number of cells that are integrated together.
@@ -58,7 +59,7 @@ class ScatteringTree(ScatteringFunction):
     ----------
     slots : values and branch nodes, encoded as the module docstring describes
     rank : 3 for isotropic layers, 4 otherwise
-    depth : levels below the root; the smallest cells have edge 2^-depth
+    depth : number of levels below the root; the smallest cells have edge 2^-depth
     standard_error : standard error [1/sr] as a tree with the same cells; None if
         unknown
 
@@ -158,7 +159,7 @@ class ScatteringTree(ScatteringFunction):
         return average_tree(self.slots, self.rank, exits, incidents)
 
     def extrema(self) -> tuple[float, float]:
-        """Smallest and largest value [1/sr]."""
+        """Smallest and largest BSDF [1/sr]."""
         least, most = np.inf, -np.inf
         for level, place, value in cells(self.slots, self.rank):
             if self.rank == 3 and level:
@@ -172,7 +173,7 @@ class ScatteringTree(ScatteringFunction):
         """Return the function with incident and leaving directions exchanged."""
         if self.rank == 3:
             return ReciprocalFunction(self, halvings=self.depth)
-        # Exchange the directions and complement the bits, which reverses both
+        # Exchange incident and exit coordinates; complement bits to reverse directions
         bits = (np.arange(16)[:, None] >> np.array([2, 3, 0, 1])) & 1
         branch = (1 - bits) @ (1 << np.arange(4))
         slots = self.slots.copy()
@@ -259,8 +260,8 @@ def _choose(
     owner: Int64[np.ndarray, " samples"],
     u: Float[np.ndarray, "samples 2"],
 ) -> tuple[Float[np.ndarray, "2 samples"], Float[np.ndarray, " samples"]]:
-    # Sample points of the square in proportion to the values of each incident place's
-    # cells; return them and their density over projected solid angle
+    # Sample points of the unit square in proportion to the flux in the exit cells of
+    # each incident cell; return points and density per projected solid angle
     flux = found.value * found.size.astype(float) ** 2
     start = np.searchsorted(found.owner, np.arange(int(found.owner[-1]) + 2))
     cell, rest, total = choose_cells(flux, start[owner], start[owner + 1], u[:, 0])

@@ -14,9 +14,9 @@ _Values = Float32[np.ndarray, " cells"]
 
 
 def combine(operation: Callable[..., Values], *trees: ScatteringTree) -> ScatteringTree:
-    """Return the tree whose values are a function of the values of several trees.
+    """Apply a function to the values of one or more trees, cell by cell.
 
-    Everywhere its cells are as small as the smallest cells of the trees.
+    Each cell of the result is as small as the smallest cell of any tree there.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def combine(operation: Callable[..., Values], *trees: ScatteringTree) -> Scatter
         regions.append(region)
         size += count << rank
 
-        # Descend; where a tree has no branches, all children take its value
+        # Descend; if a tree has a leaf here, all children have the value of this leaf
         below = []
         for code, tree in zip(codes, trees, strict=True):
             of = code[inner, None]
@@ -58,7 +58,7 @@ def combine(operation: Callable[..., Values], *trees: ScatteringTree) -> Scatter
 
 
 def float_bits(value: Float[np.ndarray, " cells"]) -> Int32[np.ndarray, " cells"]:
-    """Slots that encode values; negative values become zero."""
+    """Slots that encode float values; negative values become zero."""
     single: Float32[np.ndarray, " cells"] = np.abs(np.maximum(value, 0)).astype(
         np.float32
     )
@@ -68,7 +68,7 @@ def float_bits(value: Float[np.ndarray, " cells"]) -> Int32[np.ndarray, " cells"
 def xyz_functions(
     luminance: ScatteringFunction, u: ScatteringFunction, v: ScatteringFunction
 ) -> tuple[ScatteringFunction, ScatteringFunction, ScatteringFunction]:
-    """Return the scattering functions of X, Y and Z, given those of Y, u' and v'."""
+    """Return the scattering functions of X, Y and Z, from functions of Y, u' and v'."""
     trees = [part for part in (luminance, u, v) if isinstance(part, ScatteringTree)]
     if len(trees) < 3 or len({tree.rank for tree in trees}) > 1:
         raise InputError(

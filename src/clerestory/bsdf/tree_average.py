@@ -11,7 +11,7 @@ from clerestory.bsdf.patch_overlap import patches_in_cells
 from clerestory.bsdf.tree_lookup import Cells, cells
 from clerestory.hemisphere.partition import RingPartition
 
-# Azimuth steps for rank 3 trees; azimuth limits of Klems patches are at half steps.
+# Number of azimuth steps for rank 3 trees; Klems patch limits are at half steps.
 _TURN_STEPS = 480
 
 
@@ -30,7 +30,7 @@ def average_tree(
 def _flux(
     groups: list[Cells], exits: RingPartition, incidents: RingPartition
 ) -> ExitIncident:
-    # Sum the values of cells times their overlap with exit and incident patches
+    # Flux: sum of BSDF times overlap of the cell with exit and with incident patches
     finest = max(group.level for group in groups)
     leave, enter = patches_in_cells(exits, finest), patches_in_cells(incidents, finest)
     flux = np.zeros((len(exits), len(incidents)))
@@ -52,7 +52,7 @@ def _flux(
 def _turned_flux(
     groups: list[Cells], exits: RingPartition, incidents: RingPartition
 ) -> ExitIncident:
-    # Compute the flux from each incident ring to each azimuth step of each exit ring
+    # Calculate the flux from each incident ring to each azimuth step of each exit ring
     finest = max(group.level for group in groups)
     steps = RingPartition(
         "steps", np.full(len(exits.count), _TURN_STEPS), exits.theta, "polar"
@@ -71,7 +71,7 @@ def _turned_flux(
             _TURN_STEPS
         )
 
-    # Convolve it with the azimuths of incident and exit patches, by Fourier transforms
+    # Convolve the flux with the azimuths of incident and exit patches by FFT
     spectrum = np.fft.rfft(ahead.reshape(shape), axis=-1)
     flux = np.zeros((len(exits), len(incidents)))
     to = [np.fft.rfft(part, axis=-1) for part in _patches_over_steps(exits)]
@@ -100,7 +100,7 @@ def _coarser(finest: int, level: int) -> sparse.csr_array:
 def _rings_in_radii(
     partition: RingPartition, wide: int
 ) -> Float[np.ndarray, "ring cells"]:
-    # Projected solid angle [sr] common to each ring and cell of the first dimension
+    # Overlap [sr, projected] of each ring with each cell of the first dimension
     radius = np.clip(1 - 2 * np.arange(wide + 1) / wide, 0, 1)
     ring = np.sin(partition.theta)
     low = np.maximum(

@@ -1,7 +1,7 @@
 """Lookup in tensor trees, encoded as in `clerestory.bsdf.tensor_tree`.
 
-Places are integer coordinates of the smallest cells, 0 to 2^depth − 1 along each
-dimension. Their bits, from the highest, give the branch on each level.
+A *place* is the integer coordinates of a smallest cell, 0 to 2^depth − 1 along each
+dimension. The bits of the coordinates, highest first, give the branch on each level.
 """
 
 from collections.abc import Iterator
@@ -13,7 +13,7 @@ from jaxtyping import Float32, Int, Int32, Int64
 
 from clerestory.array_types import Indices, Slots
 
-# Bits of the cell index of the dense table of upper levels: at most 65,536 cells.
+# The dense table of upper tree levels has at most 2^16 cells.
 _TOP_BITS = 16
 
 
@@ -33,7 +33,7 @@ class Cells(NamedTuple):
 
 
 class Slices(NamedTuple):
-    """Exit cells for fixed incident places, sorted by `owner`.
+    """Exit cells for given incident places, sorted by `owner`.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Slices(NamedTuple):
 def look_up(
     slots: Slots, place: tuple[Int32[np.ndarray, " pairs"], ...], *, depth: int
 ) -> tuple[Float32[np.ndarray, " pairs"], Int32[np.ndarray, " pairs"]]:
-    """Values at places, and the levels of the cells that contain the places."""
+    """BSDF values at places, and levels of the cells that contain the places."""
     rank = len(place)
     path = _path(place, depth)
     code = np.full(len(path), slots[0], dtype=np.int32)
@@ -61,7 +61,7 @@ def look_up(
         inner = code < 0
         if not inner.any():
             break
-        # Descend; places whose cell is already found stay unchanged
+        # Descend one level; places that have reached a leaf are unchanged
         branch = (path >> rank * height).astype(np.int32) & ((1 << rank) - 1)
         below = np.take(slots, ~code + branch, mode="clip")
         np.copyto(code, below, where=inner)
@@ -72,10 +72,10 @@ def look_up(
 def dense_top(
     slots: Slots, rank: int, depth: int
 ) -> tuple[int, Int32[np.ndarray, " tops"]]:
-    """Return a dense table of the slots on one of the upper levels, after its level.
+    """Return an upper tree level and the dense table of the slots on this level.
 
-    A lookup reaches this level in a single step. Where the tree has larger cells, their
-    values are repeated.
+    A lookup reaches this level in a single step. The values of larger cells are
+    repeated in the table.
     """
     halvings = min(depth, _TOP_BITS // rank)
     top = slots[:1]
@@ -95,7 +95,7 @@ def values_at(
     *,
     depth: int,
 ) -> Float32[np.ndarray, " pairs"]:
-    """Values at places as from `look_up`, starting from the table of `dense_top`."""
+    """BSDF values at places, looked up from the table of `dense_top` on."""
     rank, (halvings, codes) = len(place), top
     path = _path(place, depth)
     code = np.take(codes, path >> rank * (depth - halvings))
@@ -124,7 +124,7 @@ def cells(slots: Slots, rank: int) -> Iterator[Cells]:
 def slices(
     slots: Slots, incident: Int[np.ndarray, "fixed places"], *, depth: int
 ) -> Slices:
-    """Exit cells for each incident place; it fixes the first one or two dimensions."""
+    """Exit cells for each incident place (the first one or two coordinates)."""
     fixed, count = incident.shape
     owner = np.arange(count)
     code = np.full(count, slots[0], dtype=np.int32)
@@ -171,7 +171,7 @@ def _path(
 
 @lru_cache(maxsize=16)
 def _spread(rank: int, depth: int) -> Indices:
-    # Each number with its bits spread `rank` positions apart
+    # All numbers of `depth` bits, with the bits spread `rank` positions apart
     number = np.arange(1 << depth, dtype=np.int64)
     apart: Int64[np.ndarray, " places"] = np.zeros_like(number)
     for bit in range(depth):

@@ -1,8 +1,8 @@
 """Parser for the text of tensor trees.
 
-A tree is either `{ branch branch … }` with 2^rank branches, one for each combination of
-halves (dimension i is bit i of the branch number), or `{ value … }`, a grid in
-row-major order. The parser is not recursive, so deep nesting cannot exhaust the stack.
+A tree is either `{ branch branch … }` with 2^rank branches, one for each half of each
+dimension (dimension i is bit i of the branch number), or `{ value … }`, a grid in
+row-major order. The parser is not recursive: deep nesting cannot exhaust the stack.
 """
 
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from clerestory.array_types import Indices, Slots
 from clerestory.bsdf.tree_scanner import TreeFault, TreeScan, position_of, scan_tree
 from clerestory.errors import InputError
 
-# Largest number of halvings of a coordinate: 2¹⁵ cells per hemisphere.
+# Largest number of tree levels: 2¹⁵ cells along each dimension.
 MAX_DEPTH = 15
 
 # Largest number of values that are reordered together.
@@ -24,14 +24,14 @@ _TOGETHER = 1 << 22
 
 @dataclass(frozen=True, eq=False)
 class TreeTable:
-    """Slots of a tree and the size of its negative values.
+    """Slots of a tree, and the magnitude of negative values in the text.
 
     Attributes
     ----------
     slots : values and branch nodes, as in `ScatteringTree`
-    depth : levels below the root
-    negative : mean over all cells of the magnitude of negative values [1/sr]; they are
-        read as zero
+    depth : number of levels below the root
+    negative : mean magnitude of negative values [1/sr] over all cells; negative values
+        are read as zero
     """
 
     slots: Slots
@@ -43,14 +43,14 @@ class TreeTable:
 class _Nodes:
     # One entry per pair of braces, in text order
     level: Int8[np.ndarray, " nodes"]
-    grid: Int8[np.ndarray, " nodes"]  # halvings within a grid; -1 for branch nodes
+    grid: Int8[np.ndarray, " nodes"]  # levels within a grid; -1 for branch nodes
     first: Int64[np.ndarray, " nodes"]  # index of the first value
 
 
 def parse_tree(
     text: bytes, *, rank: int, file: str | Path | None = None, line: int = 1
 ) -> TreeTable:
-    """Return the slots of a tree from its text.
+    """Parse the text of a tree.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def _read_nodes(scan: TreeScan, rank: int) -> _Nodes:
             brace=int(np.argmax(depth > MAX_DEPTH + 1)),
         )
 
-    # Only innermost pairs of braces may hold values
+    # Only innermost pairs of braces may contain values
     leaf = np.zeros(len(opens), dtype=bool)
     leaf[:-1] = opens[:-1] & ~opens[1:]
     holds = np.concatenate([[False], leaf[:-1]])

@@ -1,8 +1,8 @@
 """Reduction of tensor trees by merging similar cells, as in rttree_reduce.
 
-A branch node is kept if √((max − min) / (√mean + 0.03)) of the values below it exceeds
-a threshold. The threshold is a percentile of this measure over all blocks of smallest
-cells: at 95 % about one block in twenty is kept.
+A branch node is kept if √((max − min) / (√mean + 0.03)) of the BSDF values below the
+node exceeds a threshold. The threshold is a percentile of this measure over all blocks
+of smallest cells: at 95 % about one block in twenty is kept.
 """
 
 from dataclasses import dataclass
@@ -29,10 +29,10 @@ class Reduction:
     ----------
     tree : the reduced tree
     cells_before, cells_after : number of cells before and after the reduction
-    moved : flux that leaves in other directions, as a fraction of the flux incident
-        from a uniform sky
-    hemispherical_error : largest change of the directional-hemispherical value at the
-        centres of the Klems full patches
+    moved : flux whose exit cell changes, as a fraction of the incident flux, under a
+        uniform sky
+    hemispherical_error : largest change of directional-hemispherical transmittance or
+        reflectance, for incidence at the centres of the Klems full patches
     """
 
     tree: ScatteringTree
@@ -44,7 +44,7 @@ class Reduction:
 
 @dataclass(frozen=True, eq=False)
 class _Level:
-    # Nodes of one level: slots, and extrema and mean of the values below each node
+    # Nodes of one level: slots; smallest, largest and mean BSDF below each node
     code: Int32[np.ndarray, " nodes"]
     least: Float[np.ndarray, " nodes"]
     most: Float[np.ndarray, " nodes"]
@@ -56,7 +56,7 @@ class _Level:
 
 
 def reduce_tree(tree: ScatteringTree, percent: float) -> Reduction:
-    """Return a tree with similar cells merged; flux is conserved.
+    """Merge similar cells of a tree; flux is conserved.
 
     `percent`: percentage of the blocks of smallest cells that are merged; 0 merges only
     equal cells.
@@ -69,7 +69,7 @@ def reduce_tree(tree: ScatteringTree, percent: float) -> Reduction:
     depth = max(group.level for group in cells(slots, tree.rank))
     reduced = ScatteringTree(slots, tree.rank, depth)
 
-    # Half the sum of absolute changes: each decrease is an increase in another cell
+    # Half the sum of absolute changes: a decrease in a cell is an increase in another
     change = combine(lambda a, b: np.abs(a - b), tree, reduced)
     live = 2 if tree.rank == 3 else 1
     incident = klems("full").centres()
@@ -110,7 +110,7 @@ def _threshold(levels: list[_Level], tree: ScatteringTree, percent: float) -> fl
     step = np.minimum(measure * (_STEPS / _END), _STEPS - 1).astype(int)
     count = np.bincount(step, minlength=_STEPS).astype(float)
 
-    # Count regions without smallest cells as blocks with zero measure
+    # Count regions without smallest cells as blocks for which the measure is zero
     total = float(1 << tree.rank * (tree.depth - 1))
     count[0] += total - len(measure)
     wanted = np.floor(percent / 100 * total)

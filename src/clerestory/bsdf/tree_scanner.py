@@ -1,7 +1,7 @@
 """Scanner for the text of tensor trees: braces and numbers.
 
-The text is read in chunks, so that for trees of hundreds of megabytes the scanner needs
-little more memory than the values.
+The text can have hundreds of megabytes. It is scanned in chunks, so that little more
+memory is needed than for the values.
 """
 
 import warnings
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float32, Int8, Int32, UInt8
 
-# Bytes per chunk.
+# Chunk size [bytes].
 _CHUNK = 1 << 22
 
 _SPACE, _WORD, _OPEN, _CLOSE = range(4)
@@ -22,7 +22,7 @@ _TO_SPACES = bytes.maketrans(b"{},", b"   ")
 
 @dataclass(frozen=True, eq=False)
 class TreeScan:
-    """Braces and values in text order.
+    """Braces and values of a text, in text order.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class TreeScan:
 
 
 class TreeFault(Exception):
-    """Error in the text of a tree, located by brace number or byte offset."""
+    """Error in the text of a tree, with the number of a brace or the byte offset."""
 
     def __init__(self, message: str, *, brace: int = -1, offset: int = -1) -> None:
         super().__init__(message)
@@ -59,7 +59,7 @@ def position_of(text: bytes, fault: TreeFault) -> int:
 
 
 def scan_tree(text: bytes) -> TreeScan:
-    """Return braces and values of a text.
+    """Extract the braces and values of a text.
 
     >>> scan = scan_tree(b"{ { 0.5 } { 1 2 } }")
     >>> scan.step.tolist(), scan.words.tolist(), scan.values.tolist()
@@ -100,7 +100,7 @@ def scan_tree(text: bytes) -> TreeScan:
 
 
 def _end_of_word(text: bytes, end: int) -> int:
-    # Move back to the start of a word; words of over 100 bytes are cut, hence rejected
+    # Move back to the start of a word; words of over 100 bytes are cut and rejected
     end = min(end, len(text))
     for back in range(min(end, 100)):
         if end == len(text) or _KIND[text[end - back]] != _WORD:

@@ -1,4 +1,4 @@
-"""Angle bases of BSDF files, from their names, rings and numbers of values."""
+"""Angle bases of BSDF files, from basis names, rings and numbers of values."""
 
 from dataclasses import dataclass
 
@@ -10,13 +10,13 @@ from clerestory.errors import InputError
 from clerestory.hemisphere.klems import from_rings, klems
 from clerestory.hemisphere.partition import RingPartition
 
-# Tolerance between the limits of adjacent rings, and to 0 and 90 [°].
+# Largest gap or overlap of adjacent rings, and largest deviation from 0 and 90 [°].
 _ROUNDING_DEG = 0.02
 
 _MOST_RINGS = 1000
 _MOST_PATCHES = 20_000
 
-# Definitions of Klems half and quarter in Radiance before it adopted WINDOW's.
+# Definitions of Klems half and quarter in Radiance versions before WINDOW's were used.
 _OLD_HALF = ((0, 6.5, 19.5, 32.5, 46.5, 61.5, 76.5, 90), (1, 8, 12, 16, 20, 12, 4))
 _OLD_QUARTER = ((0, 9, 27, 46, 66, 90), (1, 8, 12, 12, 8))
 
@@ -27,8 +27,8 @@ class Bases:
 
     Attributes
     ----------
-    known : partitions by lower-case name, in order of preference: the definition in the
-        file, then the standard ones
+    known : partitions by lower-case name, in order of preference: first as defined in
+        the file, then the standard partitions
     defined : lower-case names of the bases that the file defines
     """
 
@@ -37,7 +37,7 @@ class Bases:
 
 
 def read_bases(definition: etree._Element, document: Document) -> Bases:
-    """Return the angle bases defined in a file and the standard Klems bases."""
+    """Read the angle bases defined in a file; add the standard Klems bases."""
     known: dict[str, tuple[RingPartition, ...]] = {}
     for element in document.children(definition, "AngleBasis"):
         basis = _read_basis(element, document)
@@ -53,7 +53,7 @@ def choose_bases(
 ) -> tuple[RingPartition, RingPartition, str]:
     """Return the partitions of rows and columns that fit the number of values.
 
-    The third value is a note, empty if the partitions are those defined in the file.
+    The third value is a note, which is empty for partitions as defined in the file.
     """
     names = [document.text(block, f"{side}AngleBasis") for side in ("Row", "Column")]
     for name in names:

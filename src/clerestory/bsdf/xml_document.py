@@ -1,7 +1,7 @@
 """Secure XML parsing of BSDF files, without entities or network access.
 
 The text of a tensor tree can exceed the size limit of the XML parser. Before parsing,
-every text that starts with a brace is therefore replaced by its index in braces.
+every text that starts with a brace is therefore replaced by an index, such as {0}.
 """
 
 import re
@@ -23,7 +23,7 @@ _NUMBER = re.compile(r"\s*\{(\d{1,9})\}\s*")
 
 @dataclass(frozen=True)
 class TreeTexts:
-    """Texts of tensor trees that were extracted from XML, and their positions.
+    """Texts of tensor trees extracted from an XML file, with their line numbers.
 
     Attributes
     ----------
@@ -46,13 +46,13 @@ class TreeTexts:
         return line_in_rest - self.line_in_rest[last] + end
 
     def find(self, text: str | None) -> int | None:
-        """Return the index of a text from its placeholder; None for other texts."""
+        """Index of a tree text from a placeholder such as {0}; None for other texts."""
         match = _NUMBER.fullmatch(text or "")
         return int(match[1]) if match and int(match[1]) < len(self.texts) else None
 
 
 def extract_trees(data: bytes) -> tuple[bytes, TreeTexts]:
-    """Return XML without the texts of its tensor trees, and the extracted texts.
+    """Extract the texts of tensor trees from XML; return shortened XML and texts.
 
     >>> rest, trees = extract_trees(b"<ScatteringData>{ 0.3 }</ScatteringData>")
     >>> rest, trees.texts
@@ -85,7 +85,7 @@ class Document:
     ----------
     path : path of the file, for error messages
     root : root element
-    lines_before : number of lines before the XML
+    lines_before : number of lines before the start of the XML
     notes : irregularities of the file
     trees : extracted texts of tensor trees
     """
@@ -102,7 +102,7 @@ class Document:
         return self.trees.line(seen) + self.lines_before
 
     def error(self, element: etree._Element, message: str) -> InputError:
-        """Return the error at an element."""
+        """Error message with the file and the line of an element."""
         return InputError(message, file=self.path, line=self.line(element))
 
     def children(self, element: etree._Element, name: str) -> list[etree._Element]:
@@ -127,7 +127,7 @@ class Document:
 
 
 def parse_document(path: str | Path) -> Document:
-    """Return the WindowElement of a file.
+    """Parse a BSDF file with the root element WindowElement.
 
     Text before the XML (the "Recover using:" line of genBSDF) is skipped and noted.
     Document type declarations are rejected: they allow entity expansion attacks.

@@ -16,7 +16,7 @@ from clerestory.bsdf.product_data import (
 )
 from clerestory.bsdf.xml_document import Document
 
-# Decimal, so that conversions between millimetres and metres are exact.
+# Length units [m], as decimal numbers so that conversions are exact.
 _METRES = {
     "meter": Decimal(1),
     "decimeter": Decimal("0.1"),
@@ -58,7 +58,7 @@ def read_product(layer: etree._Element, document: Document) -> Product:
 
 
 def _geometry(layer: etree._Element, document: Document) -> Geometry | None:
-    # MGF text is in an MGFblock; files of old genBSDF have it in Geometry itself
+    # MGF text is in an MGFblock, or directly in Geometry in files of old genBSDF
     element = document.find(layer, "Geometry")
     if element is None:
         element = document.find(layer, "Material/Geometry")
@@ -99,7 +99,7 @@ def _spectra(layer: etree._Element, document: Document) -> Iterator[Spectra]:
 
 
 def _number(text: str) -> float | None:
-    # Treat unreadable numbers as missing: simulations do not need them
+    # Treat invalid numbers as missing: they are not used in simulations
     try:
         value = float(text)
     except ValueError:

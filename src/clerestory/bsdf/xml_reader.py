@@ -1,8 +1,8 @@
 """Reader of BSDF files in the XML schema of LBNL (WINDOW, genBSDF, wrapBSDF).
 
 The partition of the hemisphere is read from the rings in the file and checked against
-the number of values. Its name is ambiguous: "LBNL/Klems Half" has stood for both 73 and
-77 patches.
+the number of values. The basis name is not sufficient: "LBNL/Klems Half" has been used
+for 73 and for 77 patches.
 """
 
 import warnings
@@ -23,15 +23,15 @@ from clerestory.bsdf.xml_product import read_product
 from clerestory.errors import ClerestoryWarning
 from clerestory.hemisphere.klems import klems
 
-# Largest tolerated flux in negative values, as a fraction of the incident flux.
+# Largest tolerated flux of negative BSDF values, as a fraction of the incident flux.
 _NEGLIGIBLE_NEGATIVE = 1e-3
 
-# Largest directional-hemispherical value without a warning, as in Radiance.
+# Larger directional-hemispherical values cause a warning, as in Radiance.
 _ENERGY_LIMIT = 1.01
 
 
 def read_bsdf(path: str | Path) -> Bsdf:
-    """Return the BSDF of an XML file with matrices or tensor trees.
+    """Read a BSDF from an XML file with matrices or tensor trees.
 
     Harmless irregularities (text before the XML, a repeated block, slightly negative
     values) are listed in `Bsdf.notes`.
@@ -42,7 +42,7 @@ def read_bsdf(path: str | Path) -> Bsdf:
 
     Warns
     -----
-    ClerestoryWarning : the layer scatters more light than it receives
+    ClerestoryWarning : the scattered flux exceeds the incident flux
     """
     document = parse_document(path)
     layer = document.require(document.root, "Optical/Layer")
@@ -111,11 +111,11 @@ def _read_matrix(
         notes.append(note)
     table = values.reshape(len(rows), len(columns))
 
-    # "Columns" has an incident direction in each column, "Rows" in each row
+    # "Columns": one incident direction per column; "Rows": one per row
     exits, incidents = (columns, rows) if by_rows else (rows, columns)
     table = np.ascontiguousarray(table.T) if by_rows else table
 
-    # Set small negative values, from noise or interpolation, to zero
+    # Set small negative BSDF values (noise, interpolation) to zero
     weights = exits.projected_solid_angles()
     lost = float(np.max(weights @ np.maximum(-table, 0)))
     if lost > _NEGLIGIBLE_NEGATIVE:
@@ -151,7 +151,7 @@ _BASIS = "LBNL/Shirley-Chiu"
 
 
 def tree_rank(kind: str) -> Literal[3, 4] | None:
-    """Rank of the tensor trees for an IncidentDataStructure; None if not trees.
+    """Rank of the tensor trees for an IncidentDataStructure; None for matrices.
 
     >>> tree_rank("TensorTree4"), tree_rank("Columns")
     (4, None)
@@ -163,7 +163,7 @@ def tree_rank(kind: str) -> Literal[3, 4] | None:
 def read_tree(
     block: etree._Element, rank: Literal[3, 4], document: Document, notes: list[str]
 ) -> ScatteringTree:
-    """Return the tree of a WavelengthDataBlock; append irregularities to `notes`."""
+    """Read the tree of a WavelengthDataBlock; append irregularities to `notes`."""
     data = document.require(block, "ScatteringData")
     basis = document.text(block, "AngleBasis")
     if basis.lower() != _BASIS.lower():

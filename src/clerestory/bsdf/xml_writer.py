@@ -34,10 +34,10 @@ _LABELS = {
     "cie-v": "CIE-v",
 }
 
-# Stands for an empty name: WinCalc requires text, and readers strip the space.
+# Written for empty names: WinCalc requires text, and readers strip the space.
 _BLANK = "\N{NO-BREAK SPACE}"
 
-# Placeholder for the values; a user's comment with the same text precedes all of them.
+# Placeholder for BSDF values; only a comment before all data can contain the same text.
 _NO_VALUES = b"<ScatteringData/>"
 
 
@@ -64,7 +64,7 @@ def write_bsdf(
     etree.indent(root, space=" ")
     text = etree.tostring(root, xml_declaration=True, encoding="UTF-8")
 
-    # Write values line by line: the text of a deep tree can exceed 100 MB
+    # Write BSDF values line by line: the text of a deep tree can exceed 100 MB
     head, *rest = text.rsplit(_NO_VALUES, len(bsdf.functions))
     with replace_file(path) as stream:
         stream.write(head)
@@ -115,7 +115,7 @@ def _add_material(layer: etree._Element, product: Product) -> None:
     material = _add(layer, "Material")
     _add(material, "Name", product.name or _BLANK)
     _add(material, "Manufacturer", product.manufacturer or _BLANK)
-    # Write millimetres: WinCalc ignores the unit
+    # Write the thickness in millimetres: WinCalc ignores the unit attribute
     thickness = Decimal(repr(float(product.thickness or 0))) * 1000
     _add(material, "Thickness", f"{thickness.normalize():f}", unit="Millimeter")
     for name in ("width", "height"):
@@ -148,7 +148,7 @@ def _add_geometry(layer: etree._Element, product: Product) -> None:
     for detail in details:
         _add_detail(element, detail)
     if geometry is not None:
-        # Express the unit as a scaling transform: the schema restricts units
+        # Write other units as an MGF scaling transform: the schema allows few units
         text = geometry.text
         if geometry.metres != 1:
             text = f"xf -s {geometry.metres!r}\n{text}\nxf\n"
@@ -214,7 +214,7 @@ def _add_block(data: etree._Element, direction: str, part: ScatteringFunction) -
 
 
 def _lines(part: ScatteringFunction, digits: int | None) -> Iterator[str]:
-    # Yield the text of the values of a scattering function
+    # Yield the BSDF values of a scattering function as text
     if isinstance(part, ScatteringMatrix):
         yield _format_table(part.values, digits)
     if isinstance(part, ScatteringTree):
@@ -233,7 +233,7 @@ def _format_table(table: ExitIncident, digits: int | None) -> str:
 
 
 def format_tree(tree: ScatteringTree, *, digits: int | None = None) -> str:
-    """Return the text of a tree: branches and values in braces.
+    """Text of a tensor tree: branches and values in braces.
 
     `digits`: significant digits; None for lossless output.
 
@@ -245,7 +245,7 @@ def format_tree(tree: ScatteringTree, *, digits: int | None = None) -> str:
 
 
 def tree_lines(tree: ScatteringTree, *, digits: int | None = None) -> Iterator[str]:
-    """Yield the lines of the text of a tree; each is a brace or a block of values."""
+    """Yield the text of a tree line by line: a brace or a block of values each."""
     slots, width = tree.slots, 1 << tree.rank
     blocks = slots[1:].reshape(-1, width)
     full = np.all(blocks >= 0, axis=1)
@@ -268,7 +268,7 @@ def tree_lines(tree: ScatteringTree, *, digits: int | None = None) -> Iterator[s
 
 
 def _row(values: Float32[np.ndarray, " value"], digits: int | None) -> str:
-    # One format string per row is several times faster than one per value
+    # One format string per row is several times faster than a string per value
     if digits is None:
         texts = " ".join(str(value).removesuffix(".0") for value in values)
     else:

@@ -1,1 +1,1 @@
-"""BSDFs of shading systems by tracing their geometry (as Radiance's genBSDF)."""
+"""BSDFs of shading systems by ray tracing, as in Radiance's genBSDF."""

@@ -1,9 +1,9 @@
 """Adaptive sampling of one block of a tensor tree.
 
-A pilot run traces equally many paths from each incident cell. From its results the
-cells of the tree are selected and their variances estimated. Further rounds trace more
-paths from the incident cells with the largest errors, mostly those with small cells at
-peaks.
+A pilot run traces the same number of paths from each incident cell. From its results,
+tree cells are selected and the variances of their values estimated. Further runs trace
+more paths from the incident cells with the largest errors, mostly where small exit
+cells resolve BSDF peaks.
 """
 
 from dataclasses import dataclass
@@ -23,8 +23,8 @@ from clerestory.bsdfgen.tree_pruning import (
 )
 from clerestory.engine.effort import Effort
 
-# Fraction of the paths in the pilot run, and its paths per incident cell if a target
-# error is given.
+# Fraction of all paths that the pilot run traces; if a target error is given, number of
+# paths per incident cell in the pilot run.
 _FIRST_SHARE = 0.25
 _PILOT = 256
 
@@ -41,10 +41,10 @@ class FunctionEstimate:
 
     Attributes
     ----------
-    finest : values of the smallest cells
-    incident : directional-hemispherical value of each incident cell
-    leaving : contribution of the block to the reciprocal directional-hemispherical
-        value of each exit cell of the whole tree; rank 4 only
+    finest : BSDF values of the smallest cells
+    incident : directional-hemispherical transmittance or reflectance per incident cell
+    leaving : contribution of the block to the directional-hemispherical transmittance
+        or reflectance for light incident along each exit cell; rank 4 only
     """
 
     finest: NodeValues
@@ -58,7 +58,7 @@ class BlockEstimate:
 
     Attributes
     ----------
-    transmission, reflection : estimates for the two exit sides
+    transmission, reflection : estimates of the two scattering functions
     paths : number of traced paths
     reached : whether the target error was reached
     """
@@ -71,11 +71,13 @@ class BlockEstimate:
 
 @dataclass(eq=False)
 class BlockEstimator:
-    """Estimator of one block, with the accumulated sums of path weights.
+    """Monte Carlo estimator of one block, with accumulated sums of path weights.
 
     Attributes
     ----------
-    engine, slab, grid : module of the tracing kernel, geometry and angular grid
+    engine : module of the ray-tracing kernel
+    slab : geometry in the sample area, for the kernel
+    grid : angular grid of the block
     block : index of the block
     back : whether light is incident from the room
     weights : weight of each channel in the luminance
@@ -89,7 +91,7 @@ class BlockEstimator:
     weights: Float[np.ndarray, " channel"]
 
     def __post_init__(self) -> None:
-        # Rank 3 trees use only the lower half of the first dimension
+        # Only the lower half of the first dimension of rank 3 trees is used
         half = self.grid.rank == 3 and self.grid.depth > 0
         self._rows = np.arange(self.grid.incidents >> int(half))
         self._paths = np.zeros(self.grid.incidents, dtype=np.int64)
@@ -120,7 +122,7 @@ class BlockEstimator:
             self._trace(extra, effort)
 
     def _trace(self, extra: Indices, effort: Effort) -> None:
-        # Group incident cells by their numbers of previous and new paths
+        # Group incident cells with equal numbers of previous and of new paths
         have = self._paths[self._rows]
         groups = [
             (self._rows[(have == first) & (extra == number)], int(first), int(number))
@@ -143,7 +145,7 @@ class BlockEstimator:
         self._paths[self._rows] += extra
 
     def _part(self, number: int) -> FunctionEstimate:
-        # Estimate a scattering function from its sums
+        # Estimate a scattering function from sums of path weights
         grid = self.grid
         place, sums = self._scores[number]
         incident = incident_code(place, rank=grid.rank, levels=grid.block)
@@ -180,7 +182,7 @@ class BlockEstimator:
         )
 
     def _cells(self, part: FunctionEstimate) -> Cells:
-        # Select the cells of the block, separately below each root
+        # Select the tree cells of the block, separately below each root node
         grid = self.grid
         levels = pruned_levels(
             part.finest, self.weights, rank=grid.rank, levels=grid.block
@@ -189,7 +191,7 @@ class BlockEstimator:
         return selected_cells(levels, rank=grid.rank, roots=roots)
 
     def _risk(self, cells: Cells) -> Values:
-        # Sum the expected squared error over the smallest cells of each incident cell
+        # Expected squared error per incident cell, summed over the smallest exit cells
         grid, bits = self.grid, self.grid.rank - 2
         risk = np.zeros(grid.incidents)
         for height in np.unique(cells.height):
@@ -213,8 +215,8 @@ class BlockEstimator:
 
 
 def _shared(cost: Values, more: int) -> Indices:
-    # Paths per incident cell, in proportion to the square root of `cost`; rounded to
-    # powers of two, so that few kernel launches suffice
+    # Number of paths per incident cell, in proportion to the square root of `cost`,
+    # rounded to powers of two to reduce the number of kernel launches
     root = np.sqrt(cost)
     if more <= 0 or not root.any():
         return np.zeros(len(cost), dtype=int)
@@ -232,7 +234,7 @@ def _merged(
     *,
     cells: int,
 ) -> tuple[Int64[np.ndarray, " cell"], Float[np.ndarray, "cell channel"]]:
-    # Add new sums to old ones; both are sorted by cell
+    # Add new sums to previous sums; both are sorted by cell
     if not len(place):
         return more, added
     lit = np.zeros(cells, dtype=bool)

@@ -1,8 +1,8 @@
-"""Channels of a generated BSDF as weighted sums of the scene's bands.
+"""Channels of a generated BSDF as weighted sums of spectral bands of the scene.
 
 All bands of a scene are traced in one pass; each channel of the BSDF is a weighted sum
-of bands. The three bands of an RGB scene may contain other quantities, such as the
-visible and the solar reflectance of grey materials.
+of bands. The three bands red, green and blue can also hold other reflectances, such as
+the visible and the solar reflectance of grey materials.
 """
 
 from collections.abc import Mapping
@@ -27,12 +27,12 @@ VISIBLE_AND_SOLAR: Mapping[str, Weights] = MappingProxyType(
     {"visible": (1.0, 0.0, 0.0), "solar": (0.0, 1.0, 0.0)}
 )
 
-# Chromaticity u', v' of equal-energy white, used where values are zero.
+# Chromaticity u', v' of equal-energy white, used where the BSDF is zero.
 _WHITE_UV = 4 / 19, 9 / 19
 
 
 def default_weights(bands: Bands) -> Mapping[str, Weights]:
-    """Return the BSDF channels of a scene: visible, and each band unless in RGB."""
+    """Default BSDF channels: "visible" and, except for RGB scenes, each scene band."""
     if bands == RGB:
         return VISIBLE
     each = map(tuple, np.eye(len(bands)).tolist())
@@ -43,7 +43,7 @@ def default_weights(bands: Bands) -> Mapping[str, Weights]:
 
 
 def check_bands(bands: Mapping[str, Weights], count: int) -> None:
-    """Raise InputError unless each band has `count` weights ≥ 0, not all zero."""
+    """Raise InputError unless each channel has `count` weights ≥ 0, not all zero."""
     for name, weights in bands.items():
         if len(weights) != count or min(weights) < 0 or not sum(weights) > 0:
             raise InputError(
@@ -65,7 +65,7 @@ def tristimulus(
 def chromaticity(
     channels: Float[np.ndarray, " channel *value"],
 ) -> tuple[Float[np.ndarray, " *value"], Float[np.ndarray, " *value"]]:
-    """CIE 1976 u' and v' from red, green and blue; those of white for zero values.
+    """CIE 1976 u' and v' from red, green and blue; equal-energy white if all are zero.
 
     References: CIE 15:2004, eq. 8.24.
     """

@@ -8,12 +8,12 @@ import numpy as np
 from clerestory.array_types import Points2
 from clerestory.scene.model import Polygon
 
-# Largest arc of one flat strip of a curved slat [rad].
+# Largest arc angle of a flat strip that approximates part of a curved slat [rad].
 _STRIP = np.radians(3.0)
 
 
 def arc(width: float, rise: float) -> Points2:
-    """Points (along, above) of a slat profile from edge to edge; the middle is (0, 0).
+    """Points (along, above) of a slat profile from edge to edge, with centre (0, 0).
 
     Parameters
     ----------
@@ -43,9 +43,9 @@ def extruded(
     name: str,
     closed: bool = False,
 ) -> Iterator[Polygon]:
-    """Yield the strips of a section (y, z) extruded along x.
+    """Extrude a cross-section (y, z) along x to strips.
 
-    A strip faces upwards if its part of the section runs towards −z.
+    The normal of a strip has positive y where the cross-section runs towards −z.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def extruded(
 
 
 def rotated(polygons: Iterator[Polygon]) -> Iterator[Polygon]:
-    """Yield polygons rotated about z by −90°, from up (+y) to right (+x)."""
+    """Rotate polygons about z by −90°, from up (+y) to right (+x)."""
     for polygon in polygons:
         x, y, z = polygon.vertices.T
         yield Polygon(np.stack([y, -x, z], axis=1), polygon.material, polygon.name)

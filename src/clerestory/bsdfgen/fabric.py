@@ -1,4 +1,4 @@
-"""Roller-shade fabrics by openness and colour, as given in product catalogues.
+"""Roller-shade fabrics from openness factor and reflectance in product catalogues.
 
 The fabric is a diffusing sheet with square holes that transmit direct light; its
 thickness shades the holes at oblique incidence.
@@ -15,7 +15,7 @@ from clerestory.bsdfgen.system_parameters import Share, bands, channel_values
 from clerestory.errors import InputError
 from clerestory.scene.model import Plastic, Trans
 
-# Distance between holes [m]; only the ratio of thickness to distance matters.
+# Distance between hole centres [m]; only its ratio to the thickness affects the BSDF.
 _PITCH = 1e-3
 
 
@@ -31,8 +31,8 @@ def fabric(
     Parameters
     ----------
     openness : openness factor, 0 ≤ openness < 1
-    reflectance : reflectance of the threads; that of the fabric is (1 − openness) times
-        as large
+    reflectance : reflectance of the threads; the reflectance of the fabric is this
+        value times (1 − openness)
     diffuse_transmittance : diffuse transmittance of the threads
     thickness : ratio of fabric thickness to thread distance; with 0 the openness does
         not depend on the angle of incidence

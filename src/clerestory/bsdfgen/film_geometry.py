@@ -36,7 +36,7 @@ def prismatic(
     pitch : distance between prisms [m]
     upper_angle_deg, lower_angle_deg : angles of the upward and the downward facing
         prism faces to the plane of the film, up to 90°; their sum is below 180°
-    base : thickness of the sheet under the prisms [m]
+    base : thickness of the sheet that carries the prisms [m]
     index : refractive index
     transmissivity : internal transmittance of 1 m of the material
 
@@ -94,7 +94,7 @@ def prismatic(
     )
 
 
-# Smallest distance of mirrors from the faces of the sheet, as a fraction of thickness.
+# Smallest distance from mirrors to sheet faces, as a fraction of the sheet thickness.
 _INSET = 1e-3
 
 

@@ -1,15 +1,15 @@
-"""Correction of merged tree cells that preserves directional-hemispherical values.
+"""Correction of merged tree cells that preserves hemispherical flux.
 
 Cells are merged if their differences do not exceed the noise. If the
-directional-hemispherical value varies between the incident cells of merged cells, the
-merge shifts flux between them: each cell stays accurate within its noise, but the sum
-over exit cells does not. The directional-hemispherical value is known more accurately
-than single cells. Where it varies, merged cells are subdivided and scaled to match it.
+directional-hemispherical transmittance (or reflectance) differs between the incident
+cells that are merged, each BSDF value stays accurate within its noise, but the sum over
+exit cells does not. Hemispherical transmittances have less noise than single BSDF
+values. Where they vary, merged cells are subdivided and scaled to match them.
 
-Variations are tested at all scales, as estimates over many cells are more accurate. The
-brightest merged cells are subdivided, enough of them that the correction changes none
-by much. Rank 4 trees also serve for the reciprocal direction: incident cells, exit
-cells and again incident cells are corrected in turn (iterative proportional fitting).
+Variations are tested at all scales, as means over many cells have less noise. The
+brightest merged cells are subdivided, so many that the correction changes each cell
+only slightly. Rank 4 trees are also used with incident and exit directions exchanged:
+incident, exit and again incident cells are corrected (iterative proportional fitting).
 
 Reference: W. E. Deming, F. F. Stephan, "On a least squares adjustment of a sampled
 frequency table when the expected marginal totals are known", Annals of Mathematical
@@ -26,18 +26,17 @@ from clerestory.array_types import Values
 from clerestory.bsdfgen.morton_codes import incident_code
 from clerestory.bsdfgen.subcells import Subcells
 
-# Largest tolerated flux error, as a fraction of the incident flux, of groups of
-# incident cells of width 1/2^_SPAN of the square and wider; it doubles with each
-# halving of the width. An error is corrected only if it also exceeds _SURE standard
-# errors.
+# Largest tolerated flux error, as a fraction of the incident flux, for incident cells
+# of width 2^-_SPAN or more of the unit square; it doubles whenever the width is halved.
+# An error is corrected only if it also exceeds _SURE standard errors.
 _TOLERANCE = 0.004
 _SPAN = 5
 _SURE = 0.3
 
-# Number of standard errors for exit cells, whose flux estimates have more noise.
+# Same as _SURE for exit cells, whose flux estimates have more noise.
 _SURE_LEAVING = 2.0
 
-# Ratio of the flux in subdivided cells to the required change of flux.
+# Ratio of the flux in subdivided cells to the required flux change.
 _STRETCH = 3.0
 
 # Largest relative change of a group of cells with less than half of the flux.
@@ -49,8 +48,8 @@ _TOGETHER = 1 << 20
 
 @dataclass(frozen=True, eq=False)
 class HemisphericalFlux:
-    """Directional-hemispherical values of incident cells, or of exit cells by
-    reciprocity.
+    """Hemispherical transmittance or reflectance of incident cells, or of exit cells
+    with incident and exit directions exchanged.
 
     Attributes
     ----------
@@ -70,16 +69,16 @@ def preserve_flux(
     rank: int,
     by_leaving: bool = False,
 ) -> list[Subcells]:
-    """Return merged cells subdivided and scaled to preserve directional-hemispherical
-    values.
+    """Subdivide and scale merged cells so that hemispherical transmittance or
+    reflectance is preserved.
 
     Parameters
     ----------
     pieces : subcells by their height above the smallest cells, up to the root
     luminous : luminous BSDF of each cell [1/sr]
-    light : estimated directional-hemispherical values
-    by_leaving : whether `light` has one value per exit cell instead of one per incident
-        cell; rank 4 only
+    light : estimated hemispherical transmittance or reflectance
+    by_leaving : whether `light` has one value per exit cell (rank 4 only) instead of
+        one value per incident cell
 
     Examples
     --------
@@ -118,13 +117,14 @@ def preserve_flux_on_both_sides(
     incident: HemisphericalFlux,
     leaving: HemisphericalFlux,
 ) -> list[Subcells]:
-    """Return subcells of rank 4 that preserve the flux of incident and of exit cells.
+    """Subdivide rank 4 cells so that the flux of incident and exit cells is preserved.
 
     Parameters
     ----------
     pieces : subcells by their height above the smallest cells, up to the root
     luminous : luminous BSDF of each cell [1/sr]
-    incident, leaving : directional-hemispherical values of incident and of exit cells
+    incident, leaving : hemispherical transmittance or reflectance of incident and of
+        exit cells
 
     Examples
     --------
@@ -153,8 +153,8 @@ def _moved(
     bits: int,
     depth: int,
 ) -> Float[np.ndarray, " block"]:
-    # Largest flux error among the parts of each merged cell of one height; errors below
-    # the tolerance or the standard error count as zero
+    # Largest flux error within each merged cell of one height; errors below the
+    # tolerance or the standard error count as zero
     wide = 1 << bits * height
     off = (scale - np.repeat(_means(scale, wide), wide)) * together
     most = np.zeros(len(scale) // wide)
@@ -176,12 +176,12 @@ def _means(
 
 @dataclass(frozen=True, eq=False)
 class _Tally:
-    # Flux of subcells, summed per incident cell
+    # Sums of the flux of subcells per incident cell
     luminous: Float[np.ndarray, " cell"]
     incidents: int
     rank: int
     depth: int
-    skip: int  # lowest bits of a code to drop: 0 for incident cells, 2 for exit cells
+    skip: int  # number of low code bits to drop: 0 for incident, 2 for exit cells
 
     def lights(self, pieces: Sequence[Subcells]) -> Float64[np.ndarray, " incident"]:
         """Flux of all given subcells per incident cell; `pieces` starts at height 0."""
@@ -201,19 +201,19 @@ class _Tally:
         return np.repeat(sums, wide)
 
     def share(self, pieces: Subcells, height: int) -> Float64[np.ndarray, " piece"]:
-        """Flux of each subcell from one incident cell of the smallest size."""
+        """Flux into each subcell from one incident cell of the smallest size."""
         size = np.pi * 4.0 ** (height - self.depth)
         return np.asarray(self.luminous[pieces.cell] * pieces.factor * size)
 
     def block(self, pieces: Subcells, height: int) -> Int32[np.ndarray, " piece"]:
-        """Index of each subcell's incident cell among incident cells of its size."""
+        """Index of the incident cell of each subcell, among cells of equal size."""
         levels = self.depth - height
         return incident_code(pieces.place >> self.skip, rank=self.rank, levels=levels)
 
     def brightest(
         self, pieces: Subcells, need: Float[np.ndarray, " block"], height: int
     ) -> Bool[np.ndarray, " piece"]:
-        """Mask of the brightest subcells of one height that contain the flux `need`."""
+        """Mask of the brightest subcells of one height, with the total flux `need`."""
         found = np.zeros(len(pieces), dtype=bool)
         if not len(pieces):
             return found
@@ -230,8 +230,8 @@ class _Tally:
     def scaled(
         self, pieces: list[Subcells], left: Float64[np.ndarray, " incident"]
     ) -> list[Subcells]:
-        """Scale subcells from the largest to the smallest, each size by the mean of the
-        remaining correction over its incident cells.
+        """Scale subcells from the largest to the smallest size, each by the mean of the
+        remaining correction factors of its incident cells.
         """
         found = list(pieces)
         own = [self.light(part, height) for height, part in enumerate(pieces)]

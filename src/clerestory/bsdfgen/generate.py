@@ -43,7 +43,7 @@ _BACKS: dict[str, tuple[bool, ...]] = {
 
 _DEEPEST = 7
 
-# Default if neither samples nor an error is given: as many paths as in genBSDF
+# Default if neither a sample number nor a target error is given; as in genBSDF.
 _DEFAULT = Goal(samples=2000)
 
 
@@ -64,34 +64,35 @@ def generate_bsdf(
     name: str = "",
     **keywords: Unpack[EffortKeywords],
 ) -> Bsdf:
-    """Return the BSDF of a shading system with standard errors.
+    """Calculate the BSDF of a shading system, with standard errors, by ray tracing.
 
-    The frame is that of genBSDF: +x along the width, +y up, +z into the room, all
+    Coordinates are as in genBSDF: +x along the width, +y up, +z into the room, all
     geometry at z ≤ 0. *Front* is the outdoor side, as in BSDF files.
 
     Parameters
     ----------
     scene : geometry [m], or a parametric system
     basis : Klems basis, or tensor trees of rank 3 (isotropic systems) or 4
-    halvings : resolution of trees, 2^halvings cells along each axis, 2 to 7
-    sides : incident sides
+    halvings : resolution of trees: 2^halvings cells along each axis; 2 to 7
+    sides : sides of incidence
     area : sample area; default: the bounding box of the scene
     periodic : whether the sample area is the unit cell of an infinite periodic system,
-        so that no light is lost at its sides
-    bands : channels of the BSDF by name, each with the weights of the scene's bands;
-        default: luminance and, unless the scene is in RGB, each band of the scene
-    colour : whether to add CIE X and Z, for trees u' and v'; RGB scenes only
+        so that no light is lost at the edges of the area
+    bands : weights of the scene bands for each BSDF channel, by channel name; default:
+        luminance and, unless the scene is in RGB, each band of the scene
+    colour : whether to add channels CIE X and Z (trees: u' and v'); RGB scenes only
     samples : paths per incident patch, or mean number per smallest incident cell of a
         tree; default: 2000 unless `relative_error` is given
     relative_error : target error in place of `samples`: root mean square of the
         standard errors of all values, divided by the mean value
     bounces : largest number of diffuse reflections of a path, as Radiance's -ab; None
         for no limit
-    symmetry : whether to trace only one of mirror-symmetric patches; matrices only
+    symmetry : whether to trace only one of several mirror-image incident patches;
+        matrices only
     reciprocal : whether to average the BSDF with its reciprocal; meaningful only for
         periodic sample areas
-    reduction : percentage of a tree's blocks of smallest cells to merge
-    geometry : whether to include the geometry as MGF; RGB scenes only
+    reduction : percentage of the blocks of smallest tree cells that are merged
+    geometry : whether to include the geometry as MGF text; RGB scenes only
     name : product name
     seed : whole number ≥ 0; results are bitwise reproducible for a seed on one device
     device : compute device; "auto" selects a GPU if there is one
@@ -171,7 +172,7 @@ def _system(
     bands: Mapping[str, Weights] | None,
     name: str,
 ) -> System:
-    # Let arguments override the values of a parametric system
+    # Arguments override the values of a parametric system
     if isinstance(scene, System):
         system = replace(scene, area=area or scene.area, bands=bands or scene.bands)
     else:

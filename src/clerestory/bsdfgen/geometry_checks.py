@@ -1,8 +1,8 @@
 """Plausibility checks of the geometry of a shading system.
 
-Surfaces are checked for position, length unit and coplanar overlaps. Dielectrics are
-checked for closed solids with outward normals. Findings are warnings; only a system
-that lies entirely in the room is an error.
+Surfaces are checked for position, length unit and coplanar overlaps. Dielectric solids
+are checked for open edges and inward normals. All findings are warnings, except that a
+system entirely on the room side of z = 0 is an error.
 """
 
 from collections.abc import Iterator
@@ -16,20 +16,20 @@ from clerestory.scene.model import Dielectric, Interface, Scene, Surface
 from clerestory.scene.surface import extent
 from clerestory.scene.tessellate import Mesh, meshes
 
-# Largest z of surfaces that is tolerated without a warning [m], as in genBSDF.
+# Surfaces at larger z [m] cause a warning, as in genBSDF.
 _IN_ROOM = 1e-5
 
-# Largest thickness, largest width and smallest width of plausible systems [m].
+# Largest thickness, largest width and smallest width of a plausible system [m].
 _THICKEST, _WIDEST, _NARROWEST = 1.5, 60.0, 2e-5
 
-# Largest distance behind z = 0 relative to the size of the system, as in genBSDF.
+# Largest distance of the system from z = 0, relative to its size, as in genBSDF.
 _FAR_BEHIND = 0.1
 
 
 def check_system(scene: Scene, area: SampleArea) -> tuple[str, ...]:
     """Return warnings about a system, each with a surface and its line.
 
-    Checks for surfaces in the room, systems far behind z = 0, units other than metres,
+    Checks for surfaces at z > 0, systems far behind z = 0, units other than metres,
     open or inverted dielectric solids, and overlapping coplanar surfaces.
 
     >>> from clerestory.scene.model import Plastic, Polygon
@@ -101,7 +101,7 @@ _MOST_PAIRS = 4_000_000
 
 
 def check_overlaps(scene: Scene) -> Iterator[str]:
-    """Yield the first pair of overlapping coplanar surfaces and the number of pairs."""
+    """Yield one warning about overlapping coplanar surfaces, with the first pair."""
     parts = meshes(scene)
     corner = np.concatenate([m.vertices[m.faces] for m in parts])
     surface = np.concatenate([m.surface for m in parts])
@@ -157,7 +157,7 @@ def _pairs(
     flat, low, high = flat[order], low[order], high[order]
     surface, number = surface[order], number[order]
 
-    # Sweep along the first axis
+    # Find pairs of overlapping bounding boxes by a sweep along the first axis
     last = np.searchsorted(low[:, 0], high[:, 0])
     count = np.maximum(last - np.arange(len(flat)) - 1, 0)
     total = np.minimum(np.cumsum(count), _MOST_PAIRS)
@@ -177,7 +177,7 @@ def _overlap(
     other: Float[np.ndarray, "pair 3 2"],
     near: float,
 ) -> Bool[np.ndarray, " pair"]:
-    # Separating axis test on the normals of the edges
+    # Separating axis test for two triangles
     apart = np.zeros(len(one), dtype=bool)
     for part in (one, other):
         edge = np.roll(part, -1, axis=1) - part
@@ -191,7 +191,7 @@ def _overlap(
 
 
 def surface_label(surface: Surface) -> str:
-    """Return the file and line of a surface, its type and its name as text.
+    """File, line, type and name of a surface as text.
 
     >>> import numpy as np
     >>> from clerestory.scene.model import Sphere
@@ -206,10 +206,10 @@ def surface_label(surface: Surface) -> str:
 
 
 def check_solids(scene: Scene, area: SampleArea) -> Iterator[str]:
-    """Yield dielectrics with open edges or inward normals.
+    """Yield warnings about dielectric solids with open edges or inward normals.
 
     Each edge of a solid belongs to two faces that traverse it in opposite directions.
-    Edges in the sides of a periodic unit cell may be open.
+    Open edges on the sides of a periodic unit cell are allowed.
     """
     for mesh in meshes(scene):
         if not isinstance(mesh.material, Dielectric | Interface):
@@ -261,7 +261,7 @@ def _lone(edges: Int[np.ndarray, "edge 2"]) -> Bool[np.ndarray, " edge"]:
 def _in_sides(
     ends: Float[np.ndarray, "edge 2 3"], area: SampleArea
 ) -> Bool[np.ndarray, " edge"]:
-    # Edges in or beyond a side of the unit cell
+    # Edges on or outside the sides of the unit cell
     near = _SAME * float(area.size.max())
     low, high = area.bounds[0, :2] + near, area.bounds[1, :2] - near
     beyond = np.concatenate([ends[..., :2] <= low, ends[..., :2] >= high], axis=-1)

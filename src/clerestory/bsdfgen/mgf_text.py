@@ -30,14 +30,14 @@ from clerestory.scene.model import (
     Trans,
 )
 
-# Thickness at which MGF specifies the transmittance of a solid [m].
+# Thickness [m] to which the transmittance of solids in MGF refers.
 _SOLID_THICKNESS = 0.005
 
 _Colour = Float[np.ndarray, "3"]
 
 
 def mgf_text(scene: Scene, area: SampleArea) -> str:
-    """Return a system as MGF in metres, with the centre of its area at x = y = 0.
+    """MGF text of a system in metres; the centre of the sample area is at x = y = 0.
 
     >>> grey = Plastic("grey", np.full(3, 0.5))
     >>> slat = Polygon(np.array([[0.0, 0, -1], [2, 0, -1], [2, 2, -1]]), "grey", "slat")
@@ -115,7 +115,7 @@ def _trans(material: Trans) -> Iterator[str]:
 
 
 def _glass(material: Glass) -> Iterator[str]:
-    # Reflectance and transmittance of both surfaces together, at normal incidence
+    # Reflectance and transmittance of the pane (both surfaces) at normal incidence
     face = ((material.index - 1) / (material.index + 1)) ** 2
     inner = material.transmissivity
     series = 1 / (1 - (face * inner) ** 2)

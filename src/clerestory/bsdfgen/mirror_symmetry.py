@@ -1,7 +1,7 @@
 """Mirror symmetry of shading systems, for tracing fewer incident patches.
 
-If a system is symmetric left to right or top to bottom, the scattering of mirror-image
-incident patches is mirrored as well. Only one of such patches is traced.
+If a system has left–right or up–down mirror symmetry, mirror-image incident patches
+have mirror-image BSDFs. Only one patch of each group of mirror images is traced.
 """
 
 from collections import Counter
@@ -26,10 +26,10 @@ from clerestory.scene.model import (
     Trans,
 )
 
-# Tolerance for equal corners relative to the size of the system.
+# Tolerance for coinciding corners, relative to the size of the system.
 _SAME = 1e-5
 
-# Offset that keeps corners on a regular grid away from rounding boundaries.
+# Offset before rounding; it prevents corners of regular grids from halfway values.
 _OFF_GRID = 0.381966
 
 _ISOTROPIC = Plastic | Metal | Trans | Glass | Dielectric | Interface
@@ -43,7 +43,7 @@ NO_MIRROR = _FLIPS[:1]
 
 
 def mirror_flips(scene: Scene, area: SampleArea) -> tuple[Flip, ...]:
-    """Return the flips of x and y that map a system onto itself, the identity first.
+    """Sign changes of x and y that map a system onto itself, the identity first.
 
     The mirror planes pass through the centre of the sample area. Systems with surfaces
     other than polygons and cones, or with anisotropic materials, count as asymmetric.
@@ -72,12 +72,12 @@ def mirror_flips(scene: Scene, area: SampleArea) -> tuple[Flip, ...]:
 
 @dataclass(frozen=True, eq=False)
 class Orbits:
-    """Classes of patches that the mirror symmetries of a system map onto each other.
+    """Groups of patches that are mirror images of each other.
 
     Attributes
     ----------
-    chosen : patch of each class that is traced
-    flips : index of the image of each patch, for each mirror operation
+    chosen : index of the traced patch of each group
+    flips : index of the mirror image of each patch, for each mirror operation
     """
 
     chosen: Int[np.ndarray, " kind"]
@@ -85,7 +85,7 @@ class Orbits:
 
     @classmethod
     def of(cls, partition: RingPartition, mirror_flips: Sequence[Flip]) -> "Orbits":
-        """Return the classes of patches of a partition under given mirror operations.
+        """Group the patches of a partition under given mirror operations.
 
         Operations that do not map patches onto patches are ignored.
 
@@ -105,15 +105,15 @@ class Orbits:
 
     @property
     def kind(self) -> Indices:
-        """Index of the class of each patch."""
+        """Index of the group of each patch."""
         return np.asarray(np.searchsorted(self.chosen, self.flips.min(axis=0)))
 
     def unfolded(
         self, table: Float[np.ndarray, "*more kind exit"]
     ) -> Float[np.ndarray, "*more patch exit"]:
-        """Return a table for all incident patches from a table for the traced patches.
+        """Complete a table of traced incident patches to all incident patches.
 
-        A patch on a mirror plane is its own image: values of its mirror-image exit
+        If an incident patch is its own mirror image, values of mirror-image exit
         patches are averaged.
         """
         kind = self.kind
@@ -130,7 +130,7 @@ class Orbits:
 def _key(
     surface: Polygon | Cone, middle: Vector, flip: Flip, unit: float
 ) -> tuple[object, ...]:
-    # Key of a surface: material and mirrored, rounded coordinates
+    # Key for comparing surfaces: material and mirrored, rounded coordinates
     def grid(points: Directions) -> list[tuple[int, ...]]:
         moved = (points - middle) * [*flip, 1] / unit + _OFF_GRID
         return [tuple(row) for row in np.round(moved).astype(int).tolist()]

@@ -11,14 +11,14 @@ from jaxtyping import Int
 
 from clerestory.array_types import Indices
 
-# Bits of the codes in the lookup table.
+# Number of code bits that one table lookup converts.
 _TABLE_BITS = 16
 
 _Number = Int[np.ndarray, "*batch"]
 
 
 def incident_code(number: _Number, *, rank: int, levels: int) -> _Number:
-    """Return the code of the incident cell, from the last levels of a code.
+    """Code of the incident cell, from the last `levels` levels of a tree code.
 
     >>> incident_code(np.array([0b1110_1101]), rank=4, levels=2).tolist()
     [9]
@@ -35,7 +35,7 @@ def incident_code(number: _Number, *, rank: int, levels: int) -> _Number:
 
 @cache
 def _incident_parts(rank: int, digits: int) -> Indices:
-    # Lookup table: incident part of each code with `digits` digits
+    # Lookup table of the incident cell for each code with `digits` digits
     number = np.arange(1 << rank * digits)
     found = np.zeros_like(number)
     bits = rank - 2
@@ -52,7 +52,7 @@ def pair_code(
     rank: int,
     levels: int,
 ) -> Int[np.ndarray, " *place"]:
-    """Return the code of a pair of incident and exit cells.
+    """Code of a pair of an incident and an exit cell.
 
     >>> pair_code(np.array([0b10_01]), np.array([0b11_11]), rank=4, levels=2).tolist()
     [237]

@@ -1,4 +1,4 @@
-"""Postprocessing of traced BSDFs: reciprocity, merged transmissions, reduction."""
+"""Postprocessing of traced BSDFs: reciprocity, single transmission, reduction."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -20,7 +20,7 @@ from clerestory.errors import InputError
 def reciprocal_with_errors(functions: Functions) -> Functions:
     """Return functions averaged with their reciprocals, with reduced standard errors.
 
-    A value and its reciprocal are independent estimates of the same quantity.
+    A BSDF value and its reciprocal are independent estimates of the same quantity.
     """
     means = reciprocal_mean(Bsdf(functions)).functions
     found: Functions = {}
@@ -43,7 +43,7 @@ def _matrix_error(
     one, two = part.standard_error, other.standard_error
     if one is None or two is None:
         return None
-    # Self-reciprocal pairs of a reflection have one estimate: keep its error
+    # Pairs of patches that are their own reciprocal have one estimate: keep its error
     back = ScatteringMatrix(two, other.exits, other.incidents).reciprocal().values
     number = np.arange(one.size, dtype=float).reshape(one.shape)
     reverse = ScatteringMatrix(number, part.exits, part.incidents).reciprocal().values
@@ -67,7 +67,8 @@ def _tree_error(
 def one_transmission(functions: Functions) -> Functions:
     """Return rank 4 trees with one transmission per band, as in BSDF files.
 
-    As in genBSDF, the back transmission is kept; the front one is its reciprocal.
+    As in genBSDF, the back transmission is kept; the front transmission is its
+    reciprocal.
     """
     return {
         (band, name): part
@@ -89,7 +90,7 @@ def reduced(functions: Functions, percent: float) -> Functions:
 def error_functions(
     functions: Mapping[tuple[str, Function], ScatteringFunction],
 ) -> Functions:
-    """Return the standard errors of functions as functions on the same patches."""
+    """Return the standard errors of functions, on the same patches or cells."""
     found: Functions = {}
     for (channel, name), part in functions.items():
         if channel in ("cie-u", "cie-v"):

@@ -19,7 +19,7 @@ from clerestory.bsdfgen.system_parameters import (
 from clerestory.errors import InputError
 from clerestory.scene.model import Cone, Material, Plastic, Polygon, Scene
 
-# Corners of the polygon for a round hole; it has the area of the circle.
+# Number of corners of the polygon of equal area that replaces a round hole.
 _CORNERS = 48
 
 # Number of holes or threads along each side of the unit cell.
@@ -129,9 +129,9 @@ def sheet_with_holes(
     thickness: float,
     faces: Literal[1, 2] = 2,
 ) -> Scene:
-    """Return a sheet of one material with holes and their walls.
+    """Return a perforated sheet of one material, including the walls of the holes.
 
-    `faces`: number of faces of a thick sheet; 1 for materials that transmit.
+    `faces`: 2 (front and back of a thick sheet), or 1 for transmitting materials.
     """
     check_positive(pitch=pitch, hole=hole)
     check_not_negative(thickness=thickness)

@@ -1,7 +1,7 @@
 """Geometry of shading systems and the sample area through which rays are traced.
 
-The frame is that of genBSDF: +x along the width, +y up, +z into the room; the system is
-at z ≤ 0.
+Coordinates are as in genBSDF: +x along the width, +y up, +z into the room; the system
+is at z ≤ 0.
 """
 
 from collections.abc import Mapping, Sequence
@@ -16,7 +16,7 @@ from clerestory.bsdfgen.channel_weights import VISIBLE, Weights
 from clerestory.errors import InputError
 from clerestory.scene.model import Scene
 
-# Distance of the faces of the box from the system, relative to its size.
+# Distance between box faces and system, relative to the size of the system.
 _CLEARANCE = 1e-5
 
 
@@ -28,7 +28,7 @@ class SampleArea:
     ----------
     bounds : lower and upper corner [m]
     periodic : whether the box is the unit cell of an infinite periodic system: rays
-        that leave through a side re-enter through the opposite side; otherwise they are
+        that leave through a side re-enter through the opposite side instead of being
         lost
 
     Raises
@@ -97,9 +97,9 @@ class System:
 
     Attributes
     ----------
-    scene : geometry in the frame of genBSDF [m]
+    scene : geometry in coordinates of genBSDF [m]
     area : sample area
-    bands : channels of the BSDF by name, each with the weights of the scene's bands
+    bands : weights of the scene bands for each BSDF channel, by channel name
     product : product name and dimensions for the BSDF file
     """
 

@@ -1,7 +1,7 @@
 """Subdivision of tree cells into scaled subcells.
 
-A cell can have hundreds of subcells; a subcell stores only its Morton code, the index
-of its cell and a scale factor.
+A cell can have hundreds of subcells. Stored for a subcell are its Morton code, the
+index of its cell and a scale factor.
 """
 
 from collections.abc import Sequence
@@ -19,9 +19,9 @@ class Subcells:
 
     Attributes
     ----------
-    place : Morton code of each subcell on its level
+    place : Morton code of each subcell on its tree level
     cell : index of the cell that contains each subcell
-    factor : ratio of the subcell's value to the cell's value
+    factor : ratio of the BSDF of the subcell to the BSDF of the cell
     """
 
     place: Int32[np.ndarray, " piece"]
@@ -32,7 +32,7 @@ class Subcells:
         return len(self.place)
 
     def cut(self, split: Mask, *, rank: int) -> "tuple[Subcells, Subcells]":
-        """Return the subcells that are not split, and the children of the others."""
+        """Return the unsplit subcells, and the children of the split subcells."""
         width = 1 << rank
         place = (self.place[split, None] << rank) + np.arange(width, dtype=np.int32)
         branches = Subcells(
@@ -56,7 +56,7 @@ class Subcells:
 
 
 def whole_cells(place: Indices, height: Indices, *, depth: int) -> list[Subcells]:
-    """Return undivided cells as subcells, by their height above the smallest cells.
+    """Convert cells to one subcell each, grouped by height above the smallest cells.
 
     >>> cells = whole_cells(np.arange(16), np.zeros(16, int), depth=1)
     >>> [len(part) for part in cells]
@@ -73,7 +73,7 @@ def whole_cells(place: Indices, height: Indices, *, depth: int) -> list[Subcells
 def subcell_slots(
     pieces: Sequence[Subcells], *, rank: int
 ) -> Int32[np.ndarray, " slot"]:
-    """Return the slots of a tree, as in `ScatteringTree`; values are subcell indices.
+    """Slots of a tree, as in `ScatteringTree`, with subcell indices as values.
 
     Subcells are numbered in the given order, from the smallest size to the largest.
 

@@ -33,7 +33,7 @@ SYSTEMS: Mapping[str, Callable[..., System]] = MappingProxyType(
 
 
 def make_system(kind: str, values: Mapping[str, Any]) -> System:
-    """Return a parametric system by its name and parameters.
+    """Create a parametric system from its kind and its parameters.
 
     >>> make_system("fabric", {"openness": 0.03, "reflectance": 0.5}).product.name
     'Fabric, 3.0% open'
@@ -61,7 +61,7 @@ def make_system(kind: str, values: Mapping[str, Any]) -> System:
 
 
 def _check_kind(name: str, value: Any, default: Any) -> None:
-    # Expect a string or boolean if the default is one, otherwise numbers
+    # Strings and booleans need the type of the default; other parameters are numbers
     wanted = type(default) if isinstance(default, bool | str) else float
     numbers = value if isinstance(value, list | tuple) else [value]
     good = (
@@ -78,7 +78,7 @@ def _check_kind(name: str, value: Any, default: Any) -> None:
 
 
 def parse_parameters(text: str) -> dict[str, Any]:
-    """Return the parameters in a text such as `slat_width=0.08,tilt_deg=45`.
+    """Parse the parameters in a text such as `slat_width=0.08,tilt_deg=45`.
 
     Values for red, green and blue are separated by slashes.
 
@@ -110,7 +110,7 @@ def _value(word: str) -> Any:
 
 
 def read_system(path: str | Path) -> System:
-    r"""Return the system from a TOML file with `kind` and the parameters of the kind.
+    r"""Create the system in a TOML file with `kind` and the parameters of this kind.
 
     >>> import tempfile
     >>> text = 'kind = "venetian"\nslat_width = 0.08\nspacing = 0.072\n'

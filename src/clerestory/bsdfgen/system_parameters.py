@@ -1,4 +1,4 @@
-"""Validation of the parameters of parametric systems: reflectances and lengths."""
+"""Validation of parameters of parametric systems: reflectances and lengths."""
 
 from collections.abc import Mapping, Sequence
 
@@ -18,7 +18,7 @@ def channel_values(name: str, value: Share, solar: float | None = None) -> Vecto
     Parameters
     ----------
     name : name of the parameter, for error messages
-    solar : value in the solar band; the channels are then visible, solar, solar
+    solar : solar value; the three channels are then visible, solar and solar
 
     Examples
     --------
@@ -41,7 +41,7 @@ def channel_values(name: str, value: Share, solar: float | None = None) -> Vecto
 
 
 def bands(*, solar: bool) -> Mapping[str, Weights]:
-    """Return the channel weights that match the channels of `channel_values`."""
+    """BSDF channels that match the traced channels of `channel_values`."""
     return dict(VISIBLE_AND_SOLAR if solar else VISIBLE)
 
 

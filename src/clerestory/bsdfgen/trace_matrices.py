@@ -25,7 +25,7 @@ def trace_matrices(
 ) -> Traced:
     """Return matrices of transmission and reflection for the requested incident sides.
 
-    Of mirror-symmetric incident patches only one is traced.
+    Only one of several mirror-image incident patches is traced.
     """
     flips = mirror_flips(scene, request.area) if request.symmetry else NO_MIRROR
     orbits = Orbits.of(partition, flips)

@@ -18,11 +18,11 @@ class TraceRequest:
     Attributes
     ----------
     area : sample area
-    backs : incident sides: True for the back (room), False for the front (outdoors)
-    bands : channels of the BSDF by name, each with the weights of the scene's bands
-    colour : whether to add CIE X and Z, for trees u' and v'
+    backs : sides of incidence: True for back (room), False for front (outdoors)
+    bands : weights of the scene bands for each BSDF channel, by channel name
+    colour : whether to add channels CIE X and Z (trees: u' and v')
     effort : sampling effort
-    symmetry : whether to trace only one of mirror-symmetric patches
+    symmetry : whether to trace only one of several mirror-image incident patches
     """
 
     area: SampleArea
@@ -41,7 +41,7 @@ class Traced:
     ----------
     functions : scattering functions with standard errors, by band and name
     paths : number of traced paths
-    reached : whether the target error was reached in all parts
+    reached : whether the target error was reached everywhere
     """
 
     functions: Functions

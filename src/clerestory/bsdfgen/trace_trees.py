@@ -41,7 +41,7 @@ def trace_trees(
     ----------
     engine : module `engine.sample_area_tree`
     rank : 3 for isotropic systems, 4 otherwise
-    depth : levels below the root
+    depth : number of tree levels below the root
     """
     area, effort = request.area, request.effort
     slab = engine.lower_slab(scene, area.slab(), periodic=area.periodic)
@@ -75,7 +75,7 @@ def trace_trees(
 
 
 def _block(rank: int, depth: int, channels: int) -> int:
-    # Largest number of levels in a block whose sums fit into memory; all for rank 3
+    # Largest number of levels in a block whose sums fit into memory; rank 3: all levels
     if rank == 3:
         return depth
     within = depth
@@ -87,8 +87,8 @@ def _block(rank: int, depth: int, channels: int) -> int:
 def _pieces(
     blocks: list[FunctionEstimate], weights: Values, grid: Any
 ) -> tuple[Cells, list[Subcells]]:
-    # Select the cells of the whole tree from the estimates of all blocks; return them
-    # and their subcells
+    # Select the cells of the whole tree from the estimates of all blocks; return the
+    # cells and their subcells
     rank, depth = grid.rank, grid.depth
     levels = pruned_levels(_whole(blocks, grid), weights, rank=rank, levels=depth)
     cells = selected_cells(levels, rank=rank)
@@ -110,7 +110,7 @@ def _pieces(
 
 
 def _whole(blocks: list[FunctionEstimate], grid: Any) -> NodeValues:
-    # Join the blocks: convert codes within a block to codes within the whole tree
+    # Join the blocks: convert Morton codes of a block to codes of the whole tree
     if len(blocks) == 1:
         return blocks[0].finest
     inner = grid.rank * grid.block

@@ -1,9 +1,9 @@
 """Selection of tree cells by cost-complexity pruning.
 
-Small cells resolve peaks; large cells have less noise. A block of cells is merged if
-this lowers the expected squared error. A merged cell loses the true differences between
-its parts, whereas separate cells keep their noise. The noise is estimated from the sums
-of squared path weights in the smallest cells.
+Small cells resolve BSDF peaks; large cells have less noise. A block of cells is merged
+if this lowers the expected squared error: merging removes the true BSDF differences
+within the block, but also reduces the noise. The noise is estimated from the sums of
+squared path weights in the smallest cells.
 
 The tree of least cost is selected. The cost is a sum over cells of (2λ × variance of
 the cell's mean − square of the mean) × number of smallest cells in the cell. For λ = 1
@@ -21,20 +21,20 @@ from jaxtyping import Bool, Float, Int
 
 from clerestory.array_types import Indices, Mask, Values
 
-# λ of the cost. For a blind with 2,000 paths per cell, errors were smallest for λ from
-# 1 to 2; λ = 2 gave a third as many cells as λ = 1.
+# λ in the cost. For a blind with 2,000 paths per cell, errors were smallest for λ from
+# 1 to 2; λ = 2 gave one third of the cells of λ = 1.
 _CAUTION = 1.5
 
 
 @dataclass(frozen=True, eq=False)
 class NodeValues:
-    """Values of the nodes of one level with scattered light; other nodes are zero.
+    """BSDF of the nodes of one tree level; nodes with zero BSDF are omitted.
 
     Attributes
     ----------
     place : Morton codes of the nodes in ascending order
-    mean : mean of each channel over the smallest cells below the node [1/sr]
-    noise : sum of the luminance variances of the smallest cells below the node
+    mean : mean BSDF per channel over the smallest cells in the node [1/sr]
+    noise : sum of the luminance variances of the smallest cells in the node
     """
 
     place: Int[np.ndarray, " node"]
@@ -44,12 +44,12 @@ class NodeValues:
 
 @dataclass(frozen=True, eq=False)
 class Level:
-    """Nodes of one level, and whether their children are kept.
+    """Nodes of one tree level, with flags of the nodes to split.
 
     Attributes
     ----------
-    light : values of the nodes
-    split : whether the children of each node are kept
+    light : BSDF of the nodes
+    split : whether each node is split into its children
     """
 
     light: NodeValues
@@ -59,11 +59,11 @@ class Level:
 def pruned_levels(
     finest: NodeValues, weights: Values, *, rank: int, levels: int
 ) -> list[Level]:
-    """Return the levels from the roots to the smallest cells, with the nodes to split.
+    """Select the nodes to split, on each level from the roots to the smallest cells.
 
     Parameters
     ----------
-    finest : values of the smallest cells
+    finest : BSDF of the smallest cells
     weights : weight of each channel in the luminance
     """
     cost = _cost(finest.mean @ weights, finest.noise, 1)
@@ -74,7 +74,7 @@ def pruned_levels(
         found.append(Level(light, apart < together))
         cost = np.minimum(apart, together)
     if rank == 3 and levels > 0:
-        # Split the root: half of it is unused, so that its mean is meaningless
+        # Always split the root: half of it is unused, so that its mean is invalid
         found[-1].split[:] = True
     return found[::-1]
 
@@ -82,7 +82,7 @@ def pruned_levels(
 def _coarser(
     below: NodeValues, cost: Float[np.ndarray, " node"], *, rank: int
 ) -> tuple[NodeValues, Float[np.ndarray, " above"]]:
-    # Values of the parent nodes, and the summed cost of their children
+    # BSDF of the parent nodes, and the summed cost of the children of each node
     above = below.place >> rank
     first = np.flatnonzero(np.diff(above, prepend=-1))
     mean, noise, apart = (
@@ -98,13 +98,13 @@ def _cost(luminous: Values, noise: Values, cells: int) -> Values:
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """Cells below one or more roots.
+    """Selected cells of one or more (sub)trees.
 
     Attributes
     ----------
-    value : value of each cell and channel [1/sr]
-    noise : variance of the luminance of each cell
-    place : Morton code of each cell on its level
+    value : BSDF of each cell and channel [1/sr]
+    noise : luminance variance of each cell
+    place : Morton code of each cell on its tree level
     height : number of levels from the smallest cells up to each cell
     """
 

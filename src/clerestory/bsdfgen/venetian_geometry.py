@@ -2,8 +2,8 @@
 
 At tilt 0 slats are perpendicular to the window. Positive tilts lower the outer edge of
 horizontal slats, which blocks the sun, and turn the outer edge of vertical slats to the
-left, as seen from the room. Microlouvres are woven metal screens of small bars. They
-block direct light above the cut-off angle, a profile angle.
+left, as seen from the room. Microlouvres are woven metal screens of small bars that
+block direct light at profile angles above the cut-off angle.
 """
 
 import math
@@ -26,7 +26,7 @@ from clerestory.bsdfgen.system_parameters import (
 from clerestory.errors import InputError
 from clerestory.scene.model import Plastic, Polygon, Scene
 
-# Default ratio of thickness to width for slats with different sides.
+# Default ratio of thickness to width for slats with two different reflectances.
 _THIN = 1e-3
 
 # Smallest ratio of the unit cell's width and height to its depth, so that few paths
@@ -60,7 +60,7 @@ def venetian(
     slat_width : chord of a slat [m]
     spacing : distance between slats [m]
     tilt_deg : slat angle, −90 to 90; 0 is perpendicular to the window, and positive
-        angles lower the outer edge, or turn that of vertical slats to the left
+        angles lower the outer edge, or turn it to the left for vertical slats
     rise : height of the middle of a curved slat above its chord [m]; negative if below
     thickness : slat thickness [m]
     reflectance : reflectance of the upper side at tilt 0, or of the right side of
@@ -143,8 +143,8 @@ def venetian(
 
 
 class _Layout(NamedTuple):
-    # Number of slats in the area; number of slats on each side of the area that extend
-    # into it; width of the area; range of x that the slats cover
+    # Number of slats in the sample area; number of slats on each side of the area that
+    # extend into it; width of the area; range of x that the slats cover
     slats: int
     beyond: int
     across: float
@@ -252,7 +252,7 @@ def microlouvre(
 
 
 def _spacing(depth: float, thickness: float, cutoff: float, tilt_deg: float) -> float:
-    # At the cut-off angle the projections of adjacent bars across the ray just touch
+    # At the cut-off angle the projections of adjacent bars along the ray just touch
     turn = cutoff + math.radians(tilt_deg)
     across = depth * abs(math.sin(turn)) + thickness * abs(math.cos(turn))
     return across / math.cos(cutoff)

@@ -63,7 +63,7 @@ def plot(request: requests.PlotBsdf) -> None:
 
 
 def compare(request: requests.CompareBsdfs) -> None:
-    """Print the differences to the first BSDF, and draw all of them."""
+    """Print the differences of BSDFs from the first, and draw all BSDFs."""
     files, drawing = request.files, request.drawing
     if len(files) < 2:
         raise InputError("one BSDF file; two or more expected")
@@ -86,7 +86,7 @@ def view(request: requests.ViewBsdf) -> None:
 
 
 def insert(request: requests.InsertBsdf) -> None:
-    """Insert data into a template, and check that the result can be read."""
+    """Insert BSDF data into a template file, and check that the result can be read."""
     source, template, output = request.source, request.template, request.output
     wanted = [name.strip() for name in request.channels.split(",") if name.strip()]
     result = insert_blocks(

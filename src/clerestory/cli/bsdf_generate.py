@@ -57,7 +57,7 @@ def generate(request: GenerateBsdf) -> None:
 
 
 def _system(request: GenerateBsdf) -> System:
-    # Geometry from exactly one source, and its sample area
+    # Shading system of the only geometry option given, with its sample area
     files, dimensions = request.files or [], request.dimensions
     periodic = request.periodic
     kinds = keywords(request.kinds)

@@ -16,7 +16,7 @@ from clerestory.hemisphere.klems import klems
 
 
 def info_lines(bsdf: Bsdf) -> Iterator[str]:
-    """Yield a description of a BSDF: product, bases and main values."""
+    """Yield a description of a BSDF: product, bases, transmittances, reflectances."""
     product = bsdf.product
     rows = {
         "name": product.name,

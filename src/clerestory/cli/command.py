@@ -1,7 +1,7 @@
 """Commands defined by requests: a dataclass of options and a handler function.
 
-The module of the handler is loaded when the command is called, so that help loads only
-the requests.
+The module of the handler is imported when the command is called, so that printing help
+imports only the requests.
 """
 
 import importlib

@@ -1,4 +1,4 @@
-"""Effort of a command from its options."""
+"""Sampling effort of a command from its options."""
 
 from clerestory.cli.requests.common import EffortOptions
 from clerestory.engine.effort import Effort
@@ -9,7 +9,7 @@ from clerestory.progress import Progress
 def effort_of(
     options: EffortOptions, executor: Executor, progress: Progress | None
 ) -> Effort:
-    """Return the effort set by the options, with executor and progress function."""
+    """Return the sampling effort set by options, with executor and progress report."""
     return Effort(
         samples=options.samples,
         relative_error=options.relative_error,

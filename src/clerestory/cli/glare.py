@@ -63,7 +63,7 @@ def glare(request: GlareRequest) -> None:
 
 
 def _options(request: GlareRequest) -> EvalglareOptions:
-    # -T also sets the task
+    # Option -T also sets the task area
     if request.shown_task is None:
         return request.options
     sources = replace(request.options.sources, task=request.shown_task)

@@ -12,7 +12,7 @@ from clerestory.glare.result import Glare
 from clerestory.glare.source_table import GlareSources
 from clerestory.glare.veiling import veiling_luminance
 
-# Quantity of each column of evalglare
+# Name of the quantity in each column of evalglare
 _SHORT = {q.column: q.name for q in REPORTED if q.column and q.in_short_line}
 _LONG = {q.column: q.name for q in REPORTED if q.column}
 
@@ -73,8 +73,8 @@ def source_lines(result: Glare) -> list[str]:
 
 
 def _shares(result: Glare) -> tuple[np.ndarray, np.ndarray]:
-    # Contribution of each source to the contrast term of DGP, relative to that of all
-    # sources and relative to DGP
+    # Contribution of each source to the contrast term of DGP, relative to the whole
+    # contrast term and relative to DGP
     sources, k = result.sources, result.coefficients
     scale = result.illuminance**k.a3
     each = k.c2 * np.log10(1 + sources.weight() / scale)
@@ -84,7 +84,7 @@ def _shares(result: Glare) -> tuple[np.ndarray, np.ndarray]:
 
 
 def source_rows(sources: GlareSources) -> list[dict[str, float]]:
-    """Return the sources as records."""
+    """Return the glare sources as records."""
     return [
         {
             "pixels": int(sources.pixels[i]),

@@ -66,7 +66,7 @@ def fit(request: requests.FitMeasurement) -> None:
 
 
 def check(request: requests.CrossValidation) -> None:
-    """Print the errors of a cross-validation, and draw a map of them."""
+    """Print the errors of a cross-validation, and map them over incident directions."""
     output = request.output
     if output is not None:
         figure_format(output)

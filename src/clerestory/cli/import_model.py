@@ -17,7 +17,7 @@ _HONEYBEE, _MESHES = (".hbjson", ".json"), (".obj", ".gltf", ".glb")
 
 
 def import_model(request: ImportModel) -> None:
-    """Convert a model, and print what was written and what was left out."""
+    """Convert a model, and print the written files and the omitted objects."""
     model, output, quiet = request.model, request.output, request.quiet
     weather, materials = request.weather, request.materials
     kind = model.suffix.lower()

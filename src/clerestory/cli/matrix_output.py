@@ -13,7 +13,7 @@ from clerestory.sky.patch_radiance import SkyMatrix
 def write_any_matrix(
     path: Path, matrix: TransferMatrix, *, encoding: Encoding, command: str
 ) -> None:
-    """Write a matrix; labels and errors are kept only in `.nc` files.
+    """Write a matrix; only `.nc` files contain labels and standard errors.
 
     Radiance programs expect three components, so a single channel is repeated.
     """

@@ -50,7 +50,7 @@ _HOURS_A_YEAR = 8760
 
 @dataclass(frozen=True, eq=False)
 class _Grid:
-    # Illuminance of one grid, its error, and direct-sun illuminance if known
+    # Illuminance of one grid, its standard error, and direct-sun illuminance [lux]
     name: str
     lux: xr.DataArray
     error: xr.DataArray | None
@@ -172,7 +172,7 @@ def _scheduled(path: Path | None) -> dict[str, np.ndarray]:
 
 
 def _operated(folder: HoneybeeFolder, name: str) -> dict[str, np.ndarray]:
-    # Direct illuminance per group and state; groups without states are unshaded
+    # Direct illuminance per window group and state; groups without states are unshaded
     groups = folder.dynamic_paths(name)
     if not groups:
         return {}

@@ -62,7 +62,7 @@ def read_any_matrix(path: Path) -> TransferMatrix:
 
 
 def _terms(factors: list[Path]) -> list[list[Path]]:
-    # The files of each product
+    # Factors of each product
     terms: list[list[Path]] = [[]]
     for factor in factors:
         if str(factor) == "+":

@@ -23,7 +23,7 @@ _LINE_EVERY = 10.0
 def progress_display(*, quiet: bool) -> Iterator[Callable[[str], Progress]]:
     """Yield a function that starts the progress display of a phase of a given name.
 
-    It returns a function to be called with the completed fraction, 0…1, and a note.
+    The display is updated by calls with the completed fraction, 0…1, and a note.
     """
     if quiet:
         yield lambda _name: _nothing

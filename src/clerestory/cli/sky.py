@@ -143,7 +143,7 @@ def _placement(size: float | None) -> tuple[SunPlacement, float]:
 
 
 def selected_weather(file: Path, days: requests.Days, moment: str | None) -> Weather:
-    """Return the weather of one time step or several days; check its time stamps."""
+    """Return the weather of one time step or several days, with checked time stamps."""
     weather = read_weather(file)
     warn_of_clock(weather)
     first, last = days.first_day, days.last_day

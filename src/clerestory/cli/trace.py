@@ -141,7 +141,7 @@ class _Run:
     begin: float
 
     def effort(self, options: common.EffortOptions, title: str) -> Effort:
-        """Return the effort of a matrix, with its own progress display."""
+        """Return the sampling effort of a matrix, with a separate progress display."""
         return effort_of(options, self.executor, self.progress(title))
 
     def write(

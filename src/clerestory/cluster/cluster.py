@@ -41,7 +41,7 @@ _PATIENCE = 60.0
 
 @dataclass(frozen=True, eq=False)
 class _Sent:
-    # A value and the future of its copies on the workers
+    # A value sent to the workers, and the dask future of its copies there
     value: object
     copies: Any
 
@@ -93,7 +93,7 @@ class Cluster:
         self._client.close()
 
     def workers(self) -> int:
-        """Return the current number of workers: one unit at a time runs on each."""
+        """Return the current number of workers, each of which traces one unit."""
         return len(self._client.scheduler_info(n_workers=-1)["workers"])
 
     def resolve(self, device: Device) -> Literal["cpu", "cuda"]:
@@ -137,7 +137,7 @@ class Cluster:
                 unit, future = running.popleft()
                 yield self._result(job, unit, future)
         finally:
-            # Also after an error or an interruption: cancel the submitted units
+            # Cancel submitted units, also after an error or an interruption
             self._client.cancel([future for _, future in running])
 
     def _submit(self, job: Job, unit: Unit) -> Any:

@@ -57,5 +57,5 @@ def versions() -> dict[str, str]:
 
 
 def device_of(wanted: Device) -> str:
-    """Return the device selected on this worker for a request."""
+    """Return this worker's device for a setting such as "auto"."""
     return str(resolve(wanted))

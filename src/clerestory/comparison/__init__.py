@@ -1,1 +1,1 @@
-"""Comparison of measured with simulated time series."""
+"""Comparison of measured and simulated time series."""

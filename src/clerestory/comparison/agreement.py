@@ -29,9 +29,9 @@ class Agreement:
 
     Attributes
     ----------
-    count : number of pairs
-    within : fraction of the pairs with deviations below 5, 10, 20 %, 0…1
-    measured, simulated : means, in the unit of the series
+    count : number of pairs of values
+    within : fraction of the pairs with absolute relative deviations below 5, 10, 20 %
+    measured, simulated : mean measured and simulated value, in the unit of the series
     mean_bias : mean bias error (MBE), in the unit of the series
     relative_bias : mean bias error divided by the measured mean
     rmse : root mean square error, in the unit of the series
@@ -56,7 +56,7 @@ class Agreement:
 def agreement(
     measured: Float[np.ndarray, " pair"], simulated: Float[np.ndarray, " pair"]
 ) -> Agreement:
-    """Return the statistics of pairs of values.
+    """Return the statistics of pairs of measured and simulated values.
 
     >>> found = agreement(np.array([100.0, 200.0]), np.array([104.0, 230.0]))
     >>> found.within, found.mean_bias, round(found.relative_bias, 4)

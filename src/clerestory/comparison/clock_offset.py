@@ -1,6 +1,6 @@
-"""Clock offset between measurement and simulation, by the minimum of CV(RMSE).
+"""Clock offset between measurement and simulation: the shift of smallest CV(RMSE).
 
-The offset is reported and not applied.
+The offset is reported but not applied.
 """
 
 from collections.abc import Callable
@@ -11,10 +11,10 @@ import numpy as np
 
 from clerestory.comparison.time_alignment import Pairs
 
-# Largest shift and step of the search [min]
+# Largest time shift and step of the search [min]
 _LARGEST, _STEP = 120, 5
 
-# Smallest number of distinct times for a search
+# Smallest number of distinct times required for a search
 _FEWEST = 8
 
 
@@ -25,8 +25,8 @@ class Offset:
 
     Attributes
     ----------
-    minutes : shift added to the measured times [min]
-    rmse, rmse_unmoved : CV(RMSE) with this shift and without
+    minutes : time shift added to the measured times [min]
+    rmse, rmse_unmoved : CV(RMSE) with and without the time shift
     """
 
     minutes: int
@@ -35,12 +35,17 @@ class Offset:
 
     @property
     def matters(self) -> bool:
-        """Whether the shift reduces CV(RMSE) by more than a tenth."""
+        """Whether the time shift reduces CV(RMSE) by more than a tenth."""
         return self.minutes != 0 and self.rmse < 0.9 * self.rmse_unmoved
 
 
 def search_offset(pairs_at: Callable[[int], Pairs]) -> Offset | None:
-    """Return the best shift within two hours; None if there are too few pairs."""
+    """Return the best time shift up to two hours; None if there are too few pairs.
+
+    Parameters
+    ----------
+    pairs_at : function that returns the pairs for a time shift [min]
+    """
     unmoved = pairs_at(0)
     if len(np.unique(unmoved.times)) < _FEWEST:
         return None
@@ -50,7 +55,7 @@ def search_offset(pairs_at: Callable[[int], Pairs]) -> Offset | None:
         pairs = pairs_at(minutes)
         if pairs.measured.size >= enough:
             found[minutes] = _variation(pairs)
-    # Among equally good shifts choose the smallest
+    # Among time shifts of equal CV(RMSE), choose the smallest
     best = min(found, key=lambda minutes: (found[minutes], abs(minutes)))
     return Offset(best, found[best], found[0])
 

@@ -1,4 +1,4 @@
-"""Notes on the method of a comparison, as sentences."""
+"""Notes on a comparison, as sentences of the report."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ _SHOWN = 8
 
 
 def comparison_notes(comparison: Comparison) -> list[str]:
-    """Return notes on included and excluded values and on the alignment of times."""
+    """Return notes on included and excluded values and on time alignment."""
     rules = comparison.rules
     notes = [
         *_counted(comparison),

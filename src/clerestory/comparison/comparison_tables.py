@@ -1,4 +1,4 @@
-"""Tables of a comparison: fractions within limits, statistics, all pairs; and JSON."""
+"""Output of comparisons as CSV tables and JSON."""
 
 import csv
 import io
@@ -33,9 +33,10 @@ _STATISTICS = (
 
 
 def shares_table(comparisons: Sequence[Comparison]) -> list[list[str]]:
-    """Return the fractions of pairs within the limits, simulations side by side.
+    """Return a table of the fractions of pairs with deviations within the limits.
 
-    The first row is the header; each further row holds one group and quantity.
+    The first row is the header. Each further row is for one group (grid or view) and
+    quantity, with columns for each simulation.
     """
     head = ["group", "quantity", "pairs"]
     for comparison in comparisons:
@@ -53,7 +54,7 @@ def shares_table(comparisons: Sequence[Comparison]) -> list[list[str]]:
 
 
 def statistics_table(comparisons: Sequence[Comparison]) -> list[list[str]]:
-    """Return all statistics, first of the groups, then of the series."""
+    """Return a table of all statistics, first of the groups, then of the series."""
     rows = [["simulation", "series", "quantity", "unit", *_STATISTICS]]
     for comparison in comparisons:
         for (group, quantity), found in comparison.table().items():
@@ -80,7 +81,7 @@ def write_tables(comparisons: Sequence[Comparison], folder: Path) -> None:
 
 
 def comparison_facts(comparison: Comparison) -> dict[str, Any]:
-    """Return the results of a comparison, without the pairs, as values for JSON."""
+    """Return the results of a comparison, without pairs, as a JSON-compatible dict."""
     pairs = comparison.pairs
     return {
         "simulation": comparison.name,
@@ -109,7 +110,7 @@ def comparison_facts(comparison: Comparison) -> dict[str, Any]:
 
 
 def _plain(found: Agreement) -> dict[str, Any]:
-    # JSON has no NaN
+    # Replace NaN by None, since JSON has no NaN
     return {
         key: None if isinstance(value, float) and np.isnan(value) else value
         for key, value in asdict(found).items()

@@ -1,7 +1,7 @@
-"""Grid scans: tables of illuminance readings, taken row by row over a grid of points.
+"""Grid scans: tables of illuminance readings, taken row by row on a grid of points.
 
-A layout defines the points of the columns and rows of the table; each reading is
-assigned to the sensor of the study at its point.
+A layout defines the measuring points of the columns and rows of the table; each reading
+is compared with the sensor of the study at the same point.
 """
 
 import csv
@@ -21,18 +21,20 @@ from clerestory.sky.station_file import Table
 
 
 class GridLayout(Table):
-    """Points at which the readings of a scan were taken.
+    """Measuring points of a grid scan.
 
     Attributes
     ----------
-    columns : names of the columns to be read
-    column_axis : axis along which the points of a row lie
-    column_at, row_at : coordinates [m] of the columns along that axis and of the rows
-        along the other axis
-    height : height of the points [m]
-    grid : sensor grid of the study at these points; if empty, all grids are searched
-    factor : multiplier of the readings, 1000 for kilolux
-    tolerance : largest distance of the study's sensor from a point [m]
+    columns : names of the table columns with readings
+    column_axis : axis along which columns follow each other, "x" or "y"
+    column_at, row_at : coordinates of the columns along this axis, and of the rows
+        along the other horizontal axis [m]
+    height : z coordinate of the points [m]
+    grid : name of the sensor grid of the study; if empty, all grids are searched
+    separator : character between cells
+    skip_lines : number of lines before the header
+    factor : factor from readings to lux, 1000 for kilolux
+    tolerance : largest distance between a point and a sensor of the study [m]
     """
 
     columns: list[str] = Field(min_length=1, description="a list of columns")
@@ -55,7 +57,7 @@ class GridLayout(Table):
         return self
 
     def positions(self) -> Float[np.ndarray, "row column 3"]:
-        """Return the point of each reading [m]."""
+        """Return the measuring point of each reading [m]."""
         down, across = np.meshgrid(self.row_at, self.column_at, indexing="ij")
         height = np.full(down.shape, self.height)
         x, y = (down, across) if self.column_axis == "y" else (across, down)
@@ -63,14 +65,14 @@ class GridLayout(Table):
 
 
 class GridScan(Table):
-    """A grid scan in a file of its own.
+    """A grid scan, stored in one file.
 
     Attributes
     ----------
     file : name of the file
-    at : time of the first row, on the clock of the measurement
+    at : time of the first row, by the clock of the measurement
     layout : name of the layout
-    row_minutes : time between rows [min]; 0 if all readings were simultaneous
+    row_minutes : time between rows [min]; 0 for simultaneous readings
     backwards : whether the rows of the file are in the reverse order of `row_at`
     """
 
@@ -84,7 +86,7 @@ class GridScan(Table):
 def read_scan(
     folder: Path, scan: GridScan, *, layout: GridLayout, near: Series
 ) -> list[Series]:
-    """Return the readings of a scan, one `Series` per measured time."""
+    """Return the readings of a scan as one `Series` per time of measurement."""
     path = folder / scan.file
     readings = layout.factor * _cells(path, layout)
     names = sensors_at(layout, near)
@@ -111,7 +113,7 @@ def read_scan(
 
 
 def sensors_at(layout: GridLayout, near: Series) -> list[list[str]]:
-    """Return the study's sensor at each point of a layout, row by row."""
+    """Return the name of the sensor of the study at each point of a layout, by rows."""
     if near.position is None:
         raise InputError(
             "no positions of sensors; scans need the results.nc of a run",
@@ -162,7 +164,7 @@ def _cells(path: str | Path, layout: GridLayout) -> np.ndarray:
 
 
 def _number(row: list[str], place: int, path: str | Path) -> float:
-    # An empty cell is a missing reading
+    # Empty cells are missing readings, NaN
     text = row[place].strip() if place < len(row) else ""
     try:
         value = float(text) if text else float("nan")

@@ -1,4 +1,4 @@
-"""Series in CSV files of data loggers: a column of times and a column per series."""
+"""CSV files of data loggers, with a column of times and one column per series."""
 
 import csv
 from collections.abc import Sequence
@@ -17,17 +17,19 @@ from clerestory.sky.time_steps import centres, require_increasing, typical_step
 
 
 class LoggerFile(Table):
-    """A CSV file with a column of times.
+    """Description of a CSV file of a data logger.
 
     Attributes
     ----------
     file : name of the file
-    time : column of times, or several columns that are joined
+    time : column of times, or several columns whose texts are joined
     columns : column name of each series
     time_format : format for `datetime.strptime`; default: ISO 8601
-    stands_for : whether times are the start, centre or end of their steps; "moment" for
-        instantaneous readings
-    factor : multiplier of the values, 1000 for kilolux
+    stands_for : whether times are the "start", "centre" or "end" of the steps; "moment"
+        for instantaneous readings
+    separator : character between cells
+    skip_lines : number of lines before the header
+    factor : factor on the values, 1000 for kilolux
     """
 
     file: str = Field(min_length=1, description="the name of a file in quotes")
@@ -49,7 +51,7 @@ def read_logger(
     utc_offset_hours: float,
     clock: str | None = None,
 ) -> Series:
-    """Return the series in a CSV file.
+    """Return the series in a CSV file of a data logger.
 
     Parameters
     ----------
@@ -80,8 +82,8 @@ def read_logger(
 def read_plain(path: str | Path, *, utc_offset_hours: float) -> Series:
     """Return the series of a CSV file whose first column is the time.
 
-    Times are ISO 8601 and stand for the centres of their steps; the other columns have
-    the names of series. Tables written by `clerestory run` have this format.
+    Times are in ISO 8601 and mark the centres of the steps; the headings of the other
+    columns are the names of the series. `clerestory run` writes tables of this format.
     """
     path = Path(path)
     time, *names = _header(path)

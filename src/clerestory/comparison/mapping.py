@@ -20,7 +20,7 @@
     at = 2024-06-26T09:00:00
     layout = "classroom"
 
-File names are relative to the folder of the mapping.
+File names are relative to the folder of the mapping file.
 """
 
 from pathlib import Path
@@ -75,16 +75,16 @@ def read_mapping(path: str | Path) -> Mapping:
 
 
 def read_measured_series(path: str | Path, *, near: Series) -> list[Series]:
-    """Return all measured series, on the clock of a study.
+    """Return all measured series, with times converted to the UTC offset of a study.
 
     Parameters
     ----------
-    path : a mapping (.toml), or a CSV file whose columns have the names of series
-    near : series of the study
+    path : mapping file (.toml), or CSV file whose headings are the names of the series
+    near : simulated series of the study
 
     Raises
     ------
-    InputError : the mapping or one of its files is invalid
+    InputError : the mapping file or a measurement file is invalid
     """
     path = Path(path)
     if path.suffix.lower() != ".toml":

@@ -1,8 +1,9 @@
-"""Measured or simulated quantities over time.
+"""Time series of measured or simulated quantities.
 
-Series are named like results: `desks.3` is the third sensor of the grid "desks",
-`eye.dgp` the daylight glare probability of the view "eye". The quantity is the part
-after the last dot if it is known, otherwise illuminance.
+The names of series are those of results: `desks.3` is the illuminance of the third
+sensor of the grid "desks", `eye.dgp` the daylight glare probability of the view "eye".
+The quantity of a series is the part of the name after the last dot if this is a key of
+`UNITS`, otherwise illuminance.
 """
 
 from dataclasses import dataclass, replace
@@ -16,7 +17,7 @@ from clerestory.glare.indices import INDICES
 
 ILLUMINANCE = "illuminance"
 GLARE = tuple(index.name for index in INDICES)
-# Units of the quantities recognised in names
+# Unit of each quantity that may be the last part of a name
 UNITS = {
     ILLUMINANCE: "lux",
     **{index.name: index.unit.removeprefix("1") for index in INDICES},
@@ -35,7 +36,7 @@ def quantity_of(name: str) -> str:
 
 
 def group_of(name: str) -> str:
-    """Return the grid or the view that a series belongs to.
+    """Return the name of the grid or view of a series.
 
     >>> group_of("desks.3"), group_of("eye.dgp"), group_of("Ev")
     ('desks', 'eye', 'Ev')
@@ -47,17 +48,17 @@ def group_of(name: str) -> str:
 @final
 @dataclass(frozen=True, eq=False)
 class Series:
-    """Several quantities at the same times.
+    """Time series of several quantities at the same times.
 
     Attributes
     ----------
     names : names of the series
     times : centres of the steps, local standard time, increasing
-    values : values in the unit of the series' quantity; NaN if missing
+    values : values of each series, in the unit of the quantity; NaN if missing
     step_minutes : length of a step [min]; 0 for instantaneous values
-    utc_offset_hours : clock time minus UTC [h]
+    utc_offset_hours : local standard time minus UTC [h]
     error : standard errors of the values; None if unknown
-    position : position of each series' sensor [m], NaN if unknown
+    position : position of the sensor of each series [m]; NaN if unknown
     source : file name of the series
     """
 
@@ -86,18 +87,18 @@ class Series:
             )
 
     def on_clock(self, utc_offset_hours: float) -> "Series":
-        """Return the series with the times converted to another UTC offset."""
+        """Return the series with times converted to another UTC offset [h]."""
         ahead = round((utc_offset_hours - self.utc_offset_hours) * 3600)
         times = self.times + np.timedelta64(ahead, "s")
         return replace(self, times=times, utc_offset_hours=utc_offset_hours)
 
     def shifted(self, minutes: float) -> "Series":
-        """Return the series with its times shifted by some minutes."""
+        """Return the series with the given minutes added to the times."""
         later = np.timedelta64(round(minutes * 60), "s")
         return replace(self, times=self.times + later)
 
     def select(self, names: list[str]) -> "Series":
-        """Return some of the series, in the order of `names`."""
+        """Return the series with the given names, in this order."""
         rows = [self.names.index(name) for name in names]
         return replace(
             self,

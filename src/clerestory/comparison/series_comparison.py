@@ -30,13 +30,13 @@ Label = TypeVar("Label", str, tuple[str, str])
 @final
 @dataclass(frozen=True)
 class Rules:
-    """Selection of values, and alignment of times.
+    """Settings of a comparison: selection of values and alignment of times.
 
     Attributes
     ----------
-    above_lux : smaller measured illuminances are excluded [lux]
-    shift_minutes : shift added to the measured times [min]
-    coverage : smallest fraction of a coarse step covered by finer values, 0…1
+    above_lux : limit up to which measured illuminances are excluded [lux]
+    shift_minutes : time shift added to the measured times [min]
+    coverage : fraction of a coarse step that values of finer steps must cover, 0…1
     """
 
     above_lux: float = ABOVE_LUX
@@ -59,11 +59,11 @@ class Comparison:
     ----------
     name : name of the simulation
     pairs : included pairs
-    below : number of pairs of each series excluded by `above_lux`
+    below : number of pairs of each series that are excluded by `above_lux`
     rules : settings of the comparison
-    offset : clock shift of best agreement for each quantity, not applied
-    unmatched : measured series missing from the simulation
-    years_ignored : whether only month, day and time of day were matched
+    offset : time shift of best agreement for each quantity; it is not applied
+    unmatched : names of measured series that were not simulated
+    years_ignored : whether times were matched by month, day and time of day only
     step_minutes : time step of the simulation [min]
     """
 
@@ -86,7 +86,7 @@ class Comparison:
         return self._agreements(list(self.pairs.names))
 
     def _agreements(self, labels: list[Label]) -> dict[Label, Agreement]:
-        # `labels` has one label per series; labels without pairs are omitted
+        # Agreement of all series with the same label; `labels` has one label per series
         found = {}
         for label in dict.fromkeys(labels):
             rows = [i for i, each in enumerate(labels) if each == label]
@@ -107,12 +107,15 @@ def compare_series(
 
     Parameters
     ----------
-    measured : series from `read_measured_series`, on the clock of the simulation
+    measured : series from `read_measured_series`, with the UTC offset of the simulation
     simulated : series from `simulated_series`, or another measurement
+    name : name of the simulation
+    rules : settings of the comparison
 
     Raises
     ------
-    InputError : no series or time step in common, or no measurement above the limit
+    InputError : no series or times are in common, or no measured value is above the
+        limit
 
     Examples
     --------
@@ -164,7 +167,7 @@ def _pairs(
 
 
 def _counts(pairs: Pairs, rules: Rules) -> np.ndarray:
-    # Count illuminances above the limit and glare indices above 0
+    # Include illuminances above the limit and glare indices above 0
     lux = np.array([quantity_of(name) == ILLUMINANCE for name in pairs.names])
     limit = np.where(lux[pairs.series], rules.above_lux, 0.0)
     return np.asarray(pairs.measured > limit)
@@ -200,7 +203,7 @@ def _offsets(
 def _in_the_same_years(
     measured: Sequence[Series], simulated: Series
 ) -> tuple[list[Series], bool]:
-    # The year of typical weather is arbitrary: match month, day and time of day
+    # The year of a typical year is arbitrary, so match month, day and time of day
     ours = set(simulated.times.astype("datetime64[Y]").astype(int).tolist())
     theirs = {
         int(year)
@@ -214,7 +217,8 @@ def _in_the_same_years(
 
 
 def _in_year(series: Series, year: int) -> Series:
-    # Drop 29 February if the year has none, and all years after the first
+    # Move the times of the first year to another year; drop all other years, and 29
+    # February if the other year has none
     months = series.times.astype("datetime64[M]")
     day = (series.times.astype("datetime64[D]") - months).astype(int)
     rest = series.times - series.times.astype("datetime64[D]")

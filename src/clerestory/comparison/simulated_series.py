@@ -1,4 +1,4 @@
-"""Simulated series: illuminance of sensors and glare indices of views."""
+"""Simulated time series: illuminance of sensors and glare indices of views."""
 
 from pathlib import Path
 
@@ -13,13 +13,13 @@ from clerestory.study.results import read_results
 def simulated_series(path: str | Path) -> Series:
     """Return the series of a run, given its folder or its `results.nc`.
 
-    Sensor series have the names of the sensors; views have the series `VIEW.dgp`,
-    `VIEW.dgi` … and `VIEW.illuminance`, the vertical illuminance at the eye [lux].
+    The series of sensors have the names of the sensors; the series of views are
+    `VIEW.dgp`, `VIEW.dgi` … and `VIEW.illuminance`, the vertical illuminance at the eye
+    [lux].
 
     Raises
     ------
-    InputError : the file holds no results, or was written by a version without UTC
-        offset
+    InputError : the file contains no results, or no UTC offset (older versions)
     """
     data = read_results(path).data
     if "utc_offset_hours" not in data.attrs:

@@ -1,9 +1,9 @@
 """Time alignment of measured and simulated series.
 
-The finer series is averaged over the steps of the coarser series, if enough of a step
-is covered. If both have the same step, or measurements are instantaneous, the
-simulation is interpolated between the centres of its steps. Clocks are not corrected;
-see `clock_offset`.
+The series with shorter steps is averaged over the steps of the other series, if enough
+of the step is covered. If both have steps of the same length, or measurements are
+instantaneous, simulated values are interpolated between the centres of the steps. Clock
+offsets are not corrected; see `clock_offset`.
 """
 
 from dataclasses import dataclass, replace
@@ -27,9 +27,9 @@ class Pairs:
     ----------
     names : names of the series
     series : index of the series of each pair
-    times : centre of each pair's step, local standard time
-    measured, simulated : values of the pairs
-    error : standard error of the simulated value, NaN if unknown
+    times : centre of the step of each pair, local standard time
+    measured, simulated : measured and simulated value of each pair
+    error : standard error of the simulated value; NaN if unknown
     gaps : number of missing measured values of each series
     outside : number of measured values of each series at times without simulation
     """
@@ -44,7 +44,7 @@ class Pairs:
     outside: Int[np.ndarray, " series"]
 
     def where(self, chosen: np.ndarray) -> "Pairs":
-        """Return the pairs selected by a mask; the list of series is unchanged."""
+        """Return the pairs in a mask or index array; `names` are unchanged."""
         return replace(
             self,
             series=self.series[chosen],
@@ -55,7 +55,7 @@ class Pairs:
         )
 
     def of(self, name: str) -> "Pairs":
-        """Return the pairs of one series in order of time."""
+        """Return the pairs of one series, ordered by time."""
         one = self.where(self.series == self.names.index(name))
         order = np.argsort(one.times, kind="stable")
         return one.where(order)
@@ -69,7 +69,7 @@ def pair_series(
     Parameters
     ----------
     measured, simulated : series with the same UTC offset
-    coverage : smallest fraction of a coarse step covered by finer values, 0…1
+    coverage : fraction of a coarse step that values of finer steps must cover, 0…1
     """
     coarse = (measured.step_minutes - simulated.step_minutes) * 60
     if measured.step_minutes > 0 and coarse < -_SAME:
@@ -81,7 +81,7 @@ def pair_series(
         gaps = np.isnan(measured.values).sum(axis=1)
         if coarse > _SAME and measured.step_minutes > 0:
             simulated_at, _ = _averaged(simulated, measured, coverage, simulated.values)
-            # Steps of one sensor share a matrix: their errors are correlated
+            # Average the errors: they are correlated, since all steps share a matrix
             error = simulated.error
             if error is not None:
                 error, _ = _averaged(simulated, measured, coverage, error)
@@ -103,7 +103,7 @@ def pair_series(
 
 
 def join_pairs(parts: list[Pairs]) -> Pairs:
-    """Return the pairs of several files; series of equal names are joined."""
+    """Join the pairs of several files; pairs of equal series names are combined."""
     names = tuple(dict.fromkeys(name for part in parts for name in part.names))
     place = {name: number for number, name in enumerate(names)}
     gaps, outside = np.zeros(len(names), int), np.zeros(len(names), int)
@@ -132,8 +132,8 @@ def _seconds(times: np.ndarray) -> np.ndarray:
 def _averaged(
     fine: Series, coarse: Series, coverage: float, values: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    # Return means over the coarse steps (NaN below the coverage) and the number of
-    # missing values. A fine step belongs to the coarse step that contains its centre
+    # Means over the coarse steps (NaN below the coverage), and number of missing values
+    # of each series. Fine steps are assigned to coarse steps by their centres
     moments, middles = _seconds(fine.times), _seconds(coarse.times)
     half = coarse.step_minutes * 30
     bin_of = np.searchsorted(middles - half, moments, side="right") - 1
@@ -156,8 +156,8 @@ def _averaged(
 def _interpolated(
     series: Series, times: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray | None]:
-    # Interpolate between the centres of neighbouring steps; constant up to half a step
-    # beyond the ends
+    # Linear interpolation between the centres of consecutive steps; constant up to half
+    # a step beyond the ends
     moments, middles = _seconds(times), _seconds(series.times)
     step = max(series.step_minutes * 60, 1.0)
     after = np.clip(np.searchsorted(middles, moments), 0, len(middles) - 1)
@@ -166,7 +166,7 @@ def _interpolated(
     weight = np.divide(
         moments - middles[before], gap, out=np.ones(len(moments)), where=gap > 0
     )
-    # A single step, or one beside a gap, is not interpolated
+    # Do not interpolate a single step, across a gap or beyond the ends
     alone = (gap > 1.5 * step) | (weight > 1) | (weight < 0) | (gap == 0)
     near = np.abs(moments - middles[before]) < np.abs(moments - middles[after])
     nearest = np.where(near, before, after)

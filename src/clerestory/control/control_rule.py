@@ -1,7 +1,7 @@
 """User-defined control rules: functions that return the state at each time step.
 
-A study may name a function in a Python file. The file is imported: its code runs with
-all permissions of the user.
+A study may refer to a function in a Python file. The file is imported, so its code runs
+with the permissions of the user.
 """
 
 import importlib.util
@@ -25,9 +25,9 @@ class Situation:
     ----------
     times : centres of the steps, local standard time
     states : number of states of the window group
-    occupied : whether the room is occupied
+    occupied : whether the room is occupied at each step
     signals : time series by name, such as "irradiance" [W/m²] and "profile" [rad]
-    by_state : results over (state, time), such as "illuminance" [lux] and "dgp"
+    by_state : results over (state, time) by name, such as "illuminance" [lux] and "dgp"
     """
 
     times: np.ndarray
@@ -54,7 +54,7 @@ Rule = Callable[[Situation], Int[np.ndarray, " time"]]
 
 
 def apply_rule(rule: Rule, situation: Situation) -> Int[np.ndarray, " time"]:
-    """Return the states chosen by a rule, after checking them.
+    """Return the states chosen by a rule, after validation.
 
     >>> hours = np.array(["2001-06-21T09:30", "2001-06-21T12:30"], "datetime64[s]")
     >>> here = Situation(hours, 2, np.array([True, True]),
@@ -82,7 +82,7 @@ def apply_rule(rule: Rule, situation: Situation) -> Int[np.ndarray, " time"]:
 
 
 def load_rule(path: str | Path, name: str) -> Rule:
-    r"""Return a function from a Python file.
+    r"""Return the function of the given name in a Python file.
 
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -99,7 +99,7 @@ def load_rule(path: str | Path, name: str) -> Rule:
     module = importlib.util.module_from_spec(spec)
     try:
         spec.loader.exec_module(module)
-    except Exception as error:  # the user's code may raise any exception
+    except Exception as error:  # user code may raise any exception
         raise InputError(
             f"{_message(error)}; a file that runs expected", file=path
         ) from (error)

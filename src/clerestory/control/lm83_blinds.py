@@ -1,8 +1,8 @@
 """Blind operation of IES LM-83: at most 2 % of the sensors in direct sunlight.
 
-Direct sunlight is 1000 lux or more from the sun without reflections. Window groups are
-operated independently; at each step the most open combination of states that meets the
-criterion is chosen.
+A sensor is in direct sunlight at 1000 lux or more from the sun without reflections.
+Window groups are operated independently; at each step the most open combination of
+states that meets the criterion is chosen.
 
 Reference: IES LM-83-12 and LM-83-23, Approved Method: spatial daylight autonomy and
 annual sunlight exposure (blinds operation).
@@ -29,7 +29,7 @@ class Operation(NamedTuple):
 
     Attributes
     ----------
-    states : state of each group over time
+    states : state number of each window group over time
     kept : whether the criterion is met at each step
     """
 
@@ -44,21 +44,22 @@ def operate_by_direct_sun(
     sun_lux: float = SUN_LUX,
     most_sensors: float = MOST_SENSORS,
 ) -> Operation:
-    """Return the blind states of LM-83.
+    """Return the blind operation of LM-83.
 
     Parameters
     ----------
-    direct : direct illuminance of each group [lux], over (state, sensor, time), with
-        states from the most open to the most closed
+    direct : direct illuminance through each window group [lux], over (state, sensor,
+        time), with states from the most open to the most closed
     static : direct illuminance through windows without blinds [lux]
-    sun_lux : illuminance that counts as direct sunlight [lux]
+    sun_lux : direct illuminance from which a sensor is in direct sunlight [lux]
     most_sensors : largest permitted fraction of sensors in direct sunlight
 
     Notes
     -----
-    Among combinations with equal sums of state numbers, the first in the order of the
-    groups is chosen. With more than 256 combinations, groups are closed successively,
-    starting with the group that has most sensors in direct sunlight.
+    The most open combination has the smallest sum of state numbers; among equal sums,
+    the first in the order of the groups is chosen. With more than 256 combinations, the
+    group that adds most direct illuminance to sensors in direct sunlight is closed by
+    one state at a time.
 
     >>> sun = np.array([[[2000.0, 500.0]], [[100.0, 25.0]]])  # open, closed; two hours
     >>> operate_by_direct_sun({"south": sun}).states["south"].tolist()

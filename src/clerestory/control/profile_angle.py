@@ -1,8 +1,8 @@
 """Profile angle of the sun and cut-off tilt of slats.
 
-The profile angle ψ is the solar altitude projected to the plane across the slats. Slats
-of width w and spacing s, tilted by β with the outer edge down, transmit the fraction
-1 − (w/s)|sin(β + ψ)|/cos ψ of direct light.
+The profile angle ψ is the solar altitude projected to the plane perpendicular to the
+slats. The direct-direct transmittance of slats of width w and spacing s, tilted by β
+with the outer edge down, is 1 − (w/s)|sin(β + ψ)|/cos ψ, at least 0.
 
 Reference: ISO 15099:2003, 7.3 (direct transmittance of flat slats), solved for β.
 """
@@ -19,8 +19,14 @@ def profile_angle(
 ) -> Float[np.ndarray, " time"]:
     """Profile angle of the sun [rad], measured upwards from the window normal.
 
-    NaN if the sun is behind the window. For vertical slats the angle is measured to the
-    right, seen from the room.
+    The angle is NaN if the sun is behind the window. For vertical slats it is measured
+    to the right as seen from the room.
+
+    Parameters
+    ----------
+    sun : unit vectors to the sun
+    frame : frame of the window, with the normal into the room
+    vertical : whether the slats are vertical
 
     >>> y, z = np.eye(3)[1:]
     >>> south = Frame.from_normal_up(y, z)
@@ -36,10 +42,11 @@ def profile_angle(
 def cut_off_tilt(
     profile: Float[np.ndarray, " time"], *, width: float, spacing: float
 ) -> Float[np.ndarray, " time"]:
-    """Cut-off tilt: smallest tilt that blocks direct light, 0 to π/2 [rad].
+    """Cut-off tilt: smallest slat tilt that blocks direct sunlight, 0 to π/2 [rad].
 
-    Slats are horizontal at 0; positive tilts turn the outer edge down. If even closed
-    slats transmit, the tilt of smallest transmission is returned. NaN stays NaN.
+    Slats with tilt 0 are horizontal; positive tilts turn the outer edge down. If no
+    tilt blocks direct sunlight, the tilt of smallest transmittance is returned. The
+    result is NaN for a profile angle of NaN.
 
     >>> wide = cut_off_tilt(np.array([0.0]), width=0.08, spacing=0.04)
     >>> np.degrees(wide).round(6).tolist()  # sin β = s/w
@@ -74,13 +81,14 @@ def blocking_states(
     spacing: float,
     sunny: Bool[np.ndarray, " time"] | None = None,
 ) -> Int[np.ndarray, " time"]:
-    """Most open state that blocks direct light, or the last state if none does.
+    """Most open state that blocks direct sunlight, or the last state if none does.
 
     Parameters
     ----------
     profile : profile angle [rad]; NaN (sun behind the window) gives state 0
     tilts : slat tilt of each state, from the most open [rad]
-    sunny : steps with direct light; default: all
+    width, spacing : width and spacing of the slats [m]
+    sunny : whether there is direct sunlight at each step; default: at all steps
 
     >>> tilts = np.radians([0.0, 60.0, 75.0])
     >>> sun = np.radians([60.0, 10.0, np.nan])

@@ -1,7 +1,7 @@
 """State schedules: shading state of each window group over time.
 
-States of a group are numbered from the most open, 0, to the most closed. Results are
-computed once for every state; a schedule selects among them.
+The states of a window group are numbered from the most open, 0, to the most closed.
+Results are computed once for every state; a schedule selects the state of each step.
 """
 
 from collections.abc import Mapping
@@ -24,11 +24,11 @@ class StateSchedule:
     Attributes
     ----------
     times : centres of the steps, local standard time
-    states : state number of each group over time
+    states : state number of each window group over time
 
     Raises
     ------
-    InputError : lengths differ, or a state is negative
+    InputError : numbers of states and times differ, or a state is negative
 
     Examples
     --------
@@ -55,7 +55,7 @@ class StateSchedule:
                 )
 
     def hours_in_state(self, group: str, *, count: int) -> Int[np.ndarray, " state"]:
-        """Number of time steps of a group in each of its states."""
+        """Number of time steps of a window group in each state."""
         return np.bincount(self.states[group], minlength=count)
 
     def total(
@@ -64,7 +64,13 @@ class StateSchedule:
         *,
         static: Float[np.ndarray, "sensor time"] | None = None,
     ) -> Float[np.ndarray, "sensor time"]:
-        """Sum over all groups of the results in the scheduled states."""
+        """Sum over all window groups of the results in the scheduled states.
+
+        Parameters
+        ----------
+        by_state : results of each group over (state, sensor, time), such as illuminance
+        static : results of windows without states
+        """
         parts = [] if static is None else [static]
         for group, state in self.states.items():
             if group not in by_state:
@@ -80,7 +86,7 @@ class StateSchedule:
 def select_states(
     by_state: Float[np.ndarray, "state *rest time"], state: Int[np.ndarray, " time"]
 ) -> Float[np.ndarray, "*rest time"]:
-    """Return, for each time step, the values of its state.
+    """Return the values in the state of each time step.
 
     >>> values = np.array([[10.0, 20.0], [1.0, 2.0]])
     >>> select_states(values, np.array([0, 1])).tolist()
@@ -103,9 +109,10 @@ def select_states(
 def states_at(
     schedule: StateSchedule, times: np.ndarray
 ) -> dict[str, Int[np.ndarray, " time"]]:
-    """States at given times; each line of a schedule is valid until the next line.
+    """States at given times; each time of a schedule is the beginning of a state.
 
-    Years are ignored: the last line is valid until the first line.
+    Years are ignored: the last states of the year are valid until the first time of
+    the schedule.
 
     >>> lines = np.array(["2001-01-01T08:00", "2001-01-01T18:00"], "datetime64[s]")
     >>> schedule = StateSchedule(lines, {"south": np.array([1, 0])})
@@ -122,7 +129,7 @@ def states_at(
 
 
 def read_schedule(path: str | Path) -> StateSchedule:
-    """Read a CSV file with a header `time,GROUP…` and lines of a time and states."""
+    """Read a schedule from a CSV file of times and states with header `time,GROUP…`."""
     lines = read_text(path).splitlines()
     groups = [word.strip() for word in lines[0].split(",")][1:] if lines else []
     if not groups:
@@ -163,7 +170,7 @@ def read_schedule(path: str | Path) -> StateSchedule:
 
 
 def write_schedule(path: str | Path, schedule: StateSchedule) -> None:
-    """Write a CSV file for `read_schedule`."""
+    """Write a schedule to a CSV file in the format of `read_schedule`."""
     rows = [",".join(["time", *schedule.states])]
     for step, moment in enumerate(schedule.times.astype("datetime64[s]")):
         states = (str(int(state[step])) for state in schedule.states.values())
@@ -172,7 +179,7 @@ def write_schedule(path: str | Path, schedule: StateSchedule) -> None:
 
 
 def _of_the_year(times: np.ndarray) -> np.ndarray:
-    # Minutes since the beginning of a leap year
+    # Minutes since the beginning of the year, as in a leap year
     moments = times.astype("datetime64[m]")
     months = moments.astype("datetime64[M]")
     month = months.astype(int) % 12

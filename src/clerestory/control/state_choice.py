@@ -1,4 +1,4 @@
-"""Choice of shading states by limits on glare or illuminance in every state."""
+"""Choice of shading states by limits of glare or illuminance."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,13 +13,13 @@ from clerestory.errors import InputError
 @final
 @dataclass(frozen=True, eq=False)
 class Limit:
-    """Limit of a quantity that is known for every state and step.
+    """Limit of a quantity, such as DGP, in every state.
 
     Attributes
     ----------
-    values : quantity over (state, time)
-    bound : limit value, itself permitted
-    side : permitted side of the limit, "below" or "above"
+    values : values of the quantity over (state, time)
+    bound : limit; values equal to the limit are permitted
+    side : whether values "below" or "above" the limit are permitted
     """
 
     values: Float[np.ndarray, "state time"]
@@ -33,15 +33,15 @@ class Limit:
             )
 
     def excess(self) -> Float[np.ndarray, "state time"]:
-        """Amount by which values violate the limit; 0 for permitted values."""
+        """Absolute difference of values from the limit; 0 for permitted values."""
         over = self.values - self.bound
         return np.asarray(np.maximum(over if self.side == "below" else -over, 0))
 
 
 def least_closed(limits: Sequence[Limit]) -> Int[np.ndarray, " time"]:
-    """Most open state within all limits, or else the state of smallest excess.
+    """Most open state within all limits, or the state of smallest relative excess.
 
-    A single limit on DGP gives glare control.
+    A limit of DGP gives glare control.
 
     >>> dgp = np.array([[0.5, 0.3, 0.6], [0.38, 0.2, 0.5], [0.2, 0.2, 0.45]])
     >>> least_closed([Limit(dgp, 0.40)]).tolist()
@@ -58,12 +58,13 @@ def best_states(
 ) -> Int[np.ndarray, " time"]:
     """State of the highest score within all limits.
 
-    If no state is within the limits, the state of smallest excess; among equal scores,
-    the most open state.
+    Among states of equal score, the most open state is returned; if no state is within
+    the limits, the state of smallest relative excess.
 
     Parameters
     ----------
-    score : quantity to be maximised, such as daylight at the desk or view out
+    score : quantity to be maximised, such as illuminance at the desk
+    limits : limits of other quantities
 
     >>> lux = np.array([[900.0, 800.0], [500.0, 300.0]])
     >>> dgp = np.array([[0.5, 0.3], [0.3, 0.2]])
@@ -99,7 +100,7 @@ def when_occupied(
 
 
 def _worst(limits: Sequence[Limit]) -> Float[np.ndarray, "state time"]:
-    # Largest relative excess
+    # Largest relative excess over all limits
     if not limits:
         raise InputError("no limits; at least one expected")
     if len({limit.values.shape for limit in limits}) > 1:

@@ -1,8 +1,8 @@
 """Threshold control of shades with hysteresis and delay.
 
-A shade closes when the quantity has been above the upper threshold for a number of
-steps, and opens when it has been below the lower threshold. Delays limit the number of
-movements under broken clouds.
+A shade closes after a quantity, such as irradiance, is above the upper threshold for a
+number of consecutive steps, and opens after it is below the lower threshold. Delays
+reduce the number of movements under partly cloudy skies.
 """
 
 import numpy as np
@@ -20,15 +20,16 @@ def threshold_states(
     open_after: int = 1,
     start: int = 0,
 ) -> Int[np.ndarray, " time"]:
-    """Return 1 (closed) or 0 (open) at each step.
+    """Return the state of a shade at each step: 1 closed, 0 open.
 
     Parameters
     ----------
-    quantity : irradiance [W/m²], illuminance [lux] or another quantity; NaN keeps the
-        state
-    close_above, open_below : thresholds; `open_below` defaults to `close_above`
-    close_after, open_after : number of consecutive steps beyond the threshold before a
-        movement
+    quantity : irradiance [W/m²], illuminance [lux] or another quantity; at NaN the
+        state does not change
+    close_above, open_below : upper and lower threshold; default of `open_below`:
+        `close_above`
+    close_after, open_after : number of consecutive steps above or below the threshold
+        before the shade moves
     start : state before the first step
 
     >>> lux = np.array([10.0, 60.0, 45.0, 60.0, 20.0, 20.0])
@@ -68,10 +69,10 @@ def staged_states(
     close_after: int = 1,
     open_after: int = 1,
 ) -> Int[np.ndarray, " time"]:
-    """Return the state 0 … n of a shade with n stages.
+    """Return the state, 0 to n, of a shade with n stages of closure at each step.
 
-    Each stage has its own thresholds, in increasing order; the state is the number of
-    closed stages.
+    Each stage has an upper and a lower threshold, in increasing order; the state is the
+    number of stages that are closed.
 
     >>> w = np.array([100.0, 300.0, 600.0, 200.0])
     >>> staged_states(w, close_above=np.array([250.0, 500.0])).tolist()

@@ -41,7 +41,7 @@ def analytic_shape(
 
     Parameters
     ----------
-    origin : point of the scene that lies at the device's origin [m]
+    origin : scene point at the origin of device coordinates [m]
     """
     shared = {"flip_normals": surface.inward, "bsdf": bsdf}
     if isinstance(surface, Sphere):
@@ -54,7 +54,7 @@ def analytic_shape(
         "p1": _point(surface.top - origin),
         "radius": float(surface.base_radius),
     }
-    # Mitsuba warns of shear where there is only rounding, in long oblique tubes
+    # Suppress Mitsuba's warnings of shear, caused by rounding in long oblique tubes
     level = mi.log_level()
     mi.set_log_level(mi.LogLevel.Error)
     try:

@@ -29,9 +29,7 @@ GROUP = 3
 
 
 def channels_of(scene: Scene) -> int:
-    """Return the number of channels of a scene's matrices: one per band, or one for
-    all.
-    """
+    """Return the number of channels of matrices: one per band, or one if grey."""
     grey = all(is_grey(m) for m in scene.materials.values())
     return 1 if grey else len(scene.bands)
 
@@ -74,9 +72,7 @@ def _groups(scene: Scene) -> tuple[Scene, ...]:
 
 
 def is_grey(material: Material) -> bool:
-    """Whether a material reflects and transmits equally in all bands; emission is
-    ignored.
-    """
+    """Whether a material reflects and transmits equally in all bands."""
     if isinstance(material, Emitter):
         return not isinstance(material, Illum) or is_grey(material.alternate)
     return (

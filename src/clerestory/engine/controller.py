@@ -205,9 +205,7 @@ def trace_units(
     add: Callable[[Unit, np.ndarray], None],
     note: str,
 ) -> None:
-    """Trace units, pass the sums of each unit to `add` in order, and report
-    progress.
-    """
+    """Trace units, pass their sums to `add` in order, and report progress."""
     columns, begin, done = job.shape[2], time.perf_counter(), 0.0
     paths = [
         job.batches * len(unit.rows) * unit.count * _share(unit, columns)

@@ -54,7 +54,7 @@ def load(device: Device = "auto", module: str = "controller") -> ModuleType:
     Raises
     ------
     InputError : the device is not one of auto, cpu, cuda
-        DeviceError : there is no such device, or no working LLVM library
+    DeviceError : there is no such device, or no working LLVM library
     """
     chosen = resolve(device)
     mitsuba = importlib.import_module("mitsuba")
@@ -65,7 +65,7 @@ def load(device: Device = "auto", module: str = "controller") -> ModuleType:
 
 @cache
 def resolve(device: Device) -> Literal["cpu", "cuda"]:
-    """Return the device for a request; "auto" selects a GPU if one works.
+    """Return the device to use for a setting; "auto" selects a GPU if one works.
 
     Raises
     ------
@@ -117,7 +117,7 @@ def free_memory() -> int | None:
 
 
 def _start_llvm() -> None:
-    # Set the library of Dr.Jit to one that is known or tested to work
+    # Set Dr.Jit's LLVM library to the bundled one, or to one tested in a child process
     if os.environ.get(_LIBRARY):
         library = os.environ[_LIBRARY]
     elif "drjit" in sys.modules:
@@ -157,7 +157,7 @@ def _bundled_llvm() -> Path | None:
 
 
 def _system_llvm() -> str | None:
-    # Newest first; Homebrew's library is outside the loader's search path
+    # Try the newest version first; Homebrew's library is outside the search path
     for version in ("", *(f"-{n}" for n in range(30, 15, -1))):
         found = ctypes.util.find_library(f"LLVM{version}")
         if found:
@@ -176,7 +176,7 @@ def _cuda_driver() -> str | None:
 
 
 def _probe(variant: str, environment: dict[str, str]) -> str | None:
-    # None if a kernel compiles and runs in a child process, else the reason of failure
+    # None if a kernel compiles and runs in a child process; otherwise the error
     script = Path(__file__).with_name("probe.py")
     try:
         child = subprocess.run(
@@ -209,7 +209,7 @@ def describe() -> list[Finding]:
         except importlib.metadata.PackageNotFoundError:
             findings.append(Finding(package, "not installed", False))
 
-    # Probe the CPU's compiler, whichever library would be used
+    # Test the LLVM library that would be used
     library = os.environ.get(_LIBRARY) or str(_bundled_llvm() or _system_llvm() or "")
     error = (
         _probe(_VARIANT["cpu"], {_LIBRARY: library}) if library else "none was found"
@@ -219,7 +219,7 @@ def describe() -> list[Finding]:
     )
     findings.append(Finding("LLVM", f"{library or '-'}: {verdict}", error is None))
 
-    # Probe the GPU, if there is a driver
+    # Test the GPU if there is a driver
     if _cuda_driver() is None:
         findings.append(Finding("CUDA", "no NVIDIA driver; the CPU is used", True))
     else:

@@ -90,7 +90,7 @@ class SunJob(_DirectSensorJob):
     Attributes
     ----------
     number : index of the transmitting window among all windows
-        peak : whether unscattered light keeps the angular diameter of the sun
+    peak : whether unscattered light keeps the angular diameter of the sun
     samples : paths per sensor and sun
     """
 
@@ -111,7 +111,7 @@ class SunJob(_DirectSensorJob):
 
     @property
     def lanes(self) -> int:
-        """One lane per batch, for all its points."""
+        """Number of lanes per sensor and column: one per batch."""
         return self.batches
 
 
@@ -137,7 +137,7 @@ class UnscatteredJob(_DirectSensorJob):
 
     @property
     def lanes(self) -> int:
-        """One lane per ray."""
+        """Number of lanes per sensor and column: one per ray."""
         return self.samples
 
 

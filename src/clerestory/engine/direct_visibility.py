@@ -1,6 +1,4 @@
-"""Direct transmittance from distant sources to points, unobstructed or through
-glass.
-"""
+"""Direct transmittance from distant sources to points, through air or glass."""
 
 import drjit as dr
 import mitsuba as mi

@@ -12,21 +12,21 @@ from clerestory.engine.sampler import choose, probability
 from clerestory.engine.upload import on_device, vectors
 from clerestory.scene.model import DistantSource, Scene
 
-# Sources of a smaller angle are sampled directly, as discs with sharp edges.
+# Sources of a smaller opening angle are sampled directly, as discs with sharp edges.
 _DISC_DEG = 12.0
 
-# Cells along the edge of the sky's table, and sample points averaged per cell.
+# Number of cells along the edge of the sky's table, and of sample points per cell.
 _EDGE = 512
 
 
 def is_sun(source: DistantSource) -> bool:
-    """Whether a distant source has a small angle, and is sampled directly."""
+    """Whether a distant source has a small opening angle and is sampled directly."""
     return source.angle_deg <= _DISC_DEG
 
 
 @dataclass
 class DistantEmitters:
-    """All distant sources, for kernels.
+    """Device arrays of all distant sources.
 
     Attributes
     ----------
@@ -73,16 +73,14 @@ class DistantEmitters:
         return light
 
     def environment_radiance(self, direction):
-        """Return the radiance of the sources with a large solid angle in a
-        direction.
-        """
+        """Return the radiance of the wide sources in a direction."""
         if self.dome is None:
             return mi.Color3f(0)
         return self.dome.look_up(direction)
 
     @dr.syntax
     def sun_radiance(self, direction, active):
-        """Return the radiance of the narrow sources, and the density of sampling it."""
+        """Return the radiance of the narrow sources, and the direction's pdf [1/sr]."""
         found = mi.Color3f(0)
         pdf = mi.Float(0)
         number = mi.UInt32(0)
@@ -100,7 +98,7 @@ class DistantEmitters:
         return found, pdf
 
     def sample_sun(self, pick, u, v):
-        """Return a direction to a narrow source, its density and its radiance."""
+        """Sample a direction to a narrow source; return it, its pdf and radiance."""
         number, chance, _ = choose(self.cumulative, self.suns, pick)
         depth = dr.gather(mi.Float, self.one_minus_cos, number)
         axis = dr.gather(mi.Vector3f, self.direction, number)

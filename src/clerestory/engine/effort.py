@@ -106,9 +106,7 @@ _PLAIN = Effort()
 
 
 class EffortKeywords(TypedDict, total=False):
-    """Keywords of all tracing functions: an effort, and fields that override the
-    effort's.
-    """
+    """Keywords of all tracing functions: an effort, and fields that override it."""
 
     effort: Effort
     samples: int | None

@@ -40,9 +40,7 @@ class SurfaceEmitters(Source):
     model: LoweredScene
 
     def met(self, path: Path, si, shape, active) -> tuple[Emission, mi.Bool]:
-        """Return the radiance of an emitter's front; camera rays pass through
-        illums.
-        """
+        """Return the radiance of an emitter's front; camera rays pass illums."""
         emitters = self.model.emitters
         role = dr.gather(mi.UInt32, self.model.emitter_of_shape, shape, active)
         ended = active & (role > 0)

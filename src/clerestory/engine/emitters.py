@@ -19,14 +19,12 @@ from clerestory.errors import InputError
 from clerestory.scene.model import Emitter, Glow, Illum, Spotlight
 from clerestory.scene.tessellate import Mesh
 
-# Cells along the edge of a pattern's table: 0.6° wide, for emitters of narrow beams
+# Number of cells along the edge of a pattern's table; a cell is 0.6° wide
 _EDGE = 256
 
 
 def split_by_surface(mesh: Mesh) -> list[Mesh]:
-    """Return the mesh, split into its surfaces if its pattern needs normals or
-    points.
-    """
+    """Split a mesh into its surfaces if its pattern depends on normal or position."""
     pattern = getattr(mesh.material, "pattern", None)
     if pattern is None or not (pattern.needs_normal or pattern.needs_point):
         return [mesh]
@@ -37,15 +35,13 @@ def split_by_surface(mesh: Mesh) -> list[Mesh]:
 
 
 def is_sampled(material: Emitter) -> bool:
-    """Whether an emitter is sampled by next-event estimation, not only by BSDF
-    sampling.
-    """
+    """Whether an emitter is sampled by next-event estimation."""
     return not (isinstance(material, Glow) and material.radius <= 0)
 
 
 @dataclass
 class Emitters:
-    """All emitting shapes, for kernels.
+    """Device arrays of all emitting shapes.
 
     Attributes
     ----------
@@ -132,12 +128,12 @@ class Emitters:
         return dr.select(table > 0, found * varied, found)
 
     def pdf(self, emitter, distance2, cosine, active):
-        """Return the density of sampling a point of an emitter [1/sr]."""
+        """Return the pdf of the direction to a point of an emitter [1/sr]."""
         chance = dr.gather(mi.Float, self.density, emitter, active)
         return chance * distance2 / dr.maximum(cosine, 1e-6)
 
     def sample_direction(self, origin, pick, u, v):
-        """Return a point of an emitter, its direction and cosine, density, emitter."""
+        """Sample an emitter; return point, direction, cosine, pdf and emitter."""
         number, _, _ = choose(self.cumulative, self.count, pick)
         fold = u + v > 1
         u, v = dr.select(fold, 1 - u, u), dr.select(fold, 1 - v, v)
@@ -164,7 +160,7 @@ def _is_view_only(material: Emitter) -> bool:
 
 
 def _pattern(mesh: Mesh) -> Float[np.ndarray, "n 3"] | None:
-    # Multiplier of radiance for light that leaves along each direction of a table
+    # Multiplier of radiance for each exiting direction of a table
     material = mesh.material
     pattern = material.pattern
     if pattern is None and not isinstance(material, Spotlight):

@@ -1,8 +1,8 @@
-"""Tracer of the radiance that patches emit into a room, by direction.
+"""Tracer of the exiting radiance of patches towards a room, by direction.
 
-Rays start just before a patch, in the room, and meet it against the direction of the
-light. Suns seen straight through the patch are excluded: pictures sample suns through
-illums.
+Rays start in the room just in front of a patch, and are traced towards it against the
+direction of light. Suns visible through the patch are excluded, because pictures sample
+suns through illums.
 """
 
 import drjit as dr
@@ -27,7 +27,7 @@ _POINT = 0x40000
 
 
 def prepare_outgoing(job: ExitingRadianceJob) -> Tracer:
-    """Return the tracer of the radiance of patches by direction."""
+    """Return the tracer of the exiting radiance of patches by direction."""
     patches = job.patches
     origin = patches.corner.reshape(-1, 3).mean(axis=0)
     portals = Portals.uniform(window_rectangles(job.scene, origin))

@@ -1,7 +1,7 @@
-"""First opaque surface along camera rays, where a pixel's irradiance is measured.
+"""First opaque surface along camera rays, where a pixel's irradiance is computed.
 
 Rays pass straight through clear panes, refracting solids and proxies, as in `rpict -i`.
-Emitters have no irradiance here.
+Emitters have no irradiance value.
 """
 
 import drjit as dr
@@ -13,7 +13,7 @@ from clerestory.engine.visibility import offset
 
 @dr.syntax
 def first_hit(model: LoweredScene, ray: mi.Ray3f, active: mi.Bool):
-    """Follow rays to the first surface that they do not pass.
+    """Trace rays to the first surface that blocks them.
 
     Returns
     -------

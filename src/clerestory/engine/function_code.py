@@ -1,9 +1,9 @@
-"""Function files as kernels: evaluation of expressions with Dr.Jit arrays.
+"""Evaluation of Radiance function files with Dr.Jit arrays.
 
 Expressions are converted to arithmetic while a kernel is traced, in double precision as
 in Radiance. Both branches of a condition are computed unless the condition is constant,
-so recursion must end by a condition on plain numbers. A ray without a value (division
-by zero, root of a negative number) is marked as faulty.
+so recursion must end by a condition on constants. Undefined values (division by zero,
+root of a negative number) are marked as faulty.
 """
 
 from collections.abc import Mapping
@@ -165,7 +165,7 @@ class FunctionCode:
     def _call(self, call: Call, frame: Frame | None) -> Value:
         name, around = call.name, frame
         while around is not None and name in around.parameters:
-            # The parameter may stand for a function
+            # A parameter may be a function
             handed = around.arguments[around.parameters.index(name)]
             name = handed.name if isinstance(handed, Name) else ""
             around = around.outer

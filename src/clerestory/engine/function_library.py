@@ -1,6 +1,6 @@
-"""Functions of the calculator for Dr.Jit arrays, used by `function_code`.
+"""Functions of Radiance's calculator for Dr.Jit arrays, used by `function_code`.
 
-Arguments and results carry a mask of faulty values; plain numbers stay plain.
+Arguments and results have a mask of faulty values. Python numbers are not converted.
 """
 
 from collections.abc import Callable, Mapping
@@ -16,14 +16,14 @@ from clerestory.radiance.cal.noise import TABLES, noise, slope_of
 
 @dataclass(frozen=True)
 class Value:
-    """A number or array of numbers, with a mask of faulty values."""
+    """A number or an array, with a mask of faulty values."""
 
     value: Any
     bad: Any = False
 
 
 def either_bad(one: Any, other: Any) -> Any:
-    """Return the union of two masks of faulty values; plain truth values stay plain."""
+    """Return the union of two masks of faulty values."""
     if one is False:
         return other
     return one if other is False else one | other
@@ -35,7 +35,7 @@ def where(condition: Any, yes: Any, no: Any) -> Any:
 
 
 def _guarded(function: Callable[..., Any], wrong: Callable[..., Any], safe: float):
-    # Function of one number, which is 0 and faulty where `wrong` is true
+    # Function of one number; the result is 0 and faulty where `wrong` is true
     def compute(x: Value) -> Value:
         bad = wrong(x.value)
         if isinstance(bad, bool):

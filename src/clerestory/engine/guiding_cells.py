@@ -11,18 +11,18 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float, Int
 
-# Cell size [m], increased if an axis would need more cells than the limit; points
-# beyond the outermost quantile of the given points belong to the boundary cells.
+# Cell size [m], increased if an axis would need more cells than the limit; fraction of
+# the given points at either end of an axis that belong to the boundary cells.
 _SIZE, _MOST = 0.75, 16
 _OUTLYING = 0.01
 
-# Number of normal classes: both senses of three axes.
+# Number of classes of normals: positive and negative sense of three axes.
 _FACINGS = 6
 
 
 @dataclass
 class GuidingCells:
-    """A grid with six cells per position, one for each axis and sense of the normal.
+    """A grid with six cells per position, one for each class of normals.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class GuidingCells:
 
     @classmethod
     def around(cls, point: Float[np.ndarray, "n 3"]) -> "GuidingCells":
-        """Return cells around points; without points, the cells of one position."""
+        """Return a grid that covers points; without points, a grid of one position."""
         if len(point) == 0:
             return cls._of(np.zeros(3), np.ones(3), np.ones(3, dtype=int))
         low, high = np.quantile(point, [_OUTLYING, 1 - _OUTLYING], axis=0)

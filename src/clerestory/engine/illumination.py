@@ -30,9 +30,7 @@ class Illumination:
 
     @classmethod
     def of(cls, scene: Scene, origin: Float[np.ndarray, "3"]) -> "Illumination":
-        """Return the illumination of a scene, with device coordinates around
-        `origin`.
-        """
+        """Return the illuminated scene, with device coordinates around `origin`."""
         return cls(
             lower(scene, origin=origin),
             DistantEmitters.of(scene),
@@ -41,7 +39,7 @@ class Illumination:
         )
 
     def suns(self, portals: Portals | None) -> Suns:
-        """Return the suns as a source."""
+        """Return the source that samples the suns."""
         return Suns(self.model, self.distant, self.mirrors, self.lobes, portals)
 
     def tracer(

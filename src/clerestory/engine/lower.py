@@ -1,4 +1,4 @@
-"""Conversion of a scene to a Mitsuba scene and the tables of the kernels.
+"""Conversion of a scene to a Mitsuba scene and device arrays.
 
 Coordinates are translated so that the region of interest is at the origin: ray offsets
 grow with the distance from the origin, and models far from their origin are common.
@@ -80,7 +80,7 @@ def lower(
 
     Raises
     ------
-    InputError : the scene has not three channels; see `channels.band_groups`
+    InputError : the scene does not have three channels; see `channels.band_groups`
     """
     if scene.bands != RGB:
         raise InputError(f"a scene in the bands {scene.bands}; {RGB} expected")

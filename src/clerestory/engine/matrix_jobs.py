@@ -105,8 +105,9 @@ class DaylightJob(_WindowJob):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FacadeJob(_WindowJob):
-    """From the outer side of a window's patches to the patches of the ports in front of
-    it.
+    """From the outer side of a window's patches to the patches of its ports.
+
+    Ports are virtual surfaces that, with the wall, enclose the window and its shade.
     """
 
     tracer: ClassVar[tuple[str, str]] = ("matrix_tracers", "prepare_facade")

@@ -1,8 +1,8 @@
-"""BSDF matrices for kernels: evaluation, and sampling of incident directions.
+"""Evaluation and sampling of BSDF matrices on the device.
 
 The four functions of a layer are stored consecutively, each as a matrix of exiting rows
-and incident columns. Paths run against the light: for a given exiting direction, the
-incident patch is sampled in proportion to its contribution.
+and incident columns. A path is traced against the direction of light: for a given
+exiting direction, the incident patch is sampled in proportion to its contribution.
 """
 
 from collections.abc import Sequence
@@ -58,13 +58,11 @@ class MatrixTable:
         return function * self.exits + self.exit.find(leaving)
 
     def gathered(self, function, leaving):
-        """Return the radiance in an exiting direction for uniform incident radiance of
-        one.
-        """
+        """Return the exiting radiance for a uniform incident radiance of one."""
         return dr.gather(mi.Float, self.share, self.known(function, leaving))
 
     def evaluate(self, function, incident, leaving):
-        """Return the BSDF [1/sr], and the density per projected solid angle."""
+        """Return the BSDF [1/sr], and the pdf per projected solid angle [1/sr]."""
         through = mi.Vector3f(-incident.x, -incident.y, incident.z)
         cell = self.known(function, leaving) * self.incidents + self.incident.find(
             through
@@ -72,9 +70,7 @@ class MatrixTable:
         return self._value(cell), dr.gather(mi.Float, self.density, cell)
 
     def sample(self, function, leaving, u, v):
-        """Sample an incident direction; return its point on the disc, value and
-        density.
-        """
+        """Sample an incident direction; return its disc point, BSDF value and pdf."""
         row = self.known(function, leaving) * self.incidents
         patch = mi.UInt32(
             dr.binary_search(
@@ -92,7 +88,7 @@ class MatrixTable:
         return mi.Point2f(-through.x, -through.y), self._value(cell), density
 
     def colour(self, value):
-        """Return RGB for a value of the table."""
+        """Convert a value of the table to RGB."""
         return value
 
     def _value(self, cell):

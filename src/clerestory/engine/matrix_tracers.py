@@ -35,8 +35,8 @@ from clerestory.engine.windows import window_shapes
 from clerestory.engine.work_units import Tracer, Unit
 from clerestory.errors import DeviceError
 
-# Streams of random numbers: errors of V and D must be independent. Pictures and their
-# direct part may use the numbers of either.
+# Random number streams: errors of V and D must be independent. Pictures and their
+# direct part may use the stream of either.
 _SENSORS, _WINDOWS = 0, 1
 _PIXELS, _PIXELS_DIRECT = 0, 1
 
@@ -82,9 +82,8 @@ def prepare_facade(job: FacadeJob) -> Tracer:
 def prepare_pixel_view(job: PixelViewJob) -> Tracer:
     """Return the tracer from pixels to windows.
 
-    The direct part contains visible windows, and window light reflected once, by
-    diffuse
-    and specular reflection, at the first surface.
+    The direct part contains visible windows, and the light of windows after one diffuse
+    or specular reflection at the first surface.
     """
     origin = np.asarray(job.view.position, dtype=float)
     tracer = _to_windows(lower_for(job, origin), direct_only=job.direct)
@@ -166,7 +165,7 @@ def _from_sensors(
 def matrix_tracer(
     job: EstimatedJob, launch: Launch, *, stream: int, seed: int | None = None
 ) -> Tracer:
-    """Return the tracer of the units of a matrix, which returns their sums.
+    """Return a function that traces a unit of a matrix and returns its sums.
 
     Parameters
     ----------

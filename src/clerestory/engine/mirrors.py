@@ -18,8 +18,8 @@ from clerestory.engine.upload import on_device, vectors
 from clerestory.engine.visibility import first_opaque, offset
 from clerestory.scene.model import Mirror, Polygon, Ring, Scene
 
-# Largest number of mirror orientations, as in curved mirrors; in the smallest mirrors
-# the sun is found by BSDF sampling.
+# Largest number of mirror orientations (curved mirrors have many); reflections in the
+# smallest mirrors are left to BSDF sampling.
 MOST = 64
 
 # Normals are equal if their scalar product differs from one by less (0.08°).
@@ -28,7 +28,7 @@ _SAME = 1e-6
 
 @dataclass
 class Mirrors:
-    """Orientations of plane mirrors, for kernels.
+    """Device arrays of the orientations of plane mirrors.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class Mirrors:
 
     @dr.syntax
     def holds(self, normal, active):
-        """Return whether mirrors with the given normal are sampled."""
+        """Whether mirrors with the given normal are sampled."""
         found = mi.Bool(False)
         number = mi.UInt32(0)
         while active & ~found & (number < self.count):
@@ -84,12 +84,12 @@ class Mirrors:
 
 
 def is_mirror(bsdf):
-    """Return whether a BSDF is a mirror: a single delta reflection at the front."""
+    """Whether a BSDF is a mirror: a single delta reflection at the front."""
     return (bsdf.flags() & +mi.BSDFFlags.All) == +mi.BSDFFlags.DeltaReflection
 
 
 def is_same(normal, other):
-    """Return whether two unit vectors are equal up to rounding."""
+    """Whether two unit vectors are equal up to rounding."""
     return dr.dot(normal, other) > 1 - _SAME
 
 
@@ -100,7 +100,7 @@ def reflected(model: LoweredScene, start, direction, normal, active: mi.Bool):
     -------
     share : transmittance to the mirror times its reflectance; zero if there is no
         such mirror
-        point : point on the mirror, offset from its front [m]
+    point : point on the mirror, offset from its front [m]
     """
     share, ray, hit = first_opaque(
         model, start, lambda origin: mi.Ray3f(origin, direction), active
@@ -129,7 +129,7 @@ def _area_vector(surface: Polygon | Ring) -> Float[np.ndarray, "3"]:
 def _add(
     normals: list[np.ndarray], areas: list[float], vector: Float[np.ndarray, "3"]
 ) -> None:
-    # Add the area to an equal orientation, or add a new orientation
+    # Add the area to that of an equal orientation, or add a new orientation
     area = float(np.linalg.norm(vector))
     if area == 0:
         return

@@ -1,9 +1,9 @@
 """Next-event estimation and multiple importance sampling.
 
-A *source* is anything from which paths collect light: windows, sky patches, suns,
-emitters. A source returns the light met by a path (BSDF sampling), and samples
-directions to itself from a vertex (next-event estimation). Both techniques are combined
-here, and nowhere else.
+A *source* is a light source or a receiver: suns, sky, emitters, or the windows and sky
+patches of a matrix. It returns its radiance along a path (BSDF sampling), and samples
+directions towards it from a vertex (next-event estimation). Both techniques are
+combined in this module.
 
 References: E. Veach, Robust Monte Carlo Methods for Light Transport Simulation, 1997,
 chapter 9 (balance and power heuristics); M. Pharr, W. Jakob, G. Humphreys, Physically
@@ -35,10 +35,9 @@ def balance_heuristic(own, other):
 def power_heuristic(own, other):
     """Return the power heuristic weight (exponent 2), divided by `own` [sr].
 
-    Paths transmitted unscattered by a layer occasionally meet the small solar disc.
-    With
+    Paths transmitted unscattered by a layer occasionally hit the small solar disc. With
     the balance heuristic, one pixel in some hundreds would receive a twentieth of the
-    sun's light in this way; with the power heuristic the contribution is negligible.
+    sun's radiance in this way; with the power heuristic the contribution is negligible.
     """
     return dr.rcp(own * (1 + dr.square(other / own)))
 
@@ -66,16 +65,16 @@ class Vertex:
     point : position [m]
     leave : function of direction and mask that returns the point offset from its
         surface
-    scatter : function of a direction that returns BSDF × cosine for light straight from
-        a source, and the density of BSDF sampling
+    scatter : function of a direction that returns BSDF × cosine for direct light from a
+        source, and the density of BSDF sampling [1/sr]
     densities : function of direction, density of BSDF sampling and mask that returns
         all densities of the vertex
-    active : whether light is sampled
+    active : mask of vertices at which sources are sampled
     shape : Mitsuba shape index; None for a sensor
     flags : Mitsuba BSDF flags of the material
     cell, chance : guiding cell, and probability that a path continues towards a portal
     opaque : whether the material only reflects
-    continues : whether the path may take another segment
+    continues : whether the path may continue after the vertex
     """
 
     point: mi.Point3f
@@ -93,18 +92,18 @@ class Vertex:
 
 @dataclass
 class Path:
-    """A path at one of its segments.
+    """A path at its current segment.
 
     Attributes
     ----------
-    ray : the segment
-    throughput : weight of light that arrives along the ray
-    point : the previous vertex at which directions were sampled [m]
+    ray : ray of the segment
+    throughput : throughput of the path, which weights the radiance along the ray
+    point : previous vertex at which a direction was sampled [m]
     pdf : density of the segment's direction at that vertex [1/sr]; 0 if sources were
         not sampled there
-    camera : whether it is a camera ray, followed only by mirror reflection or straight
-        transmission
-    memory : state of each source from the previous vertex, by name of the source
+    camera : whether the segment is a camera ray, possibly after mirror reflection or
+        direct transmission
+    memory : state that each source stored at the previous vertex, by source name
     """
 
     ray: mi.Ray3f
@@ -124,8 +123,8 @@ class Scattering:
     direction, factor : direction of the next segment, and factor of the throughput
     densities : densities of the direction
     flags : BSDF flags of the sampled component
-    null, delta : whether the path was transmitted straight; whether it was mirrored or
-        refracted
+    null, delta : whether the path was transmitted without deflection; whether it was
+        mirrored or refracted
     """
 
     direction: mi.Vector3f
@@ -138,12 +137,12 @@ class Scattering:
 
 @dataclass
 class Emission:
-    """Light of a source met by a path.
+    """Radiance of a source that a path hits.
 
     Attributes
     ----------
     value : radiance, or 1 for a receiver of a matrix
-    active : mask of the paths that meet the source
+    active : mask of the paths that hit the source
     pdf : density of next-event estimation of this direction at the previous vertex
         [1/sr]; None if the source is not sampled
     column : of a matrix
@@ -157,7 +156,7 @@ class Emission:
     heuristic: Heuristic = balance_heuristic
 
     def share(self, path: Path):
-        """Return the weight of the light, combined with next-event estimation."""
+        """Return the weight in the combination with next-event estimation."""
         if self.pdf is None:
             return mi.Float(1)
         shared = path.pdf * self.heuristic(path.pdf, self.pdf)
@@ -188,9 +187,7 @@ class LightSample:
     heuristic: Heuristic | None = balance_heuristic
 
     def estimate(self, vertex: Vertex, active):
-        """Return the light scattered by the vertex, and the mask where it is not
-        zero.
-        """
+        """Return the radiance scattered by the vertex, and the mask of its support."""
         value, own = vertex.scatter(self.direction)
         lit = active & self.active & (dr.max(value) > 0)
         arriving = self.arriving(vertex, lit)
@@ -211,21 +208,19 @@ class Source:
     name: ClassVar[str]
 
     def escaped(self, path: Path, active: mi.Bool) -> Emission | None:
-        """Return the light that a path meets at infinity."""
+        """Return the radiance along a path that leaves the scene."""
         return None
 
     def met(
         self, path: Path, si: mi.SurfaceInteraction3f, shape: mi.UInt32, active: mi.Bool
     ) -> tuple[Emission, mi.Bool] | None:
-        """Return the light of a surface met by a path, and the mask where the path
-        ends.
-        """
+        """Return the radiance of the surface hit, and the mask of paths that end."""
         return None
 
     def samples(
         self, vertex: Vertex, path: Path | None, numbers: PathNumbers
     ) -> Iterable[LightSample]:
-        """Yield directions in which light arrives at a vertex.
+        """Yield samples of directions from a vertex to the source.
 
         Parameters
         ----------
@@ -234,7 +229,7 @@ class Source:
         return ()
 
     def begin(self, pdf: mi.Float, sunlit: mi.Float):
-        """Return the source's state of a path at its first segment.
+        """Return the source's state for the first segment of a path.
 
         Parameters
         ----------
@@ -247,5 +242,5 @@ class Source:
     def remember(
         self, si: mi.SurfaceInteraction3f, vertex: Vertex, after: Scattering, memory
     ):
-        """Return the source's state of a path after a vertex."""
+        """Return the source's state for the path segment after a vertex."""
         return memory

@@ -17,9 +17,7 @@ _SURFACES = 1000
 
 
 def middle_of_scene(scene: Scene) -> Float[np.ndarray, "3"]:
-    """Return the median of the surfaces' centres [m], which is robust against far
-    grounds.
-    """
+    """Return the median of the surfaces' centres, robust to a distant ground [m]."""
     if not scene.surfaces:
         return np.zeros(3)
     few = [scene.surfaces[n] for n in evenly_spaced(len(scene.surfaces), _SURFACES)]
@@ -35,9 +33,8 @@ def middle_of_window(window: Window) -> Float[np.ndarray, "3"]:
 def window_origin(scene: Scene, window: Window) -> Float[np.ndarray, "3"]:
     """Return the origin of device coordinates for rays that start at a window [m].
 
-    The centre of the scene if it is near, so that the device scene is built once for
-    all
-    windows of a building; otherwise the centre of the window.
+    It is the centre of the scene if that is near, so that all windows of a building
+    share one device scene; otherwise the centre of the window.
     """
     common, own = middle_of_scene(scene), middle_of_window(window)
     return common if np.linalg.norm(common - own) < _NEAR else own

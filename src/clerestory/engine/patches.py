@@ -1,4 +1,4 @@
-"""Tables of hemisphere partitions, looked up in kernels.
+"""Hemisphere partitions on the device: patch of a direction, and sampling of patches.
 
 The tables are built from the rings and counts of `hemisphere.partition`; a test
 compares both look-ups for random directions.
@@ -16,7 +16,7 @@ from clerestory.hemisphere.partition import RingPartition
 
 @dataclass
 class PatchTable:
-    """A ring partition for kernels.
+    """Device arrays of a ring partition.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class PatchTable:
 
     @classmethod
     def of(cls, partition: RingPartition) -> "PatchTable":
-        """Return the kernel table of a partition."""
+        """Return the device arrays of a partition."""
         outwards = partition.theta[0] < partition.theta[-1]
         order = slice(None) if outwards else slice(None, None, -1)
         count, first = partition.count[order], partition.first[order]
@@ -64,9 +64,7 @@ class PatchTable:
         )
 
     def find(self, direction):
-        """Return the patch of a direction of the upper hemisphere, in local
-        coordinates.
-        """
+        """Return the patch of a direction in local coordinates, z > 0."""
         # Count the limits below the direction's sin²
         sin2 = dr.square(direction.x) + dr.square(direction.y)
         ring = mi.UInt32(0)
@@ -102,7 +100,7 @@ class PatchTable:
 
 @dataclass
 class SkyTable:
-    """Sky patches, with the ground as patch 0, for kernels.
+    """Device arrays of sky patches, with the ground as patch 0.
 
     Attributes
     ----------
@@ -119,7 +117,7 @@ class SkyTable:
 
     @classmethod
     def of(cls, partition) -> "SkyTable":
-        """Return the kernel table of a `SkyPartition`."""
+        """Return the device arrays of a `SkyPartition`."""
         dome = partition.dome
         return cls(
             rows=len(dome.count),
@@ -130,7 +128,7 @@ class SkyTable:
 
     def find(self, direction):
         """Return the patch in a direction; 0 at and below the horizon."""
-        # All rows have equal height, except the zenith with half of it
+        # All rows have equal height, except the zenith with half that height
         altitude = dr.asin(dr.clip(direction.z, -1, 1))
         row = mi.Int32(dr.floor(altitude * ((2 * self.rows - 1) / dr.pi)))
         row = mi.UInt32(dr.clip(row, 0, self.rows - 1))

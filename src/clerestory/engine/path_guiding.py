@@ -6,7 +6,7 @@ pᵢ ∝ √mᵢ, where mᵢ is the second moment of part i. The parts are the l
 portal and the light from all other directions. A pilot run measures the moments at
 surface points of the room, in cells of position and normal, for continued paths and for
 rays towards sunlit surfaces. Few paths are enough: inexact probabilities increase
-noise, but cause no bias.
+noise but cause no bias.
 
 Reference: E. Veach, Robust Monte Carlo Methods for Light Transport Simulation, 1997,
 chapter 9.
@@ -28,10 +28,10 @@ from clerestory.engine.sinks import RadianceSink
 from clerestory.engine.upload import launching, vectors
 
 # Largest probability of continuing towards a portal instead of BSDF sampling; portals
-# whose probability never exceeds the smallest one are removed.
+# whose probability is below the second number in all cells are removed.
 _MOST, _LEAST = 0.25, 0.02
 
-# Number of pilot samples of the whole room with the weight of one sample in a cell.
+# Weight of the room's mean in a cell's estimate, in numbers of pilot samples.
 _PRIOR = 8.0
 
 # Number of segments of a pilot path.
@@ -45,7 +45,7 @@ def learned_portals(
 
     Parameters
     ----------
-    places : surface points of the room at which light is gathered
+    places : surface points of the room at which the second moments are measured
     """
     trial = Portals.uniform(windows + patches)
     if trial is None or len(places) == 0:

@@ -1,6 +1,6 @@
 """Path tracer for radiance, irradiance and transfer matrices.
 
-Paths run against the light. At every vertex the sources are sampled (next-event
+Paths are traced from the receiver. At every vertex the sources are sampled (next-event
 estimation), then the path continues by BSDF sampling or path guiding; both techniques
 are combined by multiple importance sampling. Contributions are added to a sink: the
 columns of a matrix, or the radiance of a pixel or sensor.
@@ -37,7 +37,7 @@ from clerestory.engine.visibility import passes_proxy
 # Safety limit for unlimited bounces, never reached in physical scenes.
 _MOST_VERTICES = 1000
 
-# Density of a first segment whose sampled sources are left to the starting point.
+# Density of a first segment for sources that are already sampled at its origin.
 SAMPLED_AT_START = 1e-20
 
 # Number of segments of paths with unlimited bounces.
@@ -63,8 +63,8 @@ class PathTracer:
     Attributes
     ----------
     roulette : fraction of the initial throughput below which Russian roulette applies
-    direct_only : whether paths end at the first surface, with all light from sources by
-        next-event estimation
+    direct_only : whether paths end at the first surface, where sources are sampled by
+        next-event estimation only
     bounce_to_source : whether the segment to a source is counted as a bounce, as for
         the windows of a matrix
     split_lobes : see `continue_from_surface`
@@ -120,7 +120,7 @@ class PathTracer:
         throughput: mi.Color3f,
         path: Path | None = None,
     ) -> mi.Color3f | None:
-        """Add the light from next-event estimation at a vertex."""
+        """Add the contributions of next-event estimation at a vertex."""
         active = vertex.active
         if self.bounce_to_source:
             active = active & vertex.continues
@@ -140,7 +140,7 @@ class PathTracer:
         segments: mi.UInt32,
         active: mi.Bool,
     ):
-        """Follow paths until they end; return the sum with their contributions added.
+        """Trace paths to their ends; return the sum including their contributions.
 
         Parameters
         ----------
@@ -151,8 +151,8 @@ class PathTracer:
 
         # ----------------------------- Loop state -----------------------------
         strongest = dr.maximum(dr.max(path.throughput), 1e-20)
-        depth = mi.UInt32(1)  # segments between diffuse reflections, including this one
-        number = mi.UInt32(1)  # vertices so far, including the start
+        depth = mi.UInt32(1)  # number of segments between diffuse reflections, so far
+        number = mi.UInt32(1)  # number of vertices, including the start
 
         while active:
             hit = scene.ray_intersect_preliminary(path.ray, active=active)
@@ -191,7 +191,7 @@ class PathTracer:
             if dr.hint(self.direct_only and not model.panes, mode="scalar"):
                 active = mi.Bool(False)
             else:
-                # Continue the path; straight transmission does not change its state
+                # Continue the path; null transmission does not change its state
                 after = continue_from_surface(
                     self.portals, vertex, si, numbers, works,
                     split_lobes=self.split_lobes, passed=passed,
@@ -238,7 +238,7 @@ class PathTracer:
 
 
 def _collect(sink: Sink, total, path: Path, found: Emission | None):
-    # Add the light of a source met by the path
+    # Add the radiance of a source hit by the path
     if found is None:
         return total
     value = path.throughput * found.value * found.share(path)

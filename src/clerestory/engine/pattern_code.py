@@ -1,4 +1,4 @@
-"""Patterns of surfaces as kernels: functions and tables, evaluated at intersections.
+"""Evaluation of surface patterns (functions and tables) at intersections.
 
 As in Radiance, the inputs are the point, the unperturbed normal and the ray direction,
 in the local coordinates of the function.
@@ -51,7 +51,7 @@ def pattern_code(pattern: Pattern, origin: Float[np.ndarray, "3"]) -> Code:
 def multiplier(
     pattern: Pattern, origin: Float[np.ndarray, "3"]
 ) -> Callable[[Any], Any]:
-    """Return a pattern as a multiplier of colours; 1 where it has no value."""
+    """Return a pattern as a multiplier of colours; 1 if undefined."""
     code = pattern_code(pattern, origin)
 
     def factor(si: Any) -> mi.Color3f:
@@ -64,9 +64,7 @@ def multiplier(
 
 
 def share(pattern: Pattern, origin: Float[np.ndarray, "3"]) -> Callable[[Any], Any]:
-    """Return a pattern as the foreground fraction of a mixture; 0 where it has no
-    value.
-    """
+    """Return a pattern as the foreground fraction of a mixture; 0 if undefined."""
     code = pattern_code(pattern, origin)
 
     def amount(si: Any) -> mi.Float:
@@ -118,7 +116,7 @@ def _function(pattern: FunctionPattern, origin: Float[np.ndarray, "3"]) -> Code:
 
 def _product(codes: list[Code]) -> Code:
     def code(si: Any) -> tuple[list[Any], Any]:
-        # Omit a factor without a value
+        # Omit undefined factors
         total: list[Any] = [mi.Float64(1)] * 3
         for one in codes:
             values, bad = one(si)
@@ -172,7 +170,7 @@ def _turned(vector: Any, matrix: np.ndarray, shift: np.ndarray | None = None) ->
 
 
 def _try(code: Code, source: Source | None) -> None:
-    # Detect errors before a kernel is traced
+    # Detect errors before a kernel is compiled
     try:
         code(dr.zeros(mi.SurfaceInteraction3f, 1))
     except InputError as error:
@@ -182,7 +180,7 @@ def _try(code: Code, source: Source | None) -> None:
 
 
 def _table(data: DataArray) -> Callable[[list[Any]], Any]:
-    """Return the interpolation in a table as a function of positions."""
+    """Return a function that interpolates in a table."""
     # Reverse decreasing axes with their positions, as in `scene.data_array`
     signs = [1.0 if axis[0] < axis[-1] else -1.0 for axis in data.axes]
     axes = [
@@ -211,7 +209,7 @@ def _table(data: DataArray) -> Callable[[list[Any]], Any]:
 
 
 def _interpolated(flat, cells, shares, strides, index) -> Any:
-    # As `scene.data_array` does
+    # Multilinear interpolation, as in `scene.data_array`
     if not cells:
         return dr.gather(mi.Float64, flat, index)
     low, high = (

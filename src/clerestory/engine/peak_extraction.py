@@ -26,7 +26,7 @@ from clerestory.hemisphere.shirley_chiu import disc_from_square
 # Number of cells along an edge of the look-up grid of directions.
 _GRID = 128
 
-# Points around the straight direction, in units of the smallest cell's edge.
+# Points around the direction of direct transmission, in steps on the disc.
 _STEPS = np.array(
     [(i, j) for i in range(-4, 5) for j in range(-4, 5) if i * i + j * j <= 18]
 )
@@ -43,9 +43,9 @@ _SIDES: tuple[Function, ...] = ("transmission_front", "transmission_back")
 
 
 class PeakTable:
-    """The peak of a layer's transmission, for kernels.
+    """Device arrays of the peak of a layer's transmission.
 
-    The first half of the tables is for light exiting to the room, the second half for
+    The first half of each array is for light exiting to the room, the second half for
     light exiting to the outside.
     """
 
@@ -69,14 +69,14 @@ class PeakTable:
         return outside + mi.UInt32(row * _GRID + column)
 
     def transmittance(self, wi):
-        """Return the straight transmittance towards a direction."""
+        """Return the direct transmittance towards an exiting direction."""
         cell = self._cell(wi) * 3
         return mi.Color3f(
             *[dr.gather(mi.Float, self.passed, cell + i) for i in range(3)]
         )
 
     def without(self, value, wi, wo):
-        """Return a value of the transmission data without the peak."""
+        """Return a BTDF value of the data without the peak [1/sr]."""
         cell = self._cell(wi)
         side = dr.select(wi.z > 0, mi.UInt32(0), mi.UInt32(1))
         apart = dr.square(wi.x + wo.x) + dr.square(wi.y + wo.y)
@@ -93,7 +93,7 @@ def _peaks(
     Float[np.ndarray, " cell"],
     float,
 ]:
-    # Transmittance, surround, lowest value of the peak, and its squared reach
+    # Direct transmittance, surrounding BTDF, least BTDF and squared radius of the peak
     cells = _GRID * _GRID
     none = np.zeros((cells, 3)), np.zeros(cells), np.full(cells, np.inf), 0.0
     if not bsdf.has(side):
@@ -110,7 +110,7 @@ def _peaks(
     bright = values[len(values) // 2]
     in_peak, limit = _select(bright, size, inside, smallest)
 
-    # Transmittance of the peak above its surround; each cell counts once
+    # Transmittance of the peak above the surrounding values; each cell counts once
     first = _first_of_each(bright) & inside
     around = first & ~in_peak
     weight = np.where(around, size, 0).sum(axis=1)
@@ -139,7 +139,7 @@ def _smallest(part: ScatteringFunction) -> float | None:
 
 
 def _around(edge: float):
-    # Centre of each grid cell, and directions around the straight direction
+    # Centre of each grid cell, and directions around that of direct transmission
     middle = (np.arange(_GRID) + 0.5) / _GRID
     a, b = (grid.ravel() for grid in np.meshgrid(middle, middle, indexing="ij"))
     x, y = disc_from_square(a, b)

@@ -30,7 +30,7 @@ class SurfacePoints:
     Attributes
     ----------
     point, start : point on the surface, and point offset from the surface [m]
-    normal : normal on the illuminated side
+    normal : normal on the side of the arriving path
     """
 
     point: Float[np.ndarray, "n 3"]
@@ -42,7 +42,7 @@ class SurfacePoints:
 
 
 def sample_surfaces(model: LoweredScene, ray: mi.Ray3f) -> SurfacePoints:
-    """Follow pilot paths from their first segments from surface to surface."""
+    """Trace pilot paths from their first segments; return their vertices."""
     sequence = points(0, dr.width(ray.d))
     index, seed = dr.arange(mi.UInt32, dr.width(ray.d)), mi.UInt32(0)
     active = mi.Bool(True)

@@ -6,8 +6,8 @@ so the combination is unbiased even if rectangles are missing.
 
 Rectangles are sampled by the solid angle they subtend (`spherical_rectangle`). Sunlit
 areas join the windows (`sun_patches`). Sampling probabilities are learned per cell of
-the room (`path_guiding`), separately for continued paths and for rays that look for
-sunlit surfaces.
+the room (`path_guiding`), separately for continued paths and for rays towards sunlit
+surfaces.
 """
 
 from dataclasses import astuple, dataclass
@@ -44,7 +44,7 @@ class Rectangles:
 
     Attributes
     ----------
-    corner, edge_u, edge_v : of each [m]
+    corner, edge_u, edge_v : a corner of each rectangle and the edges from it [m]
     """
 
     corner: Float[np.ndarray, "n 3"]
@@ -70,13 +70,13 @@ class Rectangles:
 
 @dataclass
 class Portals:
-    """Rectangles, for kernels.
+    """Device arrays of rectangles, with their sampling probabilities.
 
     Attributes
     ----------
     count : number of rectangles
     slots : number of rectangle slots in kernels; surplus slots are empty
-    corner, edge_u, edge_v : of each [m]
+    corner, edge_u, edge_v : a corner of each rectangle and the edges from it [m]
     facing : normal times area, edge_u × edge_v [m²]
     across, upwards : edges divided by their squared lengths [1/m]
     cells : guiding cells of the room
@@ -149,7 +149,7 @@ class Portals:
         return SphericalRectangle.of(corner, edge_u, edge_v, mi.Bool(True))
 
     def towards(self, number, origin, u, v):
-        """Return a direction to a point of a rectangle."""
+        """Sample a direction to a point of a rectangle."""
         view = self._view(number, origin)
         x, y = view.sample(u, v)
         wide = view.right * x + view.up * y + view.axis * view.depth
@@ -160,7 +160,7 @@ class Portals:
         return dr.normalize(dr.select(view.usable, wide, flat))
 
     def density(self, number, origin, direction):
-        """Return the density of `towards` [1/sr] along a ray that meets it."""
+        """Return the density of `towards` for a ray that hits the rectangle [1/sr]."""
         corner = dr.gather(mi.Point3f, self.corner, number) - origin
         facing = dr.gather(mi.Vector3f, self.facing, number)
         along = dr.dot(facing, direction)
@@ -170,7 +170,7 @@ class Portals:
         return dr.select(view.usable, 1 / view.solid_angle, by_area)
 
     def met(self, origin, direction):
-        """Return the rectangles met by a ray, as bits of 32-bit integers."""
+        """Return the rectangles hit by a ray, as bits of 32-bit integers."""
         found = mi.UInt32(0)
         for number in range(self.slots):
             one = mi.UInt32(number)
@@ -236,9 +236,7 @@ def _inverse(edges: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
 
 
 def window_rectangles(scene: Scene, origin: Float[np.ndarray, "3"]) -> Rectangles:
-    """Return rectangles around the largest transmitting polygons, relative to an
-    origin.
-    """
+    """Return rectangles around the largest transmitting polygons, around an origin."""
     found = [
         _rectangle(surface.vertices)
         for surface in scene.surfaces

@@ -51,11 +51,9 @@ def lanes(
 ) -> Lanes:
     """Return the paths of a launch over the matrix rows with the given indices.
 
-    Streams make matrices of one seed independent: errors of V and D must be
-    independent.
-    The seed of a row and batch depends only on their indices, so results do not depend
-    on
-    the division of rows into launches.
+    Different streams make matrices with the same seed independent, as required for V
+    and D. The seed of a row and batch depends only on their indices, so results do not
+    depend on the division of rows into launches.
     """
     lane = dr.arange(mi.UInt32, len(rows) * batches * points.count)
     slot = lane // points.stride
@@ -74,8 +72,8 @@ def lanes(
 def window_ray(window: WindowTable, patch: mi.UInt32, numbers: PathNumbers) -> mi.Ray3f:
     """Return outward rays from the patches of one window, distributed over its area.
 
-    A row of a daylight matrix is the light that arrives through one patch. Unscattered
-    light keeps its patch index, so rays leave against the direction of the patch.
+    A row of a daylight matrix is the radiance incident from one patch. Unscattered
+    light keeps its patch index, so rays are traced against the patch's direction.
 
     Parameters
     ----------

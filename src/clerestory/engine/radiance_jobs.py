@@ -54,9 +54,7 @@ class RadianceJob(EstimatedJob):
         return Sums.floating((rows, *self.shape[1:]))
 
     def error(self, sums: Sums) -> float:
-        """Error of the mean row: ratio of the root mean square of the errors to the
-        mean.
-        """
+        """Root mean square error of the rows, relative to their mean."""
         return mean_error(sums.collected(), axis=1)
 
     def pilot_unit(self, paths: int) -> Unit:

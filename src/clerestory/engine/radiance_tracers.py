@@ -45,7 +45,7 @@ def prepare_picture(job: PictureJob) -> Tracer:
     limit = segments_of(job.bounces)
 
     def irradiance(numbers: PathNumbers, row):
-        # The first dimensions of the sequence sample the surface, not the pixel
+        # The low-discrepancy dimensions are left to the surface; the pixel uses hashes
         x, y = numbers.hashed(_PIXEL), numbers.hashed(_PIXEL + 1)
         ray, valid = rays.through(row, x, y)
         position, normal, found = first_hit(tracer.model, ray, valid)
@@ -113,7 +113,7 @@ def radiance_tracer(
 
 
 def _splits_lobes(scene: Scene, bounces: int | None) -> bool:
-    # Whether diffuse and glossy reflections are counted differently for a bounce limit
+    # Whether a bounce limit applies and materials have diffuse and glossy components
     materials = scene.materials.values()
     return bounces is not None and any(
         getattr(each, "specularity", 0) > 0 for each in materials

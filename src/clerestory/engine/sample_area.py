@@ -1,13 +1,13 @@
-"""Light transport through a piece of a shading system, from a plane before it.
+"""Light transport through a sample area of a shading system.
 
-Paths run with the light. They start on the plane before the front or the back of
-the system, spread evenly over the sample area, and end where they leave the slab
-between both planes for good, or are absorbed. At a vertex, strong paths branch:
-several branches are traced for a way out, and one of those that stay within the slab
-continues for all.
+Paths are traced in the direction of light. They start on the plane in front of the
+system or behind it, uniformly over the sample area, and end where they are absorbed or
+leave the slab between both planes. Paths of large weight are split at each vertex: each
+branch that leaves the slab is scored, and one of the branches that stay in the slab
+continues with the weight of all of them.
 
-The slab is open at its sides, where a finite sample loses light; or it is the cell
-of a repeating system: what leaves one side enters at the opposite side.
+The lateral boundaries of the slab are open, so that a finite sample loses light there,
+or periodic: a path that leaves through one side enters through the opposite side.
 """
 
 from dataclasses import dataclass
@@ -25,32 +25,32 @@ from clerestory.engine.sampler import Points
 from clerestory.engine.visibility import offset
 from clerestory.scene.model import Scene
 
-# Paths below this share of their first weight continue only by Russian roulette.
+# Paths below this fraction of their initial weight are subject to Russian roulette.
 _ROULETTE = 0.5
 
-# Branches of a path of full weight. For a blind, work (time × variance) is least from
-# two to four, and flat.
+# Number of branches of a path of full weight. For a blind, the work (time × variance)
+# is near its minimum for two to four.
 BRANCHES = 3
 
-# Rays reach this little beyond the sides of a cell, so that surfaces there are hit.
+# Relative extension of rays beyond the sides of a cell, to hit surfaces on the sides.
 _BEYOND = 1e-5
 
-# Safety net for unlimited bounces: no path of a physical scene comes near it.
+# Largest number of vertices for unlimited bounces; far above that of physical scenes.
 _MOST_STEPS = 4000
 
 
 @dataclass
 class Slab:
-    """A lowered system with the box that paths start in and leave.
+    """A shading system on the device, with the box that bounds its paths.
 
     Attributes
     ----------
-    scene : the system, for Mitsuba
-    first_face, reach : of the lowered scene, see `LoweredScene`
-    grey : whether all materials are, so that one channel says all
-    low, high : corners of the box in the device's frame [m]; its lower and upper
-        plane lie just outside the system
-    periodic : whether paths that leave through a side enter at the opposite one
+    scene : Mitsuba scene of the system
+    first_face, reach : see `LoweredScene`
+    grey : whether all materials are grey, so that one channel suffices
+    low, high : corners of the box in device coordinates [m]; its lower and upper planes
+        lie just outside the system
+    periodic : whether paths that leave through a side enter through the opposite side
     """
 
     scene: mi.Scene
@@ -63,22 +63,22 @@ class Slab:
 
 
 class Receiver(Protocol):
-    """Sink of the light that leaves the slab."""
+    """An object that scores the paths that leave the slab."""
 
     def receive(self, paths: Lanes, direction, weight, active) -> None:
-        """Add a share of the light of each path, leaving along a direction."""
+        """Score the weight of each path that leaves the slab along a direction."""
 
 
 @dataclass
 class Step:
-    """Where a ray leads.
+    """Result of tracing a ray to a surface or to a side of the cell.
 
     Attributes
     ----------
-    hit : the surface that it meets, if any
-    left : whether it leaves the slab
-    origin : where it continues if it only passes a side of the cell
-    way : length up to there [m]
+    hit : intersection with a surface, if any
+    left : whether the ray leaves the slab
+    origin : origin of the continued ray on the opposite side of a periodic cell
+    way : length of the ray up to the side of the cell [m]
     """
 
     hit: mi.PreliminaryIntersection3f
@@ -88,7 +88,7 @@ class Step:
 
 
 def lower_slab(scene: Scene, box: Float[np.ndarray, "2 3"], *, periodic: bool) -> Slab:
-    """Build the device's system around the middle of the box [m]."""
+    """Build the system on the device, with the origin at the centre of the box [m]."""
     origin = box.mean(axis=0)
     low, high = (mi.Point3f(*(corner - origin).tolist()) for corner in box)
     dr.make_opaque(low, high)
@@ -99,13 +99,13 @@ def lower_slab(scene: Scene, box: Float[np.ndarray, "2 3"], *, periodic: bool) -
 
 
 def start(slab: Slab, points: Points, paths: Lanes, table, cell, back) -> mi.Ray3f:
-    """Return rays from points spread evenly over the plane before a side.
+    """Return rays from uniform points on the plane in front of the system or behind it.
 
     Parameters
     ----------
-    table, cell : directions of travel, and the part of them to sample evenly by
-        projected solid angle
-    back : whether to start behind the system, from the room
+    table, cell : partition of the directions of travel, and index of the patch or cell
+        to sample uniformly by projected solid angle
+    back : whether rays start behind the system, on the side of the room
     """
 
     def number(purpose: int):
@@ -125,7 +125,7 @@ def start(slab: Slab, points: Points, paths: Lanes, table, cell, back) -> mi.Ray
 
 
 def _step(slab: Slab, ray: mi.Ray3f, active) -> Step:
-    # Find what a ray meets before it leaves the slab, or the cell
+    # Intersect a ray with the system within the slab, or within the periodic cell
     if not slab.periodic:
         hit = slab.scene.ray_intersect_preliminary(ray, active=active)
         return Step(hit, ~hit.is_valid(), mi.Point3f(0), mi.Float(0))
@@ -137,7 +137,7 @@ def _step(slab: Slab, ray: mi.Ray3f, active) -> Step:
     ray.maxt = way * (1 + _BEYOND) + 1e-9
     hit = slab.scene.ray_intersect_preliminary(ray, active=active)
 
-    # Enter at the opposite side
+    # Continue from the opposite side
     size = slab.high - slab.low
     end = ray.o + ray.d * way
     end.x -= dr.select(x < y, dr.mulsign(size.x, ray.d.x), 0)
@@ -155,26 +155,27 @@ def follow(
     ray: mi.Ray3f,
     segments: mi.UInt32,
 ) -> None:
-    """Follow paths from their first ray; the receiver adds up what leaves the slab.
+    """Trace paths from their first ray; the receiver scores those that leave the slab.
 
     Parameters
     ----------
-    segments : most segments between diffuse reflections or transmissions
+    segments : largest number of path segments, counted between diffuse scattering
+        events
     """
     context = mi.BSDFContext()
     seed, index = paths.seed, paths.index
 
     # ------------------------------- Loop state -------------------------------
-    step = _step(slab, ray, mi.Bool(True))  # where the ray leads
+    step = _step(slab, ray, mi.Bool(True))  # intersection of the current ray
     receiver.receive(paths, ray.d, mi.Color3f(1), step.left)
     active = ~step.left  # paths within the slab
-    weight = mi.Color3f(1)  # share of the light that is still under way
-    segment = mi.UInt32(1)  # segments so far between diffuse vertices
-    vertex = mi.UInt32(1)  # vertices so far, the start included
-    travelled = mi.Float(0)  # way since the last vertex, up to the last side [m]
+    weight = mi.Color3f(1)  # throughput of the path
+    segment = mi.UInt32(1)  # number of segments, counted between diffuse vertices
+    vertex = mi.UInt32(1)  # number of vertices, including the start
+    travelled = mi.Float(0)  # length from the last vertex to the last side [m]
 
     while active:
-        # Prepare the vertex, if the ray has not merely passed a side
+        # Prepare the vertex, unless the ray only passes a side of the cell
         met = active & step.hit.is_valid()
         si = step.hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, met)
         si.sh_frame = mi.Frame3f(si.n)
@@ -188,7 +189,7 @@ def follow(
         count = dr.clip(dr.ceil(dr.max(weight) * BRANCHES), 1, BRANCHES)
         count = dr.select(met, count, 1)
 
-        # Branch, and choose one of the branches that stay within the slab
+        # Split the path, and select one of the branches that stay in the slab
         before, grown_to, total = mi.Ray3f(ray), mi.UInt32(segment), mi.Float(0)
         next_step, kept = step, mi.Color3f(0)
         for number in range(BRANCHES):
@@ -209,7 +210,7 @@ def follow(
             found = _step(slab, branch, branching)
             receiver.receive(paths, branch.d, share, branching & found.left)
 
-            # Choose it in proportion to its weight
+            # Select the branch in proportion to its weight
             stays = branching & ~found.left
             bright = dr.select(stays, dr.max(share), 0)
             total += bright
@@ -223,7 +224,7 @@ def follow(
             kept = dr.select(chosen, share / bright, kept)
             grown_to = dr.select(chosen, grown, grown_to)
 
-        # Continue with the weight of all branches, by Russian roulette
+        # Continue with the total weight of the branches, subject to Russian roulette
         travelled = dr.select(met, 0, travelled + step.way)
         step, segment = next_step, grown_to
         survive = dr.minimum(total / _ROULETTE, 1)
@@ -235,6 +236,6 @@ def follow(
 
 
 def _turn(u, shift: float):
-    # A point of the unit interval moved along it, around its ends
+    # Shift a number of the unit interval, modulo 1
     u = u + shift
     return u - dr.floor(u)

@@ -15,18 +15,19 @@ from clerestory.hemisphere.partition import RingPartition
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SlabJob(EstimatedJob):
-    """From the incident patches of some sides to the patches both ways out.
+    """Flux fractions from incident patches to transmitted and reflected patches.
 
-    A row is an incident patch of a side, side by side; the columns are the patches of
-    transmission, then those of reflection. Patches are those of the direction of
-    travel, upright. Values are shares of light: a row sums to what is not absorbed.
+    The rows are the incident patches of the first side, then of the second. The columns
+    are the patches of transmission, then of reflection. Patches refer to the direction
+    of travel, with its z component taken as positive. A value is a fraction of the
+    incident flux; a row sums to one minus the absorptance.
 
     Attributes
     ----------
-    box : of the slab, between the planes that paths start from [m]
-    sides : for each side in turn, whether it is the back, that of the room
-    incidents : numbers of the incident patches
-    stands_for : how many patches that are alike each of them stands for
+    box : lower and upper corner of the slab; paths start on its end planes [m]
+    sides : for each side in order, whether it is the back (facing the room)
+    incidents : indices of the incident patches
+    stands_for : number of equivalent patches that each incident patch represents
     """
 
     tracer: ClassVar[tuple[str, str]] = ("sample_area_matrix", "prepare_slab")
@@ -41,12 +42,12 @@ class SlabJob(EstimatedJob):
 
     @cached_property
     def shape(self) -> tuple[int, int, int, int]:
-        """Rows, batches, columns and channels."""
+        """Numbers of rows, batches, columns and channels."""
         rows = len(self.sides) * len(self.incidents)
         return rows, self.batches, 2 * len(self.partition), channels_of(self.scene)
 
     def error(self, sums: Sums) -> float:
-        """Error of the BSDF of all pairs of patches, relative to its mean."""
+        """RMS error of the BSDF over all pairs of patches, relative to its mean."""
         alike = self.stands_for / self.stands_for.mean()
         weight = np.tile(alike, len(self.sides))[:, None, None]
         measure = np.tile(self.partition.projected_solid_angles(), 2)

@@ -1,4 +1,4 @@
-"""BSDF matrices of a sample area: shares of light from patch to patch."""
+"""BSDF matrices of a sample area: fractions of the flux from patch to patch."""
 
 from dataclasses import dataclass
 
@@ -16,19 +16,19 @@ from clerestory.engine.sinks import MatrixSink
 from clerestory.engine.upload import on_device
 from clerestory.engine.work_units import Tracer, Unit
 
-# Keeps the sample points apart from those of other matrices made with the same seed.
+# Separates the random numbers from those of other matrices with the same seed.
 _SALT = 0x5BD1E995
 
 
 @dataclass
 class Patches:
-    """Scores light by the patch through which it leaves.
+    """Receiver that scores paths by the patch of their leaving direction.
 
     Attributes
     ----------
     sink : sums of transmission, then of reflection
-    table, count : patches of either
-    back : of each path, whether it came from the room
+    table, count : partition of the leaving directions, and its number of patches
+    back : whether each path started on the side of the room
     """
 
     sink: MatrixSink
@@ -37,7 +37,7 @@ class Patches:
     back: mi.Bool
 
     def receive(self, paths: Lanes, direction, weight, active) -> None:
-        """Add light to the patch of a direction of travel."""
+        """Score the weight in the patch of the leaving direction."""
         column = self.table.find(direction)
         reflected = (direction.z > 0) == self.back
         column += dr.select(reflected, mi.UInt32(self.count), 0)
@@ -45,7 +45,7 @@ class Patches:
 
 
 def prepare_slab(job: SlabJob) -> Tracer:
-    """Return what traces units of the matrices of a sample area."""
+    """Return a function that traces units of the BSDF matrices of a sample area."""
     slab = lower_slab(job.scene, job.box, periodic=job.periodic)
     table, count = PatchTable.of(job.partition), len(job.incidents)
     incidents = on_device(mi.UInt32, job.incidents)

@@ -1,8 +1,8 @@
-"""Light of a sample area by the finest cells of a tensor tree, block by block.
+"""Scattered flux of a sample area in the finest cells of a tensor tree.
 
-A block is a square of incident cells with all their leaving cells, in the order of
-the tree's branches: the cells below a node lie side by side. Rank 3 has one block,
-with all incident directions of all azimuths turned into one.
+The cells are traced in blocks. A block is a square of incident cells with all their
+leaving cells, in the order of the tree's branches: the cells below a node are
+contiguous. Rank 3 has a single block; all incident azimuths are rotated to one.
 """
 
 from dataclasses import dataclass
@@ -23,22 +23,22 @@ from clerestory.engine.sums import FIXED_POINT
 
 __all__ = ["Grid", "Scores", "lower_slab", "trace_block"]
 
-# Keeps the sample points apart from those of other traces made with the same seed.
+# Separates the random numbers from those of other jobs with the same seed.
 _SALT = 0x2545F491
 
-# Most paths in one launch, and longest stretch of the sequence in it.
+# Largest numbers of paths and of consecutive sequence points in one launch.
 _PATHS, _STRETCH = 1 << 22, 1 << 16
 
 
 @dataclass
 class Grid:
-    """The finest cells of a tree, cut into blocks.
+    """The finest cells of a tree, divided into blocks.
 
     Attributes
     ----------
-    rank : 3 if every azimuth is alike, 4 otherwise
-    depth : halvings of each coordinate down to the finest cells
-    block : the last halvings, which the incident cells of a block differ in
+    rank : rank of the tree: 3 if the BSDF is isotropic, 4 otherwise
+    depth : number of levels of the tree; the finest cells have an edge of 2^-depth
+    block : number of lowest levels that a block covers in the incident coordinates
     """
 
     rank: int
@@ -47,12 +47,12 @@ class Grid:
 
     @property
     def incidents(self) -> int:
-        """Incident cells of a block, in the order of their branches."""
+        """Number of incident cells of a block."""
         return 1 << ((self.rank - 2) * self.block)
 
     @property
     def cells(self) -> int:
-        """Finest cells of a block."""
+        """Number of the finest cells of a block."""
         return self.incidents << 2 * self.depth
 
     @property
@@ -63,12 +63,12 @@ class Grid:
 
 @dataclass
 class Scores:
-    """Sums of the light in the finest cells that some light reached.
+    """Sums of path weights in the finest cells, without cells of zero sum.
 
     Attributes
     ----------
-    cell : number within the block, ascending
-    sums : of each channel; the last one has squares of luminances
+    cell : index of each cell within the block, ascending
+    sums : sums of each channel, and in the last column of the squared luminance
     """
 
     cell: Int64[np.ndarray, " score"]
@@ -77,11 +77,11 @@ class Scores:
 
 @dataclass
 class _IncidentCells:
-    # Directions of travel by incident cell; the number of a cell names its branches
+    # Directions of travel of the incident cells; an index interleaves its coordinates
     grid: Grid
 
     def sample(self, cell, u, v):
-        """Return a direction within a cell, evenly by projected solid angle."""
+        """Sample a direction within a cell uniformly by projected solid angle."""
         wide = 1 << self.grid.depth
         if self.grid.rank == 3:
             inner = 1 - 2 * (mi.Float(cell) + 1) / wide
@@ -98,7 +98,7 @@ class _IncidentCells:
 
 @dataclass
 class _Cells:
-    # Scores light by the cells through which it came and leaves
+    # Receiver that scores paths by their incident and leaving cells
     grid: Grid
     sink: MatrixSink
     incident: mi.UInt32
@@ -106,7 +106,7 @@ class _Cells:
     turn: mi.Vector2f
 
     def receive(self, paths: Lanes, direction, weight, active) -> None:
-        """Add light, and the square of its luminance, to a cell."""
+        """Score the weight, and the square of its luminance, in a cell."""
         grid = self.grid
         x = direction.x * self.turn.x + direction.y * self.turn.y
         y = direction.y * self.turn.x - direction.x * self.turn.y
@@ -146,14 +146,15 @@ def trace_block(
     segments: int,
     seed: int,
 ) -> tuple[Scores, Scores]:
-    """Return sums of the light of paths from some incident cells of a block.
+    """Trace paths from incident cells of a block, and return their sums.
 
     Parameters
     ----------
-    groups : incident cells, counted within the block, with the number of the first
-        path of each and how many there are
-    back : whether to start behind the system, from the room
-    segments : most segments between diffuse reflections or transmissions
+    groups : indices of incident cells within the block, with the first path number and
+        the number of paths of each cell
+    back : whether paths start behind the system, on the side of the room
+    segments : largest number of path segments, counted between diffuse scattering
+        events
 
     Returns
     -------
@@ -172,7 +173,7 @@ def trace_block(
         )
         incident = paths.number % total
         ray = start(slab, sequence, paths, _IncidentCells(grid), incident, behind)
-        # Only in rank 3 are all azimuths of incidence turned into one
+        # Rank 3: rotate all incident azimuths to one
         turn = _azimuth(ray.d) if grid.rank == 3 else mi.Vector2f(1, 0)
         receiver = _Cells(grid, sink, incident, behind, turn)
         follow(slab, receiver, sequence, paths, ray, limit)
@@ -181,7 +182,7 @@ def trace_block(
 
 
 def _scores(sink: MatrixSink, grid: Grid) -> tuple[Scores, Scores]:
-    # What was scored, without the cells that no light reached
+    # Scores of transmission and reflection, without cells of zero sum
     cell = dr.arange(mi.UInt32, sink.columns)
     first = cell * sink.channels + 1
     parts = [
@@ -201,7 +202,7 @@ def _scores(sink: MatrixSink, grid: Grid) -> tuple[Scores, Scores]:
 
 
 def _launches(groups):
-    # Cut groups so that a launch has neither too many paths nor too many points
+    # Divide the groups into launches of limited numbers of paths and sequence points
     for rows, first, count in groups:
         together = max(1, _PATHS // min(count, _STRETCH))
         for begin in range(first, first + count, _STRETCH):
@@ -211,7 +212,7 @@ def _launches(groups):
 
 
 def _azimuth(direction):
-    # Cosine and sine of the azimuth of travel; along x where it is upright
+    # Cosine and sine of the azimuth of travel; (1, 0) for vertical directions
     radius = dr.sqrt(dr.square(direction.x) + dr.square(direction.y))
     scale = dr.select(radius == 0, 0, dr.rcp(radius))
     cosine = dr.select(radius == 0, 1, direction.x * scale)
@@ -219,7 +220,7 @@ def _azimuth(direction):
 
 
 def _every_other(number, bits: int):
-    # The number that the bits 0, 2, 4 … make
+    # Number composed of the bits 0, 2, 4 …
     found = mi.UInt32(0)
     for bit in range(bits):
         found |= (number >> bit) & (1 << bit)
@@ -227,7 +228,7 @@ def _every_other(number, bits: int):
 
 
 def _interleave(numbers: tuple, rank: int, bits: int):
-    # The number whose bits come from several in turn, the first one's lowest
+    # Interleave the bits of several numbers (Morton code), the first number lowest
     found = mi.UInt32(0)
     for dimension, number in enumerate(numbers):
         for bit in range(bits):

@@ -1,9 +1,9 @@
 """Low-discrepancy sample points: Sobol' sequences with hashed Owen scrambling.
 
-One table contains the sequence for the first bounces of a path; every row and batch of
-a matrix scrambles it with a different seed. Batches are then independent, unbiased
-estimates, and within a batch the points of each bounce are evenly distributed. Deeper
-bounces, which carry little energy, use hashed random numbers.
+One table contains the sequence for the first vertices of a path; it is scrambled with a
+different seed for every row and batch of a matrix. Batches are then independent,
+unbiased estimates, and within a batch the points of each vertex are evenly distributed.
+Later vertices, of low throughput, use hashed random numbers.
 
 References: I. M. Sobol', USSR Comput. Math. Math. Phys. 7 (4), 1967, with the
 direction numbers of S. Joe and F. Kuo, SIAM J. Sci. Comput. 30, 2008 (as in SciPy);
@@ -84,8 +84,8 @@ def coordinate(sequence: Points, seed, index, vertex, purpose: int):
     Parameters
     ----------
     seed : seed of the row and batch
-    index : number of the path's point in the table
-    vertex : vertices of the path so far
+    index : index of the path's point in the table
+    vertex : number of the vertex on the path
     purpose : one of CONNECT_U … DIRECTION_V
     """
     dimension = vertex * PER_VERTEX + purpose
@@ -116,7 +116,7 @@ def choose(cumulative: mi.Float, count: int, pick):
     Returns
     -------
     number, probability : index and probability of the chosen item
-    rest : remainder of the random number, rescaled to [0, 1)
+    rest : random number rescaled to [0, 1) for further use
     """
     number = mi.UInt32(
         dr.binary_search(
@@ -142,8 +142,8 @@ class PathNumbers:
     ----------
     points : points of the sequence
     seed : seed of the row and batch
-    index : number of the path's point in the table
-    vertex : vertices of the path so far
+    index : index of the path's point in the table
+    vertex : number of the vertex on the path
     """
 
     points: Points

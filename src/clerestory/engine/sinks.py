@@ -11,7 +11,7 @@ import mitsuba as mi
 
 from clerestory.engine.sums import FIXED_POINT
 
-# A weight is split into two integers of 20 bits or more, which CPUs convert fastest.
+# A weight is converted as two integers of at least 20 bits, which is fastest on CPUs.
 _HALF = FIXED_POINT**0.5
 
 # Weights are at most a few π; anything beyond this limit would overflow.
@@ -27,7 +27,7 @@ class MatrixSink:
     sums : first the number of weights outside the range of the sums, then a sum for
         each (row and batch, column, channel)
     columns, channels : numbers of columns and channels of the matrix; one channel if
-        all are equal
+        all channels are equal
     slot : row and batch of each path
     """
 
@@ -44,7 +44,7 @@ class MatrixSink:
         self.score(self.slot, column, value, active)
 
     def score(self, slot, column, value, active) -> None:
-        """Add a contribution to a column of a row and batch."""
+        """Add a contribution to a column of a given row and batch."""
         index = (slot * self.columns + column) * self.channels + 1
         mode = _reduction()
         for channel in range(self.channels):
@@ -63,7 +63,7 @@ class RadianceSink:
     """Sum of a path's contributions in floating point, carried along the path."""
 
     def begin(self) -> mi.Color3f:
-        """Return the sum of no contributions."""
+        """Return a sum of zero."""
         return mi.Color3f(0)
 
     def add(self, total: mi.Color3f, _column, value, active) -> mi.Color3f:

@@ -9,22 +9,23 @@ from dataclasses import dataclass
 import drjit as dr
 import mitsuba as mi
 
-# Rectangles of a smaller solid angle [sr] are sampled by area.
+# Rectangles that subtend a smaller solid angle [sr] are sampled by area.
 _SMALL = 0.02
 
 
 @dataclass
 class SphericalRectangle:
-    """A rectangle seen from a point; symbols as in the paper.
+    """A rectangle as seen from a reference point; symbols as in the paper.
 
     Attributes
     ----------
-    right, up, axis : frame; the axis points from the rectangle towards the point
-    x0, x1, y0, y1 : limits of the rectangle in the frame [m]
-    depth : the paper's z0, negative [m]
+    right, up, axis : local axes; `axis` points from the rectangle's plane to the
+        reference point
+    x0, x1, y0, y1 : limits of the rectangle in local coordinates [m]
+    depth : local z coordinate of the rectangle's plane, negative (the paper's z0) [m]
     b0, b1, k : constants of the parametrization
-    solid_angle : [sr]
-    usable : whether to sample by solid angle
+    solid_angle : solid angle that the rectangle subtends [sr]
+    usable : whether to sample by solid angle; otherwise by area
     """
 
     right: mi.Vector3f
@@ -43,7 +44,14 @@ class SphericalRectangle:
 
     @classmethod
     def of(cls, corner, edge_u, edge_v, rectangle) -> "SphericalRectangle":
-        """Return the view of a rectangle given by a corner, relative to the point."""
+        """Return the spherical rectangle.
+
+        Parameters
+        ----------
+        corner : vector from the reference point to a corner [m]
+        edge_u, edge_v : edges from that corner [m]
+        rectangle : whether the element is a rectangle
+        """
         width, height = dr.norm(edge_u), dr.norm(edge_v)
         right, up = edge_u / width, edge_v / height
         axis = dr.cross(right, up)
@@ -53,7 +61,7 @@ class SphericalRectangle:
         x0, y0 = dr.dot(corner, right), dr.dot(corner, up)
         x1, y1 = x0 + width, y0 + height
 
-        # Inner angles of the spherical rectangle, from the normals of its sides
+        # Inner angles of the spherical rectangle, from the normals of its edge planes
         z2 = dr.square(depth)
         n0 = -y0 * dr.rsqrt(z2 + dr.square(y0))
         n1 = x1 * dr.rsqrt(z2 + dr.square(x1))
@@ -69,7 +77,7 @@ class SphericalRectangle:
         )
 
     def sample(self, u, v):
-        """Return a point of the rectangle in its frame [m]."""
+        """Return the local coordinates of a point of the rectangle [m]."""
         angle = u * self.solid_angle + self.k
         sine, cosine = dr.sincos(angle)
         f = (cosine * self.b0 - self.b1) / sine

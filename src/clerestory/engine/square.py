@@ -1,11 +1,14 @@
-"""Shirley and Chiu's map of `hemisphere.shirley_chiu`, for kernels."""
+"""Shirley–Chiu map between disc and square, in Dr.Jit arrays.
+
+The map is that of `hemisphere.shirley_chiu`.
+"""
 
 import drjit as dr
 import mitsuba as mi
 
 
 def square_from_disc(x, y):
-    """Return the point of the square [0, 1]² for a point of the unit disc."""
+    """Map a point of the unit disc to the square [0, 1]²."""
     steep = dr.abs(y) > dr.abs(x)
     far, near = dr.select(steep, y, x), dr.select(steep, x, y)
     edge = dr.mulsign(0.5 * dr.sqrt(dr.square(x) + dr.square(y)), far)
@@ -17,7 +20,7 @@ def square_from_disc(x, y):
 
 
 def disc_from_square(a, b):
-    """Return the point of the unit disc for a point of the square [0, 1]²."""
+    """Map a point of the square [0, 1]² to the unit disc."""
     a, b = 2 * a - 1, 2 * b - 1
     steep = dr.abs(b) > dr.abs(a)
     radius, along = dr.select(steep, b, a), dr.select(steep, a, b)

@@ -71,7 +71,7 @@ class Sums:
         part: np.ndarray,
         columns: Int[np.ndarray, " some_columns"] | None = None,
     ) -> None:
-        """Add the sums of a unit; in place where its rows are consecutive.
+        """Add the sums of a unit.
 
         Parameters
         ----------
@@ -91,7 +91,7 @@ class Sums:
         return means
 
     def collected(self) -> Float[np.ndarray, "row batch channel"]:
-        """Mean weight of each batch's paths, all columns together."""
+        """Mean weight of each batch's paths, summed over all columns."""
         means: np.ndarray = self.total.sum(axis=2)
         return means / (self.one * self.count[:, None, None])
 

@@ -1,11 +1,11 @@
-"""Lobes of sunlight behind BSDFs, as directions of rays back to the windows.
+"""Sampling of rays from room surfaces to windows along lobes of transmitted sunlight.
 
-A blind or a film sends the light of the sun into few directions. They are sampled from
-the BSDF for the sun's own direction: rays from a surface in the room run back along
-them to a window, where sampling points of the window seldom finds a lobe.
+A blind or a film scatters sunlight into narrow lobes, which sampling of window points
+seldom finds. Directions are therefore sampled from the BSDF for the incident direction
+of the sun, and rays from room surfaces are traced along their reverse to the windows.
 
-The directions do not depend on which window they meet, so their density is that of all
-windows' lobes together, on every window.
+The sampled direction does not depend on the window that the ray hits, so its density
+is the sum over the lobes of all windows.
 """
 
 from dataclasses import dataclass
@@ -23,31 +23,31 @@ from clerestory.engine.sampler import points
 from clerestory.scene.model import BsdfSurface, Material, Polygon, Scene
 from clerestory.scene.surface import area_vectors
 
-# Windows of different BSDFs or orientations beyond the largest only cost time.
+# Greatest number of window groups (equal BSDF and orientation), the largest in area.
 MOST = 4
 
-# Lobes are sampled if they are, on average over their own directions, so many times
-# denser than diffuse scattering; estimated from this many of them.
+# Lobes are sampled if their density, averaged over sampled directions, is at least this
+# multiple of the cosine-weighted density; number of directions for the estimate.
 _NARROW = 4.0
 _TRIED = 1024
 
-# Sines below this are no frame: the up vector lies along the normal.
+# Least sine of the angle between up vector and normal that defines a frame.
 _UPRIGHT = 1e-6
 
-# Transmission of light from behind a surface, and from before it.
+# Transmission function for the sun on the back (1) or on the front (-1) of a surface.
 _SIDES: dict[int, Function] = {1: "transmission_front", -1: "transmission_back"}
 
 
 @dataclass
 class Lobes:
-    """Lobes of the windows of one BSDF and one orientation.
+    """Lobes of sunlight transmitted by windows of one BSDF and one orientation.
 
     Attributes
     ----------
-    table : the BSDF, sampled for light from the sun
-    frame : of the layer; its normal is that of the surfaces
-    side : 1 where the sun shines on the back of the surfaces, -1 on the front
-    chance : of sampling these
+    table : BSDF, sampled for a given incident direction
+    frame : local frame of the BSDF; its normal is that of the surfaces
+    side : 1 if the sun is behind the surfaces, -1 if it is in front of them
+    chance : probability of sampling the lobes of these windows
     """
 
     table: Table
@@ -56,7 +56,7 @@ class Lobes:
     chance: float
 
     def sample(self, sun, u, v):
-        """Return the direction of a ray back to a window for the light of a sun."""
+        """Return the direction of a ray to a window along a lobe of sunlight."""
         disc, _, _ = self.table.sample(mi.UInt32(0), self.frame.to_local(sun), u, v)
         height = dr.safe_sqrt(1 - dr.squared_norm(disc))
         return -self.frame.to_world(mi.Vector3f(disc.x, disc.y, self.side * height))
@@ -69,7 +69,7 @@ class Lobes:
         return dr.select(met, density * dr.abs(leaving.z), 0)
 
     def concentration(self, suns: Float[np.ndarray, "sun 3"]) -> float:
-        """Return how much denser than diffuse scattering the lobes are, at most."""
+        """Return the greatest ratio of lobe density to cosine-weighted density."""
         normal = np.array(self.frame.n).ravel()
         shining = suns[(suns @ normal) * self.side < 0]
         point = points(0, _TRIED)
@@ -98,7 +98,7 @@ class SunLobes:
 
     @classmethod
     def of(cls, scene: Scene) -> "SunLobes":
-        """Return the lobes of the largest windows on which a sun can shine."""
+        """Return the narrow lobes of the largest windows that a sun can light."""
         found: dict[tuple, float] = {}
         suns = np.array([s.direction for s in scene.distant if is_sun(s)]).reshape(
             -1, 3
@@ -124,7 +124,7 @@ class SunLobes:
         return cls([made[key] for key in largest])
 
     def sample(self, pick, sun, u, v):
-        """Return the direction of a ray back to a window for the light of a sun."""
+        """Return the direction of a ray to a window along a lobe of sunlight."""
         direction = self.groups[0].sample(sun, u, v)
         before = self.groups[0].chance
         for lobes in self.groups[1:]:
@@ -142,7 +142,7 @@ class SunLobes:
 
 
 def is_layer(material: Material) -> bool:
-    """Whether a material is a BSDF itself, not a proxy for geometry."""
+    """Whether a material is a BSDF of zero thickness (not a proxy for geometry)."""
     return isinstance(material, BsdfSurface) and material.thickness == 0
 
 

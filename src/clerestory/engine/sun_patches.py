@@ -1,9 +1,9 @@
-"""Sunlit areas of a room as portals.
+"""Sunlit areas of a room as portals for path guiding.
 
-A stripe of sun on the floor may light the room more than the window beside it, and
-paths find it by chance only. Rays from the sun are traced into the room before a
-picture is; rectangles around the clusters of the points that they meet join the
-windows as portals. Areas that are missed cost noise, never light.
+A sunlit area on the floor may light the room more than the window does, yet BSDF
+sampling hits it only by chance. Before rendering, rays are traced from the sun into the
+room; rectangles around clusters of their hit points become portals in addition to the
+windows. A missed sunlit area increases the noise but causes no bias.
 """
 
 import drjit as dr
@@ -19,22 +19,23 @@ from clerestory.engine.portals import MOST, Rectangles
 from clerestory.engine.upload import launching, vectors
 from clerestory.engine.visibility import offset, transmittance
 
-# Rays from the sun, and panes that these pass at most.
+# Number of rays from the sun, and greatest number of panes that a ray passes.
 _SUNBEAMS = 1 << 18
 _PANES = 6
 
-# Beams cover most surface points: all but this share at either end, and a little more.
+# Rays cover a sphere around the surface points between this quantile and its
+# complement along each axis, enlarged by this factor.
 _OUTLYING = 0.04
 _WIDENED = 1.1
 
-# Patches help where the sun lights a small share of the room; a patch has at least so
-# many beams.
+# Portals are used if the sun lights at most this share of the surface points; least
+# number of sun-ray hit points in a portal.
 _SELDOM = 0.25
 _FEWEST = 24
 
-# Planes are the same within this slope and distance [m], of which there are no more
-# than so many along a normal; a patch is cut up along the empty cells of a grid this
-# fine, and widened by so many.
+# Tolerances on normal and on distance [m] for points of one plane; bound on the number
+# of distance steps along a normal; cells per axis of the grid on which hit points are
+# clustered; margin around a cluster [cells].
 _SLOPE, _DISTANCE = 0.01, 0.01
 _HEIGHTS = 1 << 40
 _CELLS = 48
@@ -42,7 +43,7 @@ _MARGIN = 2.0
 
 
 def sun_patches(scene: Illumination, places: SurfacePoints) -> Rectangles:
-    """Return rectangles around sunlit areas, if the sun lights little of the room."""
+    """Return rectangles around sunlit areas; none if much of the room is sunlit."""
     if scene.distant.suns == 0 or len(places) == 0:
         return Rectangles.none()
     if _sunlit_share(scene, places) > _SELDOM:
@@ -51,7 +52,7 @@ def sun_patches(scene: Illumination, places: SurfacePoints) -> Rectangles:
 
 
 def _sunlit_share(scene: Illumination, places: SurfacePoints) -> float:
-    # Share of the surface points that a sun lights
+    # Share of the surface points lit directly by a sun
     index, seed = dr.arange(mi.UInt32, len(places)), mi.UInt32(1)
     u, v, pick = (
         sampler.random_number(seed, index, mi.UInt32(number)) for number in range(3)
@@ -67,7 +68,7 @@ def _sunlit_share(scene: Illumination, places: SurfacePoints) -> float:
 
 
 def _sunbeams(scene: Illumination, places: SurfacePoints):
-    # Points and normals that rays from the sun meet, through panes
+    # Points and normals where rays from the sun, through panes, hit opaque surfaces
     model = scene.model
     low, high = np.quantile(places.point, [_OUTLYING, 1 - _OUTLYING], axis=0)
     middle, radius = (low + high) / 2, float(np.linalg.norm(high - low)) * _WIDENED / 2
@@ -75,7 +76,7 @@ def _sunbeams(scene: Illumination, places: SurfacePoints):
     a, b, pick, u, v = (
         sampler.random_number(seed, index, mi.UInt32(number)) for number in range(5)
     )
-    # From all of the sun's disc: patches reach as far as the penumbra
+    # Directions cover the whole solar disc, so that portals include the penumbra
     sun, _, _ = scene.distant.sample_sun(pick, a, b)
     frame = mi.Frame3f(sun)
     disc = mi.warp.square_to_uniform_disk_concentric(mi.Point2f(u, v))
@@ -110,7 +111,7 @@ def _sunbeams(scene: Illumination, places: SurfacePoints):
 def _plane(
     point: Float[np.ndarray, "n 3"], normal: Float[np.ndarray, "n 3"]
 ) -> Int[np.ndarray, " n"]:
-    # A whole number that is the same for points of one plane
+    # Integer key that is equal for points of one plane
     facing = np.round(normal / _SLOPE).astype(np.int64)
     height = np.sum(facing * _SLOPE * point, axis=1)
     most = round(1 / _SLOPE)
@@ -124,7 +125,7 @@ def _patches(
     normal: Float[np.ndarray, "n 3"],
     places: SurfacePoints,
 ) -> Rectangles:
-    # Rectangles around sunlit areas, those of most beams first
+    # Rectangles around sunlit areas, in descending order of their numbers of hit points
     plane = _plane(point, normal)
     keys, size = np.unique(plane, return_counts=True)
     seen = np.isin(keys, _plane(places.point, places.normal))
@@ -140,7 +141,7 @@ def _patches(
 def _rectangles(
     point: Float[np.ndarray, "n 3"], normal: Float[np.ndarray, "3"]
 ) -> list[tuple[int, Float[np.ndarray, "3 3"]]]:
-    # Corner and edges of rectangles around the clusters of points of a plane
+    # Number of points, corner and edges of the rectangle around each cluster
     axis = np.eye(3)[np.argmin(np.abs(normal))]
     right = np.cross(axis, normal)
     right /= np.linalg.norm(right)

@@ -1,10 +1,9 @@
-"""Suns as sources of radiance: directly, in plane mirrors and on sunlit surfaces.
+"""Next-event estimation of suns: direct, by plane mirrors, and on sunlit surfaces.
 
-Paths that leave a surface at random hardly ever meet the sun in a mirror. For a plane
-mirror the sun's image is a sun again, so it is sampled as Radiance's virtual sources
-are, for single reflections. A blind that scatters the sun into a few directions, and a
-stripe of sun on the floor, are sampled by one ray along such a lobe or towards a
-portal, and by the sun itself where that ray arrives.
+BSDF sampling hardly ever hits the sun's image in a mirror. Single reflections of a sun
+in plane mirrors are therefore sampled like Radiance's virtual light sources. Sunlit
+blinds and sunlit areas of the room are sampled by one ray along a lobe of transmitted
+sunlight or towards a portal; a shadow ray to the sun starts at its hit point.
 """
 
 from collections.abc import Iterator
@@ -34,16 +33,16 @@ from clerestory.engine.sun_lobes import SunLobes
 from clerestory.engine.vertices import surface_vertex
 from clerestory.engine.visibility import transmittance
 
-# Of the rays that look for sunlit surfaces, those along lobes of windows.
+# Probability that a ray to sunlit surfaces is sampled along a window's lobe.
 _LOBES = 0.5
 
-# Memory of a path that was not sampled for sunlit surfaces.
+# Stored density of a path segment for which no ray to sunlit surfaces was sampled.
 NOT_SAMPLED = -1.0
 
 
 @dataclass
 class SunSample:
-    """A direction to a sun, its density [1/sr], and the radiance there."""
+    """A direction to a sun, its density [1/sr], and the sun's radiance."""
 
     direction: mi.Vector3f
     pdf: mi.Float
@@ -52,11 +51,12 @@ class SunSample:
 
 @dataclass
 class Suns(Source):
-    """Suns of a scene, sampled by power.
+    """Suns of a scene, sampled in proportion to their power.
 
-    A path's memory is how many mirrors it met since a vertex that was sampled (0, 1; 2
-    for more, or for anything else), and the density of looking for sunlit surfaces
-    along its segment, negative where none was looked for.
+    The state stored with a path has two parts: the number of mirror reflections since
+    the last vertex with next-event estimation (0 or 1; 2 for all other histories), and
+    the density of sampling the path segment as a ray to sunlit surfaces [1/sr],
+    negative if no such ray was sampled.
     """
 
     name: ClassVar[str] = "suns"
@@ -68,15 +68,15 @@ class Suns(Source):
 
     @property
     def seeks_sunlit(self) -> bool:
-        """Whether there are surfaces to look for that suns may light."""
+        """Whether the scene has window lobes or portals of sunlit surfaces."""
         return bool(self.lobes.groups or (self.portals and self.portals.sunny))
 
     def begin(self, pdf, sunlit):
-        """Return the memory of a path's first segment."""
+        """Return the state stored with a path's first segment."""
         return dr.select(pdf > 0, mi.UInt32(0), mi.UInt32(2)), mi.Float(sunlit)
 
     def remember(self, si, vertex: Vertex, after: Scattering, memory):
-        """Count mirrors, and keep the density of looking for sunlit surfaces."""
+        """Update the mirror count and the density of sampling sunlit surfaces."""
         mirrors, _ = memory
         if self.mirrors.count:
             known = after.delta & is_mirror(si.bsdf())
@@ -89,7 +89,10 @@ class Suns(Source):
         return mirrors, dr.select(looked, after.densities.sunlit, NOT_SAMPLED)
 
     def escaped(self, path: Path, active) -> Emission:
-        """Return the suns of a direction; those in mirrors are left to sampling."""
+        """Return the radiance of suns in the path's direction.
+
+        Suns seen in one mirror are excluded: they are sampled by `samples`.
+        """
         radiance, pdf = self.distant.sun_radiance(path.ray.d, active)
         mirrors, _ = path.memory[self.name]
         return Emission(
@@ -117,7 +120,7 @@ class Suns(Source):
             yield self._in_mirror(numbers)
 
     def _share_of_path(self, vertex: Vertex, path: Path, sun: SunSample):
-        # What a path counts that came by itself to a surface which was looked for
+        # MIS weight of a BSDF-sampled path on a surface that is also sampled as sunlit
         _, sunlit = path.memory[self.name]
         other = self._sunlit_pdf(sun, path.ray.d, sunlit)
         shared = (sunlit >= 0) & (path.pdf > 0)
@@ -144,7 +147,7 @@ class Suns(Source):
     def _on_surfaces(
         self, vertex: Vertex, sun: SunSample, numbers: PathNumbers
     ) -> LightSample:
-        # Along a lobe in which a window scatters the sun, or towards a portal
+        # Sample along a window's lobe of sunlight, or towards a portal
         u, v, pick = (numbers.extra(purpose) for purpose in (8, 9, 10))
         direction, valid = mi.Vector3f(0, 0, 1), mi.Bool(False)
         sunny = self.portals is not None and self.portals.sunny
@@ -169,9 +172,9 @@ class Suns(Source):
         return LightSample(direction, pdf, active, arriving)
 
     def on_surface(self, sun: SunSample, ray: mi.Ray3f, active):
-        """Return the light of a sun that the surface which a ray meets sends back.
+        """Return the radiance of sunlight scattered along a ray by the surface hit.
 
-        None comes from what is not looked for: see `_is_sought`.
+        It is zero for surfaces that `_is_sought` excludes.
         """
         hit = self.model.scene.ray_intersect_preliminary(ray, active=active)
         active = active & hit.is_valid()
@@ -185,7 +188,7 @@ class Suns(Source):
         return dr.select(lit, light, 0)
 
     def _sunlit_pdf(self, sun: SunSample, direction, in_portals):
-        # Density of looking for sunlit surfaces in a direction
+        # Density of sampling a direction as a ray to sunlit surfaces [1/sr]
         if not self.lobes.groups:
             return in_portals
         along = self.lobes.pdf(direction, sun.direction)
@@ -218,7 +221,8 @@ class Suns(Source):
 
 
 def _is_sought(model: LoweredScene, shape, active):
-    # Whether a shape is something that is looked for where a sun lights it
+    # Whether sunlight on a shape is sampled: opaque surfaces with a non-delta BSDF, and
+    # BSDF layers
     flags = dr.gather(mi.UInt32, model.flags_of_shape, shape, active)
     depth = dr.gather(mi.Float, model.thickness_of_shape, shape, active)
     matt = mi.has_flag(flags, mi.BSDFFlags.Smooth)

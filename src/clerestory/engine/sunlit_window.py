@@ -1,8 +1,9 @@
-"""Sunlit windows as sources: what a window's BSDF scatters of one sun.
+"""Next-event estimation of sunlight transmitted by a window's BSDF.
 
-The window is sampled by solid angle, and by the lobes into which its BSDF scatters this
-very sun, so a smooth blind and a film with lobes of a degree cost the same. What the
-BSDF passes straight, if asked for, is a term of its own, sharp as the sun.
+Directions to the window are sampled by solid angle and by the BSDF lobes for the
+incident direction of the sun, so wide and narrow lobes converge alike. Direct
+transmission (the peak of the BSDF), if separated, is a term of its own with the
+angular width of the solar disc.
 """
 
 from collections.abc import Iterator
@@ -41,23 +42,23 @@ from clerestory.engine.visibility import (
 )
 from clerestory.engine.windows import WindowTable, window_shapes
 
-# Depth of the cap of the sun's disc, 1 − cos of its radius, and its solid angle [sr]
+# Solar disc: 1 − cosine of its angular radius, and its solid angle [sr]
 _DEPTH = 2 * float(np.sin(np.radians(0.533) / 4)) ** 2
 _SOLID_ANGLE = 2 * np.pi * _DEPTH
 
 
 @dataclass
 class SunlitWindow(Source):
-    """A window lit by a sun of unit direct normal irradiance, and what surrounds it.
+    """A window lit by a sun of unit direct normal irradiance, with its surroundings.
 
     Attributes
     ----------
-    inside : the scene with all windows, which end the light of the room side
-    outside : the scene without windows
+    inside : scene with all windows as receivers, at which paths in the room end
+    outside : scene without windows
     own, role : table of this window, and its number among the windows, plus one
-    lobes : its BSDF, sampled for light that comes from the sun
-    peak : what passes straight, kept apart; None: part of the lobes
-    middle, sun : unit vectors to the middle and to a point of the sun's disc, by path
+    lobes : BSDF of the window, sampled for the incident direction of the sun
+    peak : direct transmission as a separate term; None: part of the lobes
+    middle, sun : unit vectors to the centre and to a point of the solar disc, by path
     """
 
     name: ClassVar[str] = "sunlit window"
@@ -87,7 +88,13 @@ class SunlitWindow(Source):
         )
 
     def lit_by(self, middle: mi.Vector3f, a: mi.Float, b: mi.Float) -> "SunlitWindow":
-        """Return the window lit by suns; a, b choose a point of the disc."""
+        """Return the window lit by suns.
+
+        Parameters
+        ----------
+        middle : unit vector to the centre of the solar disc, by path
+        a, b : random numbers that choose a point of the disc
+        """
         height = a * _DEPTH
         flat = dr.sqrt(height * (2 - height))
         sine, cosine = dr.sincos(2 * dr.pi * b)
@@ -95,7 +102,7 @@ class SunlitWindow(Source):
         return replace(self, middle=middle, sun=mi.Frame3f(middle).to_world(local))
 
     def met(self, path: Path, si, shape, active) -> tuple[Emission, mi.Bool]:
-        """Return what the window scatters of the sun, and the sun seen through it."""
+        """Return the window's radiance towards the path: scattered and direct sun."""
         towards_eye = -path.ray.d
         role = dr.gather(mi.UInt32, self.inside.window_of_shape, shape, active)
         front = active & (role == self.role)
@@ -109,7 +116,7 @@ class SunlitWindow(Source):
     def samples(
         self, vertex: Vertex, path: Path | None, numbers: PathNumbers
     ) -> Iterator[LightSample]:
-        """Yield directions to a point of the window, along a lobe, and to the sun."""
+        """Yield samples to a point of the window, along a lobe, and to the sun."""
         u, v = numbers.sobol(CONNECT_U), numbers.sobol(CONNECT_V)
         yield self._to_window(vertex, u, v)
         u, v = numbers.sobol(DIRECTION_U), numbers.sobol(DIRECTION_V)
@@ -118,7 +125,7 @@ class SunlitWindow(Source):
             yield self._to_sun()
 
     def _scattered(self, direction):
-        # Radiance that the window sends in a direction, and the density of its lobes
+        # Radiance scattered by the window into a direction, and pdf of its lobes [1/sr]
         frame = self.lobes.frame
         leaving, incident = frame.to_local(direction), frame.to_local(self.sun)
         value, density = self.lobes.table.evaluate(mi.UInt32(0), leaving, incident)
@@ -129,14 +136,14 @@ class SunlitWindow(Source):
         return value * slant, density * dr.maximum(leaving.z, 0)
 
     def _straight(self, sun):
-        # Share of the sun's light that passes straight
+        # Direct transmittance of the window
         if self.peak is None:
             return mi.Color3f(0)
         leaving = self.lobes.frame.to_local(-sun)
         return dr.select(leaving.z > 0, self.peak.transmittance(leaving), 0)
 
     def _outside(self, point, active):
-        # Share of the sun's light that reaches a point of the window
+        # Transmittance of the outside scene from the sun to a point of the window
         normal = self.lobes.frame.n
         reach = dr.maximum(dr.max(dr.abs(point)), 0.05)
         lit = active & (dr.dot(normal, self.sun) < 0)
@@ -191,7 +198,7 @@ class SunlitWindow(Source):
         return LightSample(self.sun, mi.Float(1), active, arriving, heuristic=None)
 
     def _from_window(self, vertex: Vertex, direction, active):
-        # Share of the sun's light that comes through the window from a direction
+        # Transmittance from the vertex to the window and on to the sun; window hit
         inside = self.inside
         start = vertex.leave(direction, active)
         share, ray, hit = first_opaque(

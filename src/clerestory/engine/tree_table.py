@@ -1,13 +1,13 @@
-"""Tensor trees for kernels: values, and where to look for incident light.
+"""Evaluation and sampling of tensor-tree BSDFs on the device.
 
-A path arrives against the light, so it knows one direction and draws the other by
-walking down the tree: on each level into one of the four quarters of the unknown
-direction's square, in proportion to their means over what is still undecided of the
-known direction. The walk never enters a quarter without light, and never misses one
-with light.
+A path is traced against the direction of light: the leaving direction is given and the
+incident direction is sampled by descent of the tree. Each level selects one of the four
+quadrants of the incident direction's square, in proportion to their mean BSDF values
+over the given direction's cell at that level. Every quadrant of nonzero mean can be
+selected, and no other.
 
-The functions of a layer stand one behind the other in one table of slots, laid out
-as in `bsdf.tensor_tree`.
+The functions of a layer are concatenated in one table of slots, in the layout of
+`bsdf.tensor_tree`.
 """
 
 from collections.abc import Sequence
@@ -23,14 +23,16 @@ from clerestory.engine.square import disc_from_square, square_from_disc
 from clerestory.engine.upload import on_device
 from clerestory.hemisphere import shirley_chiu
 
-# Edge of the grid on which the share of light gathered from all sides is tabulated.
+# Edge of the grid of directions on which hemispherical reflectance or transmittance
+# is tabulated.
 _GRID = 32
 
-# A function is given this chance at least, whatever the grid says.
+# Least tabulated value, so that every function can be sampled.
 _LEAST = 1e-3
 
-# Rank 3 trees are turned round by points of their cells, this many along each axis;
-# what the points miss is met by a share of directions from the whole hemisphere.
+# Rank 3 trees with exchanged directions are resampled at this many points per cell and
+# axis; share of a cell's value added to its neighbours; probability of sampling the
+# whole hemisphere, for directions that the resampled tree misses.
 _WITHIN = 3
 _SPILL = 0.03
 _DEFENSIVE = 0.05
@@ -41,10 +43,10 @@ class TreeTable:
 
     Parameters
     ----------
-    functions : by number of the function, the trees of X, Y and Z, or one tree; None
-        where the layer has no such function
-    other : by number, the function of the other side that reciprocity makes equal, with
-        directions exchanged, where one is missing
+    functions : for each function, the trees of X, Y and Z, or one tree; None where the
+        layer has no such function
+    other : for each function, the number of the function equal to it by reciprocity,
+        with directions exchanged; used where the function itself is missing
     """
 
     def __init__(
@@ -62,7 +64,7 @@ class TreeTable:
             for colour in range(self.colours)
         ]
 
-        # Rank 4 is drawn from as it is; rank 3 from trees with directions exchanged
+        # Rank 4 trees are sampled directly, rank 3 trees with directions exchanged
         numbers = range(len(functions))
         known = [part is not None for part in functions]
         own = [n if known[n] else o for n, o in zip(numbers, other, strict=True)]
@@ -72,7 +74,7 @@ class TreeTable:
             for number in numbers:
                 part = functions[own[number]]
                 tree = None if part is None else part[self.middle]
-                # What is read with directions exchanged is drawn from as it stands
+                # A function evaluated with directions exchanged is sampled directly
                 trees.append(_exchanged(tree) if tree and known[number] else tree)
         self._tabulate(trees)
         shares = [self._shares(functions[n], functions[own[n]]) for n in numbers]
@@ -90,7 +92,7 @@ class TreeTable:
         self.start = on_device(mi.UInt32, start)
 
     def _shares(self, own, read) -> np.ndarray:
-        # Light gathered from all sides, for leaving directions over a grid
+        # Hemispherical reflectance or transmittance over a grid of leaving directions
         if read is None:
             return np.zeros(_GRID * _GRID)
         middle = (np.arange(_GRID) + 0.5) / _GRID
@@ -103,7 +105,7 @@ class TreeTable:
         return np.maximum(exact.hemispherical(direction), _LEAST)
 
     def gathered(self, function, leaving):
-        """Return the share of uniform light that leaves along a direction, roughly."""
+        """Return the approximate reflectance or transmittance of uniform light."""
         place = square_from_disc(leaving.x, leaving.y) * _GRID
         row = dr.clip(mi.Int32(place.x), 0, _GRID - 1)
         column = dr.clip(mi.Int32(place.y), 0, _GRID - 1)
@@ -111,7 +113,7 @@ class TreeTable:
         return dr.gather(mi.Float, self.share, cell)
 
     def evaluate(self, function, incident, leaving):
-        """Return the BSDF [1/sr], or X, Y, Z, and the density per projected angle."""
+        """Return the BSDF [1/sr], or its X, Y, Z, and the pdf per projected sr."""
         if self.rank == 4:
             value, density = self._read(function, incident, leaving, (2, 3))
         else:
@@ -127,11 +129,11 @@ class TreeTable:
         return value, density
 
     def colour(self, value):
-        """Return RGB for a value of the table."""
+        """Convert a value of the table to RGB."""
         return _rgb(value) if self.colours == 3 else value
 
     def _read(self, function, incident, leaving, fixed):
-        # Values of all colours, and the density of drawing what is not fixed
+        # Values of all channels, and pdf of sampling the dimensions not in `fixed`
         number = function * self.colours + self.middle
         place = self._places(number, incident, leaving)
         luminous, density = self._descend(number, place, fixed)
@@ -145,14 +147,14 @@ class TreeTable:
         return mi.Color3f(outer[0], luminous, outer[1]), density
 
     def sample(self, function, leaving, u, v):
-        """Return a point of the disc that light comes from, its value and density."""
+        """Sample an incident direction; return its disc point, BSDF value and pdf."""
         if self.rank == 4:
             number = function * self.colours + self.middle
             place = self._place(number, square_from_disc(leaving.x, leaving.y))
             point = self._draw(number, {2: place[0], 3: place[1]}, (0, 1), u, v)
             disc = -disc_from_square(point.x, point.y)
         else:
-            # Keep a share for the whole hemisphere
+            # Sample the whole hemisphere with the defensive probability
             everywhere = u < _DEFENSIVE
             rest = dr.clip((u - _DEFENSIVE) / (1 - _DEFENSIVE), 0, 0.9999999)
             number = self.proposals + function
@@ -170,7 +172,7 @@ class TreeTable:
         return disc, value, density
 
     def _places(self, number, incident, leaving):
-        # Whole numbers of the finest cells along each dimension
+        # Indices of the finest cell along each dimension
         if self.rank == 4:
             one = self._place(number, square_from_disc(-incident.x, -incident.y))
             other = self._place(number, square_from_disc(leaving.x, leaving.y))
@@ -190,14 +192,14 @@ class TreeTable:
         ]
 
     def _radial(self, number, direction):
-        # Half the distance from the rim, a little off the unused half of the tree
+        # Half the distance from the disc's rim, kept below the unused half of the tree
         radius = dr.sqrt(dr.square(direction.x) + dr.square(direction.y))
         inwards = dr.clip(0.5 - 1e-6 - 0.5 * radius, 0, 1)
         return self._place(number, mi.Point2f(inwards, inwards))[0]
 
     @dr.syntax
     def _descend(self, number, place, fixed):
-        """Return the value of a cell, and how dense sampling would be in it."""
+        """Return the value of a cell, and the pdf of sampling a direction in it."""
         start = dr.gather(mi.UInt32, self.start, number)
         code = dr.gather(mi.Int32, self.slots, start)
         height = dr.gather(mi.UInt32, self.depth, number)
@@ -226,7 +228,7 @@ class TreeTable:
 
     @dr.syntax
     def _draw(self, number, known, free, u, v):
-        """Return a point of the square of the unknown direction."""
+        """Sample a point of the square of the incident direction."""
         start = dr.gather(mi.UInt32, self.start, number)
         code = dr.gather(mi.Int32, self.slots, start)
         height = dr.gather(mi.UInt32, self.depth, number)
@@ -244,8 +246,8 @@ class TreeTable:
             m01 = dr.gather(mi.Float, self.means, block + high)
             m11 = dr.gather(mi.Float, self.means, block + (low + high))
 
-            # Choose a half along each side of the square; what is left of the number
-            # serves the next level
+            # Choose one half along each axis; the rescaled random numbers serve the
+            # next level
             total = m00 + m01 + m10 + m11
             first = dr.select(total > 0, (m00 + m01) / total, 0.5)
             a = u >= first
@@ -265,7 +267,7 @@ class TreeTable:
 
 
 def _rgb(xyz):
-    # Colours outside Radiance's primaries fade towards grey, as in bsdf.colour
+    # Colours outside the gamut of Radiance's primaries are desaturated (bsdf.colour)
     rows = np.linalg.inv(RADIANCE.to_xyz())
     rgb = mi.Color3f(*[sum(float(row[i]) * xyz[i] for i in range(3)) for row in rows])
     least, luminance = dr.min(rgb), xyz[1]
@@ -274,7 +276,7 @@ def _rgb(xyz):
 
 
 def _azimuth(direction):
-    # Cosine and sine of the azimuth in which light from a direction goes straight on
+    # Cosine and sine of the azimuth opposite to a direction (direct transmission)
     radius = dr.sqrt(dr.square(direction.x) + dr.square(direction.y))
     upright = radius == 0
     scale = 1 / dr.select(upright, 1, radius)
@@ -282,7 +284,7 @@ def _azimuth(direction):
 
 
 def _means(tree: ScatteringTree) -> np.ndarray:
-    # Mean value below each slot, from the smallest cells up
+    # Mean value of the cells below each slot, computed from the finest cells upwards
     width = 1 << tree.rank
     values = np.where(tree.slots < 0, 0, tree.slots).astype(np.int32)
     means = values.view(np.float32).astype(np.float64)
@@ -301,7 +303,7 @@ def _means(tree: ScatteringTree) -> np.ndarray:
 
 
 def _exchanged(tree: ScatteringTree) -> ScatteringTree:
-    # The rank 3 tree of the function with incident and leaving directions exchanged
+    # Rank 3 tree of the function with incident and leaving directions exchanged
     edge = 1 << tree.depth
     grid = (np.arange(_WITHIN) + 0.5) / _WITHIN
     radial = (np.arange(edge // 2)[:, None] + grid).ravel() / edge
@@ -311,21 +313,21 @@ def _exchanged(tree: ScatteringTree) -> ScatteringTree:
     other = np.stack([x, y, np.sqrt(np.maximum(1 - x * x - y * y, 0))], axis=-1)
     value = np.zeros((edge, edge, edge))
     for step, inwards in enumerate(radial):
-        # A known direction whose straight-on azimuth is zero
+        # A given direction with a direct-transmission azimuth of zero
         radius = 1 - 2 * inwards
         known = np.array([-radius, 0.0, np.sqrt(1 - radius * radius)])
         found = tree.evaluate(other, np.broadcast_to(known, other.shape))
         cells = found.reshape(edge, _WITHIN, edge, _WITHIN).mean(axis=(1, 3))
         value[step // _WITHIN] += cells / _WITHIN
 
-    # Cells of one sense cut into the neighbours of those of the other
+    # Cells before and after the exchange overlap only partly: spread to neighbours
     value += _SPILL * maximum_filter(value, size=3, mode="nearest")
     value[edge // 2 :] = 0
     return ScatteringTree(_full_slots(value), 3, tree.depth)
 
 
 def _full_slots(value: np.ndarray) -> np.ndarray:
-    # Slots of a tree with all its smallest cells, level by level
+    # Slots of a tree fully subdivided to its finest cells, level by level
     rank, depth = value.ndim, value.shape[0].bit_length() - 1
     place = np.arange(1 << depth)
     order = np.zeros(value.shape, dtype=np.int64)

@@ -1,4 +1,4 @@
-"""Upload of arrays to the device, and errors of its kernels."""
+"""Upload of arrays to the compute device, and conversion of kernel errors."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -18,16 +18,16 @@ _NUMBERS = {
     dr.VarType.Bool: np.bool_,
 }
 
-# Where vectors of a processor's kernels begin.
+# Alignment of arrays for CPU kernels [bytes].
 _ALIGNED = 64
 
 
 def on_device(kind: type, values: ArrayLike):
-    """Return values on the device, in one row.
+    """Return a one-dimensional device array of the values.
 
-    Kernels take no empty tables: without values there is one of zero. What processors
-    share with NumPy is laid where their vectors begin: kernels for memory that lies
-    otherwise differ, and would be compiled anew by chance.
+    An empty array becomes a single zero, because kernels accept no empty arrays. CPU
+    arrays share their memory with NumPy; the memory is aligned, because kernels for
+    unaligned memory would be compiled separately.
     """
     row = np.ravel(values)
     number = _NUMBERS[dr.type_v(kind)]
@@ -40,17 +40,17 @@ def on_device(kind: type, values: ArrayLike):
 
 
 def vectors(kind: type, values: Float[np.ndarray, "n 3"]):
-    """Return rows of three as points, vectors or colours on the device."""
+    """Return the rows of an array as device points, vectors or colours."""
     return kind(*(on_device(mi.Float, column) for column in np.asarray(values).T))
 
 
 @contextmanager
 def launching() -> Iterator[None]:
-    """Turn the tracer's own errors into one line.
+    """Convert errors of Dr.Jit and Mitsuba to a `DeviceError` of one line.
 
     Raises
     ------
-    DeviceError : a kernel did not compile or run
+    DeviceError : the compilation or the execution of a kernel failed
     """
     try:
         yield

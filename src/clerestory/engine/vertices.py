@@ -1,7 +1,7 @@
-"""Vertices of paths: surfaces and irradiance sensors, and how paths continue there.
+"""Path vertices on surfaces and irradiance sensors, and continuation of paths.
 
-A path continues by BSDF sampling or, by chance, towards a portal (one-sample model of
-multiple importance sampling).
+The next direction is sampled at random either from the BSDF or towards a portal
+(one-sample model of multiple importance sampling).
 
 Reference: E. Veach, Robust Monte Carlo Methods for Light Transport Simulation, 1997,
 section 9.2.4.
@@ -17,14 +17,14 @@ from clerestory.engine.portals import Portals
 from clerestory.engine.sampler import DIRECTION_U, DIRECTION_V, LOBE, PathNumbers
 from clerestory.engine.visibility import offset
 
-# Surfaces without a diffuse part are guided so much less often.
+# Factor on the guiding probability at surfaces without a diffuse component.
 _GLOSSY = 0.4
 
 
 def sensor_vertex(
     portals: Portals | None, point: mi.Point3f, normal: mi.Vector3f
 ) -> Vertex:
-    """Return the vertex of an irradiance sensor: a perfectly diffuse one."""
+    """Return the vertex of an irradiance sensor, with cosine-weighted response."""
 
     def scatter(direction):
         cosine = dr.maximum(dr.dot(normal, direction), 0)
@@ -49,14 +49,14 @@ def surface_vertex(
     continues: mi.Bool,
     thickness: mi.Float | None = None,
 ) -> Vertex:
-    """Return the vertex of a surface.
+    """Return a path vertex on a surface.
 
     Parameters
     ----------
     shape : Mitsuba's number of the surface's shape
-    continues : whether the path may take another segment
-    thickness : of the geometry that the surface is a proxy for; transmitted light
-        leaves on its far side [m]
+    continues : whether the path may continue after the vertex
+    thickness : thickness of the geometry that a proxy surface stands for; transmitted
+        rays start on its far side [m]
     """
     bsdf, context = si.bsdf(), materials.lamp_context()
     flags = dr.gather(mi.UInt32, model.flags_of_shape, shape, active)
@@ -87,7 +87,7 @@ def surface_vertex(
 
 
 def _guiding(portals: Portals | None, point, normal, share):
-    # Whether a vertex is guided, its cell, and the chance that a path is
+    # Whether guiding applies, the guiding cell, and the guiding probability
     if portals is None:
         return mi.Bool(False), mi.UInt32(0), mi.Float(0)
     cell = portals.cells.number(point, normal)
@@ -108,7 +108,7 @@ def _densities(portals: Portals | None, point, guided, cell, chance):
 def continue_from_sensor(
     portals: Portals | None, vertex: Vertex, normal: mi.Vector3f, numbers: PathNumbers
 ) -> tuple[mi.Vector3f, mi.Color3f, Densities]:
-    """Return a direction, the weight of its light, and its densities."""
+    """Sample a direction; return it with its throughput weight and its densities."""
     u, v = numbers.sobol(DIRECTION_U), numbers.sobol(DIRECTION_V)
     local = mi.warp.square_to_cosine_hemisphere(mi.Point2f(u, v))
     direction = mi.Frame3f(normal).to_world(local)
@@ -132,13 +132,13 @@ def continue_from_surface(
     split_lobes: bool,
     passed: mi.Bool | None = None,
 ) -> Scattering:
-    """Return how a path continues at a surface.
+    """Sample the continuation of a path at a surface.
 
     Parameters
     ----------
-    passed : where the path passes a proxy
-    split_lobes : whether the glossy share of light from a portal is not counted as
-        diffuse, which only matters where diffuse bounces are few; a BSDF call more
+    split_lobes : whether a guided direction counts as diffuse only by the diffuse share
+        of its BSDF value; relevant for few diffuse bounces; costs one BSDF evaluation
+    passed : paths that pass a proxy unscattered
     """
     after = _scattering(portals, vertex, si, numbers, active, split_lobes=split_lobes)
     if passed is not None:
@@ -158,7 +158,7 @@ def _scattering(
     *,
     split_lobes: bool,
 ) -> Scattering:
-    # By BSDF sampling or towards a portal
+    # Sample from the BSDF or towards a portal
     context, bsdf = mi.BSDFContext(), si.bsdf()
     lobe, u, v = (numbers.sobol(n) for n in (LOBE, DIRECTION_U, DIRECTION_V))
     place = mi.Point2f(u, v)

@@ -1,9 +1,10 @@
 """Visibility and transmittance along shadow rays.
 
-Shadow rays pass panes of glass and other materials that transmit light unscattered,
-with their transmittance. Proxies (BSDFs with a thickness) are treated as Radiance's
-BSDF material treats them: view rays and direct rays pass and see the geometry behind,
-indirect rays meet the BSDF on its front (positive thickness) or back (negative).
+Shadow rays pass materials with unscattered transmission, such as glass, and are
+multiplied by their transmittance. Proxies (BSDFs with a thickness) are treated as in
+Radiance's BSDF material: view rays and direct rays pass through to the geometry
+behind; indirect rays are scattered by the BSDF if they arrive at its front (positive
+thickness) or back (negative thickness).
 """
 
 from collections.abc import Callable
@@ -15,16 +16,16 @@ from clerestory.engine.lower import LoweredScene
 
 ShadowRay = Callable[[mi.Point3f], mi.Ray3f]
 
-# Offset from a surface, relative to coordinates: some float32 steps of 6·10⁻⁸.
+# Offset of ray origins relative to coordinates: multiple of the float32 step, 6·10⁻⁸.
 ROUNDING = 4e-6
 
 
 def offset(model: LoweredScene, si, direction, active):
-    """Return the hit point moved off its surface to the side a direction goes to.
+    """Return the hit point, offset from its surface to the side of the direction.
 
-    A few float32 steps of the face's coordinates and of the distance travelled:
-    enough to clear the rounding of intersections, small against millimetre slats in a
-    room, and more on a ground that reaches to the horizon.
+    The offset is a few float32 steps of the face's coordinates or of the ray length,
+    whichever is larger: more than the rounding error of intersections, yet small
+    against millimetre slats in a room.
     """
     shape = dr.reinterpret_array(mi.UInt32, si.shape)
     face = dr.gather(mi.UInt32, model.first_face, shape, active) + si.prim_index
@@ -34,7 +35,7 @@ def offset(model: LoweredScene, si, direction, active):
 
 
 def towards(origin, point) -> mi.Ray3f:
-    """Return a ray that ends just before a point, also from a moved start."""
+    """Return a ray that ends just before a point, even from an offset origin."""
     across = point - origin
     distance = dr.norm(across)
     ray = mi.Ray3f(origin, across / distance)
@@ -43,12 +44,12 @@ def towards(origin, point) -> mi.Ray3f:
 
 
 def passes_proxy(thickness, cosine):
-    """Whether an indirect ray passes a surface: a proxy met on the side it hides.
+    """Whether an indirect ray passes a surface: a proxy, hit on its inactive side.
 
     Parameters
     ----------
-    thickness : of the surface's BSDF, 0 for all but proxies [m]
-    cosine : between the normal and the reversed ray
+    thickness : thickness of the surface's BSDF, nonzero for proxies only [m]
+    cosine : cosine of the angle between the normal and the reversed ray
     """
     return (thickness != 0) & ((thickness > 0) != (cosine > 0))
 
@@ -62,15 +63,15 @@ def transmittance(
     direct: bool = True,
     through_illums: bool = False,
 ) -> mi.Color3f:
-    """Return the share of light that arrives unscattered, by channel.
+    """Return the unscattered transmittance along shadow rays, by channel.
 
     Parameters
     ----------
-    shadow_ray : function that returns the ray from a point to where light comes from
+    shadow_ray : function that returns the ray from a point to the light source
     direct : whether the rays pass proxies, as direct rays do; indirect rays are
-        blocked where the BSDF scatters them
-    through_illums : whether illums let light pass like their alternate material: that
-        of suns, which their distributions do not contain
+        blocked by proxies that scatter them
+    through_illums : whether illums transmit like their alternate material; True for
+        suns, which are not included in the illums' distributions
     """
     if not model.panes:
         blocked = model.scene.ray_test(shadow_ray(origin), active)
@@ -90,12 +91,12 @@ def first_opaque(
     direct: bool = True,
     through_illums: bool = False,
 ):
-    """Follow shadow rays to the first surface that blocks them; see `transmittance`.
+    """Trace shadow rays to the first surface that blocks them; see `transmittance`.
 
     Returns
     -------
-    share : of light that passes up to there, by channel
-    ray, hit : last part of the shadow ray, and what it meets
+    share : unscattered transmittance up to that surface, by channel
+    ray, hit : last segment of the shadow ray, and its intersection
     """
     ray = shadow_ray(origin)
     share = mi.Color3f(1)

@@ -20,16 +20,15 @@ from clerestory.engine.patches import SkyTable
 from clerestory.engine.sampler import CONNECT_U, CONNECT_V, PathNumbers
 from clerestory.engine.visibility import towards, transmittance
 
-# Points of the windows sampled at each vertex, spread over them by a lattice. Each
-# belongs to one patch of many: three instead of one take 1.7 times less work (time ×
-# variance) for single coefficients, as much for sums over many patches; beyond, sums
-# lose.
+# Number of window points sampled per vertex, in a lattice. Compared with one point,
+# three need 1.7 times less work (time × variance) for single coefficients and equal
+# work for sums over many patches; more points increase the work for sums.
 SAMPLES = 3
 
 
 @dataclass
 class SkyPatches(Source):
-    """Patches of the sky, met by paths that leave the scene."""
+    """Patches of the sky, reached by paths that leave the scene."""
 
     name: ClassVar[str] = "sky patches"
     table: SkyTable
@@ -45,7 +44,7 @@ class WindowPatches(Source):
 
     Attributes
     ----------
-    direct : whether light straight from them is direct, and passes proxies
+    direct : whether light from the windows counts as direct and passes proxies
     """
 
     name: ClassVar[str] = "windows"
@@ -53,7 +52,7 @@ class WindowPatches(Source):
     direct: bool
 
     def met(self, path: Path, si, shape, active) -> tuple[Emission, mi.Bool]:
-        """Return the patch of a window that a path meets from its front."""
+        """Return the window patch of a path that hits the front of a window."""
         windows = self.model.windows
         role = dr.gather(mi.UInt32, self.model.window_of_shape, shape, active)
         at_window = active & (role > 0)
@@ -70,7 +69,7 @@ class WindowPatches(Source):
     def samples(
         self, vertex: Vertex, path: Path | None, numbers: PathNumbers
     ) -> Iterator[LightSample]:
-        """Yield directions to points of the windows."""
+        """Yield samples of directions to points of the windows."""
         a, b = numbers.sobol(CONNECT_U), numbers.sobol(CONNECT_V)
         for number in range(SAMPLES):
             u, v = a + number / SAMPLES, b + number * 0.618034

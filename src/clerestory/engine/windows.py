@@ -1,9 +1,9 @@
-"""Windows as receivers: sampling of directions to them, and patches of rays.
+"""Windows as receivers: sampling of directions to windows, and patches of directions.
 
-A window is cut into elements. Rectangles are sampled by the solid angle
-they subtend (`spherical_rectangle`), so that points near a window have as little
-variance as far ones; from far away, where that is inexact in single precision, and for
-triangles, by area.
+A window is divided into rectangles and triangles, its elements. Rectangles are sampled
+by the solid angle they subtend (`spherical_rectangle`), so that the variance does not
+increase near a window. Triangles are sampled by area, as are distant rectangles, whose
+solid angle is inaccurate in single precision.
 """
 
 from collections.abc import Sequence
@@ -24,20 +24,20 @@ from clerestory.scene.window import Window
 
 @dataclass
 class WindowTable:
-    """Windows for kernels.
+    """Device arrays of the windows.
 
     Attributes
     ----------
-    corner, edge_u, edge_v : of each element [m]
-    rectangle : whether an element is a rectangle, else the triangle with u + v < 1
-    cumulative : share of the area up to and with each element
-    area : of all elements [m²]
-    window : of each element
-    first_element : of each window's shape, whose faces come two by two
-    right, up, normal : frame of each window
+    corner, edge_u, edge_v : a corner of each element and the edges from it [m]
+    rectangle : whether an element is a rectangle, or the triangle u + v < 1
+    cumulative : cumulative area fraction of the elements
+    area : total area of all elements [m²]
+    window : number of each element's window
+    first_element : number of each window's first element; an element has two faces
+    right, up, normal : unit vectors of each window's frame
     first : column of each window's first patch
-    tables : the partition of each window
-    columns : patches of all windows
+    tables : partition of each window
+    columns : number of patches of all windows
     """
 
     corner: mi.Point3f
@@ -56,7 +56,7 @@ class WindowTable:
     columns: int
 
     def find(self, window, direction):
-        """Return the column of light that leaves a window along a direction."""
+        """Return the column of the patch of a direction that leaves a window."""
         local = self.to_local(window, direction)
         patch = self.tables[0].find(local)
         for number, table in enumerate(self.tables[1:], start=1):
@@ -65,7 +65,7 @@ class WindowTable:
         return dr.gather(mi.UInt32, self.first, window) + patch
 
     def to_local(self, window, direction):
-        """Return a direction in the frame of a window."""
+        """Transform a direction of the scene to the frame of a window."""
         return mi.Vector3f(
             dr.dot(dr.gather(mi.Vector3f, self.right, window), direction),
             dr.dot(dr.gather(mi.Vector3f, self.up, window), direction),
@@ -73,7 +73,7 @@ class WindowTable:
         )
 
     def to_scene(self, window, local):
-        """Return a direction of a window's frame in the scene."""
+        """Transform a direction from the frame of a window to the scene."""
         return (
             dr.gather(mi.Vector3f, self.right, window) * local.x
             + dr.gather(mi.Vector3f, self.up, window) * local.y
@@ -81,11 +81,11 @@ class WindowTable:
         )
 
     def choose(self, u):
-        """Return an element chosen by its area, its share, and the rest of u."""
+        """Sample an element by area; return it, its probability, and u rescaled."""
         return choose(self.cumulative, dr.width(self.cumulative), u)
 
     def sample_point(self, u, v):
-        """Return a point spread evenly over the area of all windows, and its window."""
+        """Sample a point uniformly by area on all windows; return it and its window."""
         element, _, u = self.choose(u)
         triangle = ~dr.gather(mi.Bool, self.rectangle, element)
         fold = triangle & (u + v > 1)
@@ -98,13 +98,14 @@ class WindowTable:
         return point, dr.gather(mi.UInt32, self.window, element)
 
     def sample_direction(self, origin, u, v):
-        """Sample a direction from a point to the windows, hidden or not.
+        """Sample a direction from a point to the windows, regardless of visibility.
 
         Returns
         -------
-        point, direction, window : of the windows, and the unit vector to it
-        cosine : between the window's normal and the reversed direction
-        pdf : of the direction [1/sr]
+        point, direction, window : sampled point, unit vector to it, number of its
+            window
+        cosine : cosine of the angle between window normal and reversed direction
+        pdf : probability density of the direction [1/sr]
         """
         element, _, rest = self.choose(u)
         by_area, window = self.sample_point(u, v)
@@ -122,7 +123,7 @@ class WindowTable:
 
         Parameters
         ----------
-        cosine : between the window's normal and the reversed direction
+        cosine : cosine of the angle between window normal and reversed direction
         """
         view = self._view(origin, element)
         return self._pdf(element, view, dr.squared_norm(point - origin), cosine)
@@ -148,7 +149,7 @@ class _Element:
     rectangle: bool
 
     def faces(self) -> Float[np.ndarray, "2 3 3"]:
-        """Two triangles; the second of a triangle has no area."""
+        """Two triangular faces; the second face of a triangle has zero area."""
         a, b, d = self.corner, self.corner + self.edge_u, self.corner + self.edge_v
         c = b + self.edge_v if self.rectangle else d
         return np.array([[a, b, c], [a, c, d]])
@@ -159,9 +160,9 @@ def window_shapes(
 ) -> tuple[
     WindowTable | None, list[tuple[Float[np.ndarray, "v 3"], Int[np.ndarray, "f 3"]]]
 ]:
-    """Return the table of some windows, and vertices and faces of each window's shape.
+    """Return the device arrays of windows, and vertices and faces of their shapes.
 
-    Two faces belong to each element, in the order of the elements.
+    Each element has two faces, in the order of the elements.
     """
     if not windows:
         return None, []
@@ -176,7 +177,7 @@ def window_shapes(
 
 
 def _elements(window: Window) -> list[_Element]:
-    # Rectangles stay whole; anything else falls into triangles
+    # Keep rectangles, and triangulate all other polygons
     found = []
     for polygon in window.polygons:
         v = polygon.vertices
@@ -212,7 +213,7 @@ def _table(
     per_window = np.array([len(of_window) for of_window in elements])
     count = np.array([len(w.partition) for w in windows])
 
-    # Windows that share a partition share its table
+    # Windows with equal partitions share a table
     tables: list[PatchTable] = []
     for number, window in enumerate(windows):
         like = [

@@ -1,13 +1,12 @@
-"""Work units: independent, pure parts of an estimate that any process can trace.
+"""Work units: independent, deterministic parts of an estimate for any process.
 
-A *job* is plain values: a scene, what receives its light, a seed. A *unit* is a part
-of a job: some rows of its matrix, some columns, a range of the sample sequence. The
-sums of a unit depend on the job and the unit alone, so that results do not depend on
-how many processes share the work, and a lost unit is traced again.
+A *job* holds plain values: a scene, receivers such as sensors or pixels, a seed. A
+*unit* is a part of a job: a set of matrix rows and columns, and a range of the sample
+sequence. The sums of a unit depend only on the job and the unit. Results therefore do
+not depend on the number of processes, and a lost unit can be traced again.
 
-An *executor* decides where units are traced: `Local` in this process, a cluster in
-processes elsewhere. A plan is an executor that records jobs and traces none
-(`engine.cost_estimate`).
+An *executor* traces units: `Local` in this process, a cluster in other processes. A
+plan is an executor that records jobs without tracing them (`engine.cost_estimate`).
 """
 
 from abc import ABC, abstractmethod
@@ -23,13 +22,13 @@ from clerestory.engine.device import Device, free_memory, load, resolve
 from clerestory.engine.scene_cache import SceneCache
 from clerestory.scene.model import Scene
 
-# Limits of a unit on a CPU, where larger launches are not faster: paths, bytes of sums
+# Largest unit on a CPU, where larger launches are not faster: paths, sums [bytes]
 _PATHS, _SUMS = 1 << 22, 1 << 29
 
 # Memory of a path while it is traced on a GPU [bytes]
 _PATH_BYTES = 256
 
-# Most paths of a launch: their numbers stay below 2³², sums below 2³¹ entries
+# Largest launch: number of paths (indices below 2³²), sums [bytes] (below 2³¹ entries)
 _MOST_PATHS, _MOST_SUMS = 1 << 26, 1 << 33
 
 
@@ -39,9 +38,9 @@ class Unit:
 
     Attributes
     ----------
-    rows : their numbers in the whole matrix
+    rows : indices of rows of the whole matrix
     first, count : range of the sequence of sample points
-    columns : numbers of the columns, such as suns; None for all
+    columns : indices of columns, such as suns; None: all columns
     """
 
     rows: Int[np.ndarray, " row"]
@@ -54,7 +53,7 @@ Tracer = Callable[[Unit], Float[np.ndarray, "*shape channel"]]
 
 
 def evenly_spaced(count: int, most: int) -> Int[np.ndarray, " number"]:
-    """Return at most so many of the numbers below `count`, evenly spread.
+    """Return at most `most` evenly spaced integers from 0 to `count` - 1.
 
     >>> evenly_spaced(10, 4).tolist(), evenly_spaced(3, 4).tolist()
     ([0, 3, 6, 9], [0, 1, 2])
@@ -69,11 +68,11 @@ class Job(ABC):
 
     Attributes
     ----------
-    tracer : module of the engine, and its function that takes the job and returns what
-        traces its units
-    scene : that light goes through
-    batches : independent estimates of each row
-    bounces : most diffuse reflections or gathers; None: no limit
+    tracer : names of an engine module and of its function that returns the tracer of
+        the job's units
+    scene : scene in which paths are traced
+    batches : number of independent estimates of each row
+    bounces : largest number of diffuse reflections; None: no limit
     """
 
     tracer: ClassVar[tuple[str, str]]
@@ -87,26 +86,26 @@ class Job(ABC):
     @property
     @abstractmethod
     def shape(self) -> tuple[int, int, int, int]:
-        """Rows, batches, columns and channels of the whole result."""
+        """Numbers of rows, batches, columns and channels of the whole result."""
 
     @property
     def receivers(self) -> int:
-        """How many things the samples of a goal are counted by: rows."""
+        """Number of receivers that the samples of a goal are counted by: rows."""
         return self.shape[0]
 
     @abstractmethod
     def pilot_unit(self, paths: int) -> Unit:
-        """Return a unit of about so many paths, for a pilot run."""
+        """Return a unit of about `paths` paths, for a pilot run."""
 
 
 @dataclass(frozen=True)
 class Goal:
-    """When a job is done.
+    """Stopping criterion of a job.
 
     Attributes
     ----------
-    samples : paths per row, or per row and column asked for; None to aim at an error
-    relative_error : to reach; None if samples are given
+    samples : paths per row, or per pair of row and column; None if an error is given
+    relative_error : target relative standard error; None if samples are given
     """
 
     samples: int | None
@@ -119,8 +118,8 @@ class UnitSize:
 
     Attributes
     ----------
-    paths : traced by one unit
-    sums : that it returns [bytes]
+    paths : largest number of paths of a unit
+    sums : largest size of the sums of a unit [bytes]
     """
 
     paths: int
@@ -128,28 +127,29 @@ class UnitSize:
 
 
 class Executor(Protocol):
-    """Where units are traced."""
+    """An object that traces units."""
 
     def resolve(self, device: Device) -> Literal["cpu", "cuda"]:
-        """Return the device that a request leads to."""
+        """Return the device chosen for a request such as "auto"."""
 
     def accepts(self, job: Job, goal: Goal) -> bool:
-        """Return whether to trace a job; the result of another one stays blank."""
+        """Return whether to trace a job; the result of a rejected job is zero."""
 
     def unit_size(self, device: Literal["cpu", "cuda"]) -> UnitSize:
-        """Return the limits of the size of units."""
+        """Return the largest size of a unit."""
 
     def workers(self) -> int:
-        """Return how many units are traced at once."""
+        """Return the number of units traced in parallel."""
 
     def map(self, job: Job, units: Iterable[Unit]) -> Iterator[np.ndarray]:
         """Yield the sums of each unit, in the order of the units."""
 
 
 def tracer_of_bands(job: Job, prepare: Callable[[Job], Tracer]) -> Tracer:
-    """Return what traces the units of a job in all bands of its scene.
+    """Return a function that traces the units of a job in all bands of its scene.
 
-    Groups of three bands are traced by the same seeds; their channels lie side by side.
+    Groups of three bands are traced with the same seeds; their channels are
+    concatenated.
     """
     tracers = [prepare(_with_scene(job, scene)) for scene in band_groups(job.scene)]
     bands, grey = len(job.scene.bands), channels_of(job.scene) == 1
@@ -171,9 +171,9 @@ def _with_scene(job: Job, scene: Scene) -> Job:
 
 
 class Local:
-    """The executor that traces units in this process, one after the other.
+    """The executor that traces units in this process, one after another.
 
-    The last job stays prepared; the next one takes over the scenes built for it.
+    The last job stays prepared; the next job reuses its device scenes.
     """
 
     def __init__(self) -> None:
@@ -182,19 +182,19 @@ class Local:
         self._cache = SceneCache()
 
     def resolve(self, device: Device) -> Literal["cpu", "cuda"]:
-        """Return the device that a request leads to on this machine."""
+        """Return the device of this machine for a request such as "auto"."""
         return resolve(device)
 
     def accepts(self, job: Job, goal: Goal) -> bool:
-        """Return True: every job is done."""
+        """Return True: every job is traced."""
         return True
 
     def workers(self) -> int:
-        """Return one: a unit takes the whole machine."""
+        """Return one: a unit uses the whole machine."""
         return 1
 
     def unit_size(self, device: Literal["cpu", "cuda"]) -> UnitSize:
-        """Return units as large as a launch: on a GPU, what its free memory holds."""
+        """Return the size of one launch; on a GPU, it depends on the free memory."""
         if device == "cpu":
             return UnitSize(_PATHS, _SUMS)
         free = free_memory() or 0
@@ -209,9 +209,9 @@ class Local:
     def run(self, job: Job, unit: Unit) -> np.ndarray:
         """Return the sums of a unit."""
         name, prepare = job.tracer
-        module = load(job.device, name)  # each thread has a variant of its own
+        module = load(job.device, name)  # the Mitsuba variant is set per thread
         if job is not self._job or self._tracer is None:
-            # Free the former tables before the next ones are built
+            # Free the device arrays of the previous job first
             self._job = self._tracer = None
             with self._cache.preparing():
                 self._tracer = tracer_of_bands(job, getattr(module, prepare))

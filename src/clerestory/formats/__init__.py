@@ -1,1 +1,1 @@
-"""Readers of OBJ, glTF, MGF, HBJSON and photometric files, as plain scenes."""
+"""Readers that convert OBJ, glTF, MGF, HBJSON and photometric files to scenes."""

@@ -1,7 +1,7 @@
 """Reader of glTF 2.0 files (.gltf, .glb).
 
-Triangles of all nodes of the scene, transformed to metres and z up. Textures,
-animations, skins and cameras are ignored.
+The scene contains the triangles of all nodes, transformed to metres with z up.
+Textures, animations, skins and cameras are ignored.
 
 Reference: Khronos Group, glTF 2.0 specification, 2021.
 """
@@ -35,7 +35,7 @@ _COUNTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 _DEEPEST = 64
 
-# From y up to z up
+# Rotation from y up to z up
 _TURN = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
 
 
@@ -67,15 +67,15 @@ def read_gltf(
 
     Parameters
     ----------
-    materials : by the name of the file's material; "*" for all others
-    colours : whether materials that are not given are diffuse, with the base colour in
-        the file
+    materials : materials by name in the file; "*" for all other names
+    colours : whether materials that are not in `materials` are diffuse, with the base
+        colour in the file
     scale : metres per unit of the file; 1 by the glTF standard
     up : axis of the file that points up, "y" or "z"
 
     Raises
     ------
-    InputError : the file is malformed, or has a material that is not given
+    InputError : the file is malformed, or has a material that is not in `materials`
     """
     document = _read(path)
     root = document.root
@@ -157,7 +157,7 @@ def _buffer(item: Item, binary: bytes | None, path: Path) -> bytes:
 
 
 def _nodes(document: _Document) -> list[tuple[Item, np.ndarray]]:
-    # Nodes with a mesh, and their transforms
+    # Nodes with a mesh, and transforms from their meshes to the scene
     root = document.root
     scenes = list(root.items("scenes"))
     if scenes:

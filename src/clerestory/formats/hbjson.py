@@ -1,7 +1,7 @@
 """Reader of honeybee models (HBJSON).
 
 Exterior apertures with a BSDF or with states become window groups; all other surfaces
-are the scene. Interior faces, which a model has twice, are read once.
+become the scene. Interior faces, which a model contains twice, are read once.
 
 Reference: ladybug-tools, honeybee-schema, the JSON schema of honeybee models.
 """
@@ -50,10 +50,10 @@ class ApertureGroup:
 
     Attributes
     ----------
-    name : name of the group
-    polygons : outlines whose front faces the room [m]
-    up : up vector of its BSDF; None: the default
-    states : name and modifier of each; one for a window without states
+    name : name of the window group
+    polygons : outlines, counter-clockwise as seen from the room [m]
+    up : up vector of the BSDF; None: default up vector
+    states : name and modifier of each state; one entry for a window without states
     """
 
     name: str
@@ -65,14 +65,14 @@ class ApertureGroup:
 @final
 @dataclass(frozen=True, eq=False)
 class HoneybeeModel:
-    """A model of honeybee.
+    """A honeybee model.
 
     Attributes
     ----------
-    name : of the model
+    name : name of the model
     scene : all surfaces except the window groups
     windows : window groups
-    grids, views : by name
+    grids, views : sensor grids and views by name
     unsupported : descriptions of omitted items
     """
 
@@ -86,10 +86,10 @@ class HoneybeeModel:
 
 @dataclass
 class _Model:
-    # What has been found so far
+    # Part of the model that has been read so far
     modifiers: Modifiers
     scale: float
-    # Whether all glass to the outdoors is a window, since some of it must be
+    # Whether all exterior glazing becomes window groups; true if any aperture does
     all_windows: bool = False
     materials: dict[str, Material] = field(default_factory=dict)
     surfaces: list[Surface] = field(default_factory=list)
@@ -105,7 +105,7 @@ class _Model:
         return seamed([loop * self.scale for loop in loops])
 
     def put(self, vertices: np.ndarray, modifier: Modifier, name: str) -> None:
-        """Add a surface; one with a BSDF, outside windows, is omitted."""
+        """Add a surface; if its modifier is a BSDF, omit and report it."""
         if isinstance(modifier, BsdfModifier):
             self.modifiers.unsupported.append(
                 f'the BSDF "{modifier.name}" of "{name}", which is no window to the'
@@ -117,9 +117,9 @@ class _Model:
 
 
 def read_hbjson(path: str | Path) -> HoneybeeModel:
-    """Read the model in an HBJSON file.
+    """Read a honeybee model from an HBJSON file.
 
-    Warns if the size of the model is less than a metre or more than 10 km.
+    Warns if the largest dimension of the model is less than 1 m or more than 10 km.
 
     Raises
     ------
@@ -243,7 +243,7 @@ def _window(
     modifier: Modifier,
     states: tuple[tuple[str, Modifier], ...] = (),
 ) -> None:
-    # Apertures of one plane with the same modifiers are a window group
+    # Coplanar apertures with the same modifiers form a window group
     outline = model.outline(opening.item("geometry"))[::-1]
     own = _radiance(opening).text("dynamic_group_identifier", "")
     group = (own or modifier_name(modifier), *plane_of(outline))
@@ -315,7 +315,7 @@ def _shade_mesh(mesh: Item, model: _Model) -> None:
 
 
 def _twin_seen(item: Item, model: _Model) -> bool:
-    # Of two that share a surface, the first is used
+    # Of two faces or openings that share a surface, the first is used
     name = item.text("identifier")
     boundary = item.item("boundary_condition")
     if boundary.text("type", "Outdoors") != "Surface":

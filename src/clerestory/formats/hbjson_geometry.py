@@ -12,7 +12,7 @@ from clerestory.scene.view import View
 
 
 def read_grids(radiance: Item, scale: float) -> list[tuple[str, Sensors]]:
-    """Return the sensor grids by name, in metres; empty ones are omitted."""
+    """Return the sensor grids by name, in metres; empty grids are omitted."""
     found: list[tuple[str, Sensors]] = []
     for grid in radiance.items("sensor_grids"):
         sensors = list(grid.items("sensors"))
@@ -71,7 +71,7 @@ def seamed(
 ) -> Float[np.ndarray, "point 3"]:
     """Return one outline with holes, connected by seams to the first corner.
 
-    Holes have the opposite orientation, so that signed areas are also correct.
+    Holes have the opposite orientation, so that the signed area is correct too.
     """
     first = loops[0]
     outward = area_vector(first)
@@ -83,7 +83,7 @@ def seamed(
 
 
 def plane_of(outline: Float[np.ndarray, "point 3"]) -> tuple[float, ...]:
-    """Return normal and distance [m] of an outline, rounded for comparison."""
+    """Return normal and distance from the origin [m] of a plane, rounded."""
     normal = area_vector(outline)
     normal /= max(float(np.linalg.norm(normal)), 1e-12)
     distance = float(normal @ outline.mean(axis=0))

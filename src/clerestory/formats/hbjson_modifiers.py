@@ -1,6 +1,6 @@
 """Modifiers of honeybee models: materials and BSDFs.
 
-Defaults are the modifiers of honeybee-radiance's generic modifier set.
+The defaults are honeybee-radiance's generic modifier set.
 """
 
 from dataclasses import dataclass, field
@@ -13,7 +13,7 @@ from clerestory.formats.json_item import Item
 from clerestory.scene.materials.emitters import Glow, Light
 from clerestory.scene.model import Glass, Material, Metal, Mirror, Plastic, Trans
 
-# Reflectance or transmissivity of honeybee's generic modifiers
+# Reflectances and transmissivities of honeybee's generic modifiers
 _GENERIC_GREY = {
     "wall_set": 0.5,
     "floor_set": 0.2,
@@ -36,13 +36,13 @@ _GENERIC_GLASS = {
 @final
 @dataclass(frozen=True, eq=False)
 class BsdfModifier:
-    """A BSDF as a modifier.
+    """A modifier given by a BSDF.
 
     Attributes
     ----------
-    name : of the modifier
-    xml : content of its file
-    up : its up direction
+    name : name of the modifier
+    xml : content of the BSDF file
+    up : up vector of the BSDF
     """
 
     name: str
@@ -55,7 +55,7 @@ Modifier = Material | BsdfModifier
 
 @dataclass
 class Modifiers:
-    """All modifiers of a model by name, and descriptions of unsupported ones."""
+    """Modifiers and modifier sets of a model, and descriptions of unsupported ones."""
 
     named: dict[str, Modifier] = field(default_factory=dict)
     sets: dict[str, Item] = field(default_factory=dict)
@@ -63,13 +63,13 @@ class Modifiers:
     unsupported: list[str] = field(default_factory=list)
 
     def of(self, own: Item, place: str, room_set: str = "") -> Modifier:
-        """Return the modifier of an object: its own, its room's or the default.
+        """Return the modifier of an object: its own, its room's, or the default.
 
         Parameters
         ----------
         own : radiance properties of the object
-        place : in a modifier set, such as `wall_set.exterior_modifier`
-        room_set : name of the room's set, if it has one
+        place : key in a modifier set, such as `wall_set.exterior_modifier`
+        room_set : name of the room's modifier set; empty if it has none
         """
         name = own.text("modifier", "")
         if name:
@@ -84,7 +84,7 @@ class Modifiers:
         return _generic(place)
 
     def called(self, name: str, item: Item) -> Modifier:
-        """Return a modifier by its name."""
+        """Return the modifier with a given name."""
         if name not in self.named:
             raise item.wrong("modifier", "the identifier of a modifier of the model")
         return self.named[name]
@@ -147,7 +147,7 @@ def _is_void(item: Item) -> bool:
 
 
 def _name(identifier: str) -> str:
-    # Names of Radiance have no spaces
+    # Names in Radiance contain no spaces
     return "_".join(identifier.split()) or "modifier"
 
 
@@ -160,7 +160,7 @@ def _gloss(item: Item) -> tuple[float, float]:
 
 
 def _trans(name: str, item: Item) -> Trans:
-    # The two fractions of transmitted light are Radiance's sixth and seventh arguments
+    # Diffuse and specular transmitted fractions: arguments 6 and 7 of Radiance's trans
     share = item.number("transmitted_diff", 0.0)
     straight = item.number("transmitted_spec", 0.0)
     return Trans(name, _colour(item, "reflectance"), *_gloss(item), share, straight)

@@ -1,4 +1,4 @@
-"""Validated access to JSON documents, with paths for error messages."""
+"""Validated access to JSON documents, with JSON paths for error messages."""
 
 import json
 from collections.abc import Iterator
@@ -16,13 +16,13 @@ from clerestory.files import read_text
 @final
 @dataclass(frozen=True, eq=False)
 class Item:
-    """A JSON object with its file and path.
+    """A JSON object with its file and its path in the document.
 
     Attributes
     ----------
-    value : its members
-    where : path from the root, such as `rooms[0].faces[2]`
-    file : for messages
+    value : members of the object
+    where : path from the root of the document, such as `rooms[0].faces[2]`
+    file : name of the file, for error messages
     """
 
     value: dict[str, Any]
@@ -30,14 +30,14 @@ class Item:
     file: str
 
     def wrong(self, key: str, expected: str) -> InputError:
-        """Return an error about a member."""
+        """Return an error about the value of a member."""
         place = f"{self.where}.{key}" if self.where else key
         shown = json.dumps(self.value.get(key), default=str)
         shown = shown if len(shown) <= 40 else shown[:37] + "…"
         return InputError(f"{place}: got {shown}; {expected} expected", file=self.file)
 
     def item(self, key: str) -> "Item":
-        """Return a member that is an object; an empty one if it is missing."""
+        """Return a member whose value is an object; an empty object if missing."""
         value = self.value.get(key)
         if value is None:
             value = {}
@@ -46,7 +46,7 @@ class Item:
         return Item(value, f"{self.where}.{key}".lstrip("."), self.file)
 
     def items(self, key: str) -> Iterator["Item"]:
-        """Return the objects of a member that is a list; none if it is missing."""
+        """Yield the objects in a member that is a list; none if it is missing."""
         value = self.value.get(key)
         if value is None:
             return
@@ -59,7 +59,7 @@ class Item:
             yield Item(one, place, self.file)
 
     def text(self, key: str, default: str | None = None) -> str:
-        """Return a member that is text."""
+        """Return a member whose value is text."""
         value = self.value.get(key)
         if value is None and default is not None:
             return default
@@ -68,7 +68,7 @@ class Item:
         return value
 
     def number(self, key: str, default: float | None = None) -> float:
-        """Return a member that is a finite number."""
+        """Return a member whose value is a finite number."""
         value = self.value.get(key)
         if value is None and default is not None:
             return default
@@ -83,11 +83,11 @@ class Item:
         return number
 
     def points(self, key: str, least: int = 1) -> Float[np.ndarray, "point 3"]:
-        """Return a member that is a list of points."""
+        """Return a member whose value is a list of points."""
         return self._points(self.value.get(key), key, least)
 
     def loops(self, key: str) -> list[Float[np.ndarray, "point 3"]]:
-        """Return a member that is a list of lists of points; empty where missing."""
+        """Return a member that is a list of point lists; empty if it is missing."""
         value = self.value.get(key)
         if value is None:
             return []
@@ -98,7 +98,7 @@ class Item:
     def vector(
         self, key: str, default: tuple[float, float, float] | None = None
     ) -> Float[np.ndarray, "3"]:
-        """Return a member that is three numbers."""
+        """Return a member whose value is a list of three numbers."""
         if self.value.get(key) is None and default is not None:
             return np.array(default, dtype=float)
         found = self._points([self.value.get(key)], key, 1)

@@ -1,14 +1,14 @@
-"""Reader of MGF, the Materials and Geometry Format of BSDF files.
+"""Reader of MGF, the Materials and Geometry Format used in BSDF files.
 
 Statements set the current vertex, colour and material, open and close transforms and
-objects, and create surfaces. If a transform is an array, its statements are repeated
-for every instance.
+objects, and create surfaces. For a transform that is an array, the enclosed statements
+are repeated for each instance.
 
 All surfaces are two-sided, including those that MGF declares one-sided. Smooth shading
 and included files are not supported.
 
-References: G. Ward, "The Materials and Geometry Format", version 2, LBNL, 1996; the
-materials are those of Radiance's mgf2rad.
+References: G. Ward, "The Materials and Geometry Format", version 2, LBNL, 1996;
+materials as converted by Radiance's mgf2rad.
 """
 
 import warnings
@@ -40,7 +40,7 @@ from clerestory.scene.model import (
 from clerestory.scene.surface import transformed
 from clerestory.scene.transform import Transform
 
-# Maximum number of statements, including repetitions of arrays.
+# Maximum number of statements, including repetitions by arrays
 _MOST_STATEMENTS = 2_000_000
 
 
@@ -49,7 +49,7 @@ def read_mgf(path: str | Path) -> Scene:
 
     Raises
     ------
-    InputError : with file and line, where a statement is malformed
+    InputError : a statement is malformed; the error gives file and line
     """
     return parse_mgf(read_text(path), file=path)
 
@@ -65,16 +65,16 @@ def parse_mgf(
 
     Parameters
     ----------
-    file, line : start of the text, for messages
-    transform : transform of the scene, after the transforms in the text
+    file, line : file and first line of the text, for messages
+    transform : transform of the scene, applied after the transforms in the text
 
     Raises
     ------
-    InputError : with file and line, where a statement is malformed
+    InputError : a statement is malformed; the error gives file and line
 
     Warns
     -----
-    ClerestoryWarning : unknown statements are ignored
+    ClerestoryWarning : a statement is unknown and ignored
 
     Examples
     --------
@@ -111,7 +111,7 @@ def parse_mgf(
 
 
 def _statements(text: str, line: int) -> Iterator[tuple[int, list[str]]]:
-    # Lines with their numbers; a backslash at the end continues a line
+    # Statements with line numbers; a backslash at the end of a line continues it
     pending: list[str] = []
     start = line
     for number_of_line, row in enumerate([*text.split("\n"), ""], line):
@@ -139,7 +139,7 @@ class _Reading:
     unknown: set[str] = field(default_factory=set)
 
     def follow(self, words: list[str], at: int) -> int | None:
-        """Execute a statement; return the next one if it is a repetition."""
+        """Execute a statement; return the index of the next one if an array repeats."""
         keyword, *arguments = words
         if keyword == "xf":
             return self.place.follow(arguments, at)
@@ -160,7 +160,7 @@ class _Reading:
         return None
 
     def object(self, keyword: str, words: list[str]) -> None:
-        """Open an object with a name, or close the last one."""
+        """Open an object with a name, or close the innermost open object."""
         if len(words) > 1 or not (words or self.objects):
             raise InputError(
                 f"{len(words)} names after {keyword} with {len(self.objects)} objects"
@@ -172,7 +172,7 @@ class _Reading:
             self.objects.pop()
 
     def face(self, keyword: str, words: list[str]) -> None:
-        """Add a face, or one with holes."""
+        """Add a face, with holes for the keyword fh."""
         if keyword == "fh":
             words = joined_holes(words)
         if len(words) < 3:
@@ -225,7 +225,7 @@ class _Reading:
             self.add("f", partial(Polygon, np.array([v.point for v in piece])))
 
     def add_frustum(self, part: Frustum) -> None:
-        """Add a cone."""
+        """Add a frustum as a cone."""
         radii = part.base_radius, part.top_radius
         if radii == (0, 0) or min(radii) < 0 < max(radii):
             raise InputError(
@@ -240,7 +240,7 @@ class _Reading:
     def add(
         self, letter: str, make: Callable[[str, str, Source | None], Surface]
     ) -> None:
-        """Add a transformed surface of the current material."""
+        """Add a transformed surface with the current material."""
         made = make(self.key(), self.name(letter), self.source())
         self.surfaces.append(transformed(made, self.place.transform))
 
@@ -253,12 +253,12 @@ class _Reading:
         return self.keys[named]
 
     def name(self, letter: str) -> str:
-        """Return a name for the next surface: its objects, a letter and a number."""
+        """Return the name of the next surface: open objects, a letter and a number."""
         path = [*self.objects, *self.place.instances]
         return ".".join([*path, f"{letter}{len(self.surfaces) + 1}"])
 
     def source(self) -> Source | None:
-        """Return file and line of the statement; None for other texts."""
+        """Return file and line of the statement; None if the text has no file."""
         return None if self.file is None else Source(str(self.file), self.line)
 
 

@@ -1,7 +1,7 @@
-"""Colours of MGF: chromaticities, spectra and black bodies.
+"""Colours of MGF: chromaticities, spectra and black-body temperatures.
 
-MGF mixes colours by luminance, which gives the same chromaticity for spectra and
-chromaticities; only the chromaticity is stored.
+MGF mixes colours by luminance, so that the chromaticity of a mixture depends on the
+chromaticities only. Spectra are therefore converted to chromaticities.
 
 Reference: Planck's law with c₂ = 1.4388 cm·K.
 """
@@ -21,7 +21,7 @@ _MOST_SAMPLES = 10_000
 
 
 class Chromaticity(NamedTuple):
-    """CIE 1931 x and y."""
+    """CIE 1931 chromaticity coordinates x and y."""
 
     x: float
     y: float
@@ -41,11 +41,11 @@ def chromaticity(x: float, y: float) -> Chromaticity:
 
 
 def from_spectrum(values: list[float]) -> Chromaticity:
-    """Return the colour of light with a spectrum.
+    """Return the chromaticity of a spectral power distribution.
 
     Parameters
     ----------
-    values : first and last wavelength [nm], then at least two samples at equal steps
+    values : first and last wavelength [nm], then two or more equidistant samples
 
     Examples
     --------
@@ -64,7 +64,7 @@ def from_spectrum(values: list[float]) -> Chromaticity:
 
 
 def from_temperature(kelvin: float) -> Chromaticity:
-    """Return the colour of a black body.
+    """Return the chromaticity of a black body.
 
     Examples
     --------
@@ -75,13 +75,13 @@ def from_temperature(kelvin: float) -> Chromaticity:
         raise InputError(f"colour temperature {kelvin:g} K; {_COOLEST:g} K or more")
     metres = OBSERVER_NM * 1e-9
     exponent = _SECOND_RADIATION_CONSTANT / (metres * kelvin)
-    # Relative to the maximum, to avoid overflow and underflow
+    # Normalized to the maximum, to avoid overflow and underflow
     power = -5 * np.log(metres) - exponent - np.log1p(-np.exp(-exponent))
     return _of_light(np.exp(power - power.max()))
 
 
 def mixed(weights: list[float], colours: list[Chromaticity]) -> Chromaticity:
-    """Return the colour of a sum of lights, weighted by their luminances.
+    """Return the chromaticity of colours mixed by luminance.
 
     Examples
     --------
@@ -99,7 +99,7 @@ def mixed(weights: list[float], colours: list[Chromaticity]) -> Chromaticity:
 
 
 def rgb(colour: Chromaticity, luminance: float) -> Float[np.ndarray, "3"]:
-    """Return a colour of given luminance Y as RGB in Radiance's primaries.
+    """Return a colour of luminance Y as RGB in Radiance's primaries.
 
     >>> rgb(GREY, 0.5).round(6).tolist()
     [0.5, 0.5, 0.5]
@@ -110,7 +110,7 @@ def rgb(colour: Chromaticity, luminance: float) -> Float[np.ndarray, "3"]:
 
 
 def is_grey(colour: Chromaticity) -> bool:
-    """Whether a colour is that of the equal-energy spectrum, within a tolerance."""
+    """Whether a chromaticity is nearly the equal-energy white (x = y = 1/3)."""
     return max(abs(colour.x - 1 / 3), abs(colour.y - 1 / 3)) <= 0.0103
 
 

@@ -1,6 +1,6 @@
 """Contexts of MGF: current and named vertices, colours and materials.
 
-A named context can become current again, or be the template of another.
+A named context can become current again, or serve as template of another context.
 
 Reference: G. Ward, "The Materials and Geometry Format", version 2, LBNL, 1996.
 """
@@ -23,9 +23,9 @@ class MgfVertex:
 
 
 class Share(NamedTuple):
-    """A reflectance, transmittance or emittance with colour and roughness.
+    """A reflectance, transmittance or emittance, with colour and roughness.
 
-    The value is 0…1, or the luminous exitance [lm/m²] of the emittance ("ed").
+    `value` is a fraction 0…1; for emittance ("ed"), the luminous exitance [lm/m²].
     """
 
     value: float = 0.0
@@ -39,9 +39,10 @@ class MgfMaterial:
 
     Attributes
     ----------
-    one_sided : whether the back is transparent
+    one_sided : whether the back is invisible
     index : real part of the index of refraction
-    shares : by keyword: "rd", "td", "rs", "ts" and "ed"
+    shares : reflectances, transmittances and emittance by keyword: "rd", "td", "rs",
+        "ts" and "ed"
     """
 
     one_sided: bool = False
@@ -49,13 +50,13 @@ class MgfMaterial:
     shares: tuple[tuple[str, Share], ...] = ()
 
     def share(self, keyword: str) -> Share:
-        """Return the share of a keyword; zero if it is not set."""
+        """Return the `Share` of a keyword; zero if it is not set."""
         return dict(self.shares).get(keyword, Share())
 
 
 @dataclass
 class Contexts(Generic[Value]):
-    """The contexts of one type: the current one and the named ones.
+    """All contexts of one type: the current one and the named ones.
 
     Examples
     --------
@@ -93,7 +94,7 @@ class Contexts(Generic[Value]):
         return self.named[name]
 
     def choose(self, words: list[str]) -> None:
-        """Select by the words: nothing, `name`, `name =` or `name = template`."""
+        """Select a context by `name`, `name =`, `name = template` or no words."""
         if len(words) > 3 or (len(words) > 1 and words[1] != "="):
             raise InputError(
                 f'context "{" ".join(words[:4])}"; a name, = and a template expected'

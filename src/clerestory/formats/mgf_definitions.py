@@ -16,7 +16,7 @@ _HIGHLIGHTS = ("rs", "ts")
 
 @dataclass
 class Definitions:
-    """Current definitions and contexts."""
+    """Current and named vertices, colours and materials."""
 
     vertices: Contexts[MgfVertex] = field(default_factory=lambda: Contexts(MgfVertex()))
     colours: Contexts[mgf_colour.Chromaticity] = field(
@@ -27,7 +27,7 @@ class Definitions:
     )
 
     def context(self, keyword: str, words: list[str]) -> None:
-        """Choose the current vertex, colour or material."""
+        """Select the current vertex, colour or material."""
         match keyword:
             case "v":
                 self.vertices.choose(words)
@@ -37,7 +37,7 @@ class Definitions:
                 self.materials.choose(words)
 
     def vertex(self, keyword: str, words: list[str]) -> None:
-        """Set point or normal of the current vertex."""
+        """Set the point or the normal of the current vertex."""
         x, y, z = numbers(keyword, words, 3)
         if keyword == "p":
             self.vertices.current = replace(self.vertices.current, point=(x, y, z))
@@ -68,7 +68,7 @@ class Definitions:
         self.colours.current = colour
 
     def share(self, keyword: str, words: list[str]) -> None:
-        """Set a share of light of the current material, in the current colour."""
+        """Set a reflectance, transmittance or emittance of the current material."""
         value, *rough = numbers(keyword, words, 2 if keyword in _HIGHLIGHTS else 1)
         if not 0 <= value <= (1 if keyword in _SHARES else LARGEST):
             raise InputError(f"{keyword} {value:g}; 0 to 1 expected")
@@ -80,7 +80,7 @@ class Definitions:
         self.materials.current = replace(current, shares=tuple(shares.items()))
 
     def surface_kind(self, keyword: str, words: list[str]) -> None:
-        """Set sides or index of refraction of the current material."""
+        """Set the number of sides or the refractive index of the current material."""
         if keyword == "ir":
             index, _ = numbers(keyword, words, 2)
             if index <= 0:
@@ -103,7 +103,7 @@ DEFINING: dict[str, Callable[[Definitions, str, list[str]], None]] = {
 
 
 def numbers(keyword: str, words: list[str], count: int) -> list[float]:
-    """Return the numbers after a keyword."""
+    """Return the numbers after a keyword, after checking their count."""
     values = [v for v in map(number, words) if v is not None and abs(v) <= LARGEST]
     if not len(values) == len(words) == count:
         raise InputError(

@@ -1,8 +1,8 @@
-"""Conversion of MGF materials to materials of the scene.
+"""Conversion of MGF materials to scene materials.
 
-MGF defines reflectances and transmittances, but no reflection model. The choice between
-plastic, metal, trans, glass and dielectric is that of mgf2rad, so that a conversion
-from Radiance to MGF and back preserves materials.
+MGF defines reflectances and transmittances, but no reflection model. Plastic, metal,
+trans, glass or dielectric is chosen as in mgf2rad, so that conversion from Radiance to
+MGF and back preserves materials.
 """
 
 import numpy as np
@@ -19,21 +19,21 @@ from clerestory.scene.materials.plastic import Metal, Plastic
 from clerestory.scene.materials.trans import Trans
 from clerestory.scene.model import Light, Material
 
-# Least exitance of an emitter [lm/m²]
+# Minimum luminous exitance of an emitter [lm/m²]
 _LEAST_EMITTANCE = 0.1
 
 # Thickness to which the transmittance of a solid refers [m]
 _SOLID_THICKNESS = 0.005
 
-# Shares below this are rounding errors of a translator.
+# Reflectances and transmittances below this are rounding errors of a converter
 _NEGLIGIBLE = 0.01
 
-# Shares may add up to this, as files round them.
+# Maximum sum of reflectances and transmittances, above 1 because files round them
 _MOST_LIGHT = 1.001
 
 
 def scene_material(given: MgfMaterial, name: str, source: Source | None) -> Material:
-    """Return the material of the scene for one of MGF.
+    """Return the scene material for an MGF material.
 
     Examples
     --------
@@ -75,7 +75,7 @@ def _is_clear(given: MgfMaterial) -> bool:
 
 
 def _clear(given: MgfMaterial, name: str, source: Source | None) -> Material:
-    # Two-sided: a pane; one-sided: the surface of a solid
+    # Two-sided: pane of glass; one-sided: surface of a solid
     through = given.share("ts")
     if given.one_sided:
         share = through.value + given.share("rs").value
@@ -88,8 +88,8 @@ def _clear(given: MgfMaterial, name: str, source: Source | None) -> Material:
 def _between_faces(
     passed: Float[np.ndarray, "3"], index: float
 ) -> Float[np.ndarray, "3"]:
-    # Share left after one passage, from that which a pane passes along the normal, as
-    # rad2mgf wrote it; mgf2rad takes ts + rs for it, 0.014 too much for t = 0.65
+    # Internal transmittance of one pass, from a pane's transmittance at normal
+    # incidence (inverse of rad2mgf); mgf2rad uses ts + rs, 0.014 too high for t = 0.65
     face = ((index - 1) / (index + 1)) ** 2
     clear = (1 - face) ** 2
     root = np.sqrt(clear**2 + (2 * face * passed) ** 2)
@@ -105,7 +105,7 @@ def _trans(given: MgfMaterial, name: str, source: Source | None) -> Trans:
     rough = rs * mirrored.roughness + ts * diffused[2].roughness
     return Trans(
         name,
-        # Fractions of all light; those of trans apply after the highlight
+        # MGF: fractions of all light; trans: fractions of light not in the highlight
         colour / (1 - rs) if td + ts < 0.999 * both else colour,
         rs,
         rough / (rs + ts) if rs + ts > 1e-4 else 0.0,

@@ -1,4 +1,4 @@
-"""Shapes of MGF as polygons and cones, before transforms."""
+"""Shapes of MGF as polygons and cones, before transformation."""
 
 import math
 from collections.abc import Iterator
@@ -13,12 +13,12 @@ from clerestory.formats.mgf_context import MgfVertex
 # Segments per quarter circle of a torus, as in Radiance
 _PARTS_OF_QUARTER = 5
 
-# Least cosine between the normals of a flat face
+# Minimum cosine of the angle between a face and its vertex normals for a flat face
 _FLAT = 0.999995
 
 
 class Frustum(NamedTuple):
-    """The side of a truncated cone; both radii negative: facing inwards."""
+    """The lateral surface of a truncated cone; facing inwards if radii are negative."""
 
     base: Float[np.ndarray, "3"]
     base_radius: float
@@ -27,10 +27,10 @@ class Frustum(NamedTuple):
 
 
 def faces(corner: list[MgfVertex]) -> list[list[MgfVertex]]:
-    """Return the polygons of a face: itself, reversed, two triangles, or none.
+    """Return the polygons of a face: one, reversed if necessary; two triangles; none.
 
-    Normals at all of three or four corners define the front side; if they differ, four
-    corners give two triangles. Facets are flat, without smooth shading.
+    Vertex normals at all three or four corners define the front side. If the normals
+    differ, a face of four corners gives two triangles. Facets are flat, not smooth.
     """
     normals = [v.normal for v in corner if v.normal is not None]
     if len(corner) > 4 or len(normals) < len(corner):
@@ -51,7 +51,7 @@ def faces(corner: list[MgfVertex]) -> list[list[MgfVertex]]:
 
 
 def joined_holes(names: list[str]) -> list[str]:
-    """Return one contour of a face with holes, each given after a hyphen.
+    """Return one contour of a face with holes; a hyphen precedes each hole.
 
     >>> " ".join(joined_holes("a b c - x y z".split()))
     'a b c z x y z c'
@@ -76,8 +76,8 @@ def joined_holes(names: list[str]) -> list[str]:
 def prism(corner: list[MgfVertex], length: float) -> Iterator[list[MgfVertex]]:
     """Yield the faces of a prism: sides, far end and near end.
 
-    For a positive length the given corners are counter-clockwise as seen from outside,
-    and the other end is behind them.
+    For a positive length, the given corners are counter-clockwise as seen from outside,
+    and the far end is behind them.
     """
     point = np.array([v.point for v in corner])
     spoke = point - point[0]
@@ -97,7 +97,7 @@ def prism(corner: list[MgfVertex], length: float) -> Iterator[list[MgfVertex]]:
 
 
 def torus(centre: MgfVertex, inner: float, outer: float) -> Iterator[Frustum]:
-    """Yield the cones of a tessellated torus; negative radii invert it."""
+    """Yield the cones of a tessellated torus, inverted if the radii are negative."""
     if centre.normal is None:
         raise InputError("a torus around a vertex without normal; one expected")
     sign = -1.0 if inner < 0 or (inner == 0 and outer < 0) else 1.0
@@ -112,7 +112,7 @@ def torus(centre: MgfVertex, inner: float, outer: float) -> Iterator[Frustum]:
     point = middle + sign * half * np.cos(angle)[:, None] * axis
     radius = mean + half * np.sin(angle)
     for k in range(2 * parts):
-        # The inner half faces the axis
+        # Cones of the inner half face the axis
         side = 1 if k < parts else -1
         yield Frustum(
             point[k], side * float(radius[k]), point[k + 1], side * float(radius[k + 1])

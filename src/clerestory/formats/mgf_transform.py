@@ -1,4 +1,4 @@
-"""Stack of nested transforms and arrays of MGF."""
+"""Stack of nested transforms and arrays in MGF."""
 
 import math
 from dataclasses import dataclass, field
@@ -13,11 +13,11 @@ _MOST_INSTANCES = 1_000_000
 
 @dataclass
 class _Level:
-    # An open transform; for an array, the current instance and its first statement
+    # An open transform; for an array, also the current instance and first statement
     words: list[str]
     outer: Transform
     start: int
-    counters: list[int] = field(default_factory=list)  # places of counts in words
+    counters: list[int] = field(default_factory=list)  # indices of counts in words
     counts: list[int] = field(default_factory=list)
 
     @property
@@ -36,7 +36,7 @@ class _Level:
         return own.then(self.outer)
 
     def advance(self) -> bool:
-        # Advance to the next instance, last dimension first; False after the last
+        # Advances to the next instance, last dimension first; False if there is none
         for at, count in zip(
             reversed(self.counters), reversed(self.counts), strict=True
         ):
@@ -50,7 +50,7 @@ class _Level:
 
 @dataclass
 class TransformStack:
-    """Open transforms, the innermost last.
+    """Stack of open transforms, outermost first.
 
     Attributes
     ----------
@@ -76,12 +76,12 @@ class TransformStack:
         return [name for name in names if name is not None]
 
     def follow(self, words: list[str], at: int) -> int | None:
-        """Open or close a transform; return the statement to repeat from, if any.
+        """Open or close a transform; return the index of a statement to repeat from.
 
         Parameters
         ----------
-        words : options of xform; none closes the innermost transform
-        at : index of this statement
+        words : options of xform; if empty, the innermost transform is closed
+        at : index of the current statement
         """
         if words:
             if len(self.levels) >= _DEEPEST:
@@ -107,7 +107,7 @@ class TransformStack:
 
 
 def _level(words: list[str], outer: Transform, start: int) -> _Level:
-    # An array is a transform whose repetitions are counted from 0
+    # Each -a of an array becomes -i with a count that starts at 0
     level = _Level(list(words), outer, start)
     for at, word in enumerate(words):
         if word != "-a":

@@ -18,7 +18,7 @@ from clerestory.scene.materials.plastic import Plastic
 from clerestory.scene.model import Material, Scene, TriangleMesh, insert_material
 from clerestory.scene.transform import number
 
-# Key of all materials and groups that are not given
+# Key for all materials and groups without a key of their own
 ANY = "*"
 
 
@@ -33,15 +33,15 @@ def read_obj(
 
     Parameters
     ----------
-    path : the file
-    materials : by name in `usemtl`, or else by name of the group; "*" for all others
-    colours : whether materials that are not given are diffuse, with the colour Kd in
-        the file's library (mtllib)
+    path : path of the OBJ file
+    materials : materials by name in `usemtl`, or by group name; "*" for all others
+    colours : whether materials that are not in `materials` are diffuse, with the colour
+        Kd in the file's material library (mtllib)
     scale : metres per unit of the file
 
     Raises
     ------
-    InputError : the file is malformed, or has a material that is not given
+    InputError : the file is malformed, or has a material that is not in `materials`
 
     Examples
     --------
@@ -69,9 +69,9 @@ def read_obj(
 
 
 def obj_meshes(text: ObjText, *, file: str) -> tuple[TriangleMesh, ...]:
-    """Return a mesh for each part, with the material of `usemtl` or of its group.
+    """Return a mesh for each part; its material is `usemtl` or the group name.
 
-    Triangles without area are omitted, with a warning of their number.
+    Triangles of zero area are omitted, with a warning that gives their number.
     """
     made, flat = [], 0
     for part in text.parts:
@@ -115,7 +115,7 @@ def _material(
 
 
 def _library(text: ObjText, path: Path) -> dict[str, Material]:
-    # Diffuse colours of the materials in the libraries (mtllib)
+    # Diffuse materials with the colours in the material libraries (mtllib)
     made: dict[str, Material] = {}
     for name in text.libraries:
         file = path.parent / name

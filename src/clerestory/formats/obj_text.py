@@ -1,7 +1,7 @@
 """Parser of Wavefront OBJ files: vertices and triangles by group and material.
 
-Runs of vertices and of faces are converted together, other lines one by one. Texture
-coordinates, normals, lines and points are ignored.
+Consecutive lines of vertices or of faces are converted together, other lines one by
+one. Texture coordinates, normals, lines and points are ignored.
 
 Reference: Wavefront Technologies, Object Files (.obj), Advanced Visualizer manual,
 appendix B1.
@@ -17,7 +17,7 @@ from jaxtyping import Bool, Float, Int, UInt8
 from clerestory.errors import InputError
 from clerestory.scene.triangulate import triangulate
 
-# Runs are read in pieces of about this many bytes
+# Approximate maximum size of a run of lines that is converted together [bytes]
 _PIECE = 1 << 23
 
 _SPACES = np.zeros(256, dtype=bool)
@@ -35,9 +35,9 @@ class ObjPart:
 
     Attributes
     ----------
-    group, material : names, empty for none
-    faces : vertex indices of each triangle, from 0
-    line : line of the first face
+    group, material : names of group and material; empty if not given
+    faces : vertex indices of each triangle, starting at 0
+    line : line number of the first face
     """
 
     group: str
@@ -52,8 +52,8 @@ class ObjText:
 
     Attributes
     ----------
-    vertices : in the file's units
-    parts : in order of appearance
+    vertices : vertex coordinates in the file's units
+    parts : parts in order of appearance
     libraries : paths of material libraries
     """
 
@@ -63,7 +63,7 @@ class ObjText:
 
 
 def parse_obj(data: bytes, *, file: str) -> ObjText:
-    r"""Return vertices and triangles of an OBJ file.
+    r"""Return the vertices and triangles of an OBJ file.
 
     Examples
     --------
@@ -88,7 +88,7 @@ def parse_obj(data: bytes, *, file: str) -> ObjText:
 
 
 def _runs(letters: UInt8[np.ndarray, " bytes"]) -> Iterator[tuple[int, int, int, int]]:
-    # Kind, first and last byte and first line of each run of lines of one kind
+    # Kind, first byte, end and first line of each run of lines of the same kind
     ends = np.flatnonzero(letters == ord("\n"))
     starts = np.append(0, ends[:-1] + 1)
     one = letters[starts]
@@ -99,7 +99,7 @@ def _runs(letters: UInt8[np.ndarray, " bytes"]) -> Iterator[tuple[int, int, int,
     kind[(one == ord("f")) & spaced] = _FACE
     passed = ((one == ord("v")) & ~spaced) | (one == ord("#")) | (one == ord("\n"))
     kind[passed | (one == ord("\r"))] = _PASSED
-    # Divide where the type changes, and long runs into pieces
+    # Runs end where the kind of line changes; long runs are divided into pieces
     piece = starts // _PIECE
     change = np.flatnonzero((np.diff(kind) != 0) | (np.diff(piece) != 0)) + 1
     for begin, end in zip([0, *change], [*change, len(starts)], strict=True):
@@ -164,7 +164,7 @@ class _Reading:
     def _triangles(
         self, corner: Int[np.ndarray, " corners"], words: Int[np.ndarray, " faces"]
     ) -> list[np.ndarray]:
-        # Faces with equally many corners together; those of three are triangles
+        # Faces with equal numbers of corners are converted together
         first = np.cumsum(words) - words
         made = []
         for count in np.unique(words).tolist():
@@ -174,7 +174,7 @@ class _Reading:
         return made
 
     def _cut(self, faces: Int[np.ndarray, "faces corners"]) -> np.ndarray:
-        # Fans in convex faces, ears in the others; fans where sides cross each other
+        # Convex and self-intersecting faces: triangle fans; concave faces: ear cutting
         points = self._points()[faces]
         steps = np.arange(1, faces.shape[1] - 1)
         fan = np.stack([np.zeros_like(steps), steps, steps + 1], axis=1)
@@ -204,7 +204,7 @@ class _Reading:
                 case ["mtllib"]:
                     self.libraries.append(" ".join(words[1:]))
                 case ["v"] | ["f"]:
-                    # Behind blanks: read like the others
+                    # Keyword after leading blanks
                     one = np.frombuffer((" ".join(words) + "\n").encode(), np.uint8)
                     add = self.add_vertices if words[0] == "v" else self.add_faces
                     add(one, line + i)
@@ -220,7 +220,7 @@ class _Reading:
     def _numbers(
         self, letters: UInt8[np.ndarray, " bytes"], line: int
     ) -> tuple[Float[np.ndarray, " numbers"], Int[np.ndarray, " lines"]]:
-        # All numbers behind the first letter of each line, and how many a line has
+        # All numbers after the keywords, and the number of numbers per line
         blank = _SPACES[letters]
         begins = np.flatnonzero(~blank & np.append(True, blank[:-1]))
         ends = np.flatnonzero(letters == ord("\n"))
@@ -228,7 +228,7 @@ class _Reading:
         text = letters.copy()
         text[np.append(0, ends[:-1] + 1)] = ord(" ")
         try:
-            # Depending on its version, NumPy warns or raises
+            # Some versions of NumPy warn about malformed numbers, others raise an error
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", DeprecationWarning)
                 values = np.fromstring(text.tobytes().decode("latin-1"), sep=" ")
@@ -263,7 +263,7 @@ class _Reading:
 def _without_slashes(
     letters: UInt8[np.ndarray, " bytes"],
 ) -> UInt8[np.ndarray, " bytes"]:
-    # Keep the vertex index only: replace the text from a slash to the next blank
+    # Replaces the text from a slash to the next blank, which leaves the vertex index
     slash = letters == ord("/")
     if not slash.any():
         return letters
@@ -276,7 +276,7 @@ def _without_slashes(
 def _convex(
     points: Float[np.ndarray, "faces corners 3"],
 ) -> Bool[np.ndarray, " faces"]:
-    # Whether every corner, and every triangle of the fan, turns the way of the whole
+    # Whether all corners and fan triangles turn in the same sense as the face
     edge = np.roll(points, -1, axis=1) - points
     turn = np.cross(np.roll(edge, 1, axis=1), edge)
     spoke = points[:, 1:] - points[:, :1]

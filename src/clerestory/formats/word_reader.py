@@ -13,15 +13,15 @@ from clerestory.scene.transform import LARGEST, number
 
 @dataclass
 class WordReader:
-    """Reader of words with checks.
+    """Reader of words with checks of their values.
 
     Attributes
     ----------
     words : words of a file, or arguments of a command
     program : name of the command; empty for a file
-    path, lines : the file, and the line of each word
-    decimal_comma : whether numbers may have a decimal comma, and an empty word is 0
-    at : number of words read
+    path, lines : path of the file, and line number of each word
+    decimal_comma : whether a comma is a decimal separator and an empty word means 0
+    at : number of words read so far
 
     Examples
     --------
@@ -39,7 +39,7 @@ class WordReader:
 
     @property
     def left(self) -> bool:
-        """Whether words are left."""
+        """Whether unread words remain."""
         return self.at < len(self.words)
 
     def word(self, what: str) -> str:
@@ -51,7 +51,7 @@ class WordReader:
         return self.words[self.at - 1]
 
     def skip(self, count: int) -> None:
-        """Skip words."""
+        """Skip a number of words."""
         for _ in range(count):
             self.word("a value")
 
@@ -82,7 +82,7 @@ class WordReader:
         return int(value)
 
     def several(self, count: int, what: str) -> Float[np.ndarray, " count"]:
-        """Read numbers."""
+        """Read `count` numbers."""
         return np.array([self.real(what) for _ in range(count)])
 
     def option(self) -> str:
@@ -97,7 +97,7 @@ class WordReader:
         return self.error(f'the option "{option}" is not supported')
 
     def error(self, message: str) -> InputError:
-        """Return an error about the last word, with the command or the file."""
+        """Return an error about the last word read, with the command or the file."""
         if self.path is None:
             return InputError(f"{self.program}: {message}")
         line = self.lines[max(self.at - 1, 0)] if self.lines else None

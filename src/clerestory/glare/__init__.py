@@ -1,1 +1,1 @@
-"""Glare sources in pictures and the glare indices computed from them."""
+"""Detection of glare sources in pictures, and glare indices."""

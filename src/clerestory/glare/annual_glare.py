@@ -1,7 +1,7 @@
-"""Annual glare from pictures of one view, without storing the pictures.
+"""Annual glare from a sequence of pictures of one view.
 
-Quantities of the view alone, such as solid angles and position indices, are computed
-once; only pictures with pixels above the threshold are searched for glare sources.
+The pictures are evaluated one by one and need not be stored. Quantities that depend on
+the view alone, such as solid angles and position indices, are computed once.
 """
 
 import importlib
@@ -40,26 +40,28 @@ def annual_glare(
     coefficients: DgpCoefficients = EVALGLARE,
     progress: Callable[[int], None] | None = None,
 ) -> "xr.Dataset":
-    """Return all glare indices for a sequence of pictures.
+    """Return the glare indices of a sequence of pictures.
 
     Parameters
     ----------
     luminance : luminance of the pixels [cd/m²]: an array (step, row, column), or an
         iterable of pictures, such as a generator over the results of a five-phase study
     view : common view of all pictures
-    times : times of the steps, on the dimension "time"; default: a dimension "step"
-    illuminance : vertical illuminance of each step [lux]; default: from the pictures
+    times : time of each picture, the coordinate "time" of the result; default: a
+        coordinate "step" of picture numbers
+    illuminance : measured vertical illuminance at each step, used for DGP [lux];
+        default: from the pictures
     rules, background, low_light, coefficients : see `evaluate_glare`
-    progress : callback that receives the number of completed steps
+    progress : callback with the number of completed pictures
 
     Returns
     -------
-    dataset with one variable per index, over the steps
+    dataset with one variable per index, over the pictures
 
     Raises
     ------
-    InputError : pictures differ in size, numbers of steps differ, or a luminance is
-        negative or not finite
+    InputError : pictures differ in size, the number of times or illuminances is wrong,
+        or a luminance is negative or not finite
 
     Examples
     --------
@@ -93,7 +95,7 @@ def annual_glare(
 def _checked(
     luminance: Iterable[np.ndarray], view: View
 ) -> Iterator[tuple[np.ndarray, GlareView]]:
-    # Yield the checked pictures with the pixels of their common view
+    # Yield each picture, after checking, with the pixel quantities of the common view
     eye = None
     for step, picture in enumerate(luminance):
         if eye is None:
@@ -143,7 +145,7 @@ def _dataset(
     }
     steps = np.arange(count) if times is None else times
 
-    # Import xarray here: it takes longer than the evaluation of a picture
+    # Imported here, since xarray loads slowly
     labelled: xr.Dataset = importlib.import_module("xarray").Dataset(
         variables, coords={axis: steps}
     )
@@ -156,7 +158,7 @@ def glare_of_steps(
     *,
     rules: SourceRules | None = None,
 ) -> Iterator[Glare]:
-    """Yield the glare of each picture, with its sources.
+    """Yield the glare sources and indices of each picture.
 
     >>> eye = View(kind="angular", horizontal=180, vertical=180)
     >>> next(glare_of_steps(np.full((1, 160, 160), 100.0), eye)).sources.count

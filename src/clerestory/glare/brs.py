@@ -1,4 +1,4 @@
-"""BRS glare index of the Building Research Station, the forerunner of DGI."""
+"""Glare index of the Building Research Station (BRS), the predecessor of DGI."""
 
 import math
 
@@ -9,11 +9,12 @@ from clerestory.glare.source_table import GlareSources
 def brs_glare_index(sources: GlareSources, *, background: float) -> float:
     """BRS glare index: 10 just imperceptible, 16 acceptable, 22 uncomfortable.
 
-    Derived for small luminaires. 0 without sources, NaN for a dark background.
+    The index was derived for small luminaires. It is 0 without sources and NaN for a
+    background luminance of 0.
 
     Parameters
     ----------
-    background : mean luminance outside of the sources [cd/m²]
+    background : background luminance [cd/m²]
 
     Reference: Petherbridge, P., Hopkinson, R. G. (1950): Discomfort glare and the
     lighting of buildings. Transactions of the Illuminating Engineering Society 15(2).

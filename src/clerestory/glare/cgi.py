@@ -7,7 +7,7 @@ from clerestory.glare.source_table import GlareSources
 
 
 def cgi(sources: GlareSources, *, illuminance: float, direct: float) -> float:
-    """CIE glare index, 0 without sources.
+    """CIE glare index; 0 without sources.
 
     Parameters
     ----------

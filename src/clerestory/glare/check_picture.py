@@ -1,6 +1,6 @@
-"""Check picture: grey picture with coloured glare sources, as in evalglare -c.
+"""Check picture: grey picture with coloured glare sources, as of evalglare -c.
 
-Luminances are preserved.
+The luminances of the pixels are preserved.
 """
 
 from dataclasses import replace
@@ -16,7 +16,8 @@ from clerestory.image.picture import Picture
 
 Colour = tuple[float, float, float]
 
-# Weights of red, green and blue in the luminance of successive sources
+# Colours of successive sources: relative contributions of red, green and blue to the
+# luminance
 PALETTE: tuple[Colour, ...] = (
     (0.1, 0.85, 0.05),
     (0.15, 0.15, 0.7),
@@ -35,7 +36,13 @@ def check_picture(
     colour: Colour | None = None,
     task: Bool[np.ndarray, "row column"] | None = None,
 ) -> Picture:
-    """Return the picture in grey with its glare sources in colours.
+    """Return the picture in grey with coloured glare sources.
+
+    Parameters
+    ----------
+    members : pixels of the glare sources
+    colour : colour of all sources; default: successive colours of `PALETTE`
+    task : pixels of the task zone, shown in blue
 
     >>> grey = Picture(np.ones((30, 30, 3), dtype=np.float32))
     >>> one = Members(np.array([1]), np.array([4]), np.array([7]))
@@ -55,7 +62,7 @@ def check_picture(
 
 
 def _primaries(colour: Colour) -> Float[np.ndarray, "3"]:
-    # Radiance of red, green and blue with a luminance of one
+    # RGB radiance of the colour at a weighted sum (luminance / 179 lm/W) of one
     shares = np.asarray(colour, dtype=float)
     if not (shares.min() >= 0 and 0 < shares.sum() < np.inf):
         raise InputError(f"colour {colour}; numbers of 0 or more, not all 0, expected")

@@ -8,16 +8,17 @@ from jaxtyping import Float
 from clerestory.errors import InputError
 from clerestory.glare.dgp import DGP
 
-# DGP at which glare becomes perceptible, disturbing and intolerable
+# DGP from which glare is perceptible, disturbing and intolerable
 LIMITS = DGP.thresholds
 
-# Largest permitted fraction of the occupied time above a limit
+# Largest permitted fraction of the occupied time with DGP above a limit
 EXCEEDANCE = 0.05
 
 Protection = Literal["high", "medium", "minimum", "none"]
 
-# EN 14501:2005, glare control: rows by normal-normal transmittance up to 0, 0.05, 0.10
-# and more, columns by normal-diffuse transmittance below 0.02, 0.04, 0.08 and above
+# Glare control classes of EN 14501:2005. Rows: normal-normal transmittance up to 0, up
+# to 0.05, up to 0.10, above; columns: normal-diffuse transmittance below 0.02, 0.04,
+# 0.08, above
 _EN14501 = ((4, 3, 2, 2), (3, 2, 1, 1), (1, 1, 0, 0), (0, 0, 0, 0))
 _DIRECT = (0.0, 0.05, 0.10)
 _DIFFUSE = (0.02, 0.04, 0.08)
@@ -26,7 +27,7 @@ _DIFFUSE = (0.02, 0.04, 0.08)
 def exceeded_dgp(
     dgp: Float[np.ndarray, "*shape time"], share: float = EXCEEDANCE
 ) -> Float[np.ndarray, "*shape"]:
-    """DGP exceeded in at most a given fraction of the steps.
+    """DGP that is exceeded in at most the fraction `share` of the steps.
 
     >>> float(exceeded_dgp(np.linspace(0, 1, 101)).round(3))
     0.95
@@ -41,11 +42,11 @@ def exceeded_dgp(
 
 
 def protection_level(exceeded: float) -> Protection:
-    """Level of protection from glare of EN 17037:2018 (annex E).
+    """Level of protection from glare after EN 17037:2018, annex E.
 
     Parameters
     ----------
-    exceeded : DGP exceeded in at most 5 % of the occupied time
+    exceeded : DGP that is exceeded in at most 5 % of the occupied time
 
     >>> protection_level(0.38), protection_level(0.5)
     ('medium', 'none')
@@ -57,7 +58,7 @@ def protection_level(exceeded: float) -> Protection:
 def glare_autonomy(
     dgp: Float[np.ndarray, "*shape time"], limit: float = LIMITS[1]
 ) -> Float[np.ndarray, "*shape"]:
-    """Fraction of the occupied steps without disturbing glare.
+    """Glare autonomy: fraction of the occupied steps with DGP below a limit.
 
     Reference: Jones, N. L. (2019), as in `imageless`.
 
@@ -70,8 +71,13 @@ def glare_autonomy(
 def glare_control_class(*, normal_normal: float, normal_diffuse: float) -> int:
     """Glare control class of a shading fabric after EN 14501:2005, 0 to 4.
 
-    The table is from publications of fabric manufacturers and was not compared with the
-    standard. The finer table of the 2021 edition is not implemented.
+    The class table was taken from publications of fabric manufacturers and not compared
+    with the standard. The finer table of the 2021 edition is not implemented.
+
+    Parameters
+    ----------
+    normal_normal, normal_diffuse : normal-normal and normal-diffuse visible
+        transmittance, 0…1
 
     >>> glare_control_class(normal_normal=0.03, normal_diffuse=0.05)
     1

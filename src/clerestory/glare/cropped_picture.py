@@ -1,4 +1,4 @@
-"""Cropped pictures, extrapolated from their first and last rows as in evalglare -I."""
+"""Extrapolation of cropped pictures above and below, as in evalglare -I."""
 
 from dataclasses import dataclass
 
@@ -32,10 +32,10 @@ class SeenRows:
 def fill_cut(
     luminance: Float[np.ndarray, "row column"], eye: GlareView, seen: SeenRows
 ) -> Float[np.ndarray, "row column"]:
-    """Return luminances with missing rows set to the nearest captured row.
+    """Return the luminance [cd/m²], with missing rows set to the nearest captured row.
 
-    As in evalglare -I, columns are extrapolated upwards only where the first captured
-    row is within the field of view.
+    As in evalglare -I, a column is extrapolated upwards only if the pixel of its first
+    captured row is within the field of view.
 
     >>> from clerestory.glare.glare_view import glare_view
     >>> from clerestory.scene.view import View

@@ -9,18 +9,18 @@ from clerestory.glare.field_of_view import FieldOfView
 
 Threshold = Literal["luminance", "times_mean", "times_task"]
 
-# Largest threshold interpreted by evalglare as a multiple, not a luminance
+# Thresholds up to this value are multiples of a mean luminance (evalglare -b)
 LARGEST_FACTOR = 100.0
 
 
 @dataclass(frozen=True)
 class Zone:
-    """A circular part of the field of view.
+    """A circular zone of the field of view.
 
     Attributes
     ----------
-    row, column : central pixel
-    opening : opening angle [rad]
+    row, column : row, from the top, and column of the central pixel
+    opening : full opening angle [rad]
     """
 
     row: int
@@ -38,16 +38,17 @@ class SourceRules:
 
     Attributes
     ----------
-    threshold : lower limit of glare pixels; a luminance [cd/m²], or a multiple
-    threshold_kind : "luminance", or a multiple of the mean luminance of the picture
+    threshold : luminance above which pixels are glare pixels [cd/m²], or its ratio to a
+        mean luminance
+    threshold_kind : "luminance", or ratio to the mean luminance of the picture
         ("times_mean") or of the task ("times_task")
     task : task zone
-    merge_angle : sources within half this opening angle are merged [rad]
-    peak_luminance : pixels of higher luminance are extracted as separate sources
+    merge_angle : opening angle; sources closer than half this angle are merged [rad]
+    peak_luminance : luminance from which pixels are extracted as separate sources
         [cd/m²]; None for no peak extraction
-    smooth : whether dark pixels within a source are added to the source
-    smallest : smallest solid angle of a source [sr]; smaller sources are ignored
-    field_of_view : Guth's field of view, outside of which sources are ignored
+    smooth : whether dark pixels surrounded by a source are added to the source
+    smallest : solid angle below which sources are ignored [sr]
+    field_of_view : Guth's field of view, outside of which pixels are ignored
 
     >>> SourceRules(threshold=5, threshold_kind="times_task", task=Zone(400, 400, 0.6))
     ... # doctest: +ELLIPSIS

@@ -1,4 +1,4 @@
-"""Daylight glare index (DGI), original and as modified by Fisekis et al."""
+"""Daylight glare index (DGI), and its modification by Fisekis et al."""
 
 import math
 
@@ -17,11 +17,11 @@ def dgi(
 ) -> float:
     """Daylight glare index: 16 just perceptible, 24 just uncomfortable, 28 intolerable.
 
-    0 without sources.
+    The index is 0 without sources.
 
     Parameters
     ----------
-    background : mean luminance outside of the sources [cd/m²]
+    background : background luminance [cd/m²]
     weighted : position-weighted solid angle of each source [sr]; default: ω/P²
 
     Reference: Hopkinson, R. G. (1972): Glare from daylighting in buildings. Applied
@@ -36,11 +36,11 @@ def dgi(
 
 
 def modified_dgi(sources: GlareSources, *, average: float) -> float:
-    """DGI with the adaptation luminance of the eye in place of the background.
+    """DGI with an adaptation luminance in place of the background luminance.
 
     Parameters
     ----------
-    average : mean luminance of the whole field of view, Ev/π [cd/m²]
+    average : mean luminance of the field of view, Ev/π [cd/m²]
 
     Reference: Fisekis, K. et al. (2003): Prediction of discomfort glare from windows.
     Lighting Research and Technology 35(4), equation 11.

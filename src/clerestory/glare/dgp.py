@@ -1,4 +1,4 @@
-"""Daylight glare probability (DGP), its corrections and its simplified form DGPs."""
+"""Daylight glare probability (DGP), corrections of DGP, and simplified DGP (DGPs)."""
 
 from dataclasses import dataclass
 
@@ -10,16 +10,16 @@ from clerestory.glare.source_table import GlareSources
 
 _Values = Float[np.ndarray, "*shape"]
 
-# Illuminance from which the low-light correction is one [lux]
+# Illuminance from which the low-light correction factor is 1 [lux]
 _BRIGHT = 1000.0
 
 
 @dataclass(frozen=True)
 class DgpCoefficients:
-    """Coefficients of the equation of DGP.
+    """Coefficients of the DGP equation.
 
     DGP = c1·Ev^a5 + c2·log10(1 + Σ L^a1·ω^a2 / (Ev^a3·P^a4)) + c3. The defaults are
-    those of evalglare; the published values are 5.87e-5, 0.0918 and 0.16.
+    those of evalglare; the published values are c1 = 5.87e-5, c2 = 0.0918, c3 = 0.16.
     """
 
     c1: float = 5.87e-5
@@ -44,8 +44,8 @@ def dgp(
 ) -> float:
     """Daylight glare probability: probability that a person is disturbed, at most 1.
 
-    Valid for vertical illuminances above 380 lux and values above 0.2. With sources
-    from a picture of the direct sun alone, the result is the enhanced simplified DGP.
+    Valid for vertical illuminances above 380 lux and DGP above 0.2. With sources from a
+    picture of the direct sun alone, the result is the enhanced simplified DGP.
 
     Parameters
     ----------
@@ -74,9 +74,9 @@ def dgp(
 
 
 def simplified_dgp(illuminance: _Values) -> _Values:
-    """DGPs: daylight glare probability from the vertical illuminance at the eye alone.
+    """Simplified DGP (DGPs), from the vertical illuminance at the eye [lux] alone.
 
-    Valid only where neither the sun nor its specular reflection is in view.
+    Valid only if neither the sun nor its specular reflection is visible.
 
     Reference: Wienold, J. (2007): Dynamic simulation of blind control strategies for
     visual comfort and energy balance analysis. Building Simulation, Beijing.
@@ -89,7 +89,7 @@ def simplified_dgp(illuminance: _Values) -> _Values:
 
 
 def low_light_correction(illuminance: _Values) -> _Values:
-    """Correction factor of DGP at low vertical illuminance; 1 above 1000 lux.
+    """Correction factor of DGP at low vertical illuminance [lux]; 1 from 1000 lux.
 
     Reference: Wienold, J. (2012): New features of evalglare. 11th International
     Radiance Workshop, Copenhagen.
@@ -105,7 +105,7 @@ def low_light_correction(illuminance: _Values) -> _Values:
 def age_correction(age: float) -> float:
     """Correction factor of DGP for the age of the observer [years]; 1 at 20.
 
-    Later studies found the effect not significant; evalglare no longer applies it.
+    The effect was not significant in later studies; evalglare no longer applies it.
 
     Reference: Wienold, J. (2012), as above.
 

@@ -1,6 +1,6 @@
-"""Options of a glare evaluation, following evalglare.
+"""Options of a glare evaluation, as in evalglare.
 
-Pixels are counted as in Radiance: columns from the left, rows from below.
+Pixel positions are as in Radiance: columns from the left, rows from below.
 """
 
 from dataclasses import dataclass
@@ -9,14 +9,14 @@ from typing import Literal
 
 from clerestory.options import option
 
-# Column and row of a pixel, opening angle or angles of circles about it [rad]
+# Column and row of the central pixel, and one or two opening angles [rad]
 Circle = tuple[int, int, float]
 Circles = tuple[int, int, float, float]
 
 
 @dataclass(frozen=True, kw_only=True)
 class SourceOptions:
-    """Detection of glare sources."""
+    """Options of glare source detection."""
 
     threshold: float | None = option(
         None,
@@ -55,7 +55,7 @@ class SourceOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class IndexOptions:
-    """Variants and corrections of the glare indices."""
+    """Options of the glare indices."""
 
     illuminance: float | None = option(
         None, "Measured vertical eye illuminance, for DGP [lux].", "-i", metavar="EV"
@@ -82,7 +82,7 @@ class IndexOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class RegionOptions:
-    """Regions with statistics of their own."""
+    """Options of regions with separate luminance statistics."""
 
     mask: Path | None = option(
         None, "Picture whose bright pixels mark a window.", "-A", metavar="F"

@@ -40,24 +40,24 @@ def evaluate_glare(
     seen: SeenRows | None = None,
     trust: bool = False,
 ) -> Glare:
-    """Return the glare of a picture, as in evalglare 3.06.
+    """Return the glare sources and indices of a picture, as in evalglare 3.06.
 
     Parameters
     ----------
-    rules : criteria of source detection
+    rules : criteria of glare source detection
     view : view of the picture; default: from the picture's header
     given_illuminance : measured vertical illuminance, used for DGP [lux]
-    background : kind of background luminance, see `EyePhotometry`
-    zones : zones at whose borders sources are divided
+    background : definition of the background luminance, see `EyePhotometry`
+    zones : zones along whose borders sources are divided
     low_light, age, coefficients : corrections and coefficients of DGP, see `Glare`
     position_model : model of the position index
     seen : captured rows of a cropped picture; the missing rows are extrapolated
-    trust : whether the checks of projection and scale are omitted
+    trust : whether to omit the checks of projection and photometric scale
 
     Raises
     ------
-    InputError : the picture has no view, a wrong projection or pixels that are not
-        luminances
+    InputError : the picture has no view, does not fit the view, or has no photometric
+        scale
 
     Examples
     --------
@@ -95,7 +95,7 @@ def eye_of(
     position_model: PositionModel = "guth",
     trust: bool = False,
 ) -> GlareView:
-    """Check a picture and return the pixels of its view."""
+    """Check a picture and return the pixel quantities of the view."""
     seen = view or picture.view
     if seen is None:
         raise InputError(
@@ -120,7 +120,7 @@ def summarise(
     age: float | None = None,
     coefficients: DgpCoefficients = EVALGLARE,
 ) -> Glare:
-    """Return the glare of a picture from its glare sources."""
+    """Return the glare of a picture whose glare source pixels are `members`."""
     zone_of = None
     if zones is not None:
         members, zone_of = cut_along(members, zones.of_pixels(eye))

@@ -1,4 +1,4 @@
-"""Mean and median luminance of the field of view, with position index weights."""
+"""Mean and median luminance of the field of view, weighted by position index."""
 
 from typing import NamedTuple
 
@@ -13,10 +13,10 @@ class FieldLuminances(NamedTuple):
 
     Attributes
     ----------
-    average_by_position, average_by_square : means, weighted by solid angle, of
-        luminance divided by the position index and by its square
-    median, median_by_position, median_by_square : medians over pixels of luminance, and
-        of luminance divided by the position index and by its square
+    average_by_position, average_by_square : mean of L/P and of L/P², with luminance L
+        and position index P, weighted by solid angle
+    median, median_by_position, median_by_square : median of L, of L/P and of L/P² over
+        pixels
     """
 
     average_by_position: float
@@ -29,9 +29,10 @@ class FieldLuminances(NamedTuple):
 def field_luminances(
     luminance: Float[np.ndarray, "row column"], eye: GlareView
 ) -> FieldLuminances:
-    """Return means and medians of the pixels in view.
+    """Return mean and median luminances of the pixels in view.
 
-    Unlike evalglare, which divides av_lum_pos2 twice by the solid angle of the view.
+    `average_by_square` differs from av_lum_pos2 of evalglare, which is divided twice by
+    the solid angle of the view.
 
     >>> from clerestory.glare.glare_view import glare_view
     >>> from clerestory.scene.view import View

@@ -1,6 +1,7 @@
 """Guth's field of view, total and binocular.
 
-The limits are curves of the angle from the line of sight versus the azimuth around it.
+The limits are angles from the line of sight as functions of the azimuth around the line
+of sight.
 """
 
 from typing import Literal
@@ -12,9 +13,9 @@ FieldOfView = Literal["total", "binocular"]
 
 _Angles = Float[np.ndarray, "*shape"]
 
-# Upper limit of the binocular field [rad]
+# Upper limit of the binocular field of view [rad]
 _BROW = np.radians(60)
-# Angle from which the total field has a lower limit [rad]
+# Angle tau above which the total field of view has a lower limit [rad]
 _CHEEK = np.radians(135)
 
 
@@ -29,12 +30,13 @@ def in_field(
 
     Parameters
     ----------
-    sigma, tau : angles from the line of sight and from the vertical around it [rad]
-    below : whether the direction lies below the line of sight
-    field : "total" is seen by either eye, "binocular" by both
+    sigma : angle from the line of sight [rad]
+    tau : azimuth around the line of sight, from the upward vertical [rad]
+    below : whether the direction is below the line of sight
+    field : "total": visible to at least one eye; "binocular": visible to both eyes
 
     Reference: Guth, S. K. (1958): Light and comfort. Industrial Medicine and Surgery
-    27. The fits are those of evalglare 3.06 (options -g and -G).
+    27. The fitted curves are those of evalglare 3.06 (options -g and -G).
 
     >>> up, far_up = np.radians(40), np.radians(80)
     >>> in_field(
@@ -61,7 +63,7 @@ def _upper_total(tau: np.ndarray) -> np.ndarray:
 
 
 def _lower_total(tau: np.ndarray) -> np.ndarray:
-    # Valid for τ up to 45° from below, where the fit has no pole
+    # Valid for τ up to 45° from the downward vertical, where the fit has no pole
     tau = np.minimum(tau, 45)
     inverse = np.polyval([5.1539687e-8, -4.6898068e-6, 1.5541106e-5, 0.014699242], tau)
     result: np.ndarray = 1 / inverse

@@ -1,7 +1,7 @@
-"""Pixels of a view: direction, solid angle, cosine, position index.
+"""Pixel quantities of a view: direction, solid angle, cosine and position index.
 
-These quantities are computed once for all pictures of a view. Only pixels in the
-hemisphere in front of the eye are valid.
+They are computed once for all pictures of a view. Only pixels in the hemisphere in
+front of the eye are valid.
 """
 
 from dataclasses import dataclass
@@ -20,12 +20,12 @@ from clerestory.glare.row_blocks import by_rows
 from clerestory.scene.projection import Kind
 from clerestory.scene.view import View
 
-# Smallest side of a picture, for the angle per pixel
+# Smallest width and height of a picture [pixels], required for the angle per pixel
 _SMALLEST = 21
 
 
 class Pitch(NamedTuple):
-    """Angle between neighbouring pixels over all directions in the picture [rad]."""
+    """Smallest and largest angle per pixel over all directions in the picture [rad]."""
 
     least: Float[np.ndarray, "row column"]
     most: Float[np.ndarray, "row column"]
@@ -33,16 +33,17 @@ class Pitch(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class GlareView:
-    """Pixels of a view.
+    """Pixel quantities of a view.
 
     Attributes
     ----------
     view : view of the picture
     direction : unit vectors of the pixel centres
-    solid_angle : solid angle of valid pixels, else zero [sr]
-    cosine : cosine of the angle to the line of sight, at least zero
-    position_index : position index; 1 on the line of sight, at most 16
-    sigma, tau : angles from the line of sight and from the vertical around it [rad]
+    solid_angle : solid angle of valid pixels; zero for other pixels [sr]
+    cosine : cosine of the angle from the line of sight; zero for other pixels
+    position_index : position index; 1 on the line of sight
+    sigma : angle from the line of sight [rad]
+    tau : azimuth around the line of sight, from the upward vertical [rad]
     """
 
     view: View
@@ -81,7 +82,7 @@ class GlareView:
         return in_field(self.sigma, self.tau, self.direction @ up < 0, field=field)
 
     def angle_from(self, row: int, column: int) -> Float[np.ndarray, "row column"]:
-        """Angle of every pixel from the given pixel [rad]."""
+        """Angle between every pixel and the given pixel [rad]."""
         cosine = self.direction @ self.direction[row, column]
         angle: np.ndarray = np.arccos(np.clip(cosine, -1, 1))
         angle[row, column] = 0
@@ -93,20 +94,18 @@ class GlareView:
 
     @cached_property
     def _least_pitch(self) -> float:
-        # Smallest pitch over all valid pixels [rad]
+        # Smallest angle per pixel over all valid pixels [rad]
         least = self._pitch.least[self.valid]
         return float(least[least > 0].min(initial=np.inf))
 
     def farthest_within(self, angle: float) -> int:
-        """Upper limit of the rows or columns between pixels within an angle."""
-        # The pitch varies within the angle
+        """Upper limit of rows or columns between two pixels within an angle [rad]."""
+        # The factor accounts for variation of the angle per pixel
         reach = 1.25 * angle / self._least_pitch
         return int(min(np.ceil(reach) + 1, max(self.shape)))
 
     def surely_within(self, angle: float) -> Float[np.ndarray, "row column"]:
-        """Distance in pixels that is within an angle in any direction, for each
-        pixel.
-        """
+        """Distance in pixels up to which other pixels are within an angle [rad]."""
         with np.errstate(divide="ignore"):
             reach: np.ndarray = angle / self._pitch.most
         return reach
@@ -114,10 +113,10 @@ class GlareView:
     def pixel_angle(self) -> float:
         """Angle per pixel [rad], averaged over ten pixels along the central diagonal.
 
-        evalglare compares this angle with the merging angle.
+        In evalglare, the merging angle is compared with this angle.
         """
         rows, columns = self.shape
-        # The central pixel of evalglare, rows counted from below
+        # The central pixel of evalglare, which counts rows from below
         row, column = rows - 1 - rows // 2, columns // 2
         cosine = self.direction[row, column] @ self.direction[row - 10, column + 10]
         return float(np.arccos(min(cosine, 1.0))) / 10
@@ -130,13 +129,11 @@ def glare_view(
     *,
     model: PositionModel = "guth",
 ) -> GlareView:
-    """Return the pixels of a view.
-
-    The last few results are cached.
+    """Return the pixel quantities of a view; the last results are cached.
 
     Parameters
     ----------
-    columns, rows : size of the pictures
+    columns, rows : size of the picture [pixels]
     model : model of the position index
 
     >>> eye = glare_view(View(kind="angular", horizontal=180, vertical=180), 64, 64)
@@ -163,7 +160,7 @@ def glare_view(
 
 
 class _Key(NamedTuple):
-    # Parameters of the directions as a hashable value
+    # View parameters on which the directions depend, as a hashable value
     kind: Kind
     direction: tuple[float, ...]
     up: tuple[float, ...]
@@ -200,8 +197,8 @@ def _glare_view(key: _Key, columns: int, rows: int, model: PositionModel) -> Gla
 
 
 def _tau(view: View, direction: np.ndarray, cosine: np.ndarray) -> np.ndarray:
-    # Angle from the view's up vector; as in evalglare, the up vector of a tilted view
-    # is not projected to the picture's plane
+    # Angle from the up vector; as in evalglare, the up vector of a tilted view is not
+    # projected to the plane across the line of sight
     ahead = float(view.direction @ view.up)
     with np.errstate(divide="ignore", invalid="ignore"):
         across = (direction @ view.up - cosine * ahead) / np.sqrt(1 - cosine * cosine)
@@ -210,7 +207,7 @@ def _tau(view: View, direction: np.ndarray, cosine: np.ndarray) -> np.ndarray:
 
 
 def pixel_pitch(direction: Float[np.ndarray, "row column 3"]) -> Pitch:
-    """Return the angles between neighbouring pixels, from the gradient of directions.
+    """Return the angles per pixel [rad], from the gradient of the directions.
 
     >>> x = np.arange(5.0) * 0.01
     >>> level = np.stack(np.broadcast_arrays(x, 2 * x[:, None], 0 * x), axis=-1)
@@ -222,7 +219,7 @@ def pixel_pitch(direction: Float[np.ndarray, "row column 3"]) -> Pitch:
     pitch = Pitch(np.empty((rows, columns)), np.empty((rows, columns)))
 
     def fill(some: slice) -> None:
-        # Include one more row on either side, for the gradient
+        # Include one row above and one below, for the gradient
         wide = slice(max(some.start - 1, 0), min(some.stop + 1, rows))
         inner = slice(some.start - wide.start, some.stop - wide.start)
         part = direction[wide]

@@ -1,8 +1,9 @@
-"""Position-weighted solid angles of Radiance's glarendx, for comparisons with it.
+"""Position-weighted solid angles of Radiance's glarendx, for comparisons.
 
 glarendx evaluates the weight 1/P² at the centre of a source and at six points on the
-rim of a disc of the same solid angle. The result is close to the integral for small
-sources off the line of sight; for 0.5 sr on the line of sight it is twice the integral.
+rim of a disc of the same solid angle. The result approximates the integral of 1/P² for
+small sources off the line of sight; it is twice the integral for a source of 0.5 sr on
+the line of sight.
 """
 
 import numpy as np
@@ -13,7 +14,7 @@ from clerestory.glare.imageless import position_of
 from clerestory.glare.position_index import PositionModel
 from clerestory.scene.view import View
 
-# Angles of the points on the rim, from the right
+# Azimuth of the points on the rim, counter-clockwise from the right
 _RIM = np.radians([0, 60, 180, 240, 300, 120])
 
 
@@ -24,7 +25,7 @@ def weighted_solid_angle(
     *,
     model: PositionModel = "levin",
 ) -> Float[np.ndarray, " source"]:
-    """Return solid angles weighted by 1/P² as glarendx does, 0 behind the eye [sr].
+    """Return solid angles weighted by 1/P² as in glarendx [sr]; 0 behind the eye.
 
     Parameters
     ----------
@@ -48,7 +49,7 @@ def weighted_solid_angle(
     length = np.linalg.norm(across, axis=1, keepdims=True)
     across = across / np.where(length > 0, length, 1)
 
-    # Weight at the centre and on the rim
+    # Weight 1/P² at the centre and on the rim
     aside = np.cos(_RIM)[:, None, None] * across + np.sin(_RIM)[:, None, None] * view.up
     rim = direction + sine[:, None] * aside
     rim /= np.linalg.norm(rim, axis=-1, keepdims=True)
@@ -57,7 +58,7 @@ def weighted_solid_angle(
         position_of(rim, view, model=model) ** -2.0
     )
 
-    # Second derivatives of the weight over the disc, as in glarendx
+    # Quadrature of the weight over the disc, as in glarendx
     spread = np.pi * (cosine + 1 / cosine) - 2 * np.pi
     diagonal = upper_right + upper_left + lower_right + lower_left
     level = (right + upper_right) / 2 - middle

@@ -1,9 +1,9 @@
 """Imageless daylight glare probability.
 
-DGP is computed from the vertical illuminance and the luminance of a set of directions:
-the sky patches seen through the windows, and the sun. Each direction above the
-threshold is a separate source. The shape and merging of sources, and reflections in the
-room, are neglected.
+DGP is computed from the vertical illuminance and from luminances in a set of
+directions: the sky patches visible through the windows, and the sun. Each direction
+with luminance above the threshold is a separate glare source. The merging of sources,
+and sources by reflection in the room, are neglected.
 """
 
 import numpy as np
@@ -24,18 +24,18 @@ def imageless_dgp(
     threshold: float = 2000.0,
     coefficients: DgpCoefficients = EVALGLARE,
 ) -> Float[np.ndarray, " time"]:
-    """Daylight glare probability of each step.
+    """Daylight glare probability at each step.
 
     Parameters
     ----------
     illuminance : vertical illuminance at the eye [lux]
-    luminance : luminance of each direction [cd/m²]; for the sun, as seen through the
-        window, 0 if it is not visible
-    solid_angle : solid angle of each direction as seen through the windows [sr]; one
-        column, or one per step
-    index : position index of each direction; infinite behind the eye; one column, or
+    luminance : luminance in each direction, through the window [cd/m²]; 0 for the sun
+        if it is not visible
+    solid_angle : solid angle of the part of each patch, or of the sun, that is visible
+        through the windows [sr]; one column, or one per step
+    index : position index of each direction, infinite behind the eye; one column, or
         one per step
-    threshold : smallest luminance of a glare source [cd/m²]
+    threshold : luminance above which directions are glare sources [cd/m²]
 
     Reference: Jones, N. L. (2019): Fast climate-based glare analysis and spatial
     mapping. Building Simulation, Rome. Wasilewski, S. et al. (2022): Efficient
@@ -73,9 +73,9 @@ def position_of(
     *,
     model: PositionModel = "guth",
 ) -> Float[np.ndarray, "*shape"]:
-    """Position index of unit vectors from the eye; infinite behind the eye.
+    """Position index of directions from the eye; infinite behind the eye.
 
-    The vertical is the view's up vector projected to the plane across the line of
+    The vertical is the up vector of the view, projected to the plane across the line of
     sight.
 
     >>> eye = View(direction=np.array([0.0, 1.0, 0.0]))

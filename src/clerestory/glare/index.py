@@ -1,7 +1,7 @@
-"""Glare index: formula, reference, thresholds and scale.
+"""Definition of a glare index: formula, reference and thresholds.
 
-Every index is a module with its formula and a `GlareIndex`. Results, annual tables,
-printed lines and comparisons use the list in `indices`.
+The formula of every index is in a module that also defines a `GlareIndex`. Results,
+tables and comparisons contain all indices listed in the module `indices`.
 """
 
 import math
@@ -33,8 +33,8 @@ class EyePhotometry:
     reference : mean luminance of the task, or of the picture without a task [cd/m²]
     brightest : largest luminance of a pixel [cd/m²]
     solid_angle : solid angle of all pixels in view [sr]
-    background_kind : "cie": (Ev − Edir)/π; "average": mean luminance outside of the
-        sources; "illuminance": Ev/π
+    background_kind : definition of the background luminance: "cie": (Ev − Edir)/π;
+        "average": mean luminance outside of the sources; "illuminance": Ev/π
     """
 
     sources: GlareSources
@@ -48,17 +48,17 @@ class EyePhotometry:
 
     @cached_property
     def direct_illuminance(self) -> float:
-        """Illuminance at the eye from the glare sources, Edir [lux]."""
+        """Vertical illuminance at the eye from the glare sources, Edir [lux]."""
         return float(self.sources.illuminance.sum())
 
     @cached_property
     def cie_background(self) -> float:
-        """Background luminance of the CIE, (Ev − Edir)/π [cd/m²]."""
+        """Background luminance as defined by the CIE, (Ev − Edir)/π [cd/m²]."""
         return (self.illuminance - self.direct_illuminance) / math.pi
 
     @cached_property
     def background(self) -> float:
-        """Background luminance defined by `background_kind` [cd/m²]."""
+        """Background luminance as defined by `background_kind` [cd/m²]."""
         if self.background_kind == "cie":
             return self.cie_background
         if self.background_kind == "illuminance":
@@ -70,7 +70,7 @@ class EyePhotometry:
 
     @cached_property
     def eye_illuminance(self) -> float:
-        """Vertical illuminance at the eye: measured, or else from the picture [lux]."""
+        """Vertical illuminance at the eye, measured or from the picture [lux]."""
         given = self.given_illuminance
         return self.illuminance if given is None else given
 
@@ -83,11 +83,11 @@ class Quantity:
     ----------
     name : name in results; `VIEW.name` in comparisons
     title : full name
-    formula : value from the photometric quantities of a field of view
+    formula : function of the photometric quantities of a field of view
     unit : unit of the value
     column : name in the output of evalglare; None if evalglare does not print the
         quantity
-    in_short_line : whether evalglare also prints the quantity without option -d
+    in_short_line : whether evalglare prints the quantity also without option -d
     """
 
     name: str
@@ -105,10 +105,9 @@ class GlareIndex(Quantity):
     Attributes
     ----------
     reference : publications of the formula and of the thresholds
-    thresholds : values at which glare becomes perceptible, disturbing and intolerable;
-        empty if none are published
-    glare_increases : whether glare increases with the value; False for indices of
-        comfort, whose thresholds decrease
+    thresholds : values from which glare is perceptible, disturbing and intolerable;
+        empty if not published
+    glare_increases : whether a higher value means more glare; False for VCP
     """
 
     reference: str
@@ -127,9 +126,9 @@ class GlareIndex(Quantity):
 
 
 def without_logarithm(sources: GlareSources, adaptation: float) -> float | None:
-    """Value of a logarithmic index where its logarithm is undefined, otherwise None.
+    """Value of a logarithmic index if the logarithm is undefined, otherwise None.
 
-    0 without sources, and NaN without a positive adaptation luminance.
+    The value is 0 without sources, and NaN for an adaptation luminance of 0 or less.
     """
     if not sources.count:
         return 0.0

@@ -1,6 +1,6 @@
 """List of the glare indices and photometric quantities reported for a picture.
 
-To add an index, write the module of its formula and add a line here.
+To add an index, write a module with the formula and add a line here.
 """
 
 from clerestory.glare.cgi import CGI
@@ -14,7 +14,7 @@ from clerestory.glare.veiling import CIE_VEILING_LUMINANCE, POYNTER_VEILING_LUMI
 
 _CD = "cd/m2"
 
-# In the order of the columns of evalglare -d
+# Ordered as the columns of evalglare -d
 REPORTED: tuple[Quantity, ...] = (
     DGP,
     Quantity("average_luminance", "mean luminance", lambda e: e.average, _CD, "av_lum"),

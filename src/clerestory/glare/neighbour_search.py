@@ -1,9 +1,9 @@
 """Search for a glare source around a pixel, in the order of evalglare.
 
-The source found, and hence the number of sources, depends on the search order: row by
-row downwards from the central pixel, then upwards; in each row to the left and then to
-the right of the middle of the previous row, up to the first pixel beyond the angle. A
-few pixels below and above the central pixel are never visited.
+The search order affects the number of sources. Rows are searched downwards from the
+central pixel, then upwards; each row to the left and then to the right from the middle
+of the interval searched in the previous row, up to the first pixel beyond the search
+angle. A few pixels below and above the central pixel are never visited.
 """
 
 from collections.abc import Iterable
@@ -18,13 +18,13 @@ _Labels = Int[np.ndarray, "row column"]
 
 
 class Window(NamedTuple):
-    """Pixels near one pixel.
+    """Rectangular window of pixels around a central pixel.
 
     Attributes
     ----------
-    top, left : picture row and column of the window's first pixel
-    near : whether a pixel is within the angle
-    blind : whether rounding excludes the row of the central pixel
+    top, left : row and column of the upper left pixel
+    near : whether a pixel is within the search angle of the central pixel
+    blind : whether the row of the central pixel is not searched, due to rounding
     """
 
     top: int
@@ -34,17 +34,17 @@ class Window(NamedTuple):
 
 
 class Neighbourhood:
-    """Pixels within an angle of a pixel.
+    """Pixels within a search angle of a pixel.
 
     Attributes
     ----------
     direction : unit vectors of all pixels
-    angle : largest angle [rad]
-    chord : distance of unit vectors at this angle
-    reach : search radius: upper limit of the rows or columns between two pixels within
-        the angle
-    sure_reach : for each pixel, distance in pixels that is within the angle in any
-        direction
+    angle : search angle [rad]
+    chord : distance between unit vectors at this angle
+    reach : search radius: upper limit of the distance, in rows or columns, of pixels
+        within the search angle
+    sure_reach : distance in pixels up to which other pixels are within the search
+        angle, for each pixel
     """
 
     def __init__(self, eye: GlareView, angle: float) -> None:
@@ -56,7 +56,7 @@ class Neighbourhood:
         self.sure_reach = eye.surely_within(angle)
 
     def window(self, row: int, column: int) -> Window:
-        """Return the pixels around one pixel, and whether they are within the angle."""
+        """Return the window around a pixel."""
         rows, columns, _ = self.direction.shape
         top, left = max(row - self.reach, 0), max(column - self.reach, 0)
         bottom = min(row + self.reach + 1, rows)
@@ -70,9 +70,9 @@ class Neighbourhood:
     def blind(
         self, row: Int[np.ndarray, "*shape"], column: Int[np.ndarray, "*shape"]
     ) -> Bool[np.ndarray, "*shape"]:
-        """Whether a direction's product with itself exceeds one by rounding.
+        """Whether rounding makes the squared length of a direction exceed one.
 
-        The angle is then NaN in evalglare, which does not search the row of the pixel.
+        In evalglare, the angle is then NaN and the row of the pixel is not searched.
         """
         x, y, z = np.moveaxis(self.direction[row, column], -1, 0)
         over: np.ndarray = x * x + y * y + z * z > 1
@@ -89,16 +89,16 @@ def first_found(
     upwards: bool,
     last_column: int,
 ) -> int:
-    """Return the first wanted label in one half of the search; 0 if there is none.
+    """Return the first wanted source label above or below a pixel; 0 if none.
 
     Parameters
     ----------
-    labels : label of each pixel of the picture, 0 for none
-    wanted : for each label, whether it ends the search
-    row, column : central pixel
-    upwards : search the rows above the central pixel; otherwise its row and the rows
-        below
-    last_column : limit of the search
+    labels : source label of each pixel of the picture; 0 for pixels without source
+    wanted : whether the search ends at this label, for each label
+    row, column : row and column of the central pixel
+    upwards : whether to search the rows above the central pixel, instead of its row and
+        the rows below
+    last_column : last column to be searched
     """
     top, left, near, blind = window
     height, width = near.shape
@@ -120,7 +120,7 @@ def first_found(
             break
         begin, end = begins[step], begins[step] + counts[step] - 1
 
-        # Search to the left, from the middle of the previous row
+        # Search to the left from the middle of the previous row
         start = (west + east) // 2
         if begin <= start <= end:
             if hits[step]:
@@ -131,7 +131,7 @@ def first_found(
         else:
             west = start + 1
 
-        # Search to the right, from the middle updated with the new left end
+        # Search to the right from the middle, updated with the new left end
         start = (west + east) // 2
         if start > last_column:
             continue

@@ -1,7 +1,7 @@
-"""Peak extraction: separate sources for the brightest pixels of a glare source.
+"""Peak extraction: the brightest pixels of a glare source become separate sources.
 
-Without peak extraction, the sun or its specular reflection would be averaged with a
-bright sky.
+Without peak extraction, the luminance of the sun or its specular reflection would be
+averaged with that of a bright sky.
 """
 
 import numpy as np
@@ -11,7 +11,7 @@ from clerestory.glare.neighbour_search import Neighbourhood
 from clerestory.glare.pixel_scan import ScannedPixels, islands
 from clerestory.glare.source_merging import merge_sources
 
-# Offsets of the previously scanned neighbours
+# Row and column offsets of the adjacent pixels that are scanned before a pixel
 _BEFORE = ((1, 0), (1, -1), (0, -1), (-1, -1))
 
 
@@ -21,8 +21,12 @@ def split_peaks(
     near: Neighbourhood,
     nearer: Neighbourhood,
 ) -> Int[np.ndarray, " pixel"]:
-    """Label the groups of peak pixels of one source, from 1 in the order of
-    creation.
+    """Group the peak pixels of one source; return a label per pixel, from 1.
+
+    Parameters
+    ----------
+    peaks : peak pixels of the source, in the order of the scan
+    near, nearer : pixels within half and a quarter of the merging angle
     """
     place = np.full(solid_angle.shape, -1, dtype=np.int64)
     row, column = peaks.row, peaks.column
@@ -30,7 +34,7 @@ def split_peaks(
     turned = np.ascontiguousarray((place >= 0)[::-1].T)
     peaks = peaks._replace(island=islands(turned, nearer.reach))
 
-    # The label of a pixel is the index of the first pixel of its group
+    # `birth` is the index of the first pixel of the group of each pixel
     alone = _is_alone(row, column, place, nearer)
     tips = np.bincount(peaks.island, weights=alone)
     begin = np.full(tips.size, row.size)
@@ -50,7 +54,8 @@ def split_peaks(
 def _is_alone(
     row: np.ndarray, column: np.ndarray, place: np.ndarray, nearer: Neighbourhood
 ) -> np.ndarray:
-    # Whether no previous peak is an adjacent pixel, which the search always finds
+    # Whether no adjacent pixel scanned before a pixel is a peak pixel; the search would
+    # always find it
     rows, _ = place.shape
     alone = np.ones(row.size, dtype=bool)
     close = nearer.sure_reach[row, column] >= np.sqrt(2)
@@ -66,8 +71,7 @@ def _is_alone(
 def _last_found(
     picture: np.ndarray, row: int, column: int, nearer: Neighbourhood
 ) -> int:
-    # Last label found in the rows searched downwards, then upwards, over their full
-    # width
+    # Last label in a search of entire rows, first downwards, then upwards
     window = nearer.window(row, column)
     height, width = window.near.shape
     part = picture[window.top : window.top + height, window.left : window.left + width]

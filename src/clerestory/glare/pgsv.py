@@ -10,9 +10,9 @@ def contrast_pgsv(*, window: float, window_solid_angle: float, average: float) -
 
     Parameters
     ----------
-    window : average luminance of the window [cd/m²]
+    window : mean luminance of the window [cd/m²]
     window_solid_angle : solid angle of the window [sr]
-    average : luminance of the whole field of view of 2π sr [cd/m²]
+    average : mean luminance of the field of view of 2π sr [cd/m²]
 
     Reference: Tokura, M., Iwata, T. and Shukuya, M. (1996): Experimental study on
     discomfort glare caused by windows. Journal of Architecture, Planning and
@@ -38,7 +38,7 @@ def contrast_pgsv(*, window: float, window_solid_angle: float, average: float) -
 def surround_luminance(
     *, window: float, window_solid_angle: float, average: float
 ) -> float:
-    """Luminance of the field of view around a window [cd/m²]."""
+    """Mean luminance of the field of view outside of a window [cd/m²]."""
     sphere = 2 * math.pi
     rest = (sphere * average - window * window_solid_angle) / (
         sphere - window_solid_angle
@@ -52,7 +52,9 @@ def surround_luminance(
 
 
 def saturation_pgsv(illuminance: float) -> float:
-    """PGSV from saturation, for a window that fills the view, at an illuminance [lux].
+    """PGSV from saturation, from the vertical illuminance at the eye [lux].
+
+    For windows that fill the field of view.
 
     >>> round(saturation_pgsv(5000.0), 2)
     1.76
@@ -68,12 +70,14 @@ def pgsv(
     illuminance: float,
     task: float,
 ) -> float:
-    """PGSV from contrast if the window's contrast exceeds the task's, else from
-    saturation.
+    """PGSV from contrast or from saturation.
+
+    Contrast applies if the ratio of window to surround luminance exceeds the ratio of
+    mean luminance Ev/π to task luminance.
 
     Parameters
     ----------
-    window, window_solid_angle, average : as for `contrast_pgsv`
+    window, window_solid_angle, average : as in `contrast_pgsv`
     illuminance : vertical illuminance at the eye [lux]
     task : luminance of the task [cd/m²]
 

@@ -7,23 +7,26 @@ from clerestory.errors import InputError
 from clerestory.image.picture import Picture
 from clerestory.scene.view import View
 
-# Limit of black corner pixels [cd/m²], and smallest black fraction of the corners of a
-# fisheye picture (evalglare)
+# A fisheye picture has black corners: largest luminance of black pixels [cd/m²], and
+# smallest fraction of black pixels in the corners (evalglare)
 _BLACK, _BLACK_CORNERS = 7.0, 0.70
 
-# Tolerance of the aspect ratio of a picture
+# Largest relative deviation of the aspect ratio of a picture
 _ASPECT = 0.02
 
-# Largest radiance without overflow of sums [W/(m²·sr)]; the sun has 10⁷
+# Largest radiance for which sums do not overflow [W/(m²·sr)]; that of the sun is 10⁷
 _LARGEST = 1e30
 
-# Criteria of a photograph without photometric scale: smallest fraction of pixels at the
-# largest value, and largest relative deviation of that value from a radiance of one
+# A photograph without photometric scale has clipped pixels at a radiance of 1: smallest
+# fraction of clipped pixels, and largest deviation from 1
 _CLIPPED, _WHITE = 1e-3, 5e-3
 
 
 def check_photometry(picture: Picture, view: View, *, trust: bool) -> None:
-    """Raise `InputError` for pictures that cannot be evaluated."""
+    """Raise `InputError` for a picture that cannot be evaluated.
+
+    With `trust`, projection and photometric scale are not checked.
+    """
     if picture.quantity != "radiance":
         raise InputError(
             f"a picture of {picture.quantity}; a picture of radiance expected"
@@ -66,7 +69,7 @@ def _check_shape(picture: Picture, view: View) -> None:
 
 
 def _check_corners(luminance: np.ndarray, view: View) -> None:
-    # A fisheye picture is black outside its circle
+    # A fisheye picture is black outside of the image circle
     if view.kind != "perspective":
         return
     rows, columns = luminance.shape
@@ -81,7 +84,7 @@ def _check_corners(luminance: np.ndarray, view: View) -> None:
 
 
 def _check_scale(luminance: np.ndarray) -> None:
-    # In a photograph without photometric scale, white is a radiance of one
+    # In a photograph without photometric scale, clipped pixels have a radiance of 1
     top = float(luminance.max())
     clipped = float((luminance >= top * (1 - 1e-6)).mean())
     white = abs(top / LUMINOUS_EFFICACY - 1) < _WHITE

@@ -1,4 +1,4 @@
-"""Glare evaluation of picture files with the options of evalglare."""
+"""Glare evaluation of picture files, with the options of evalglare."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -47,7 +47,8 @@ from clerestory.scene.view import View
 if TYPE_CHECKING:
     import xarray as xr
 
-# Default thresholds of evalglare: multiple of the task luminance, and luminance [cd/m²]
+# Default thresholds of evalglare: ratio to the mean luminance of the task; luminance
+# [cd/m²] if there is no task
 _TASK_FACTOR, _LUMINANCE = 5.0, 2000.0
 
 _FIELDS: dict[str | None, FieldOfView | None] = {
@@ -59,14 +60,16 @@ _FIELDS: dict[str | None, FieldOfView | None] = {
 
 @dataclass(frozen=True, eq=False)
 class Evaluation:
-    """Evaluation of one picture.
+    """Glare evaluation of one picture.
 
     Attributes
     ----------
-    picture, luminance, eye : picture, its luminance [cd/m²] and the pixels of its view
+    picture : evaluated picture
+    luminance : luminance of the pixels [cd/m²]
+    eye : pixel quantities of the view
     members : pixels of the glare sources
-    result : glare indices
-    regions : statistics of the requested regions, by name
+    result : glare sources and indices
+    regions : luminance statistics of the requested regions, by name
     task : task zone
     """
 
@@ -81,16 +84,12 @@ class Evaluation:
     def check_picture(
         self, *, colour: Colour | None = None, show_task: bool = False
     ) -> Picture:
-        """Return the picture with coloured sources and, on request, a blue task
-        zone.
-        """
+        """Return the picture with coloured sources and optionally a blue task zone."""
         blue = in_zone(self.eye, self.task) if show_task and self.task else None
         return check_picture(self.picture, self.members, colour=colour, task=blue)
 
     def window_votes(self) -> dict[str, float]:
-        """Return the predicted glare sensation votes of the window given by the
-        mask.
-        """
+        """Return the predicted glare sensation votes of the window in the mask."""
         if "mask" not in self.regions:
             return {}
         window = self.regions["mask"]
@@ -110,7 +109,7 @@ class Evaluation:
 def evaluate_file(
     file: str | Path, options: EvalglareOptions | None = None
 ) -> Evaluation:
-    """Return the glare of the picture in a file."""
+    """Return the glare evaluation of a picture file."""
     options = options or EvalglareOptions()
     picture = read_picture(file)
     eye = eye_of(
@@ -144,11 +143,11 @@ def annual_glare_of_files(
     *,
     progress: Progress | None = None,
 ) -> "xr.Dataset":
-    """Return the glare indices of pictures of one view, one per time step.
+    """Return the glare indices of picture files of one view, one file per time step.
 
     Raises
     ------
-    InputError : an option is for single pictures only, or pictures differ in size
+    InputError : an option applies to single pictures only, or pictures differ in size
     """
     options = options or EvalglareOptions()
     keywords = _index_keywords(options.indices)
@@ -192,7 +191,7 @@ def _rules(options: SourceOptions, rows: int) -> SourceRules:
 
 
 def _threshold(options: SourceOptions) -> tuple[float, Threshold]:
-    # Numbers up to 100 are multiples of a mean luminance
+    # Numbers up to 100 are ratios to a mean luminance
     value = options.threshold
     if value is None:
         value = _LUMINANCE if options.task is None else _TASK_FACTOR
@@ -202,7 +201,7 @@ def _threshold(options: SourceOptions) -> tuple[float, Threshold]:
 
 
 def _rows_in_picture(options: IndexOptions, rows: int) -> SeenRows | None:
-    # Captured rows, if the missing rows are to be extrapolated
+    # Captured rows of a cropped picture; None if the picture is complete
     if options.fill is None:
         return None
     _, above, below = options.fill
@@ -215,7 +214,7 @@ def _rows_in_picture(options: IndexOptions, rows: int) -> SeenRows | None:
 
 
 def _index_keywords(options: IndexOptions) -> dict[str, Any]:
-    # Keywords of `summarise`
+    # Keyword arguments of `summarise`
     return {
         "given_illuminance": options.fill[0] if options.fill else options.illuminance,
         "background": options.background,
@@ -233,7 +232,7 @@ def _coefficients(options: IndexOptions) -> DgpCoefficients:
 
 
 def _zone(circle: Circle, rows: int) -> Zone:
-    # Radiance counts rows from below
+    # Options count rows from below, as in Radiance
     x, y, opening = circle
     return Zone(row=rows - 1 - y, column=x, opening=opening)
 

@@ -1,9 +1,9 @@
-"""Pixel directions, rounded as in Radiance.
+"""Pixel directions with the rounding of Radiance.
 
-`View.rays` gives the same directions except for rounding. By rounding, the scalar
-product of a direction with itself may exceed one, in which case evalglare does not
-search the row of the pixel. Projections follow image.c; the order of operations follows
-the compiled Radiance programs.
+`View.rays` gives the same directions with different rounding. Rounding matters because
+evalglare does not search the row of a pixel whose direction has a squared length above
+one. The projections are those of image.c, in the order of operations of the compiled
+Radiance programs.
 """
 
 import math
@@ -17,13 +17,13 @@ from clerestory.scene.view import View
 
 
 class PixelRays(NamedTuple):
-    """Directions of pixel centres.
+    """Directions of pixel centres or of other points in a picture.
 
     Attributes
     ----------
     direction : unit vectors; zero outside of the projection
-    covered : whether pixels lie within the projection
-    up : value that is positive for pixels above the line of sight
+    covered : whether points are within the projection
+    up : vertical coordinate, positive above the line of sight
     """
 
     direction: Float[np.ndarray, "row column 3"]
@@ -38,8 +38,8 @@ def pixel_rays(
 
     Parameters
     ----------
-    columns, rows : size of the picture
-    some : slice of rows, counted from the top; default: all rows
+    columns, rows : size of the picture [pixels]
+    some : slice of rows, from the top; default: all rows
 
     >>> rays = pixel_rays(View(kind="angular", horizontal=180, vertical=180), 3, 3)
     >>> rays.direction[1, 1].tolist()
@@ -57,7 +57,7 @@ def directions(
 
     Parameters
     ----------
-    x, y : coordinates to the right and upwards, 0 to 1 over the picture
+    x, y : picture coordinates, 0 to 1 from the left and from below
     """
     across, high = np.meshgrid(x - 0.5 + view.shift, y - 0.5 + view.lift)
     right, up = _screen(view)
@@ -84,7 +84,7 @@ def _square(direction: np.ndarray) -> np.ndarray:
 
 
 def _inverse_length(square: np.ndarray) -> np.ndarray:
-    # First-order expansion if the length is almost one
+    # First-order expansion for lengths close to one
     near = np.abs(square - 1) <= TINY
     return np.where(near, 2 - (0.5 + 0.5 * square), 1 / np.sqrt(square))
 
@@ -100,7 +100,7 @@ def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def _screen(view: View) -> tuple[np.ndarray, np.ndarray]:
-    # Vectors across the width and the height of the picture
+    # Vectors along the width and the height of the picture
     right = _cross(view.direction, view.up)
     right = right * _inverse_length(_square(right))
     up = _cross(right, view.direction)
@@ -120,14 +120,15 @@ def _sizes(kind: Kind, horizontal: float, vertical: float) -> tuple[float, float
 
 
 def _sine(angle: float) -> float:
-    # The vectorised sine in the Radiance programs is one bit below 1 here
+    # For 90°, the vectorised sine of the Radiance programs is one bit below 1
     return min(math.sin(angle), math.nextafter(1.0, 0.0))
 
 
 def _plane(
     kind: Kind, x: np.ndarray, y: np.ndarray, horizontal: float, vertical: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    # Weights of forward, right and up in the direction of each point of the picture
+    # Forward, right and up components of the direction at each point, and whether the
+    # point is within the projection
     everywhere = np.ones(x.shape, dtype=bool)
     if kind == "hemispherical":
         width, height = _sizes(kind, horizontal, vertical)

@@ -1,8 +1,9 @@
-"""First scan of glare source detection: grouping of bright pixels.
+"""First scan of glare source detection: grouping of glare pixels.
 
-The picture is scanned column by column from the left, each column from the bottom up. A
-run of bright pixels in a column belongs to one source; from the first pixel of the run,
-the previously scanned pixels within the merging angle are searched for a source.
+The picture is scanned column by column from the left, each column from the bottom up.
+Consecutive glare pixels in a column (a run) belong to one source. If a previously
+scanned pixel within half the merging angle of the first pixel of the run belongs to a
+source, the run is added to that source; otherwise it begins a new source.
 """
 
 from typing import NamedTuple
@@ -13,23 +14,23 @@ from scipy import ndimage
 
 from clerestory.glare.neighbour_search import Neighbourhood, first_found
 
-# Fraction of the merging angle within which a previous pixel is always found
+# Fraction of the search radius within which the search always finds a previous pixel
 _SURE = 0.6
 
 
 _AROUND = np.ones((3, 3), dtype=bool)
 
-# Cells of the coarse grid of islands per search radius
+# Number of cells per search radius of the coarse grid in `islands`
 _CELLS = 4
 
 
 class ScannedPixels(NamedTuple):
-    """Bright pixels in the order of the scan.
+    """Glare pixels in the order of the scan.
 
     Attributes
     ----------
     row, column : row and column of each pixel
-    island : index of the pixel's island, see `islands`
+    island : index of the island of each pixel, see `islands`
     """
 
     row: Int[np.ndarray, " pixel"]
@@ -37,7 +38,7 @@ class ScannedPixels(NamedTuple):
     island: Int[np.ndarray, " pixel"]
 
     def take(self, index: np.ndarray) -> "ScannedPixels":
-        """Return the pixels of the given indices."""
+        """Return the pixels with the given indices."""
         return ScannedPixels(*(part[index] for part in self))
 
 
@@ -59,10 +60,10 @@ def scan_order(mask: Bool[np.ndarray, "row column"], reach: int) -> ScannedPixel
 def islands(
     mask: Bool[np.ndarray, "row column"], reach: int
 ) -> Int[np.ndarray, " pixel"]:
-    """Island index of each pixel of the mask, in row-major order, from 0.
+    """Index, from 0, of the island of each pixel of the mask, in row-major order.
 
-    Pixels of different islands are more than `reach` apart in row or column. Islands
-    are separated on a coarse grid, which may join close islands.
+    Islands are groups of pixels more than `reach` rows or columns apart, and are
+    processed separately. They are found on a coarse grid, which may join close islands.
 
     >>> mask = np.zeros((40, 40), bool)
     >>> mask[2, [2, 5, 38]] = True
@@ -74,7 +75,7 @@ def islands(
     row, column = row // size, column // size
     cells = np.zeros((row.max(initial=0) + 1, column.max(initial=0) + 1), dtype=bool)
     cells[row, column] = True
-    # Dilate cells by half the largest distance of pixels within the search radius
+    # Dilate the cells by half the search radius, so that islands within it join
     grow = (reach // size + 2) // 2
     grown = np.pad(cells, grow)
     grown = ndimage.maximum_filter(grown, size=2 * grow + 1)
@@ -90,7 +91,10 @@ def first_scan(
     *,
     single: bool,
 ) -> Int[np.ndarray, " pixel"]:
-    """Label of each pixel after the first scan, from 1 in the order of creation."""
+    """Source label of each pixel after the first scan, from 1 in order of creation.
+
+    With `single`, every pixel is a run of its own.
+    """
     row, column, island = pixels
     begins = np.ones(row.size, dtype=bool)
     if not single:
@@ -99,7 +103,7 @@ def first_scan(
     start = np.flatnonzero(begins)
     alone = _may_be_first(row[start], column[start], mask, near)
 
-    # An island in which at most one pixel can begin a source is one source
+    # An island in which at most one run can begin a source is one source
     labels = np.zeros((mask.shape[0], mask.shape[1]), dtype=np.int64)
     tips = np.bincount(island[start], weights=alone, minlength=island.max() + 1)
     birth = np.zeros(start.size, dtype=np.int64)  # first run of the source of each run
@@ -121,8 +125,8 @@ def first_scan(
 def _may_be_first(
     row: np.ndarray, column: np.ndarray, mask: np.ndarray, near: Neighbourhood
 ) -> np.ndarray:
-    # Whether no previous pixel lies where the search always finds it: in a rectangle to
-    # the left, except the pixel's row, and below in the pixel's column
+    # Whether a run may begin a source: no previous glare pixel is in the region that is
+    # always searched, a rectangle to the upper left and the column below
     side = np.floor(_SURE * near.sure_reach[row, column]).astype(np.int64)
     total = np.zeros((mask.shape[0] + 1, mask.shape[1] + 1), dtype=np.int32)
     np.cumsum(mask, axis=0, out=total[1:, 1:])
@@ -130,7 +134,7 @@ def _may_be_first(
     last = mask.shape[0]
 
     def count(top: np.ndarray, bottom: np.ndarray, right: np.ndarray) -> np.ndarray:
-        # Count pixels in rows top…bottom − 1 and columns left…right − 1
+        # Number of glare pixels in rows top…bottom − 1 and columns left…right − 1
         inside: np.ndarray = (
             total[bottom, right]
             - total[top, right]
@@ -155,8 +159,8 @@ def _scan_runs(
     labels: np.ndarray,
     alone: np.ndarray,
 ) -> np.ndarray:
-    # First run of the source of each run, by the search of evalglare
-    only = 0  # the only label so far, −1 if there are several
+    # Index of the first run of the source of each run, by the search of evalglare
+    only = 0  # the only label in use, or −1 if several are in use
     ends = np.append(np.flatnonzero(begins)[1:], begins.size)
     birth = np.zeros(members.size, dtype=np.int64)
     wanted = np.ones(start.size + 2, dtype=bool)
@@ -185,12 +189,12 @@ def _find(
     *,
     alone: bool,
 ) -> int:
-    # Upward results precede downward ones; the upper left neighbour precedes all
+    # Labels above the pixel precede labels below; the upper left pixel precedes all
     if row > 0 and column > 0 and near.sure_reach[row, column] >= 2:
         label = int(labels[row - 1, column - 1])
         if label:
             return label
-    # If all labels in the window are equal, this label is always found
+    # If all labels in the window are equal, the search returns this label
     if not alone:
         reach = near.reach
         around = labels[

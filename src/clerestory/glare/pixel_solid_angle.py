@@ -1,8 +1,9 @@
 """Solid angles of pixels as spherical quadrilaterals, as in evalglare.
 
-Corners are joined by great circles, and a pixel with a corner outside of the projection
-has zero solid angle; `scene.view.solid_angles` is exact. The order of operations
-follows evalglare, since the merging of sources compares solid angles to the last bit.
+Pixel corners are joined by great circles, and a pixel with a corner outside of the
+projection has zero solid angle; exact solid angles are in `scene.view.solid_angles`.
+The order of operations is that of evalglare, since sources are merged by exact
+comparison of solid angles.
 """
 
 import numpy as np
@@ -26,7 +27,7 @@ def quadrilaterals(
     """
     left, right = _sides(columns)
     under, over = _sides(rows)
-    # evalglare mirrors the picture here, which affects only rounding
+    # evalglare mirrors the picture vertically, which affects rounding only
     mirrored = view.lift == 0
     low, high = (under, over) if mirrored else (under[::-1], over[::-1])
     some = some or slice(None)
@@ -68,7 +69,7 @@ def _plane(a: _Vectors, b: _Vectors) -> _Vectors:
     with np.errstate(divide="ignore"):
         scale = 1 / np.sqrt(square)
 
-    # First-order expansion if the length is almost one; corners may coincide
+    # First-order expansion for lengths close to one; zero for coincident corners
     near = np.abs(square - 1) <= TINY
     if near.any():
         scale[near] = 2 - (0.5 + 0.5 * square[near])

@@ -1,8 +1,9 @@
 """Position index of glare sources after Guth, Iwata and Kim.
 
-The default is Levin's fit of Guth's index above the line of sight and the index of
-Iwata and Osterhaus below. Kim's index applies everywhere. Older programs use Levin's
-fit alone, mirrored below the line of sight and without an upper limit.
+The default is Levin's fit of Guth's position index above the line of sight, and the
+index of Iwata and Osterhaus below. Kim's index has one formula for all directions.
+Older programs use Levin's fit alone, mirrored below the line of sight and without upper
+limit.
 """
 
 from typing import Literal
@@ -12,7 +13,7 @@ from jaxtyping import Bool, Float
 
 PositionModel = Literal["guth", "kim", "levin"]
 
-# Upper limit of the index (evalglare)
+# Upper limit of the position index (evalglare)
 LARGEST = 16.0
 
 _Angles = Float[np.ndarray, "*shape"]
@@ -25,13 +26,13 @@ def position_index(
     *,
     model: PositionModel = "guth",
 ) -> Float[np.ndarray, "*shape"]:
-    """Position index of directions, 1 on the line of sight.
+    """Position index of directions; 1 on the line of sight, except Kim's.
 
     Parameters
     ----------
-    sigma : angle between the line of sight and the source [rad]
-    tau : angle from the vertical to the plane through line of sight and source [rad]
-    below : whether the source lies below the line of sight
+    sigma : angle of the source from the line of sight [rad]
+    tau : azimuth of the source around the line of sight, from the upward vertical [rad]
+    below : whether the source is below the line of sight
     model : "guth" as in evalglare, "kim", or "levin" as in Radiance's glarendx
 
     Reference: Guth, S. K. (1963): A method for the evaluation of discomfort glare.
@@ -67,7 +68,8 @@ def _guth(sigma: np.ndarray, tau: np.ndarray) -> np.ndarray:
 
 
 def _iwata(sigma: np.ndarray, tau: np.ndarray) -> np.ndarray:
-    # Guth's index at τ = 90°, at an angle increased by 1 + 0.3225 cos² τ
+    # Guth's index for τ = 90° at a larger angle, by the factor √(1 + 0.3225 cos² τ) on
+    # the tangent
     wide = np.sqrt(1 + 0.3225 * np.cos(tau) ** 2)
     beta = np.degrees(np.arctan(np.tan(sigma) * wide))
     result: np.ndarray = np.exp(6.49e-3 * beta + 21e-5 * beta * beta)

@@ -1,4 +1,4 @@
-"""Luminance statistics of a region of a picture: a zone, a mask or a band."""
+"""Luminance statistics of a region of a picture: zone, mask or horizontal band."""
 
 from dataclasses import dataclass
 
@@ -8,21 +8,21 @@ from jaxtyping import Bool, Float
 from clerestory.errors import InputError
 from clerestory.glare.glare_view import GlareView
 
-# Luminance above which a pixel of a mask picture is in the region [cd/m²] (evalglare)
+# Luminance above which pixels of a mask picture mark the region [cd/m²] (evalglare)
 MASK_LUMINANCE = 0.1
 
 
 @dataclass(frozen=True)
 class RegionStatistics:
-    """Luminance of a region of a picture.
+    """Luminance statistics of a region of a picture.
 
     Attributes
     ----------
     pixels : number of pixels
     solid_angle : solid angle of the region [sr]
     average : mean luminance weighted by solid angle [cd/m²]
-    median, deviation, percentile_75, percentile_95, least, most : luminance statistics
-        over pixels [cd/m²]
+    median, deviation, percentile_75, percentile_95, least, most : median, standard
+        deviation, percentiles, minimum and maximum of luminance over pixels [cd/m²]
     illuminance : vertical illuminance at the eye from the region [lux]
     """
 
@@ -43,7 +43,7 @@ def region_statistics(
     eye: GlareView,
     region: Bool[np.ndarray, "row column"],
 ) -> RegionStatistics:
-    """Return the statistics of the pixels of a region that are in view.
+    """Return the luminance statistics of the pixels of a region that are in view.
 
     >>> from clerestory.glare.glare_view import glare_view
     >>> from clerestory.scene.view import View
@@ -73,15 +73,15 @@ def region_statistics(
 
 
 def _percentile(values: np.ndarray, share: float) -> float:
-    # Mean of the two values at the percentile, as in evalglare
+    # Mean of the two values adjacent to the percentile, as in evalglare
     at = int(values.size * share)
     return float((values[at] + values[max(at - 1, 0)]) / 2)
 
 
 def band(eye: GlareView, half_width: float) -> Bool[np.ndarray, "row column"]:
-    """Pixels within an angle [rad] of the horizontal centre line of the picture.
+    """Mask of the pixels within an angle [rad] of the centre row of the picture.
 
-    The angle is measured within each column.
+    The angle is measured between pixels of the same column.
     """
     rows, _ = eye.shape
     middle = rows - 1 - (rows - 1) // 2

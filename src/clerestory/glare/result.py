@@ -1,4 +1,4 @@
-"""Glare of one picture: sources, photometric quantities and indices."""
+"""Result of a glare evaluation: sources, photometric quantities and indices."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -18,12 +18,12 @@ from clerestory.glare.indices import REPORTED
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Glare(EyePhotometry):
-    """Glare of one picture.
+    """Glare sources, photometric quantities and glare indices of one picture.
 
     Attributes
     ----------
     low_light : whether DGP is corrected for low vertical illuminance
-    age : age of the observer [years] for the correction of DGP; None for no correction
+    age : age of the observer for the correction of DGP [years]; None for no correction
     coefficients : coefficients of DGP
     """
 
@@ -33,7 +33,7 @@ class Glare(EyePhotometry):
 
     @cached_property
     def dgp(self) -> float:
-        """Daylight glare probability with the chosen corrections."""
+        """Daylight glare probability, with the corrections for low light and age."""
         level = self.eye_illuminance
         value = dgp(self.sources, illuminance=level, coefficients=self.coefficients)
         if self.low_light:

@@ -4,13 +4,13 @@ import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
-# Pixels per block: several arrays of this size fit in the cache of a core
+# Pixels per block, so that several arrays fit in the cache of a processor core
 _PIXELS = 24_000
 _MOST_THREADS = 8
 
 
 def by_rows(work: Callable[[slice], None], rows: int, columns: int) -> None:
-    """Call `work` in parallel with slices that together cover all rows.
+    """Call `work` in parallel with slices that cover all rows.
 
     >>> seen = []
     >>> by_rows(lambda some: seen.append(some.stop - some.start), 100, 1000)

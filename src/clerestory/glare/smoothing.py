@@ -1,10 +1,10 @@
-"""Smoothing of glare sources: addition of surrounded dark pixels."""
+"""Smoothing of glare sources: dark pixels surrounded by a source are added to it."""
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy import fft
 
-# Smallest fraction of the solid angle around a pixel that belongs to a source
+# A dark pixel is added if a larger fraction of the disc around it belongs to the source
 _SHARE = 0.2
 
 
@@ -13,10 +13,16 @@ def surrounded(
     solid_angle: Float[np.ndarray, "row column"],
     radius: float,
 ) -> Bool[np.ndarray, "row column"]:
-    """Whether more than a fifth of a disc around each pixel belongs to a source.
+    """Whether more than a fifth of the disc around each pixel belongs to a source.
 
-    Discs are weighted by solid angle. Discs that cross the right or upper edge of the
-    picture omit its last column or row, as in evalglare.
+    Fractions are of solid angle. As in evalglare, discs that cross the right or upper
+    edge of the picture exclude the rightmost column or the top row.
+
+    Parameters
+    ----------
+    mine : pixels of the source
+    solid_angle : solid angle of each pixel [sr]
+    radius : radius of the disc [pixels]
     """
     rows, columns = mine.shape
     reach = int(np.ceil(radius)) + 1
@@ -25,7 +31,7 @@ def surrounded(
     wide_left, wide_right = max(left - reach, 0), min(right + reach, columns)
     wide = np.s_[wide_top:wide_bottom, wide_left:wide_right]
 
-    # Discs that cross an edge omit the outermost line of pixels
+    # Discs that cross the right or upper edge exclude the outermost column or row
     over_right = np.arange(columns) + np.floor(radius) > columns - 1
     over_top = np.arange(rows) - np.floor(radius) < 0
     inside = np.zeros(mine.shape, dtype=bool)
@@ -47,7 +53,7 @@ def surrounded(
 
 
 def _around(weight: np.ndarray, disc: np.ndarray) -> np.ndarray:
-    # Convolve with the disc; without scipy.signal, which takes a second to import
+    # Convolution with the disc; scipy.signal is not used, since it loads slowly
     rows, columns = weight.shape
     reach = disc.shape[0] // 2
     size = [fft.next_fast_len(n + 2 * reach, real=True) for n in weight.shape]
@@ -57,7 +63,7 @@ def _around(weight: np.ndarray, disc: np.ndarray) -> np.ndarray:
 
 
 def _box(mine: np.ndarray, reach: int) -> tuple[int, int, int, int]:
-    # Rows and columns within the search radius of any pixel
+    # Bounding box of the source pixels, enlarged by `reach`
     rows, columns = np.flatnonzero(mine.any(axis=1)), np.flatnonzero(mine.any(axis=0))
     return (
         max(int(rows[0]) - reach, 0),

@@ -1,8 +1,9 @@
 """Second scan of glare source detection: merging of sources.
 
-Pixels are visited as in the first scan. If a source of larger solid angle is within the
-merging angle of a pixel, the pixel's source is merged into the larger source. Scans are
-repeated until there is no change; sources of equal solid angle are not merged.
+Pixels are visited in the order of the first scan. If a source of larger solid angle is
+within half the merging angle of a pixel, the source of the pixel is merged into the
+larger source. Scans are repeated until no sources are merged; sources of equal solid
+angle are not merged.
 """
 
 from dataclasses import dataclass
@@ -16,7 +17,7 @@ from clerestory.glare.pixel_scan import ScannedPixels
 
 _EIGHT = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0)]
 
-# Distance from the picture's edge within which all pixels are outer pixels
+# Distance from the edge of the picture within which pixels count as outer pixels
 _EDGE = 2
 
 
@@ -28,10 +29,13 @@ def merge_sources(
     *,
     skip_inner: bool,
 ) -> Int[np.ndarray, " pixel"]:
-    """Label of each pixel after merging."""
+    """Source label of each pixel after merging.
+
+    With `skip_inner`, pixels surrounded by pixels of the same source are skipped.
+    """
     merged = labels.copy()
     picture = np.zeros(solid_angle.shape, dtype=np.int64)
-    # Only islands with several sources are processed
+    # Process only islands with several sources
     lowest = np.full(pixels.island.max(initial=-1) + 1, labels.max(initial=0) + 1)
     highest = np.zeros(lowest.size, dtype=np.int64)
     np.minimum.at(lowest, pixels.island, labels)
@@ -48,7 +52,7 @@ def merge_sources(
 
 @dataclass
 class _Merging:
-    # Sources of one island during merging
+    # State of the sources of one island during merging
     pixels: ScannedPixels
     labels: np.ndarray
     picture: np.ndarray
@@ -59,14 +63,14 @@ class _Merging:
     def __post_init__(self) -> None:
         row, column, _ = self.pixels
         self.omega = self.solid_angle[row, column]
-        # Sum in the order of the scan: comparisons depend on the last bit
+        # Sum in the order of the scan, since solid angles are compared exactly
         self.size = np.bincount(self.labels, weights=self.omega)
         self.pixel, self.neighbour = self._meetings()
-        # Current label of each initial label
+        # Current label of each source, by initial label
         self.current = np.arange(self.size.size)
 
     def _meetings(self) -> tuple[np.ndarray, np.ndarray]:
-        # Pixels with a pixel of another source within the angle, and the other label
+        # Pairs of an outer pixel and the label of a source within the search angle
         outer = np.flatnonzero(self._is_outer(np.arange(self.labels.size)))
         row, column = self.pixels.row[outer], self.pixels.column[outer]
         direction = self.near.direction[row, column]
@@ -85,15 +89,15 @@ class _Merging:
     def _in_box(
         self, row: np.ndarray, column: np.ndarray, rows: np.ndarray, columns: np.ndarray
     ) -> np.ndarray:
-        # Whether pixels are within the search radius, in rows and columns, of other
-        # pixels
+        # Whether pixels are in the bounding box of other pixels, enlarged by the search
+        # radius
         reach = self.near.reach
         inside: np.ndarray = (row >= rows.min() - reach) & (row <= rows.max() + reach)
         inside &= (column >= columns.min() - reach) & (column <= columns.max() + reach)
         return inside
 
     def _is_outer(self, index: np.ndarray) -> np.ndarray:
-        # Whether pixels have a neighbour of another label or lie at the edge
+        # Whether pixels have an adjacent pixel of another label or are at the edge
         row, column = self.pixels.row[index], self.pixels.column[index]
         rows, columns = self.picture.shape
         outer: np.ndarray = (np.minimum(row, column) < _EDGE) | (row >= rows - _EDGE)
@@ -107,7 +111,7 @@ class _Merging:
         return outer
 
     def run(self) -> None:
-        """Repeat scans until there is no change."""
+        """Repeat scans until no sources are merged."""
         while self._scan():
             pass
 
@@ -126,7 +130,7 @@ class _Merging:
             changed |= self._search(last)
 
     def _search(self, index: int) -> bool:
-        # Merge into the larger source found from a pixel
+        # Merge the source of a pixel into a larger source near the pixel
         row, column = int(self.pixels.row[index]), int(self.pixels.column[index])
         old = new = int(self.picture[row, column])
         window = self.near.window(row, column)

@@ -1,4 +1,4 @@
-"""Table of glare sources: input of the glare indices."""
+"""Table of glare sources, from which glare indices are computed."""
 
 from dataclasses import dataclass, fields
 
@@ -17,13 +17,14 @@ class GlareSources:
     ----------
     luminance : mean luminance of the source [cd/m²]
     solid_angle : solid angle of the source [sr]
-    position_index : position index of the source's centre
-    sigma : angle of the source's centre from the line of sight [rad]
-    direction : unit vector to the source's centre
+    position_index : position index of the centre of the source
+    sigma : angle of the centre from the line of sight [rad]
+    direction : unit vector to the centre
     illuminance : vertical illuminance at the eye from the source [lux]
     pixels : number of pixels
-    row, column : position of the source's centre, weighted by luminance
-    zone : 0 outside of all zones, 1 in the inner zone, 2 in the outer zone
+    row, column : row and column of the centre, the mean weighted by luminance and solid
+        angle
+    zone : zone number: 0 outside of all zones, 1 inner zone, 2 outer zone
 
     >>> lamp = GlareSources.of(luminance=[5000], solid_angle=[0.01], position_index=[2])
     >>> lamp.count
@@ -58,10 +59,10 @@ class GlareSources:
         position_index: ArrayLike,
         sigma: ArrayLike | None = None,
     ) -> "GlareSources":
-        """Return sources of given luminance, such as planned luminaires.
+        """Return sources of given luminance and solid angle, such as luminaires.
 
-        The illuminance is computed for small sources at the angle `sigma`, which is
-        zero by default.
+        The vertical illuminance is computed for small sources at the angle `sigma` from
+        the line of sight [rad]; default: 0.
         """
         bright, omega, index = (
             np.asarray(values, dtype=float)
@@ -88,29 +89,27 @@ class GlareSources:
         return int(self.luminance.size)
 
     def weight(self) -> Float[np.ndarray, " source"]:
-        """L²ω/P² of each source, the summand of UGR, CGI and UGP [cd²/m⁴·sr]."""
+        """L²ω/P² of each source, as summed in UGR, CGI and UGP [cd²/m⁴·sr]."""
         weight: np.ndarray = (
             self.luminance / self.position_index
         ) ** 2 * self.solid_angle
         return weight
 
     def guth_solid_angle(self) -> Float[np.ndarray, " source"]:
-        """Solid angles weighted by the position index, ω/P² [sr]."""
+        """Solid angle of each source divided by squared position index, ω/P² [sr]."""
         angle: np.ndarray = self.solid_angle / self.position_index**2
         return angle
 
     def average_luminance(self) -> float:
-        """Mean luminance of all sources, weighted by solid angle [cd/m²]; 0 without
-        sources.
-        """
+        """Mean luminance of all sources, weighted by solid angle [cd/m²]; 0 if none."""
         if not self.count:
             return 0.0
         return float(self.luminance @ self.solid_angle / self.solid_angle.sum())
 
     def larger_than(self, solid_angle: float) -> "GlareSources":
-        """Return the sources of at least a solid angle [sr].
+        """Return the sources with at least the given solid angle [sr].
 
-        Wienold and Christoffersen (2006) ignored sources below 0.002 sr.
+        Wienold and Christoffersen (2006) ignored sources smaller than 0.002 sr.
         """
         keep = self.solid_angle >= solid_angle
         return GlareSources(*(getattr(self, item.name)[keep] for item in fields(self)))

@@ -1,7 +1,8 @@
 """Glare source detection, as in evalglare.
 
-Pixels above a threshold are grouped into sources, close sources are merged, surrounded
-dark pixels optionally added, and peaks extracted. The sources are tabulated.
+Pixels with luminance above a threshold are grouped into sources, and close sources are
+merged. Optionally, dark pixels surrounded by a source are added (smoothing) and peaks
+are extracted.
 """
 
 import warnings
@@ -22,22 +23,23 @@ from clerestory.glare.source_table import GlareSources
 
 _Luminance = Float[np.ndarray, "row column"]
 
-# Ratio of search radius to smoothing radius (evalglare)
+# Ratio of half the merging angle to the smoothing radius (evalglare)
 _SMOOTHING = 1.75
 
-# Smallest merging angle in pixels without a warning (evalglare)
+# A warning is issued if half the merging angle is less than this [pixels] (evalglare)
 _FEW_PIXELS = 3.0
 
 
 class Members(NamedTuple):
     """Pixels of glare sources.
 
-    A pixel added to several sources by smoothing appears once per source.
+    A pixel that smoothing adds to several sources is listed once per source.
 
     Attributes
     ----------
-    label : label of the source, from 1 in the order of creation, with gaps
-    row, column : row and column of the pixel
+    label : label of the source of each pixel, from 1; labels of merged sources are
+        unused
+    row, column : row and column of each pixel
     """
 
     label: Int[np.ndarray, " member"]
@@ -45,14 +47,14 @@ class Members(NamedTuple):
     column: Int[np.ndarray, " member"]
 
     def __add__(self, other: "Members") -> "Members":  # type: ignore[override]
-        """Concatenate the members."""
+        """Concatenate two lists of pixels."""
         return Members(*(np.concatenate(p) for p in zip(self, other, strict=True)))
 
 
 def threshold_luminance(
     luminance: _Luminance, eye: GlareView, rules: SourceRules
 ) -> float:
-    """Threshold luminance of glare pixels [cd/m²]."""
+    """Luminance above which pixels are glare pixels [cd/m²]."""
     if rules.threshold_kind == "luminance":
         return rules.threshold
     return rules.threshold * reference_luminance(luminance, eye, rules.task)
@@ -72,7 +74,7 @@ def reference_luminance(
 
 
 def in_zone(eye: GlareView, zone: Zone) -> np.ndarray:
-    """Whether pixels lie in a zone."""
+    """Whether each pixel is in a zone."""
     rows, columns = eye.shape
     if not (0 <= zone.row < rows and 0 <= zone.column < columns):
         raise InputError(
@@ -150,7 +152,7 @@ def _split(
     limit: float,
     near: Neighbourhood,
 ) -> Members:
-    # Labels of peaks follow the labels of all other sources
+    # The labels of extracted peaks are larger than all other labels
     peak = luminance[members.row, members.column] >= limit
     if not peak.any():
         return members
@@ -175,7 +177,7 @@ def tabulate(
     *,
     zone: Int[np.ndarray, " label"] | None = None,
 ) -> GlareSources:
-    """Return the sources of a picture, one row each, in the order of their labels."""
+    """Return the table of the sources of a picture, in the order of labels."""
     label, row, column = members
     bright = luminance[row, column].astype(float)
     omega = eye.solid_angle[row, column]
@@ -189,8 +191,9 @@ def tabulate(
         return sums
 
     solid_angle, power = total(omega), total(flux)
-    # Centre weighted by luminance; index and direction are taken at its pixel.
-    # evalglare counts rows from below and truncates coordinates
+    # Centre of each source, weighted by luminance; the pixel at the centre defines
+    # position index and direction. evalglare counts rows from below and truncates
+    # coordinates
     rows, _ = eye.shape
     up = total(flux * (rows - 1 - row)) / power
     across = total(flux * column) / power

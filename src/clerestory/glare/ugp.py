@@ -7,11 +7,11 @@ from clerestory.glare.source_table import GlareSources
 
 
 def ugp(sources: GlareSources, *, background: float) -> float:
-    """Unified glare probability: fraction of disturbed occupants, 0 without sources.
+    """Unified glare probability: fraction of disturbed occupants; 0 without sources.
 
     Parameters
     ----------
-    background : mean luminance outside of the sources [cd/m²]
+    background : background luminance [cd/m²]
 
     Reference: Hirning, M. B., Isoardi, G. L. and Cowling, I. (2014): Discomfort glare
     in open plan green buildings. Energy and Buildings 70.
@@ -29,7 +29,7 @@ def ugp(sources: GlareSources, *, background: float) -> float:
 def logistic_ugp(sources: GlareSources, *, background: float) -> float:
     """Unified glare probability in logistic form, between 0 and 1.
 
-    Reference: Hirning, M. B. et al. (2016), as UGP2 of evalglare.
+    Reference: Hirning, M. B. et al. (2016); ugp2 of evalglare.
 
     >>> window = GlareSources.of(luminance=[3e3], solid_angle=[0.2], position_index=[2])
     >>> round(logistic_ugp(window, background=300.0), 3)

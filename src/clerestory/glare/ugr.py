@@ -1,4 +1,4 @@
-"""Unified glare rating (UGR) of CIE 117, and its variant of Fisekis et al."""
+"""Unified glare rating (UGR) of CIE 117, and the variant of Fisekis et al."""
 
 import math
 
@@ -7,13 +7,13 @@ from clerestory.glare.source_table import GlareSources
 
 
 def ugr(sources: GlareSources, *, background: float) -> float:
-    """Unified glare rating: 10 imperceptible, 19 the limit in offices, 28 intolerable.
+    """Unified glare rating: 10 imperceptible, 19 limit for offices, 28 intolerable.
 
-    0 without sources, NaN for a dark background.
+    The rating is 0 without sources and NaN for a background luminance of 0.
 
     Parameters
     ----------
-    background : mean luminance outside of the sources [cd/m²]
+    background : background luminance [cd/m²]
 
     Reference: CIE 117-1995: Discomfort glare in interior lighting.
 
@@ -30,12 +30,12 @@ def ugr(sources: GlareSources, *, background: float) -> float:
 def experimental_ugr(
     sources: GlareSources, *, average: float, background: float
 ) -> float:
-    """UGR with L² of each source replaced by L times the mean luminance of the view.
+    """UGR with L² of each source replaced by L times the mean luminance Ev/π.
 
     Parameters
     ----------
-    average : mean luminance of the whole field of view, Ev/π [cd/m²]
-    background : mean luminance outside of the sources [cd/m²]
+    average : mean luminance of the field of view, Ev/π [cd/m²]
+    background : background luminance [cd/m²]
 
     Reference: Fisekis, K. et al. (2003): Prediction of discomfort glare from windows.
     Lighting Research and Technology 35(4).

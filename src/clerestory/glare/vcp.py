@@ -5,16 +5,16 @@ import math
 from clerestory.glare.index import GlareIndex, without_logarithm
 from clerestory.glare.source_table import GlareSources
 
-# Ratings at which VCP reaches 0 % and 100 % (evalglare)
+# Values of DGR above which VCP is 0 %, and below which it is 100 % (evalglare)
 _LARGEST_RATING, _SMALLEST_RATING = 750.0, 20.0
 
 
 def dgr(sources: GlareSources, *, average: float) -> float:
-    """Guth's discomfort glare rating, 0 without sources.
+    """Guth's discomfort glare rating; 0 without sources.
 
     Parameters
     ----------
-    average : mean luminance of the whole field of view [cd/m²]
+    average : mean luminance of the field of view [cd/m²]
 
     Reference: Guth, S. K. (1963): A method for the evaluation of discomfort glare.
     Illuminating Engineering 57. IESNA Lighting Handbook, 9th edition, chapter 9.
@@ -34,7 +34,7 @@ def dgr(sources: GlareSources, *, average: float) -> float:
 
 
 def vcp(rating: float) -> float:
-    """Visual comfort probability at a discomfort glare rating [%].
+    """Visual comfort probability [%] from the discomfort glare rating.
 
     >>> round(vcp(120.0), 1)
     51.7

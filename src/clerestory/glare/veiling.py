@@ -1,4 +1,4 @@
-"""Veiling luminance: disability glare by light scattered in the eye."""
+"""Veiling luminance: disability glare due to light scattered in the eye."""
 
 import numpy as np
 from jaxtyping import Float
@@ -6,15 +6,15 @@ from jaxtyping import Float
 from clerestory.glare.index import Quantity
 from clerestory.glare.source_table import GlareSources
 
-# Lower limit of the angle, for sources on the line of sight, as in evalglare
+# Added to θ² to avoid division by zero on the line of sight, as in evalglare
 _TINY = 1e-16
 
 
 def veiling_luminance(sources: GlareSources) -> Float[np.ndarray, " source"]:
     """Veiling luminance of each source after Stiles and Holladay, 10 E/θ² [cd/m²].
 
-    With the illuminance E at the eye and the angle θ in degrees; valid for young
-    observers and angles from 1° to 30°.
+    E is the vertical illuminance at the eye [lux], θ the angle from the line of sight
+    [°]. Valid for young observers and angles from 1° to 30°.
 
     Reference: Vos, J. J. (2003): On the cause of disability glare and its dependence on
     glare angle, age and ocular pigmentation. Clinical and Experimental Optometry 86(6).
@@ -33,7 +33,7 @@ def veiling_luminance(sources: GlareSources) -> Float[np.ndarray, " source"]:
 
 
 def poynter_veiling_luminance(sources: GlareSources) -> float:
-    """Veiling luminance of all sources after Poynter, Lveil of evalglare [cd/m²].
+    """Veiling luminance of all sources after Poynter [cd/m²], Lveil of evalglare.
 
     >>> at = np.radians(10)
     >>> lamp = GlareSources.of(

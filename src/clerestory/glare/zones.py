@@ -1,4 +1,4 @@
-"""Zones of a picture, at whose borders glare sources are divided."""
+"""Zones of a picture; glare sources are divided along the borders of zones."""
 
 from dataclasses import dataclass
 
@@ -13,13 +13,13 @@ from clerestory.glare.sources import Members, in_zone
 
 @dataclass(frozen=True)
 class Zones:
-    """One circle, or two concentric circles.
+    """Zones within one circle or two concentric circles.
 
     Attributes
     ----------
-    inner : inner circle, zone 1
-    outer_opening : opening angle of zone 2 [rad], a ring around zone 1; None for a
-        single circle
+    inner : zone 1, the inner circle
+    outer_opening : outer opening angle of zone 2, the ring around zone 1 [rad]; None
+        for a single circle
     """
 
     inner: Zone
@@ -35,7 +35,7 @@ class Zones:
             )
 
     def of_pixels(self, eye: GlareView) -> Int[np.ndarray, "row column"]:
-        """Zone of each pixel: 1 inside, 2 in the ring, 0 elsewhere."""
+        """Zone number of each pixel: 1 inner circle, 2 ring, 0 elsewhere."""
         inside = in_zone(eye, self.inner)
         if self.outer_opening is None:
             return inside.astype(np.int64)
@@ -47,14 +47,14 @@ class Zones:
 def cut_along(
     members: Members, zone: Int[np.ndarray, "row column"]
 ) -> tuple[Members, Int[np.ndarray, " label"]]:
-    """Divide sources along the borders of zones.
+    """Divide glare sources along the borders of zones.
 
-    Parts within a zone become new sources with labels after all existing labels, in the
-    order of the scan.
+    The part of a source in a zone becomes a new source. New labels follow all existing
+    labels, in the order of the scan.
 
     Returns
     -------
-    members with new labels, and zone of each label
+    source pixels with new labels, and zone number of each label
     """
     label, row, column = members
     where = zone[row, column]

@@ -1,9 +1,9 @@
 """Angular dependence of the transmittance and reflectance of panes.
 
-Files give values at normal incidence. For uncoated glass the refractive index and the
-absorption follow from these, and Fresnel's equations give other angles. For coated
-glass the angular dependence of clear or bronze glass is used, whichever has the closer
-transmittance: a regression, accurate to a few hundredths for common coatings.
+Product files contain values at normal incidence. For uncoated glass they determine the
+refractive index and absorption, from which Fresnel's equations give values at other
+angles. Coated glass follows the regression for clear glass if its transmittance exceeds
+0.645, otherwise that for bronze glass, accurate to a few hundredths for most coatings.
 
 References: R. A. Furler, ASHRAE Transactions 97 (2), 1991 (uncoated glass); E. U.
 Finlayson, D. K. Arasteh, C. Huizenga, M. D. Rubin, M. S. Reilly, WINDOW 4.0:
@@ -110,6 +110,6 @@ def _polynomial(coefficients: tuple[float, ...], x: _Broadcast) -> _Broadcast:
 
 
 def _bounded(t: _Broadcast, r: _Broadcast) -> tuple[Values, Values]:
-    # Conserve energy: the larger value is reduced
+    # Reduce the larger value if T + R exceeds 1
     excess = np.maximum(t + r - 1, 0)
     return np.where(t >= r, t - excess, t), np.where(t >= r, r, r - excess)

@@ -1,7 +1,7 @@
 """BSDF layers in glazing systems, from visible and solar matrices.
 
-Visible wavelengths use the visible matrix. Other wavelengths use the matrix that yields
-the solar average, with 49 % of solar energy in the visible range as in WINDOW.
+The visible matrix applies to visible wavelengths. The matrix at other wavelengths is
+the one that yields the solar matrix if 49 % of solar energy is visible, as in WINDOW.
 """
 
 import warnings
@@ -85,7 +85,7 @@ class BsdfLayer(Layer):
 
     @property
     def wavelength_nm(self) -> Values:
-        """Limits of the solar range, and steps at the limits of the visible range."""
+        """Wavelengths at the limits of the solar and the visible range [nm]."""
         return two_band_wavelengths()
 
     @property
@@ -145,7 +145,7 @@ class BsdfLayer(Layer):
         )
 
     def channel(self, wanted: Channel) -> Channel:
-        """Return the wanted channel, or the other one if it is not in the file."""
+        """Return the given channel, or the other channel if the file lacks it."""
         other: Channel = "solar" if wanted == "visible" else "visible"
         return wanted if self.bsdf.has("transmission_front", channel=wanted) else other
 

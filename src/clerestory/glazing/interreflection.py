@@ -73,12 +73,12 @@ def between(
     ahead: Float[np.ndarray, "*batch n n"],
     arriving: Float[np.ndarray, "*batch n n"],
 ) -> Float[np.ndarray, "*batch n n"]:
-    """Flux on the surface ahead after all interreflections in a gap.
+    """Flux incident on the layer ahead of a gap, after all interreflections.
 
     Parameters
     ----------
-    behind, ahead : reflection matrices of the two sides of the gap
-    arriving : flux that enters the gap from behind
+    behind, ahead : reflection flux matrices of the layers on both sides of the gap
+    arriving : flux that enters the gap through the layer behind
     """
     loop = np.eye(behind.shape[-1]) - behind @ ahead
     return np.asarray(np.linalg.solve(loop, arriving))
@@ -95,8 +95,8 @@ def _accumulate(layers: Sequence[Optics]) -> list[Optics]:
 def _absorbed(
     layers: Sequence[Optics], outer: Sequence[Optics], inner: Sequence[Optics]
 ) -> list[Float[np.ndarray, "*batch n"]]:
-    # Absorptance of each layer for light incident on layer 0. `inner` holds the stacks
-    # of the last one, two, … layers, reversed.
+    # Absorptance of each layer for flux incident on layer 0. `inner`: stacks of the
+    # last one, two, … layers, reversed.
     kept = []
     for k, layer in enumerate(layers):
         behind = len(layers) - 1 - k

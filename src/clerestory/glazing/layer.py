@@ -1,7 +1,7 @@
 """Layers of a glazing system: four BSDF matrices per wavelength.
 
 A matrix holds BSDF values from incident patches (columns) to exit patches (rows).
-Undeviated and specularly reflected light keep their patch number, so that matrices of
+Undeviated and specularly reflected flux keeps its patch number, so that matrices of
 successive layers multiply. Glass and Lambertian sheets are defined here.
 
 Reference: J. H. Klems, ASHRAE Transactions 100 (1), 1994, 1065–1072 and 1073–1086.
@@ -27,7 +27,7 @@ class Layer(ABC):
     @property
     @abstractmethod
     def name(self) -> str:
-        """Name in reports."""
+        """Name shown in reports."""
 
     @property
     @abstractmethod
@@ -59,9 +59,10 @@ class Layer(ABC):
         return None
 
     def openness(self, direction: Directions) -> Values:
-        """Fraction of light along each direction that passes without scattering.
+        """Fraction of the flux along each direction that passes without scattering.
 
-        `direction`: directions of travel into the room; the reverse is equivalent.
+        `direction`: directions of travel into the room; reversed directions give equal
+        values.
         """
         return np.zeros(len(direction))
 
@@ -100,7 +101,7 @@ class MaterialLayer(Layer):
 @final
 @dataclass(frozen=True, eq=False)
 class Glass(MaterialLayer):
-    """A pane of glass in the system.
+    """A pane of glass in a glazing system.
 
     Scattered light is distributed uniformly over all patches except that of the
     undeviated direction, as in WINDOW.
@@ -158,7 +159,7 @@ def diagonal(
 
 
 def mirrored_patches(partition: RingPartition) -> Indices:
-    """Number of the left–right mirror image of each patch."""
+    """Patch number of the left–right mirror image of each patch."""
     return partition.find(partition.centres() * [-1, 1, 1])
 
 
@@ -190,7 +191,7 @@ def lambertian_matrices(shares: Optics, covered: Values) -> Optics:
     Parameters
     ----------
     shares : transmittances and reflectances of the material, over wavelength
-    covered : covered area fraction, as projected along each incident patch
+    covered : covered area fraction, as seen from the direction of each incident patch
     """
     even = covered / np.pi * np.ones((len(covered), 1))
     return shares.map(lambda share: share[:, None, None] * even)

@@ -1,7 +1,7 @@
 """Stacks of layers as tensor trees, by random walks between the layers.
 
-Klems patches, about ten degrees wide, do not resolve how blinds and films transmit
-sunlight. Each random walk starts with a direction sampled within an incident cell, is
+Klems patches, about ten degrees wide, are too coarse for the sunlight that blinds and
+films transmit. Each random walk starts in a direction within an incident cell, is
 transmitted or reflected at each layer, and is scored in the exit cell. Independent
 batches give standard errors.
 
@@ -28,7 +28,7 @@ from clerestory.glazing.standard import CHANNELS, Channel, Standard, nfrc
 from clerestory.hemisphere.shirley_chiu import directions_from_square, square_from_disc
 from clerestory.progress import Progress
 
-# Largest number of halvings: 17 million cells before tree reduction.
+# Largest parameter `halvings`: (2⁶)⁴ = 17 million cells before tree reduction.
 _FINEST = 6
 
 # Number of simultaneous walks, and weight below which Russian roulette applies.
@@ -71,8 +71,8 @@ def walk_layers(
     Parameters
     ----------
     layers : layers from outdoors to indoors, at least one
-    halvings : number of halvings h, at most 6; 2^h cells along each axis
-    walkers : random walks per incident cell, side and channel, summed over all batches
+    halvings : h for 2^h cells along each axis of the tensor tree, at most 6
+    walkers : number of random walks per incident cell, side and channel, in all batches
     batches : number of independent batches, at least 2
     seed : seed of the random numbers; results are bitwise reproducible
     channels : "solar", "visible" or both
@@ -178,7 +178,7 @@ def _start(cell: Indices, plan: _Plan, rng: np.random.Generator) -> Directions:
 def _walk(
     met: Sequence[Scatterer], travel: Directions, rng: np.random.Generator
 ) -> tuple[Directions, Values, Mask]:
-    """Return the exit direction, the weight, and whether the stack was crossed."""
+    """Return exit direction and weight of each walk, and whether it was transmitted."""
     into_room = bool(travel[0, 2] > 0)
     weight = np.ones(len(travel))
     ahead = np.full(len(travel), 0 if into_room else len(met) - 1)

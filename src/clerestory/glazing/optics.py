@@ -19,7 +19,7 @@ class Optics:
     Attributes
     ----------
     transmission_front, transmission_back, reflection_front, reflection_back : fractions
-        of the light incident on the named side; the front is the outdoor side
+        of the flux incident on the named side; the front is the outdoor side
 
     Examples
     --------
@@ -34,13 +34,13 @@ class Optics:
 
     @classmethod
     def alike(cls, transmission: float, reflection: float) -> "Optics":
-        """Return equal values for both sides."""
+        """Return optics with equal values on both sides."""
         t, r = np.array(float(transmission)), np.array(float(reflection))
         return cls(t, t, r, r)
 
     @classmethod
     def gather(cls, part: Callable[[Function], Values]) -> "Optics":
-        """Return the four properties computed by a function of their names."""
+        """Return optics with each property computed by `part` from its name."""
         return cls(**{name: part(name) for name in FUNCTIONS})
 
     def of(self, name: Function) -> Values:

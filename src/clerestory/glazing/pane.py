@@ -190,7 +190,7 @@ def grey_pane(transmittance: float, reflectance: float, *, name: str = "grey") -
 
 
 def invisible(visible: Values, solar: Values) -> Values:
-    """Value outside the visible range that yields the solar average.
+    """Value at invisible wavelengths that yields the given solar average.
 
     Negative values are set to zero.
     """
@@ -199,7 +199,7 @@ def invisible(visible: Values, solar: Values) -> Values:
 
 
 def two_band_wavelengths() -> Values:
-    """Limits of the solar range, and steps at the limits of the visible range [nm]."""
+    """Wavelengths at the limits of the solar and the visible range [nm]."""
     low, high = _VISIBLE_NM
     return np.array(
         [_SOLAR_NM[0], low - _STEP_NM, low, high, high + _STEP_NM, _SOLAR_NM[1]]

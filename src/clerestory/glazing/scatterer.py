@@ -1,7 +1,7 @@
 """Sampling of a layer in one spectral band, for random walks between layers.
 
 Panes transmit or reflect specularly, by tables over the angle of incidence. Openings
-transmit light undeviated. All other light is scattered by the BSDF of the layer, at the
+transmit rays undeviated. All other rays are scattered by the BSDF of the layer, at the
 resolution of its data.
 """
 
@@ -46,7 +46,7 @@ class Scatterer:
     Attributes
     ----------
     layer : layer that is sampled; its openings transmit light undeviated
-    mirror : specular properties over the cosines of the table; None if scattering
+    mirror : specular T and R over the cosine of incidence; None for scattering layers
     bsdf : BSDF of the scattered light, in the channel "visible"; None for panes
     """
 

@@ -1,8 +1,8 @@
 """Perforated screens and woven fabrics, by the models of WINDOW.
 
-Light passes openings undeviated; the remaining light is scattered by the Lambertian
-material. Openness follows from geometry, and forward scattering by threads from an
-empirical formula.
+Flux through the openings is undeviated; the remaining flux is scattered by the
+Lambertian material. Openness follows from geometry, and forward scattering by threads
+from an empirical formula.
 
 References: W. R. McCluney, L. Mills, ASHRAE Transactions 99 (2), 1993 (woven); LBNL,
 WINDOW 7 technical documentation (perforated screens).
@@ -71,7 +71,7 @@ class PerforatedScreen(MaterialLayer):
             )
 
     def openness(self, direction: Directions) -> Values:
-        """Fraction of light along each direction that passes through the holes."""
+        """Fraction of the flux along each direction that passes through the holes."""
         x, y, z = direction.T
         deep = self.material.thickness
         if self.shape == "rectangular":
@@ -134,7 +134,7 @@ class WovenShade(MaterialLayer):
             )
 
     def openness(self, direction: Directions) -> Values:
-        """Fraction of light along each direction that passes between the threads."""
+        """Fraction of the flux along each direction that passes between the threads."""
         altitude, azimuth = _altitude_azimuth(direction)
         profile = np.arctan(np.tan(altitude) / np.cos(altitude))
         gamma = self.thread_diameter / self.thread_spacing

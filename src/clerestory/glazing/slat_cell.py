@@ -150,7 +150,7 @@ class SlatCell:
     def beam(
         self, direction: Float[np.ndarray, "direction 2"], *, opening: int
     ) -> Float[np.ndarray, "direction face"]:
-        """Fraction of parallel light through an opening that reaches each face.
+        """Fraction of a collimated beam through an opening that reaches each face.
 
         Parameters
         ----------

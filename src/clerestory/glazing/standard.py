@@ -1,7 +1,7 @@
 """Standards for solar and visible averages of spectral properties.
 
-A band is a set of weights at fixed wavelengths. Its average of a spectrum is a weighted
-sum of the tabulated values, so that stacks can be summed wavelength by wavelength.
+A band is a set of weights at fixed wavelengths. The average of a spectrum is the
+weighted sum of its values, accumulated wavelength by wavelength for layer stacks.
 
 References: NFRC 300 (source ASTM E891 direct, AM 1.5; visible D65 and CIE 1931 Y); EN
 410 (tables of weights). Sums include only intervals within the range, as in
@@ -56,7 +56,7 @@ class Band:
         return float(self.weight @ spectrum.at(self.wavelength_nm))
 
     def weights(self, known_nm: Values) -> Values:
-        """Weights for values at the given wavelengths, by linear interpolation."""
+        """Weights of the values at the given wavelengths, interpolated linearly."""
         return np.asarray(
             self.weight @ interpolation_matrix(known_nm, self.wavelength_nm)
         )
@@ -69,7 +69,7 @@ class Standard:
 
     Attributes
     ----------
-    name : name in reports
+    name : name shown in reports
     solar, visible : bands of the solar and the visible average
     """
 
@@ -83,7 +83,7 @@ class Standard:
 
 
 def nfrc() -> Standard:
-    """Return the averages of NFRC 300: direct solar AM 1.5, and D65 with CIE 1931 Y.
+    """Return the bands of NFRC 300: direct solar AM 1.5, and D65 with CIE 1931 Y.
 
     >>> flat = Spectrum(np.array([300.0, 2500.0]), np.array([0.4, 0.4]))
     >>> round(nfrc().solar.average(flat), 12)
@@ -96,7 +96,7 @@ def nfrc() -> Standard:
 
 
 def en410() -> Standard:
-    """Return the averages of EN 410, from its tables of weights."""
+    """Return the bands of EN 410, from its tables of weights."""
     tables = [_table(name) for name in ("en410_solar", "en410_visible")]
     solar, visible = (
         Band(table.wavelength_nm, table.value / table.value.sum()) for table in tables

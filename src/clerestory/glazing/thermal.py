@@ -75,8 +75,8 @@ def thermal_figures(
     gaps : gaps between the layers, one fewer than layers
     basis : Klems basis for shades; BSDF files always use the full basis, the only basis
         that pywincalc supports for them
-    wavelengths : "full" for all wavelengths of the layers; "condensed" for twenty,
-        which is accurate to 0.005 and several times faster for scattering layers
+    wavelengths : "full" for all wavelengths of the layers; "condensed" for twenty
+        wavelengths, accurate to 0.005 and several times faster for scattering layers
     width, height : dimensions of the window [m]
     tilt_deg : tilt of the window; 90 is vertical
 

@@ -29,7 +29,7 @@ Distribution = Literal["directional", "uniform"]
 
 
 class _Beams(NamedTuple):
-    """Fractions of light of each direction that reach each face or pass through."""
+    """Fractions of flux per direction that reach each face or miss the slats."""
 
     entering: Float[np.ndarray, "direction face"]
     straight: Float[np.ndarray, " direction"]
@@ -67,7 +67,7 @@ class VenetianBlind(Layer):
 
     @property
     def name(self) -> str:
-        """Name of the material, and the tilt."""
+        """Name of the material, and tilt angle of the slats."""
         tilt = np.degrees(self.slats.tilt)
         return f"{self.material.name}, slats at {tilt:.0f}°"
 
@@ -96,7 +96,7 @@ class VenetianBlind(Layer):
         )
         sent = [self._sent(beams.entering, wavelength_nm) for beams in (front, back)]
 
-        # By reciprocity, visible fractions equal the lit fractions of reversed light
+        # By reciprocity, visible fractions equal sunlit fractions for reversed rays
         to_room, to_sky = (
             self._beams(section * [-1, -1], self._cell.room).entering,
             self._beams(section * [1, -1], self._cell.sky).entering,
@@ -120,7 +120,7 @@ class VenetianBlind(Layer):
         )
 
     def openness(self, direction: Directions) -> Values:
-        """Fraction of light along each direction that passes between the slats."""
+        """Fraction of the flux along each direction that passes between the slats."""
         x, y, z = direction.T
         profile = np.arctan2(x if self.vertical else y, z)
         angle, share = self._passing
@@ -149,7 +149,7 @@ class VenetianBlind(Layer):
         return angle, self._beams(section, self._cell.sky).straight
 
     def _section(self, partition: RingPartition) -> Points2:
-        # Directions of travel in the section, into the room and upwards (or right)
+        # Directions of travel in the cross-section: into the room, and up (or right)
         x, y, z = partition.centres().T
         return np.stack([z, x if self.vertical else y], axis=1)
 
@@ -175,7 +175,7 @@ class VenetianBlind(Layer):
     def _material_matrix(
         self, wavelength_nm: PerWavelength
     ) -> Float[np.ndarray, "wavelength face face"]:
-        # Each face reflects, and transmits light from the other face of its slat
+        # Each face reflects, and transmits flux from the opposite face of its slat
         shares = self.material.at(wavelength_nm)
         count = self.slats.segments
         same, across = np.eye(count), np.eye(count)

@@ -160,7 +160,7 @@ def _matrices(engine: ModuleType, layer: BsdfLayer, partition: RingPartition) ->
 
 
 def _even(engine: ModuleType, layer: Diffuser, partition: RingPartition) -> Any:
-    # Passed as a two-band matrix
+    # A Lambertian sheet is passed as a two-band matrix
     pane = layer.material
     bands = [
         layer.matrices(np.array([wavelength]), partition).map(lambda f: f[0])

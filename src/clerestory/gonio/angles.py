@@ -1,19 +1,19 @@
-"""Directions from goniophotometer angles, and angles between directions."""
+"""Conversion of goniophotometer angles to unit vectors, and angles between vectors."""
 
 import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Directions, Points2, Values
 
-# Largest radius of a point on the unit disc.
+# Largest radius of points on the unit disc; below 1, so that z stays positive.
 _RIM = 0.9999
 
 
 def from_degrees(theta_deg: float | Values, phi_deg: float | Values) -> Directions:
     """Unit vectors at a polar angle and an azimuth [°].
 
-    The azimuth runs from right (+x) to up (+y). A negative polar angle means the
-    opposite azimuth; beyond 90° the vector points to the other side of the layer.
+    The azimuth runs from right (+x) to up (+y). A negative polar angle is measured
+    towards the opposite azimuth; vectors at polar angles above 90° have z < 0.
 
     >>> from_degrees(90.0, 90.0).round(6).tolist()  # up
     [0.0, 1.0, 0.0]
@@ -26,7 +26,7 @@ def from_degrees(theta_deg: float | Values, phi_deg: float | Values) -> Directio
 
 
 def upper_hemisphere(direction: Directions) -> Directions:
-    """Directions mirrored to z ≥ 0."""
+    """Directions reflected in the plane z = 0 so that z ≥ 0."""
     return np.concatenate([direction[..., :2], np.abs(direction[..., 2:])], axis=-1)
 
 
@@ -52,8 +52,9 @@ def angle_table(
 
 
 def directions_over_disc(disc: Points2) -> Directions:
-    """Unit vectors that project to points of the unit disc; points beyond the rim are
-    moved inside.
+    """Unit vectors, z > 0, whose x and y are given points of the unit disc.
+
+    Points outside the disc are moved to its circumference.
 
     >>> directions_over_disc(np.array([[0.6, 0.0], [0.0, 3.0]])).round(2).tolist()
     [[0.6, 0.0, 0.8], [0.0, 1.0, 0.01]]

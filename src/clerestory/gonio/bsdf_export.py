@@ -27,13 +27,14 @@ def export_bsdf(
     processes: int = 1,
     progress: Callable[[str], Progress] = lambda _name: silent,
 ) -> Bsdf:
-    """Return a layer of fitted functions as matrices or tensor trees.
+    """Resample fitted scattering functions to Klems matrices or tensor trees.
 
     Parameters
     ----------
-    target : Klems basis, or "tree": rank 3 for isotropic layers, else rank 4
-    halvings, tolerance, processes : parameters of `to_tree`, for trees only
-    progress : called with the name of each phase
+    target : Klems basis, or "tree" for a tensor tree (rank 3 if isotropic, else 4)
+    halvings, tolerance, processes : parameters of `to_tree`; ignored for matrices
+    progress : function called with the name of each phase; it returns a function that
+        is called with the fraction done
     """
     bsdf = measured_bsdf(fits)
     if target != "tree":

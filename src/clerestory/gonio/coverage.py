@@ -15,40 +15,40 @@ from clerestory.gonio.raster import Raster
 from clerestory.gonio.scattering_measurement import SAME_DIRECTION, Measurement, Scan
 from clerestory.gonio.symmetry import SYMMETRIES, Symmetry, deduce_symmetry, images
 
-# Smallest distance from the nearest point that counts as a gap [°], and the same in
-# point spacings; the larger one applies.
+# A direction lies in a gap if the nearest measured direction is farther away than this
+# angle [°] and than this multiple of the median spacing of measured directions.
 _GAP_DEG = 6.0
 _GAP_PER_SPACING = 3.0
 
-# Largest angle between in-plane points and the plane of incidence [°].
+# Largest angle between in-plane directions and the plane of incidence [°].
 _IN_PLANE_DEG = 2.0
 
-# Number of neighbours in the quadratic fit that estimates noise, and largest number of
-# fits.
+# Number of neighbouring values in each quadratic fit that estimates noise, and
+# (roughly) the largest number of such fits per scan.
 _NEIGHBOURS, _MOST_SAMPLED = 16, 300
 
-# Halvings of the grid on which gaps are counted.
+# The grid for gaps and asymmetry has 2^5 × 2^5 cells of equal projected solid angle.
 _HALVINGS = 5
 
-# Largest asymmetry of a layer that is considered symmetric.
+# Largest asymmetry (fraction of the flux) of a layer that is considered symmetric.
 _ALIKE = 0.1
 
 
 @dataclass(frozen=True)
 class ScanReport:
-    """Coverage of one scan.
+    """Angular coverage and quality of one scan.
 
     Attributes
     ----------
     theta_deg, phi_deg : incident direction [°]
     points : number of measured directions
     reach_deg : largest polar angle of the measured directions [°]
-    gap : fraction of the projected hemisphere without nearby points
-    gap_deg : largest distance of a direction from the nearest point [°]
-    negative : fraction of values that are negative
-    noise : relative deviation of values from a local quadratic fit
+    gap : fraction of the projected hemisphere that is far from measured directions
+    gap_deg : largest angle from any direction to the nearest measured direction [°]
+    negative : fraction of the BSDF values that are negative
+    noise : median relative deviation of BSDF values from a local quadratic fit
     in_plane : whether only the plane of incidence was measured
-    flux : directional-hemispherical value
+    flux : directional-hemispherical transmittance or reflectance
     peak : largest BSDF [1/sr]
     """
 
@@ -71,11 +71,11 @@ class Coverage:
 
     Attributes
     ----------
-    scans : one report per scan
-    implied : symmetry that the incident directions imply; None if it is ambiguous
+    scans : reports on the scans
+    implied : symmetry implied by the incident directions; None if ambiguous
     claimed : symmetry stated in the file; None if not stated
-    asymmetry : mean fraction of the flux by which scans differ from the mirror images
-        of other scans, for each symmetry that the incident directions can test
+    asymmetry : fraction of the flux that differs between a scan and the mirror image
+        of another scan (mean over scans), for each testable symmetry
     """
 
     scans: tuple[ScanReport, ...]
@@ -149,13 +149,13 @@ def _report(scan: Scan) -> ScanReport:
 
 
 def _spacing(tree: cKDTree, scan: Scan) -> float:
-    # Median point spacing: half the distance to the fourth neighbour
+    # Median spacing: half the chord length to the fourth-nearest measured direction
     distance, _ = tree.query(scan.leaving, k=[5])
     return float(np.median(distance)) / 2
 
 
 def _noise(tree: cKDTree, scan: Scan) -> float:
-    # Median deviation of values from a local quadratic fit, at bright points
+    # Median relative residual of local quadratic fits, where the BSDF exceeds its mean
     bright = np.flatnonzero(scan.values >= np.abs(scan.values).mean())
     if len(scan.values) < _NEIGHBOURS or not len(bright):
         return 0.0
@@ -184,7 +184,7 @@ def _in_plane(scan: Scan) -> bool:
 
 
 def _asymmetry(measurement: Measurement) -> dict[Symmetry, float]:
-    # Compare scans with mirror images of scans at the same incident direction
+    # Compare each scan with the mirror image of the scan at the mirrored incidence
     found: dict[Symmetry, float] = {}
     incidents = measurement.incidents
     lights = [_light(scan) for scan in measurement.scans]
@@ -202,7 +202,7 @@ def _asymmetry(measurement: Measurement) -> dict[Symmetry, float]:
 
 
 def _light(scan: Scan) -> Float[np.ndarray, "row column"]:
-    # Flux on a coarse grid of the unit square, where mirror images are array flips
+    # BSDF on a coarse grid of the unit square, where mirror images are array flips
     points = condensed_points(scan)
     flux = np.maximum(points.value * points.weight, 0)
     spread = np.full(len(flux), np.sqrt(2 * np.pi) / (1 << _HALVINGS))

@@ -1,8 +1,8 @@
 """Leave-one-out cross-validation of interpolated measurements.
 
 Each scan is predicted from all other scans and compared with the measurement. Errors
-are conservative: without the scan its neighbours are twice as far apart. Scans at the
-rim of the measured region are extrapolated.
+are upper estimates: leaving out a scan doubles the distance between its neighbours.
+Scans at the border of the measured region are extrapolated.
 """
 
 from collections.abc import Callable, Sequence
@@ -45,12 +45,13 @@ class LeftOut:
     Attributes
     ----------
     theta_deg, phi_deg : incident direction [°]
-    inside : whether the scan is interpolated, not extrapolated
-    measured, predicted : measured and predicted directional-hemispherical value
+    inside : whether the prediction is interpolated (True) or extrapolated (False)
+    measured, predicted : directional-hemispherical transmittance or reflectance
     peak_deg : angle between the measured and the predicted beam direction [°]
-    earth_mover_deg : earth mover's distance [°]; NaN without predicted flux
-    misplaced : fraction of the flux in wrong directions, including measurement noise
-    fitted : `misplaced` of the lobes fitted to the scan itself, a lower limit
+    earth_mover_deg : earth mover's distance between the predicted and the fitted
+        distribution [°]; NaN if the predicted flux is zero
+    misplaced : fraction of the flux predicted in wrong directions, including noise
+    fitted : `misplaced` for the lobes fitted to the scan itself: a lower limit
     """
 
     theta_deg: float
@@ -65,7 +66,7 @@ class LeftOut:
 
     @property
     def flux_error(self) -> float:
-        """Predicted minus measured directional-hemispherical value."""
+        """Predicted minus measured hemispherical transmittance or reflectance."""
         return self.predicted - self.measured
 
 
@@ -75,15 +76,15 @@ class CrossValidation:
 
     Attributes
     ----------
-    scans : predictions, one per scan
-    smoothing : smoothing factor of the fits
+    scans : prediction errors of all scans
+    smoothing : smoothing factor of the lobe fits
     """
 
     scans: tuple[LeftOut, ...]
     smoothing: float
 
     def median(self, name: str, *, inside: bool = True) -> float:
-        """Median absolute value of an attribute over inter- or extrapolated scans.
+        """Median magnitude of a `LeftOut` attribute over inter- or extrapolated scans.
 
         >>> one = LeftOut(30, 0, True, 0.5, 0.49, 1.0, 2.0, 0.1, 0.02)
         >>> round(CrossValidation((one,), 1.0).median("flux_error"), 3)
@@ -102,7 +103,7 @@ def cross_validate(
     processes: int = 1,
     progress: Callable[[str], Progress] = lambda _name: silent,
 ) -> CrossValidation:
-    """Return the error of predicting each scan from all other scans.
+    """Predict each scan from all other scans and return the errors.
 
     Parameters
     ----------
@@ -146,7 +147,7 @@ def smoothing_study(
     processes: int = 1,
     progress: Callable[[str], Progress] = lambda _name: silent,
 ) -> tuple[CrossValidation, ...]:
-    """Return the errors for several smoothing factors."""
+    """Cross-validate a measurement with several smoothing factors of the lobe fits."""
     return tuple(
         cross_validate(
             measurement,
@@ -187,7 +188,7 @@ def _left_out(
 
 
 def _about(network: Network, symmetry: Symmetry, scan: Scan) -> Indices:
-    # Edges that affect the prediction: those at corners around the incident direction
+    # Mesh edges at the corners of the triangle (or edge) of the incident direction
     mesh = network.mesh
     place = locate(mesh, _folded(network, symmetry, scan))
     simplex = mesh.edges if place.on_edge[0] else mesh.triangles

@@ -1,13 +1,13 @@
 """Displacement interpolation of lobes between measured incident directions.
 
-According to the transport plans, flux moves from lobes at one incident direction to
-lobes at the next; flux and squared radius are interpolated linearly. Unmatched flux
-fades in place. If the total flux is known, fluxes are scaled to it; fluxes that differ
-most between the corners are scaled most.
+Transport plans match lobes at one incident direction with lobes at the next. Between
+the two directions, flux and squared radius are interpolated linearly; the flux of
+lobes without a match fades at constant position. If the total flux is known, lobe
+fluxes are scaled to it, most where they differ most between the corners.
 
-Positions are interpolated linearly in the disc, the projection of the hemisphere. There
-the effect of a flat surface, a prism or a grating is nearly a translation, so that a
-beam has the same barycentric coordinates as the incident direction.
+Lobe centres are interpolated linearly in the unit disc onto which the hemisphere is
+projected. In the disc, flat surfaces, prisms and gratings nearly translate the incident
+direction, so that a beam has the same barycentric coordinates as that direction.
 
 References: N. Bonneel et al., ACM Transactions on Graphics 30 (6), 2011; G. Ward, M.
 Kurt, N. Bonneel, MAM 2014, for triangles.
@@ -21,10 +21,10 @@ from clerestory.gonio.angles import directions_over_disc
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.particles import Particles
 
-# Largest absolute exponent; largest number of steps and tolerance of its search.
+# Newton's method in `with_total`: largest |power|, largest number of steps, tolerance.
 _STEEPEST, _STEPS, _STEP_ENDS = 60.0, 20, 1e-9
 
-# Sum of weights below which weights are replaced by equal ones.
+# Sum of corner weights below which equal weights are used instead.
 _NOTHING = 1e-9
 
 
@@ -37,14 +37,15 @@ def displace(
     weights: Vector | None = None,
     total: float | None = None,
 ) -> Lobes:
-    """Return the lobes at a point of a triangle or an edge.
+    """Interpolate lobes at a point of a mesh triangle or mesh edge.
 
     Parameters
     ----------
-    corners : lobes at A, B and C; C is ignored on edges
+    particles : matched lobes of the triangle or edge, with their fluxes
+    corners : lobes at the corners A, B and C; C is ignored on edges
     s, t : fraction of the way from A to B, and from that point to C
     weights : barycentric coordinates for lobe positions; default: computed from s and t
-    total : total flux; None or NaN keeps the interpolated flux
+    total : total flux per incident flux; None or NaN keeps the interpolated flux
 
     Examples
     --------
@@ -81,10 +82,10 @@ def displace(
 
 
 def with_total(flux: Values, change: Values, total: float) -> Values:
-    """Fluxes with a given sum, changed most where they differ between corners.
+    """Scale fluxes to a given sum, most where they differ between corners.
 
     Each flux is multiplied by exp(power · change), with a common power found by
-    Newton's method, so that none becomes negative.
+    Newton's method, so that no flux becomes negative.
 
     `change`: mean relative deviation of the corner fluxes from the interpolated flux.
 
@@ -112,7 +113,7 @@ def with_total(flux: Values, change: Values, total: float) -> Values:
 def _among(
     present: Bool[np.ndarray, "particles 3"], weights: Vector
 ) -> Float[np.ndarray, "particles 3"]:
-    # Normalize weights over the corners at which a particle has a lobe
+    # Normalize weights over the corners at which a matched lobe exists
     own = present * weights
     total = own.sum(axis=1, keepdims=True)
     even = present / present.sum(axis=1, keepdims=True)

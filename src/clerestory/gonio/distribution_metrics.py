@@ -16,10 +16,11 @@ from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.raster import Raster
 from clerestory.hemisphere.shirley_chiu import cell_centres, directions_from_square
 
-# Halvings of the cells for the distance, and of the cells for rasterizing lobes.
+# log2 of the number of grid cells along each axis: for the distance, and for the finer
+# grid on which lobes are rasterized.
 _HALVINGS, _DRAWN = 4, 6
 
-# Fraction of the flux below which a cell is ignored.
+# Cells with less than this fraction of the total flux are ignored.
 _LEAST = 1e-6
 
 
@@ -56,10 +57,11 @@ def _angles() -> Float[np.ndarray, "cells cells"]:
     return angle_between(direction[:, None], direction)
 
 
-# Largest angle between the peak and directions of the same beam [rad].
+# Directions farther from the peak are not part of the beam [rad].
 _REACH = np.radians(20.0)
 
-# Halvings of the grid for the beam direction, and fewest cells for a centroid.
+# log2 of the number of grid cells along each axis, and smallest number of cells for a
+# centroid; the peak itself is used if there are fewer cells.
 _BEAM_HALVINGS, _FEWEST = 6, 8
 
 

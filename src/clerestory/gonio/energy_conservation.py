@@ -17,13 +17,13 @@ from clerestory.gonio.transport_network import Network
 
 @dataclass(frozen=True, eq=False)
 class Conserved:
-    """Fits whose transmittance plus reflectance is at most 1.
+    """Fitted functions, scaled so that transmittance plus reflectance is at most 1.
 
     Attributes
     ----------
-    fits : corrected fits in the given order
+    fits : scaled functions in the given order
     largest : largest transmittance plus reflectance before the correction
-    changed : number of incident directions that were scaled
+    changed : number of incident directions at which fluxes were scaled
     """
 
     fits: tuple[Fitted, ...]
@@ -32,9 +32,9 @@ class Conserved:
 
 
 def conserve_energy(fits: Sequence[Fitted]) -> Conserved:
-    """Scale measured directions whose transmittance plus reflectance exceeds 1.
+    """Scale fluxes where transmittance plus reflectance exceeds 1.
 
-    Factors of the visible channel are used for all channels.
+    The scale factors of the visible channel are used for all channels.
     """
     visible = {
         fit.function: fit.interpolant for fit in fits if fit.channel == "visible"
@@ -54,7 +54,7 @@ def conserve_energy(fits: Sequence[Fitted]) -> Conserved:
 
 
 def _sums(fit: Fitted, visible: dict[Function, Interpolant]) -> Values:
-    # Visible transmittance plus reflectance at each vertex
+    # Visible transmittance plus reflectance at each incident direction of the mesh
     vertices = fit.interpolant.network.mesh.vertices
     side = next(pair for pair in OF_SIDE.values() if fit.function in pair)
     known = [visible[name] for name in side if name in visible]

@@ -1,8 +1,8 @@
 """Storage of fitted measurements in NetCDF.
 
 The file is NetCDF-4 with one group per scattering function. A group contains the mesh,
-the concatenated lobes of all vertices and the concatenated moves of all transport
-plans. A SHA-256 checksum follows the data, as in files of transfer matrices.
+the lobes of all mesh vertices and the matches of all transport plans, each concatenated
+into one array. A SHA-256 checksum follows the data, as in files of transfer matrices.
 """
 
 import io
@@ -31,7 +31,7 @@ _FORMAT = "Clerestory scattering interpolant 1"
 
 
 def write_fits(path: str | Path, fits: Sequence[Fitted]) -> None:
-    """Write fitted functions to a file."""
+    """Write fitted scattering functions to a file."""
     buffer = io.BytesIO()
     with h5netcdf.File(buffer, "w") as file:
         file.attrs["format"] = _FORMAT
@@ -50,7 +50,7 @@ def write_fits(path: str | Path, fits: Sequence[Fitted]) -> None:
 
 
 def read_fits(path: str | Path) -> tuple[Fitted, ...]:
-    """Return the fitted functions from a file written by `write_fits`."""
+    """Read the fitted scattering functions of a file written by `write_fits`."""
     data = read_bytes(path)
     if data[-SEAL_LENGTH:] != seal(memoryview(data)[:-SEAL_LENGTH]):
         raise InputError(
@@ -65,7 +65,7 @@ def read_fits(path: str | Path) -> tuple[Fitted, ...]:
             return tuple(_fitted(file[name]) for name in sorted(file))
     except InputError as error:
         raise InputError(error.message, file=path) from error
-    except Exception as error:  # HDF5 reports damage by many kinds of exception
+    except Exception as error:  # HDF5 raises many kinds of exception for damaged files
         reason = " ".join(str(error).split()) or type(error).__name__
         raise InputError(
             f"damaged or not NetCDF-4 ({reason[:120]}); a fitted measurement expected",
@@ -74,7 +74,7 @@ def read_fits(path: str | Path) -> tuple[Fitted, ...]:
 
 
 def _write(group: Any, network: Network) -> None:
-    # Write the arrays of a group; arrays of lobes and plans are concatenated
+    # Write the mesh, lobes and transport plans of one scattering function
     mesh, lobes, plans = network.mesh, network.lobes, network.plans
     for name, dimensions, parts in (
         ("vertices", ("vertex", "axis"), [mesh.vertices]),

@@ -1,4 +1,4 @@
-"""Fit of a measurement: lobes of every scan, incident mesh, transport plans."""
+"""Fit of an interpolated scattering function to a goniophotometer measurement."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ class Fitted:
     Attributes
     ----------
     interpolant : interpolated scattering function
-    function, channel : name and channel of the scattering function
+    function, channel : such as "transmission_front" and "visible"
     name : name of the sample
     options : options of the lobe fits
     """
@@ -43,11 +43,11 @@ def fit_measurement(
     processes: int = 1,
     progress: Callable[[str], Progress] = lambda _name: silent,
 ) -> Fitted:
-    """Return the scattering function that interpolates a measurement.
+    """Fit the scattering function that interpolates a measurement.
 
     Parameters
     ----------
-    symmetry : symmetry of the layer; default: as stated in the file, otherwise as
+    symmetry : symmetry of the layer; default: the symmetry stated in the file, or else
         implied by the incident directions
     processes : number of parallel processes
     progress : function called with the name of each phase; it returns a function that
@@ -55,7 +55,7 @@ def fit_measurement(
 
     Raises
     ------
-    InputError : there are too few directions, or a scan has no flux
+    InputError : there are too few incident directions, or a scan has no flux
     """
     if symmetry is None:
         symmetry = measurement.symmetry
@@ -82,7 +82,7 @@ def fit_measurement(
 
 
 def measured_bsdf(fits: Sequence[Fitted], *, source: str | None = None) -> Bsdf:
-    """Return the BSDF of several fitted functions.
+    """Combine fitted scattering functions into a BSDF.
 
     Parameters
     ----------

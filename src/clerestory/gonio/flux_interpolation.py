@@ -1,14 +1,14 @@
-"""Interpolation of directional-hemispherical values between incident directions.
+"""Interpolation of hemispherical transmittance or reflectance over incidence.
 
-Displacement interpolation of lobes is linear in flux. Linear interpolation at 10° steps
-is up to 5 % below Fresnel's equations and does not resolve cut-offs between measured
-directions.
+Displacement interpolation of lobes is linear in flux. At 10° steps, a linear
+interpolation is up to 5 % below Fresnel's equations and does not resolve cut-offs
+between measured directions.
 
-For isotropic layers a monotone cubic curve interpolates over 1 − cos θ, the variable of
+For isotropic layers the flux is a monotone cubic function of 1 − cos θ, the variable of
 Schlick's approximation. For anisotropic layers a Gaussian process is used. With
-horizontal slats or prisms the flux depends mainly on the profile angle; in this
-coordinate the process resolves cut-offs more finely than the mesh. Coordinates and
-length scales maximize the marginal likelihood of the values and their mirror images.
+horizontal slats or prisms the flux depends mainly on the profile angle; with this angle
+as a coordinate the process resolves cut-offs between measured directions. Coordinates
+and length scales maximize the marginal likelihood of the measured values.
 
 References: C. Schlick, "An inexpensive BRDF model for physically-based rendering",
 Computer Graphics Forum 13 (3), 1994; F. N. Fritsch, R. E. Carlson, "Monotone piecewise
@@ -30,45 +30,45 @@ from clerestory.gonio.incident_mesh import Mesh
 from clerestory.gonio.lobes import NO_LIGHT
 from clerestory.gonio.symmetry import Symmetry, fold, images
 
-# "profile", "sideways": profile angle across horizontal or vertical slats, and the
-# direction cosine along the slats; "disc": x and y.
+# Coordinates besides the polar angle: "profile", "sideways": profile angle across
+# horizontal or vertical slats, and direction cosine along them; "disc": x and y.
 Coordinates = Literal["profile", "sideways", "disc"]
 _COORDINATES: tuple[Coordinates, ...] = ("profile", "sideways", "disc")
 
-# Candidate length scales [rad or 1], and index of the initial one.
+# Candidate length scales of the kernel [rad or 1], and index of the initial scale.
 _REACHES = (0.12, 0.25, 0.5, 1.0, 2.0, 8.0)
 _FIRST = 3
 
 # Candidate ratios of noise variance to process variance.
 _NOISES = (1e-6, 1e-4, 1e-3)
 
-# Smallest z in profile angles.
+# Smallest z from which a profile angle is calculated.
 _LEAST_HEIGHT = 0.02
 
-# Largest number of sweeps of the coordinate search.
+# Largest number of sweeps over the length scales and the noise ratio.
 _SWEEPS = 4
 
-# Largest 1 − cos θ of normal incidence.
+# Directions with a smaller 1 − cos θ count as normal incidence.
 _AT_NORMAL = 1e-9
 
-# Decimal digits to which equal directions agree.
+# Directions count as equal if they agree to this number of decimal places.
 _DIGITS = 7
 
 
 class Flux(Protocol):
-    """Directional-hemispherical value as a function of the incident direction."""
+    """Hemispherical transmittance or reflectance by incident direction."""
 
     def at(self, direction: Directions) -> Values:
-        """Value at each direction; NaN outside the domain."""
+        """Transmittance or reflectance at each direction; NaN outside the domain."""
 
 
 @dataclass(frozen=True, eq=False)
 class FluxCurve:
-    """Directional-hemispherical values of an isotropic layer.
+    """Hemispherical transmittance or reflectance of an isotropic layer.
 
     Attributes
     ----------
-    curve : interpolating curve over 1 − cos θ
+    curve : transmittance or reflectance as a function of 1 − cos θ
 
     Examples
     --------
@@ -82,23 +82,23 @@ class FluxCurve:
     curve: PchipInterpolator
 
     def at(self, direction: Directions) -> Values:
-        """Value at each direction; NaN beyond the outermost measured direction."""
+        """Transmittance or reflectance; NaN beyond the largest measured polar angle."""
         return np.asarray(self.curve(_fall(direction)))
 
 
 @dataclass(frozen=True, eq=False)
 class FluxProcess:
-    """Directional-hemispherical values as a Gaussian process.
+    """Hemispherical transmittance or reflectance as a Gaussian process.
 
     Attributes
     ----------
-    known : measured directions
-    images : factors of x, y and z for the mirror images that symmetry implies
-    coordinates : coordinates of the kernel
+    known : measured incident directions
+    images : factors of x, y and z that give the mirror images of a direction
+    coordinates : coordinates in which the kernel measures distance
     reach : length scale of each coordinate [rad or 1]
     weight : weights of the kernels at the measured directions
     mean : mean of the process
-    most : upper limit of the values
+    most : upper limit of transmittance or reflectance
     """
 
     known: Float[np.ndarray, "known 3"]
@@ -110,7 +110,7 @@ class FluxProcess:
     most: float
 
     def at(self, direction: Directions) -> Values:
-        """Value at each direction."""
+        """Transmittance or reflectance at each direction."""
         kernel = _kernel(
             direction, self.known, self.images, self.coordinates, self.reach
         )
@@ -122,7 +122,7 @@ class FluxProcess:
 def flux_surface(
     mesh: Mesh, totals: Values, *, symmetry: Symmetry, quadrant: Vector2
 ) -> Flux:
-    """Return the interpolation of the values at the vertices of a mesh.
+    """Interpolate transmittance or reflectance given at the vertices of a mesh.
 
     `quadrant`: signs of x and y in the measured part of the hemisphere.
     """
@@ -138,7 +138,7 @@ def _process(
     totals: Float[np.ndarray, " known"],
     factors: Float[np.ndarray, "images 3"],
 ) -> FluxProcess:
-    # Choose the coordinates with the largest marginal likelihood
+    # Select the coordinates with the largest marginal likelihood
     most = max(1.0, float(totals.max()))
     spread = float(np.ptp(totals))
     if spread < 1e-9:
@@ -159,7 +159,7 @@ def _likeliest(
     factors: Float[np.ndarray, "images 3"],
     name: Coordinates,
 ) -> tuple[float, Vector, float]:
-    """Search length scales and noise; return them after the negative log likelihood."""
+    """Smallest negative log likelihood, with its length scales and noise ratio."""
     seen: dict[tuple[int, ...], float] = {}
 
     def unlikely(choice: tuple[int, ...]) -> float:
@@ -186,7 +186,7 @@ def _unlikeliness(
     totals: Float[np.ndarray, " known"],
     noise: float,
 ) -> float:
-    # Negative log marginal likelihood, at the optimal variance of the process
+    # Negative log marginal likelihood for the most likely variance of the process
     count = len(totals)
     kernel = kernel * (count / np.trace(kernel))
     factor, inverse = _inverse(kernel, noise)
@@ -242,7 +242,7 @@ def _coordinates(direction: Directions, name: Coordinates) -> Directions:
 
 
 def _curve(vertices: Directions, totals: Values) -> FluxCurve:
-    # Use vertices with x ≥ 0 only: a vertex with x < 0 is a mirror image
+    # Use only directions with x ≥ 0: a direction with x < 0 is a mirror image
     own = vertices[:, 0] >= 0
     fall, total = _fall(vertices[own]), totals[own]
     if fall[0] > _AT_NORMAL:

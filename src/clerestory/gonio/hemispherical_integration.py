@@ -1,9 +1,9 @@
-"""Hemispherical integration of scattered data.
+"""Cosine-weighted integration of scattered measurement points over the hemisphere.
 
 Directions are projected onto the unit disc, where areas are projected solid angles, and
 triangulated. The weight of a point is a third of the area of its triangles, which
-integrates the piecewise linear interpolation exactly. Beyond the outermost points the
-nearest value is extended to the horizon.
+integrates the piecewise linear interpolation exactly. Between the outermost points and
+the horizon, the value of the nearest point is used.
 """
 
 import functools
@@ -14,13 +14,14 @@ from scipy.spatial import Delaunay, QhullError, cKDTree
 
 from clerestory.array_types import Directions, Values
 
-# Number of added points on the horizon, which take the nearest measured value.
+# Number of points added on the horizon, each with the value of the nearest point.
 _RIM = 240
 
-# Decimal digits to which equal points agree, such as all azimuths at the normal.
+# Points count as equal if they agree to this number of decimal places (at the normal
+# all azimuths are one point).
 _DIGITS = 9
 
-# Radius on the disc from which a point counts as on the horizon.
+# Points at larger radii on the unit disc count as on the horizon.
 _AT_RIM = 0.9995
 
 
@@ -32,7 +33,7 @@ def integration_weights(direction: Directions) -> Values:
     >>> round(float(integration_weights(points).sum()), 6)
     3.141593
     """
-    # Cached, as instruments often repeat a pattern of directions
+    # Cached: many instruments measure the same directions in every scan
     return _weights_of(np.ascontiguousarray(direction[:, :2]).tobytes())
 
 
@@ -61,7 +62,7 @@ def _thirds(
 ) -> Float[np.ndarray, " owners"]:
     try:
         mesh = Delaunay(point)
-    except QhullError:  # all on the rim
+    except QhullError:  # all points are on one line
         return np.ones(count)
     corner = point[mesh.simplices]
     (ax, ay), (bx, by) = (
@@ -71,7 +72,7 @@ def _thirds(
     area = np.abs(ax * by - ay * bx) / 2
     share = np.bincount(mesh.simplices.ravel(), np.repeat(area / 3, 3), len(point))
 
-    # Share the weight of a corner among points that coincide with it
+    # Distribute the weight of a corner equally among coinciding points
     mates = np.ones(len(point))
     if len(mesh.coplanar):
         left, kept = mesh.coplanar[:, 0], mesh.coplanar[:, 2]

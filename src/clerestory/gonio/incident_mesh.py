@@ -1,11 +1,11 @@
 """Triangulation of incident directions.
 
 Stereographic projection preserves circles, so that a Delaunay triangulation in the
-plane is also one on the sphere. The position in a triangle (A, B, C) is given by the
-fraction s of the way from A to B and the fraction t from that point to C. Directions
-outside the mesh are projected onto its rim.
+plane is also a Delaunay triangulation on the sphere. The position in a triangle
+(A, B, C) is given by the fraction s of the way from A to B and the fraction t of the
+way from that point to C. Directions outside the mesh are projected onto its border.
 
-For isotropic layers the mesh is an arc of edges from the normal.
+For isotropic layers the mesh is a chain of edges along a meridian.
 """
 
 from dataclasses import dataclass
@@ -18,10 +18,10 @@ from clerestory.array_types import Directions, Indices, Mask, Values, Vector, Ve
 from clerestory.errors import InputError
 from clerestory.gonio.angles import angle_between, from_degrees
 
-# Tolerance of barycentric coordinates.
+# Smallest barycentric coordinate of directions that count as inside a triangle.
 _INSIDE = -1e-9
 
-# Smallest volume spanned by the corners of a triangle.
+# Triangles are removed if their corner vectors span a smaller volume.
 _THINNEST = 1e-6
 
 
@@ -32,9 +32,9 @@ class Mesh:
     Attributes
     ----------
     vertices : unit vectors with z ≥ 0
-    triangles : vertex indices of the corners in ascending order
-    edges : vertex indices of both ends in ascending order
-    rim : whether each edge has a triangle on one side only
+    triangles : vertex indices of the corners of each triangle, in ascending order
+    edges : vertex indices of both ends of each edge, in ascending order
+    rim : True for border edges, which belong to one triangle only
 
     Examples
     --------
@@ -51,7 +51,7 @@ class Mesh:
 
     @property
     def arc(self) -> bool:
-        """Whether the directions are an arc."""
+        """Whether the mesh is a meridian arc without triangles."""
         return bool(len(self.triangles) == 0)
 
 
@@ -62,10 +62,10 @@ class Place:
     Attributes
     ----------
     simplex : index of the triangle, or of the edge if `on_edge`
-    on_edge : whether the direction is on an arc or beyond the rim
+    on_edge : whether the direction lies on an arc mesh or outside the mesh
     s : fraction of the way from the first corner to the second
     t : fraction of the way from that point to the third corner; 0 on edges
-    found : the direction itself, or its projection onto the rim
+    found : the direction itself, or its projection onto the border
     """
 
     simplex: Int[np.ndarray, " directions"]
@@ -106,7 +106,7 @@ def arc_mesh(theta: Values) -> Mesh:
 
 
 def locate(mesh: Mesh, direction: Directions) -> Place:
-    """Find the triangle of each direction, or the nearest point of the rim."""
+    """Find the triangle of each direction, or the nearest point of the border."""
     simplex, s, t = (np.zeros(len(direction)) for _ in range(3))
     outside = np.ones(len(direction), dtype=bool)
     found = direction.copy()
@@ -120,10 +120,10 @@ def locate(mesh: Mesh, direction: Directions) -> Place:
 
 
 def flat_weights(corners: Directions, direction: Vector) -> tuple[Vector, Vector2]:
-    """Barycentric weights of corners in the disc, and the point that they give.
+    """Barycentric weights of corners in the unit disc, and the weighted mean point.
 
-    In a triangle the point is the projected direction, on an edge the point nearest to
-    it.
+    In a triangle this point is the projected direction; on an edge it is the nearest
+    point of the edge.
 
     >>> corners = from_degrees(np.array([0.0, 90]), np.array([0.0, 0]))
     >>> weights, place = flat_weights(corners, from_degrees(30.0, 0.0))
@@ -163,7 +163,7 @@ def _in_triangles(
 
 
 def _on_rim(mesh: Mesh, direction: Directions) -> tuple[Indices, Values, Directions]:
-    # Find the nearest point of each rim edge along its great circle
+    # Find the nearest point on the great circle of each border edge
     rim = np.flatnonzero(mesh.rim)
     a, b = mesh.vertices[mesh.edges[rim]].transpose(1, 0, 2)
     angle = angle_between(a, b)

@@ -1,6 +1,6 @@
 """Interpolated scattering function of a goniophotometer measurement.
 
-A `ScatteringFunction` without cells; its resolution is that of the fitted lobes.
+The function has no patches or cells; the fitted lobes limit its angular resolution.
 """
 
 from collections.abc import Iterator
@@ -38,14 +38,14 @@ from clerestory.gonio.transport_network import Network
 from clerestory.gonio.tree_export import to_tree
 from clerestory.hemisphere.partition import RingPartition
 
-# Halvings of the grid for sampling and patch averages; the smallest Klems patch
+# The grid for sampling and patch averages has 2^6 × 2^6 cells; the smallest Klems patch
 # contains forty cells.
 _GATHER = 6
 
 # Numbers of rings and azimuths of incident directions in a patch average.
 _PATCH_RINGS, _PATCH_AZIMUTHS = 2, 4
 
-# Halvings of the reciprocal and of the tabulated function.
+# The reciprocal and the tabulated function have 2^6 cells along each axis.
 _HALVINGS = 6
 
 
@@ -78,10 +78,10 @@ class Interpolant(ScatteringFunction):
 
     @cached_property
     def follow(self) -> float:
-        """Mean ratio of lobe displacement to displacement of undeviated light.
+        """Mean ratio of lobe displacement to displacement of the undeviated direction.
 
-        It is 1 for a clear pane and 0 for a diffuser, and extrapolates beyond the
-        outermost directions.
+        The ratio is 1 for a clear pane and 0 for a diffuser; it is used to extrapolate
+        lobe centres outside the measured incident directions.
         """
         return mean_motion(self.network)
 
@@ -115,7 +115,7 @@ class Interpolant(ScatteringFunction):
         return next(self.lobes_of(incident[None]))
 
     def lobes_of(self, incident: Directions) -> Iterator[Lobes]:
-        """Yield the lobes of the scattered light for each incident direction."""
+        """Lobes of the scattered light for each incident direction."""
         source = upper_hemisphere(np.asarray(incident, dtype=float))
         source = source / np.linalg.norm(source, axis=1, keepdims=True)
         if self.symmetry == "isotropic":
@@ -182,7 +182,7 @@ class Interpolant(ScatteringFunction):
         return np.asarray(table / measure)
 
     def extrema(self) -> tuple[float, float]:
-        """Zero, and the largest value over the measured incident directions [1/sr]."""
+        """Zero, and the largest BSDF over the measured incident directions [1/sr]."""
         peaks = [
             lobes.evaluate(lobes.strongest()[None]).max()
             for lobes in self.network.lobes
@@ -194,7 +194,7 @@ class Interpolant(ScatteringFunction):
         return ReciprocalFunction(self, halvings=_HALVINGS)
 
     def tabulated(self) -> ScatteringTree:
-        """Return a cached tree of 2^6 cells along each axis."""
+        """Tensor tree with 2^6 cells along each axis; calculated once."""
         return self._tree
 
     def own_partitions(self) -> None:
@@ -214,7 +214,7 @@ class Interpolant(ScatteringFunction):
         return found
 
     def _travelling(self, on_edge: bool, number: int) -> Particles:
-        # Cached particles of a triangle or an edge
+        # Cached lobe matches of a triangle or an edge
         key = on_edge, number
         if key not in self._particles:
             self._particles[key] = (
@@ -246,7 +246,7 @@ def _stratified() -> Points2:
 
 
 def _shifted(lobes: Lobes, found: Vector2, wanted: Vector, follow: float) -> Lobes:
-    # Displace the lobe centres in the disc along with the incident direction
+    # Displace lobe centres in the disc by `follow` times the incident displacement
     turn = (found - wanted[:2]) * follow
     if np.hypot(*turn) < 1e-9:
         return lobes

@@ -1,7 +1,7 @@
 """Reader of layers from BSDF files or from files of fitted measurements.
 
-Fitted measurements are used at the resolution of their lobes. Their reader is imported
-on demand because it imports the optimal transport solver.
+The reader of fitted measurements is imported on demand, as it imports the optimal
+transport solver.
 """
 
 import importlib
@@ -14,7 +14,7 @@ _SUFFIX = ".nc"
 
 
 def read_layer(path: str | Path) -> Bsdf:
-    """Return the layer of a BSDF file (.xml), or of fitted measurements (.nc)."""
+    """Read a layer from a BSDF file (.xml) or from fitted measurements (.nc)."""
     if Path(path).suffix.lower() != _SUFFIX:
         return read_bsdf(path)
     storage = importlib.import_module("clerestory.gonio.fit_storage")

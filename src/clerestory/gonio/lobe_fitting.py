@@ -1,10 +1,9 @@
-"""Fitting of Gaussian lobes to one scan.
+"""Fit of Gaussian lobes to the BSDF values of one scan.
 
-Centres and radii follow the cells of an adaptive quadtree. Fluxes are a non-negative
-least-squares solution; the variance of a value is assumed proportional to the value, as
-for photon counts. Fluxes are regularized towards the flux of their cell, which
-determines them where there are no data. Finally all fluxes are scaled to the measured
-total.
+One lobe is placed in each cell of an adaptive quadtree. Lobe fluxes are a non-negative
+least-squares solution; the variance of a BSDF value is assumed proportional to the
+value, as for photon counts. Lobe fluxes are regularized towards the measured flux in
+the cell of the lobe. Finally all fluxes are scaled to the measured total flux.
 """
 
 import functools
@@ -24,48 +23,49 @@ from clerestory.gonio.quadtree import Quadtree
 from clerestory.gonio.scattering_measurement import Scan
 from clerestory.progress import Progress
 
-# Largest number of condensed points in a fit.
+# Largest number of averaged measurement points in a fit.
 _MOST_BINS = 2000
 
-# Smallest ratio of a point's weight to the mean weight.
+# Lower limit of the projected solid angle of a point, relative to the mean.
 _LEAST_WEIGHT = 1e-6
 
-# Halvings of the largest cells for points and for lobes.
+# Quadtree level of the largest cells, for averaging points and for placing lobes.
 _COARSEST_BIN, _COARSEST_LOBE = 5, 2
 
-# Ratio of lobe radius to cell width at smoothing 1; equal lobes then sum to a plateau.
+# Ratio of lobe radius to cell width at smoothing 1: a grid of equal lobes then sums to
+# an almost constant BSDF.
 _RADIUS_OVER_WIDTH = 0.6
 
-# Misplaced flux fraction above which the number of lobes is doubled.
+# Fraction of misplaced flux above which the number of lobes is doubled.
 _MISPLACED = 0.05
 
 # Largest flux of a dark scan, as a fraction of the brightest scan's flux.
 _DARK = 1e-3
 
-# Weight of the regularization.
+# Weight of the regularization, relative to the least-squares terms.
 _PRIOR = 1e-2
 
-# Quantile of the values that gives the uniform background.
+# Quantile of the BSDF values that is taken as the uniform background.
 _EVEN = 0.05
 
-# Smallest value in weights, as a fraction of the mean value.
+# Lower limit of the BSDF in statistical weights, as a fraction of the mean BSDF.
 _FLOOR = 1e-2
 
 
 @dataclass(frozen=True)
 class FitOptions:
-    """Parameters of the fit.
+    """Parameters of the lobe fits.
 
     Attributes
     ----------
     lobes : largest number of lobes per scan; doubled if more than 5 % of the flux is
-        misplaced, as on plateaus with steep edges
-    smoothing : relative width of lobes; 1 sums to a smooth plateau, smaller values are
-        sharper and more sensitive to noise
+        misplaced, as for beams with steep edges
+    smoothing : relative width of lobes; smaller values than 1 give sharper fits that
+        are more sensitive to noise
 
     Raises
     ------
-    InputError : `lobes` is below 4 or `smoothing` outside 0.2…5
+    InputError : `lobes` is below 4, or `smoothing` is outside 0.2…5
     """
 
     lobes: int = 200
@@ -84,7 +84,7 @@ DEFAULT = FitOptions()
 
 @dataclass(frozen=True, eq=False)
 class Points:
-    """Values at directions, and the projected solid angle of each.
+    """BSDF values at directions, with projected solid angles for integration.
 
     Attributes
     ----------
@@ -104,9 +104,9 @@ class Points:
 
 
 def condensed_points(scan: Scan, *, most: int = _MOST_BINS) -> Points:
-    """Return a scan as at most `most` points, each the mean of its neighbours.
+    """Average neighbouring measurement points so that at most `most` points remain.
 
-    Values are weighted by projected solid angle, so that flux is conserved.
+    BSDF values are weighted by projected solid angle, so that flux is conserved.
     """
     share = integration_weights(scan.leaving)
     if len(share) <= most:
@@ -133,9 +133,9 @@ def fit_scans(
     processes: int = 1,
     report: Progress = silent,
 ) -> list[Lobes]:
-    """Return the lobes of every scan.
+    """Fit lobes to every scan.
 
-    Scans with almost no flux compared to the brightest scan are treated as dark.
+    Scans with less than 1/1000 of the flux of the brightest scan are treated as dark.
     """
     most = max(total_flux(scan) for scan in scans)
     return map_in_order(
@@ -154,7 +154,7 @@ def _fitted_or_dark(scan: Scan, *, options: FitOptions, least: float) -> Lobes:
 
 
 def fit_lobes(scan: Scan, options: FitOptions = DEFAULT) -> Lobes:
-    """Return the lobes of a scan; flux is conserved."""
+    """Fit lobes to a scan; the total flux is conserved."""
     points = condensed_points(scan)
     if points.flux <= 0:
         raise InputError(
@@ -169,7 +169,7 @@ def fit_lobes(scan: Scan, options: FitOptions = DEFAULT) -> Lobes:
 
 
 def misplaced_flux(points: Points, predicted: Values) -> float:
-    """Fraction of the measured flux that a prediction misplaces; 1 if there is no flux.
+    """Fraction of the measured flux predicted in wrong directions; 1 without flux.
 
     Parameters
     ----------
@@ -183,7 +183,7 @@ def misplaced_flux(points: Points, predicted: Values) -> float:
 
 
 def _fitted(points: Points, options: FitOptions, most: int) -> Lobes:
-    # Fit lobes and scale them to the flux of the points
+    # Fit lobes and scale the lobe fluxes to the total flux of the points
     centre, radius, prior = _placed(points, options, most)
     basis = Lobes(centre, radius, prior).basis(points.direction)
     flux = _solve(basis, points, prior)
@@ -195,7 +195,7 @@ def _fitted(points: Points, options: FitOptions, most: int) -> Lobes:
 def _placed(
     points: Points, options: FitOptions, most: int
 ) -> tuple[Directions, Values, Values]:
-    # Place a lobe at the flux centroid of each cell, with the cell's width and flux
+    # Centre each lobe at the flux centroid of a cell; radius and flux follow the cell
     cells = Quadtree(points.direction, points.value).cut(
         most - 1, coarsest=_COARSEST_LOBE
     )
@@ -226,7 +226,7 @@ def _solve(
     gram = basis.T @ (basis * weight[:, None])
     target = basis.T @ (points.value * weight)
 
-    # Regularize each flux towards its prior
+    # Regularize the flux of each lobe towards the flux measured in its cell
     hold = _PRIOR * np.diag(gram)
     gram[np.diag_indices_from(gram)] += hold
     target += hold * prior

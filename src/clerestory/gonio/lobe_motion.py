@@ -1,9 +1,9 @@
 """Motion of lobes with the incident direction, estimated from transport plans.
 
-The moves of a lobe and its neighbours along all edges of a vertex give a 2 × 2 matrix:
-the displacement of the lobe is the matrix times the displacement of undeviated light,
-both in the disc. Lobes without a partner at the next incident direction move
-accordingly while they fade.
+A 2 × 2 matrix per lobe gives the displacement of the lobe centre in the unit disc from
+the displacement of the undeviated direction. It is estimated from the displacements of
+the lobe and of nearby lobes to all neighbouring incident directions. Lobes without a
+match at the next incident direction move according to this matrix while they fade.
 """
 
 from dataclasses import replace
@@ -17,18 +17,18 @@ from clerestory.gonio.lobes import Lobes, angles_among
 from clerestory.gonio.optimal_transport import Plan
 from clerestory.gonio.transport_network import Network
 
-# Distance within which lobes have similar motion, in radii.
+# Angular distance within which lobes move similarly, as a multiple of the lobe radius.
 _ALIKE = 3.0
 
 # Weight of the mean motion of all lobes, relative to the typical squared displacement.
 _PRIOR = 0.05
 
-# Largest radius of lobes with a significant motion [rad].
+# The motion of lobes with larger radii [rad] is ignored.
 _WIDE = 0.5
 
 
 def mean_motion(network: Network) -> float:
-    """Mean ratio of lobe displacement to displacement of undeviated light, −1…1."""
+    """Mean displacement of lobes relative to the undeviated direction, −1…1."""
     along, squared = 0.0, 0.0
     for (a, b), plan in zip(network.mesh.edges, network.plans, strict=True):
         ends = undeviated(network.mesh.vertices[[a, b]])
@@ -44,7 +44,7 @@ def mean_motion(network: Network) -> float:
 
 
 class LobeMotion:
-    """Motion of the lobes of a vertex in the disc.
+    """Motion of the lobes of one incident direction in the unit disc.
 
     Parameters
     ----------
@@ -52,9 +52,10 @@ class LobeMotion:
 
     Attributes
     ----------
-    lobes : lobes of the vertex
-    matrix : matrix from the displacement of undeviated light to that of each lobe
-    sure : fraction of each lobe's squared displacements that the matrix explains
+    lobes : lobes at the incident direction
+    matrix : for each lobe, matrix from the displacement of the undeviated direction to
+        the displacement of the lobe
+    sure : fraction of the variance of lobe displacements that the matrix explains
     """
 
     def __init__(self, network: Network, vertex: int, follow: float) -> None:
@@ -94,19 +95,19 @@ class LobeMotion:
         self.sure = np.clip(1 - missed / np.maximum(moved, 1e-30), 0, 1)
 
     def expected(self, turn: Vector2) -> Points2:
-        """Expected positions of the lobes in the disc; displacements times `sure`."""
+        """Expected lobe centres in the disc; displacements are multiplied by `sure`."""
         shift = self.sure[:, None] * (self.matrix @ turn)
         return np.asarray(self.lobes.centre[:, :2] + shift)
 
     def moved(self, number: Indices, turn: Vector2) -> Lobes:
-        """Lobes with zero flux at their displaced positions."""
+        """Displaced lobes with zero flux."""
         disc = self.lobes.centre[number, :2] + self.matrix[number] @ turn
         return Lobes(
             directions_over_disc(disc), self.lobes.radius[number], np.zeros(len(number))
         )
 
     def _alike(self) -> Float[np.ndarray, "lobes lobes"]:
-        # Weights of nearby lobes; narrow lobes weigh more
+        # Weights of nearby lobes, larger for narrow lobes
         radius = self.lobes.radius
         apart = angles_among(self.lobes)
         near = np.exp(-0.5 * (apart / (_ALIKE * np.minimum.outer(radius, radius))) ** 2)
@@ -117,8 +118,8 @@ class LobeMotion:
 def _moves(
     network: Network, number: int, vertex: int
 ) -> tuple[Indices, Points2, Vector2, Values]:
-    # Lobes of the vertex that move along an edge, their displacements in the disc, the
-    # displacement of undeviated light, and the flux of each move
+    # Indices of the matched lobes at the vertex, lobe displacements in the disc along
+    # the edge, displacement of the undeviated direction, and flux of each match
     plan = network.plans[number]
     a, b = network.mesh.edges[number]
     move = (
@@ -132,7 +133,7 @@ def _moves(
 
 
 def with_unmatched_lobes(network: Network, *, follow: float) -> Network:
-    """Return a network in which lobes without a partner move while they fade.
+    """Return a network in which unmatched lobes move while they fade.
 
     `follow`: result of `mean_motion`.
     """

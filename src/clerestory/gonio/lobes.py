@@ -1,4 +1,4 @@
-"""Gaussian lobes: scattered distributions as sums of radial basis functions.
+"""Scattered distributions as sums of Gaussian lobes (radial basis functions).
 
 A lobe has a centre, a radius and a flux. Its BSDF is proportional to exp((cos α − 1) /
 r²), the radial basis function of Ward, Kurt and Bonneel. It is normalized over the part
@@ -20,23 +20,25 @@ from clerestory.array_types import Directions, Values, Vector
 from clerestory.errors import InputError
 from clerestory.gonio.angles import angle_table
 
-# Largest number of pairs of a direction and a lobe that are evaluated together.
+# Largest number of direction–lobe pairs that are evaluated together.
 _TOGETHER = 1 << 20
 
 # Range of radii [rad]: 0.02° to 115°.
 LEAST_RADIUS, MOST_RADIUS = 3e-4, 2.0
 
-# Flux of dark distributions; not zero, so that their shape is defined.
+# Total flux of dark distributions; positive, so that normalization is possible.
 NO_LIGHT = 1e-9
 
-# Candidate lobes for the peak; largest number of steps and tolerance of mean shift.
+# Number of candidate lobes for the largest BSDF; largest number of steps and tolerance
+# of the mean-shift iteration.
 _CANDIDATES, _MOST_STEPS, _STEP_ENDS = 64, 200, 1e-5
 
-# Table of the curvature correction: nodes in elevation and radius.
+# Table of the curvature correction: numbers of elevations, of radii and of quadrature
+# nodes, and smallest radius [rad].
 _ELEVATIONS, _RADII, _QUADRATURE = 65, 33, 200
 _FLAT_RADIUS = 0.02
 
-# Number of cached tables: the lobes of a vertex are used by several plans.
+# Number of cached tables of angles between lobes.
 _KEPT = 32
 
 
@@ -48,7 +50,7 @@ class Lobes:
     ----------
     centre : unit vectors, z ≥ 0
     radius : radius of each lobe [rad]
-    flux : flux of each lobe per incident flux
+    flux : scattered flux of each lobe, relative to the incident flux
 
     Raises
     ------
@@ -92,7 +94,7 @@ class Lobes:
 
     @property
     def half_maximum(self) -> Values:
-        """Angle from the centre at which a lobe has half of its peak value [rad]."""
+        """Angle from the lobe centre at which the BSDF is half of the peak [rad]."""
         return np.asarray(np.arccos(np.maximum(1 - self.radius**2 * np.log(2), -1)))
 
     @property
@@ -112,7 +114,7 @@ class Lobes:
     def basis(
         self, leaving: Float[np.ndarray, "directions 3"]
     ) -> Float[np.ndarray, "directions lobes"]:
-        """BSDF of each lobe per unit of its flux [1/sr]."""
+        """BSDF of each lobe, divided by the flux of the lobe [1/sr]."""
         return np.asarray(self._shape(leaving) / norm(self.centre[:, 2], self.radius))
 
     def strongest(self) -> Vector:
@@ -173,7 +175,7 @@ def norm(height: Values, radius: Values) -> Values:
 
 
 def _flat(elevation: Values, radius: Values) -> Values:
-    # Plane Gaussian cut at the horizon: E[max(sin(e + r·x), 0)] to first order in r
+    # Plane Gaussian truncated at the horizon: E[max(sin(e + r·x), 0)], first order in r
     reach = elevation / radius
     above = special.ndtr(reach)
     edge = np.exp(-(reach**2) / 2) / np.sqrt(2 * np.pi)
@@ -182,7 +184,7 @@ def _flat(elevation: Values, radius: Values) -> Values:
 
 
 def _integral(elevation: Values, radius: Values) -> Values:
-    # Integrate over θ; the integral over azimuth is a Bessel function
+    # Integrate over θ numerically; the integral over azimuth is a Bessel function
     centre = np.pi / 2 - elevation[..., None]
     wide = 8 * radius[..., None]
     low, high = np.maximum(centre - wide, 0), np.minimum(centre + wide, np.pi / 2)

@@ -1,7 +1,7 @@
-"""Reader of goniophotometer files, by a registry of formats.
+"""Reader of goniophotometer files of all supported formats.
 
-The modules in `clerestory.gonio.formats` form the registry. The format of a file is
-recognized from its first bytes.
+Each module in `clerestory.gonio.formats` reads one format. The format of a file is
+recognized from the first bytes of the file.
 """
 
 import importlib
@@ -28,7 +28,7 @@ _HEAD = 4096
 
 
 def _registry() -> Mapping[str, FileFormat]:
-    # All formats of the package, by name
+    # Find all formats in the package
     modules = (
         importlib.import_module(f"{formats.__name__}.{module.name}")
         for module in pkgutil.iter_modules(formats.__path__)
@@ -48,19 +48,19 @@ def read_measurement(
     blank: Path | None = None,
     merge: bool = False,
 ) -> tuple[Measurement, ...]:
-    """Return the measurements in goniophotometer files of one sample.
+    """Read the measurements in goniophotometer files of one sample.
 
     Parameters
     ----------
     form : name of the format; default: recognized from the first file
     function : measured scattering function, for formats that do not state it
-    facing : side that the normal of the sample faces, for pab-opto files
+    facing : side to which the normal of the sample points, for pab-opto files
     blank : file of readings without a sample, for RT-300S workbooks
     merge : join scans with equal incident directions instead of raising an error
 
     Returns
     -------
-    One measurement per function and channel.
+    One measurement per scattering function and channel.
 
     Raises
     ------
@@ -79,7 +79,7 @@ def read_measurement(
 
 
 def recognized_format(path: Path) -> FileFormat:
-    """Return the format of a file, recognized from its first bytes."""
+    """Recognize the format of a file from its first bytes."""
     data = read_bytes(path)[:_HEAD]
     text = "" if b"\0" in data else data.decode("latin-1").lower()
     lines = (line.strip() for line in text.splitlines())

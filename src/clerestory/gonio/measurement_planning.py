@@ -1,8 +1,8 @@
-"""Planning of additional scans.
+"""Recommendation of incident directions for additional scans.
 
 Leave-one-out cross-validation shows where interpolation is inaccurate. The priority of
-a direction is the error at the nearest scan times the angle to that scan. New
-directions are therefore dense where the distribution changes quickly.
+a direction is the misplaced flux at the nearest scan times the angle to that scan. New
+directions are therefore dense where the BSDF changes quickly with incidence.
 """
 
 import numpy as np
@@ -22,8 +22,8 @@ def recommended_directions(
 ) -> Directions:
     """Incident directions for new scans, in order of decreasing priority.
 
-    They lie in the measured part of the hemisphere, within the largest measured polar
-    angle.
+    Directions lie in the measured part of the hemisphere and do not exceed the largest
+    measured polar angle.
 
     `symmetry`: symmetry of the layer.
 

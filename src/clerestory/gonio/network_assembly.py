@@ -1,7 +1,7 @@
-"""Assembly of the transport network of a measurement.
+"""Assembly of lobes, mesh and transport plans of a measurement.
 
-The mesh includes the mirror images that symmetry implies, so that it is continuous
-across the border of the measured part; triangles outside the measured part are removed.
+The mesh includes mirror images of the measured incident directions, so that it is
+continuous across symmetry planes; triangles outside the measured part are removed.
 """
 
 from collections.abc import Mapping, Sequence
@@ -31,7 +31,7 @@ def connect(
     processes: int = 1,
     report: Progress = silent,
 ) -> Network:
-    """Return fits and their mirror images, connected by transport plans."""
+    """Connect lobe fits and their mirror images by refined transport plans."""
     network = join(incidents, fits, symmetry, processes=processes, report=report)
     return refine_plans(network, processes=processes, report=report)
 
@@ -45,9 +45,9 @@ def join(
     processes: int = 1,
     report: Progress = silent,
 ) -> Network:
-    """Return fits connected by initial plans, for `refine_plans`.
+    """Connect lobe fits by initial (unrefined) transport plans.
 
-    `known`: initial plans of another network of the same fits, to be reused.
+    `known`: initial plans of another network of the same fits, which are reused.
     """
     if len(fits) < 2:
         raise InputError(
@@ -64,7 +64,7 @@ def join(
 
 
 def transformed(lobes: Lobes, turn: Float[np.ndarray, "3 3"]) -> Lobes:
-    """Return lobes transformed by a rotation or reflection matrix.
+    """Rotate or reflect lobes by a matrix.
 
     >>> up = Lobes(np.array([[0, 0.6, 0.8]]), np.ones(1), np.ones(1))
     >>> transformed(up, np.diag([1.0, -1.0, 1.0])).centre.tolist()
@@ -74,7 +74,7 @@ def transformed(lobes: Lobes, turn: Float[np.ndarray, "3 3"]) -> Lobes:
 
 
 def rotation_about_normal(angle: float) -> Float[np.ndarray, "3 3"]:
-    """Matrix of a rotation about the normal by an angle [rad], from right to up."""
+    """Matrix of a rotation about the normal by an angle [rad], from +x to +y."""
     c, s = np.cos(angle), np.sin(angle)
     return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]])
 
@@ -82,7 +82,7 @@ def rotation_about_normal(angle: float) -> Float[np.ndarray, "3 3"]:
 def _around(
     incidents: Directions, fits: Sequence[Lobes], symmetry: Symmetry
 ) -> tuple[Mesh, tuple[Lobes, ...], Vector2]:
-    # Build the mesh; keep the triangles that overlap the measured part
+    # Build the mesh from the triangles that overlap the measured part
     quadrant = measured_quadrant(incidents)
     vertices, lobes = _with_images(incidents, fits, symmetry)
     mesh = triangulate(vertices)
@@ -93,7 +93,8 @@ def _around(
 def _isotropic(
     incidents: Directions, fits: Sequence[Lobes]
 ) -> tuple[Mesh, tuple[Lobes, ...]]:
-    # Rotate every direction to azimuth 0; if normal incidence is missing, add an image
+    # Rotate every direction to azimuth 0; without normal incidence, add the image of
+    # the smallest polar angle
     azimuth = np.arctan2(incidents[:, 1], incidents[:, 0])
     theta = np.arctan2(np.hypot(*incidents[:, :2].T), incidents[:, 2])
     order = np.argsort(theta)

@@ -1,9 +1,9 @@
 """Non-negative least squares from normal equations, by block principal pivoting.
 
-All unknowns that contradict the current active set are exchanged together. If this
-makes no progress, they are exchanged one at a time, which guarantees termination. As
-most lobes are positive, a few linear solves suffice, whereas an active-set method that
-starts from zero needs one per lobe.
+All unknowns that violate the optimality conditions are exchanged together between the
+free and the zero set. Without progress they are exchanged one at a time, which
+guarantees termination. As most lobe fluxes are positive, a few linear solves suffice;
+an active-set method that starts from zero would need one solve per lobe.
 
 Reference: L. F. Portugal, J. J. Júdice, L. N. Vicente, "A comparison of block pivoting
 and interior-point algorithms for linear least squares problems with nonnegative
@@ -17,7 +17,7 @@ from scipy import linalg
 # Number of block exchanges without progress before single exchanges.
 _PATIENCE = 3
 
-# Tolerance for negative values, relative to the largest target.
+# Tolerance for negative values, relative to the largest absolute value of `target`.
 _NEGATIVE = 1e-12
 
 
@@ -32,7 +32,7 @@ def non_negative(
     >>> non_negative(gram, np.array([2.0, -1.0])).round(9).tolist()
     [1.0, 0.0]
     """
-    # Scale the unknowns to unit diagonal
+    # Scale the unknowns so that the diagonal of the matrix is 1
     scale = 1 / np.sqrt(np.diag(gram))
     gram, target = gram * np.outer(scale, scale), target * scale
     least = _NEGATIVE * float(np.abs(target).max(initial=0))
@@ -58,7 +58,7 @@ def _solved(
     target: Float[np.ndarray, " unknowns"],
     free: Bool[np.ndarray, " unknowns"],
 ) -> tuple[Float[np.ndarray, " unknowns"], Float[np.ndarray, " unknowns"]]:
-    # Solution for the free unknowns, and negative gradient for the fixed ones
+    # Solution for the free unknowns, and negative gradient with respect to all unknowns
     found = np.zeros(len(target))
     if np.any(free):
         factor = linalg.cho_factor(gram[np.ix_(free, free)], check_finite=False)

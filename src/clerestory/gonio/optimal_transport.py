@@ -1,12 +1,12 @@
 """Optimal transport between the lobes of two incident directions.
 
-Lobes at the two ends of a mesh edge are matched at the least cost: squared angle plus
-squared difference of radii, per unit of flux.
+Lobes at the two ends of a mesh edge are matched so that the cost is smallest: flux
+times the sum of squared angle and squared difference of radii.
 
-As the total flux differs between the ends, fluxes are balanced locally first: a lobe
-takes part with at most the flux that the other end has within the *reach* of the lobe.
-The difference to its full flux is gained or lost on the way. A lobe without a partner
-within reach fades in place; moving it would create a spurious beam half-way.
+The total flux differs between the ends. The flux of a lobe in the optimization is
+therefore limited to the flux at the other end within a given angle, the *reach* of the
+lobe. The remaining flux is gained or lost along the edge. A lobe without a match within
+its reach fades at constant position; moving it would create a spurious beam half-way.
 
 References: N. Bonneel, M. van de Panne, S. Paris, W. Heidrich, "Displacement
 interpolation using Lagrangian mass transport", ACM Transactions on Graphics 30 (6),
@@ -25,13 +25,13 @@ from clerestory.gonio.angles import angle_table
 from clerestory.gonio.lobes import Lobes, angles_among
 
 # Reach of a lobe per angle between incident directions: tilted mirrors and prisms
-# deviate light by up to twice their rotation …
+# deviate light by up to twice the angle by which they are rotated …
 _REACH_PER_ANGLE = 1.5
 
 # … plus this many radii.
 _REACH_PER_RADIUS = 1.0
 
-# Largest distance between lobes of one peak, as a multiple of the sum of their radii.
+# Largest angle between lobes of one peak, as a multiple of the sum of their radii.
 _TOUCHING = 1.5
 
 # Ratio of radii above which lobes belong to different peaks.
@@ -41,19 +41,19 @@ _WIDER = 3.0
 # n = 2^(1 + steepness).
 _STEEPNESS = 2
 
-# Smallest flux of a move as a fraction of the total flux, and smallest fraction of a
-# lobe's flux that must move.
+# Smallest matched flux as a fraction of the total flux, and smallest fraction of the
+# flux of a lobe that must be matched.
 _LEAST_SHARE, _NO_PARTNER = 1e-7, 1e-2
 
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """Transport plan between two sets of lobes; a sparse matrix.
+    """Transport plan: matches between the lobes of two incident directions.
 
     Attributes
     ----------
-    source, target : indices of the lobes that each move connects
-    sent, received : flux of each move at the start and at the end
+    source, target : indices of the lobes of each match, at the start and at the end
+    sent, received : flux of each match at the start and at the end
     fading : unmatched flux of each lobe at the start
     rising : unmatched flux of each lobe at the end
     """
@@ -67,7 +67,7 @@ class Plan:
 
 
 def plan_transport(start: Lobes, end: Lobes, *, angle: float) -> Plan:
-    """Return the plan of least cost between two sets of lobes.
+    """Calculate the transport plan of least cost between two sets of lobes.
 
     `angle`: angle between the two incident directions [rad].
 
@@ -85,12 +85,12 @@ def plan_transport(start: Lobes, end: Lobes, *, angle: float) -> Plan:
 def plan_moves(
     start: Lobes, end: Lobes, *, distance: Float[np.ndarray, "start end"], slack: float
 ) -> Plan:
-    """Return the plan of least cost for given distances between lobes.
+    """Calculate the transport plan of least cost for given angles between lobes.
 
     Parameters
     ----------
-    distance : angle from each lobe at the start, or its expected position, to each lobe
-        at the end [rad]
+    distance : angle [rad] from each lobe (or expected lobe position) at the start to
+        each lobe at the end
     slack : reach of a lobe beyond its radius [rad]
     """
     moved = _moved(start, end, distance, slack)
@@ -99,7 +99,7 @@ def plan_moves(
     out = np.bincount(source, flux, len(start))
     came = np.bincount(target, flux, len(end))
 
-    # Distribute the full flux of each lobe in proportion to its moves
+    # Distribute the full flux of each lobe in proportion to its matches
     partner = (out > _NO_PARTNER * start.flux)[source]
     partner &= (came > _NO_PARTNER * end.flux)[target]
     source, target, flux = source[partner], target[partner], flux[partner]
@@ -108,7 +108,7 @@ def plan_moves(
     sent = start.flux[source] * flux / out[source]
     received = end.flux[target] * flux / came[target]
 
-    # Let lobes without moves follow their nearest neighbours with moves
+    # Match unmatched lobes like the nearest matched lobe of the same peak
     lone, _, to = _companions(start, out > 0, source, target, flux)
     late, _, off = _companions(end, came > 0, target, source, flux)
     fading = np.where(out > 0, 0, start.flux)
@@ -133,8 +133,8 @@ def _companions(
 ) -> tuple[
     Int[np.ndarray, " lone"], Int[np.ndarray, " lone"], Int[np.ndarray, " lone"]
 ]:
-    """Lobes without moves, their nearest neighbours with moves, and the main target of
-    each neighbour.
+    """Unmatched lobes, the nearest matched lobe of each, and the lobe at the other end
+    to which that lobe sends most flux.
     """
     lone, part = np.flatnonzero(~taking_part), np.flatnonzero(taking_part)
     if not len(lone) or not len(part):
@@ -156,7 +156,7 @@ def _companions(
 def _moved(
     start: Lobes, end: Lobes, distance: Float[np.ndarray, "start end"], slack: float
 ) -> Float[np.ndarray, "start end"]:
-    # Limit each lobe to the flux that both ends have within its reach
+    # Limit the flux of each lobe to the flux at the other end within its reach
     reach, reach_end = _reach(start, slack), _reach(end, slack)
     give = start.flux * np.minimum(
         1,
@@ -169,7 +169,7 @@ def _moved(
         / (_near(angles_among(end) / reach_end[:, None]) @ end.flux),
     )
 
-    # Add a dummy lobe at each end that absorbs or supplies the difference of flux
+    # Add a dummy lobe at each end that absorbs or supplies the flux difference
     table = np.zeros((len(start) + 1, len(end) + 1))
     table[:-1, :-1] = distance**2 + (start.radius[:, None] - end.radius) ** 2
     table[:-1, -1] = reach**2 / 2

@@ -13,7 +13,7 @@ from threadpoolctl import ThreadpoolController
 
 from clerestory.progress import Progress
 
-# Smallest number of values for which processes are started.
+# Smallest number of values for which parallel processes are started.
 _WORTH_IT = 16
 
 _Value = TypeVar("_Value")
@@ -69,5 +69,5 @@ def _alone(function: Callable[[_Value], _Result], value: _Value) -> _Result:
 
 @functools.cache
 def _libraries() -> ThreadpoolController:
-    # Thread controller of the loaded linear algebra libraries
+    # Controller of the number of threads of the linear algebra libraries
     return ThreadpoolController()

@@ -1,9 +1,9 @@
-"""Particles of displacement interpolation on edges and triangles of the mesh.
+"""Lobe matches on edges and triangles of the mesh, for displacement interpolation.
 
-A particle connects one lobe per corner. Its flux at each corner follows from the
-transport plans, so that corners reproduce the fits and adjacent triangles agree on
-their common edge. In a triangle flux moves along the edge from A to B, then towards C:
-flux from A by the plan from A to C, flux from B by the plan from B to C.
+A particle matches at most one lobe per corner. The flux of a particle at each corner
+follows from the transport plans, so that the fits are reproduced at corners and
+adjacent triangles agree on the common edge. In a triangle (A, B, C) flux is transported
+along the edge A–B, then to C by the plans from A to C and from B to C.
 
 References: N. Bonneel et al., ACM Transactions on Graphics 30 (6), 2011; G. Ward, M.
 Kurt, N. Bonneel, MAM 2014, for triangles.
@@ -17,7 +17,7 @@ from jaxtyping import Float, Int
 from clerestory.array_types import Indices, Values
 from clerestory.gonio.optimal_transport import Plan
 
-# Fraction of the flux that may be dropped with the smallest particles.
+# Fraction of the flux of the smallest particles that is dropped and redistributed.
 _SMALL_CHANGE = 2e-3
 
 _Light = dict[int, Float[np.ndarray, " particles"]]
@@ -25,12 +25,12 @@ _Light = dict[int, Float[np.ndarray, " particles"]]
 
 @dataclass(frozen=True, eq=False)
 class Particles:
-    """Moving flux in a triangle, or on an edge.
+    """Matched lobes of the corners of a triangle or an edge, with fluxes.
 
     Attributes
     ----------
     corner : index of each particle's lobe at the corners A, B and C; -1 for none
-    flux : flux of each particle at A, at B, and at C in the parts from A and from B
+    flux : flux of each particle at A, at B, at C from A, and at C from B
     """
 
     corner: Int[np.ndarray, "particles 3"]
@@ -38,7 +38,7 @@ class Particles:
 
 
 def edge_particles(plan: Plan) -> Particles:
-    """Return the particles of the plan from A to B."""
+    """Particles of an edge, from the transport plan from A to B."""
     fading, rising = np.flatnonzero(plan.fading), np.flatnonzero(plan.rising)
     return _joined(
         [
@@ -52,7 +52,7 @@ def edge_particles(plan: Plan) -> Particles:
 
 
 def triangle_particles(a_to_b: Plan, a_to_c: Plan, b_to_c: Plan) -> Particles:
-    """Return the particles of a triangle from the plans of its edges."""
+    """Particles of a triangle, from the transport plans of its edges."""
     edge = edge_particles(a_to_b)
     i, j, _ = edge.corner.T
     of_a, of_b = np.flatnonzero(edge.flux[:, 0]), np.flatnonzero(edge.flux[:, 1])
@@ -71,17 +71,17 @@ def triangle_particles(a_to_b: Plan, a_to_c: Plan, b_to_c: Plan) -> Particles:
 def _onwards(
     mine: Indices, theirs: Indices, flux: Values, plan: Plan, *, own: int
 ) -> list[Particles]:
-    """Particles of the flux from one end of the edge A–B to C.
+    """Particles of the flux that is transported from A or B to C.
 
     Parameters
     ----------
-    mine, theirs : lobes at this end and at the other end
-    flux : flux at this end
-    own : 0 if this end is A, 1 if it is B
+    mine, theirs : lobe indices at this corner, and at the other corner of the edge A–B
+    flux : flux at this corner
+    own : 0 if this corner is A, 1 if it is B
     """
     share = flux / np.bincount(mine, flux, len(plan.fading))[mine]
 
-    # Distribute each particle in proportion to the moves of its lobe
+    # Split each particle in proportion to the matches of its lobe
     by_source = np.argsort(plan.source, kind="stable")
     start = np.searchsorted(plan.source[by_source], mine)
     count = np.searchsorted(plan.source[by_source], mine, side="right") - start
@@ -102,9 +102,9 @@ def _onwards(
 
 
 def _only_at_c(plan: Plan, other_plan: Plan, mine: Indices, *, own: int) -> Particles:
-    """Particles of the flux at C whose lobe at this end is in no particle of the edge.
+    """Particles of the flux at C from lobes that are in no particle of the edge A–B.
 
-    At the other end the lobe is the main source in `other_plan`.
+    The lobe at the other corner is the main source of flux in `other_plan`.
     """
     late = np.flatnonzero(~np.isin(plan.source, mine) & (plan.received > 0))
     target = plan.target[late]
@@ -139,7 +139,7 @@ def _joined(parts: list[Particles]) -> Particles:
 
 
 def _without_change(particles: Particles) -> Particles:
-    # Merge particles with equal lobes; drop the smallest and rescale the remaining ones
+    # Merge particles of equal lobes; drop the smallest and rescale all other particles
     corner, which = np.unique(particles.corner, axis=0, return_inverse=True)
     flux = np.stack(
         [

@@ -1,8 +1,8 @@
 """Adaptive quadtree over the hemisphere.
 
 The hemisphere is mapped to a disc by Lambert's equal-area map and to a square by the
-Shirley–Chiu map. Cells with the largest residuals of a plane fit are split, if all
-quarters contain points.
+Shirley–Chiu map. A plane is fitted to the values in each cell. Cells with the largest
+residuals are split, if all quarters of the cell contain points.
 """
 
 from dataclasses import dataclass
@@ -13,26 +13,25 @@ from jaxtyping import Bool, Float, Int
 from clerestory.array_types import Directions, Indices, Values
 from clerestory.hemisphere.shirley_chiu import square_from_disc
 
-# Halvings of the square down to the smallest cell, 0.3° wide.
+# Finest level: the square has 2^9 × 2^9 cells, 0.3° wide.
 FINEST = 9
 
-# Arrays over the cells of one level; levels differ in length
+# Arrays over the occupied cells of one level
 _LevelValues = Float[np.ndarray, " _"]
 _LevelMask = Bool[np.ndarray, " _"]
 
-# Smallest value in relative residuals, as a fraction of the mean value.
+# Lower limit of the value that divides residuals, as a fraction of the mean value.
 _FLOOR = 1e-2
 
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """Points of a hemisphere, grouped by cell.
+    """Cells of the hemisphere, with the points in each cell.
 
     Attributes
     ----------
-    level : halvings of the square down to each cell
-    first : index in `order` of the first point of each cell, followed by the number of
-        points
+    level : level of each cell; the square has 2^level cells along each axis
+    first : index in `order` of the first point of each cell; then the number of points
     order : indices of the points, sorted by cell
     """
 
@@ -54,7 +53,7 @@ class Cells:
         direction: Float[np.ndarray, "points 3"],
         weight: Float[np.ndarray, " points"],
     ) -> Float[np.ndarray, "cells 3"]:
-        """Unit vector to the weighted centroid of the points of each cell."""
+        """Weighted mean direction of the points of each cell."""
         weighted = (direction * weight[:, None])[self.order]
         total = np.add.reduceat(weighted, self.first[:-1], axis=0)
         return np.asarray(total / np.linalg.norm(total, axis=1, keepdims=True))
@@ -103,11 +102,11 @@ class Quadtree:
     def cut(self, most: int, *, coarsest: int = 0) -> Cells:
         """Return at most `most` cells, small where residuals of plane fits are large.
 
-        `coarsest`: smallest number of halvings, if all quarters contain points.
+        `coarsest`: level of the largest cells, if all quarters contain points.
         """
         levels = self._levels
-        # Rate each cell by the largest residual below it; exclude cells with an empty
-        # quarter
+        # Rate each cell by its largest residual over all finer levels; exclude cells
+        # with an empty quarter
         worth = [level.loss.copy() for level in levels]
         for k in range(len(levels) - 2, -1, -1):
             below = np.where(levels[k + 1].quarters == 4, worth[k + 1], 0)
@@ -155,7 +154,7 @@ class Quadtree:
 def _levels(
     code: Indices, a: Values, b: Values, values: Values, order: Indices
 ) -> list[_Level]:
-    # Fit planes from moments of the points about the centre of the square
+    # Calculate plane fits from the moments of the points about the centre of the square
     x, y, v = a[order] - 0.5, b[order] - 0.5, values[order]
     one = np.ones_like(v)
     moments = np.stack([one, x, y, x * x, x * y, y * y, v, v * x, v * y, v * v], -1)

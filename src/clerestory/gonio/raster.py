@@ -1,10 +1,10 @@
 """Rasterization of lobes on the cells of the unit square, with flux conserved.
 
-Every lobe is drawn near its centre on the grid on which it is about a cell wide, and
-normalized to its flux. Each grid is interpolated to the next finer one, so that the
-cost does not depend on the width of a lobe. The grids use Lambert's equal-area map, on
-which lobes are round; finally flux is resampled to the cells of tensor trees, which
-have equal projected solid angles.
+Each lobe is evaluated near its centre, on the grid whose cells are about as wide as the
+lobe, and normalized to its flux. Each grid is then interpolated to the next finer grid,
+so that the cost does not depend on the lobe width. The grids use Lambert's equal-area
+map, on which lobes are round; finally the BSDF is resampled to the cells of tensor
+trees, which have equal projected solid angles.
 """
 
 import functools
@@ -23,22 +23,22 @@ from clerestory.hemisphere.shirley_chiu import (
     square_from_disc,
 )
 
-# Halvings of the coarsest grid, with cells 9° wide.
+# The coarsest grid has 2^4 × 2^4 cells, 9° wide.
 _COARSEST = 4
 
-# Smallest radius of the lobes drawn on a grid, in cells …
+# Smallest radius of the lobes evaluated on a grid, in cell widths …
 _CELLS_PER_RADIUS = 0.75
 
-# … and number of cells drawn on each side of the centre: 3.3 radii of the widest lobe.
+# … and number of cells evaluated on each side of the lobe centre, in 3.3 lobe radii.
 _SIDE = 5
 
-# z of cells in the margin around the grid, where lobes vanish.
+# z of the cells in the margin around the grid, so that lobes are zero there.
 _UNREACHED = -1e4
 
-# Widening of lobes on the finest grid, in cells (added to the radius in quadrature).
+# Widening of lobes on the finest grid [cell widths], added in quadrature to the radius.
 _NARROWEST = 0.5
 
-# Halvings of a cell of the projected square for its sample points.
+# Each cell of the projected square has 2^2 × 2^2 sample points.
 _GATHER = 2
 
 
@@ -49,8 +49,8 @@ class Raster:
     Attributes
     ----------
     halvings : 2^halvings cells along each axis of the projected square
-    directions : unit vectors of the cells of each grid, from the coarsest grid on
-    gather : matrix from the finest grid to the projected square
+    directions : unit vectors of the cell centres of each grid, coarsest grid first
+    gather : interpolation matrix from the finest grid to the projected square
 
     Examples
     --------
@@ -71,7 +71,7 @@ class Raster:
 
     @property
     def finest(self) -> int:
-        """Halvings of the finest grid."""
+        """log2 of the number of cells along each axis of the finest grid."""
         return _COARSEST + len(self.directions) - 1
 
     def cells(self, lobes: Lobes) -> Values:
@@ -90,7 +90,7 @@ class Raster:
             values = _refined(values) if k else np.zeros(len(direction))
             of = np.flatnonzero(grid == k)
             if len(of):
-                # Draw lobes narrower: refinement widens them
+                # Evaluate narrower lobes: interpolation to finer grids widens them
                 left = len(width) - 1 - k
                 change = -0.25 * (1 - 0.25**left) if left else _NARROWEST**2
                 draw = _draw_near if k else _draw_everywhere
@@ -155,7 +155,7 @@ def _with_margin(wide: int) -> tuple[Values, Values, Values]:
 
 
 def _refined(values: Float[np.ndarray, " cells"]) -> Float[np.ndarray, " finer"]:
-    # Halve the cells by linear interpolation: 3/4 of a cell plus 1/4 of its neighbour
+    # Interpolate to half the cell width: 3/4 of a cell plus 1/4 of the adjacent cell
     wide = round(len(values) ** 0.5)
     table = values.reshape(wide, wide)
     for _ in range(2):

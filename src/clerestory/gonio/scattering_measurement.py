@@ -1,9 +1,9 @@
 """Measurements of one scattering function of a layer.
 
-A scan contains the light scattered from one incident direction; a measurement contains
-the scans of one scattering function of a sample. Directions are unit vectors that point
-away from the layer, in the frame of the window: x right and y up as seen from the room,
-and z ≥ 0 on both sides.
+A scan contains the BSDF values of one incident direction; a measurement contains the
+scans of one scattering function of a sample. Directions are unit vectors that point
+away from the layer, in window coordinates: x right and y up as seen from the room, and
+z ≥ 0 on both sides of the layer.
 """
 
 from collections.abc import Iterable
@@ -26,19 +26,19 @@ _FEWEST_POINTS = 4
 
 @dataclass(frozen=True, eq=False)
 class Scan:
-    """Light scattered from one incident direction.
+    """BSDF values measured for one incident direction.
 
     Attributes
     ----------
     incident : unit vector towards the source
-    leaving : unit vectors of the measured directions
-    values : BSDF at these directions [1/sr]; negative values from noise are allowed
+    leaving : unit vectors of the scattered directions
+    values : BSDF [1/sr]; negative values from noise are allowed
     source : file name, for error messages
 
     Raises
     ------
-    InputError : array lengths differ, values are not finite or not positive anywhere,
-        or there are too few points
+    InputError : array lengths differ, a value is not finite, no value is positive, or
+        there are fewer than four values
 
     Examples
     --------
@@ -101,12 +101,12 @@ class Measurement:
 
     Attributes
     ----------
-    scans : scans, one per incident direction
+    scans : scans with different incident directions
     function : name of the scattering function, such as "transmission_front"
-    channel : "visible", "cie-x", …
+    channel : spectral channel, such as "visible" or "cie-x"
     name : name of the sample
     claimed : symmetry stated in the file; None if not stated
-    notes : irregularities of the files and how they were resolved
+    notes : irregularities of the files and their treatment
 
     Raises
     ------
@@ -147,7 +147,7 @@ class Measurement:
 
 
 def merge_scans(scans: Iterable[Scan]) -> tuple[Scan, ...]:
-    """Return the scans; scans with the same incident direction are joined.
+    """Join scans with the same incident direction.
 
     Goniophotometers often scan a peak a second time at finer resolution.
     """

@@ -1,4 +1,4 @@
-"""Symmetry of a layer from the measured incident directions.
+"""Symmetry of a layer, deduced from the measured incident directions.
 
 - isotropic: no dependence on azimuth; directions in one plane suffice
 - quadrilateral: left–right and up–down mirror symmetry; one quadrant suffices
@@ -25,8 +25,8 @@ Symmetry = Literal[
 ]
 SYMMETRIES: tuple[Symmetry, ...] = get_args(Symmetry)
 
-# Polar angle below which azimuths are ignored, and distance within which an azimuth
-# counts as on an axis [°]; both as in pabopto2bsdf.
+# Polar angle [°] below which the azimuth is ignored, and largest difference [°] between
+# an azimuth and an axis that counts as zero; both as in pabopto2bsdf.
 _NEAR_NORMAL_DEG = 1.0
 _NEAR_AXIS_DEG = 1.0
 
@@ -47,9 +47,10 @@ def images(symmetry: Symmetry) -> Directions:
 
 
 def deduce_symmetry(incidents: Directions) -> Symmetry:
-    """Symmetry that incident directions imply, from the quadrants that they cover.
+    """Symmetry implied by the quadrants that contain incident directions.
 
-    Half a circle implies bilateral symmetry; rotational symmetry must be stated.
+    Two adjacent quadrants imply bilateral symmetry; rotational symmetry is never
+    deduced.
 
     >>> deduce_symmetry(np.array([[0, 0, 1.0], [0.5, 0, 0.866], [0.9, 0, 0.436]]))
     'isotropic'
@@ -91,8 +92,9 @@ def _on_axes(phi: Values) -> Symmetry:
 def fold(
     incident: Directions, symmetry: Symmetry, quadrant: Vector2
 ) -> tuple[Directions, Directions]:
-    """Directions mapped to the measured part, and the factors of the inverse map.
+    """Mirror images of directions in the measured part of the hemisphere.
 
+    The second array contains the factors of x, y and z (−1 or 1) of the mirror images.
     `quadrant`: signs of x and y in the measured part.
     """
     factor = np.ones_like(incident)
@@ -107,7 +109,7 @@ def fold(
 
 
 def measured_quadrant(incidents: Directions) -> Vector2:
-    """Signs of x and y in the quarter or half that contains the directions."""
+    """Signs of x and y in the measured quarter or half of the hemisphere."""
     middle = incidents[:, :2].sum(axis=0)
     return np.where(middle < -1e-9, -1.0, 1.0)
 
@@ -115,7 +117,7 @@ def measured_quadrant(incidents: Directions) -> Vector2:
 def within(
     triangles: Float[np.ndarray, "triangles 3 3"], symmetry: Symmetry, quadrant: Vector2
 ) -> Bool[np.ndarray, " triangles"]:
-    """Mask of the triangles that overlap the measured part."""
+    """Mask of the triangles that overlap the measured part of the hemisphere."""
     reach = np.max(triangles[:, :, :2] * quadrant, axis=1) > 1e-6
     x, y = reach.T
     if symmetry == "quadrilateral":

@@ -12,12 +12,12 @@ from clerestory.gonio.optimal_transport import Plan
 
 @dataclass(frozen=True, eq=False)
 class Network:
-    """Lobes at the vertices of a mesh, and a transport plan for each of its edges.
+    """Lobes at the vertices of a mesh, and transport plans along the mesh edges.
 
     Attributes
     ----------
     mesh : mesh of incident directions
-    lobes : lobes at each vertex
+    lobes : lobes at each incident direction of the mesh
     plans : transport plan of each edge
     quadrant : signs of x and y in the measured part of the hemisphere
     """
@@ -33,7 +33,7 @@ class Network:
         return self._plan(a, b), self._plan(a, c), self._plan(b, c)
 
     def known_plans(self) -> dict[bytes, Plan]:
-        """Return the plans by the keys of their edges, for `join`."""
+        """Transport plans by edge key, for reuse in `join`."""
         ends = self.mesh.vertices[self.mesh.edges]
         return dict(zip(map(edge_key, ends), self.plans, strict=True))
 
@@ -43,5 +43,5 @@ class Network:
 
 
 def edge_key(ends: Float[np.ndarray, "2 3"]) -> bytes:
-    """Return a key that identifies an edge by the directions of its ends."""
+    """Identifier of a mesh edge, from the incident directions at both ends."""
     return np.round(ends, 9).tobytes()

@@ -1,13 +1,13 @@
 """Refinement of transport plans by the expected motion of lobes.
 
 Beams of prisms and gratings move with the incident direction. If they move by more than
-half of the distance between beams, transport of least cost connects wrong beams. The
-motion of each lobe is therefore estimated from the initial plans (`lobe_motion`), over
-all edges of its vertex and nearby lobes. Transport is then planned from the expected
-positions at both ends, with a smaller reach. Distances are angles: distances in the
-disc are small near the horizon, to which the flux of diffusers would move. Motion is
-weighted by the fraction of squared displacements that it explains, which is small for
-diffusers.
+half of the distance between beams, transport of least cost matches wrong beams. The
+motion of each lobe is therefore estimated from the initial plans (`lobe_motion`). New
+plans are then calculated from the expected lobe positions at both ends of an edge, with
+a smaller reach. The cost uses angles, not distances in the unit disc: the latter are
+small near the horizon, to which the flux of diffusers would move. The estimated motion
+is weighted by the fraction of the variance of lobe displacements that it explains,
+which is small for diffusers.
 """
 
 from dataclasses import replace
@@ -24,14 +24,14 @@ from clerestory.gonio.parallel import map_in_order, silent
 from clerestory.gonio.transport_network import Network
 from clerestory.progress import Progress
 
-# Reach of a lobe beyond its radius, per displacement of undeviated light.
+# Reach of a lobe beyond its radius, per displacement of the undeviated direction.
 _REACH_PER_TURN = 0.5
 
 
 def refine_plans(
     network: Network, *, processes: int = 1, report: Progress = silent
 ) -> Network:
-    """Return a network with all plans refined by the expected motion of lobes."""
+    """Refine all transport plans by the expected motion of lobes."""
     every = np.arange(len(network.mesh.edges))
     return refine_some_plans(network, every, processes=processes, report=report)
 
@@ -39,9 +39,9 @@ def refine_plans(
 def refine_some_plans(
     network: Network, chosen: Indices, *, processes: int = 1, report: Progress = silent
 ) -> Network:
-    """Return a network with the plans of some edges refined, as in `refine_plans`.
+    """Refine the transport plans of some edges, as in `refine_plans`.
 
-    `chosen`: indices of the edges.
+    `chosen`: indices of these edges.
     """
     follow = mean_motion(network)
     edges = network.mesh.edges[chosen]
@@ -62,7 +62,7 @@ def refine_some_plans(
 def _missed(
     start: LobeMotion, end: LobeMotion, turn: Vector2
 ) -> Float[np.ndarray, "start end"]:
-    # Angles between lobes and expected positions, plus distances beyond the rim
+    # Angles between lobes and expected positions, plus distances outside the unit disc
     onward, over = _lifted(start.expected(turn))
     back, short = _lifted(end.expected(-turn))
     there = angle_table(onward, end.lobes.centre) + over[:, None]
@@ -71,7 +71,7 @@ def _missed(
 
 
 def _lifted(disc: Points2) -> tuple[Directions, Values]:
-    # Directions of positions in the disc, and distances of positions beyond its rim
+    # Directions of positions in the unit disc, and distances of positions outside it
     beyond = np.maximum(np.linalg.norm(disc, axis=1) - 1, 0)
     return directions_over_disc(disc), beyond
 

@@ -2,8 +2,8 @@
 
 The lobes of each incident cell are rasterized on the grid of exit cells; flux is
 conserved. Incident cells are processed in blocks, and similar cells are merged after
-each block. A tree of 2^7 cells along each axis, with 268 million values, is therefore
-never in memory as a whole.
+each block, because the 268 million values of 2^7 cells along each axis need too much
+memory.
 """
 
 from collections.abc import Iterator
@@ -26,30 +26,30 @@ from clerestory.gonio.symmetry import Symmetry, images
 from clerestory.hemisphere.shirley_chiu import directions_from_square
 from clerestory.progress import Progress
 
-# Levels in a block, counted from the smallest cells.
+# Number of tree levels in a block, counted from the smallest cells.
 _BLOCK = 3
 
-# Largest number of halvings for each rank, limited by time and memory.
+# Largest number of tree levels by rank, limited by time and memory.
 _DEEPEST: dict[int, int] = {4: 7, 3: 8}
 
-# Constant added to values in relative differences [1/sr].
+# Constant added to the mean BSDF that divides differences [1/sr].
 _FLOOR = 0.01
 
 
 class Source(Protocol):
-    """Provider of lobes for every incident direction, such as an interpolant."""
+    """Scattering function given by lobes for every incident direction."""
 
     @property
     def symmetry(self) -> Symmetry:
         """Symmetry of the layer."""
 
     def lobes_of(self, incident: Directions) -> Iterator[Lobes]:
-        """Yield the lobes of the scattered light for each incident direction."""
+        """Lobes of the scattered light for each incident direction."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Forest:
-    # Subtrees of one block: slots of the roots, and all slots below the roots
+    # Subtrees of one block: slots of the roots, and slots of all levels below the roots
     roots: Int32[np.ndarray, " subtrees"]
     slots: Slots
 
@@ -66,8 +66,8 @@ def to_tree(
 
     Parameters
     ----------
-    halvings : the smallest cells have edge 2^-halvings
-    tolerance : largest relative difference between cells that are merged
+    halvings : number of tree levels; the smallest cells have edge 2^-halvings
+    tolerance : largest relative BSDF difference between cells that are merged
     """
     rank: Literal[3, 4] = 3 if interpolant.symmetry == "isotropic" else 4
     if not 1 <= halvings <= _DEEPEST[rank]:
@@ -90,7 +90,7 @@ def to_tree(
 
 
 def _rank_3(interpolant: Source, halvings: int, tolerance: float) -> ScatteringTree:
-    # First coordinate: half the distance from the rim; its second half is unused
+    # The first coordinate is half the distance from the rim of the disc: at most 1/2
     wide, raster = 1 << halvings, Raster.of(halvings)
     radius = 1 - 2 * (np.arange(wide // 2) + 0.5) / wide
     height = np.sqrt(1 - radius**2)
@@ -109,7 +109,7 @@ def _rank_3(interpolant: Source, halvings: int, tolerance: float) -> ScatteringT
 def _images(
     interpolant: Source, block: tuple[int, int], wide: int
 ) -> dict[tuple[int, int], tuple[bool, bool]]:
-    # Mirror images of a block, and which of its two axes each image reverses
+    # Mirror images of a block; for each image, flags of the reversed axes
     found: dict[tuple[int, int], tuple[bool, bool]] = {}
     for x, y, _ in images(interpolant.symmetry) < 0:
         flip = bool(x), bool(y)
@@ -128,7 +128,7 @@ def _first_image(interpolant: Source, block: tuple[int, int], wide: int) -> bool
 def _drawn_block(
     work: tuple[Source, tuple[int, int], int, int, float],
 ) -> dict[tuple[int, int], _Forest]:
-    # Rasterize the incident cells of a block; build the subtrees of all its images
+    # Rasterize the incident cells of a block; build subtrees of all mirror images
     interpolant, block, halvings, within, tolerance = work
     wide, part = 1 << halvings, 1 << within
     raster = Raster.of(halvings)
@@ -155,7 +155,7 @@ def _grown(
     halvings: int,
     tolerance: float,
 ) -> _Forest:
-    """Build subtrees with similar cells merged, one per row of `leaves`."""
+    """Build one subtree per row of `leaves`; similar cells are merged."""
     width = 1 << rank
     mean, least, most = [leaves], [leaves], [leaves]
     for _ in range(halvings):
@@ -187,7 +187,7 @@ def _moved(slots: Slots, by: int) -> Slots:
 
 
 def _assembled(forests: list[_Forest], halvings: int, within: int) -> ScatteringTree:
-    # Build a full tree whose leaves are the roots of the subtrees
+    # Build the upper levels, at the leaves of which the subtrees are attached
     top = halvings - within
     size = sum(16**level for level in range(top + 1))
     roots: list[Int32[np.ndarray, " subtrees"]] = []

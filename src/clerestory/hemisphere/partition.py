@@ -27,8 +27,8 @@ class RingPartition:
     Attributes
     ----------
     name : name in files and messages
-    count : patches per ring, in the order of patch numbers
-    theta : polar limits of the rings [rad], from 0 to π/2 or from π/2 to 0
+    count : number of patches in each ring, in the order of patch numbers
+    theta : polar angles of the ring limits [rad], from 0 to π/2 or from π/2 to 0
     azimuth : "compass" from +y towards +x (skies) or "polar" from +x towards +y
         (windows)
 
@@ -70,7 +70,7 @@ class RingPartition:
         return np.asarray(np.cumsum(self.count) - self.count)
 
     def matches(self, other: "RingPartition") -> bool:
-        """Whether both have the same patches; names are ignored."""
+        """Whether two partitions have the same patches; names are ignored."""
         return (
             self.azimuth == other.azimuth
             and np.array_equal(self.count, other.count)
@@ -85,8 +85,8 @@ class RingPartition:
     def projected_solid_angles(self) -> Values:
         """Solid angle of each patch weighted by the cosine to the pole [sr].
 
-        A patch of uniform radiance L sends the irradiance ΛL to the plane, with
-        Λ the value returned here. The values sum to π.
+        A patch of uniform radiance L and projected solid angle Λ causes the
+        irradiance ΛL on the base plane. The values sum to π.
         """
         ring = np.pi * np.abs(np.diff(np.sin(self.theta) ** 2))
         return np.repeat(ring / self.count, self.count)
@@ -123,8 +123,8 @@ class RingPartition:
 
         Parameters
         ----------
-        patch : patch numbers
-        u : points of the unit square, one per direction
+        patch : number of the patch of each direction
+        u : random points in the unit square, one per direction
         """
         ring = np.repeat(np.arange(len(self.count)), self.count)[patch]
         low, high = np.sin(self.theta[ring]) ** 2, np.sin(self.theta[ring + 1]) ** 2

@@ -36,7 +36,7 @@ class PatchTable:
 
     Attributes
     ----------
-    partition : partition that is looked up
+    partition : partition of the hemisphere
     patch : patch number of each cell, x-major; -1 if a boundary crosses the cell
     """
 
@@ -44,7 +44,7 @@ class PatchTable:
     patch: Int16[np.ndarray, " cells"]
 
     def find(self, x: Values, y: Values, z: Values) -> Indices:
-        """Patch of each direction, mirrored upwards if below the horizon."""
+        """Patch number of each direction; downward directions are mirrored upwards."""
         length = x * x + y * y + z * z
         length -= 1
         if np.abs(length, out=length).max(initial=0) > _NOT_UNIT:
@@ -60,7 +60,7 @@ class PatchTable:
 
 
 def find_patches(partition: RingPartition, direction: Directions) -> Indices:
-    """Patch that contains each unit vector, mirrored upwards if below the horizon.
+    """Patch number of each unit vector; downward vectors are mirrored upwards.
 
     >>> from clerestory.hemisphere.klems import klems
     >>> find_patches(klems("full"), np.array([[0.6, 0.0, -0.8]])).tolist()
@@ -89,7 +89,8 @@ def _table(
     line = np.linspace(_LEAST, _MOST, _CELLS + 1)
     corner = _on_disc(partition, *np.meshgrid(line, line, indexing="ij"))
 
-    # If one patch contains all corners, only the point nearest the pole may lie outside
+    # If one patch contains all corners of a cell, only the point nearest the pole may
+    # lie in another patch
     nearest = np.clip(0, line[:-1], line[1:])
     middle = _on_disc(partition, *np.meshgrid(nearest, nearest, indexing="ij"))
     ring = np.repeat(np.arange(len(partition.count)), partition.count)

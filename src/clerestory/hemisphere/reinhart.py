@@ -49,7 +49,7 @@ class SkyPartition:
         return self.subdivision == other.subdivision
 
     def find(self, direction: Directions) -> Indices:
-        """Patch that each direction points to; 0 at and below the horizon."""
+        """Patch number of each direction; 0 at and below the horizon."""
         return self.dome.find(direction) + 1
 
     def solid_angles(self) -> Values:

@@ -1,7 +1,6 @@
 """Sums, scaling, cropping and reduction of pictures.
 
-The view of a result describes its own pixels: the view of a cropped picture is narrower
-and shifted.
+The view of a picture is adapted to the result: cropping narrows and shifts it.
 """
 
 from collections.abc import Sequence
@@ -19,7 +18,7 @@ Colour = tuple[float, float, float]
 
 
 def scale(picture: Picture, factor: float | Colour) -> Picture:
-    """Return a picture times one factor, or times factors for red, green and blue."""
+    """Return a picture multiplied by one factor, or one per channel."""
     values = np.asarray(factor, dtype=np.float32)
     if not np.isfinite(values).all():
         raise InputError(f"factor {factor}; finite numbers expected")
@@ -92,14 +91,14 @@ def masked(
 
 
 def within_view(picture: Picture) -> Bool[np.ndarray, "row column"]:
-    """Whether each pixel lies within the view: a disc in hemispherical projections."""
+    """Whether each pixel lies within the view, which is a disc in fisheye views."""
     if picture.view is None:
         return np.ones(picture.radiance.shape[:2], dtype=bool)
     return picture.view.rays(picture.columns, picture.rows).valid
 
 
 def crop(picture: Picture, *, left: int, top: int, columns: int, rows: int) -> Picture:
-    """Return the part of `columns` × `rows` pixels whose corner is (`top`, `left`).
+    """Return the `columns` × `rows` pixels from row `top` and column `left`.
 
     The view is reduced accordingly, so that the directions and solid angles of the
     pixels are unchanged.
@@ -127,7 +126,7 @@ def crop(picture: Picture, *, left: int, top: int, columns: int, rows: int) -> P
 
 
 def _part(view: View, start: tuple[float, float], share: tuple[float, float]) -> View:
-    # View of the part that begins at `start`; both in fractions of width and height
+    # `start`: bottom left corner, `share`: size, as fractions of width and height
     projection = PROJECTIONS[view.kind]
     half = projection.extent(view.horizontal, view.vertical)
     horizontal, vertical = projection.angles(half[0] * share[0], half[1] * share[1])
@@ -143,7 +142,7 @@ def _part(view: View, start: tuple[float, float], share: tuple[float, float]) ->
 def reduce(picture: Picture, *, columns: int, rows: int) -> Picture:
     """Return a smaller picture whose pixels are area averages.
 
-    The integral over the picture is conserved. Source pixels that overlap several new
+    The integral over the picture area is conserved. Pixels that overlap several new
     pixels contribute to each of them in proportion to the overlap.
 
     Raises
@@ -177,7 +176,7 @@ def reduce(picture: Picture, *, columns: int, rows: int) -> Picture:
 def _average(
     lines: Float[np.ndarray, "old width"], count: int
 ) -> Float[np.ndarray, "new width"]:
-    # Differences of the integral over the lines, interpolated at the new boundaries
+    # Means are differences of the cumulative sum, interpolated at the new boundaries
     integral = np.zeros((lines.shape[0] + 1, lines.shape[1]))
     np.cumsum(lines, axis=0, dtype=float, out=integral[1:])
     border = np.linspace(0, lines.shape[0], count + 1)

@@ -27,11 +27,11 @@ _MIDDLE = 128
 
 @dataclass(frozen=True, eq=False)
 class ResponseCurve:
-    """Relative exposure of each pixel value of red, green and blue.
+    """Relative exposure as a function of pixel value, for red, green and blue.
 
     Attributes
     ----------
-    exposure : relative exposure of the 256 pixel values, 1 at value 128
+    exposure : relative exposure at the pixel values 0…255, normalised to 1 at 128
 
     Raises
     ------
@@ -55,27 +55,27 @@ class ResponseCurve:
         object.__setattr__(self, "exposure", curve / curve[_MIDDLE])
 
     def monotonic(self) -> "ResponseCurve":
-        """Return the smallest non-decreasing curve that is not below this curve."""
+        """Return the lowest non-decreasing curve that is nowhere below this curve."""
         rising = np.maximum.accumulate(np.maximum(self.exposure, 0), axis=0)
         return ResponseCurve(rising)
 
 
 def srgb_response() -> ResponseCurve:
-    """Return the curve of sRGB (IEC 61966-2-1), an approximation for most cameras."""
+    """Return the sRGB curve (IEC 61966-2-1), which approximates most cameras."""
     value = np.arange(LEVELS) / (LEVELS - 1)
     linear = np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
     return ResponseCurve(np.repeat(linear[:, None], 3, axis=1))
 
 
 def linear_response() -> ResponseCurve:
-    """Return the curve of photographs developed from raw data without a tone curve."""
+    """Return the linear curve, for raw photographs developed without a tone curve."""
     return ResponseCurve(np.repeat(np.arange(LEVELS, dtype=float)[:, None], 3, axis=1))
 
 
 def response_named(
     name: str, photographs: Sequence[Photograph], exposures: Sequence[Exposure]
 ) -> ResponseCurve:
-    """Return the response named debevec, robertson, srgb or linear, or from a file."""
+    """Return a response curve: debevec, robertson, srgb, linear, or a file path."""
     if name in get_args(Method):
         return recover_response(photographs, exposures, method=name)  # type: ignore[arg-type]
     if name == "srgb":
@@ -89,7 +89,7 @@ def recover_response(
     *,
     method: Method = "debevec",
 ) -> ResponseCurve:
-    """Return the response that best fits an exposure bracket of one scene.
+    """Return the response curve that best fits an exposure bracket of one scene.
 
     Requires a scene with smooth gradients, a fixed camera, and overlapping exposures
     about one stop apart.
@@ -146,7 +146,7 @@ def check_bracket(
 
 
 def write_response(curve: ResponseCurve, path: str | Path) -> None:
-    """Write a response as a table: value, red, green, blue.
+    """Write a response curve as a table with columns value, red, green and blue.
 
     Raises
     ------
@@ -160,7 +160,7 @@ def write_response(curve: ResponseCurve, path: str | Path) -> None:
 
 
 def read_response(path: str | Path) -> ResponseCurve:
-    """Read a response: a table of `write_response`, or .rsp polynomials of hdrgen.
+    """Read a response curve: a table by `write_response`, or an .rsp file of hdrgen.
 
     Raises
     ------

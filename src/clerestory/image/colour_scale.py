@@ -12,10 +12,10 @@ from clerestory.errors import InputError
 from clerestory.image.arithmetic import within_view
 from clerestory.image.picture import Picture, photometric
 
-# Percentile of the pixel values that an automatic scale covers
+# Percentile of the pixel values at the upper limit of an automatic scale
 _COVERED = 99.5
 
-# Levels within a decade
+# Round numbers within a decade
 _DECADE = (1.0, 2.0, 5.0)
 
 
@@ -25,8 +25,8 @@ class ColourScale:
 
     Attributes
     ----------
-    smallest, largest : values of the first and the last colour [cd/m² or lux]
-    levels : increasing values of the legend and of contours
+    smallest, largest : values shown in the first and the last colour [cd/m² or lux]
+    levels : increasing values that are labelled in the legend and drawn as contours
     logarithmic : whether the scale is logarithmic instead of linear
     palette : name of a matplotlib colour map; "gnuplot" resembles Radiance's pm3d
 
@@ -63,7 +63,7 @@ class ColourScale:
             raise InputError("two or more increasing levels expected")
 
     def place(self, values: Float[np.ndarray, "*batch"]) -> Float[np.ndarray, "*batch"]:
-        """Positions of values on the scale, 0…1."""
+        """Positions of values on the scale, from 0 (`smallest`) to 1 (`largest`)."""
         if self.logarithmic:
             ratio = np.maximum(values, self.smallest) / self.smallest
             place = np.log(ratio) / np.log(self.largest / self.smallest)
@@ -72,7 +72,7 @@ class ColourScale:
         return np.asarray(np.clip(place, 0, 1))
 
     def colours(self, place: Float[np.ndarray, "*batch"]) -> UInt8[np.ndarray, "..."]:
-        """Colours in sRGB at positions 0…1 of the scale."""
+        """Colours (sRGB) at positions 0…1 of the scale."""
         table = mpl.colormaps[self.palette](np.linspace(0, 1, 1024))[:, :3]
         codes = np.round(255 * table).astype(np.uint8)
         found: np.ndarray = codes[np.round(np.asarray(place) * 1023).astype(int)]
@@ -91,7 +91,7 @@ def linear_scale(
 
     Parameters
     ----------
-    picture : picture that sets the automatic range
+    picture : picture whose pixel values determine the automatic range
     smallest, largest : limits of the scale; default of `largest`: a round number above
         99.5 % of the pixels
     divisions : number of intervals between levels; approximate, with round levels, if
@@ -123,7 +123,7 @@ def logarithmic_scale(
 
     Parameters
     ----------
-    picture : picture that sets the automatic range
+    picture : picture whose pixel values determine the automatic range
     largest : upper limit; default: a round number above 99.5 % of the pixels
     decades : number of decades that the scale spans
     palette : name of a matplotlib colour map
@@ -145,7 +145,7 @@ def logarithmic_scale(
 
 
 def round_up(value: float, steps: Sequence[float] = (*_DECADE, 10.0)) -> float:
-    """Return the smallest of …, 1, 2, 5, 10, … not below a value; 1 if ≤ 0.
+    """Return the next 1, 2 or 5 times a power of ten not below a value; 1 if ≤ 0.
 
     >>> round_up(321.0), round_up(0.0)
     (500.0, 1.0)

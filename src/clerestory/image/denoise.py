@@ -1,8 +1,7 @@
-"""Denoising of traced pictures by a neural network (Intel Open Image Denoise).
+"""Denoising of ray-traced pictures by a neural network (Intel Open Image Denoise).
 
-Intel Open Image Denoise estimates the picture without noise, for display: the estimate
-has no standard error and may be biased near edges. The header of a denoised picture
-records the denoising, and metrics warn of it.
+A denoised picture is for display, not for photometry: its errors are unknown, and
+radiances may be biased near edges. Its header records the denoising.
 
 Reference: A. Áfra, Intel Open Image Denoise, 2019–2026, openimagedenoise.org.
 """

@@ -36,7 +36,7 @@ class Merged(NamedTuple):
 
     Attributes
     ----------
-    picture : radiances up to a common factor
+    picture : radiances, known up to a common factor
     overflow : whether each pixel is saturated in the shortest exposure; its radiance is
         too low
     underflow : whether each pixel is too dark in the longest exposure
@@ -61,7 +61,7 @@ def merge_photographs(
     ----------
     times : exposure time of each photograph [s]; default: from the EXIF data
     response : name or file of the camera response, see `response_named`
-    align_first : whether to align the photographs first, for a camera that moved
+    align_first : whether to align the photographs before merging, if the camera moved
     progress : function called with the completed fraction and a note
 
     Raises
@@ -97,8 +97,8 @@ def merge_bracket(
 ) -> Merged:
     """Return the high-dynamic-range picture of a bracket of photographs.
 
-    The weight of a pixel value is its distance from the nearer end of the scale times
-    the exposure, which reduces noise.
+    The weight of a pixel value is the smaller of its distances from 0 and 255, times
+    the exposure, because relative noise decreases with exposure.
 
     Raises
     ------
@@ -128,7 +128,6 @@ def merge_bracket(
         light = exposures[i].relative()
         for channel in range(3):
             pixels = photographs[i][..., channel]
-            # Relative noise decreases with exposure: weight by exposure
             counts = (trust * light)[pixels]
             total[..., channel] += (
                 counts * (response.exposure[:, channel] / light)[pixels]
@@ -158,7 +157,7 @@ def _radiance(
 
 
 def align(photographs: Sequence[Photograph]) -> list[Photograph]:
-    """Return photographs shifted into alignment, for a camera that moved.
+    """Return the photographs of a moving camera shifted into alignment.
 
     References
     ----------

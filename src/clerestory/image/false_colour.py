@@ -75,7 +75,7 @@ def _padded(pixels: Pixels, height: int) -> UInt8[np.ndarray, "height column 3"]
 
 
 def _steps(values: np.ndarray, scale: ColourScale) -> Pixels:
-    # Each interval between levels has its mid-colour
+    # Each interval between levels is filled with the colour of its middle
     ends = scale.place(np.array(scale.levels))
     step = np.searchsorted(scale.levels, values, side="right") - 1
     step = np.clip(step, 0, len(ends) - 2)
@@ -88,7 +88,7 @@ def _with_bands(background: Pixels, values: np.ndarray, scale: ColourScale) -> P
     place = scale.place(values)
     nearest = np.searchsorted((ends[:-1] + ends[1:]) / 2, place)
     inside = np.abs(place - ends[nearest]) < _BAND * np.diff(ends).min() / 2
-    # Outside the range there are no levels
+    # Draw no bands at values beyond the first or last level
     inside &= (values > scale.levels[0]) & (values < scale.levels[-1])
     pixels: np.ndarray = np.where(
         inside[..., None], scale.colours(ends[nearest]), background
@@ -137,7 +137,7 @@ def _with_extremes(
         row, column = divmod(place, columns)
         text = value_word(float(values[row, column]))
         width, height = text_size(text, letters)
-        # Label right of the mark if there is space, otherwise left; within the picture
+        # Place the label right of the mark if there is space, otherwise left
         x = column + 2 * radius
         x = x if x + width < columns else column - 2 * radius - width
         y = min(max(row - height // 2, 1), max(rows - height - 3, 1))

@@ -28,7 +28,7 @@ class Lens:
 
     Attributes
     ----------
-    mapping : function of the angle θ to which the radius is proportional: θ
+    mapping : image radius as a function of the angle θ, up to a factor: θ
         ("equidistant"), sin θ/2 ("equisolid"), sin θ ("orthographic"), tan θ/2
         ("stereographic"), or a polynomial of θ
     coefficients : polynomial coefficients of θ, θ², … [1/rad, 1/rad², …], to any scale
@@ -121,13 +121,13 @@ def reproject(
     """Return the picture reprojected to a view; black outside the field of the lens.
 
     Each pixel is the mean of n × n samples, where n is about the number of photograph
-    pixels across it. This approximately conserves flux, so that the solid angles of the
-    new view yield the correct illuminance.
+    pixels across the pixel. Flux is approximately conserved, so that the illuminance
+    computed from the new view is correct.
 
     Parameters
     ----------
-    lens, circle : lens and image circle of the photograph; its top is the up
-        direction of the view
+    lens, circle : lens and image circle of the photograph; the top of the photograph
+        is the up direction of the view
     view : target view; its position and direction are not changed
     columns, rows : size of the result in pixels
 

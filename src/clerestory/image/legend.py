@@ -38,8 +38,8 @@ def legend(
 
     Parameters
     ----------
-    scale : colours and levels; levels whose labels would overlap are left out
-    unit : unit, shown at the top
+    scale : colour scale; labels that would overlap are left out
+    unit : unit of the values, shown at the top
     height : minimum height [pixels]; the legend is higher if the text requires it
     """
     letters = font(int(np.clip(height * _LETTERS, _SMALLEST, _LARGEST)))

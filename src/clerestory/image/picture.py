@@ -29,7 +29,7 @@ class Picture:
     header : other header lines of the file, such as commands and notes
     pixel_aspect : ratio of height to width of a pixel
     quantity : "radiance" or "irradiance"
-    bands : spectral bands of the channels; files hold RGB
+    bands : spectral bands of the channels; picture files always contain RGB
 
     Raises
     ------

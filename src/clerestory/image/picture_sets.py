@@ -19,7 +19,7 @@ _ENDINGS = (".hdr", ".pic", ".exr")
 
 
 def is_picture_set(path: Path) -> bool:
-    """Whether a name has a number format, such as %03d, and a picture extension.
+    """Whether a file name has a number format such as %03d and a picture extension.
 
     >>> is_picture_set(Path("V_%03d.hdr")), is_picture_set(Path("V.mtx"))
     (True, False)
@@ -28,7 +28,7 @@ def is_picture_set(path: Path) -> bool:
 
 
 def numbered(path: Path, number: int) -> Path:
-    """Return the name of one picture of a set.
+    """Return the file name of one picture of a set.
 
     >>> str(numbered(Path("V_%03d.hdr"), 7))
     'V_007.hdr'
@@ -75,7 +75,7 @@ def write_picture_set(
 ) -> list[Path]:
     """Write one picture per column, with the size and view of `like`; return the paths.
 
-    For a single column the name needs no number format.
+    For a single column the file name needs no number format.
     """
     columns = matrix.columns.size
     if "%" not in path.name and columns > 1:

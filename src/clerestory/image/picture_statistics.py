@@ -17,7 +17,7 @@ class Statistics:
     ----------
     pixels : number of evaluated pixels
     smallest, mean, largest : minimum, mean and maximum over pixels, equally weighted
-    percentile : pairs of a percentage and the corresponding percentile
+    percentile : pairs (percentage, luminance not exceeded by that percentage of pixels)
     unit : cd/m² or lux
     """
 
@@ -30,7 +30,7 @@ class Statistics:
 
     @property
     def median(self) -> float:
-        """Median of the pixels."""
+        """Median over the pixels [cd/m² or lux]."""
         return dict(self.percentile)[50.0]
 
 

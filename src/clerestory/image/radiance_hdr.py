@@ -97,7 +97,7 @@ def write_radiance(
     Parameters
     ----------
     picture, path : picture to write, and path of the file
-    exposure : factor of the pixels, recorded in the header
+    exposure : factor applied to the pixel values and recorded in the header
     xyz : whether to write CIE XYZ instead of red, green and blue
 
     Raises
@@ -132,7 +132,7 @@ def _header(picture: Picture, scale: float, *, xyz: bool) -> str:
 
 
 def _kept_lines(picture: Picture) -> list[str]:
-    # One line each; a leading tab keeps programs from reading them as the view
+    # A leading tab hides "VIEW=" lines from programs if the picture has no view
     lines = [" ".join(line.splitlines()) for line in picture.header if line.strip()]
     if picture.view is not None:
         return lines

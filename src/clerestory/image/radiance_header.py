@@ -67,7 +67,7 @@ class Header:
     Attributes
     ----------
     encoding : "rgb" or "xyz"
-    scale : factor of the pixels, per channel
+    scale : factor contained in the pixel values of each channel (exposure, COLORCORR)
     """
 
     encoding: str = "rgb"
@@ -144,7 +144,7 @@ def parse_header(lines: list[str]) -> Header:
 
 
 def _take(line: str, header: Header) -> bool:
-    # Whether the fields of the header hold all information of the line
+    # Whether the fields of the header contain all information of the line
     name, equals, value = line.partition("=")
     if equals and name == "FORMAT":
         header.encoding = _encoding(value.strip())

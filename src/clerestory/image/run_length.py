@@ -3,7 +3,7 @@
 A scanline in the new format starts with the bytes 2, 2 and its length (high, low byte).
 Its four components follow in turn, each as a sequence of literals (a count up to 128,
 then as many bytes) and runs (128 + count, then the byte to repeat). In the old format
-whole pixels follow each other, and 1 1 1 n repeats the last pixel n times; successive
+whole pixels follow each other, and 1 1 1 n repeats the last pixel n times; consecutive
 repetitions give the bytes of the count, lowest first.
 """
 

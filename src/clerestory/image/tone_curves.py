@@ -1,7 +1,7 @@
 """Global tone mapping, linear or by a film response curve.
 
-The result is display-referred: red, green and blue, linear, 0 black and 1 white. See
-`visibility_matching` for the mapping that preserves visibility.
+Results are display-referred: linear red, green and blue from 0 (black) to 1 (white).
+The module `visibility_matching` contains the tone mapping that preserves visibility.
 """
 
 import numpy as np

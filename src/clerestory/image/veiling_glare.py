@@ -11,8 +11,8 @@ from clerestory.image.picture import Picture
 from clerestory.scene.projection import PROJECTIONS
 from clerestory.scene.view import View
 
-# Fraction of light that is scattered: Moon and Spencer (1945), as in Ward Larson et
-# al. (1997), eq. 8, and pcond
+# Fraction of luminous flux scattered in the eye: Moon and Spencer (1945), as in Ward
+# Larson et al. (1997), eq. 8, and pcond
 _SCATTERED = 0.08
 
 # Width of the fovea [rad], and assumed width of an unknown view [°]
@@ -63,8 +63,8 @@ def foveal_view(picture: Picture) -> FovealView:
 def with_veil(picture: Picture) -> Picture:
     """Return the picture on the retina, with veiling luminance.
 
-    8 % of the light is distributed over the view with cos θ / θ², where θ is the angle
-    between source and line of sight; total flux is approximately conserved. Sources
+    8 % of the luminous flux is scattered over the view in proportion to cos θ / θ²,
+    where θ is the angle to the source; total flux is approximately conserved. Sources
     are averages over one degree, or two degrees in a fisheye view.
 
     References

@@ -82,7 +82,7 @@ def human_vision(
     ----------
     picture : picture to map; without a view, a width of 40° is assumed
     contrast_sensitivity : whether to model the lower contrast sensitivity of the eye in
-        the dark; otherwise contrast is only not exaggerated
+        the dark; otherwise contrast is limited to that of the scene
     colour_loss : whether to model the loss of colour vision in the dark
     veil : whether to add veiling luminance around bright sources; slow for fisheyes
     screen : display on which the result is shown

@@ -1,7 +1,7 @@
 """Axes of transfer matrices: the meaning of their rows and columns.
 
-Rows receive, columns send. Two matrices can be multiplied if the columns of the left
-matrix and the rows of the right matrix have the same meaning.
+Rows are receivers, columns are senders. Two matrices can be multiplied if the columns
+of the left matrix and the rows of the right matrix have the same meaning.
 """
 
 from dataclasses import dataclass, replace
@@ -50,7 +50,7 @@ class Axis:
     names: tuple[str, ...] | None = None
 
     def describe(self) -> str:
-        """Return a text for messages: "145 window patches on the room side"."""
+        """Return a description such as "145 window patches on the room side"."""
         text = f"{self.size} {_MEANING[self.kind]}"
         if self.partition is not None:
             text += f" ({self.partition.name})"

@@ -1,6 +1,6 @@
 """NetCDF files of transfer matrices: values, standard errors, bands and axes.
 
-NetCDF-4 files, readable by xarray, Panoply or ncdump, with a variable `values`
+A NetCDF-4 file, readable by xarray, Panoply or ncdump, has a variable `values`
 (channel, row, column), a variable `components` (component, channel, row, column) if
 there is a statistical error, and variables `rows` and `columns` whose attributes label
 the axes. Attributes of `values` name the spectral bands; files without these attributes
@@ -90,7 +90,7 @@ def read_netcdf(path: str | Path) -> TransferMatrix:
             return _read(data)
         except InputError:
             raise
-        except Exception as error:  # HDF5 reports damage by many kinds of exception
+        except Exception as error:  # HDF5 raises many exception types on damage
             reason = " ".join(str(error).split()) or type(error).__name__
             raise InputError(
                 f"damaged or not NetCDF-4 ({reason[:120]}); a matrix file expected"
@@ -121,7 +121,7 @@ def seal(data: memoryview) -> bytes:
 def _add(
     file: h5netcdf.File, name: str, dimensions: tuple[str, ...], data: np.ndarray
 ) -> Any:
-    # The checksum of HDF5 detects bits that flipped on disk
+    # HDF5 checksum against bit errors on disk
     check = {"fletcher32": True} if data.size else {}
     return file.create_variable(
         name, dimensions, data=np.ascontiguousarray(data), **check

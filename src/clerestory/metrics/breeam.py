@@ -1,11 +1,12 @@
 """BREEAM Hea 01, visual comfort: daylighting criteria.
 
-Illuminance criterion: the mean illuminance of the room and the illuminance at its
-darkest point reach limits for a number of hours a year. Daylight factor criterion: the
-mean daylight factor reaches a limit, and the uniformity or the minimum another.
+Illuminance criterion: the mean illuminance of the room and the illuminance at the
+darkest point reach their limits for a number of hours a year. Daylight factor
+criterion: the mean daylight factor reaches a limit, and so does either the uniformity
+or the minimum daylight factor.
 
 Reference: BRE Global, BREEAM UK New Construction 2018 (SD5078), Hea 01, tables 5.1
-and 5.2. Limits differ by building type; those of offices are the defaults.
+and 5.2. Limits differ by building type; the defaults are those of offices.
 """
 
 from typing import NamedTuple
@@ -22,9 +23,9 @@ class IlluminanceCriterion(NamedTuple):
 
     Attributes
     ----------
-    mean_hours, worst_hours : hours in which the mean and the darkest point of the room
-        reach their limits [h]
-    passed : whether both are reached in enough hours
+    mean_hours, worst_hours : hours in which the mean illuminance and the illuminance at
+        the darkest point reach their limits [h]
+    passed : whether both numbers of hours reach the required hours
     """
 
     mean_hours: float
@@ -45,7 +46,8 @@ def illuminance_criterion(
     Parameters
     ----------
     illuminance : illuminance of one room at all hours [lux], over (sensor, time)
-    mean_lux, worst_lux, hours : limits of the criterion
+    mean_lux, worst_lux : limits of the mean and of the lowest illuminance [lux]
+    hours : required hours [h]
     step_hours : length of a time step [h]
 
     >>> lux = xr.DataArray(np.full((2, 2100), 350.0), dims=("sensor", "time"))
@@ -67,13 +69,14 @@ def factor_criterion(
     uniformity: float = 0.3,
     minimum: float | None = None,
 ) -> bool:
-    """Return whether daylight factors meet the criterion.
+    """Return whether a room meets the daylight factor criterion.
 
     Parameters
     ----------
-    factor : daylight factor of each sensor, 0…1
-    minimum : limit at the darkest point, alternative to the uniformity; default: 0.3 of
-        the mean
+    factor : daylight factor of each sensor, as a fraction
+    mean, uniformity : limits of the mean daylight factor and of the uniformity
+    minimum : limit of the minimum daylight factor, alternative to the uniformity;
+        default: `uniformity` times `mean`
 
     >>> factor_criterion(np.array([0.01, 0.03, 0.05]))
     True

@@ -1,4 +1,4 @@
-"""Climate-based daylight metrics of sensors over the occupied hours.
+"""Climate-based daylight metrics of sensors over occupied hours.
 
 Annual statistics of illuminance, daylight autonomy, continuous daylight autonomy,
 useful daylight illuminance and annual light exposure.
@@ -22,15 +22,15 @@ TARGET_LUX = 300.0
 USEFUL_LIMITS_LUX = (100.0, 300.0, 3000.0)
 USEFUL_RANGES = ("fell short", "supplementary", "autonomous", "exceeded")
 
-# Largest annual exposure of museum objects by responsivity class [lux h]
+# Largest annual light exposure of museum objects by responsivity class [lux h]
 EXPOSURE_LIMITS = {"high": 15_000.0, "medium": 150_000.0, "low": 600_000.0}
 
 
 def annual_mean(data: xr.DataArray, hours: Bool[np.ndarray, " time"]) -> xr.DataArray:
     """Mean of each sensor over the selected hours, in the unit of the data.
 
-    The mean of the hourly standard errors is an upper limit of the standard error of
-    the mean: all hours share the traced matrices, so their errors are correlated.
+    Applied to standard errors, the result is an upper limit of the standard error of
+    the mean, since errors of all hours are correlated by the same traced matrices.
 
     >>> lux = xr.DataArray([[100.0, 300.0, 999.0]], dims=("sensor", "time"))
     >>> float(annual_mean(lux, np.array([True, True, False]))[0])
@@ -57,7 +57,7 @@ def daylight_autonomy(
     *,
     target_lux: float = TARGET_LUX,
 ) -> xr.DataArray:
-    """Fraction of the hours in which each sensor reaches the target, 0…1.
+    """Fraction of the selected hours in which a sensor reaches the target, 0…1.
 
     >>> lux = xr.DataArray([[100.0, 300.0, 500.0, 900.0]], dims=("sensor", "time"))
     >>> float(daylight_autonomy(lux, np.ones(4, bool))[0])
@@ -73,7 +73,7 @@ def continuous_autonomy(
     *,
     target_lux: float = TARGET_LUX,
 ) -> xr.DataArray:
-    """Daylight autonomy with partial credit E / target for hours below the target.
+    """Continuous daylight autonomy: hours below the target count as E / target.
 
     >>> lux = xr.DataArray([[150.0, 900.0]], dims=("sensor", "time"))
     >>> float(continuous_autonomy(lux, np.ones(2, bool))[0])
@@ -81,7 +81,7 @@ def continuous_autonomy(
     """
     counted = within_hours(illuminance, hours).astype(float)
 
-    # Keep negative values (noise of matrix differences): clipping would bias the mean
+    # Negative values (noise of matrix differences) are not clipped, to avoid bias
     return (counted / target_lux).clip(max=1).mean("time").assign_attrs(units="1")
 
 
@@ -91,14 +91,14 @@ def useful_illuminance(
     *,
     limits_lux: tuple[float, float, float] = USEFUL_LIMITS_LUX,
 ) -> xr.DataArray:
-    """Fraction of the hours of each sensor in each range of UDI, 0…1.
+    """Fraction of the selected hours in each range of useful daylight illuminance.
 
-    A range includes its lower but not its upper limit; the four fractions sum to 1.
-    The useful range of most standards is the sum of the two middle ranges.
+    Ranges include the lower but not the upper limit; the four fractions sum to 1. Most
+    standards define the useful range as the two middle ranges.
 
     Returns
     -------
-    fractions over (range, sensor), on the dimensions `band` and `sensor`
+    fractions 0…1, on the dimensions `band` (range) and `sensor`
 
     >>> lux = xr.DataArray([[50.0, 100.0, 300.0, 4000.0]], dims=("sensor", "time"))
     >>> useful_illuminance(lux, np.ones(4, bool)).sel(sensor=0).values.tolist()

@@ -1,6 +1,4 @@
-"""Daylight factor: ratio of internal to external illuminance under the CIE overcast
-sky.
-"""
+"""Daylight factor: ratio of indoor to outdoor illuminance under the overcast sky."""
 
 from typing import NamedTuple
 
@@ -15,9 +13,9 @@ class DaylightFactors(NamedTuple):
 
     Attributes
     ----------
-    mean, median, minimum : daylight factor over the sensors, as a fraction (0.02 is 2
-        %)
-    uniformity : ratio of minimum to mean; 0 in a dark room
+    mean, median, minimum : mean, median and minimum over the sensors, as fractions
+        (0.02 is 2 %)
+    uniformity : ratio of minimum to mean; 0 if the mean is 0
     """
 
     mean: float
@@ -34,7 +32,7 @@ def daylight_factor(
     Parameters
     ----------
     illuminance : illuminance of the sensors under an overcast sky [lux]
-    outdoor_lux : unobstructed external horizontal illuminance under the same sky
+    outdoor_lux : unobstructed horizontal illuminance outdoors, under the same sky [lux]
 
     >>> daylight_factor(np.array([200.0]), outdoor_lux=10_000.0).tolist()
     [0.02]

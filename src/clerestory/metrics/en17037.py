@@ -1,11 +1,11 @@
 """EN 17037:2018, Daylight in buildings: provision, exposure to sunlight, glare.
 
-Daylight provision by method 2: during half of the daylight hours, the target
-illuminance on half of the area and the minimum illuminance on 95 % of the area; by
-method 1: equivalent daylight factors. Exposure to sunlight: hours of sun under a
-cloudless sky on a day between 1 February and 21 March, above the minimum solar altitude
-of the country, at a point on the inner face of the wall, at half the width of the
-opening. Levels are 0 (none), 1 (minimum), 2 (medium) and 3 (high).
+Daylight provision, method 2: for half of the daylight hours, the target illuminance is
+reached on 50 % of the area and the minimum illuminance on 95 % of the area. Method 1:
+equivalent limits of the daylight factor. Exposure to sunlight: hours of sun on a
+cloudless day between 1 February and 21 March, with the sun above the minimum solar
+altitude of the country, at a reference point on the inner face of the wall, at half the
+width of the opening. Levels are 0 (none), 1 (minimum), 2 (medium) and 3 (high).
 """
 
 from functools import partial
@@ -21,24 +21,25 @@ from clerestory.metrics.spatial_metrics import RoomShare, area_share, with_error
 
 LEVELS = ("none", "minimum", "medium", "high")
 
-# Table A.1 (side-lit) and A.2 (horizontal openings) of the standard.
+# Tables A.1 (vertical and inclined openings) and A.2 (horizontal openings)
 TARGET_LUX = (300.0, 500.0, 750.0)
 MINIMUM_LUX = (100.0, 300.0, 500.0)
 TARGET_AREA, MINIMUM_AREA = 0.50, 0.95
 SHARE_OF_HOURS = 0.5
 
-# Table A.6: hours of sun on the chosen day; table A.7: DGP exceeded in at most 5 %
+# Table A.6: hours of sun on the chosen day; table A.7: limits of DGP, exceeded in at
+# most 5 % of the occupied time
 SUN_HOURS = (1.5, 3.0, 4.0)
 GLARE_LIMITS = (0.45, 0.40, 0.35)
 GLARE_SHARE = 0.05
 
-# Exposure to sunlight: first and last permitted day
+# First and last permitted day for exposure to sunlight
 FIRST_DAY, LAST_DAY = "02-01", "03-21"
 
-# Height of the reference point above the floor and above the sill [m]
+# Minimum height of the reference point above the floor and above the sill [m]
 _ABOVE_FLOOR, _ABOVE_SILL = 1.2, 0.3
 
-# Below this tilt the reference point is the centre of the opening
+# Tilt from horizontal below which the reference point is the centre of the opening
 _FLAT_DEG = 15.0
 
 
@@ -47,7 +48,8 @@ class DaylightProvision(NamedTuple):
 
     Attributes
     ----------
-    target, minimum : fraction of the area that reaches the illuminance of each level
+    target, minimum : fraction of the area that reaches the target and the minimum
+        illuminance of each level in half of the daylight hours
     target_level, minimum_level : highest level reached, 0…3
     """
 
@@ -58,14 +60,14 @@ class DaylightProvision(NamedTuple):
 
     @property
     def level(self) -> int:
-        """Level of the room: the lower of the target and minimum levels."""
+        """Level of the room: the lower one of `target_level` and `minimum_level`."""
         return min(self.target_level, self.minimum_level)
 
 
 def daylight_hours(
     diffuse_horizontal: Float[np.ndarray, " time"],
 ) -> Bool[np.ndarray, " time"]:
-    """Daylight hours: the half of the year's hours with the highest diffuse irradiance.
+    """Daylight hours: half of the hours, those of highest diffuse irradiance.
 
     >>> daylight_hours(np.array([0.0, 5.0, 9.0, 0.0])).tolist()
     [False, True, True, False]
@@ -90,10 +92,10 @@ def daylight_provision(
     ----------
     illuminance, standard_error : illuminance and its standard error [lux], over
         (sensor, time)
-    hours : daylight hours, from `daylight_hours`
+    hours : mask of the daylight hours, from `daylight_hours`
     area : area represented by each sensor [m²]; default: equal areas
-    roof : whether the openings are horizontal, with the target required on 95 % of the
-        area
+    roof : whether the openings are horizontal, so that the target is required on 95 %
+        of the area
 
     >>> lux = xr.DataArray([[600.0], [350.0]], dims=("sensor", "time"))
     >>> provision = daylight_provision(lux, np.ones(1, bool))
@@ -142,13 +144,13 @@ def reference_point(
 ) -> Float[np.ndarray, "3"]:
     """Return the reference point of an opening for exposure to sunlight [m].
 
-    The point is 1.2 m above the floor and at least 0.3 m above the sill, at half height
-    in lower openings, and at the centre of roof windows.
+    The point is at least 1.2 m above the floor and 0.3 m above the sill, or at half the
+    height of openings that end lower. In roof windows it is the centre.
 
     Parameters
     ----------
     corners : corners of the opening [m]
-    normal : unit vector into the room
+    normal : normal of the opening, a unit vector into the room
     floor : height of the floor [m]
     depth : distance from the plane of the opening to the inner face of the wall [m]
 
@@ -177,9 +179,14 @@ def reference_point(
 def hours_of_sun(
     reached: Bool[np.ndarray, "opening step"], *, step_minutes: float = 1.0
 ) -> tuple[Float[np.ndarray, " opening"], float]:
-    """Return the hours of sun at every opening, and in a room with all these openings.
+    """Return the hours of sun at every opening and in the room with these openings.
 
-    Steps with sun at several openings count once for the room.
+    A step with sun at several openings counts once for the room.
+
+    Parameters
+    ----------
+    reached : whether the sun reaches the reference point, over (opening, step)
+    step_minutes : length of a time step [min]
 
     >>> morning, noon = [True] * 90 + [False] * 90, [False] * 60 + [True] * 120
     >>> each, room = hours_of_sun(np.array([morning, noon]))
@@ -195,7 +202,7 @@ def hours_of_sun(
 def glare_level(
     dgp: Float[np.ndarray, " time"], occupied: Bool[np.ndarray, " time"]
 ) -> int:
-    """Level of protection from glare: DGP exceeds its limit in at most 5 % of the time.
+    """Level of protection from glare: DGP is above a limit in at most 5 % of the time.
 
     >>> dgp = np.array([0.36] * 6 + [0.2] * 94)
     >>> glare_level(dgp, np.ones(100, bool))
@@ -210,7 +217,7 @@ def glare_level(
 def target_factors(
     median_diffuse_lux: float,
 ) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
-    """Target and minimum daylight factors of method 1, per level.
+    """Target and minimum daylight factors of each level, by method 1.
 
     >>> [round(100 * d, 2) for d in target_factors(14_900.0)[0]]
     [2.01, 3.36, 5.03]
@@ -230,7 +237,7 @@ def _share(
 
 
 def _level(shares: tuple[RoomShare, ...], wanted: float) -> int:
-    # Return the highest level reached together with all levels below it
+    # Highest level for which all lower levels are also reached
     level = 0
     for share in shares:
         if share.value < wanted - 1e-12:

@@ -1,9 +1,10 @@
-"""Results folders of honeybee-radiance-postprocess, read and written.
+"""Reading and writing of results folders of honeybee-radiance-postprocess.
 
-A folder holds `grids_info.json` (grids and their light paths), `sun-up-hours.txt`
-(centres of the hours of the year with sun), `grid_states.json` (states of dynamic
-window groups) and, per light path and state, `total` and `direct` illuminance of each
-grid as NumPy arrays over (sensor, sun-up hour) [lux].
+A folder contains `grids_info.json` (sensor grids and their light paths),
+`sun-up-hours.txt` (hours of the year with the sun above the horizon),
+`grid_states.json` (states of dynamic window groups) and, for each light path and state,
+`total` and `direct` illuminance of each grid [lux] as NumPy arrays over (sensor, sun-up
+hour).
 """
 
 import json
@@ -29,14 +30,14 @@ _YEAR = np.datetime64("2023-01-01T00:00", "s")
 @final
 @dataclass(frozen=True, eq=False)
 class HoneybeeFolder:
-    """A results folder.
+    """A results folder of honeybee-radiance-postprocess.
 
     Attributes
     ----------
     folder : path of the folder
-    paths : light paths (window groups) of each grid
+    paths : names of the light paths (window groups) of each grid
     states : folder names of the states of each dynamic light path
-    sun_up_hours : hours of the year with results, such as 7.5
+    sun_up_hours : hours of the year with results, at their centres, such as 7.5
     counts : number of sensors of each grid
     """
 
@@ -53,13 +54,13 @@ class HoneybeeFolder:
         states: Mapping[str, int | Int[np.ndarray, " time"]] | None = None,
         light: Light = "total",
     ) -> xr.DataArray:
-        """Illuminance of a grid over the 8760 hours of a year [lux].
+        """Illuminance of a grid at the 8760 hours of a year [lux].
 
         Parameters
         ----------
-        states : per dynamic light path, one state or one per hour of the year; −1
-            contributes no light. Paths not listed are in state 0.
-        light : "total", or "direct" from the sun alone
+        states : state number of each dynamic light path, constant or one per hour of
+            the year; −1 excludes the path. Unlisted paths are in state 0.
+        light : "total" illuminance, or "direct" illuminance from the sun alone
         """
         if grid not in self.paths:
             raise InputError(
@@ -90,9 +91,10 @@ class HoneybeeFolder:
     def by_state(
         self, grid: str, path: str, *, light: Light = "total"
     ) -> Float[np.ndarray, "state sensor time"]:
-        """Illuminance from one light path in each of its states [lux].
+        """Illuminance from one light path in each state [lux].
 
-        Over (state, sensor, hour of the year); the static path has one state.
+        The array is over (state, sensor, hour of the year); the static path has one
+        state.
         """
         hours = self.sun_up_hours.astype(int)
         count = 1 if path == STATIC else len(self.states.get(path, ()))
@@ -102,7 +104,7 @@ class HoneybeeFolder:
         return year
 
     def dynamic_paths(self, grid: str) -> tuple[str, ...]:
-        """Light paths of a grid that have several states."""
+        """Names of the light paths of a grid with several states."""
         return tuple(p for p in self.paths[grid] if len(self.states.get(p, ())) > 1)
 
     def _load(
@@ -184,10 +186,10 @@ def write_honeybee(
 
     Parameters
     ----------
-    total : per grid, total illuminance [lux]
-    times : centres of hourly steps of one year; hours in which all grids are dark are
-        left out
-    direct : per grid, illuminance from the sun alone [lux]; default: zero
+    total : total illuminance of each grid [lux]
+    times : centres of hourly steps of one year; hours in which the illuminance of all
+        grids is 0 are omitted
+    direct : illuminance of each grid from the sun alone [lux]; default: 0
     """
     moments = times.astype("datetime64[s]")
     hours = (moments - moments.astype("datetime64[Y]")) / np.timedelta64(3600, "s")

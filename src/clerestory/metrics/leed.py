@@ -1,7 +1,7 @@
 """LEED v4 and v4.1 credit Daylight, options 1 and 2.
 
-Option 1 is by sDA300/50% (with blinds) and ASE1000,250; option 2 by the area between
-300 and 3000 lux at 9 and 15 h under a clear sky at the equinox.
+Option 1 is based on sDA300/50% (with blinds) and ASE1000,250; option 2 on the fraction
+of the area between 300 and 3000 lux at 9 h and 15 h on a clear equinox day.
 
 Reference: USGBC, LEED v4 and v4.1 BD+C, EQ credit Daylight (not healthcare).
 """
@@ -20,7 +20,7 @@ Version = Literal["v4", "v4.1"]
 LOW_LUX, HIGH_LUX = 300.0, 3000.0
 MOST_EXPOSURE = 0.10
 
-# Thresholds of the area fraction, with their points
+# Limits of the fraction of the area, and points
 _OPTION_1: dict[Version, tuple[tuple[float, int], ...]] = {
     "v4": ((0.55, 2), (0.75, 3)),
     "v4.1": ((0.40, 1), (0.55, 2), (0.75, 3)),
@@ -38,7 +38,7 @@ class Credit(NamedTuple):
     ----------
     points : number of points
     share : fraction of the area that meets the criterion, 0…1
-    note : further requirement of the LEED version; empty if none
+    note : further requirement of LEED; empty if there is none
     """
 
     points: int
@@ -51,11 +51,11 @@ def simulated_daylight(
 ) -> Credit:
     """Return the points of option 1.
 
-    In v4 an ASE above 10 % gives no points; v4.1 then requires a statement on glare.
+    If ASE is above 10 %, v4 gives no points and v4.1 requires a statement on glare.
 
     Parameters
     ----------
-    autonomy, exposure : sDA and ASE of all regularly occupied floor area, 0…1
+    autonomy, exposure : sDA and ASE of the regularly occupied floor area, 0…1
 
     >>> simulated_daylight(0.60, 0.05).points
     2
@@ -84,9 +84,11 @@ def clear_sky_illuminance(
 
     Parameters
     ----------
-    illuminance : illuminance at 9 h and at 15 h of a clear equinox day [lux]
-    view_preserving_blinds : whether automatic blinds preserve the view: only the lower
-        limit applies
+    illuminance : illuminance of the sensors at 9 h and at 15 h of a clear equinox day
+        [lux]
+    view_preserving_blinds : whether there are automatic blinds that preserve the view,
+        so that only the lower limit applies
+    area : area represented by each sensor [m²]; default: equal areas
 
     >>> lux = np.array([200.0, 400.0, 900.0, 2000.0])
     >>> clear_sky_illuminance([lux, lux]).points  # 75 % of the sensors

@@ -1,9 +1,9 @@
 """Lighting energy of daylight-controlled luminaires.
 
-A photosensor at the work plane controls the luminaires: they are dimmed to supplement
-daylight up to the setpoint, down to a minimum output, or switched on when daylight is
-below the setpoint. Power is linear between full and minimum output, as measured for
-dimmable drivers (Rubinstein, 1984).
+A photosensor at the work plane controls the luminaires. They are dimmed between minimum
+and full output to supplement daylight up to the setpoint, or are switched on if
+daylight is below the setpoint. Electric power is a linear function of light output, as
+measured for dimmable ballasts (Rubinstein, 1984).
 """
 
 from dataclasses import dataclass
@@ -24,15 +24,15 @@ class LightingZone:
 
     Attributes
     ----------
-    power : power of the luminaires at full output [W]
+    power : electric power of the luminaires at full output [W]
     full_lux : illuminance at the sensor from the luminaires at full output [lux]
     setpoint_lux : illuminance to be maintained at the sensor [lux]
-    control : "dimming" never dims below the minimum output; "dimming with switch-off"
-        switches off if daylight suffices; "on-off" switches full output; "none" is full
-        output when occupied
-    least_output, least_power : minimum output and minimum power, as fractions of full
-        output and power
-    standby : power of switched-off luminaires [W]
+    control : "dimming": dimming down to the minimum output; "dimming with switch-off":
+        also off if daylight reaches the setpoint; "on-off": full output or off; "none":
+        full output when occupied
+    least_output, least_power : minimum light output and corresponding electric power,
+        as fractions of full output and full power
+    standby : electric power of switched-off luminaires [W]
     """
 
     power: float
@@ -59,15 +59,15 @@ class LightingZone:
 @final
 @dataclass(frozen=True, eq=False)
 class LightingUse:
-    """Output and energy of luminaires.
+    """Light output and electric energy of the luminaires.
 
     Attributes
     ----------
-    output : fraction of full output, over time
+    output : light output over time, as a fraction of full output
     power : electric power over time [W]
     illuminance : illuminance at the sensor from daylight and luminaires [lux]
-    energy : energy of all steps [Wh]
-    error : standard error of the energy due to the error of the daylight [Wh]
+    energy : electric energy of all steps [Wh]
+    error : standard error of the energy, due to the error of the daylight [Wh]
     """
 
     output: Float[np.ndarray, " time"]
@@ -85,7 +85,7 @@ def lighting_use(
     standard_error: Float[np.ndarray, " time"] | None = None,
     step_hours: float = 1.0,
 ) -> LightingUse:
-    """Return output, power and energy of the luminaires of a zone.
+    """Return light output, electric power and energy of the luminaires of a zone.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ def lighting_use(
 
 
 def lighting_saving(use: LightingUse, reference: LightingUse) -> float:
-    """Energy saving as a fraction of the energy of a reference without control."""
+    """Energy saving, as a fraction of the energy of a reference."""
     if not reference.energy > 0:
         raise InputError("the reference uses no energy; more than 0 expected")
     return 1 - use.energy / reference.energy

@@ -1,4 +1,4 @@
-"""Occupied hours: time steps over which metrics are evaluated."""
+"""Occupied hours: time steps at which metrics are evaluated."""
 
 import numpy as np
 import xarray as xr
@@ -10,7 +10,7 @@ from clerestory.errors import InputError
 def occupied_hours(
     times: np.ndarray, *, from_hour: float = 8.0, to_hour: float = 18.0
 ) -> Bool[np.ndarray, " time"]:
-    """Whether the centre of each step lies between two hours, every day of the week.
+    """Mask of the steps with the centre between two hours, on every day of the week.
 
     >>> day = np.datetime64("2001-06-21T00:30") + np.arange(24) * np.timedelta64(1, "h")
     >>> int(occupied_hours(day).sum())

@@ -1,8 +1,9 @@
-"""Climate-based metrics of every sensor with upper limits of their standard errors.
+"""Climate-based metrics of every sensor, with upper limits of their standard errors.
 
-All hours of a sensor share the same traced matrices, so their errors are taken as fully
-correlated: the error of a metric is half of its difference between illuminances raised
-and lowered by their standard errors.
+The illuminances of all hours are computed from the same traced matrices, so their
+errors are assumed to be fully correlated. The error of a metric is half of the
+difference between the metrics of E + σ and E − σ, with the standard error σ of the
+illuminance E.
 """
 
 from collections.abc import Callable
@@ -40,10 +41,10 @@ def sensor_metrics(
 
     Returns
     -------
-    `mean_illuminance`, `median_illuminance`, `maximum_illuminance` [lux];
-    `daylight_autonomy`, `continuous_autonomy`, `useful` (100…3000 lux) as fractions
-    0…1; `useful_bands` over (band, sensor). Each except the median, the maximum and the
-    bands has a variable `…_error`.
+    dataset of `mean_illuminance`, `median_illuminance`, `maximum_illuminance` [lux];
+    `daylight_autonomy`, `continuous_autonomy`, `useful` (100…3000 lux) and
+    `useful_bands` over (band, sensor) as fractions 0…1. Standard errors are variables
+    `…_error`, except of the median, the maximum and the bands.
     """
     lux = hourly["illuminance"]
 
@@ -86,8 +87,8 @@ def error_of_group_mean(
     Parameters
     ----------
     errors : standard error of each sensor
-    components : error components of each sensor; without them, the errors of all
-        sensors are taken as fully correlated, which gives an upper bound
+    components : independent error components of each sensor; default: errors of all
+        sensors are assumed to be fully correlated, which gives an upper limit
 
     >>> error_of_group_mean(np.array([3.0, 5.0]))
     4.0
@@ -100,7 +101,7 @@ def error_of_group_mean(
 
 
 def _mean_error(hourly: xr.Dataset, hours: Bool[np.ndarray, " time"]) -> xr.DataArray:
-    # Use the error components of the mean; without them assume fully correlated hours
+    # From the error components of the mean, or with fully correlated hourly errors
     if "mean_components" not in hourly:
         return annual_mean(hourly["standard_error"], hours)
     variance = (hourly["mean_components"].astype(float) ** 2).sum("component")
@@ -111,7 +112,7 @@ def _mean_error(hourly: xr.Dataset, hours: Bool[np.ndarray, " time"]) -> xr.Data
 def metric_error(
     metric: Callable[[xr.DataArray], xr.DataArray], hourly: xr.Dataset
 ) -> xr.DataArray:
-    """Error of a metric that increases with the illuminance.
+    """Standard error of a metric that increases with the illuminance.
 
     >>> axes = ("sensor", "time")
     >>> lux, error = [[290.0, 310.0, 900.0]], [[20.0, 20.0, 20.0]]
@@ -125,7 +126,7 @@ def metric_error(
 
 
 def _useful_error(hourly: xr.Dataset, hours: Bool[np.ndarray, " time"]) -> xr.DataArray:
-    # Add the errors at the lower and the upper limit of the useful range
+    # Sum of the errors at the lower and at the upper limit of the useful range
 
     def spread(limit_lux: float) -> xr.DataArray:
         return metric_error(

@@ -1,11 +1,12 @@
 """Spatial daylight autonomy (sDA) and annual sunlight exposure (ASE).
 
-sDA300,50% is the fraction of the area with 300 lux in half of the occupied hours;
-ASE1000,250h is the fraction with more than 1000 lux of direct sun in more than 250
-hours a year. Sensors are weighted by the area they represent, or equally.
+sDA300,50% is the fraction of the area with at least 300 lux in at least half of the
+occupied hours; ASE1000,250h is the fraction of the area with more than 1000 lux of
+direct sunlight in more than 250 occupied hours a year. Sensors are weighted by the area
+they represent, or equally.
 
-The error of a fraction is half of its difference between illuminances raised and
-lowered by their standard errors: an upper limit, as in `sensor_metrics`.
+The error of a fraction is an upper limit of the standard error, computed as in
+`sensor_metrics`.
 
 References: IES LM-83-12 and LM-83-23, Approved Method: IES spatial daylight autonomy
 (sDA) and annual sunlight exposure (ASE).
@@ -31,7 +32,7 @@ HALF_OF_THE_HOURS = 0.5
 @final
 @dataclass(frozen=True)
 class RoomShare:
-    """Fraction of the area of a room, and its error.
+    """Fraction of the area of a room, and the standard error of the fraction.
 
     Attributes
     ----------
@@ -58,7 +59,7 @@ def spatial_autonomy(
     ----------
     illuminance, standard_error : illuminance with operated blinds and its standard
         error [lux], over (sensor, time)
-    hours : time steps that count; in LM-83, 8 to 18 h every day
+    hours : mask of the occupied hours; in LM-83, 8 to 18 h every day
     area : area represented by each sensor [m²]; default: equal areas
 
     >>> lux = xr.DataArray([[400.0, 100.0], [100.0, 100.0]], dims=("sensor", "time"))
@@ -87,9 +88,9 @@ def sunlight_exposure(
 
     Parameters
     ----------
-    direct : illuminance from the sun without reflections and without blinds [lux], over
-        (sensor, time)
-    hours : time steps that count; in LM-83, 8 to 18 h every day
+    direct : illuminance from the sun, without reflections and without blinds [lux],
+        over (sensor, time)
+    hours : mask of the occupied hours; in LM-83, 8 to 18 h every day
     step_hours : length of a time step [h]
 
     >>> sun = xr.DataArray([[2000.0] * 300, [900.0] * 300], dims=("sensor", "time"))
@@ -111,7 +112,7 @@ def hours_above(
     limit_lux: float = SUN_LUX,
     step_hours: float = 1.0,
 ) -> xr.DataArray:
-    """Hours in which the illuminance of each sensor exceeds a limit [h]."""
+    """Hours in which the illuminance of each sensor is above a limit [h]."""
     above = (within_hours(illuminance, hours) > limit_lux).sum("time")
     return (above * step_hours).assign_attrs(units="h")
 
@@ -119,7 +120,7 @@ def hours_above(
 def area_share(
     good: Bool[np.ndarray, " sensor"], area: Float[np.ndarray, " area"] | None
 ) -> float:
-    """Fraction of the area, or of the sensors, that meets a criterion, 0…1.
+    """Fraction of the area, or of the sensors, with a criterion met, 0…1.
 
     >>> area_share(np.array([True, False]), np.array([3.0, 1.0]))
     0.75
@@ -139,7 +140,7 @@ def with_error(
     illuminance: xr.DataArray,
     standard_error: xr.DataArray | None,
 ) -> RoomShare:
-    """Return a fraction and its error from the standard errors of the illuminance."""
+    """Return a fraction of the area with the error due to errors of the illuminance."""
     if standard_error is None:
         return RoomShare(share(illuminance))
     high, low = share(illuminance + standard_error), share(illuminance - standard_error)

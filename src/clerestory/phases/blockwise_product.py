@@ -1,12 +1,13 @@
 """Blockwise product of the matrix equation, with its error components.
 
-Blocks of receivers × blocks of time steps. Error components, the deviations of the
-independent batches of each estimate, pass through the product like the values. View
-matrices of all windows are scored by the same paths: their components are added over
-the windows, number by number. All other estimates are independent of each other.
+The result is computed in blocks of receivers × time steps. Error components, the
+deviations of the independent batches of each Monte Carlo estimate from their mean, are
+multiplied like the values. The view matrices of all windows are estimated from the
+same paths, so component k is summed over the windows. All other estimates are
+independent of each other.
 
-The order of the factors is chosen by cost: V (T D S) for many receivers and for shades
-that move, (V T D) S for few receivers.
+The order of multiplication is chosen by cost: V (T D S) for many receivers and for
+moving shades, (V T D) S for few receivers.
 """
 
 from collections.abc import Iterator, Sequence
@@ -47,20 +48,20 @@ from clerestory.phases.receivers import (
 from clerestory.phases.stored_views import StoredColumns
 from clerestory.sky.sky_product import lit_steps
 
-# Largest arrays of exiting light, with view matrices in memory and in files, which are
-# read anew for every block of steps, and of what a block of receivers gets [bytes]
+# Maximum sizes [bytes] of the exiting radiance with view matrices in memory, of the
+# same with view matrices in files, and of the result of one block of receivers
 _LIGHT, _LIGHT_OF_FILES, _RECEIVED = 1 << 27, 1 << 29, 1 << 26
 
 
 @dataclass(frozen=True, eq=False)
 class Components:
-    """Error components of some receivers, of one independent estimate.
+    """Error components of a block of receivers, from one independent estimate.
 
     Attributes
     ----------
-    source : which estimate: the same in all blocks
-    steps : places among the steps of the block
-    values : in the sign of their term
+    source : identifier of the estimate, the same in all blocks
+    steps : indices into the time steps of the block
+    values : error components, multiplied by the sign of their term
     """
 
     source: tuple[int, int, int]
@@ -70,14 +71,14 @@ class Components:
 
 @dataclass(frozen=True, eq=False)
 class Block:
-    """Light of some receivers in some time steps.
+    """Illuminance or radiance of a block of receivers in a block of time steps.
 
     Attributes
     ----------
-    rows : the receivers
-    times : consecutive time steps
-    steps : places of those with light among them
-    terms : of the equation, in their signs
+    rows : range of receivers
+    times : range of time steps
+    steps : indices, within `times`, of the steps with sky or sun light
+    terms : signed values of each term of the matrix equation
     """
 
     rows: slice
@@ -89,8 +90,8 @@ class Block:
 
 @dataclass(frozen=True, eq=False)
 class _Factor:
-    # Receiving matrices side by side, and the light of their columns in some steps.
-    # `views` tells that the columns are window patches: components of V come first
+    # Receiving matrices side by side, and the radiance or irradiance of their columns
+    # in the given steps
     source: tuple[int, int]
     sign: int
     matrices: Sequence[TransferMatrix | Readable]
@@ -116,20 +117,20 @@ class _Factor:
 
 @dataclass(frozen=True, eq=False)
 class BlockwiseProduct:
-    """A matrix equation that is multiplied out block by block.
+    """Matrix equation evaluated block by block.
 
     Attributes
     ----------
-    terms : of the equation
-    states : number of the state at each step, per window; by default the first
-    weights : of the bands; one row for illuminance, one for each band of a picture
+    terms : terms of the matrix equation
+    states : index of the shade state at each time step, per window group; default 0
+    weights : band weights; one row for illuminance, one row per band for pictures
     count : number of receivers
-    errors : whether error components are carried along
-    most_receivers, most_steps : in a block; by default what memory allows
+    errors : whether to compute error components as well
+    most_receivers, most_steps : maximum block size; by default limited by memory
 
     Raises
     ------
-    MatrixError : matrices do not fit each other, or states that do not exist
+    MatrixError : axes of the matrices differ, or a shade state does not exist
     """
 
     windows: Sequence[WindowMatrices]
@@ -151,7 +152,7 @@ class BlockwiseProduct:
                 require_columns(term, chain, self.skies)
 
     def blocks(self) -> Iterator[Block]:
-        """Yield the light of all receivers: block of steps after block of steps."""
+        """Yield all blocks: all receivers of the first steps, then of the next."""
         parts = [self._chains(term) for term in self.terms]
         lit = _lit(self.skies)
         exiting = sum(_light_bytes(found, self.weights) for found in parts)
@@ -173,7 +174,7 @@ class BlockwiseProduct:
                 yield self._block(rows, times, inside - times.start, factors)
 
     def _chains(self, term: Term) -> list[MatrixChain]:
-        # The matrices of a term; coefficients V T D where they take less time
+        # Matrices of a term; the product V T D where it is faster
         found = chains(self.windows, term.part)
         states = self.states or ()
         fixed = all(len(s) and (s == s[0]).all() for s in states)
@@ -188,7 +189,7 @@ class BlockwiseProduct:
     def _times(
         self, lit: Int[np.ndarray, " lit"], most: int
     ) -> Iterator[tuple[slice, Int[np.ndarray, " step"]]]:
-        # Consecutive steps: so many of them, or so many with light
+        # Blocks of consecutive steps: of `most_steps`, else with `most` lit steps each
         steps = len(self.skies.times)
         edges = [0, *lit[most::most].tolist()]
         if self.most_steps:
@@ -228,7 +229,7 @@ class BlockwiseProduct:
         skies: Skies,
         steps: Int[np.ndarray, " step"],
     ) -> _Factor:
-        # A matrix that leads from the receivers to the sky, or to the suns
+        # Coefficients from the sky patches or the suns straight to the receivers
         if term.part != "sun" or skies.suns is None:
             sky = skies.patches(term).select(steps)
             light = SkyLight(sky, self.weights)
@@ -258,7 +259,7 @@ class BlockwiseProduct:
 
 
 def _lit(skies: Skies) -> Int[np.ndarray, " lit"]:
-    # Steps with light in any of the skies
+    # Time steps in which any of the skies is not dark
     found = [lit_steps(sky.diffuse, sky.sun) for sky in (skies.whole, skies.sun) if sky]
     if skies.suns is not None:
         found.append(np.flatnonzero(np.diff(skies.suns.direct_normal.indptr)))
@@ -268,7 +269,7 @@ def _lit(skies: Skies) -> Int[np.ndarray, " lit"]:
 def _row_blocks(
     parts: Sequence[Sequence[MatrixChain]], count: int, most: int
 ) -> list[slice]:
-    # Rows of files are read file by file
+    # A block of receivers never spans two files
     for found in parts:
         first = found[0].receiving[0]
         if isinstance(first, StoredColumns):
@@ -277,7 +278,7 @@ def _row_blocks(
 
 
 def _layers(found: Sequence[MatrixChain], *, errors: bool) -> int:
-    # Value and error components of what one receiver gets
+    # Number of values per receiver and step: the estimate and its error components
     if not errors:
         return 1
     views = max(component_count(m) for chain in found for m in chain.receiving)
@@ -285,7 +286,7 @@ def _layers(found: Sequence[MatrixChain], *, errors: bool) -> int:
 
 
 def _light_bytes(found: Sequence[MatrixChain], weights: Weights) -> int:
-    # Exiting light of one step
+    # Bytes of the exiting radiance of one time step
     patches = sum(
         chain.factors[0][0].rows.size * (1 + chain_components(chain))
         for chain in found

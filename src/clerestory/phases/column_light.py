@@ -1,12 +1,12 @@
-"""Light that the columns of receiving matrices send at each time step.
+"""Radiance and irradiance by which the receiving matrices are multiplied.
 
     exiting radiance  X(t) = T(t) D S(t), of the patches of all windows
-    sky radiance      of its patches, a grey distribution times a colour
-    suns              direct normal irradiance, at most one sun a step
+    sky radiance      of the sky patches: a grey distribution times a colour
+    suns              direct normal irradiance of at most one sun per time step
 
-Receivers get a weighted sum of bands: illuminance for sensors, each band by itself for
-pictures. The weights are part of the light, so that grey rooms need one product
-instead of one per band.
+Results are weighted sums of bands: illuminance for sensors, each band by itself for
+pictures. The weights are applied to the radiance before the product, so that grey
+rooms need one product instead of one per band.
 """
 
 from collections.abc import Sequence
@@ -22,7 +22,7 @@ from clerestory.phases.receivers import chain_components, channel_count
 from clerestory.sky.patch_radiance import SkyMatrix
 from clerestory.sky.sky_product import fold
 
-# Weights of the bands in what is received: those of illuminance, or each by itself
+# Weights of the bands in the result: photometric weights, or one row per band
 Weights = Float[np.ndarray, "out band"]
 Layers = Float32[np.ndarray, "layer channel row column"]
 Received = Float32[np.ndarray, "layer out row step"]
@@ -30,14 +30,14 @@ Received = Float32[np.ndarray, "layer out row step"]
 
 @dataclass(frozen=True, eq=False)
 class PatchLight:
-    """Exiting radiance of the patches of all windows, side by side.
+    """Exiting radiance of the patches of all windows.
 
     Attributes
     ----------
-    values : weighted where channels are summed up
-    components : error components of each window, whose estimates are independent
-    columns : of each window
-    summed : whether the channels add up to one
+    values : radiance, times the band weights if `summed`
+    components : error components of each window; windows are independent
+    columns : range of patches of each window
+    summed : whether the result is the sum over all channels
     """
 
     values: Float32[np.ndarray, "channel patch step"]
@@ -46,7 +46,7 @@ class PatchLight:
     summed: bool
 
     def received(self, matrix: Layers) -> Received:
-        """Return what a matrix, and each of its error components, receives."""
+        """Return the products of a matrix, and of its error components, with this."""
         if not self.summed:
             return np.asarray(matrix @ self.values)
         layers, _, rows, _ = matrix.shape
@@ -57,7 +57,7 @@ class PatchLight:
     def spread(
         self, values: Float32[np.ndarray, "channel row column"]
     ) -> list[Received]:
-        """Return what is received of the error components, window by window."""
+        """Return the products of a matrix with the error components of each window."""
         found = []
         for columns, parts in zip(self.columns, self.components, strict=True):
             if len(parts):
@@ -76,32 +76,32 @@ def _side_by_side(matrix: Layers, channels: int) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class SkyLight:
-    """Radiance of the patches of a sky, in steps with light."""
+    """Radiance of the sky patches, in time steps with daylight."""
 
     sky: SkyMatrix
     weights: Weights
 
     def received(self, matrix: Layers) -> Received:
-        """Return what a matrix, and each of its error components, receives."""
+        """Return the products of a matrix, and of its error components, with this."""
         layers, _, rows, _ = matrix.shape
         shape = layers, rows, len(self.sky.times)
         found = [sky_product(matrix, self.sky, w).reshape(shape) for w in self.weights]
         return found[0][:, None] if len(found) == 1 else np.stack(found, axis=1)
 
     def spread(self, values: np.ndarray) -> list[Received]:
-        """Return nothing: weather has no statistical error."""
+        """Return an empty list: weather data have no statistical error."""
         return []
 
 
 @dataclass(frozen=True, eq=False)
 class SunLight:
-    """Direct normal irradiance of the suns that are the columns of a matrix [W/m²]."""
+    """Direct normal irradiance of the suns, the columns of a matrix [W/m²]."""
 
     normal: csc_array
     weights: Weights
 
     def received(self, matrix: Layers) -> Received:
-        """Return what a matrix, and each of its error components, receives."""
+        """Return the products of a matrix, and of its error components, with this."""
         layers, channels, rows, suns = matrix.shape
         weights = self.weights
         if channels == 1:
@@ -113,7 +113,7 @@ class SunLight:
         return np.ascontiguousarray(found.reshape(shape).T.swapaxes(1, 2))
 
     def spread(self, values: np.ndarray) -> list[Received]:
-        """Return nothing: weather has no statistical error."""
+        """Return an empty list: weather data have no statistical error."""
         return []
 
 
@@ -125,7 +125,7 @@ def sky_product(
     sky: SkyMatrix,
     weights: Float[np.ndarray, " band"],
 ) -> Float32[np.ndarray, "rows step"]:
-    """Return matrices times a sky in all its steps, bands summed up by weight."""
+    """Return the product of matrices and sky radiance, as a weighted sum of bands."""
     patches = values.shape[-1]
     tint = np.broadcast_to(sky.colour, (len(weights), patches))
     sun_tint = np.broadcast_to(sky.sun_colour[:, None], tint.shape)
@@ -150,9 +150,9 @@ def exiting_light(
 
     Parameters
     ----------
-    chains : V and the factors of each window group
-    states : number of the state at each step, per window
-    errors : whether error components are carried along
+    chains : V, T and D of each window group
+    states : index of the shade state at each time step, per window group
+    errors : whether to compute error components as well
     """
     summed = len(weights) == 1
     channels = 1 if summed and all(map(_is_grey, chains)) else weights.shape[1]
@@ -174,7 +174,7 @@ def exiting_light(
 
 
 def _is_grey(chain: MatrixChain) -> bool:
-    # Whether V and T have one channel: all colour is that of D and of the sky
+    # Whether V and T have one channel, so that only D and the sky are coloured
     middle = (factor for factors in chain.factors for factor in factors[:-1])
     grey = channel_count(chain.receiving[0]) == 1
     return grey and all(len(factor.values) == 1 for factor in middle)
@@ -188,7 +188,7 @@ def _exiting(
     *,
     errors: bool,
 ) -> Float32[np.ndarray, "layer channel patch step"]:
-    # Value and error components; states that share D share its product with the sky
+    # Value and error components; D S is computed once for states that share D
     layers = 1 + (chain_components(chain) if errors else 0)
     patches = chain.factors[0][0].rows.size
     found = np.zeros((layers, len(weights), patches, len(state)), np.float32)
@@ -218,7 +218,7 @@ def _layers(matrix: TransferMatrix, *, errors: bool) -> Layers:
 def _arriving(
     daylight: Layers, sky: SkyMatrix, weights: Weights
 ) -> Float32[np.ndarray, "layer out outer step"]:
-    # D S, by channel; one channel carries all weights
+    # D S for each channel; a single channel is the weighted sum of all bands
     layers, _, outer, _ = daylight.shape
     shape = layers, outer, len(sky.times)
     found = np.empty((layers, len(weights), *shape[1:]), np.float32)
@@ -233,7 +233,8 @@ def _passed(
     *,
     errors: bool,
 ) -> Float32[np.ndarray, "more channel inner step"]:
-    # A factor times what arrives; its own error components follow those of the light
+    # Product of a factor and the radiance; the error components of the factor follow
+    # those of the radiance
     found = factor.values.astype(np.float32) @ light
     if factor.components is None or not errors:
         return np.asarray(found)

@@ -1,17 +1,17 @@
-"""Façade matrices: shades that stand off the window, such as awnings and grates.
+"""Façade matrices: exterior shades in front of a window, such as awnings and grates.
 
     F  exterior patches of the window × exterior patches of a port     facade_matrix
 
-*Ports* are openings that together close the space between the window, the wall and
-all of the shade. They are windows themselves, whose front faces that space. Light
-enters by a port and reaches the window by way of the shade:
+*Ports* (F apertures) are virtual surfaces that, with the wall, enclose the window and
+its shade. They are `Window` objects whose front faces the enclosed space. Light enters
+through a port and reaches the window directly or via the shade:
 
     I = V T F D S                                           four phases
     I = V T F D S − V_d T F_d D_d S_ds + C_ds S_sun         six phases
 
-with D from the sky to the ports. Another shade is another F: V and D stay. The sum
-of F D over the ports stands wherever the D of a window does, so that `three_phase`
-and `five_phase` become the methods of four and six phases.
+D leads from the sky to the ports. A change of shade changes F alone, not V or D. With
+the sum of F D over the ports in place of D, `three_phase` and `five_phase` compute
+the four-phase and six-phase methods.
 
 Reference: S. Subramaniam, Daylighting simulations with Radiance using matrix-based
 methods, LBNL, 2017, chapter 7; the F matrix is due to G. Ward (2015).
@@ -46,7 +46,7 @@ def facade_matrix(
     port: Window,
     **keywords: Unpack[EffortKeywords],
 ) -> TransferMatrix:
-    """Façade matrix of one port: radiance of window patches per radiance of its own.
+    """Façade matrix of one port: window patch radiance per port patch radiance.
 
     See `facade_matrices`.
     """
@@ -60,28 +60,27 @@ def facade_matrices(
     ports: Sequence[Window],
     **keywords: Unpack[EffortKeywords],
 ) -> dict[str, TransferMatrix]:
-    """Façade matrices of several ports, traced at once, by the name of the port.
+    """Façade matrices of several ports, traced together, by port name.
 
-    Rows of a window with nothing between it and ports that close the space before it
-    sum to one, over all ports. What passes beside the ports is lost.
+    Each row sums to one over all ports if the ports enclose the window without gaps and
+    without a shade. Light that enters through gaps is neglected.
 
     Parameters
     ----------
-    scene : what light meets on its way from the ports to the window
+    scene : surfaces between the ports and the window
     window : polygons whose front faces the room
-    ports : openings whose front faces the window; each orientation is one of its own
+    ports : F apertures whose front faces the window, one for each orientation
     samples : paths per window patch
-    relative_error : instead of samples: standard error to reach for the window's
-        irradiance from one patch of the ports, as root mean square over all of them,
-        relative to the mean patch
-    bounces : most reflections on the way, as Radiance's -ab; no limit by default
+    relative_error : instead of samples: target standard error of the window irradiance
+        due to one port patch, as RMS over all port patches, relative to their mean
+    bounces : maximum number of reflections, as Radiance -ab; default unlimited
 
     The other parameters are those of `view_matrix`.
 
     Raises
     ------
     InputError : samples and relative_error both given, or a number out of range; a
-        port has the name of another one or of the window
+        port has the same name as another port or the window
     DeviceError : no usable device
 
     Examples
@@ -121,7 +120,7 @@ def facade_matrices(
 def facade_daylight(
     facade: Mapping[str, TransferMatrix], daylight: Mapping[str, TransferMatrix]
 ) -> TransferMatrix:
-    """Daylight matrix of a window behind its shade: Σ F D over the ports.
+    """Daylight matrix of a window behind an exterior shade: Σ F D over the ports.
 
     Parameters
     ----------
@@ -130,7 +129,7 @@ def facade_daylight(
 
     Raises
     ------
-    MatrixError : other ports on one side, or matrices that do not fit
+    MatrixError : the ports of `facade` and `daylight` or the matrix axes differ
     """
     if not facade or facade.keys() != daylight.keys():
         raise MatrixError(
@@ -141,11 +140,11 @@ def facade_daylight(
 
 
 def joint_sum(terms: Sequence[TransferMatrix]) -> TransferMatrix:
-    """Sum of matrices, some of whose factors were traced together.
+    """Sum of matrices, some of which were estimated from the same paths.
 
-    Error components of one number are added before they are squared: right where they
-    come from the same paths, and free of bias where they are independent. Where the
-    numbers of components differ, the terms are independent.
+    Terms with equally many error components are summed component by component: the
+    variance is exact for common paths and unbiased for independent ones. Terms with
+    different numbers of components are independent.
 
     Raises
     ------
@@ -161,7 +160,7 @@ def joint_sum(terms: Sequence[TransferMatrix]) -> TransferMatrix:
 
 
 def _joint_components(one: TransferMatrix, other: TransferMatrix) -> np.ndarray | None:
-    # None where they are no pairs
+    # None unless both matrices have equally many components
     if one.components is None or other.components is None:
         return None
     if len(one.components) != len(other.components):

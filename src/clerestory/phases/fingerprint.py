@@ -1,9 +1,8 @@
-"""Fingerprints of all that traced matrices depend on.
+"""Fingerprints (hashes) of all inputs of a traced matrix.
 
-The revision of the estimators is part of every fingerprint. What does not matter in
-values is where an item stands in a file and who traces it: fields named
-`source`, `executor` and `progress` are left out, so that a comment added above a wall
-does not trace the wall again.
+Every fingerprint includes the revision of the estimators. The fields `source`,
+`executor` and `progress` are left out, because the line number of an object in its
+file and the machine that traces the paths do not affect the matrix.
 """
 
 import hashlib
@@ -32,7 +31,7 @@ def fingerprint(*values: Any) -> str:
 
     Raises
     ------
-    TypeError : a value of another kind, whose content cannot be told
+    TypeError : a value of any other type
 
     Examples
     --------
@@ -45,7 +44,7 @@ def fingerprint(*values: Any) -> str:
 
 
 def _feed(value: Any, feed: Feed) -> None:
-    # Every piece opens with its kind and length, so that no two values run together
+    # A prefix of type and length makes the byte stream unambiguous
     if isinstance(value, str):
         text = value.encode("utf-8", "surrogatepass")
         feed(b"text%d:" % len(text) + text)
@@ -89,6 +88,6 @@ def _feed_array(array: np.ndarray, feed: Feed) -> None:
 
 @cache
 def _layout(record: type) -> tuple[bytes, tuple[str, ...]]:
-    # What a record opens with, and its fields that matter
+    # Byte prefix of a dataclass, and the names of its hashed fields
     names = tuple(f.name for f in fields(record) if f.name not in _IRRELEVANT_FIELDS)
     return f"record {record.__qualname__}({', '.join(names)}):".encode(), names

@@ -1,4 +1,4 @@
-"""Illuminance of sensors by the matrix equation, in memory or into a file."""
+"""Illuminance of sensors by the matrix equation, in memory or written to a file."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -24,10 +24,10 @@ from clerestory.phases.matrix_equation import (
 )
 from clerestory.progress import Progress
 
-# Sensors and steps of a chunk of the results in a file
+# NetCDF chunk size of hourly results: sensors, time steps
 _CHUNK = 256, 730
 
-# Where hourly values go: arrays in memory or variables of a file
+# Destination of hourly values: an array in memory or a NetCDF variable
 Target = Any
 
 
@@ -45,22 +45,22 @@ def illuminance(
 
     Parameters
     ----------
-    windows : their matrices have the same sensors
-    terms : of the equation
-    states : number of the state at each step, per window; by default the first
-    hours : steps over which the mean is taken, for `mean_components`
-    file : NetCDF file that holds the hourly values in place of memory
-    progress : called with the share done, 0…1, and a note
+    windows : matrices of the window groups, all for the same sensors
+    terms : terms of the matrix equation
+    states : index of the shade state at each time step, per window group; default 0
+    hours : mask of the time steps averaged in `mean_components`
+    file : NetCDF file for the hourly values; by default they are kept in memory
+    progress : callback with the completed fraction (0…1) and a status text
 
     Returns
     -------
-    `illuminance` and `standard_error` over (sensor, time); the terms, in absolute
-    value, where there are several; `mean_components` (component, sensor): the error
-    components of the mean over the hours that count
+    `illuminance` and `standard_error` over (sensor, time); the unsigned terms, if
+    there are several; `mean_components` (component, sensor): the error components of
+    the mean illuminance over `hours`
 
     Raises
     ------
-    MatrixError : matrices do not fit each other, or states that do not exist
+    MatrixError : axes of the matrices differ, or a shade state does not exist
     OutputError : the file cannot be written
     """
     axis = receivers(chains(windows, terms[0].part)[0])
@@ -98,7 +98,7 @@ def illuminance(
             long_name = "standard error of the illuminance"
             variables["standard_error"].attrs["long_name"] = long_name
             _fill(variables, product, means, progress)
-        # Values are read when they are asked for, and not kept
+        # Lazy reading without a cache
         data = xr.open_dataset(file, engine="h5netcdf", cache=False)
         data = data.assign_coords(sensor=np.arange(axis.size), time=skies.times)
     if means is not None:
@@ -132,7 +132,7 @@ def _fill(
 
 
 def _variance(block: Block) -> Float32[np.ndarray, "row step"]:
-    # The sum of the squares of all error components
+    # Sum of the squares of all error components
     total: np.ndarray = np.zeros_like(block.terms[0, 0])
     for part in block.components:
         square = np.einsum("krs,krs->rs", part.values[:, 0], part.values[:, 0])
@@ -144,7 +144,7 @@ def _variance(block: Block) -> Float32[np.ndarray, "row step"]:
 
 
 class MeanComponents:
-    """Error components of the mean illuminance over the hours that count."""
+    """Error components of the mean illuminance over selected time steps."""
 
     def __init__(self, hours: Bool[np.ndarray, " time"], sensors: int) -> None:
         self._share = (hours / max(1, np.count_nonzero(hours))).astype(np.float32)
@@ -152,7 +152,7 @@ class MeanComponents:
         self._found: dict[tuple[int, int, int], np.ndarray] = {}
 
     def add(self, block: Block) -> None:
-        """Add what a block contributes to the means."""
+        """Add the contribution of a block to the means."""
         share = self._share[block.times][block.steps]
         for part in block.components:
             own = part.values[:, 0] @ share[part.steps]
@@ -170,9 +170,9 @@ class MeanComponents:
 def hourly_variable(
     file: h5netcdf.File, name: str, sensors: int, steps: int
 ) -> h5netcdf.Variable:
-    """Return a new variable over (sensor, time) of a file that has these dimensions.
+    """Create and return a NetCDF variable over the dimensions (sensor, time).
 
-    Its chunks serve readers of some sensors and of some steps alike.
+    The chunk size suits reading of few sensors and of few time steps.
     """
     chunks = min(_CHUNK[0], sensors), min(_CHUNK[1], steps)
     return file.create_variable(name, ("sensor", "time"), "f4", chunks=chunks)

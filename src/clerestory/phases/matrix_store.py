@@ -1,9 +1,8 @@
-"""Traced matrices kept on disk, found again by all that they depend on.
+"""Disk cache of traced matrices, keyed by a fingerprint of their inputs.
 
-A matrix lies in `NAME-FINGERPRINT.nc`. It appears there whole or not at all, so a
-run that is killed and started again traces only what it had not finished. A
-matrix just traced is read back before it is used: the first run and the next one
-go on with the same bits.
+A matrix is stored as `NAME-FINGERPRINT.nc`, written atomically: a restarted run traces
+only the matrices that are not complete. A new matrix is read back from its file
+before use, so that first and later runs compute with identical values.
 """
 
 import warnings
@@ -21,12 +20,12 @@ from clerestory.phases.fingerprint import fingerprint
 
 __all__ = ["MatrixStore", "Store", "fingerprint"]
 
-# Hexadecimal digits of the fingerprint in a file name: 128 bits
+# Number of hexadecimal digits of the fingerprint in a file name (128 bits)
 _DIGITS = 32
 
 
 def block_names(name: str, count: int) -> list[str]:
-    """Return names of the blocks of a matrix, numbered from 1.
+    """Return the names of the blocks of a matrix, numbered from 1.
 
     >>> block_names("views", 2)
     ['views-0001', 'views-0002']
@@ -35,7 +34,7 @@ def block_names(name: str, count: int) -> list[str]:
 
 
 class BlockStore(Protocol):
-    """Where matrices larger than memory are found again."""
+    """Cache of matrices larger than memory."""
 
     def blocks(
         self,
@@ -45,17 +44,17 @@ class BlockStore(Protocol):
         make: Callable[[slice], TransferMatrix],
         /,
     ) -> tuple[Path, ...]:
-        """Keep a matrix, a file for each block of rows; return the files."""
+        """Store a matrix with one file per block of rows; return the files."""
 
 
 class Store(BlockStore, Protocol):
-    """Where matrices are found again; a folder, or a plan that only takes note."""
+    """Cache of matrices: a folder, or a dry run that only records requests."""
 
     def path(self, name: str, fingerprint: str) -> Path:
-        """File of a matrix."""
+        """Path of the file of a matrix."""
 
     def holds(self, name: str, fingerprint: str) -> bool:
-        """Whether a matrix was kept."""
+        """Whether a matrix is in the cache."""
 
     def matrices(
         self,
@@ -63,43 +62,43 @@ class Store(BlockStore, Protocol):
         fingerprint: str,
         make: Callable[[], Mapping[str, TransferMatrix]],
     ) -> dict[str, TransferMatrix]:
-        """Return matrices that are traced together, or make and keep all of them."""
+        """Return cached matrices; if one is missing, trace and store all of them."""
 
 
 @dataclass(frozen=True)
 class MatrixStore:
-    """A folder of traced matrices.
+    """Folder of traced matrices.
 
     Attributes
     ----------
-    folder : made when the first matrix is kept
+    folder : path of the folder, created with the first matrix
     """
 
     folder: Path
 
     def path(self, name: str, fingerprint: str) -> Path:
-        """File of a matrix; characters that trouble file systems become "_"."""
+        """Path of the file of a matrix; special characters are replaced by "_"."""
         safe = "".join(c if c.isalnum() or c in "-_." else "_" for c in name)
         return self.folder / f"{safe}-{fingerprint[:_DIGITS]}.nc"
 
     def holds(self, name: str, fingerprint: str) -> bool:
-        """Whether a matrix was kept; it may still turn out to be damaged."""
+        """Whether the file of a matrix exists; it may still be damaged."""
         return self.path(name, fingerprint).is_file()
 
     def matrix(
         self, name: str, fingerprint: str, make: Callable[[], TransferMatrix]
     ) -> TransferMatrix:
-        """Return the matrix kept under this name and fingerprint, or make and keep it.
+        """Return the cached matrix of this name and fingerprint, or trace and store it.
 
         Parameters
         ----------
-        name : for people, such as "view-south"
-        fingerprint : of all that the matrix depends on
-        make : traces the matrix; called when it is not there or is damaged
+        name : readable name, such as "view-south"
+        fingerprint : hash of all inputs of the matrix
+        make : function that traces the matrix, called if the file is missing or damaged
 
         Raises
         ------
-        OutputError : the folder cannot be written
+        OutputError : the folder is not writable
 
         Examples
         --------
@@ -121,7 +120,7 @@ class MatrixStore:
         fingerprint: str,
         make: Callable[[], Mapping[str, TransferMatrix]],
     ) -> dict[str, TransferMatrix]:
-        """Return matrices that are traced together, or make and keep all of them."""
+        """Return cached matrices; if one is missing, trace and store all of them."""
         kept = {name: self._read(self.path(name, fingerprint)) for name in names}
         if None in kept.values():
             make_folder(self.folder)
@@ -139,12 +138,12 @@ class MatrixStore:
         rows: Sequence[slice],
         make: Callable[[slice], TransferMatrix],
     ) -> tuple[Path, ...]:
-        """Keep a matrix larger than memory; return the file of each block of rows.
+        """Store a matrix larger than memory; return the file of each block of rows.
 
         Parameters
         ----------
-        rows : of the blocks, in order
-        make : traces one of them; called when it is not there or is damaged
+        rows : ranges of rows of the blocks, in order
+        make : function that traces one block, called if its file is missing or damaged
         """
         names = block_names(name, len(rows))
         for block, part in zip(names, rows, strict=True):
@@ -152,7 +151,7 @@ class MatrixStore:
         return tuple(self.path(block, fingerprint) for block in names)
 
     def _read(self, path: Path) -> TransferMatrix | None:
-        # None when the matrix is not there, or is there and not to be trusted
+        # None if the file is missing or damaged
         if not path.is_file():
             return None
         try:

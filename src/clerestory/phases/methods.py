@@ -1,4 +1,4 @@
-"""Phase methods, as terms of the matrix equation.
+"""Phase methods as terms of the matrix equation.
 
     2-phase   I = C S
     3-phase   I = V T D S
@@ -6,9 +6,10 @@
     5-phase   I = V T D S − V_d T D_d S_ds + C_ds S_sun
     6-phase   I = V T F D S − V_d T F_d D_d S_ds + C_ds S_sun
 
-The direct correction takes away what the sun, spread over patches, sends straight to
-the receivers, and adds it with the sun at its place and the window's BSDF as fine as
-it is known. The two-phase method has it as well: I = C S − C_d S_ds + C_ds S_sun.
+The direct correction subtracts the direct sunlight of the sun spread over sky patches
+and adds the direct sunlight of the sun at its true position, through the window BSDF
+at full resolution. It is optional in the two-phase method:
+I = C S − C_d S_ds + C_ds S_sun.
 
 References: P. R. Tregenza, I. M. Waters, Lighting Research and Technology 15 (2), 1983
 (2-phase); S. Subramaniam, Daylighting simulations with Radiance using matrix-based
@@ -37,22 +38,21 @@ from clerestory.sky.sun_matrix import SunMatrix
 
 MethodName = Literal["2-phase", "3-phase", "4-phase", "5-phase", "6-phase"]
 
-# Names of the terms of the direct correction in results
+# Result variables of the two terms of the direct correction
 DIRECT_IN_PATCHES, DIRECT_SUN = "direct_in_patches", "direct_sun"
 
 
 @dataclass(frozen=True)
 class PhaseMethod:
-    """What a phase method multiplies.
+    """Definition of a phase method.
 
     Attributes
     ----------
-    whole : name of the term with all reflections, in results
-    windows : whether light passes windows by V T D; else daylight coefficients lead
-        from the receivers straight to the sky
-    facade : whether exterior shades stand between window and ports (F)
-    correction : whether the direct correction is "always" part of the method, "never",
-        or by "choice"
+    whole : result variable of the term with interreflections
+    windows : True for V T D, False for daylight coefficients C
+    facade : whether the method includes façade matrices (F)
+    correction : whether the direct correction is applied "always", "never" or by
+        "choice"
     """
 
     whole: str
@@ -69,7 +69,7 @@ class PhaseMethod:
         return (whole, spread, Term(DIRECT_SUN, "sun"))
 
     def formula(self, term: Term) -> str:
-        """Return the matrices of a term.
+        """Return the matrix product of a term as text.
 
         >>> [METHODS["6-phase"].formula(term) for term in FIVE_PHASE]
         ['V T F D S', 'V_d T F_d D_d S_ds', 'C_ds S_sun']
@@ -101,13 +101,13 @@ def two_phase(
 
     Parameters
     ----------
-    coefficients : from sky patches to sensors [sr]
-    sky : radiance of each patch at each time
-    progress : called with the share done, 0…1, and a note
+    coefficients : daylight coefficients, illuminance per sky patch luminance [sr]
+    sky : radiance of each sky patch at each time step
+    progress : callback with the completed fraction (0…1) and a status text
 
     Raises
     ------
-    MatrixError : the matrices do not fit each other
+    MatrixError : the axes of the matrices differ
     """
     windows = [WindowMatrices(MatrixChain((coefficients,)))]
     terms = METHODS["2-phase"].terms(corrected=False)
@@ -124,7 +124,7 @@ def three_phase(
 
     Raises
     ------
-    MatrixError : two of the matrices do not fit each other
+    MatrixError : the axes of the matrices differ
     """
     window = WindowMatrices(window_chain(view, transmission, daylight))
     return three_phase_sum([window], sky)
@@ -139,13 +139,13 @@ def three_phase_sum(
 ) -> xr.Dataset:
     """Illuminance [lux] behind several window groups, with its standard error.
 
-    With F D in place of D this is the four-phase method.
+    With F D in place of D, this is the four-phase method.
 
     Parameters
     ----------
-    windows : their view matrices have the same sensors and were traced together
-    states : number of the state at each step, per window; by default the first
-    progress : called with the share done, 0…1, and a note
+    windows : matrices of the window groups; view matrices traced together
+    states : index of the shade state at each time step, per window group; default 0
+    progress : callback with the completed fraction (0…1) and a status text
 
     Returns
     -------
@@ -153,7 +153,7 @@ def three_phase_sum(
 
     Raises
     ------
-    MatrixError : matrices do not fit each other, or states that do not exist
+    MatrixError : axes of the matrices differ, or a shade state does not exist
     """
     return illuminance(windows, THREE_PHASE, Skies(sky), states, progress=progress)
 
@@ -167,27 +167,27 @@ def five_phase(
     *,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Illuminance [lux] by three phases and the direct correction.
+    """Illuminance [lux] by the three-phase method with direct correction.
 
-    With F D in place of D this is the six-phase method.
+    With F D in place of D, this is the six-phase method.
 
     Parameters
     ----------
-    windows : their matrices have the same sensors
-    sky : S, with sky, sun and ground
-    sun_in_patches : S_ds, the sun alone, spread over the same patches as in S
-    suns : S_sun, the suns at their true places, those of the columns of C_ds
-    states : number of the state at each step, per window; by default the first
-    progress : called with the share done, 0…1, and a note
+    windows : matrices of the window groups, all for the same sensors
+    sky : S, radiance of sky, sun and ground
+    sun_in_patches : S_ds, radiance of the sun alone, spread over the same patches
+    suns : S_sun, irradiance of the suns at their true positions, the columns of C_ds
+    states : index of the shade state at each time step, per window group; default 0
+    progress : callback with the completed fraction (0…1) and a status text
 
     Returns
     -------
-    `illuminance` and `standard_error` over (sensor, time), and the equation's terms
-    `three_phase`, `direct_in_patches` and `direct_sun`, float32
+    `illuminance`, `standard_error` and the terms `three_phase`, `direct_in_patches` and
+    `direct_sun` over (sensor, time), float32
 
     Raises
     ------
-    MatrixError : matrices do not fit each other, or skies have different times
+    MatrixError : axes of the matrices or time steps of the skies differ
     """
     skies = Skies(sky, sun_in_patches, suns)
     return illuminance(windows, FIVE_PHASE, skies, states, progress=progress)

@@ -1,14 +1,14 @@
-"""Pictures by matrices: view matrices of pixels, and direct suns.
+"""View matrices and direct-sun coefficients of the pixels of a picture.
 
     V      pixels × interior patches   picture_view_matrices
-    V_d    the same, direct            picture_view_matrices(direct=True)
+    V_d    pixels × interior patches   picture_view_matrices(direct=True)
     C_ds   pixels × suns               picture_sun_coefficients
 
-Their products with skies are in `picture_series`. Coefficients are radiance per unit
-radiance of patches, and radiance per direct normal irradiance of suns [1/sr]. In the
-direct parts light reaches the eye from a window itself or from the one surface that it
-shines on: C_F-ds and C_R-ds of the extended five-phase method are one matrix here, as
-V_d times both material maps is.
+`picture_series` multiplies them with skies. V is pixel radiance per patch radiance,
+C_ds is pixel radiance per direct normal irradiance [1/sr]. V_d and C_ds include the
+view of the window itself and one reflection at a surface of the room: C_ds is the sum
+of C_F-ds and C_R-ds of the extended five-phase method, V_d includes both material
+maps.
 """
 
 from collections.abc import Callable, Sequence
@@ -38,16 +38,16 @@ from clerestory.scene.model import Scene
 from clerestory.scene.view import View
 from clerestory.scene.window import Window
 
-# Batches of a pixel: enough to judge its error, few enough for memory
+# Number of batches per pixel for its standard error, limited by memory
 _BATCHES = 4
 
-# Paths per pixel and sun, where they are not asked for
+# Default number of paths per pixel and sun
 _SUN_SAMPLES = 16
 
 
 @dataclass(frozen=True, eq=False)
 class Camera:
-    """A view and the size of its picture.
+    """View and size of a picture.
 
     Raises
     ------
@@ -87,17 +87,17 @@ def picture_view_matrices(
     direct: bool = False,
     **keywords: Unpack[EffortKeywords],
 ) -> dict[str, TransferMatrix]:
-    """View matrices of a picture by window name: radiance of pixels per patch's.
+    """View matrices of a picture, by window name: pixel radiance per patch radiance.
 
     Parameters
     ----------
-    scene : what light meets on its way from the windows to the eye, without them
+    scene : room surfaces, without the windows
     windows : polygons whose front faces the room
-    direct : V_d instead of V: nothing but the windows, and what they shine on
+    direct : V_d instead of V: view of the windows, and one reflection in the room
     samples : paths per pixel
-    relative_error : instead of samples: root mean square of the pixels' standard
-        errors to reach under windows of uniform radiance, over their mean
-    bounces : most diffuse reflections, as Radiance's -ab; no limit by default
+    relative_error : instead of samples: target RMS of the pixels' standard errors for
+        windows of uniform radiance, relative to the mean pixel
+    bounces : maximum number of diffuse reflections, as Radiance -ab; default unlimited
 
     The other parameters are those of `view_matrix`.
     """
@@ -119,7 +119,7 @@ def picture_view_matrices(
     for window in windows:
         columns = window_axis("interior", window.partition, window.name)
         part = estimated.values[:, :, first : first + columns.size]
-        # Pictures have all bands; those of grey rooms are equal
+        # Repeat the single channel of grey rooms in all bands
         shape = len(scene.bands), *part.shape[1:]
         values = np.broadcast_to(part.astype(np.float32), shape)
         pixels = pixel_axis(len(camera))
@@ -144,10 +144,10 @@ def sun_pictures(
     peak: bool = False,
     **keywords: Unpack[EffortKeywords],
 ) -> SunPictures:
-    """Return a function that traces direct-sun coefficients of a picture when asked.
+    """Return a function that traces direct-sun coefficients of a picture on demand.
 
-    It takes numbers of suns and returns their coefficients; see
-    `picture_sun_coefficients`. A year has thousands of suns, more than memory holds.
+    The function takes indices of suns and returns their coefficients, see
+    `picture_sun_coefficients`. Those of all suns of a year do not fit into memory.
     """
     effort = sun_effort(sun_pictures, keywords, samples=_SUN_SAMPLES)
     number = check_window(windows, window, bsdf, suns)
@@ -172,7 +172,7 @@ def sun_pictures(
         **effort.job_options(1),
     )
 
-    # Nothing is traced yet, but a plan takes note
+    # Nothing is traced yet, but a dry run records the job
     accepted = effort.executor.accepts(job, effort.goal)
 
     def coefficients(asked: np.ndarray) -> np.ndarray:
@@ -200,10 +200,11 @@ def picture_sun_coefficients(
     peak: bool = False,
     **keywords: Unpack[EffortKeywords],
 ) -> TransferMatrix:
-    """Direct-sun coefficients of a picture: radiance per normal irradiance [1/sr].
+    """Direct-sun coefficients of a picture [1/sr].
 
-    What the window shows of the sun (C_F-ds) and what the room's surfaces reflect of
-    it (C_R-ds). See `sun_coefficients` for the parameters.
+    Pixel radiance per direct normal irradiance: the sun seen through the window
+    (C_F-ds) plus sunlight reflected once in the room (C_R-ds). See `sun_coefficients`
+    for the parameters.
 
     Parameters
     ----------

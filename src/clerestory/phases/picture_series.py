@@ -1,7 +1,7 @@
 """Pictures over time by the matrix equation.
 
-Each step's picture is yielded and not kept. Blocks of some steps and some thousand
-pixels are multiplied at a time, so that memory does not grow with the year.
+Pictures are yielded one by one. The product is computed in blocks of pixels and time
+steps, so that memory does not grow with the number of steps.
 """
 
 from collections.abc import Iterator, Sequence
@@ -19,10 +19,10 @@ from clerestory.phases.matrix_equation import (
 )
 from clerestory.phases.picture_matrices import Camera
 
-# Steps multiplied at a time: 640,000 pixels of 16 steps take 123 MB
+# Time steps per block: 640,000 pixels × 16 steps take 123 MB
 _STEPS = 16
 
-# Pixels multiplied at a time: their half-precision coefficients are widened for it
+# Pixels per block, whose half-precision coefficients are converted to float32
 _PIXELS = 1 << 15
 
 
@@ -33,20 +33,20 @@ def pictures_over_time(
     skies: Skies,
     states: States | None = None,
 ) -> Iterator[Picture]:
-    """Yield the picture of every time step, in order, a few of them in memory.
+    """Yield the picture of every time step, in order.
 
-    With direct sun that is reflected by one surface (C_R-ds) and seen in the window
-    (C_F-ds), the five terms are those of the extended five-phase method.
+    With direct sun seen in the window (C_F-ds) and reflected once (C_R-ds), this is the
+    extended five-phase method.
 
     Parameters
     ----------
-    windows : their matrices have the pixels of the camera as receivers
-    terms : of the equation
-    states : number of the state at each step, per window; by default the first
+    windows : matrices of the window groups, with the pixels of the camera as rows
+    terms : terms of the matrix equation
+    states : index of the shade state at each time step, per window group; default 0
 
     Raises
     ------
-    MatrixError : matrices do not fit each other, or skies have different times
+    MatrixError : axes of the matrices or time steps of the skies differ
     """
     bands = equation_bands(windows, skies)
     product = BlockwiseProduct(

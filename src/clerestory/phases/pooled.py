@@ -1,8 +1,7 @@
-"""Fewer error components of a matrix: batches of its estimate pooled.
+"""Fewer error components of a matrix, by pooling of batches.
 
-A mean of batches is a batch as well: the expected variance stays what it is. With
-fewer components the error itself is known less well, but matrices take less room and
-their products less time.
+The mean of several batches is a batch as well, so the expected variance is unchanged.
+Fewer components need less memory and time, but the standard error is less precise.
 """
 
 from dataclasses import replace
@@ -13,18 +12,18 @@ from jaxtyping import Float
 from clerestory.errors import MatrixError
 from clerestory.matrix.transfer_matrix import TransferMatrix
 
-# Error components where memory, disk or time is short
+# Number of error components after pooling
 FEW = 4
 
 
 def pooled(
     components: Float[np.ndarray, "component channel row column"], count: int
 ) -> Float[np.ndarray, "few channel row column"]:
-    """Return so many error components in place of those given.
+    """Return a smaller number of error components.
 
     Raises
     ------
-    MatrixError : as many batches cannot be pooled evenly
+    MatrixError : the number of components is no multiple of `count`
 
     Examples
     --------
@@ -42,7 +41,7 @@ def pooled(
 
 
 def with_few_components(matrix: TransferMatrix) -> TransferMatrix:
-    """Return a matrix with four error components, or none where it has none."""
+    """Return a matrix with four error components, or without any if it has none."""
     if matrix.components is None:
         return matrix
     return replace(matrix, components=pooled(matrix.components, FEW))

@@ -1,7 +1,7 @@
-"""Receiving matrices read block by block of rows, wherever they are.
+"""Receiving matrices (V, C or C_ds) read in blocks of rows.
 
-In memory, in files, or computed when they are asked for: the sky coefficients
-Σ V T D of some receivers, and the columns of those suns that shine.
+The matrices are in memory, in files, or computed on demand: the sky coefficients
+Σ V T D of a range of receivers, and the C_ds columns of suns with irradiance > 0.
 """
 
 from collections.abc import Sequence
@@ -22,11 +22,11 @@ from clerestory.phases.stored_views import Entries, StoredColumns
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """Some columns of coefficients in memory.
+    """Selected columns of coefficients in memory.
 
     Attributes
     ----------
-    numbers : of the columns; None for all of them
+    numbers : indices of the columns; None for all columns
     """
 
     values: Float[np.ndarray, "channel row column"]
@@ -34,7 +34,7 @@ class Columns:
     numbers: Int[np.ndarray, " some"] | None = None
 
     def read(self, rows: slice) -> Entries:
-        """Return consecutive rows and their components."""
+        """Return a range of rows and their error components."""
         parts = self.components
         found = self.values[:, rows], None if parts is None else parts[:, :, rows]
         if self.numbers is None:
@@ -47,20 +47,20 @@ class Columns:
 
 @dataclass(frozen=True, eq=False)
 class SkyCoefficients:
-    """Sky coefficients Σ V T D of windows whose shades do not move."""
+    """Sky coefficients Σ V T D of windows with fixed shades."""
 
     windows: Sequence[MatrixChain]
 
     def read(self, rows: slice) -> Entries:
-        """Return consecutive rows and their components."""
+        """Return a range of rows and their error components."""
         found = sky_coefficients(self.windows, rows)
         return found.values, found.components
 
 
 def sky_coefficients(windows: Sequence[MatrixChain], rows: slice) -> TransferMatrix:
-    """Σ V T D over the window groups in their first state, for some sensors [sr].
+    """Sum of V T D over the window groups in shade state 0, for some sensors [sr].
 
-    Components of V come first, added over the windows number by number.
+    The error components of V come first, component k summed over the windows.
     """
     products: list[TransferMatrix] = []
     views: list[int] = []
@@ -87,7 +87,7 @@ def sky_coefficients(windows: Sequence[MatrixChain], rows: slice) -> TransferMat
 
 
 def entries(matrix: TransferMatrix | Readable, rows: slice) -> Entries:
-    """Return consecutive rows of a receiving matrix and their components."""
+    """Return a range of rows of a receiving matrix and their error components."""
     if isinstance(matrix, TransferMatrix):
         return Columns(matrix.values, matrix.components).read(rows)
     return matrix.read(rows)
@@ -96,7 +96,7 @@ def entries(matrix: TransferMatrix | Readable, rows: slice) -> Entries:
 def side_by_side(
     matrices: Sequence[TransferMatrix | Readable], rows: slice, *, errors: bool
 ) -> Float32[np.ndarray, "layer channel row column"]:
-    """Return consecutive rows of several matrices: value, then error components."""
+    """Return a range of rows of several matrices: values, then error components."""
     found = [entries(matrix, rows) for matrix in matrices]
     counts = [0 if c is None or not errors else len(c) for _, c in found]
     channels = max(len(values) for values, _ in found)
@@ -132,7 +132,7 @@ def channel_count(matrix: Receiving) -> int:
 
 
 def chain_components(chain: MatrixChain) -> int:
-    """Return the most error components that the factors of a state have together."""
+    """Return the maximum, over shade states, of the factors' total error components."""
     return max((sum(map(component_count, state)) for state in chain.factors), default=0)
 
 
@@ -144,7 +144,7 @@ def coefficients_cost_less(
     Parameters
     ----------
     count : number of receivers
-    steps : of the sky
+    steps : number of time steps
     """
     views = max(component_count(window.receiving[0]) for window in windows)
     layers, before, behind = 1 + views, 0, 0
@@ -162,11 +162,11 @@ def coefficients_cost_less(
 
 
 def shining_columns(matrix: Receiving, normal: csc_array) -> tuple[Columns, csc_array]:
-    """Return the columns of the suns that shine, and their irradiance.
+    """Return the columns of suns with irradiance > 0, and the irradiance [W/m²].
 
     Raises
     ------
-    MatrixError : a matrix of window patches
+    MatrixError : the columns are window patches
     """
     shining = np.unique(normal.tocoo().coords[0])
     normal = csc_array(normal.tocsr()[shining])
@@ -178,11 +178,11 @@ def shining_columns(matrix: Receiving, normal: csc_array) -> tuple[Columns, csc_
 
 
 def readable(matrix: Receiving) -> TransferMatrix | Readable:
-    """Return a matrix that is read by rows.
+    """Return the matrix unchanged if its rows can be read.
 
     Raises
     ------
-    MatrixError : a matrix of suns that are traced when they are asked for
+    MatrixError : coefficients of suns that are traced on demand
     """
     if callable(matrix):
         raise MatrixError("a matrix of suns in place of one of patches")

@@ -1,7 +1,7 @@
-"""Pictures and illuminances at one instant, by tracing paths through the scene.
+"""Pictures and irradiance at one moment, by path tracing.
 
-The scene holds everything: surfaces, lamps, and a sky and sun as sources at infinity,
-as `gensky` and `gendaylit` describe them. Every pixel and sensor has a standard error.
+The scene contains surfaces, lamps, and sky and sun as sources at infinity, as in the
+output of `gensky` and `gendaylit`. Every pixel and sensor has a standard error.
 """
 
 from dataclasses import dataclass
@@ -31,7 +31,7 @@ from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View
 
-# Used when neither samples nor an error is asked for
+# Default, if neither samples nor relative_error is given
 _DEFAULT = Goal(samples=None, relative_error=0.02)
 
 
@@ -43,7 +43,7 @@ class Rendering:
     ----------
     picture : radiance of the pixels [W/(m²·sr)], or irradiance [W/m²]
     error : standard error of each value
-    paths : traced in all
+    paths : total number of traced paths
     """
 
     picture: Picture
@@ -57,9 +57,9 @@ class Gathered:
 
     Attributes
     ----------
-    irradiance : in each band [W/m²]
+    irradiance : irradiance in each band [W/m²]
     error : standard error of each value
-    paths : traced in all
+    paths : total number of traced paths
     bands : spectral bands of the scene
     """
 
@@ -85,17 +85,17 @@ def render(
 
     Parameters
     ----------
-    scene : surfaces and all that lights them
-    view : camera; pixels outside its projection stay black
+    scene : surfaces and light sources
+    view : camera; pixels outside its projection are black
     columns, rows : size of the picture; see `View.size_for`
     samples : paths per pixel
-    relative_error : instead of samples: root mean square of the pixels' standard
-        errors to reach, over their mean; 0.02 if neither is given
-    bounces : most diffuse reflections, as Radiance's -ab; no limit by default
-    seed : whole number ≥ 0; the same seed on the same device gives the same bits
-    device : "auto" takes a GPU if there is one
-    executor : where the work is done, such as a `Cluster`; this process by default
-    progress : called with the share done, 0…1, and a note
+    relative_error : instead of samples: target RMS of the pixels' standard errors,
+        relative to the mean pixel; 0.02 if neither is given
+    bounces : maximum number of diffuse reflections, as Radiance -ab; default unlimited
+    seed : random seed ≥ 0; same seed and device, bitwise identical results
+    device : "auto" selects a GPU if one is available
+    executor : executor of the tracing jobs, such as a `Cluster`; default: local
+    progress : callback with the completed fraction (0…1) and a status text
 
     Raises
     ------
@@ -114,11 +114,11 @@ def render_irradiance(
     rows: int,
     **keywords: Unpack[EffortKeywords],
 ) -> Rendering:
-    """Trace a picture of the irradiance of what is seen, as rpict -i does [W/m²].
+    """Trace a picture of the irradiance of the visible surfaces [W/m²], as rpict -i.
 
-    Panes and solids of glass are looked through. Pixels that show the sky or a lamp
-    are 0. The gather of a surface is the first bounce, as that of a sensor. See
-    `render` for the parameters.
+    Glass and dielectric surfaces are transparent. Pixels that show the sky or a lamp
+    are 0. The gather at the visible surface counts as the first bounce. See `render`
+    for the parameters.
     """
     effort = effort_of(render_irradiance, keywords, default=_DEFAULT)
     require_gather(effort, "surface")
@@ -163,10 +163,10 @@ def irradiance(
     sensors: Sensors,
     **keywords: Unpack[EffortKeywords],
 ) -> Gathered:
-    """Trace the irradiance of sensors under the scene's own sky and lamps [W/m²].
+    """Trace the irradiance of sensors due to the sky and lamps of the scene [W/m²].
 
-    The relative error is reached at every sensor; those darker than 1 % of the mean
-    are judged as if they had that much. See `render` for the other parameters.
+    Every sensor must reach the relative error; for sensors below 1 % of the mean
+    irradiance, it is relative to this 1 %. See `render` for the other parameters.
     """
     effort = effort_of(irradiance, keywords, default=_DEFAULT)
     require_sensors(sensors, effort)

@@ -1,9 +1,9 @@
-"""View matrices larger than memory: kept block by block of sensors.
+"""View matrices larger than memory, stored in blocks of sensors.
 
-A file holds the rows of some sensors, all windows side by side, in single precision.
-No more than one block is ever in memory, and each is kept as soon as it is traced, so
-that a run that was killed goes on with the next one. Sixteen batches are traced, as
-everywhere; their deviations are pooled into four error components.
+Each file contains the rows of one block of sensors, with the columns of all windows, in
+single precision. Only one block at a time is in memory. Each block is stored as soon
+as it is traced, so that an interrupted run resumes with the next block. The deviations
+of the sixteen batches are pooled into four error components.
 """
 
 from collections.abc import Callable, Sequence
@@ -35,7 +35,7 @@ from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.window import Window
 
-# Coefficients of some rows, and their error components
+# Coefficients of a range of rows, and their error components
 Entries = tuple[
     Float[np.ndarray, "channel row column"],
     Float[np.ndarray, "component channel row column"] | None,
@@ -48,8 +48,8 @@ class StoredViews:
 
     Attributes
     ----------
-    files : of the blocks of sensors
-    blocks : numbers of the sensors in each
+    files : paths of the files, one per block of sensors
+    blocks : range of sensors in each file
     """
 
     files: tuple[Path, ...]
@@ -58,12 +58,12 @@ class StoredViews:
 
     @property
     def sensors(self) -> int:
-        """How many sensors there are."""
+        """Number of sensors."""
         return int(self.blocks[-1].stop)
 
     @cached_property
     def channels(self) -> int:
-        """Number of channels: one where the room is grey, else one per band.
+        """Number of channels: one for grey rooms, otherwise one per band.
 
         Raises
         ------
@@ -83,7 +83,7 @@ class StoredViews:
         return 0 if parts is None else len(parts)
 
     def cut(self, most: int) -> list[slice]:
-        """Return the rows in parts of at most so many sensors, none in two files."""
+        """Return ranges of at most `most` sensors, each within one file."""
         return [
             slice(first, min(first + most, block.stop))
             for block in self.blocks
@@ -91,7 +91,7 @@ class StoredViews:
         ]
 
     def read(self, rows: slice, columns: slice) -> Entries:
-        """Return some columns of consecutive rows of one file, and their components.
+        """Return a range of rows and columns of one file, and their error components.
 
         Raises
         ------
@@ -109,11 +109,11 @@ class StoredViews:
     def of(
         self, sensors: Int[np.ndarray, " row"], columns: slice
     ) -> Float32[np.ndarray, "channel row column"]:
-        """Return some columns of some sensors, without their errors.
+        """Return a range of columns of selected sensors, without error components.
 
         Parameters
         ----------
-        sensors : their numbers, in growing order
+        sensors : indices of the sensors, in increasing order
         """
         parts = []
         for number, block in enumerate(self.blocks):
@@ -124,7 +124,7 @@ class StoredViews:
         return np.concatenate(parts, axis=1)
 
     def _block(self, number: int) -> TransferMatrix:
-        # The block read last is kept, as all windows ask for it in turn
+        # Cache of the last block, which is read for each window in turn
         if number not in self._last:
             self._last.clear()
             self._last[number] = read_netcdf(self.files[number])
@@ -138,8 +138,8 @@ class StoredColumns:
     Attributes
     ----------
     views : matrices of all window groups side by side
-    columns : patches of this group
-    first : number of the first of them
+    columns : interior patches of this group
+    first : index of its first column among the columns of all groups
     """
 
     views: StoredViews
@@ -148,29 +148,29 @@ class StoredColumns:
 
     @property
     def rows(self) -> Axis:
-        """The sensors."""
+        """Axis of the sensors."""
         return sensor_axis(self.views.sensors)
 
     @property
     def part(self) -> slice:
-        """Columns of this group among those of all."""
+        """Range of columns of this group among the columns of all groups."""
         return slice(self.first, self.first + self.columns.size)
 
     def read(self, rows: slice) -> Entries:
-        """Return consecutive rows of one file, and their components."""
+        """Return a range of rows of one file, and their error components."""
         return self.views.read(rows, self.part)
 
     def of(
         self, sensors: Int[np.ndarray, " row"]
     ) -> Float32[np.ndarray, "channel row column"]:
-        """Return some sensors, in growing order, without their errors."""
+        """Return rows of selected sensors (increasing), without error components."""
         return self.views.of(sensors, self.part)
 
 
 def stored_columns(
     views: StoredViews, windows: Sequence[Window]
 ) -> tuple[StoredColumns, ...]:
-    """Return the view matrix of each window, in the order in which they were traced."""
+    """Return the view matrix of each window, in the order of tracing."""
     ends = np.cumsum([len(window.partition) for window in windows]).tolist()
     return tuple(
         StoredColumns(
@@ -196,9 +196,8 @@ def store_views(
 
     Parameters
     ----------
-    store : where the blocks are kept, and found again
-    name, key : of the matrices in the store; the key is a fingerprint of all that
-        they depend on
+    store : cache of the blocks
+    name, key : name of the matrices in the cache, and fingerprint of all their inputs
 
     Raises
     ------
@@ -216,7 +215,7 @@ def store_views(
 
 def _block_maker(job: ViewJob, effort: Effort) -> Callable[[slice], TransferMatrix]:
     def make(rows: slice) -> TransferMatrix:
-        # A plan asks for all rows at once, and takes no memory
+        # A dry run records the job and needs no memory
         if not effort.executor.accepts(job, effort.goal):
             return _blank(job, rows)
         first, whole = rows.start, job.receivers

@@ -1,9 +1,9 @@
-"""Direct-sun coefficients, and black scenes for the direct parts of the phases.
+"""Direct-sun coefficients, and black scenes for the direct terms of phase methods.
 
     C_ds  sensors × suns   irradiance per direct normal irradiance
 
-The scene is black in every direct part: light comes straight from the sky through
-the window to the sensor, and is scattered by the window alone.
+All surfaces are black: light travels straight from the sky to the window and from the
+window to the sensor, and is scattered by the window alone.
 """
 
 from collections.abc import Callable, Sequence
@@ -25,17 +25,17 @@ from clerestory.scene.model import Plastic, Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.window import Window
 
-# Paths per sensor and sun, where they are not asked for
+# Default number of paths per sensor and sun
 _SAMPLES = 64
 
-# Efforts that the number of paths per sun takes the place of
+# Effort parameters that do not apply to direct-sun coefficients
 _WITHOUT = ("relative_error", "bounces", "batches", "components")
 
 _BLACK = Plastic("black", np.zeros(3))
 
 
 def blackened(scene: Scene) -> Scene:
-    """Return the scene with all its surfaces black, and nothing at infinity."""
+    """Return the scene with black surfaces, without sources at infinity."""
     return Scene(
         {"black": _BLACK},
         tuple(replace(surface, material="black") for surface in scene.surfaces),
@@ -53,23 +53,24 @@ def sun_coefficients(
     peak: bool = False,
     **keywords: Unpack[EffortKeywords],
 ) -> TransferMatrix:
-    """Direct-sun coefficients C_ds of one window: irradiance per normal irradiance.
+    """Direct-sun coefficients C_ds: irradiance per direct normal irradiance.
 
-    Suns behind the window's wall have none. The sun's disc is 0.533° wide.
+    Coefficients are zero for suns behind the window plane. The solar disc has a
+    diameter of 0.533°.
 
     Parameters
     ----------
-    scene : what stands in the way, outside and inside
-    windows : all windows; those beside the one asked for stand in the way
-    window : name of the window asked for
-    bsdf : of this window, matrix or tensor tree, as fine as it is known
+    scene : obstructions outside and inside
+    windows : all windows; windows other than `window` are opaque
+    window : name of the window for which coefficients are computed
+    bsdf : BSDF of this window, matrix or tensor tree, at full resolution
     sensors : points and directions of irradiance sensors, on the room side
     suns : unit vectors to the suns
-    peak : whether light that the BSDF passes straight is kept as sharp as the sun
-        (as Radiance's aBSDF does)
+    peak : whether direct-direct transmission is extracted from the BSDF, as by Radiance
+        aBSDF
     samples : paths per sensor and sun
-    seed : whole number ≥ 0; the same seed on the same device gives the same bits
-    executor : where the work is done, such as a `Cluster`; this process by default
+    seed : random seed ≥ 0; same seed and device, bitwise identical results
+    executor : executor of the tracing jobs, such as a `Cluster`; default: local
 
     Raises
     ------
@@ -108,7 +109,7 @@ def sun_effort(
 
     Parameters
     ----------
-    samples : paths per receiver and sun, where they are not asked for
+    samples : default number of paths per receiver and sun
     """
     return effort_of(
         function,
@@ -125,11 +126,11 @@ def check_window(
     bsdf: Bsdf,
     suns: Float[np.ndarray, "sun 3"],
 ) -> int:
-    """Return the number of a window, once all that sunlight asks for is right.
+    """Return the index of a window, after a check of the inputs.
 
     Raises
     ------
-    InputError : no such window, no transmission, or suns of another shape
+    InputError : no such window, no transmission, or wrong shape of `suns`
     """
     names = [each.name for each in windows]
     if window not in names:

@@ -1,4 +1,4 @@
-"""When the sun shines on points of a scene: geometry alone, without weather."""
+"""Visibility of the sun from points of a scene, by geometry alone."""
 
 from typing import Any
 
@@ -17,16 +17,16 @@ def sun_visible(
     *,
     device: Device = "auto",
 ) -> Bool[np.ndarray, "point sun"]:
-    """Return whether the middle of the sun is seen from each point.
+    """Return whether the centre of the solar disc is visible from each point.
 
-    Clear glass is looked through, and what stands for geometry with a BSDF; all other
-    surfaces hide the sun.
+    Clear glass is transparent, as is proxied geometry of a BSDF; all other surfaces are
+    opaque.
 
     Parameters
     ----------
-    scene : what may stand in the way
-    points : [m]
-    suns : unit vectors to the sun at several moments
+    scene : obstructions
+    points : coordinates of the points [m]
+    suns : unit vectors to the sun, one per moment
 
     Raises
     ------

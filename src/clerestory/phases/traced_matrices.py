@@ -5,9 +5,8 @@
     C  sensors × sky                  daylight_coefficients (the two-phase method)
 
 Coefficients are irradiance per unit radiance [sr] for sensors, and radiance per
-unit radiance for window patches. `bounces` counts like Radiance's -ab for the same
-job: for an irradiance sensor the first gather is one, for a window patch the first
-ray is none.
+unit radiance for window patches. `bounces` counts like -ab of Radiance: the first
+gather of an irradiance sensor is one bounce, the first ray from a window patch is none.
 """
 
 import warnings
@@ -32,7 +31,7 @@ from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.window import Window
 
-# Used when neither samples nor an error is asked for
+# Default, if neither samples nor relative_error is given
 _DEFAULT = Goal(samples=None, relative_error=0.01)
 
 
@@ -43,25 +42,25 @@ def view_matrix(
     sensors: Sensors,
     **keywords: Unpack[EffortKeywords],
 ) -> TransferMatrix:
-    """View matrix of one window: irradiance of sensors per radiance of patches [sr].
+    """View matrix of one window: sensor irradiance per patch radiance [sr].
 
-    The window itself ends the paths; it must not be part of the scene.
+    Paths end at the window, which must not be part of the scene.
 
     Parameters
     ----------
-    scene : what light meets on its way from the window to the sensors
+    scene : room surfaces, without the window
     window : polygons whose front faces the room
     sensors : points and directions of irradiance sensors
     samples : paths per sensor
-    relative_error : instead of samples: standard error to reach at every sensor,
-        relative to its irradiance under a window of uniform radiance; sensors
-        darker than 1 % of the mean are judged as if they had that much
-    bounces : most gathers, as Radiance's -ab; no limit by default
-    seed : whole number ≥ 0; the same seed on the same device gives the same bits
-    device : "auto" takes a GPU if there is one
-    executor : where the work is done, such as a `Cluster`; this process by default.
-        It changes no bit of the result
-    progress : called with the share done, 0…1, and a note
+    relative_error : instead of samples: target standard error at every sensor, relative
+        to its irradiance for a window of uniform radiance, or to 1 % of the mean over
+        the sensors if that is larger
+    bounces : maximum number of gathers, as Radiance -ab; default unlimited
+    seed : random seed ≥ 0; same seed and device, bitwise identical results
+    device : "auto" selects a GPU if one is available
+    executor : executor of the tracing jobs, such as a `Cluster`; default: local.
+        Results do not depend on it
+    progress : callback with the completed fraction (0…1) and a status text
 
     Raises
     ------
@@ -79,9 +78,9 @@ def view_matrices(
     sensors: Sensors,
     **keywords: Unpack[EffortKeywords],
 ) -> dict[str, TransferMatrix]:
-    """View matrices of several windows, traced at once, by window name.
+    """View matrices of several windows, traced together, by window name.
 
-    The windows share their paths: component k of all of them comes from batch k.
+    All windows are estimated from the same paths: error component k is of batch k.
     See `view_matrix` for the parameters.
     """
     require_distinct(windows)
@@ -96,7 +95,7 @@ def view_matrices(
 def view_job(
     scene: Scene, windows: Sequence[Window], sensors: Sensors, effort: Effort
 ) -> ViewJob:
-    """Return the job of the view matrices of windows."""
+    """Return the tracing job for view matrices."""
     return ViewJob(
         scene=scene, windows=tuple(windows), sensors=sensors, **effort.job_options()
     )
@@ -109,18 +108,17 @@ def daylight_matrix(
     subdivision: int = 4,
     **keywords: Unpack[EffortKeywords],
 ) -> TransferMatrix:
-    """Daylight matrix of one window: radiance of its patches per radiance of the sky's.
+    """Daylight matrix of one window: window patch radiance per sky patch radiance.
 
-    Rows of a window that sees nothing but sky and ground sum to one.
+    Each row sums to one if the window is exposed to sky and ground alone.
 
     Parameters
     ----------
-    scene : what light meets on its way from the sky to the window
-    subdivision : Reinhart's MF of the sky, 1…6
+    scene : exterior surfaces
+    subdivision : MF of the Reinhart sky subdivision, 1…6
     samples : paths per window patch
-    relative_error : instead of samples: standard error to reach for the window's
-        irradiance from one sky patch, as root mean square over the sky, relative to
-        the mean patch
+    relative_error : instead of samples: target standard error of the window irradiance
+        due to one sky patch, as RMS over the sky patches, relative to their mean
 
     The other parameters are those of `view_matrix`.
     """
@@ -142,7 +140,7 @@ def daylight_matrices(
 ) -> dict[str, TransferMatrix]:
     """Daylight matrices of several windows by window name; see `daylight_matrix`.
 
-    The scene is built once for all windows less than 128 m from its middle.
+    One acceleration structure serves all windows within 128 m of the scene centre.
     """
     require_distinct(windows)
     effort = matrix_effort(daylight_matrices, keywords)
@@ -167,8 +165,8 @@ def daylight_coefficients(
 ) -> TransferMatrix:
     """Daylight coefficients: irradiance of sensors per radiance of sky patches [sr].
 
-    A sensor that sees nothing but sky and ground collects π in all. The error aimed
-    at is that of the irradiance under a uniform sky. See `view_matrix`.
+    Each row sums to π if the sensor is exposed to sky and ground alone.
+    `relative_error` applies to the irradiance under a uniform sky. See `view_matrix`.
     """
     effort = matrix_effort(daylight_coefficients, keywords)
     rows = _sensor_rows(sensors, effort)
@@ -186,11 +184,11 @@ def matrix_effort(function: Callable[..., object], keywords: EffortKeywords) -> 
 
 
 def require_distinct(windows: Sequence[Window]) -> None:
-    """Refuse windows of the same name, or none at all.
+    """Require at least one window, and distinct window names.
 
     Raises
     ------
-    InputError : names the first that comes twice
+    InputError : no window, or two windows of the same name
     """
     names = [window.name for window in windows]
     if not names:
@@ -203,11 +201,11 @@ def require_distinct(windows: Sequence[Window]) -> None:
 
 
 def require_sensors(sensors: Sensors, effort: Effort) -> None:
-    """Refuse no sensors at all, or none that gather any light.
+    """Require at least one sensor and one bounce.
 
     Raises
     ------
-    InputError : says which
+    InputError : no sensors, or bounces = 0
     """
     require_gather(effort, "sensor")
     if len(sensors.position) == 0:
@@ -215,7 +213,7 @@ def require_sensors(sensors: Sensors, effort: Effort) -> None:
 
 
 def require_gather(effort: Effort, receiver: str) -> None:
-    """Refuse zero bounces, which end all paths of a receiver of irradiance.
+    """Require at least one bounce, without which irradiance is zero.
 
     Raises
     ------
@@ -239,7 +237,7 @@ def by_window(
     side: Literal["interior", "exterior"],
     bands: Bands,
 ) -> dict[str, TransferMatrix]:
-    """Return the matrices of windows whose columns were traced side by side."""
+    """Split an estimate for several windows into one matrix per window."""
     found, first = {}, 0
     for window in windows:
         columns = window_axis(side, window.partition, window.name)
@@ -252,12 +250,12 @@ def by_window(
 def traced_matrix(
     estimated: Estimate, rows: Axis, columns: Axis, part: slice, bands: Bands
 ) -> TransferMatrix:
-    """Return some columns of what was traced, with their axes and bands."""
+    """Return a range of columns of an estimate as a matrix with axes and bands."""
     values, components = estimated.values[:, :, part], estimated.components
     if components is not None:
         components = components[:, :, :, part]
     if estimated.paths:
-        # The blank matrix of a planned job takes no memory
+        # A dry run has no paths, and its blank matrix must not take memory
         values = np.ascontiguousarray(values)
         if components is not None:
             components = np.ascontiguousarray(components)
@@ -265,19 +263,19 @@ def traced_matrix(
 
 
 class Traced(Protocol):
-    """What was traced, and whether the relative error aimed at was reached."""
+    """Result of tracing, with its number of paths."""
 
     @property
     def paths(self) -> int:
-        """Paths traced in all."""
+        """Total number of traced paths."""
 
     @property
     def reached(self) -> bool:
-        """Whether the error was reached."""
+        """Whether the target relative error was reached."""
 
 
 def warn_if_short(traced: Traced, what: str, effort: Effort) -> None:
-    """Warn when a trace ended before it reached the error aimed at."""
+    """Warn if tracing ended before the target relative error was reached."""
     if not traced.reached:
         warnings.warn(
             f"{what}: the relative error {effort.relative_error} was not reached"

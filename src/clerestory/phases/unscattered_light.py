@@ -1,10 +1,10 @@
-"""Direct light of scenes that have their glass: sky and sun, unscattered.
+"""Direct coefficients of scenes with glazing: unscattered light of sky and sun.
 
-    C_d    sensors × sky   part of the daylight coefficients that no surface scatters
+    C_d    sensors × sky   unscattered part of the daylight coefficients [sr]
     C_ds   sensors × suns  irradiance per direct normal irradiance
 
-Both follow straight rays that clear glass attenuates and all else stops, so that the
-two-phase method can take the sun out of its sky patches and put it at its place.
+Both follow straight rays that are attenuated by clear glass and blocked by all other
+surfaces, for the direct correction of the two-phase method.
 """
 
 from typing import Unpack
@@ -24,10 +24,10 @@ from clerestory.phases.sun_coefficients import sun_effort
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
 
-# Rays per sensor and patch or sun, where they are not asked for
+# Default number of rays per sensor and sky patch, and per sensor and sun
 _PATCH_SAMPLES, _SUN_SAMPLES = 32, 64
 
-# Steps of the R2 sequence (M. Roberts, 2018): powers of the inverse plastic number
+# Increments of the R2 sequence (M. Roberts, 2018): powers of the inverse plastic number
 _R2 = 1.32471795724474602596 ** -np.arange(1.0, 3.0)
 
 
@@ -38,12 +38,12 @@ def unscattered_coefficients(
     subdivision: int = 4,
     **keywords: Unpack[EffortKeywords],
 ) -> TransferMatrix:
-    """Direct part C_d of the daylight coefficients [sr]; the ground has none.
+    """Direct part C_d of the daylight coefficients [sr]; zero for the ground.
 
     Parameters
     ----------
-    scene : with its glass
-    subdivision : Reinhart's MF of the sky, 1…6
+    scene : surfaces, including the glazing
+    subdivision : MF of the Reinhart sky subdivision, 1…6
     samples : rays per sensor and sky patch
     """
     effort = sun_effort(unscattered_coefficients, keywords, samples=_PATCH_SAMPLES)
@@ -63,8 +63,8 @@ def unscattered_sun(
 
     Parameters
     ----------
-    scene : with its glass
-    suns : unit vectors to the suns, whose discs are 0.533° wide
+    scene : surfaces, including the glazing
+    suns : unit vectors to the suns; the solar disc has a diameter of 0.533°
     samples : rays per sensor and sun
     """
     effort = sun_effort(unscattered_sun, keywords, samples=_SUN_SAMPLES)
@@ -91,7 +91,7 @@ def _traced(
     rows = sensor_axis(len(sensors.position), sensors.names)
     values, components = found.values, found.components
     if columns.kind == "sky" and isinstance(columns.partition, SkyPartition):
-        # Irradiance per radiance; nothing from the ground
+        # Irradiance per patch radiance; zero for the ground
         angle = columns.partition.dome.solid_angles()
         values, components = (
             _after_ground(values * angle),
@@ -105,7 +105,7 @@ def _after_ground(values: np.ndarray) -> np.ndarray:
 
 
 def _points(columns: int, effort: Effort) -> Float[np.ndarray, "column point 2"]:
-    # Points of the unit square; each batch has a sequence of its own
+    # Points of the unit square, with one R2 sequence per batch
     each = -(-(effort.samples or 1) // BATCHES)
     start = np.random.default_rng(effort.seed).random((columns, BATCHES, 1, 2))
     steps = np.arange(each)[:, None] * _R2
@@ -115,7 +115,8 @@ def _points(columns: int, effort: Effort) -> Float[np.ndarray, "column point 2"]
 def _in_patches(
     sky: SkyPartition, points: Float[np.ndarray, "patch point 2"]
 ) -> Float[np.ndarray, "patch point 3"]:
-    # Uniform in solid angle: heights are uniform, where `sample` takes their squares
+    # Uniform in solid angle: the sine of the altitude is uniform, whereas `sample` is
+    # uniform in its square
     dome = sky.dome
     ring = np.repeat(np.arange(len(dome.count)), dome.count)
     patch = np.broadcast_to(np.arange(len(dome))[:, None], points.shape[:2])
@@ -128,7 +129,7 @@ def _in_patches(
 def _on_discs(
     suns: Float[np.ndarray, "sun 3"], points: Float[np.ndarray, "sun point 2"]
 ) -> Float[np.ndarray, "sun point 3"]:
-    # Uniform on the disc of each sun
+    # Directions uniform over the solar disc
     depth = points[..., 0] * (1 - np.cos(SUN_DIAMETER / 2))
     flat = np.sqrt(depth * (2 - depth))
     side = np.cross(suns, np.eye(3)[np.abs(suns).argmin(axis=1)])

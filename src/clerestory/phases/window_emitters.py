@@ -1,8 +1,8 @@
-"""Windows as lamps (what mkillum is for): their light computed once, used again.
+"""Windows as secondary light sources, as by Radiance mkillum.
 
-The light that a window sends into a room under one sky is traced by direction and zone,
-and stored with the window as an illum. Renderings then aim at the window as at any lamp
-and read its radiance, while the eye still sees the window itself.
+The radiance of a window towards the room under one sky is traced per direction and zone
+and stored as an illum. Renderings then sample the window as a light source with this
+radiance, while camera rays see the window itself.
 """
 
 from dataclasses import replace
@@ -27,7 +27,7 @@ from clerestory.radiance.illum_table import LeavingLight, light_pattern
 from clerestory.scene.model import Illum, Material, Polygon, Scene
 from clerestory.scene.triangulate import triangulate
 
-# Used when neither samples nor an error is asked for
+# Default, if neither samples nor relative_error is given
 _DEFAULT = Goal(samples=None, relative_error=0.03)
 
 
@@ -39,30 +39,30 @@ def precompute_illums(
     rings: int = 18,
     **keywords: Unpack[EffortKeywords],
 ) -> Scene:
-    """Return windows as lamps that send what the windows let in and reflect.
+    """Return windows as illums with the light they transmit and reflect to the room.
 
-    Render them in place of the windows: `room + illums`. The sun that passes panes
-    straight is not in the tables; rendering aims at it through the window, as Radiance
-    does. The tables hold for this sky, room and window alone.
+    Render them in place of the windows: `room + illums`. Direct sunlight through clear
+    panes is not included; rendering samples the sun through the window, as Radiance
+    does. The illums are valid for this sky, room and window alone.
 
     Parameters
     ----------
     room : the scene without the windows, with its sky and sun
-    panes : the windows: polygons whose front faces the room
-    zone : longest edge of a piece with a table of its own [m]; parallelograms are cut
-    rings : of directions from the normal to the plane, and twice as many around
+    panes : polygons of the windows, whose front faces the room
+    zone : maximum edge length of a piece of a pane [m]; only parallelograms are divided
+    rings : number of polar angle intervals over 90°; twice as many azimuth intervals
     samples : paths per direction and zone
-    relative_error : instead of samples: root mean square of the directions' standard
-        errors to reach, over their mean; 0.03 if neither is given
-    bounces : most diffuse reflections on the way to the window
-    seed : whole number ≥ 0; the same seed on the same device gives the same bits
-    device : "auto" takes a GPU if there is one
-    executor : where the work is done, such as a `Cluster`; this process by default
-    progress : called with the share done, 0…1, and a note
+    relative_error : instead of samples: target RMS of the standard errors over all
+        directions, relative to the mean radiance; 0.03 if neither is given
+    bounces : maximum number of diffuse reflections before the window
+    seed : random seed ≥ 0; same seed and device, bitwise identical results
+    device : "auto" selects a GPU if one is available
+    executor : executor of the tracing jobs, such as a `Cluster`; default: local
+    progress : callback with the completed fraction (0…1) and a status text
 
     Raises
     ------
-    InputError : a pane that is no polygon, no panes, or a number out of range
+    InputError : a pane that is not a polygon, no panes, or a number out of range
     DeviceError : no usable device
     """
     effort = effort_of(precompute_illums, keywords, default=_DEFAULT)
@@ -148,7 +148,7 @@ def _patches(pieces: list[Polygon]) -> EmitterPatches:
 
 
 def _frame(normal: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
-    # Two axes in the plane, the second as upright as can be, and the normal
+    # Two axes in the plane, the second as close to vertical as possible, and the normal
     facing = unit(normal)
     up = np.array([0.0, 1, 0]) if abs(facing[2]) > 0.999 else np.array([0.0, 0, 1])
     right = unit(np.cross(up, facing))

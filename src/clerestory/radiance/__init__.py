@@ -1,5 +1,5 @@
 """The Radiance scene language: scene files, function files, generators, octrees, views.
 
-This package depends on `formats`: scene files include luminaires (ies2rad), MGF
-(mgf2rad) and OBJ (mesh primitives).
+The package `radiance` depends on `formats`: scene files may include luminaires
+(ies2rad), MGF files (mgf2rad) and OBJ files (mesh primitives).
 """

@@ -1,9 +1,9 @@
-"""Scene geometry of BSDF files, as written by Radiance's pkgBSDF.
+"""Conversion of BSDF files to scene geometry, as by Radiance's pkgBSDF.
 
-A layer is in the plane z = 0, centred at the origin, with its room side towards +z and
-its up vector along +y. Without geometry it is one rectangle. With geometry, two
-rectangles enclose it (proxy geometry): they scatter light by the BSDF, while the
-geometry between them is visible and casts sharp shadows.
+The layer is in the plane z = 0, centred at the origin, with its room side towards +z
+and its up vector along +y. Without geometry in the file, the layer is one rectangle.
+With geometry, two rectangles enclose it (proxy geometry): the rectangles scatter light
+by the BSDF; the geometry between them is visible and casts sharp shadows.
 """
 
 import numpy as np
@@ -17,19 +17,19 @@ from clerestory.scene.model import BsdfSurface, Polygon, Scene
 from clerestory.scene.surface import transformed
 from clerestory.scene.transform import Transform
 
-# Distance of the rectangles from the geometry, relative to its thickness (pkgBSDF)
+# Distance of the rectangles from the geometry, relative to the layer's thickness
 _CLEARANCE = 2e-5
 
-# Outdoor reflectance below which the outer rectangle is omitted
+# Outdoor-side reflectance below which the outer rectangle is omitted
 _NO_REFLECTION = 1e-3
 
 
 def layer_geometry(bsdf: Bsdf, *, transform: Transform | None = None) -> Scene:
-    """Return the geometry of a BSDF file; an empty scene if it has none.
+    """Return the geometry contained in a BSDF file; an empty scene if there is none.
 
     Parameters
     ----------
-    transform : from the frame of the BSDF to the scene; None: identity
+    transform : transform from BSDF to scene coordinates; None: identity
     """
     geometry = bsdf.product.geometry
     if geometry is None:
@@ -44,12 +44,12 @@ def layer_geometry(bsdf: Bsdf, *, transform: Transform | None = None) -> Scene:
 
 
 def package(bsdf: Bsdf, name: str, *, transform: Transform | None = None) -> Scene:
-    """Return a layer as surfaces with its BSDF, enclosing its geometry if it has any.
+    """Return surfaces with the layer's BSDF, enclosing the layer's geometry if any.
 
     Parameters
     ----------
     name : prefix of the names of surfaces and materials
-    transform : from the frame of the BSDF to the scene; None: identity
+    transform : transform from BSDF to scene coordinates; None: identity
 
     Examples
     --------
@@ -89,7 +89,7 @@ def _face(
     height: float,
     place: Transform,
 ) -> Scene:
-    # A rectangle at a given z, facing +z
+    # A rectangle at the given z, facing +z
     material = BsdfSurface(
         f"m_{name}",
         bsdf,

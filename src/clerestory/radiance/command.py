@@ -1,6 +1,6 @@
-"""Inline commands of scene files: xform, cat and the generators.
+"""Inline commands of scene files: xform, cat and the scene generators.
 
-They are evaluated without a shell or external programs.
+Commands are evaluated without a shell or external programs.
 """
 
 import math
@@ -17,18 +17,18 @@ from clerestory.radiance.generators.converters import BUILDERS, Build
 from clerestory.radiance.placement import Placement
 from clerestory.scene.transform import parse_transform
 
-# Maximum number of copies by one command
+# Maximum number of copies made by one command
 _MOST_COPIES = 100_000
 
 
 @dataclass(frozen=True, eq=False)
 class Inclusion:
-    """The files or scene included by a command, and the placements of its copies.
+    """Files or scene included by a command, and the placements of the copies.
 
     Attributes
     ----------
-    files : files to read
-    placements : one for each copy
+    files : names of the files to read
+    placements : placement of each copy
     text : output of a generator, on a single line; empty if files are read
     build : function that returns the scene of a converter such as mgf2rad, or None
     """
@@ -40,12 +40,12 @@ class Inclusion:
 
 
 def parse_command(text: str, *, find: Callable[[str], Path]) -> Inclusion:
-    """Return the content included by `xform …`, `cat …`, a generator or a pipe of them.
+    """Return the content included by `xform …`, `cat …`, a generator or a pipe.
 
     Parameters
     ----------
-    text : the command, without its exclamation mark
-    find : function from a file name in the command to its path
+    text : command without the exclamation mark
+    find : function that returns the path of a file named in the command
     """
     stages = _stages(text)
     # `xform < file` is `xform file`
@@ -73,7 +73,7 @@ def parse_command(text: str, *, find: Callable[[str], Path]) -> Inclusion:
 
 
 def _stages(text: str) -> list[list[str]]:
-    # Words of each command of a pipe
+    # Words of each command in a pipe
     lexer = shlex.shlex(text, posix=True, punctuation_chars="|<>;&()")
     lexer.whitespace_split, lexer.commenters = True, ""
     try:
@@ -128,7 +128,7 @@ def _refusal(text: str, part: str) -> InputError:
 def _xform(
     words: list[str], find: Callable[[str], Path]
 ) -> tuple[list[Placement], list[str]]:
-    # Placement of every copy, and the files
+    # Placements of all copies, and names of the files
     placements, files = [], words
     for arguments in _copies(words, find):
         placement, files = _single(arguments)
@@ -141,7 +141,7 @@ def _xform(
 def _copies(
     words: list[str], find: Callable[[str], Path], reading: tuple[str, ...] = ()
 ) -> Iterator[list[str]]:
-    # Expand -f and -a, the first of each at a time
+    # Expands the first -f, or else the first -a, into one command per copy
     if "-f" in words:
         at = words.index("-f")
         for i, line in enumerate(_option_lines(words[at + 1 : at + 2], find, reading)):
@@ -159,7 +159,7 @@ def _copies(
 
 
 def _array_count(words: list[str]) -> int:
-    # The count of the first -a, after a check of the product of all counts
+    # Count of the first -a, after a check of the product of all counts
     counts = []
     for at in (i for i, word in enumerate(words) if word == "-a"):
         count = "".join(words[at + 1 : at + 2])
@@ -174,8 +174,8 @@ def _array_count(words: list[str]) -> int:
 
 
 def _numbered(words: list[str], fresh: str, i: int, which: slice) -> list[str]:
-    # Number the prefix of copy i. Of several -n, xform numbers the first for -f; for -a
-    # it numbers the last and drops the others.
+    # Appends i to the prefix of copy i. Of several -n, xform numbers the first for -f;
+    # for -a it numbers the last and removes all other -n options.
     named = [at for at in range(1, len(words)) if words[at - 1] == "-n"][which]
     if not named:
         return ["-n", fresh, *words]
@@ -186,7 +186,7 @@ def _numbered(words: list[str], fresh: str, i: int, which: slice) -> list[str]:
 def _option_lines(
     name: list[str], find: Callable[[str], Path], reading: tuple[str, ...]
 ) -> list[list[str]]:
-    # The argument lists in the file of -f, one per line
+    # Argument lists in the file of option -f, one per line
     if not name or name[0].startswith("-"):
         raise InputError("xform -f has no file; a file of xform options expected")
     if name[0] in reading:
@@ -205,7 +205,7 @@ def _option_lines(
 
 
 def _single(words: list[str]) -> tuple[Placement, list[str]]:
-    # One copy: options for surfaces first, then the transform, then the files
+    # Placement of one copy: surface options, then transform, then files
     modifier, prefixes, inverted, at = None, [], False, 0
     while at < len(words) and words[at] in ("-m", "-n", "-c", "-e", "-I"):
         option = words[at]

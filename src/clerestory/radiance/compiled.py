@@ -1,8 +1,8 @@
 """Reader of Radiance's compiled files: octrees (oconv) and meshes (obj2mesh).
 
-Both have a text header, an octree, which is skipped, and primitives in a portable
-binary format. Numbers are big-endian; real numbers have a mantissa of four bytes and an
-exponent of one byte.
+Both kinds of file have a text header, an octree (skipped by this reader) and primitives
+in a portable binary format. Numbers are big-endian; real numbers have a mantissa of
+four bytes and an exponent of one byte.
 
 Reference: Radiance, src/common: portio.c, octree.h, sceneio.c, readoct.c, readmesh.c.
 """
@@ -30,7 +30,7 @@ class Octree:
 
     Attributes
     ----------
-    files : scene files from which it was compiled, none if it is frozen
+    files : scene files from which the octree was compiled; none if it is frozen
     items : primitives of a frozen octree
     """
 
@@ -87,7 +87,7 @@ class Reader:
         )
 
     def take(self, count: int) -> bytes:
-        """Read bytes."""
+        """Read `count` bytes."""
         part = self.data[self.at : self.at + count]
         if len(part) < count:
             raise self.error("the file ends early")
@@ -108,7 +108,7 @@ class Reader:
         return text
 
     def reals(self, count: int) -> tuple[float, ...]:
-        """Read real numbers."""
+        """Read `count` real numbers."""
         raw = np.frombuffer(self.take(5 * count), dtype=np.uint8).reshape(count, 5)
         mantissa = np.ascontiguousarray(raw[:, :4]).view(">i4")[:, 0].astype(float)
         exponent = raw[:, 4].view(np.int8).astype(int)

@@ -1,8 +1,8 @@
 """Reader of triangle meshes compiled by Radiance's obj2mesh (.rtm).
 
-Vertices are stored in patches of up to 256, as fractions of a cube. Most triangles have
-all vertices in one patch, others one or two in other patches. Vertex normals and
-texture coordinates are ignored.
+Vertices are stored in patches of up to 256, as fractions of a bounding cube. Most
+triangles have all vertices in one patch; some have one or two vertices in other
+patches. Vertex normals and texture coordinates are ignored.
 
 Reference: Radiance, common/mesh.h, mesh.c, readmesh.c.
 """
@@ -19,7 +19,7 @@ from clerestory.scene.transform import number
 
 _VERTICES, _NORMALS, _COORDINATES = 1, 2, 4
 
-# Vertex indices reserved for each patch
+# Range of vertex indices reserved for each patch
 _PATCH = 256
 _MOST_TRIANGLES = 512
 
@@ -32,10 +32,10 @@ class CompiledMesh:
 
     Attributes
     ----------
-    items : its materials
-    vertices : [m]
-    faces : counter-clockwise as seen from the front
-    material : name of the material of each face, empty if none
+    items : material primitives of the mesh
+    vertices : vertex coordinates [m]
+    faces : vertex indices, counter-clockwise as seen from the front
+    material : name of the material of each face; empty if the face has none
     """
 
     items: tuple[Primitive, ...]
@@ -83,7 +83,7 @@ class _Patches:
         self._joining(patch, foreign=2)
 
     def _own(self, patch: int) -> None:
-        # Triangles within the patch, of one material or of several
+        # Triangles with all vertices in the patch, of one or several materials
         count = self._within(2, 0, _MOST_TRIANGLES, "number of triangles")
         corners = self._table("u1", count, 3).astype(np.int64) + _PATCH * patch
         if self.reader.whole(2) > 1:
@@ -94,7 +94,7 @@ class _Patches:
         self.materials.append(material.astype(int))
 
     def _joining(self, patch: int, *, foreign: int) -> None:
-        # Triangles with one or two vertices of other patches
+        # Triangles with one or two vertices in other patches
         count = self._within(2, 0, _PATCH, "number of joining triangles")
         width = 4 * foreign + (3 - foreign) + 2
         raw = self._table("u1", count, width)
@@ -123,7 +123,7 @@ class _Patches:
     ) -> CompiledMesh:
         if not self.vertices:
             raise self.reader.error("no triangles")
-        # Renumber the vertices without the gaps between patches
+        # Vertex indices are renumbered without gaps between patches
         counts = np.array([len(v) for v in self.vertices])
         start = np.cumsum(counts) - counts
         given = np.concatenate(self.faces)

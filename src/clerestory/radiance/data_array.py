@@ -1,10 +1,10 @@
 """Radiance's data files (.dat): interpolated tables over one or more axes.
 
-Interpolation is multilinear. Beyond the ends of an axis, values are extrapolated
-linearly over one interval and then decrease as one over the distance.
+Interpolation is multilinear. Outside an axis, values are extrapolated linearly over one
+interval; beyond it, they decrease in inverse proportion to the distance.
 
-A file has the number of axes; for each axis `begin end count`, or `0 0 count` and the
-positions if they are not equidistant; then the values, with the last axis fastest.
+A file contains the number of axes; for each axis, `begin end count`, or `0 0 count` and
+the positions if they are not equidistant; then the values, with the last axis fastest.
 
 Reference: G. Ward, "The RADIANCE 6.0 Synthetic Imaging System",
 section 2.3 (data files).
@@ -20,13 +20,13 @@ from jaxtyping import Float
 from clerestory.errors import InputError, located
 from clerestory.files import read_text
 
-# Limits on the size of a table
+# Maximum number of axes
 _MOST_AXES = 5
 
 
 @dataclass(frozen=True, eq=False)
 class DataArray:
-    """Values on a grid.
+    """Table of values on a grid.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class DataArray:
     def value(
         self, position: Float[np.ndarray, "points axes"]
     ) -> Float[np.ndarray, " points"]:
-        """Return the interpolated values.
+        """Return interpolated values at positions.
 
         Examples
         --------
@@ -68,7 +68,7 @@ class DataArray:
 
 
 def read_data_array(path: str | Path) -> DataArray:
-    """Return the table in a file."""
+    """Return the table in a data file."""
     words = read_text(path).split()
     try:
         numbers = np.array(words, dtype=float)
@@ -110,7 +110,7 @@ class _Reader:
 
 def _axis(reader: _Reader) -> Float[np.ndarray, " positions"]:
     begin, end = reader.take(2, "limits of an axis")
-    # Each position requires a value later in the file
+    # Each position requires a value later in the file, which limits their number
     most = max(len(reader.numbers), 2)
     count = reader.whole("number of positions on an axis", 2, most)
     if begin == end:
@@ -121,7 +121,7 @@ def _axis(reader: _Reader) -> Float[np.ndarray, " positions"]:
 def _cell(
     axis: Float[np.ndarray, " positions"], x: Float[np.ndarray, " points"]
 ) -> tuple[np.ndarray, np.ndarray]:
-    # The interval of each point, and the relative position in it; 0 to 1 if inside
+    # Interval of each point, and relative position in the interval (0 to 1 if inside)
     if axis[0] > axis[-1]:
         axis, x = -axis, -x
     cell = np.clip(np.searchsorted(axis, x, side="right") - 1, 0, len(axis) - 2)
@@ -133,7 +133,7 @@ def _interpolated(
     chosen: list[np.ndarray],
     cells: list[tuple[np.ndarray, np.ndarray]],
 ) -> Float[np.ndarray, " points"]:
-    # Both ends of the first remaining axis, each interpolated along the further axes
+    # Interpolates along the other axes recursively, then along the first axis
     if not cells:
         value: np.ndarray = values[tuple(chosen)]
         return value
@@ -148,7 +148,7 @@ def _along(
     high: Float[np.ndarray, " points"],
     t: Float[np.ndarray, " points"],
 ) -> Float[np.ndarray, " points"]:
-    # Linear up to one interval outside, then as one over the distance
+    # Linear up to one interval outside the axis, then in inverse proportion to distance
     straight = low * (1 - t) + high * t
     above = (2 * high - low) / np.where(t > 2, t + 1, 1.0)
     below = (2 * low - high) / np.where(t < -1, -t, 1.0)

@@ -1,4 +1,4 @@
-"""Expansion of scene files with the files that they include."""
+"""Expansion of scene files and of the files included by them."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ from clerestory.scene.primitive import Primitive
 
 @dataclass(frozen=True)
 class Scope:
-    """The begin or end of a scope of material names.
+    """Begin or end of a scope of material names.
 
     Materials defined inside an instance are not visible outside it.
     """
@@ -45,14 +45,14 @@ _DEEPEST = 100
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """An item with its accumulated transform.
+    """A scene item with its accumulated placement.
 
     Attributes
     ----------
     item : polygons, another surface, a material or an alias (Primitive), a directive,
-        the bounds of a scope, or a scene in its final position
-    file : path of its file
-    placement : accumulated placement, already applied to surfaces
+        begin or end of a scope, or a scene in its final position
+    file : path of the file that contains the item
+    placement : placement accumulated over nested xforms, already applied to surfaces
     """
 
     item: Item
@@ -61,14 +61,14 @@ class Placed:
 
 
 def placed_items(path: str | Path) -> Iterator[Placed]:
-    """Yield the items of a file and of the files it includes, in Radiance's order."""
+    """Yield the items of a file and of included files, in Radiance's order."""
     walk = _Walk(Path(path).parent, {}, {})
     yield from walk.items(Path(path), Placement(), ())
 
 
 @dataclass(frozen=True)
 class _Walk:
-    # Each file is read once, however often it is placed
+    # Files by path; each file is read once, even if it is placed several times
     top: Path
     loaded: dict[Path, tuple[Item | Command, ...]]
     compiled: Loaded
@@ -116,7 +116,7 @@ class _Walk:
             files = [self._find(name, path) for name in inclusion.files]
             _refuse_recursion(files, (*within, path))
         if inclusion.text:
-            # Output of a generator has the line of its command
+            # Line breaks, so that errors give the line of the command
             text = "\n" * (command.line - 1) + inclusion.text
             made = _parsed(text, str(path))
         for inner in copies:
@@ -136,7 +136,7 @@ class _Walk:
         placement: Placement,
         within: tuple[Path, ...],
     ) -> Iterator[Placed]:
-        # The placed content of the file of an instance or mesh
+        # Placed content of the file that an instance or mesh refers to
         with located(file=path, line=item.line):
             instance = read_instance(
                 item,
@@ -156,7 +156,7 @@ class _Walk:
             yield from content
             yield Placed(Scope(opens=False), str(path), inner)
         else:
-            # A modifier of the instance replaces all materials inside
+            # A modifier of the instance replaces the materials of all surfaces in it
             yield from (p for p in content if not isinstance(p.item, Primitive))
 
     def _find(self, name: str, path: Path) -> Path:
@@ -179,7 +179,7 @@ def _parsed(text: str, file: str) -> tuple[Item | Command, ...]:
 def _built(
     statements: Iterable[Statement | TriangleMesh], file: str
 ) -> list[Item | Command]:
-    # Statements, with surfaces converted
+    # Statements, with surface primitives converted to surfaces
     items: list[Item | Command] = []
     for statement in statements:
         match statement:
@@ -211,7 +211,7 @@ def _is_outline(item: Primitive) -> bool:
 
 
 def _run(item: Primitive) -> PolygonRun:
-    # A single polygon, read word by word
+    # A single polygon that was read word by word
     vertices = np.array(item.reals).reshape(-1, 3)
     first = np.array([0, len(vertices)])
     return PolygonRun([item.modifier], [item.name], [item.line], first, vertices)

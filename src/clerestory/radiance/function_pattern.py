@@ -1,7 +1,7 @@
-"""Patterns and textures of functions and tables (brightfunc, colordata, texfunc …).
+"""Patterns and textures by functions or tables (brightfunc, colordata, texfunc …).
 
-Ray variables are Radiance's, in the coordinates of the function (the transform after
-the file name). D points from the viewer to the surface or source, against the light.
+Ray variables are those of Radiance, in the coordinates of the function (given by the
+transform after the file name). D points from the viewer to the surface or source.
 """
 
 import warnings
@@ -24,10 +24,10 @@ _NORMAL = {f"N{a}" for a in "xyz"} | {f"N{a}P" for a in "xyz"} | {"Rdot", "RdotP
 _POINT = {f"P{a}" for a in "xyz"}
 _FRAME = {"S"} | {f"{k}{a}" for k in "TIJK" for a in "xyz"}
 
-# Names of the values read from the tables
+# Names of the values interpolated in the tables
 READINGS = ("$101", "$102", "$103")
 
-# Variables that have a value for a pattern; $1… are Radiance's numbers of them
+# Ray variables available to patterns; $1, $2, … are their numbers in Radiance
 _CHANNELS = (
     *("Dx", "Dy", "Dz", "Nx", "Ny", "Nz", "Px", "Py", "Pz", "T", "Rdot", "S"),
     *("Tx", "Ty", "Tz", "Ix", "Iy", "Iz", "Jx", "Jy", "Jz", "Kx", "Ky", "Kz"),
@@ -38,21 +38,21 @@ KNOWN = frozenset(_DIRECTION | _NORMAL | _POINT | _FRAME | set(NUMBERED))
 
 @dataclass(frozen=True, eq=False)
 class FunctionPattern:
-    """A pattern or texture of Radiance: expressions, or functions of tables.
+    """A pattern or texture of Radiance: expressions, or functions of table values.
 
     Without tables (brightfunc, colorfunc, texfunc) the expressions give the values.
-    With tables (brightdata, colordata, texdata) the expressions are names of functions
-    that are applied to the values interpolated in the tables at the coordinates.
+    With tables (brightdata, colordata, texdata) the expressions are the names of
+    functions of the values interpolated in the tables at the coordinates.
 
     Attributes
     ----------
-    program : definitions that the expressions use
-    expressions : one for all channels, or one each
-    arguments : real arguments
-    transform : from the function's coordinates to the scene's
+    program : definitions used in the expressions
+    expressions : one expression for all channels, or one per channel
+    arguments : real arguments of the primitive
+    transform : transform from function to scene coordinates
     source : file and line of the definition
-    tables : none, or one for each expression
-    coordinates : expressions of the coordinates in the tables
+    tables : data tables; none, or one for each expression
+    coordinates : expressions of the table coordinates
 
     Examples
     --------
@@ -72,7 +72,7 @@ class FunctionPattern:
 
     @cached_property
     def names(self) -> frozenset[str]:
-        """Ray variables used by the functions."""
+        """Names of the ray variables used in the expressions."""
         return _aliases(self.program.uses(*self.coordinates, *self.expressions))
 
     @property
@@ -82,12 +82,12 @@ class FunctionPattern:
 
     @property
     def needs_normal(self) -> bool:
-        """Whether a function uses the normal."""
+        """Whether the expressions depend on the surface normal."""
         return bool(self.names & _NORMAL)
 
     @property
     def needs_point(self) -> bool:
-        """Whether a function uses the point."""
+        """Whether the expressions depend on the surface point."""
         return bool(self.names & _POINT)
 
     def value(
@@ -96,12 +96,12 @@ class FunctionPattern:
         normal: Float[np.ndarray, "rays 3"] | None = None,
         point: Float[np.ndarray, "rays 3"] | None = None,
     ) -> Float[np.ndarray, "rays 3"]:
-        """Multiplier of radiance; see `Pattern.value`. 1 if there is no value."""
+        """Multiplier of radiance, 1 where undefined; see `Pattern.value`."""
         computed = self.computed(_inputs(self.transform, direction, normal, point))
         return _multipliers(computed, self.source)
 
     def computed(self, inputs: dict[str, np.ndarray]) -> Computed:
-        """Return the values for rays, and whether they exist."""
+        """Return the values of the expressions for each ray, and their validity."""
         if not self.tables:
             return self.program.values(self.expressions, inputs, self.arguments)
         position = self.program.values(self.coordinates, inputs, self.arguments)
@@ -111,10 +111,10 @@ class FunctionPattern:
         return Computed(found.value, position.valid & found.valid)
 
     def calls(self) -> tuple[Node, ...]:
-        """Return calls of the functions with the values read from the tables.
+        """Return calls of the functions with the interpolated table values.
 
-        A function of three arguments receives the values of all tables, any other the
-        value of its own table.
+        A function of three arguments receives the values of all tables; any other
+        function receives the value of the table with the same index.
         """
         readings = tuple(Name(name) for name in READINGS[: len(self.tables)])
         names = [node.name for node in self.expressions if isinstance(node, Name)]
@@ -125,7 +125,7 @@ class FunctionPattern:
 
 
 def constant_value(pattern: Pattern) -> Float[np.ndarray, "3"] | None:
-    """Return the value of a constant pattern; None for others."""
+    """Return the value of a constant pattern; None if the pattern varies."""
     match pattern:
         case FunctionPattern() if not pattern.names - _FRAME:
             along = np.array([[0.0, 0.0, 1.0]])
@@ -141,7 +141,7 @@ def constant_value(pattern: Pattern) -> Float[np.ndarray, "3"] | None:
 def constant_vector(pattern: FunctionPattern) -> Float[np.ndarray, "3"] | None:
     """Return three constant expressions as a vector in scene coordinates.
 
-    None if they vary or have no value.
+    Returns None if the expressions vary or are undefined.
     """
     if pattern.names - _FRAME:
         return None
@@ -164,7 +164,7 @@ def _inputs(
     normal: Float[np.ndarray, "rays 3"] | None,
     point: Float[np.ndarray, "rays 3"] | None,
 ) -> dict[str, np.ndarray]:
-    # Radiance's ray variables in the function's coordinates
+    # Radiance's ray variables in the coordinates of the function
     count = len(direction)
     back = np.linalg.inv(transform.matrix)
     scale = 1 / transform.scale
@@ -192,7 +192,7 @@ def _inputs(
 def _multipliers(
     computed: Computed, source: Source | None
 ) -> Float[np.ndarray, "rays 3"]:
-    # Without a value the pattern is ignored with a warning, as in Radiance
+    # Where undefined, the pattern is ignored with a warning, as in Radiance
     bad = int(np.count_nonzero(~computed.valid))
     if bad:
         place = "" if source is None else f"{source.file}:{source.line}: "

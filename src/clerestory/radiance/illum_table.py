@@ -1,7 +1,7 @@
-"""Precomputed window emitters: radiance tables and their files.
+"""Precomputed window emitters: radiance tables and files.
 
-As mkillum: the radiance of a window, tabulated over polar angle and azimuth, makes the
-window an emitter (`illum`), while the window itself remains visible. Tables are
+As in mkillum, the radiance of a window, tabulated over polar angle and azimuth, makes
+the window an emitter (`illum`), while the camera sees the window itself. The tables are
 interpolated.
 """
 
@@ -19,13 +19,13 @@ from clerestory.radiance.data_array import DataArray
 from clerestory.radiance.function_pattern import FunctionPattern
 from clerestory.scene.model import Illum, Polygon, Scene
 
-# Polar angle from the normal A1–A3, and azimuth from A4–A6 towards A7–A9, of the
-# direction of emission −D
+# Polar angle of the emission direction −D from the normal A1–A3, and its azimuth from
+# A4–A6 towards A7–A9
 _FROM_NORMAL = "Acos(-(Dx*A1+Dy*A2+Dz*A3))/DEGREE"
 _AROUND = "Atan2(-(Dx*A7+Dy*A8+Dz*A9),-(Dx*A4+Dy*A5+Dz*A6))/DEGREE"
 _COLOUR, _GREY = ("red", "green", "blue"), ("noop",)
 
-# Quadrature points for the flux of a table
+# Quadrature points per table row, for the exitance of a table
 _FINE = 20
 
 
@@ -35,8 +35,8 @@ class LeavingLight:
 
     Attributes
     ----------
-    frame : rows: two axes in the patch and its normal
-    radiance : by ring (polar angle), sector (azimuth) and channel [W/(m²·sr)]
+    frame : rows: two axes in the plane of the patch, and its normal
+    radiance : radiance by ring (polar angle), sector (azimuth) and channel [W/(m²·sr)]
     """
 
     frame: Float[np.ndarray, "3 3"]
@@ -57,10 +57,10 @@ def _ring_weights(rings: int) -> Float[np.ndarray, " ring"]:
 
 
 def light_pattern(light: LeavingLight) -> FunctionPattern:
-    """Return the radiance of a patch as the pattern of an emitter with radiance 1.
+    """Return the pattern that gives an emitter of radiance 1 the radiance of a patch.
 
-    The table has values at the centres of rings and sectors, scaled so that the
-    interpolated radiance has the exitance of `light`.
+    The table has values at the centres of rings and sectors. They are scaled so that
+    the exitance of the interpolated table equals that of `light`.
 
     Examples
     --------
@@ -82,7 +82,7 @@ def light_pattern(light: LeavingLight) -> FunctionPattern:
 
 
 def _table(radiance: Float[np.ndarray, "ring sector"]) -> DataArray:
-    # Extend the table to the normal, to the horizon and to the full circle
+    # Extends the table to the normal, to the horizon and to the full circle
     rings, sectors = radiance.shape
     ring, sector = 90 / rings, 360 / sectors
     first = np.full((1, sectors), radiance[0].mean())
@@ -110,23 +110,23 @@ def _exitance_of(table: DataArray) -> float:
 
 
 def write_illums(scene: Scene, path: str | Path) -> list[Path]:
-    """Write precomputed window emitters as a scene file and data files.
+    """Write precomputed window emitters as a Radiance scene file and data files.
 
-    Radiance can read them. The file must come after the one that defines the alternate
-    materials of the windows, which it refers to only.
+    The scene file refers to the alternate materials of the windows without defining
+    them; it must be read after the file that does.
 
     Parameters
     ----------
-    scene : what `precompute_illums` returns
-    path : .rad file to write; data files have its name and a number
+    scene : window emitters, as returned by `precompute_illums`
+    path : scene file (.rad) to write; data files have the same stem and a number
 
     Returns
     -------
-    files : paths of all files written
+    files : paths of all written files
 
     Raises
     ------
-    InputError : a surface is not a polygon, or a material not a window emitter
+    InputError : a surface is not a polygon, or a material is not a window emitter
     """
     path = Path(path)
     lines, files = ["# Precomputed window emitters, by Clerestory"], []
@@ -171,7 +171,7 @@ def _lamp_lines(
 
 
 def _data_text(table: DataArray) -> str:
-    # Axis by axis; the positions of an uneven one are listed
+    # Polar angles are listed, since they are not equidistant; azimuths are equidistant
     theta, phi = table.axes
     uneven = " ".join(f"{x:.9g}" for x in theta)
     rows = "\n".join(" ".join(f"{x:.7g}" for x in row) for row in table.values)

@@ -1,8 +1,9 @@
 """Instances and meshes: primitives that place the content of another file.
 
-`instance` refers to an octree: the primitives of a frozen one are read from it, those
-of another from the scene files from which it was compiled. `mesh` refers to a compiled
-mesh or an OBJ file, whose material names are modifiers of the scene.
+An `instance` refers to an octree. The primitives of a frozen octree are read from it;
+those of any other octree from the scene files from which it was compiled. A `mesh`
+refers to a compiled mesh or an OBJ file, whose material names are modifiers of the
+scene.
 
 References: G. Ward, "The RADIANCE 6.0 Synthetic Imaging System", section 2.1.
 """
@@ -34,9 +35,9 @@ class Instance:
 
     Attributes
     ----------
-    files : scene files to be read
-    items : primitives and meshes, already read
-    placement : their placement; its modifier replaces theirs, unless it is void
+    files : paths of the scene files to read
+    items : primitives and meshes that have been read
+    placement : placement of the content; its modifier, if any, replaces all materials
     """
 
     files: tuple[Path, ...]
@@ -44,7 +45,7 @@ class Instance:
     placement: Placement
 
 
-# Cache of file contents, which may be placed many times
+# Cache of file contents by path
 Loaded = dict[Path, Octree | ObjText | CompiledMesh]
 
 
@@ -55,10 +56,10 @@ def read_instance(
 
     Parameters
     ----------
-    item : the primitive
-    file : path of its file
-    find : function from a file name to its path
-    loaded : cache of file contents, which is updated
+    item : primitive of type instance or mesh
+    file : path of the scene file that contains it
+    find : function that returns the path of a file name
+    loaded : cache of file contents; new contents are added
     """
     given = Arguments(item, file)
     given.reals(0)

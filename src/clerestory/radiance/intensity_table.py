@@ -7,7 +7,7 @@ from clerestory.radiance.data_array import DataArray
 
 
 def intensity_table(luminaire: Luminaire) -> DataArray:
-    """Return radiant intensity [W/sr] over the angles of `table_coordinates`."""
+    """Return the radiant intensity [W/sr] as a table over `table_coordinates`."""
     value = luminaire.intensity / LUMINOUS_EFFICACY
     if len(luminaire.horizontal_deg) == 1:
         return DataArray((luminaire.vertical_deg,), value[0])
@@ -15,7 +15,7 @@ def intensity_table(luminaire: Luminaire) -> DataArray:
 
 
 def table_coordinates(luminaire: Luminaire) -> tuple[str, ...]:
-    """Return the functions of source.cal for the coordinates in the table."""
+    """Return the functions of source.cal for the angles along the table's axes."""
     if luminaire.photometry == "A":
         raise InputError(
             f'luminaire "{luminaire.name}" has photometry of type A; B or C expected'

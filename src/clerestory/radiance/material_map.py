@@ -1,14 +1,14 @@
-"""Material maps (.toml): materials for the names in a mesh file.
+"""Material maps (.toml): materials for the material names in a mesh file.
 
-file = "materials.rad"          # optional: materials referred to below
+file = "materials.rad"          # optional: scene file with materials used below
 scale = 0.001                   # metres per unit of the mesh file
-up = "y"                        # which axis of the mesh file points up
+up = "y"                        # axis of the mesh file that points up
 
 [materials]
 Oak = { reflectance = [0.5, 0.38, 0.26], specularity = 0.01, roughness = 0.1 }
 Pane = { transmissivity = 0.87 }
-Wall = "painted_wall"           # a material of the file above
-"*" = { reflectance = 0.5 }     # all others
+Wall = "painted_wall"           # a material of materials.rad
+"*" = { reflectance = 0.5 }     # all other names
 """
 
 import tomllib
@@ -56,13 +56,13 @@ class _MapFile(_Table):
 @final
 @dataclass(frozen=True, eq=False)
 class MaterialMap:
-    """Materials for the names in a mesh file.
+    """Materials for the material names in a mesh file.
 
     Attributes
     ----------
-    materials : by name; "*" for all others
+    materials : materials by name; "*" for all other names
     scale : metres per unit of the mesh file
-    up : axis that points up; None for the default of the format
+    up : axis that points up; None for the default of the file format
     """
 
     materials: Mapping[str, Material]
@@ -71,7 +71,7 @@ class MaterialMap:
 
 
 def read_material_map(path: str | Path) -> MaterialMap:
-    """Return the material map in a TOML file; `file` is relative to it."""
+    """Return the material map in a TOML file; `file` is relative to its folder."""
     path = Path(path)
     try:
         told = _MapFile.model_validate(tomllib.loads(read_text(path)))

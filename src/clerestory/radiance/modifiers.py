@@ -1,8 +1,8 @@
 """Patterns and textures as modifiers of materials.
 
-A modifier of a surface or of its material has the same effect: a pattern multiplies the
-colour, a texture perturbs the normal. For a mixture both parts are modified, for a
-mirror with an alternate material the alternate.
+A modifier of a surface has the same effect as a modifier of its material: a pattern
+multiplies the colour, a texture perturbs the normal. Both parts of a mixture are
+modified; for a mirror with an alternate material, the alternate is modified.
 """
 
 from dataclasses import dataclass, replace
@@ -32,7 +32,7 @@ class Modifiers:
     textures: tuple[FunctionPattern, ...] = ()
 
     def within(self, outer: "Modifiers | None") -> "Modifiers":
-        """Return these modifiers combined with outer ones, if any."""
+        """Return these modifiers combined with outer modifiers, if any."""
         if outer is None:
             return self
         patterns, textures = outer.patterns + self.patterns, outer.textures
@@ -44,7 +44,7 @@ def modified(material: Material, modifiers: Modifiers, given: Arguments) -> Mate
 
     Parameters
     ----------
-    given : the primitive that refers to both, for errors
+    given : primitive that combines material and modifiers, for error messages
     """
     match material:
         case Emitter():

@@ -1,8 +1,8 @@
 """Reader of patterns, textures and mixture fractions in scene files.
 
-For function files of Radiance's library the built-in functions of `cal.files` are used,
-unless the scene's folder or the current directory has a file of that name. Other files
-are searched for like all files of a scene.
+Function files of Radiance's library are replaced by the built-in functions of
+`cal.files`, unless the folder of the scene file or the current directory has a file of
+that name. Other function files are searched for like all files of a scene.
 """
 
 from collections.abc import Mapping
@@ -43,8 +43,8 @@ def read_modifiers(given: Arguments, *, placed: Transform) -> Modifiers:
 
     Parameters
     ----------
-    given : arguments of a primitive of one of `PATTERN_KINDS`
-    placed : transform of its file
+    given : arguments of a primitive whose type is in `PATTERN_KINDS`
+    placed : transform applied to the scene file that contains the primitive
     """
     made = _read(given, placed)
     textured = given.item.kind in _TEXTURES
@@ -52,9 +52,10 @@ def read_modifiers(given: Arguments, *, placed: Transform) -> Modifiers:
 
 
 def read_share(given: Arguments, placed: Transform) -> float | Pattern:
-    """Return the foreground fraction of a mixture, or a pattern (first channel).
+    """Return the foreground fraction of a mixture, as a constant or a pattern.
 
-    Its function is the third string argument, after the two materials.
+    The fraction is the pattern's first channel. Its function is the third string
+    argument, after the two materials.
     """
     share = _read(given, placed)
     constant = constant_value(share)
@@ -64,13 +65,13 @@ def read_share(given: Arguments, placed: Transform) -> float | Pattern:
 def read_vector(
     given: Arguments, placed: Transform, first: int
 ) -> Float[np.ndarray, "3"] | Pattern:
-    """Return the vector of three expressions, or a pattern if it varies.
+    """Return a vector given by three expressions; a pattern if it varies.
 
-    The values are components in the coordinates of the function.
+    The expressions give vector components in the coordinates of the function.
 
     Parameters
     ----------
-    first : string argument with the first expression; file and transform follow
+    first : index of the string argument with the first expression
     """
     with given.located():
         vector = _function(given, placed, 3, first)
@@ -89,7 +90,7 @@ def _read(given: Arguments, placed: Transform) -> FunctionPattern:
 def _function(
     given: Arguments, placed: Transform, count: int, first: int
 ) -> FunctionPattern:
-    # Expressions from the string `first` on, then file and transform
+    # String arguments: expressions from index `first` on, function file, transform
     at = first + count
     _strings(given, at + 1)
     program = _program(given, at)
@@ -108,7 +109,7 @@ def _function(
 def _data(
     given: Arguments, placed: Transform, count: int, first: int, files: int
 ) -> FunctionPattern:
-    # Functions, data files, function file, coordinates, transform
+    # String arguments: functions, data files, function file, coordinates, transform
     middle = first + count
     at = middle + files + 1
     _strings(given, at)
@@ -135,7 +136,7 @@ def _data(
     return pattern
 
 
-# Number of functions, index of the first among the strings, number of data files after
+# Number of functions, string index of the first function, number of data files
 _FORMS: Mapping[str, tuple[int, int, int | None]] = {
     "brightfunc": (1, 0, None),
     "colorfunc": (3, 0, None),
@@ -151,7 +152,7 @@ PATTERN_KINDS = frozenset(_FORMS) - {"mixfunc", "mixdata"}
 
 
 def _table(given: Arguments, name: str) -> DataArray:
-    # Photometric files are read as tables of intensity
+    # Photometric files are read as tables of radiant intensity
     path = library_file(name, beside=given.file, line=given.item.line)
     if path.suffix.lower() in LUMINAIRE_SUFFIXES:
         return intensity_table(read_luminaire(path))
@@ -166,7 +167,7 @@ def _strings(given: Arguments, least: int) -> None:
 
 
 def _transform(given: Arguments, at: int, placed: Transform) -> Transform:
-    # As in Radiance, the transform begins at the first word with a dash
+    # As in Radiance, the transform begins at the first word with a leading dash
     strings = given.item.strings
     while at < len(strings) and not strings[at].startswith("-"):
         at += 1
@@ -180,7 +181,7 @@ def _expression(given: Arguments, text: str) -> Node:
 
 
 def _program(given: Arguments, at: int) -> Program:
-    # The functions of the file in string argument `at`; a dot means none
+    # Definitions in the function file named by string argument `at`; none for "."
     name = given.item.strings[at]
     if name == ".":
         return Program()
@@ -199,14 +200,14 @@ def _program(given: Arguments, at: int) -> Program:
 
 
 def _check(given: Arguments, program: Program, nodes: tuple[Node, ...]) -> None:
-    # Check all names before rendering
+    # Undefined names are reported before rendering
     unknown = sorted(program.uses(*nodes) - KNOWN)
     if unknown:
         raise given.error(
             f'"{unknown[0]}" is not defined, or not available at an emitter;'
             " a name of its function file, an argument or D, N, P expected"
         )
-    # Evaluate one ray of each kind, to detect missing arguments
+    # Evaluation for one ray detects missing arguments
     shape = (1, 3)
     up = np.broadcast_to(np.array([0.0, 0.6, 0.8]), shape)
     computed = {

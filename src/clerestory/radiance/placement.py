@@ -11,12 +11,12 @@ from clerestory.scene.transform import Transform
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """The effect of one xform.
+    """The effect of one xform command.
 
     Attributes
     ----------
-    transform : transform of points
-    modifier : replacement of the modifiers of surfaces, or None
+    transform : transform of the points
+    modifier : modifier that replaces those of the surfaces; None to preserve them
     prefix : prefix of the names of surfaces
     inverted : whether front and back are swapped (-I)
     """
@@ -43,7 +43,7 @@ class Placement:
         """Return transformed polygons."""
         vertices = self.transform.points(run.vertices)
         if self.transform.mirrored != self.inverted:
-            # Reverse each polygon: vertex k of n becomes vertex n-1-k
+            # Reverses each polygon: vertex k of n becomes vertex n-1-k
             length = np.diff(run.first)
             flip = np.repeat(run.first[:-1] + run.first[1:] - 1, length)
             vertices = vertices[flip - np.arange(len(vertices))]
@@ -64,5 +64,5 @@ class Placement:
         return replace(moved, material=material, name=self.name(surface.name))
 
     def turned(self, surface: Surface) -> Surface:
-        """Return a transformed surface, inverted if -I is set."""
+        """Return a surface that is already transformed, inverted if -I is set."""
         return transformed(surface, Transform(), inverted=self.inverted)

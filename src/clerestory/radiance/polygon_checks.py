@@ -1,4 +1,4 @@
-"""Checks of polygons for planarity and area."""
+"""Checks of polygons for planarity and non-zero area."""
 
 import warnings
 from collections.abc import Callable
@@ -11,19 +11,19 @@ from clerestory.radiance.statements import PolygonRun
 from clerestory.scene.surface import area_vectors
 from clerestory.scene.transform import LARGEST
 
-# Tolerance of planarity relative to the polygon's size, and that for coordinates
-# printed with six decimals [m]
+# Planarity tolerance relative to the polygon's size; absolute tolerance for coordinates
+# with six decimals [m]
 _ROUNDING, _SIX_DECIMALS = 1e-4, 2e-6
 
-# Maximum number of polygons per file with a warning of their own
+# Maximum number of polygons per file that are reported individually
 _NAMED = 5
 
 
 def checked(run: PolygonRun, *, file: str) -> PolygonRun:
-    """Return the polygons with an area, without repeated last vertices.
+    """Return the polygons of non-zero area, without repeated last vertices.
 
-    Warns about polygons without area, which Radiance also ignores, and about those that
-    are not planar, with the largest distance of a vertex from the mean plane.
+    Warnings are given for polygons of zero area, which Radiance ignores too, and for
+    non-planar polygons, with the largest distance of a vertex from the mean plane.
     """
     _refuse_beyond_measure(run, file)
     run = _without_closing_vertex(run)
@@ -33,7 +33,7 @@ def checked(run: PolygonRun, *, file: str) -> PolygonRun:
     away = run.vertices - np.repeat(middle, np.diff(run.first), axis=0)
     size = _per_polygon(np.maximum, np.linalg.norm(away, axis=1), run)
 
-    # The area is zero within the rounding of the coordinates
+    # Areas within the rounding error of the coordinates count as zero
     magnitude = _per_polygon(np.maximum, np.abs(run.vertices).max(axis=1), run)
     flat = area <= 1e-15 * magnitude * size + 1e-300
     _warn(run, flat, file, lambda i: "it has no area and is omitted")

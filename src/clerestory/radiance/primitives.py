@@ -1,6 +1,6 @@
-"""Surface primitives of the scene language.
+"""Surface primitives of Radiance scene files.
 
-`SURFACES` has one function for each type.
+`SURFACES` has one function for each type of primitive.
 """
 
 from collections.abc import Callable, Mapping
@@ -10,14 +10,14 @@ import numpy as np
 from clerestory.scene.model import Cone, DistantSource, Ring, Simple, Sphere
 from clerestory.scene.primitive import Arguments, Primitive
 
-# Radiance's FTINY, the length of a zero vector
+# Radiance's FTINY: lengths up to it are treated as zero
 _TINY = 1e-6
 
 
 def surface(item: Primitive, *, file: str) -> Simple | None:
     """Return the surface of a primitive other than a polygon.
 
-    Returns None, with a warning, if it has no extent.
+    Returns None, with a warning, if the surface has no extent.
     """
     given = Arguments(item, file)
     if item.kind not in SURFACES:

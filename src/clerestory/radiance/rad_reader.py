@@ -1,9 +1,10 @@
 """Reader of Radiance scene files (.rad).
 
-Commands (`!xform …`, `!cat …`) are evaluated without a shell. Relative paths in
-commands are searched in the folder of the file given to `read_rad`, in the folder of
-the file with the command and in the current directory; BSDF files in the folder of the
-file that refers to them, in the current directory and in the folders of RAYPATH.
+Commands (`!xform …`, `!cat …`) are evaluated without a shell. Files named in commands
+are searched for in the folder of the file given to `read_rad`, in the folder of the
+file with the command and in the current directory. BSDF files are searched for in the
+folder of the file that refers to them, in the current directory and in the folders of
+RAYPATH.
 
 References: G. Ward, "The RADIANCE 6.0 Synthetic Imaging System", section 2 (ray.html).
 """
@@ -38,20 +39,20 @@ from clerestory.scene.model import Scene
 from clerestory.scene.primitive import Arguments, Definition, Primitive
 from clerestory.scene.surface import DistantSource, Polygon, Surface
 
-# The modifier "void": no material
+# Key of the modifier "void", which stands for no material
 _VOID = ""
 
 
 def read_rad(*paths: str | Path) -> Scene:
-    """Read a scene from Radiance files, one after the other.
+    """Read a scene from one or several Radiance scene files.
 
-    A later definition of a material applies to the surfaces after it. Surfaces of void
-    are omitted. Polygons without area are omitted and those that are not planar kept,
-    each with a warning.
+    A later definition of a material applies to the surfaces after it. Surfaces of the
+    material void are omitted. Polygons of zero area are omitted and non-planar polygons
+    kept, each with a warning.
 
     Parameters
     ----------
-    paths : .rad files; materials must be defined before they are used
+    paths : scene files (.rad); materials must be defined before they are used
 
     Raises
     ------
@@ -78,19 +79,19 @@ def read_rad(*paths: str | Path) -> Scene:
 
 @dataclass
 class _Reading:
-    # Scene read so far, and current definition of each name
+    # Scene read so far; `in_force`: key of the current material of each name
     materials: dict[str, Material] = field(default_factory=dict)
     in_force: dict[str, str] = field(default_factory=lambda: {"void": _VOID})
     surfaces: list[Surface] = field(default_factory=list)
     distant: list[DistantSource] = field(default_factory=list)
     bsdfs: dict[Path, Bsdf] = field(default_factory=dict)
-    # Patterns and textures with their modifiers, and without
+    # Patterns and textures by name, including their own modifiers; `bare` excludes them
     modifiers: dict[str, Modifiers] = field(default_factory=dict)
     outside: list[tuple[dict[str, str], dict[str, Modifiers]]] = field(
         default_factory=list
     )
     bare: dict[str, Modifiers] = field(default_factory=dict)
-    # Materials without their modifiers, by key
+    # Materials by key, without the patterns and textures that modify them
     unmodified: dict[str, Material] = field(default_factory=dict)
 
     def add(self, placed: Placed) -> None:
@@ -142,7 +143,7 @@ class _Reading:
                 self.surfaces.append(Polygon(vertices, key, name, source))
 
     def _add_scene(self, scene: Scene, file: str, placement: Placement) -> None:
-        # Transformed surfaces; a modifier of xform replaces their materials
+        # Adds transformed surfaces; a modifier of xform replaces their materials
         keys = {
             name: insert_material(self.materials, material)
             for name, material in scene.materials.items()
@@ -202,7 +203,7 @@ class _Reading:
         if item.modifier in self.modifiers or item.modifier == "void":
             self._name_modifiers(item.name, modifiers, self._modifying(given))
             return
-        # A modifier between material and surface defines another material
+        # A pattern modified by a material defines a new material, as in Radiance
         value = altered(self._named(item.modifier, given.source), name=item.name)
         self._name_material(value, modifiers, given)
 
@@ -214,7 +215,7 @@ class _Reading:
         self.in_force.pop(name, None)
 
     def _modifying(self, given: Arguments) -> Modifiers | None:
-        # The modifiers of an item, None for void
+        # Patterns and textures that modify a primitive; None for void
         modifier = given.item.modifier
         if modifier in self.modifiers:
             return self.modifiers[modifier]
@@ -238,7 +239,7 @@ class _Reading:
         return self.bsdfs[path]
 
     def _alias(self, given: Arguments) -> None:
-        # "inherit" preserves the modifiers of the original; others replace them
+        # "inherit" preserves the original's modifiers; other modifiers replace them
         name, (target,) = given.item.name, given.item.strings
         if target == "void":
             message = f'alias "{name}" refers to void; a material expected'

@@ -26,7 +26,7 @@ def format_rad(scene: Scene, *, bsdf_file: Mapping[str, str | Path]) -> str:
 
     Parameters
     ----------
-    bsdf_file : path of the BSDF file by key of the material
+    bsdf_file : paths of BSDF files by key of the material
 
     Examples
     --------
@@ -69,7 +69,7 @@ class _Writer:
         reals: Iterable[float],
         name: str,
     ) -> None:
-        """Add a primitive."""
+        """Add a primitive to the text."""
         words = " ".join([str(len(strings)), *map(_quoted, strings)])
         values = [f"{float(v):.12g}" for v in reals]
         numbers = " ".join([str(len(values)), *values])
@@ -77,7 +77,7 @@ class _Writer:
         self.text.append(f"{head}\n{words}\n0\n{numbers}\n")
 
     def define(self, material: Material, key: str) -> str:
-        """Add a material, after those that it is composed of; return its name."""
+        """Add a material, after the materials it is composed of; return its name."""
         if isinstance(material, Void):
             return "void"
         given = material.specification()
@@ -117,7 +117,7 @@ class _Writer:
         return f"{value:.12g}"
 
     def held(self, material: Material) -> str:
-        """Return the name of a part of a material, after adding it if necessary."""
+        """Return the name of a component material; add it first if necessary."""
         if isinstance(material, Void):
             return "void"
         known = set(self.written)
@@ -126,7 +126,7 @@ class _Writer:
 
 
 def _shapes(surface: Polygon | Simple) -> Iterator[Specification]:
-    # A mesh is written as triangles
+    # A mesh is written as one polygon per triangle
     if isinstance(surface, TriangleMesh):
         for corners in surface.vertices[surface.faces]:
             yield Specification("polygon", (), (*corners.ravel(),))

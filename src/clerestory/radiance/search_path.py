@@ -10,12 +10,12 @@ from clerestory.errors import InputError, located
 def library_file(name: str, *, beside: str | Path, line: int) -> Path:
     """Return the path of a file that a scene refers to.
 
-    Searched are the folder of the file that refers to it, the current directory and the
-    folders in the environment variable RAYPATH; absolute paths are used as they are.
+    The folder of the referring file is searched, then the current directory and the
+    folders in the environment variable RAYPATH. Absolute paths are used as they are.
 
     Parameters
     ----------
-    beside, line : file and line of the reference
+    beside, line : path and line number of the referring file
     """
     listed = [Path(f) for f in os.environ.get("RAYPATH", "").split(os.pathsep) if f]
     with located(file=beside, line=line):

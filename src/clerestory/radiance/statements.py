@@ -1,7 +1,7 @@
 """Parser of the statements of scene files (.rad).
 
-Polygons of plain numbers, the bulk of long files, are matched by one regular expression
-and converted together; other statements are read word by word.
+Polygons with plain numbers, the bulk of long files, are matched by one regular
+expression and converted together; other statements are read word by word.
 """
 
 import re
@@ -44,7 +44,7 @@ class Directive:
 
 Statement = Primitive | PolygonRun | Command | Directive
 
-# Types of primitives (ray.html, section 2.1)
+# Types of primitives (Radiance reference manual, section 2.1)
 _SURFACES = "polygon sphere bubble cone cup cylinder tube ring source instance mesh"
 _MODIFIERS = """
     plastic metal glass trans dielectric plastic2 metal2 trans2 interface plasfunc
@@ -84,7 +84,7 @@ def parse_statements(text: str, *, file: str) -> list[Statement]:
 
 @dataclass
 class _Cursor:
-    # Position and line in the text
+    # Current position and line number in the text
     text: str
     file: str
     at: int = 0
@@ -92,7 +92,7 @@ class _Cursor:
     newlines: int = 0
 
     def skip(self) -> bool:
-        # Skip blanks and comments; return whether any text remains
+        # Skips blanks and comments; returns whether any text remains
         match = _SKIP.match(self.text, self.at)
         self.at = match.end() if match else self.at
         return self.at < len(self.text)
@@ -189,7 +189,7 @@ def _count(cursor: _Cursor, what: str) -> int:
 
 @dataclass
 class _PolygonCollector:
-    # Polygons read so far, with numbers as text
+    # Consecutive polygons; coordinates are still text
     modifier: list[str] = field(default_factory=list)
     name: list[str] = field(default_factory=list)
     line: list[int] = field(default_factory=list)
@@ -197,7 +197,7 @@ class _PolygonCollector:
     numbers: list[str] = field(default_factory=list)
 
     def take(self, cursor: _Cursor) -> bool:
-        # Read the polygon at the cursor if it matches the regular expression
+        # Reads the polygon at the cursor if the regular expression matches
         match = _POLYGON.match(cursor.text, cursor.at)
         if match is None:
             return False

@@ -1,7 +1,7 @@
 """Views in Radiance's options, view files and image headers.
 
-Each line `rvu -vtv -vp … -vd …` of a view file changes the parameters it gives; the
-view after the last line is returned.
+Each line `rvu -vtv -vp … -vd …` of a view file changes only the parameters it contains;
+the view after the last line is returned.
 """
 
 import re
@@ -27,28 +27,28 @@ _NUMBERS = {
     "-va": "aft",
 }
 
-# First words of view lines (image.c: isview), and options without values
+# First words of lines with a view (image.c: isview); view options without values
 _OPENING = re.compile(
     r"(?:\S*/)?(?:VIEW=|rpict|rview|rvu|rpiece|pinterp)|-v[tpduhvslo]"
 )
 
-# A header ends with an empty line, before binary pixels
+# Maximum length of a header [bytes]; it ends with an empty line, before the pixels
 _LONGEST_HEADER = 1 << 20
 
 
 def parse_view(text: str, base: View | None = None) -> View:
-    """Return the view of options such as "-vta -vp 1 2 1.2 -vh 180".
+    """Return the view given by options such as "-vta -vp 1 2 1.2 -vh 180".
 
     Words other than view options are ignored, as are -vf and its file.
 
     Parameters
     ----------
     text : options, with or without a program name before them
-    base : default for options not given; None: Radiance's default view
+    base : view with the values of omitted options; None: Radiance's default view
 
     Raises
     ------
-    InputError : an option without its numbers, an unknown option or an invalid view
+    InputError : an option lacks its numbers or is unknown, or the view is invalid
 
     Examples
     --------
@@ -95,7 +95,7 @@ def _numbers(option: str, words: list[str], count: int) -> list[float]:
 
 
 def format_view(view: View) -> str:
-    """Return a view as Radiance's options, without omitting defaults.
+    """Return a view as Radiance's options, including default values.
 
     >>> format_view(View())
     '-vtv -vp 0 0 0 -vd 0 1 0 -vu 0 0 1 -vh 45 -vv 45 -vo 0 -va 0 -vs 0 -vl 0'
@@ -110,7 +110,7 @@ def format_view(view: View) -> str:
 
 
 def opens_view(line: str) -> bool:
-    """Whether a line of a header or view file defines a view."""
+    """Whether a line of a header or a view file defines a view."""
     return _OPENING.match(line) is not None
 
 
@@ -119,7 +119,7 @@ def read_view(path: str | Path) -> View:
 
     Raises
     ------
-    InputError : the file is missing, has no view, or an invalid one
+    InputError : the file is missing, or its view is missing or invalid
     """
     text = read_bytes(path)[:_LONGEST_HEADER].decode("latin-1")
     if text.startswith("#?"):
@@ -137,7 +137,7 @@ def read_view(path: str | Path) -> View:
 
 
 def view_of(text: str) -> View:
-    """Return the view of options, or of the file with this name.
+    """Return the view given by options, or by the name of a view file.
 
     >>> view_of("-vta -vh 180 -vv 180").kind
     'angular'

@@ -1,7 +1,7 @@
 """Reader of windows in Radiance scene files with comments for rfluxmtx.
 
-The comments `#@rfluxmtx h=kf u=Z` give the basis and the up vector of the polygons that
-follow. Without them the basis is Klems full; up is +z, or +y for a horizontal window.
+A comment `#@rfluxmtx h=kf u=Z` gives the basis and the up vector of the polygons after
+it. Without one, the basis is Klems full; up is +z, or +y for a horizontal window.
 """
 
 from dataclasses import dataclass
@@ -25,13 +25,13 @@ _BASES |= {"kq": "quarter", "k4": "quarter"}
 def read_window(path: str | Path) -> Window:
     r"""Read a window from a .rad file; all polygons of the file belong to it.
 
-    Materials are ignored. The name of the window is the modifier of its polygons or, if
-    they have several, the name of the file.
+    Materials are ignored. The window has the name of the modifier of its polygons or,
+    if they have different modifiers, the name of the file.
 
     Raises
     ------
-    InputError : the file is missing or malformed, has no polygons, other surfaces,
-        polygons of different normals, or an invalid basis
+    InputError : the file is missing or malformed, has no polygons or other surfaces
+        too, or has polygons of different normals or an invalid basis
 
     Examples
     --------
@@ -67,7 +67,7 @@ def read_windows(*paths: str | Path) -> tuple[Window, ...]:
 
 @dataclass(frozen=True, eq=False)
 class _Pane:
-    # A polygon, and the current variables
+    # A polygon, with the basis and up vector valid for it
     polygon: Polygon
     basis: str
     up: Float[np.ndarray, "3"] | None
@@ -129,7 +129,7 @@ def _window(name: str, panes: list[_Pane]) -> Window:
 def _variables(
     directive: Directive, file: str, basis: str, up: Float[np.ndarray, "3"] | None
 ) -> tuple[str, Float[np.ndarray, "3"] | None]:
-    # Values after a `#@rfluxmtx` comment
+    # Basis and up vector after a `#@rfluxmtx` comment
     for word in directive.text.split():
         key, _, value = word.partition("=")
         match key:

@@ -42,8 +42,9 @@ class FilmView:
     Attributes
     ----------
     view : name of the view
-    seen, luminance : data URL of each frame; empty for steps without picture
-    size : numbers of columns and rows
+    seen, luminance : data URLs of the tone-mapped and false-colour frames; empty for
+        time steps without picture
+    size : width and height of the frames [pixels]
     scale : colour scale of the luminance
     """
 
@@ -70,7 +71,7 @@ class Film:
 
 @dataclass(frozen=True)
 class Row:
-    """Row below the frames: text and colour `#rrggbb` per frame."""
+    """Row of text below the frames, with a colour `#rrggbb` per frame."""
 
     name: str
     words: tuple[str, ...]
@@ -83,7 +84,7 @@ def film(
     *,
     brightness: Float[np.ndarray, " time"],
 ) -> Film | None:
-    """Return the animation of the day with most pictures; None below six steps.
+    """Return the animation of the day with most pictures; None if fewer than six.
 
     Among days with equal numbers of pictures, the brightest day is chosen.
     """
@@ -166,7 +167,7 @@ def film_section(
     note: Callable[[str, int], str],
     rows: Sequence[Row] = (),
 ) -> Markup:
-    """Return the frames of an animation with controls, at the middle frame."""
+    """Return the section with the animation and its controls, at the middle frame."""
     if shown is None:
         return Markup("")
     steps = shown.steps

@@ -32,7 +32,7 @@ _DARK = "#eceef0"
 
 
 def day_maps(content: ReportContent) -> list[DayMap]:
-    """Return all annual maps of classes on the page."""
+    """Return the annual maps of window states, glare and luminaire output."""
     maps = (state_maps(content.states), glare_maps(content.glare))
     return [*maps[0], *maps[1], *lamp_maps(content.lamps)]
 

@@ -1,7 +1,7 @@
 """Figures of BSDFs: angular distributions, transmittances, comparisons of layers.
 
 All discs are seen from the room, with right and up as in the room and the polar angle
-as distance from the centre. The ring marks the unscattered direction.
+as distance from the centre. The ring marks the undeviated direction.
 """
 
 from collections.abc import Sequence
@@ -67,7 +67,7 @@ def lobe_figure(
     channel: str = "visible",
     names: Sequence[str] = (),
 ) -> Figure:
-    """Draw the scattered light of each layer (column) per incident direction (row).
+    """Draw the BSDF of each layer (columns) for each incident direction (rows).
 
     All discs share one logarithmic scale of at most five decades.
     """
@@ -110,7 +110,7 @@ def share_figure(
     channel: str = "visible",
     names: Sequence[str] = (),
 ) -> Figure:
-    """Draw direct-hemispherical values against the angle of incidence.
+    """Draw direct-hemispherical T or R against the angle of incidence.
 
     One panel covers the vertical plane (up and down), one the horizontal plane.
     """
@@ -164,7 +164,7 @@ def _disc(
 
 
 def _scale(values: Float[np.ndarray, "*batch"]) -> LogNorm:
-    # From the first percentile of the positive values, within the limit of decades
+    # From the first percentile of positive values to the maximum, at most five decades
     top = float(values.max()) or 1.0
     some = values[values > 0]
     low = float(np.quantile(some, 0.01)) if some.size else top
@@ -191,7 +191,7 @@ def _draw_marks(
     function: Function,
     channel: str,
 ) -> None:
-    # Outlines of patches, or circles of polar angle; mark of the undeviated direction
+    # Draw patch outlines, or circles of equal polar angle, and the undeviated direction
     part = bsdf.scattering(function, channel=channel)
     if isinstance(part, ScatteringMatrix):
         _draw_patches(axes, part.exits)

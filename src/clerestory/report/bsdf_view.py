@@ -30,14 +30,14 @@ _SCRIPTS = ("raster.js", "solids.js", "bsdf_discs.js", "bsdf_lobes.js", "bsdf_vi
 # Width of the cells on which a tensor tree is shown [°].
 _CELL_DEG = 3.0
 
-# Range below the maximum that is shown, and number of codes, equidistant in log.
+# Decades shown below the maximum, and number of codes, equidistant in the logarithm.
 _DECADES = 6
 _CODES = 65_534
 
 # Maximum number of values on a page: about 8 MB after compression.
 _MOST_VALUES = 5_000_000
 
-# Number of values above which a matrix is shown like a tensor tree.
+# Number of values above which a matrix is averaged like a tensor tree.
 _MOST_VALUES_OF_ONE = 1_000_000
 
 
@@ -83,7 +83,7 @@ def view_page(bsdf: Bsdf) -> str:
 def view_data(bsdf: Bsdf) -> dict[str, Any]:
     """Return the data of the view as JSON values.
 
-    Functions that would make the page too large are left out and listed.
+    Transmittances and reflectances that would make the page too large are only listed.
     """
     functions: list[dict[str, Any]] = []
     left_out: list[str] = []
@@ -106,7 +106,7 @@ def view_data(bsdf: Bsdf) -> dict[str, Any]:
 
 
 def fine_partition() -> RingPartition:
-    """Return the patches of about three degrees on which tensor trees are shown.
+    """Return patches about three degrees wide, on which tensor trees are shown.
 
     >>> len(fine_partition())
     2353

@@ -1,7 +1,7 @@
 """Heat maps of classes over the days and hours of a year.
 
 Examples are glare categories, window states and dimming levels of luminaires. The page
-shows the class of a cell at the mouse pointer.
+shows the class of the cell under the mouse pointer.
 """
 
 from collections.abc import Sequence

@@ -77,7 +77,7 @@ class ColourScale:
 
 
 def nice_step(size: float) -> float:
-    """Return the 1, 2 or 5 times a power of ten nearest to `size`.
+    """Return 1, 2 or 5 times a power of ten, whichever is nearest to `size`.
 
     >>> nice_step(0.26), nice_step(1300)
     (0.2, 1000.0)

@@ -91,7 +91,7 @@ def days_figure(comparisons: Sequence[Comparison], name: str) -> Figure:
 
 
 def time_figure(comparisons: Sequence[Comparison], group: str, quantity: str) -> Figure:
-    """Draw the mean of a group over all time steps, with the nights left out."""
+    """Draw the time series of the mean over a group of sensors, without nights."""
     figure = Figure(figsize=(10.5, 3.2), layout="constrained")
     axes = figure.subplots()
     drawn = [_means(_of_group(c, group, quantity)) for c in comparisons]
@@ -216,7 +216,7 @@ def _means(pairs: Pairs) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def _by_day(
     times: np.ndarray, stamps: np.ndarray, lines: list[np.ndarray]
 ) -> tuple[np.ndarray, list[np.ndarray]]:
-    # Consecutive positions of time steps, with a gap in the line between days
+    # Consecutive axis positions of time steps; lines have gaps between days
     day = times.astype("datetime64[D]").astype(int)
     cuts = np.flatnonzero(np.diff(day)) + 1
     place = np.searchsorted(stamps, times) + _day_number(stamps, times)

@@ -88,7 +88,7 @@ class ReportContent:
     ----------
     title, method, place : title, simulation method and location of the study
     times : local standard time at the middle of each time step
-    illuminance, standard_error : illuminance and its error over (sensor, time) [lux]
+    illuminance, standard_error : values and standard errors over (sensor, time) [lux]
     occupied : whether each time step is an occupied hour
     schedule : description of the occupied hours
     metrics : metrics of each sensor, as returned by `sensor_metrics`, and
@@ -96,14 +96,14 @@ class ReportContent:
     sensors : positions and directions of the sensors
     room, windows : surfaces of the scene; both may be empty
     north : azimuth of the scene's +y axis, clockwise from north [rad]
-    tables : parameters, versions, seeds and device
+    tables : tables of parameters, versions, seeds and compute device
     seconds : run time of each phase [s]
     warnings : warnings of the run
-    states : states of the windows with several states
+    states : annual states of the windows that have several states
     glare : annual glare of each view
     pictures : pictures written by the run
     film : animation of one day
-    terms : terms of the matrix equation, with the direct correction
+    terms : terms of the matrix equation, for methods with direct-sun correction
     lamps : dimming of each zone of luminaires
     layers : BSDFs of the window layers
     methods : comparison of several simulation methods

@@ -136,7 +136,7 @@ def schedule_words(schedule: Mapping[str, Any]) -> str:
 
 
 def study_tables(study: Mapping[str, Any]) -> tuple[FactTable, ...]:
-    """Return the study as fact tables, one per table of the study file."""
+    """Return parameters of the study as tables, one per table of the study file."""
     tables = []
     chosen = study.get("method", "")
     methods = chosen if isinstance(chosen, list) else [chosen]
@@ -156,7 +156,7 @@ def study_tables(study: Mapping[str, Any]) -> tuple[FactTable, ...]:
 
 
 def run_tables(run: Mapping[str, Any]) -> tuple[FactTable, ...]:
-    """Return the records of the run as fact tables."""
+    """Return versions, seeds, device and other records of a run as tables."""
     shown = {k: v for k, v in run.items() if k not in _SHOWN_ELSEWHERE}
     plain = {_label(k): v for k, v in shown.items() if not isinstance(v, dict | list)}
     tables = [FactTable("Run", _rows(plain))] if plain else []

@@ -33,7 +33,7 @@ class LampZone:
 
 
 def lamp_zones(data: xr.Dataset) -> tuple[LampZone, ...]:
-    """Return the zones in results; empty without luminaires."""
+    """Return the luminaire zones in the results; empty without luminaires."""
     if "dimming" not in data:
         return ()
     return tuple(
@@ -57,7 +57,7 @@ def _energy(data: xr.Dataset) -> Figure | None:
 
 
 def lamp_maps(zones: Sequence[LampZone]) -> list[DayMap]:
-    """Return the annual map of the output of each zone in per cent."""
+    """Return an annual map of the light output of each zone [%]."""
     shades = colormaps["YlOrBr"](np.linspace(0.0, 0.85, _LEVELS))[:, :3]
     colours = np.round(255 * shades).astype(np.uint8)
     texts = tuple(f"output {k} %" for k in range(_LEVELS))

@@ -17,7 +17,7 @@ _CODES = 65_535
 
 
 def packed(values: np.ndarray) -> str:
-    """Return an array as base64 of gzip of its little-endian bytes.
+    """Return an array as little-endian bytes, compressed by gzip, in base64.
 
     The bytes are reproducible, as the archive contains no time stamp.
     """
@@ -41,7 +41,7 @@ def code_step() -> float:
 
 
 def picture(values: Float[np.ndarray, "bin day"], scale: ColourScale) -> str:
-    """Return a false-colour image as a data URL; row 0 at the bottom, NaN clear."""
+    """Return a false-colour image as data URL; row 0 at the bottom, NaN transparent."""
     known = np.isfinite(values)
     rgba = np.zeros((*values.shape, 4), dtype=np.uint8)
     rgba[..., :3] = scale.colours(np.where(known, values, scale.low))

@@ -1,8 +1,8 @@
-"""Terms of the matrix equation and the effect of its direct correction.
+"""Terms of the matrix equation and the effect of the direct-sun correction.
 
-I = V T D S − V_d T D_d S_ds + C_ds S_sun, by the five-phase method: the result without
-correction, less the direct sun spread over patches, plus the sun at its true position.
-The page contains the year of a few sensors, and draws one day.
+I = V T D S − V_d T D_d S_ds + C_ds S_sun (five-phase method): illuminance without
+correction, minus direct sunlight spread over sky patches, plus direct sunlight from the
+exact sun position. The page contains annual series of a few sensors and draws one day.
 """
 
 from dataclasses import dataclass
@@ -27,10 +27,10 @@ from clerestory.report.uncertain_value import number
 # Largest number of sensors whose terms are on the page
 _MOST = 12
 
-# A correction of this share of the uncorrected illuminance is counted [1]
+# Correction relative to the uncorrected illuminance above which it is called large
 _MUCH = 0.10
 
-# Classes of the drawing's lines in the page
+# CSS classes of the lines in the drawing
 _CLASSES = ("whole", "spread", "sun", "sum")
 
 # Round steps of an axis within a decade
@@ -45,8 +45,8 @@ class EquationTerms:
 
     Attributes
     ----------
-    whole, direct_in_patches, direct_sun : terms per sensor and time step
-    method : name of the method with direct correction, such as "5-phase"
+    whole, direct_in_patches, direct_sun : the three terms over (sensor, time)
+    method : name of the method with direct-sun correction, such as "5-phase"
     """
 
     whole: Float[np.ndarray, "sensor time"]
@@ -55,7 +55,7 @@ class EquationTerms:
     method: MethodName
 
     def names(self) -> tuple[str, str]:
-        """Names of the results without and with the direct correction."""
+        """Names of the results without and with the direct-sun correction."""
         method = METHODS[self.method]
         if method.correction == "choice":
             return f"{self.method} method", f"{self.method} method with the exact sun"
@@ -63,7 +63,7 @@ class EquationTerms:
         return f"{plain} method", f"{self.method} method"
 
     def labels(self) -> tuple[str, str, str, str]:
-        """Labels of the drawing's lines."""
+        """Labels of the lines in the drawing."""
         method, (plain, corrected) = METHODS[self.method], self.names()
         whole, spread, sun = map(method.formula, method.terms(corrected=True))
         return (
@@ -74,7 +74,7 @@ class EquationTerms:
         )
 
     def correction(self) -> Float[np.ndarray, "sensor time"]:
-        """Change by the exact position of the direct sun [lux]."""
+        """Change of illuminance by the exact sun position [lux]."""
         return np.asarray(self.direct_sun - self.direct_in_patches)
 
     def lines(self, sensor: int) -> Float[np.ndarray, "4 time"]:
@@ -84,7 +84,7 @@ class EquationTerms:
         return np.stack([whole, spread, sun, whole - spread + sun])
 
     def chosen(self) -> list[int]:
-        """Sensors on the page: the most corrected one, then evenly spaced ones."""
+        """Indices of shown sensors: the most corrected one, then evenly spaced ones."""
         changed = np.abs(self.correction()).sum(axis=1)
         count = len(changed)
         places = np.linspace(0, count - 1, min(count, _MOST)).round().astype(int)
@@ -100,7 +100,7 @@ class EquationTerms:
 
 
 def equation_terms(data: xr.Dataset) -> EquationTerms | None:
-    """Return the terms in results; None without the direct correction."""
+    """Return the terms in the results; None without direct-sun correction."""
     found = [
         name
         for name, method in METHODS.items()
@@ -202,7 +202,7 @@ def _drawing(
 
 
 def ceiling(lux: float) -> float:
-    """Return the top of an axis of four round steps that holds a value, 4 at least.
+    """Return the upper limit (≥ `lux`, ≥ 4) of an axis with four round intervals.
 
     >>> ceiling(950.0), ceiling(0.0), ceiling(40_001.0)
     (1000.0, 4.0, 60000.0)
@@ -227,7 +227,7 @@ def _path(minute: Int[np.ndarray, " step"], share: Float[np.ndarray, " step"]) -
 def _grid_rows(
     terms: EquationTerms, sensors: SensorPoints, occupied: Bool[np.ndarray, " time"]
 ) -> list[tuple[str, list[str]]]:
-    # Means of the terms over each grid, and the share of steps that change much
+    # Grid means of the terms, and fraction of time steps with a large correction
     rows = []
     for grid, members in sensors.by_grid().items():
         part = np.ix_(members, np.flatnonzero(occupied))

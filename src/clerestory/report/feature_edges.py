@@ -21,7 +21,7 @@ def feature_edges(
 ) -> Int[np.ndarray, "edge 4"]:
     """Boundary and crease edges, each as two vertices and the two adjacent faces.
 
-    A boundary edge names its face twice.
+    The face of a boundary edge is listed twice.
     """
     if not len(faces):
         return np.zeros((0, 4), dtype=int)
@@ -31,7 +31,7 @@ def feature_edges(
     )
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
 
-    # Sort sides so that sides with equal vertices are adjacent
+    # Sort triangle sides so that sides with equal vertices are adjacent
     sides = np.sort(
         np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     )

@@ -50,7 +50,7 @@ class PlanFrame:
     def place(
         self, points: Float[np.ndarray, "*batch 2"]
     ) -> Float[np.ndarray, "*batch 2"]:
-        """Return drawing coordinates of points of the plane [m]; +y points upwards."""
+        """Return drawing coordinates of points in the plan [m]; +y points upwards."""
         x = _MARGIN + (points[..., 0] - self.low[0]) * self.scale
         y = _MARGIN + (self.high[1] - points[..., 1]) * self.scale
         return np.stack([x, y], axis=-1)
@@ -65,7 +65,7 @@ class PlanFrame:
 def plan_frame(
     content: ReportContent, members: Int[np.ndarray, " member"], *, identifier: str
 ) -> PlanFrame:
-    """Return the frame of the plan of some sensors: the room visible from them."""
+    """Return the frame of a plan of the room visible from the given sensors."""
     position = content.sensors.position[members]
     points = position[:, :2]
     height = float(np.median(position[:, 2]))
@@ -77,7 +77,7 @@ def plan_frame(
         low = np.minimum(low, corners.min(axis=0)) if near else low
         high = np.maximum(high, corners.max(axis=0)) if near else high
 
-    # Smallest extent, for a single sensor outdoors
+    # Extent of at least 2 m, for a single sensor outdoors
     lack = np.maximum(0, 2.0 - (high - low)) / 2 + 0.02
     low, high = low - lack, high + lack
     scale = float(np.min((_WIDTH, _HEIGHT) / (high - low)))
@@ -103,7 +103,7 @@ def plan(
     content: ReportContent,
     label: str,
 ) -> Markup:
-    """Return the drawing of one metric over some sensors."""
+    """Return the plan of one metric at the given sensors."""
     width, height = frame.size
     colours = scale.hexadecimal(metric.values[members])
     cells = frame.place(frame.cells)
@@ -174,7 +174,7 @@ def _arrows(
 def _longest(
     segments: Float[np.ndarray, "segment 2 2"],
 ) -> Float[np.ndarray, "kept 2 2"]:
-    # Keep the longest segments of a section with very many segments
+    # Limit the number of segments: keep the longest
     length = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1)
     return segments[np.sort(np.argsort(-length)[:_MOST_SEGMENTS])]
 

@@ -19,7 +19,7 @@ from clerestory.glare.dgp import DGP
 from clerestory.glare.index import CATEGORIES
 from clerestory.report.heat_map import day_hour_grid
 
-# From imperceptible to intolerable; they also differ in lightness
+# Colours of imperceptible to intolerable glare, which also differ in lightness
 _COLOURS = ("#dce9f2", "#f6d55c", "#ed7d3a", "#9c1b2f")
 _NO_DATA = "#ffffff"
 _WORDS = (
@@ -105,7 +105,7 @@ def glare_rosette_figure(
     *,
     title: str = "",
 ) -> Figure:
-    """Return the shares of time per glare category, by view direction.
+    """Return a polar plot of time fractions by glare category and view direction.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """Figures of goniophotometer measurements and their fits.
 
 Discs are seen from the room, with right and up as in the room and the angle to the
-normal as distance from the centre. The ring marks the unscattered direction.
+normal as distance from the centre. The ring marks the undeviated direction.
 """
 
 from typing import Any
@@ -63,9 +63,9 @@ def between_figure(
     start: Float[np.ndarray, "3"],
     end: Float[np.ndarray, "3"],
 ) -> Figure:
-    """Draw the scattered light of two incident directions, and half-way between them.
+    """Draw the BSDF at two incident directions, and interpolated half-way between them.
 
-    For comparison, the arithmetic mean of both is shown, which has every lobe twice.
+    For comparison, the arithmetic mean of both BSDFs is drawn; it has every lobe twice.
     """
     middle = (start + end) / np.linalg.norm(start + end)
     ends = [interpolant.lobes(direction) for direction in (start, end)]
@@ -125,7 +125,7 @@ def draw_mesh(axes: Axes, mesh: Mesh) -> None:
 
 
 def _measured(interpolant: Interpolant, scan: Scan) -> Lobes:
-    # The fit itself, rotated from azimuth 0 to that of the scan if isotropic
+    # Fitted lobes; those of isotropic samples are rotated to the azimuth of the scan
     vertices = interpolant.network.mesh.vertices
     incident, turn = scan.incident, np.eye(3)
     if interpolant.symmetry == "isotropic":

@@ -18,7 +18,7 @@ _SHORTEST_MINUTES = 5
 # Fraction of days with data below which the gaps between days are left out
 _SPARSE = 0.3
 
-# Lower limit of the colour scale
+# Lower limit of the colour scale [lux]
 DARKEST_LUX = 10.0
 
 
@@ -52,7 +52,7 @@ class DayHourGrid:
 
 
 def day_hour_grid(times: np.ndarray) -> DayHourGrid:
-    """Return the cells of time steps given by their middles.
+    """Return the grid of cells for the given middles of time steps.
 
     Examples
     --------
@@ -66,7 +66,7 @@ def day_hour_grid(times: np.ndarray) -> DayHourGrid:
     day = _folded(times.astype("datetime64[D]"))
     bins = round(24 * 60 / _step_minutes(times))
 
-    # A few scattered days are drawn side by side, otherwise days keep their distance
+    # Draw a few scattered days side by side; otherwise include days without data
     dates = np.unique(day)
     span = int((dates[-1] - dates[0]).astype(int)) + 1
     if len(dates) > _SPARSE * span:
@@ -102,7 +102,7 @@ def heat_map(
     label: str,
     identifier: str = "heat-map",
 ) -> Markup:
-    """Return the drawing: axes around an image given as a data URL."""
+    """Return the heat map: axes around an image given as a data URL."""
     picture = element(
         "image",
         href=image,

@@ -21,7 +21,7 @@ from clerestory.report.room_view import MOST_TRIANGLES
 from clerestory.report.uncertain_value import Figure
 from clerestory.report.uncertainty import LIT_LUX, error_histogram, error_rows
 
-# Rows of the sensor table, and metrics of vertical sensors
+# Maximum number of rows of the sensor table, and metrics of vertical sensors
 _MOST_ROWS = 500
 _UPRIGHT = ("mean", "autonomy", "exceeded")
 
@@ -35,7 +35,7 @@ _KEYS = (
 
 
 def plans_section(content: ReportContent) -> Markup:
-    """Return the plans of every grid and metric."""
+    """Return the floor plans of each grid, one per metric."""
     return render(
         "plans.html",
         grids=[
@@ -77,7 +77,7 @@ def _plans(
 
 
 def _shown(content: ReportContent, level: bool) -> list[tuple[MetricMap, ColourScale]]:
-    # Metrics that suit the direction of the sensors, with their colour scales
+    # Metrics defined for horizontal or vertical sensors, with their colour scales
     maps = metric_maps(content.metrics)
     lux = illuminance_scale(maps[0].values)
     return [

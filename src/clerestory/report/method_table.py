@@ -30,7 +30,7 @@ class MethodComparison:
 
 
 def method_comparison(data: xr.Dataset) -> MethodComparison | None:
-    """Return the comparison in results, or None if only one method was run."""
+    """Return the comparison in the results, or None if only one method was run."""
     if "illuminance_by_method" not in data:
         return None
     values = data["illuminance_by_method"].transpose("method", "sensor", "time")

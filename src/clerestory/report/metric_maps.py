@@ -1,8 +1,8 @@
 """Metrics of the sensors and their means over grids, with standard errors.
 
-The error of the mean illuminance comes from its error components, which contain the
-correlation between sensors. The errors of other metrics are assumed fully correlated:
-the error of a mean is the mean of the errors.
+The standard error of the mean illuminance follows from error components, which include
+the correlation between sensors. Errors of other metrics are assumed fully correlated,
+so that the error of a grid mean is the mean of the errors.
 """
 
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ class MetricMap:
 
     Attributes
     ----------
-    key : short name for the page
+    key : identifier of the metric in the page
     title, note : title and description
     values, errors : value and standard error per sensor, in `unit`
     unit : lux or %
@@ -39,14 +39,14 @@ class MetricMap:
     components: Float[np.ndarray, "component sensor"] | None = None
 
     def mean(self, members: Int[np.ndarray, " member"]) -> Figure:
-        """Mean over some sensors; without error components, fully correlated ones."""
+        """Mean over sensors; errors without components count as fully correlated."""
         known = None if self.components is None else self.components[:, members]
         error = error_of_group_mean(self.errors[members], known)
         return Figure(float(self.values[members].mean()), error, self.unit)
 
 
 def metric_maps(metrics: xr.Dataset) -> tuple[MetricMap, ...]:
-    """Return what a plan can show: the mean, the autonomy, the four useful bands."""
+    """Return mean illuminance, daylight autonomy and the four UDI bands of sensors."""
     target = float(metrics.attrs.get("target_lux", 300.0))
     low, middle, high = (f"{limit:,.0f}" for limit in USEFUL_LIMITS_LUX)
     notes = (f"below {low} lux", f"{low}–{middle} lux", f"{middle}–{high} lux")
@@ -82,7 +82,7 @@ def metric_maps(metrics: xr.Dataset) -> tuple[MetricMap, ...]:
 
 
 def useful_share(metrics: xr.Dataset, members: Int[np.ndarray, " member"]) -> Figure:
-    """Return the mean share of hours in the useful range [%]."""
+    """Return the mean fraction of hours in the useful range of UDI [%]."""
     value = 100 * _values(metrics, "useful")[members].mean()
     error = 100 * _values(metrics, "useful_error")[members].mean()
     return Figure(float(value), float(error), "%")

@@ -61,7 +61,7 @@ def write_report(
 
 
 def picture_folder(folder: Path, results: Results) -> Path:
-    """Return the folder of the pictures of a run; the last of several methods."""
+    """Return the picture folder of a run, for its last method if it has several."""
     own = folder / str(results.data.attrs.get("method", "")) / PICTURE_FOLDER
     return own if own.is_dir() else folder / PICTURE_FOLDER
 

@@ -69,7 +69,7 @@ def grid_frames(
 
 
 def series_names(content: ReportContent) -> list[tuple[str, int | None]]:
-    """Return names of hourly series, each with its sensor, or None for means."""
+    """Return names of hourly series with their sensor index, None for grid means."""
     names: list[tuple[str, int | None]] = [
         (f"Mean of {grid} ({len(members):,} sensors)", None)
         for grid, members in content.sensors.by_grid().items()

@@ -25,7 +25,7 @@ class Sunlight:
     ----------
     moments : middles of equal time steps of the day
     openings : names of the openings
-    reached : whether the sun reaches the reference point of each opening
+    reached : whether the sun reaches the reference point, over (opening, moment)
     hours : hours of sun of each opening [h]
     room_hours : hours in which at least one opening has sun [h]
     lowest_sun_deg : minimum solar altitude [°]
@@ -54,7 +54,7 @@ def sunlight_of(data: xr.Dataset) -> Sunlight | None:
 
 
 def sunlight_section(sunlight: Sunlight | None) -> Markup:
-    """Return a bar of sunlit times per opening, and the level of the room."""
+    """Return a bar of sunlit times per opening, and the EN 17037 level of the room."""
     if sunlight is None:
         return Markup("")
     limits = ", ".join(

@@ -74,7 +74,7 @@ def error_histogram(content: ReportContent) -> Markup:
 
 
 def error_rows(content: ReportContent) -> list[tuple[str, list[str]]]:
-    """Return count, median and 95th percentile of the errors by illuminance."""
+    """Return number, median and 95th percentile of errors per illuminance range."""
     rows = []
     for low, high in pairwise(_BANDS):
         within = (content.illuminance > low) & (content.illuminance <= high)

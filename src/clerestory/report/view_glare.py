@@ -21,7 +21,7 @@ from clerestory.report.markup import Markup, render
 from clerestory.report.period import hours_in, moment_words
 from clerestory.report.uncertain_value import number
 
-# From imperceptible to intolerable; they also differ in lightness
+# Colours of imperceptible to intolerable glare, which also differ in lightness
 COLOURS = np.array(
     [[158, 196, 222], [246, 213, 92], [237, 125, 58], [156, 27, 47]], dtype=np.uint8
 )
@@ -62,7 +62,7 @@ class ViewGlare:
 
 
 def view_glare(data: xr.Dataset) -> tuple[ViewGlare, ...]:
-    """Return the glare of the views in results; empty without views."""
+    """Return the glare of the views in the results; empty without views."""
     if "glare_dgp" not in data:
         return ()
 
@@ -112,7 +112,7 @@ def shades(dgp: Float[np.ndarray, " level"]) -> UInt8[np.ndarray, "level 3"]:
 
 
 def _steps(dgp: Float[np.ndarray, " time"]) -> Int[np.ndarray, " time"]:
-    # Rounded without changing the glare category
+    # DGP in steps of 0.01, rounded without changing the glare category
     low = np.round(np.clip(dgp, 0, 1) / _STEP)
     low = np.where(np.isnan(dgp), 0, low).astype(int)
     level = low * _STEP

@@ -33,7 +33,7 @@ _COVERED = 0.997
 
 @dataclass(frozen=True)
 class Moment:
-    """Picture of a run: index of its time step, and its file."""
+    """Picture of a run: index of the time step, and picture file."""
 
     step: int
     file: Path
@@ -86,7 +86,8 @@ def read_small(file: str | Path, *, width: int) -> Picture:
 def exposures(pictures: Sequence[Picture]) -> list[float]:
     """Return the luminance mapped to white in each picture [cd/m²].
 
-    It is the geometric mean of the automatic values of the picture and of all pictures.
+    The value is the geometric mean of the automatic values of the picture and of all
+    pictures.
 
     Examples
     --------

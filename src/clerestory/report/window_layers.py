@@ -21,7 +21,8 @@ from clerestory.report.bsdf_plot import (
 from clerestory.report.embedded_data import png_address
 from clerestory.report.markup import Markup, element, render
 
-# Maximum number of layers as discs and as curves; incident directions [°]; resolution
+# Maximum numbers of layers drawn as discs and as curves; incident polar angle and
+# azimuth [°]; resolution
 _MOST_DISCS, _MOST = 5, 8
 _SOURCES = ((0.0, 90.0), (45.0, 90.0))
 _DPI = 80
@@ -48,7 +49,7 @@ class Layer:
 
 
 def window_layers(data: xr.Dataset) -> tuple[Layer, ...]:
-    """Return the layers in results."""
+    """Return the layers in the results."""
     if "layer_transmission" not in data:
         return ()
     values = np.asarray(data["layer_transmission"].values, dtype=float)
@@ -57,7 +58,7 @@ def window_layers(data: xr.Dataset) -> tuple[Layer, ...]:
 
 
 def layers_section(layers: Sequence[Layer]) -> Markup:
-    """Return discs of the transmitted light, and curves of the transmittance."""
+    """Return discs of the transmission BSDF, and curves of the transmittance."""
     if not layers:
         return Markup("")
     shown = [layer.bsdf() for layer in layers[:_MOST]]

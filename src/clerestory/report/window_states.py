@@ -24,7 +24,7 @@ class WindowStates:
 
     Attributes
     ----------
-    window : name of the group
+    window : name of the window group
     names : names of the states, most open first
     rule : description of the control rule; may be empty
     state : index of the state in each time step
@@ -43,7 +43,7 @@ class WindowStates:
 
 
 def window_states(data: xr.Dataset) -> tuple[WindowStates, ...]:
-    """Return the states in results, for windows with several states."""
+    """Return the states in the results, for windows with several states."""
     if "state" not in data:
         return ()
     study = json.loads(data.attrs.get("study", "{}"))
@@ -79,7 +79,7 @@ def states_section(
     *,
     occupied: Bool[np.ndarray, " time"],
 ) -> Markup:
-    """Return the annual map of each window, with the share of each state."""
+    """Return an annual map per window, with the fraction of time in each state."""
     if not states:
         return Markup("")
     windows = [
@@ -97,7 +97,7 @@ def states_section(
 def state_shares(
     each: WindowStates, times: np.ndarray, occupied: Bool[np.ndarray, " time"]
 ) -> list[str]:
-    """Return name, share and hours of each state in the occupied hours."""
+    """Return name, percentage and number of occupied hours of each state."""
     words = []
     for k, name in enumerate(each.names):
         chosen = occupied & (each.state == k)

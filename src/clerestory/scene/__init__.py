@@ -1,1 +1,1 @@
-"""Plain values of a scene: surfaces, materials, windows, sensors, views."""
+"""Scene description: surfaces, materials, windows, sensors and views."""

@@ -1,4 +1,4 @@
-"""Conversion of scenes from red, green and blue to other spectral bands."""
+"""Conversion of scenes from RGB to other spectral bands."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -28,7 +28,7 @@ Upsampling = Callable[[Rgb, Bands], Colour]
 def in_bands(
     scene: Scene, bands: Bands, *, upsampling: Upsampling | None = None
 ) -> Scene:
-    """Return a scene in RGB as one in other bands.
+    """Return an RGB scene converted to other bands.
 
     Grey materials have the same value in all bands. Coloured materials require an
     `upsampling`, such as `step_spectrum`, since RGB does not determine their spectrum.

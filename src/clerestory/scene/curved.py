@@ -1,10 +1,10 @@
-"""Tessellation of spheres, cones and rings that preserves areas.
+"""Area-preserving tessellation of spheres, cones and rings.
 
-A circle becomes a regular polygon of 64 sides and the same area, so the areas of discs,
-rings and tube openings are exact. The lateral area of a cylinder is 0.04 % too large;
-points deviate from the true surface by at most 0.13 % of the radius.
-A sphere becomes 1280 triangles with the exact area of the sphere, and therefore with
-its exact mean projected area; points deviate by at most 0.5 % of the radius.
+A circle becomes a regular polygon of 64 sides with the area of the circle, so that the
+areas of discs, rings and tube openings are exact. The lateral area of a cylinder is
+0.04 % too large; points deviate from the true surface by at most 0.13 % of the radius.
+A sphere becomes 1280 triangles with the exact surface area and mean projected area of
+the sphere; points deviate by at most 0.5 % of the radius.
 """
 
 import numpy as np
@@ -56,7 +56,7 @@ def _turned(triangles: Triangles, inward: bool) -> Triangles:
 
 
 def _circle(axis: Float[np.ndarray, "3"]) -> Float[np.ndarray, "sides 3"]:
-    # Corners around the axis; equal for the opposite axis, so that discs fit tubes
+    # Polygon corners around an axis; equal for the opposite axis (discs fit tubes)
     along = axis / np.linalg.norm(axis)
     first = np.cross(np.eye(3)[np.argmin(np.abs(along).round(9))], along)
     first = first / np.linalg.norm(first)
@@ -70,7 +70,7 @@ def _circle(axis: Float[np.ndarray, "3"]) -> Float[np.ndarray, "sides 3"]:
 def _band(
     lower: Float[np.ndarray, "sides 3"], upper: Float[np.ndarray, "sides 3"]
 ) -> Triangles:
-    # Two triangles per side, one if an end has the radius zero
+    # Two triangles per side; one triangle if the radius of an end is zero
     i = np.arange(SIDES)
     j = (i + 1) % SIDES
     faces = np.empty((0, 3), dtype=int)
@@ -82,7 +82,7 @@ def _band(
 
 
 def _unit_sphere() -> Triangles:
-    # An icosahedron subdivided three times, each face into four
+    # An icosahedron of which each face is subdivided into four, three times
     golden = (1 + np.sqrt(5)) / 2
     flat = np.array([(0, s, t * golden) for s in (-1, 1) for t in (-1, 1)])
     vertices = np.concatenate([np.roll(flat, k, axis=1) for k in range(3)])
@@ -97,7 +97,7 @@ def _unit_sphere() -> Triangles:
 
 
 def _hull_faces(vertices: Float[np.ndarray, "12 3"]) -> Int[np.ndarray, "20 3"]:
-    # Triples of the icosahedron's nearest neighbours, counter-clockwise from outside
+    # Triples of adjacent icosahedron vertices, counter-clockwise as seen from outside
     near = vertices @ vertices.T > 0.4
     faces = [
         (a, b, c)

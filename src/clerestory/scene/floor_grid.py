@@ -1,8 +1,8 @@
 """Automatic sensor grid over the floor of the room behind a window.
 
-A flood fill at the height of the window's centre, from a point behind the window up to
-the surrounding surfaces, finds the extent of the room. The floor is at the most
-frequent height below these points. Furniture above sensor height gets no sensors.
+The room is found by a flood fill at the height of the window's centre, from a point
+behind the window to the surrounding surfaces. The floor is at the most frequent height
+below the filled points. No sensors are placed where furniture is higher than them.
 """
 
 from collections.abc import Sequence
@@ -17,10 +17,10 @@ from clerestory.scene.sensors import Sensors
 from clerestory.scene.tessellate import meshes
 from clerestory.scene.window import Window
 
-# Distance of the search's start from the window, and largest extent of a room [m]
+# Distance of the start point from the window; maximum extent of a room [m]
 _START, _LARGEST = 0.3, 60.0
 
-# Tolerance within which heights count as one floor [m]
+# Tolerance within which heights belong to the same floor [m]
 _SAME = 0.02
 
 _UP = np.array([0.0, 0.0, 1.0])
@@ -35,13 +35,13 @@ def floor_grid(
     spacing: float = 0.5,
     height: float = 0.76,
 ) -> Sensors:
-    """Return a regular grid of upward sensors over the floor of a window's room.
+    """Return a regular grid of upward-facing sensors in the room behind a window.
 
     Parameters
     ----------
-    scene : the room, without its windows
-    window : an opening of the room; its normal may point inwards or outwards
-    others : further openings, which also bound the room
+    scene : scene of the room, without its windows
+    window : window of the room; its normal may point inwards or outwards
+    others : other windows of the room, which also bound it
     spacing : distance between sensors [m]
     height : height of the sensors above the floor [m]
     """
@@ -68,8 +68,8 @@ def floor_grid(
 def room_side(scene: Scene, window: Window) -> int:
     """Return 1 if the room is on the window's front side, −1 if on its back side.
 
-    The room is the side with a surface above it; if both sides or neither have one, it
-    is the front side.
+    The room is on the side that has a surface above it; if both sides or neither have
+    one, the front side is returned.
     """
     walls = _walls(scene, [])
     covered = [
@@ -86,7 +86,7 @@ def room_side(scene: Scene, window: Window) -> int:
 
 
 def _walls(scene: Scene, windows: Sequence[Window]) -> Triangulation:
-    # Openings are closed, so that the flood fill stays in the room
+    # Windows are closed by triangles, so that the flood fill remains in the room
     parts = [mesh.vertices[mesh.faces] for mesh in meshes(scene)]
     parts += [t.vertices[t.faces] for window in windows for t in window.triangles()]
     corner = np.concatenate(parts) if parts else np.zeros((0, 3, 3))
@@ -94,7 +94,7 @@ def _walls(scene: Scene, windows: Sequence[Window]) -> Triangulation:
 
 
 def _centre(window: Window) -> Float[np.ndarray, "3"]:
-    # A point of the largest triangle is within the opening, whatever its outline
+    # The centre of the largest triangle is within the window, whatever its outline
     corner = np.concatenate([t.vertices[t.faces] for t in window.triangles()])
     sides = corner[:, 1:] - corner[:, :1]
     area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
@@ -104,7 +104,7 @@ def _centre(window: Window) -> Float[np.ndarray, "3"]:
 def _centred(
     walls: Triangulation, start: Float[np.ndarray, "3"], spacing: float
 ) -> Float[np.ndarray, "3"]:
-    # Move the start so that rows of points keep equal distances to both walls
+    # Moves the start point so that the grid is centred between opposite walls
     east, west, north, south = first_hits(start, _SIDEWAYS, walls.corner)
     moved = start.copy()
     for axis, ahead, behind in ((0, east, west), (1, north, south)):
@@ -119,7 +119,7 @@ def _centred(
 def _filled(
     walls: Triangulation, start: Float[np.ndarray, "3"], spacing: float
 ) -> Float[np.ndarray, "point 3"]:
-    # Step between neighbouring points with a free line of sight
+    # Flood fill over neighbouring points with a free line of sight between them
     known, waiting = {(0, 0)}, [(0, 0)]
     most = round(_LARGEST / spacing)
     while waiting:

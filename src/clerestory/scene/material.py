@@ -1,11 +1,11 @@
 """Interface of all material types.
 
-Each type has one file in `scene.materials`: its dataclass, its arguments in Radiance's
-scene language (`READERS`, `specification`), its colour in drawings and its Mitsuba
-plugin.
+Each material type has one file in `scene.materials`, with its dataclass, the reading
+and writing of its arguments in Radiance scene files (`READERS`, `specification`), its
+colour in drawings and its Mitsuba plugin.
 
-A colour is any field of the type `Colour`; it has one value per band of the scene, or
-equal values (grey), which are valid for any number of bands.
+Fields of the type `Colour` have one value per band of the scene, or equal values
+(grey), which are valid for any number of bands.
 """
 
 from abc import ABC, abstractmethod
@@ -34,11 +34,11 @@ class Source:
 
 @dataclass(frozen=True)
 class Plugin:
-    """A Mitsuba plugin and its parameters, as plain values.
+    """Name and parameters of a Mitsuba plugin, independent of Mitsuba.
 
     Attributes
     ----------
-    parameters : by name; materials, patterns and BSDFs by value
+    parameters : parameters by name; materials, patterns and BSDFs as objects
     """
 
     name: str
@@ -46,7 +46,7 @@ class Plugin:
 
 
 def error_at(source: Source | None, message: str) -> InputError:
-    """Return an error that names the file and line of a definition, if known."""
+    """Return an error with the file and line of a definition, if known."""
     if source is None:
         return InputError(message)
     return InputError(message, file=source.file, line=source.line)
@@ -73,9 +73,9 @@ class Material(ABC):
 
     Attributes
     ----------
-    name : key in the scene
-    source : where it is defined
-    takes_pattern : whether a pattern may multiply its colour
+    name : key of the material in the scene
+    source : file and line of the definition
+    takes_pattern : whether a pattern may multiply the colour
     """
 
     name: str
@@ -85,19 +85,19 @@ class Material(ABC):
     @property
     @abstractmethod
     def opaque(self) -> bool:
-        """Whether it transmits no light."""
+        """Whether the material transmits no light."""
 
     @abstractmethod
     def display_colour(self) -> Colour:
-        """Return its colour in drawings, without patterns; white for light sources."""
+        """Return the colour in drawings, without patterns; white for light sources."""
 
     @abstractmethod
     def plugin(self) -> Plugin:
-        """Return the plugin that renders it; a light source is rendered as black."""
+        """Return the rendering plugin; light sources are rendered as black."""
 
     @abstractmethod
     def specification(self) -> Specification | None:
-        """Return its arguments in Radiance's language; None if it has no equivalent."""
+        """Return type and arguments in Radiance; None if there is no equivalent."""
 
 
 class Emitter(Material, ABC):
@@ -105,8 +105,8 @@ class Emitter(Material, ABC):
 
     Attributes
     ----------
-    radiance : [W/(m²·sr)]
-    pattern : multiplier of the radiance; None: the same for all directions and points
+    radiance : emitted radiance [W/(m²·sr)]
+    pattern : multiplier of the radiance by direction and point; None: constant radiance
     """
 
     radiance: Colour
@@ -118,12 +118,12 @@ _AnyMaterial = TypeVar("_AnyMaterial", bound=Material)
 
 
 def parts(material: Material) -> Iterator[Material]:
-    """Yield the materials that a material is composed of."""
+    """Yield the materials of which a material is composed."""
     return (part for part in vars(material).values() if isinstance(part, Material))
 
 
 def colours(material: Material) -> Iterator[Colour]:
-    """Yield the colours of a material, without those of its parts."""
+    """Yield the colours of a material, without those of component materials."""
     known = fields(material)  # type: ignore[arg-type]
     return (getattr(material, f.name) for f in known if f.type is Colour)
 
@@ -131,7 +131,7 @@ def colours(material: Material) -> Iterator[Colour]:
 def with_colours(
     material: _AnyMaterial, change: Callable[[Colour], Colour]
 ) -> _AnyMaterial:
-    """Return a material whose colours, including those of its parts, are converted."""
+    """Return a material with converted colours, also of component materials."""
     known = fields(material)  # type: ignore[arg-type]
     values = {f.name: getattr(material, f.name) for f in known}
     changed: dict[str, object] = {
@@ -144,9 +144,9 @@ def with_colours(
 
 
 def insert_material(materials: dict[str, Material], material: Material) -> str:
-    """Add a material under its name, numbered if the name is in use; return the key.
+    """Add a material under its name, numbered if the name is in use; return its key.
 
-    A material that equals one of that name, except for its source, is not added twice.
+    If an equal material (apart from its source) has that name, none is added.
     """
     stem = material.name.rpartition("#")[0] if "#" in material.name else material.name
     key, count = material.name, 1

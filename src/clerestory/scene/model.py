@@ -1,8 +1,8 @@
-"""Scene of materials, surfaces and distant sources.
+"""Scenes: materials, surfaces and distant sources.
 
-A surface refers to its material by a key of `Scene.materials`. If a file defines a name
-twice, the later definition applies to the surfaces after it, as in Radiance; the scene
-contains both, the later under a numbered key ("wall#2").
+A surface refers to its material by a key of `Scene.materials`. If scene files define a
+name twice, the later definition applies to the surfaces after it, as in Radiance; the
+scene contains both materials, the later one under a numbered key ("wall#2").
 """
 
 from collections.abc import Mapping
@@ -79,7 +79,7 @@ __all__ = [
     "same_material",
 ]
 
-# Sine below which two vectors are taken to be parallel (Radiance's FTINY)
+# Sine of the angle below which two vectors count as parallel (Radiance's FTINY)
 _PARALLEL = 1e-6
 
 
@@ -89,15 +89,15 @@ class Scene:
 
     Attributes
     ----------
-    materials : by key; each material carries its key as name
-    surfaces : in the order read
+    materials : materials by key; the name of each material is its key
+    surfaces : surfaces in the order of the scene files
     distant : sources at infinity
     bands : spectral bands of the materials' colours
 
     Raises
     ------
-    InputError : a surface's material is not in the scene, the up vector of its BSDF is
-        parallel to its normal, or a colour has other bands
+    InputError : the material of a surface is not in the scene, the up vector of a BSDF
+        is parallel to the surface normal, or a colour has other bands
 
     Examples
     --------
@@ -129,11 +129,11 @@ class Scene:
     def __add__(self, other: "Scene") -> "Scene":
         """Return the union of two scenes; clashing material names are numbered.
 
-        A grey scene can be added to one in any bands.
+        A grey scene can be added to a scene in any bands.
 
         Raises
         ------
-        InputError : both scenes are coloured, in different bands
+        InputError : both scenes are coloured, and their bands differ
         """
         if self.bands == RGB != other.bands:
             return replace(self, bands=other.bands) + other
@@ -159,7 +159,7 @@ class Scene:
 
 
 def _check_colours(material: Material, bands: Bands) -> None:
-    # Grey is the same in all bands; the colours of RGB scenes have three values
+    # A grey colour is valid in all bands; colours of RGB scenes have three values
     for colour in colours(material):
         if len(colour) != len(bands) and (bands == RGB or np.ptp(colour) > 0):
             raise error_at(
@@ -192,7 +192,7 @@ def _check_up(surface: Polygon | Ring, material: Material) -> None:
 
 
 def _normal(surface: Polygon | Ring) -> Float[np.ndarray, "3"]:
-    # Normal, of any length
+    # Surface normal, not normalized
     if isinstance(surface, Ring):
         return surface.normal
     return area_vector(surface.vertices)

@@ -1,13 +1,13 @@
 """Patterns: multipliers of radiance that vary with direction and position.
 
-As Radiance's brightfunc and brightdata. The arguments depend on the emitter:
+Patterns correspond to Radiance's brightfunc and brightdata. Arguments by emitter type:
 
-- surface of the scene: `direction` points from the surface to the viewer; `normal`
-  and `point` are those of the surface;
+- surface of the scene: `direction` points from the surface to the viewer; `normal` and
+  `point` are normal and point of the surface;
 - source at infinity (sky, sun, ground): `direction` points to the source; `normal` and
   `point` are None.
 
-The engine tabulates patterns over directions, and over points if required.
+The rendering engine tabulates patterns over directions, and over points if necessary.
 """
 
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ class Pattern(Protocol):
 
     @property
     def needs_normal(self) -> bool:
-        """Whether the value depends on the normal of the surface."""
+        """Whether the value depends on the surface normal."""
 
     @property
     def needs_point(self) -> bool:
@@ -39,20 +39,20 @@ class Pattern(Protocol):
         normal: Float[np.ndarray, "rays 3"] | None = None,
         point: Float[np.ndarray, "rays 3"] | None = None,
     ) -> Float[np.ndarray, "rays 3"]:
-        """Return the multiplier of red, green and blue radiance, 0 or more.
+        """Return the multipliers of red, green and blue radiance, 0 or more.
 
         Parameters
         ----------
         direction : unit vectors from a surface to the viewer, or from the scene to a
             source at infinity
-        normal : unit vectors of the surface; None at infinity
-        point : point of emission [m]; None at infinity
+        normal : unit normals of the surface; None at infinity
+        point : points of emission [m]; None at infinity
         """
 
 
 @dataclass(frozen=True, eq=False)
 class Product:
-    """The product of patterns.
+    """A product of patterns.
 
     Examples
     --------
@@ -69,12 +69,12 @@ class Product:
 
     @property
     def needs_normal(self) -> bool:
-        """Whether a factor depends on the normal."""
+        """Whether a factor depends on the surface normal."""
         return any(factor.needs_normal for factor in self.factors)
 
     @property
     def needs_point(self) -> bool:
-        """Whether a factor depends on the point."""
+        """Whether a factor depends on the point of emission."""
         return any(factor.needs_point for factor in self.factors)
 
     @property

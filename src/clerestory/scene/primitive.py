@@ -1,7 +1,7 @@
-"""Primitives of Radiance's scene language, with checks of their arguments.
+"""Primitives of Radiance scene files, with checks of their arguments.
 
-A primitive has a modifier, a type, a name, and string and real arguments. The parser is
-in `radiance`.
+A primitive has a modifier, a type, a name, string arguments and real arguments. The
+parser is in the package `radiance`.
 """
 
 import warnings
@@ -22,7 +22,7 @@ from clerestory.scene.transform import LARGEST, Transform, number, parse_transfo
 
 @dataclass(frozen=True, eq=False)
 class Primitive:
-    """`modifier kind name`, with its string and real arguments."""
+    """A primitive `modifier kind name` with its string and real arguments."""
 
     modifier: str
     kind: str
@@ -34,12 +34,12 @@ class Primitive:
 
 @dataclass(frozen=True, eq=False)
 class Arguments:
-    """The arguments of a primitive; errors name the file and line.
+    """Checked access to the arguments of a primitive; errors give file and line.
 
     Attributes
     ----------
-    item : the primitive
-    file : path of its file
+    item : primitive with the arguments
+    file : path of the file that contains the primitive
     """
 
     item: Primitive
@@ -52,7 +52,7 @@ class Arguments:
 
     @property
     def labels(self) -> tuple[str, str, Source]:
-        """Material, name and source of a surface."""
+        """Modifier, name, and file and line of a surface."""
         return self.item.modifier, self.item.name, self.source
 
     def reals(self, *counts: int) -> Float[np.ndarray, " numbers"]:
@@ -76,7 +76,7 @@ class Arguments:
     def share(
         self, what: str, value: Float[np.ndarray, " numbers"]
     ) -> Float[np.ndarray, " numbers"]:
-        """Return reflectances or transmittances of 0 or more; warn above 1."""
+        """Return reflectances or transmittances; warn if above 1, fail if negative."""
         if value.min() < 0:
             raise self.error(f"{what} is {value.min():g}; 0 to 1 expected")
         if value.max() > 1:
@@ -87,19 +87,19 @@ class Arguments:
         return value
 
     def fraction(self, what: str, value: float) -> float:
-        """Return a number from 0 to 1."""
+        """Return a number after a check that it is from 0 to 1."""
         if not 0 <= value <= 1:
             raise self.error(f"{what} is {value:g}; 0 to 1 expected")
         return float(value)
 
     def radiance(self, value: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
-        """Return a colour without negative channels."""
+        """Return a radiance after a check that no channel is negative."""
         if value.min() < 0:
             raise self.error(f"radiance is {value.min():g}; 0 or more expected")
         return value
 
     def direction(self, vector: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
-        """Return the unit vector of a vector other than zero."""
+        """Return a vector normalized to unit length; zero vectors are an error."""
         length = np.linalg.norm(vector)
         if not 0 < length < np.inf:
             raise self.error("the direction has zero length")
@@ -129,7 +129,7 @@ class Arguments:
 
     @property
     def subject(self) -> str:
-        """Type and name, for messages."""
+        """Type and name of the primitive, for messages."""
         return f'{self.item.kind} "{self.item.name}"'
 
     def located(self) -> AbstractContextManager[None]:
@@ -149,17 +149,16 @@ class Arguments:
 
 @dataclass(frozen=True, eq=False)
 class Definition(Arguments):
-    """The arguments of a material, with look-ups of the names that they refer to.
+    """Arguments of a material, with access to the objects named in them.
 
     Attributes
     ----------
-    placed : transform of its file
-    named : function from a name to the material of that name at this line
-    bsdf : function from a file name to the BSDF
-    vector : function that evaluates three expressions, function file and transform,
-        from a string argument on, in the coordinates of a further transform; its
-        value is a vector, or a pattern if it varies
-    share_of_foreground : function that evaluates the third string argument of a mixture
+    placed : transform applied to the file that contains the primitive
+    named : function that returns the material with a given name at this line
+    bsdf : function that returns the BSDF in a given file
+    vector : function of a string argument's index and a transform; returns the vector
+        of three expressions from that argument on, or a pattern if it varies
+    share_of_foreground : function that returns the foreground fraction of a mixture
     """
 
     placed: Transform
@@ -169,7 +168,7 @@ class Definition(Arguments):
     share_of_foreground: Callable[[], float | Pattern]
 
     def oriented(self, at: int) -> Transform:
-        """Return the transform from argument `at` on, followed by the file's."""
+        """Return the transform from argument `at` on, followed by `placed`."""
         with self.located():
             return self.transform(at).then(self.placed)
 

@@ -1,9 +1,9 @@
-"""View projections: the six mappings from directions to the image plane.
+"""View projections: six mappings from directions to the image plane.
 
-Plane coordinates (u, v) point right and up from (0, 0) on the view axis; local
+Plane coordinates (u, v) point right and up, with (0, 0) on the view axis; local
 directions are (right, up, forward) in the frame of the view. A projection defines the
-mapping between them, the plane coordinate of a view angle and the solid angle of a
-rectangle in the plane. Source: Radiance, image.c.
+mapping between directions and plane, the plane coordinate of a view angle, and the
+solid angle of a rectangle in the plane. Source: Radiance, image.c.
 """
 
 from collections.abc import Callable
@@ -32,7 +32,7 @@ Kind = Literal[
     "cylindrical",
 ]
 
-# Radiance's view types, as in the option -vt
+# Radiance's view types by letter, as in the option -vt
 LETTERS: dict[str, Kind] = {
     "v": "perspective",
     "l": "parallel",
@@ -57,12 +57,13 @@ class Projection:
     ----------
     largest : maximum horizontal and vertical view angles [deg]; infinite for a parallel
         view
-    axes : for the horizontal and the vertical angle, the function from the full view
-        angle [deg] to the plane coordinate of the edge, and its inverse
-    to_direction : function from plane points to unit directions and their validity
-    to_plane : function from local unit directions to plane points, NaN if outside
-    solid_angles : function from grid lines of the plane to solid angles [sr]; zero for
-        a parallel view, which has one direction
+    axes : horizontally and vertically, the function from full view angle [deg] to plane
+        coordinate of the image edge, and its inverse
+    to_direction : function from plane points to local unit directions and their
+        validity
+    to_plane : function from local unit directions to plane points; NaN if outside
+    solid_angles : function from grid lines in the plane to solid angles [sr]; zero for
+        a parallel view, in which all rays have the same direction
     """
 
     largest: tuple[float, float]
@@ -72,17 +73,17 @@ class Projection:
     solid_angles: Callable[[Lines, Lines], Float[np.ndarray, "rows columns"]]
 
     def extent(self, horizontal: float, vertical: float) -> tuple[float, float]:
-        """Return the plane coordinates of the edges for view angles [deg]."""
+        """Return plane coordinates of the image edges for full view angles [deg]."""
         (width_of, _), (height_of, _) = self.axes
         return float(width_of(horizontal)), float(height_of(vertical))
 
     def angles(self, width: float, height: float) -> tuple[float, float]:
-        """Return the view angles [deg] for plane coordinates of the edges."""
+        """Return full view angles [deg] for plane coordinates of the image edges."""
         (_, horizontal_of), (_, vertical_of) = self.axes
         return float(horizontal_of(width)), float(vertical_of(height))
 
 
-# Plane coordinate of a full view angle [deg], and its inverse
+# Plane coordinate as a function of full view angle [deg], and the inverse function
 _Axis = tuple[Callable[[float], float], Callable[[float], float]]
 _SIZE: _Axis = (lambda a: a / 2, lambda x: 2 * x)
 _ANGLE: _Axis = (lambda a: np.radians(a) / 2, lambda x: np.degrees(2 * x))
@@ -148,7 +149,7 @@ def _angular_direction(u: _Plane, v: _Plane) -> tuple[_Local, np.ndarray]:
 def _angular_plane(local: _Local) -> tuple[_Plane, _Plane]:
     sine = np.hypot(local[..., 0], local[..., 1])
     theta = np.arctan2(sine, local[..., 2])
-    # The ratio tends to one on the axis; the backward direction has no azimuth
+    # θ / sin θ tends to 1 on the axis; the backward direction has no azimuth
     ratio = np.divide(theta, sine, out=np.ones_like(theta), where=sine > 0)
     behind = (sine == 0) & (local[..., 2] < 0)
     return np.where(behind, np.pi, local[..., 0] * ratio), local[..., 1] * ratio

@@ -1,6 +1,6 @@
 """Point–triangle distances and ray–triangle intersections.
 
-NumPy, one point at a time: for checks of a few thousand sensors, not for rendering.
+The functions evaluate one point at a time, for checks of sensors, not for rendering.
 """
 
 from dataclasses import dataclass
@@ -23,23 +23,23 @@ class Triangulation:
     surface: Int[np.ndarray, " triangles"]
 
     def __post_init__(self) -> None:
-        # Boxes as one array per coordinate, for comparisons of whole columns
+        # Bounding boxes with one array per coordinate, for fast comparisons
         for name, of in (("_low", np.min), ("_high", np.max)):
             box = np.ascontiguousarray(of(self.corner, axis=1).T)
             object.__setattr__(self, name, box)
 
     def near(self, point: Float[np.ndarray, "3"], reach: float) -> "Triangulation":
-        """Return the triangles whose boxes are within `reach` [m] of a point."""
+        """Return triangles whose bounding boxes are within `reach` [m] of a point."""
         return self._meeting(point - reach, point + reach)
 
     def beneath(self, point: Float[np.ndarray, "3"]) -> "Triangulation":
-        """Return the triangles whose boxes extend below a point."""
+        """Return the triangles whose bounding boxes extend below a point."""
         return self._meeting(np.array([point[0], point[1], -np.inf]), point)
 
     def _meeting(
         self, low: Float[np.ndarray, "3"], high: Float[np.ndarray, "3"]
     ) -> "Triangulation":
-        # Triangles whose boxes overlap a box, filtered by one coordinate after another
+        # Triangles whose bounding boxes overlap a box, filtered by x, then y and z
         lowest, highest = self.__dict__["_low"], self.__dict__["_high"]
         left = np.flatnonzero((lowest[0] <= high[0]) & (highest[0] >= low[0]))
         for axis in (1, 2):
@@ -64,12 +64,12 @@ def distances(
     normal = np.cross(edge[:, 0], edge[:, 1])
     length = np.linalg.norm(normal, axis=1)
 
-    # Nearest points of the three edges
+    # Distance to the nearest point of the three edges
     square = np.maximum((edge**2).sum(axis=2), 1e-300)
     share = np.clip((away * edge).sum(axis=2) / square, 0, 1)
     nearest = np.linalg.norm(away - share[..., None] * edge, axis=2).min(axis=1)
 
-    # The plane is nearer if the point projects into the triangle
+    # Distance to the plane, if the point projects into the triangle
     turn = np.einsum("tex,tx->te", np.cross(edge, away), normal)
     over = np.all(turn >= 0, axis=1) & (length > 0)
     height = np.abs((away[:, 0] * normal).sum(axis=1)) / np.maximum(length, 1e-300)
@@ -82,7 +82,7 @@ def first_hits(
     direction: Float[np.ndarray, "rays 3"],
     corner: Float[np.ndarray, "triangles 3 3"],
 ) -> Float[np.ndarray, " rays"]:
-    """Return the distance to the first hit of each ray from a point [m], inf if none.
+    """Return the distances from a point to the first hit of each ray [m]; inf if none.
 
     References: T. Möller, B. Trumbore, Journal of Graphics Tools 2 (1), 1997.
 

@@ -1,6 +1,6 @@
 """Plausibility checks of the geometry of scenes, windows and sensors.
 
-The findings are warnings, since unusual positions of sensors may be intended. The most
+Results are warnings, since unusual positions of sensors may be intended. The most
 frequent error is a window whose front faces outdoors.
 """
 
@@ -16,16 +16,16 @@ from clerestory.scene.sensors import Sensors
 from clerestory.scene.tessellate import meshes
 from clerestory.scene.window import Window
 
-# Tolerance within which surfaces and sensors touch [m]
+# Distance below which a surface and a sensor or window touch [m]
 _TOUCH = 1e-3
 
-# A sensor is enclosed if half of its rays end within this distance [m]
+# A sensor is enclosed if half of its rays hit a surface within this distance [m]
 _SHUT_IN = 0.25
 
-# Plausible sizes of scenes [m]
+# Minimum and maximum plausible dimensions of scenes [m]
 _SMALLEST, _LARGEST = 0.1, 2000.0
 
-# Maximum number of sensor–triangle tests; beyond it, a regular subset of the sensors
+# Maximum number of sensor–triangle tests; if exceeded, a regular subset of the sensors
 # is checked for surrounding surfaces
 _EFFORT = 300_000_000
 
@@ -35,18 +35,19 @@ _RAYS = 64
 def check_scene(
     scene: Scene, windows: Sequence[Window] = (), sensors: Sensors | None = None
 ) -> tuple[str, ...]:
-    """Return warnings about implausible geometry, one line for each finding.
+    """Return warnings about implausible geometry, one line for each problem.
 
-    Checked are sensors outside the scene, on a surface, enclosed by surfaces, without
-    a surface below, in the plane of a window, or duplicate; windows whose back faces
-    the sensors, outside the scene, or covered by a surface; and scenes of implausible
-    size. In large scenes a subset of the sensors is checked for surrounding surfaces;
-    the findings state its size.
+    Warnings are given for sensors outside the scene, on a surface, enclosed by
+    surfaces, without a surface below, in the plane of a window, or duplicate; for
+    windows whose back faces the sensors, that are outside the scene, or that are
+    covered by a surface; and for scenes of implausible size. In large scenes a subset
+    of the sensors is checked for surrounding surfaces; the warnings give the size of
+    the subset.
 
     Parameters
     ----------
-    scene : the scene without the windows
-    windows : the openings
+    scene : scene without the windows
+    windows : window groups
     sensors : illuminance sensors; None for images
 
     Examples
@@ -103,7 +104,7 @@ def _window(
 ) -> Iterator[str]:
     label = f'window "{window.name}"'
 
-    # The sensors are in the room, on the front side of the window
+    # Sensors must be in the room, on the front side of the window
     if sensors is not None and len(sensors):
         behind = int((_heights(window, sensors) < -_TOUCH).sum())
         if behind > len(sensors) / 2:
@@ -118,7 +119,7 @@ def _window(
     if outside > 0.01:
         yield f"{label} extends {outside:.3g} m beyond the surfaces of the scene"
 
-    # A surface in its plane would cover it
+    # Surfaces in the plane of the window cover it
     covers = set()
     for part in window.triangles():
         for middle in part.vertices[part.faces].mean(axis=1):
@@ -136,7 +137,7 @@ def _window(
 
 
 def _heights(window: Window, sensors: Sensors) -> Float[np.ndarray, " sensors"]:
-    # Distance of sensors before the window's plane
+    # Distance of each sensor from the window's plane, positive in front
     height: Float[np.ndarray, " sensors"] = (
         sensors.position - window.polygons[0].vertices[0]
     ) @ window.frame.normal
@@ -198,7 +199,7 @@ def _surroundings(
 
 
 def _hemisphere(direction: Float[np.ndarray, "3"]) -> Float[np.ndarray, "rays 3"]:
-    # Uniform directions over the hemisphere of a sensor, on a spiral
+    # Uniform directions over the hemisphere around a sensor's direction, on a spiral
     helper = np.eye(3)[np.argmin(np.abs(direction))]
     frame = Frame.from_normal_up(direction, helper)
     cosine = (np.arange(_RAYS) + 0.5) / _RAYS
@@ -218,7 +219,7 @@ def _finding(
     *,
     looked: int | None = None,
 ) -> Iterator[str]:
-    # One line for all sensors with the same finding; the first few by name
+    # One line for all sensors with the same problem, with the names of the first five
     found = np.flatnonzero(which).tolist()
     if not found:
         return

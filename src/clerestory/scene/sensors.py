@@ -14,17 +14,17 @@ from clerestory.scene.transform import number
 
 @dataclass(frozen=True, eq=False)
 class Sensors:
-    """Points with a direction each, the normals of illuminance meters.
+    """Illuminance sensors: points and directions (normals of illuminance meters).
 
     Attributes
     ----------
-    position : [m]
-    direction : unit vectors; normalized if not
-    names : one per sensor, or none
+    position : sensor positions [m]
+    direction : sensor directions; normalized to unit length
+    names : one name per sensor; None for sensors without names
 
     Raises
     ------
-    InputError : mismatched shapes, numbers that are not finite, zero directions
+    InputError : shapes do not match, a number is not finite, or a direction is zero
 
     Examples
     --------
@@ -67,8 +67,8 @@ def read_sensors(path: str | Path) -> Sensors:
 
     Raises
     ------
-    InputError : a line is not six finite numbers, a direction is zero, or there are no
-        sensors
+    InputError : a line does not consist of six finite numbers, a direction is zero, or
+        there are no sensors
     """
     rows = []
     for i, text in enumerate(read_text(path).split("\n"), start=1):

@@ -1,7 +1,8 @@
 """Even–odd filling of self-intersecting polygons by slab decomposition.
 
-Slabs are bounded by the abscissae of all corners and crossings. No edges cross within a
-slab, so the filled region is between its first and second, third and fourth, … edge.
+Slabs are bounded by the x coordinates of all corners and intersections. Edges do not
+intersect within a slab, so that the filled region is between its first and second,
+third and fourth, … edge.
 """
 
 from itertools import pairwise
@@ -9,14 +10,14 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Float
 
-# Pairs of edges per block
+# Maximum number of edge pairs that are intersected together
 _BLOCK = 2_000_000
 
 
 def crossings(
     segments: Float[np.ndarray, "edges 2 2"],
 ) -> Float[np.ndarray, " crossings"]:
-    """Return the abscissae of intersections of edges other than at common ends.
+    """Return the x coordinates of edge intersections other than common end points.
 
     Examples
     --------
@@ -71,7 +72,7 @@ def slab_triangles(
 def _block_crossings(
     some: Float[np.ndarray, "some 2 2"], all_: Float[np.ndarray, "edges 2 2"]
 ) -> Float[np.ndarray, " crossings"]:
-    # Side of the line through each other edge on which the ends of each edge are
+    # Side of each edge's line on which the end points of all other edges are
     a, b = some[:, None, 0], some[:, None, 1]
     c, d = all_[None, :, 0], all_[None, :, 1]
     size = np.ptp(all_.reshape(-1, 2), axis=0).max()
@@ -79,7 +80,7 @@ def _block_crossings(
     c_side, d_side = _side(a, b, c), _side(a, b, d)
     a_side, b_side = _side(c, d, a), _side(c, d, b)
 
-    # Edges that cross, or one that ends within another
+    # Edges that intersect, and end points within another edge
     across = (c_side * d_side < 0) & (a_side * b_side < 0)
     across &= np.minimum(abs(c_side), abs(d_side)) > tiny
     across &= np.minimum(abs(a_side), abs(b_side)) > tiny

@@ -1,7 +1,8 @@
 """Solid angles of rectangles in the image plane of each view type.
 
-Grid lines are plane coordinates as in `projection`. If the solid angle of a rectangle
-with a corner at the origin has a closed form, any other is a combination of four.
+Grid lines are plane coordinates as in `projection`. If there is a closed form for
+rectangles with a corner at the origin, the solid angle of any rectangle is the signed
+sum of four such solid angles.
 """
 
 from collections.abc import Callable
@@ -12,12 +13,12 @@ from jaxtyping import Float
 Lines = Float[np.ndarray, " lines"]
 _Plane = Float[np.ndarray, "*shape"]
 
-# Largest pixel size [rad] for quadrature with two Gauss points per side
+# Maximum pixel size [rad] for quadrature with two Gauss points per axis
 _FINE = 0.02
 
 
 def _between(corner: Callable[[_Plane, _Plane], _Plane]) -> Callable[..., np.ndarray]:
-    # From the solid angle of the rectangle up to a point, with the sign of u·v
+    # `corner` returns the solid angle between origin and (u, v), with the sign of u·v
     def solid_angles(u: np.ndarray, v: np.ndarray) -> np.ndarray:
         at_corners = corner(*np.meshgrid(u, v))
         angles: np.ndarray = np.abs(np.diff(np.diff(at_corners, axis=0), axis=1))
@@ -27,13 +28,13 @@ def _between(corner: Callable[[_Plane, _Plane], _Plane]) -> Callable[..., np.nda
 
 
 def _perspective_corner(u: _Plane, v: _Plane) -> _Plane:
-    # A rectangle seen from above its corner
+    # Solid angle of a rectangle as seen from a point above one of its corners
     angle: np.ndarray = np.arctan2(u * v, np.sqrt(1 + u * u + v * v))
     return angle
 
 
 def parallel_angles(u: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Return the solid angles in a parallel view: zero, since it has one direction."""
+    """Return the solid angles in a parallel view: zero, as all rays are parallel."""
     return np.zeros((v.size - 1, u.size - 1))
 
 
@@ -55,7 +56,7 @@ def _hemispherical_corner(u: _Plane, v: _Plane) -> _Plane:
 
 
 def angular_angles(u: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Return the solid angles in an angular view, up to its rim at θ = π [sr]."""
+    """Return the solid angles in an angular view, up to the rim at θ = π [sr]."""
     # ∫∫ sin θ / θ du dv has no closed form; the error of the quadrature is below 1e-9
     step = max(np.abs(np.diff(u)).max(), np.abs(np.diff(v)).max())
     node, weight = np.polynomial.legendre.leggauss(2 if step < _FINE else 8)

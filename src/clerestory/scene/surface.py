@@ -1,4 +1,4 @@
-"""Surfaces and sources at infinity.
+"""Surfaces, and sources at infinity.
 
 A surface refers to its material by a key of the scene. Lengths are in metres. The
 vertices of a polygon are counter-clockwise as seen from its front.
@@ -38,7 +38,7 @@ class Polygon:
 
 @dataclass(frozen=True, eq=False)
 class Sphere:
-    """A sphere; `inward` turns its front to the centre (Radiance's bubble)."""
+    """A sphere; if `inward`, the front faces the centre (Radiance's bubble)."""
 
     centre: Float[np.ndarray, "3"]
     radius: float
@@ -50,7 +50,7 @@ class Sphere:
 
 @dataclass(frozen=True, eq=False)
 class Cone:
-    """The side of a truncated cone or cylinder; `inward`: cup or tube."""
+    """The lateral surface of a truncated cone; if `inward`, cup or tube."""
 
     base: Float[np.ndarray, "3"]
     top: Float[np.ndarray, "3"]
@@ -77,12 +77,12 @@ class Ring:
 
 @dataclass(frozen=True, eq=False)
 class TriangleMesh:
-    """A surface of many triangles of one material.
+    """A surface that consists of triangles of one material.
 
     Attributes
     ----------
-    vertices : [m]
-    faces : counter-clockwise as seen from the front
+    vertices : vertex coordinates [m]
+    faces : vertex indices, counter-clockwise as seen from the front
     """
 
     vertices: Float[np.ndarray, "vertices 3"]
@@ -109,8 +109,8 @@ class DistantSource:
 
     Attributes
     ----------
-    direction : unit vector to its centre
-    angle_deg : the full angle it subtends, up to 360
+    direction : unit vector to the centre of the disc
+    angle_deg : full angle subtended by the disc, up to 360
     """
 
     direction: Float[np.ndarray, "3"]
@@ -124,7 +124,7 @@ Simple = Sphere | Cone | Ring | TriangleMesh | DistantSource
 
 
 def extent(surface: Surface) -> Float[np.ndarray, "points 3"]:
-    """Return points whose bounding box contains the surface [m]."""
+    """Return points [m] whose bounding box contains the surface."""
     match surface:
         case Polygon() | TriangleMesh():
             return surface.vertices
@@ -151,11 +151,11 @@ _Item = TypeVar("_Item", bound=Surface | DistantSource)
 def transformed(
     surface: _Item, transform: Transform, *, inverted: bool = False
 ) -> _Item:
-    """Return a transformed surface or source.
+    """Return a transformed surface or source at infinity.
 
     Parameters
     ----------
-    inverted : whether its front and back are swapped
+    inverted : whether front and back are swapped
     """
     move, scale = transform, transform.scale
     reverse = move.mirrored != inverted
@@ -204,7 +204,7 @@ def _disc_extent(
 def area_vector(
     vertices: Float[np.ndarray, "vertices 3"],
 ) -> Float[np.ndarray, "3"]:
-    """Return a polygon's normal by Newell's method, with its area as length [m²]."""
+    """Return a polygon's normal by Newell's method; its length is the area [m²]."""
     local = vertices - vertices[0]
     area: np.ndarray = np.cross(local, np.roll(local, -1, axis=0)).sum(axis=0) / 2
     return area
@@ -213,7 +213,7 @@ def area_vector(
 def area_vectors(
     vertices: Float[np.ndarray, "vertices 3"], first: np.ndarray
 ) -> Float[np.ndarray, "polygons 3"]:
-    """Return polygons' normals by Newell's method, with their areas as lengths [m²]."""
+    """Return the normals of polygons as `area_vector` does; lengths are areas [m²]."""
     length = np.diff(first)
     origin = vertices[first[:-1]]
     local = vertices - np.repeat(origin, length, axis=0)

@@ -1,4 +1,4 @@
-"""Tessellation of scenes: one triangle mesh per material."""
+"""Tessellation of scenes into one triangle mesh per material."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -17,9 +17,9 @@ class Mesh:
 
     Attributes
     ----------
-    material : key of the material
-    vertices : [m]
-    faces : counter-clockwise as seen from the front of the surface
+    material : material of the triangles
+    vertices : vertex coordinates [m]
+    faces : vertex indices, counter-clockwise as seen from the front of the surface
     surface : index into `Scene.surfaces` of each triangle
     """
 
@@ -31,7 +31,7 @@ class Mesh:
 
 @dataclass(frozen=True, eq=False)
 class _Part:
-    # Triangles with the surface each comes from
+    # Triangles, with the index of the surface of each triangle
     vertices: Float[np.ndarray, "vertices 3"]
     faces: Int[np.ndarray, "triangles 3"]
     surface: Int[np.ndarray, " triangles"]
@@ -40,7 +40,7 @@ class _Part:
 def meshes(scene: Scene) -> tuple[Mesh, ...]:
     """Return the surfaces of a scene as triangles, one mesh per material in use.
 
-    Polygons are filled by the even–odd rule, without new vertices unless they intersect
+    Polygons are filled by the even–odd rule, with new vertices only if they intersect
     themselves; for curved surfaces see `curved`.
 
     Examples
@@ -75,7 +75,7 @@ def _mesh(material: Material, surfaces: Sequence[Surface], chosen: list[int]) ->
 
 
 def _parts(surfaces: Sequence[Surface], chosen: list[int]) -> Iterator[_Part]:
-    # Convex polygons are batched by their number of corners, others treated one by one
+    # Convex polygons are processed together by number of corners, other surfaces singly
     by_corners: dict[int, list[int]] = {}
     rest: list[int] = []
     for i in chosen:
@@ -124,8 +124,8 @@ def _fans(
 def _convex(
     corner: Float[np.ndarray, "polygons corners 3"],
 ) -> Bool[np.ndarray, " polygons"]:
-    # Convex: every corner turns in the sense of the polygon, and the corners seen from
-    # the first are in order within half a turn, so that the winding number is one
+    # Convex: all corners turn in the sense of the polygon; seen from the first corner,
+    # all corners are in order within 180°, so that the winding number is one
     if corner.shape[1] == 3:
         return np.ones(len(corner), dtype=bool)
     edge = np.roll(corner, -1, axis=1) - corner

@@ -13,19 +13,19 @@ from clerestory.errors import InputError
 
 _AXES = "xyz"
 
-# Largest accepted coordinate [m] and factor; larger ones overflow when squared
+# Maximum coordinate [m] and scale factor; larger values overflow when squared
 LARGEST = 1e15
 
 
 @dataclass(frozen=True, eq=False)
 class Transform:
-    """A similarity: rotation, uniform scaling, reflection and translation.
+    """A similarity transform: rotation, uniform scaling, reflection and translation.
 
     Attributes
     ----------
-    matrix : multiplies row vectors (x, y, z, 1) from the right
+    matrix : matrix that multiplies row vectors (x, y, z, 1) from the right
     scale : scale factor, positive
-    mirrored : whether it reverses handedness
+    mirrored : whether the transform reverses handedness
 
     Examples
     --------
@@ -48,7 +48,7 @@ class Transform:
     def vectors(
         self, vectors: Float[np.ndarray, "*batch 3"]
     ) -> Float[np.ndarray, "*batch 3"]:
-        """Return transformed vectors, which are scaled but not translated."""
+        """Return transformed vectors: rotated, reflected and scaled, not translated."""
         turned: np.ndarray = vectors @ self.matrix[:3, :3]
         return turned
 
@@ -68,10 +68,10 @@ class Transform:
 
 
 def parse_transform(words: list[str]) -> tuple[Transform, int]:
-    """Return the transform of the leading options and the number of words read.
+    """Return the transform given by the leading options, and the number of words read.
 
-    Options: -t x y z, -rx -ry -rz degrees, -s factor, -mx -my -mz and -i count, which
-    repeats the options after it up to the next -i. Any other word ends the transform.
+    Options: -t x y z, -rx -ry -rz degrees, -s factor, -mx -my -mz, and -i count, which
+    repeats the options between it and the next -i. Any other word ends the transform.
     """
     total, part, count = Transform(), Transform(), 1
     at = 0
@@ -110,7 +110,7 @@ def _step(option: str, value: list[float]) -> Transform:
             matrix[axis, axis] = -1
             return Transform(matrix, mirrored=True)
         case _:
-            # Rotate the next axis towards the one after it, in cyclic order
+            # Rotation of the next axis towards the axis after it, in cyclic order
             axis = _AXES.index(option[2])
             one, two = (axis + 1) % 3, (axis + 2) % 3
             angle = math.radians(value[0])
@@ -153,7 +153,7 @@ def _whole(words: list[str], at: int) -> int:
 
 
 def number(word: str) -> float | None:
-    """Return a word as a finite number, or None if it is not one."""
+    """Return a word as a finite number; None if it is not one."""
     try:
         value = float(word)
     except ValueError:

@@ -1,9 +1,9 @@
 """Triangulation of polygons by the even–odd rule, as in Radiance.
 
 In Radiance, holes are inner loops of either orientation, connected to the rim by seams.
-Edges that occur an even number of times, such as seams, are removed; the rest forms
-loops, and a loop inside an odd number of others is a hole. Contours that intersect
-themselves are decomposed into slabs instead.
+Edges that occur an even number of times, such as seams, are removed. The remaining
+edges form loops; a loop within an odd number of other loops is a hole.
+Self-intersecting contours are decomposed into slabs instead.
 """
 
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from jaxtyping import Float, Int
 
 from clerestory.scene.slabs import crossings, slab_triangles
 
-# Relative distance, by the size of the polygon, below which vertices coincide
+# Distance, relative to the size of the polygon, below which vertices coincide
 _WELD = 1e-9
 
 Loop = list[int]
@@ -31,7 +31,7 @@ class Triangles:
 def triangulate(vertices: Float[np.ndarray, "vertices 3"]) -> Triangles:
     """Return triangles that fill a polygon by the even–odd rule.
 
-    The polygon is planar within rounding; its area vector points to its front. New
+    The polygon is planar except for rounding; its area vector points to its front. New
     vertices are added only if the contour intersects itself.
 
     Examples
@@ -51,7 +51,7 @@ def triangulate(vertices: Float[np.ndarray, "vertices 3"]) -> Triangles:
     flat = (vertices - origin) @ frame.T
     points, size = flat[:, :2], float(np.abs(flat).max())
 
-    # Take the contour apart and fill its loops, if they do not cross
+    # Loops of a contour without intersections are triangulated
     welded = _weld(points, size)
     edges = _odd_edges(welded)
     if len(edges) and not crossings(points[edges]).size:
@@ -59,7 +59,7 @@ def triangulate(vertices: Float[np.ndarray, "vertices 3"]) -> Triangles:
         if faces is not None:
             return Triangles(vertices, _facing_up(points, faces, size))
 
-    # Cut a contour that crosses itself into slabs
+    # A self-intersecting contour is decomposed into slabs
     corner = slab_triangles(points[edges])
     lifted = np.concatenate([corner, np.zeros((len(corner), 1))], axis=1)
     faces = np.arange(len(corner)).reshape(-1, 3)
@@ -69,7 +69,7 @@ def triangulate(vertices: Float[np.ndarray, "vertices 3"]) -> Triangles:
 def _plane(
     vertices: Float[np.ndarray, "vertices 3"],
 ) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3 3"]]:
-    # Origin and two axes of the plane, right-handed with the normal
+    # Centroid of the vertices, and right-handed axes: two in the plane, and the normal
     origin = vertices.mean(axis=0)
     away = vertices - origin
     normal = np.cross(away, np.roll(away, -1, axis=0)).sum(axis=0)
@@ -82,7 +82,7 @@ def _plane(
 def _weld(
     points: Float[np.ndarray, "vertices 2"], size: float
 ) -> Int[np.ndarray, " vertices"]:
-    # For each vertex, the first vertex at the same place
+    # For each vertex, index of the first vertex at the same place
     grid = np.round(points / (size * _WELD))
     _, first, same = np.unique(grid, axis=0, return_index=True, return_inverse=True)
     return first[same.ravel()]
@@ -98,7 +98,8 @@ def _odd_edges(vertex: Int[np.ndarray, " vertices"]) -> Int[np.ndarray, "edges 2
 
 
 def _loops(edges: Int[np.ndarray, "edges 2"]) -> list[Loop]:
-    # Follow the edges; a repeated vertex closes a loop. All vertex degrees are even.
+    # Edges are followed until a vertex repeats, which closes a loop. All vertex degrees
+    # are even.
     neighbours: dict[int, set[int]] = {}
     for a, b in edges.tolist():
         neighbours.setdefault(a, set()).add(b)
@@ -152,7 +153,7 @@ def _area(loop: Float[np.ndarray, "vertices 2"]) -> float:
 def _containment(
     points: Float[np.ndarray, "vertices 2"], loops: list[Loop]
 ) -> np.ndarray:
-    # [i, j]: loop i is inside loop j; loops touch at vertices at most
+    # [i, j]: whether loop i is inside loop j; loops touch at vertices only
     result = np.zeros((len(loops), len(loops)), dtype=bool)
     for i, loop in enumerate(loops):
         x, y = points[loop[:2]].mean(axis=0)
@@ -182,7 +183,7 @@ def _facing_up(
     faces: Int[np.ndarray, "triangles 3"],
     size: float,
 ) -> Int[np.ndarray, "triangles 3"]:
-    # Orient every triangle like the polygon; omit those without area
+    # Triangles oriented like the polygon; triangles of zero area are omitted
     doubled = _doubled_areas(points, faces)
     turned = np.where((doubled < 0)[:, None], faces[:, ::-1], faces)
     kept: Int[np.ndarray, "triangles 3"] = turned[np.abs(doubled) > 1e-14 * size**2]

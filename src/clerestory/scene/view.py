@@ -1,4 +1,4 @@
-"""Views: cameras of six projections and the rays of their pixels.
+"""Views: cameras with six projections, and the rays of their pixels.
 
 Image coordinates are Radiance's: x to the right and y upwards, from 0 to 1 over the
 image. Pixel coordinates are (row, column) from the upper left corner; pixel (i, j)
@@ -19,11 +19,11 @@ from clerestory.scene.projection import PROJECTIONS, TINY, Kind, Projection
 
 
 class Rays(NamedTuple):
-    """Rays of the pixels of a view.
+    """Rays through the pixels of a view.
 
     Attributes
     ----------
-    origin : [m]
+    origin : ray origins [m]
     direction : unit vectors; zero for pixels outside the projection
     valid : whether the pixel is within the projection
     """
@@ -35,22 +35,24 @@ class Rays(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """A camera: position, direction, projection and angles.
+    """A camera: position, direction, projection and view angles.
 
     Attributes
     ----------
-    kind : the projection
-    position : [m]
-    direction, up : unit vectors; normalized if not
-    horizontal, vertical : full view angles [deg]; width and height of the field of a
-        parallel view [m]
+    kind : type of projection
+    position : viewpoint [m]
+    direction, up : view direction and up vector; normalized to unit length
+    horizontal, vertical : full view angles [deg]; for a parallel view, width and height
+        of the field of view [m]
     shift, lift : offset of the image to the right and up, relative to its size
-    fore, aft : clipping planes [m]; aft 0 is infinitely far. Distances along the
-        axis in parallel, perspective and (from the axis) cylindrical views, else radii
+    fore, aft : distances of the clipping planes [m], aft 0: infinity; in parallel and
+        perspective views along the view axis, in cylindrical views from the up
+        axis, otherwise from the viewpoint
 
     Raises
     ------
-    InputError : numbers out of range or not finite, up parallel to the direction
+    InputError : a number is out of range or not finite, or `up` is parallel to
+        `direction`
 
     Examples
     --------
@@ -127,11 +129,11 @@ class View:
 
     @property
     def _half(self) -> tuple[float, float]:
-        # Plane coordinates of the right and upper edge of an image without offset
+        # Plane coordinates of the right and upper image edges without shift and lift
         return self._projection.extent(self.horizontal, self.vertical)
 
     def aspect(self) -> float:
-        """Ratio of the image's height to its width, with square pixels."""
+        """Return the ratio of image height to image width for square pixels."""
         half_width, half_height = self._half
         return half_height / half_width
 
@@ -142,8 +144,8 @@ class View:
 
         Parameters
         ----------
-        resolution : maximum columns and rows, or one number for both
-        pixel_aspect : ratio of a pixel's height to its width
+        resolution : maximum numbers of columns and rows, or one number for both
+        pixel_aspect : ratio of pixel height to pixel width
 
         >>> View(horizontal=60, vertical=40).size_for(400)
         (400, 252)
@@ -154,7 +156,7 @@ class View:
         if columns < 1 or rows < 1:
             raise InputError(f"resolution {resolution}; 1 or more expected")
         aspect = self.aspect()
-        # Rounded as in Radiance's normaspect
+        # Rounding as in Radiance's function normaspect
         if aspect * columns > pixel_aspect * rows:
             columns = int(rows / aspect * pixel_aspect + 0.5)
         else:
@@ -171,9 +173,9 @@ class View:
 
         Parameters
         ----------
-        columns, rows : size of the image
-        jitter : position within the pixel, right and up from its lower left corner,
-            0…1; default: the centre
+        columns, rows : size of the image in pixels
+        jitter : position in each pixel, 0…1 to the right and up from its lower left
+            corner; None: the centre
         """
         offset = np.full((rows, columns, 2), 0.5) if jitter is None else jitter
         x = (np.arange(columns)[None, :] + offset[..., 0]) / columns
@@ -191,7 +193,7 @@ class View:
         return Rays(np.where(valid[..., None], origin, 0), direction, valid)
 
     def _stretch(self, local: Float[np.ndarray, "*batch 3"]) -> np.ndarray:
-        # Length of each ray between planes one metre apart
+        # Length of each ray between clipping planes one metre apart
         along = np.ones((*local.shape[:-1], 1))
         if self.kind == "perspective":
             along = local[..., 2:]
@@ -203,7 +205,7 @@ class View:
     def reach(
         self, direction: Float[np.ndarray, "*batch 3"]
     ) -> Float[np.ndarray, "*batch"]:
-        """Return ray lengths from the fore to the aft plane [m], inf without one."""
+        """Return ray lengths from fore to aft clipping plane [m]; inf if aft is 0."""
         if self.aft <= TINY:
             return np.full(direction.shape[:-1], np.inf)
         length: np.ndarray = (self.aft - self.fore) * self._stretch(
@@ -214,10 +216,10 @@ class View:
     def pixel(
         self, direction: Float[np.ndarray, "*batch 3"], *, columns: int, rows: int
     ) -> Float[np.ndarray, "*batch 2"]:
-        """Return the fractional row and column of directions.
+        """Return fractional row and column of the pixels for directions.
 
-        They may be outside the image; NaN outside the projection, as behind a
-        perspective view, and for any direction in a parallel view.
+        Values may be outside the image. They are NaN outside the projection, such as
+        behind a perspective view, and for all directions in a parallel view.
 
         >>> View().pixel(np.array([0.0, 2.0, 0.0]), columns=40, rows=30).tolist()
         [15.0, 20.0]
@@ -230,7 +232,7 @@ class View:
     def pixel_of_point(
         self, point: Float[np.ndarray, "*batch 3"], *, columns: int, rows: int
     ) -> Float[np.ndarray, "*batch 2"]:
-        """Return the fractional row and column of points."""
+        """Return fractional row and column of the pixels for points."""
         if self.kind != "parallel":
             return self.pixel(point - self.position, columns=columns, rows=rows)
         local = (point - self.position) @ self._axes.T
@@ -250,9 +252,9 @@ def solid_angles(
 ) -> Float[np.ndarray, "row column"]:
     """Return the solid angles of the pixels of an image [sr].
 
-    For pixels partly outside the projection, as at the rim of a hemispherical view,
-    only the part inside counts, so that sums over whole views are exact. The solid
-    angles of a parallel view are zero.
+    For pixels partly outside the projection, such as at the rim of a hemispherical
+    view, only the part inside counts, so that sums over a whole view are exact. In a
+    parallel view the solid angles are zero.
 
     >>> view = View(kind="hemispherical", horizontal=180, vertical=180)
     >>> round(float(solid_angles(view, 64, 64).sum() / np.pi), 9)

@@ -1,4 +1,4 @@
-"""Window groups: coplanar or parallel polygons with one angular basis."""
+"""Window groups: coplanar or parallel polygons with a common angular basis."""
 
 from dataclasses import dataclass
 
@@ -13,24 +13,24 @@ from clerestory.scene.material import error_at
 from clerestory.scene.surface import Polygon, area_vectors
 from clerestory.scene.triangulate import Triangles, triangulate
 
-# Tolerance between the normals of one group
+# Tolerance between the normals in a window group
 _SAME_NORMAL_DEG = 0.5
 
 
 @dataclass(frozen=True, eq=False)
 class Window:
-    """Polygons of one normal that form one opening.
+    """A window group: polygons with a common normal.
 
     Attributes
     ----------
-    name : the modifier of its polygons, or the name of its file
-    polygons : all with one normal; their front faces the room
-    frame : its normal points into the room
+    name : name of the window group: modifier of the polygons, or name of the file
+    polygons : polygons whose front faces the room
+    frame : coordinate frame whose normal points into the room
     partition : angular basis on both sides
 
     Raises
     ------
-    InputError : a polygon whose normal differs from the others'
+    InputError : the normal of a polygon differs from the normal of the window group
     """
 
     name: str
@@ -55,13 +55,13 @@ class Window:
 
     @property
     def area(self) -> float:
-        """Area of all its polygons [m²]."""
+        """Area of all polygons [m²]."""
         corner = np.concatenate([t.vertices[t.faces] for t in self.triangles()])
         doubled = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
         return float(np.linalg.norm(doubled, axis=1).sum() / 2)
 
     def triangles(self) -> tuple[Triangles, ...]:
-        """Return triangles that fill each polygon, with fronts to the room."""
+        """Return triangles that fill each polygon, with fronts facing the room."""
         return tuple(triangulate(p.vertices) for p in self.polygons)
 
 
@@ -72,12 +72,12 @@ def window_of(
     up: Float[np.ndarray, "3"] | None = None,
     partition: RingPartition | None = None,
 ) -> Window:
-    """Return the window of some polygons, with the frame of their mean normal.
+    """Return a window group of polygons; the mean normal defines the frame.
 
     Parameters
     ----------
-    up : up vector of the basis; None: +z, or +y for a horizontal window
-    partition : None: Klems full
+    up : up vector of the frame; None: +z, or +y for a horizontal window
+    partition : angular basis; None: Klems full
     """
     normal = unit(_normals(polygons).sum(axis=0))
     if up is None:

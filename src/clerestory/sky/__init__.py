@@ -1,1 +1,1 @@
-"""Weather files, solar position and sky models: the sky matrix S and the suns."""
+"""Weather files, solar position, sky models, sky matrix S and sun matrix."""

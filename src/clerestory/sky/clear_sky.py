@@ -1,8 +1,8 @@
 """Clear-sky irradiance of Ineichen and Perez.
 
-Global and direct irradiance follow from the solar altitude, the Linke turbidity and the
-elevation; diffuse irradiance is their difference on the horizontal. The same model as
-`pvlib.clearsky.ineichen`, without the import time of pvlib.
+Global horizontal and direct normal irradiance are functions of the solar altitude, the
+Linke turbidity and the elevation; diffuse horizontal irradiance is the global minus the
+direct horizontal irradiance. The model is that of `pvlib.clearsky.ineichen`.
 
 References: P. Ineichen, R. Perez, A new airmass independent formulation for the Linke
 turbidity coefficient, Solar Energy 73 (3), 2002; F. Kasten, A. T. Young, Applied
@@ -32,8 +32,8 @@ def clear_sky_weather(
     Parameters
     ----------
     site : location and time zone
-    turbidity : Linke turbidity of the whole year: 2 very clear, 3 typical, 5 hazy
-    step_minutes : length of a step, a divisor of an hour
+    turbidity : Linke turbidity, constant over the year: 2 very clear, 3 typical, 5 hazy
+    step_minutes : length of a time step [min], a divisor of 60
 
     >>> place = Site(51.5, 0.0, 0.0, place="London")
     >>> year = clear_sky_weather(place, step_minutes=30)
@@ -74,7 +74,7 @@ def clear_sky_irradiance(
 
     Parameters
     ----------
-    altitude : solar altitude, with refraction [rad]
+    altitude : solar altitude, including refraction [rad]
     extraterrestrial : extraterrestrial normal irradiance [W/m²]
     turbidity : Linke turbidity
     elevation : elevation above sea level [m]
@@ -85,7 +85,7 @@ def clear_sky_irradiance(
     mass = pressure / (sine + 0.50572 * (altitude_deg + 6.07995) ** -1.6364)
     low, high = np.exp(-elevation / 8000), np.exp(-elevation / 1250)
 
-    # Ineichen and Perez, eqs. for global and beam irradiance
+    # Global and direct normal (beam) irradiance of Ineichen and Perez
     c1, c2 = 5.09e-5 * elevation + 0.868, 3.92e-5 * elevation + 0.0387
     attenuation = np.exp(-c2 * mass * (low + high * (turbidity - 1)))
     total = c1 * extraterrestrial * sine * attenuation
@@ -102,5 +102,5 @@ def clear_sky_irradiance(
 
 
 def extraterrestrial_irradiance(times: np.ndarray) -> Float[np.ndarray, " time"]:
-    """Extraterrestrial normal irradiance [W/m²], by Spencer's series."""
+    """Extraterrestrial normal irradiance [W/m²], by Spencer's Fourier series."""
     return np.asarray(SOLAR_CONSTANT * orbit_factor(day_of_year(times)))

@@ -1,9 +1,9 @@
 """Measured irradiance in CSV files with user-defined columns.
 
-Times are ISO 8601 or in a given format, with or without an offset from UTC. The offset
-may change over the year (daylight saving time); times without an offset are local
-standard time, or the civil time of a given time zone. The hour repeated at the end of
-daylight saving time is resolved by the order of the rows.
+Times are in ISO 8601 or a given format, with or without UTC offset. The offset may
+change with daylight saving time. Times without offset are local standard time, or the
+civil time of a given time zone; the hour repeated at the end of daylight saving time is
+resolved by the order of the rows.
 """
 
 import csv
@@ -29,7 +29,7 @@ from clerestory.sky.time_steps import (
 )
 from clerestory.sky.weather import Site, Weather
 
-# Values written by loggers for missing data
+# Values that data loggers write for missing data
 _MISSING = (-9999.9, -9999.0, -999.0, 9999.0, 99999.0)
 
 
@@ -39,11 +39,12 @@ class Columns:
 
     Attributes
     ----------
-    time : column of times, or several columns that are joined
-    global_horizontal, diffuse_horizontal, direct_normal : irradiance [W/m²];
-        None if there is no such column
-    global_illuminance, diffuse_illuminance, direct_illuminance : illuminance [lux]
-    dew_point : dew point [°C]
+    time : column of times, or several columns whose texts are joined
+    global_horizontal, diffuse_horizontal, direct_normal : columns of irradiance [W/m²];
+        None if not measured
+    global_illuminance, diffuse_illuminance, direct_illuminance : columns of global
+        horizontal, diffuse horizontal and direct normal illuminance [lux]
+    dew_point : column of dew point temperature [°C]
     """
 
     time: str | tuple[str, ...]
@@ -56,7 +57,7 @@ class Columns:
     dew_point: str | None = None
 
     def series(self) -> dict[Quantity, str]:
-        """Return the column names by quantity, for irradiance and illuminance."""
+        """Return the names of the irradiance and illuminance columns, by quantity."""
         named = {q: getattr(self, q) for q in get_args(Quantity)}
         return {q: name for q, name in named.items() if name is not None}
 
@@ -73,24 +74,26 @@ def read_measured(
     skip_lines: int = 0,
     decomposition: Decomposition = "erbs",
 ) -> Weather:
-    """Return the weather in a CSV file of measured irradiance, with its actual dates.
+    """Return the weather in a CSV file of measured irradiance or illuminance.
+
+    The dates are those of the measurement.
 
     Parameters
     ----------
     columns : names of the columns in the header line
     site : location of the measurement
-    time_format : format for `datetime.strptime`, with one space between the parts of
-        several columns; default: ISO 8601
-    stands_for : whether times are the start, centre or end of their steps
+    time_format : format for `datetime.strptime`; texts of several columns are joined by
+        a space; default: ISO 8601
+    stands_for : whether times are the "start", "centre" or "end" of the steps
     clock : time zone of civil time, such as "Europe/Berlin", with its daylight saving
         time; None for local standard time
-    separator : separator of the cells
+    separator : character between cells
     skip_lines : number of lines before the header
-    decomposition : model that decomposes global irradiance if nothing else is measured
+    decomposition : model that decomposes global irradiance if it alone is measured
     """
     table = read_table(path, separator, skip_lines)
 
-    # Convert the stated times to the centres of the steps
+    # Convert times in the file to centres of steps
     times = local_times(table, columns.time, time_format, clock, site.utc_offset_hours)
     require_increasing(times, rows=table)
     step = typical_step(times)
@@ -132,7 +135,7 @@ class LoggerTable(DataRows):
         return self.names.index(name)
 
     def numbers(self, name: str) -> Float[np.ndarray, " time"]:
-        """Return a column of numbers; NaN where a value is missing."""
+        """Return a column of numbers, with NaN for missing values."""
         values = self.column(self.index(name), name, may_miss=True)
         return np.where(np.isin(values, _MISSING), np.nan, values)
 
@@ -196,8 +199,8 @@ def _zone(clock: str | None) -> ZoneInfo | None:
 def _civil_time(
     moment: datetime, zone: ZoneInfo, standard: timezone, before: float
 ) -> datetime:
-    # Take the second occurrence of a repeated hour if times would otherwise not
-    # increase
+    # A time in the repeated hour is its second occurrence if times would otherwise
+    # decrease
     first = moment.replace(tzinfo=zone).astimezone(standard)
     if first.replace(tzinfo=UTC).timestamp() > before:
         return first

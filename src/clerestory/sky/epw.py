@@ -1,9 +1,9 @@
 """EnergyPlus weather files (.epw).
 
-Hours are numbered 1…24 and mark the end of their step; the sun is computed at the
-centre of the step. The minute field of hourly files is 0 or 60 and is ignored; the
-header states the records per hour. pvlib's reader is not used: it loads pandas, and its
-errors do not name the line.
+Hours are numbered 1…24 and mark the end of a time step; the solar position is that at
+the centre of the step. The header states the number of records per hour. In hourly
+files the minute field, 0 or 60, is ignored. pvlib's reader is not used, since it
+imports pandas and its error messages lack line numbers.
 
 Reference: U.S. Department of Energy, EnergyPlus, Auxiliary Programs, chapter
 "EnergyPlus Weather File (EPW) Data Dictionary".
@@ -23,7 +23,7 @@ from clerestory.sky.weather import Site, Weather
 
 _HEADER_LINES = 8
 
-# Fields, counted from 0
+# Indices of the fields, from 0
 _SITE = {"latitude": 6, "longitude": 7, "time zone": 8, "elevation": 9}
 _TIME = {"month": 1, "day": 2, "hour": 3, "minute": 4}
 _SERIES = {
@@ -32,7 +32,7 @@ _SERIES = {
     "dew point": 7,
 }
 
-# Codes for missing data: 9999 W/m² and more, 99.9 °C
+# Codes for missing data: 9999 W/m² or more, 99.9 °C
 _MISSING_IRRADIANCE = 9999.0
 _MISSING_DEW_POINT = 99.0
 
@@ -54,7 +54,7 @@ def read_epw(path: str | Path) -> Weather:
     table = (text.split(",") if text.strip() else [] for text in lines)
     rows = DataRows.below(_HEADER_LINES, table, file=path)
 
-    # Convert the end of each step to its centre
+    # Convert ends of steps to centres
     month, day, hour, minute = (rows.column(i, name) for name, i in _TIME.items())
     end = hour if per_hour == 1 else hour - 1 + minute / 60
     times = calendar_times(month, day, end - 0.5 / per_hour, rows=rows)
@@ -95,7 +95,7 @@ def _records_per_hour(lines: list[str], path: str | Path) -> int:
 def _warn_if_truncated(
     times: np.ndarray, per_hour: int, lines: list[str], path: str | Path
 ) -> None:
-    # A truncated year has no gaps before its end; a selection of hours has gaps
+    # A truncated year has no gaps before its end, unlike a selection of hours
     step = np.timedelta64(3600 // per_hour, "s")
     unbroken = len(times) > 24 * per_hour and bool(np.all(np.diff(times) == step))
     last = times[-1].astype("datetime64[D]")

@@ -1,12 +1,11 @@
 """Quality control and gap filling of irradiance in weather files.
 
-1. Negative values down to -10 W/m² (zero offset of a pyranometer) are set to 0.
-2. Lower values, values above 1500 W/m² (physically impossible) and codes for missing
-   data are gaps, filled by interpolation in time. Gaps in more than a tenth of the
-   steps are an error.
-3. Direct irradiance is limited to the extraterrestrial irradiance.
+1. Values from -10 to 0 W/m² (zero offset of a pyranometer) are set to 0.
+2. Missing values and values below -10 or above 1500 W/m² (physically impossible) are
+   replaced by linear interpolation in time. More than 10 % of such values are an error.
+3. Direct normal irradiance is limited to the extraterrestrial irradiance.
 
-Corrections are counted; the counts are the notes of the weather and one warning.
+The numbers of corrections are stored as notes of the weather and reported by a warning.
 """
 
 import warnings
@@ -36,15 +35,15 @@ def repair_irradiance(
     scale: float = 1.0,
     unit: str = "W/m²",
 ) -> tuple[Float[np.ndarray, " time"], tuple[str, ...]]:
-    """Return irradiance with its gaps filled, and notes on the corrections.
+    """Return irradiance with interpolated gaps, and notes on the corrections.
 
     Parameters
     ----------
-    values : irradiance; NaN where the file marks it as missing
+    values : irradiance, or illuminance with `scale` and `unit`; NaN where missing
     name : name of the quantity, for messages
     times : centres of the steps
     file, lines : file and line number of each value
-    scale, unit : factor from W/m² to the unit of the values, and its symbol
+    scale, unit : factor from W/m² to the unit of the values, and symbol of the unit
     """
     notes = []
     lowest, largest = scale * _ZERO_OFFSET, scale * _LARGEST
@@ -87,7 +86,7 @@ def repaired_weather(
     step_minutes: float,
     notes: tuple[str, ...] = (),
 ) -> Weather:
-    """Return weather from the columns of a file, after quality control."""
+    """Return the weather from the columns of a file, after quality control."""
     filled = []
     for name, values in (
         ("direct normal irradiance", direct_normal),
@@ -114,12 +113,12 @@ def repaired_weather(
 
 
 def warn_of_corrections(notes: tuple[str, ...], *, file: str | Path) -> None:
-    """Warn once of all corrections made to the data of a file."""
+    """Issue one warning with all corrections to the data of a file."""
     if notes:
         warnings.warn(f"{file}: {'; '.join(notes)}", ClerestoryWarning, stacklevel=5)
 
 
 def _longest(gap: Bool[np.ndarray, " time"]) -> int:
-    # Length of the longest run of gaps
+    # Largest number of consecutive missing values
     ends = np.flatnonzero(np.diff(np.concatenate([[0], gap.astype(int), [0]])))
     return int(np.max(ends[1::2] - ends[::2]))

@@ -1,7 +1,7 @@
 """CIE skies with the zenith luminance of Radiance's gensky.
 
-Without a measurement, the zenith luminance follows from the solar altitude and the
-turbidity.
+If no irradiance is given, the zenith luminance is a function of the solar altitude and
+the turbidity.
 
 Reference: Radiance, gensky; zenith luminance after R. Dogniaux (clear) and
 R. G. Hopkinson (overcast).
@@ -28,10 +28,10 @@ CieSky = Literal["uniform", "overcast", "intermediate", "clear"]
 _SKY_EFFICACY = 203.0
 _SUN_EFFICACY = 208.0
 
-# Solid angle of gensky's sun, half a degree wide [sr]
+# Solid angle of the solar disc in gensky, of diameter 0.5° [sr]
 SUN_SOLID_ANGLE = 6e-5
 
-# Largest solar altitude of a clear sky [rad]
+# Upper limit of the solar altitude for skies with sun [rad]
 HIGHEST_SUN = np.radians(87.0)
 
 
@@ -46,18 +46,20 @@ def cie_sky(
     direct_normal: float | None = None,
     ground_reflectance: float = GROUND_REFLECTANCE,
 ) -> PointSky:
-    """Return a CIE sky at one moment.
+    """Return a CIE sky at one moment, as gensky does.
 
     Parameters
     ----------
-    kind : sky type of gensky, or the number of a CIE general sky, 1…15
+    kind : sky type of gensky, or number of a CIE general sky, 1…15
     sun_altitude, sun_azimuth : solar altitude, and azimuth clockwise from north [rad]
-    with_sun : whether the sky includes the sun; the ground radiance includes reflected
-        sunlight in either case, as in gensky; uniform and overcast skies have no sun
+    with_sun : whether to include the sun; the ground radiance always includes reflected
+        sunlight, as in gensky; uniform and overcast skies have no sun
     turbidity : Linke turbidity, for the zenith luminance of clear skies
     diffuse_horizontal : diffuse horizontal irradiance [W/m²], required for CIE general
-        skies; default: gensky's zenith luminance
-    direct_normal : direct normal irradiance [W/m²]; default: gensky's
+        skies; default: from gensky's zenith luminance
+    direct_normal : direct normal irradiance [W/m²]; default: from gensky's solar
+        radiance
+    ground_reflectance : reflectance of the ground
     """
     overcast = kind in ("uniform", "overcast")
     altitude = sun_altitude if overcast else min(sun_altitude, HIGHEST_SUN)
@@ -79,7 +81,7 @@ def cie_sky(
         at_zenith = float(distribution.relative(up, sun=sun))
         scale = zenith_radiance(kind, altitude, turbidity) / at_zenith
 
-    # Ground radiance from sky and sun
+    # Radiance of the ground from global horizontal irradiance
     direct = 0.0
     if not overcast and sun[2] > 0:
         direct = sun_radiance(kind, float(sun[2])) * SUN_SOLID_ANGLE
@@ -106,7 +108,7 @@ def _distribution(kind: CieSky | int) -> Distribution:
 
 
 def zenith_radiance(kind: CieSky, altitude: float, turbidity: float) -> float:
-    """Return the zenith radiance of gensky's sky [W/(m²·sr)], without a measurement."""
+    """Return gensky's zenith radiance [W/(m²·sr)] from solar altitude [rad]."""
     # Zenith luminance [kcd/m²]
     cloudy = 8.6 * np.sin(altitude) + 0.123
     clear = (1.376 * turbidity - 1.81) * np.tan(altitude) + 0.38
@@ -120,6 +122,6 @@ def zenith_radiance(kind: CieSky, altitude: float, turbidity: float) -> float:
 
 
 def sun_radiance(kind: CieSky | int, height: float) -> float:
-    """Return the radiance of gensky's sun [W/(m²·sr)] from the sine of its altitude."""
+    """Return gensky's solar radiance [W/(m²·sr)] from the sine of the altitude."""
     radiance = 1.5e9 / _SUN_EFFICACY * (1.147 - 0.147 / max(height, 0.16))
     return radiance * (0.15 if kind == "intermediate" else 1.0)

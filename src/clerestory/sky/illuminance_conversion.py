@@ -1,8 +1,9 @@
-"""Irradiance from measured illuminance, by inversion of Perez's luminous efficacy.
+"""Irradiance from measured illuminance, by inversion of the Perez efficacy model.
 
-The luminous efficacy depends on the irradiance, which is found by fixed-point
-iteration. The efficacy is discontinuous between clearness categories: some illuminances
-have two solutions, a few none. Sky matrices are scaled to the measured illuminance.
+The luminous efficacy depends on the irradiance, so the irradiance is computed by
+fixed-point iteration. The efficacy is discontinuous between clearness categories: for
+some illuminances there are two solutions, for a few there is none. Sky matrices are
+scaled to the measured illuminance.
 """
 
 import numpy as np
@@ -17,7 +18,7 @@ from clerestory.sky.sky_state import (
 from clerestory.sky.solar_position import SunPosition, day_of_year
 from clerestory.sky.weather import Illuminance
 
-# Initial luminous efficacy, of an average sky [lm/W]
+# Initial luminous efficacy: that of an average sky [lm/W]
 _MEAN_EFFICACY = 110.0
 _ITERATIONS = 40
 
@@ -33,6 +34,13 @@ def irradiance_of(
     dew_point_c: Float[np.ndarray, " time"] | None = None,
 ) -> tuple[Float[np.ndarray, " time"], Float[np.ndarray, " time"]]:
     """Return direct normal and diffuse horizontal irradiance [W/m²].
+
+    Parameters
+    ----------
+    illuminance : direct normal and diffuse horizontal illuminance
+    times : centres of the steps
+    sun : solar position at the steps
+    dew_point_c : dew point [°C]; NaN or None: 11 °C
 
     Examples
     --------

@@ -1,14 +1,14 @@
 """Decomposition of measured irradiance into direct and diffuse components.
 
-Global, direct and diffuse irradiance obey GHI = DHI + DNI sin h (solar altitude h), so
-any two give the third. Since the division by sin h amplifies errors near the horizon:
+With the solar altitude h, GHI = DHI + DNI sin h, so two of the three determine the
+third. The division by sin h amplifies errors near the horizon; therefore:
 
-1. If the direct irradiance is computed, sin h is limited to at least sin 3°.
-2. Direct irradiance is limited to the extraterrestrial irradiance; if it is computed,
-   the excess is diffuse.
-3. Diffuse irradiance is limited to the global irradiance.
-4. With the sun more than 6° below the horizon (civil twilight) irradiance is zero.
-5. Global irradiance alone is decomposed by the model of Erbs (hourly) or DIRINT.
+1. DNI is computed with sin h of at least sin 3°.
+2. DNI is limited to the extraterrestrial irradiance; an excess of computed DNI is added
+   to DHI.
+3. DHI is limited to GHI.
+4. Irradiance is zero with the sun more than 6° below the horizon (civil twilight).
+5. If only GHI is measured, it is decomposed by the model of Erbs (hourly) or DIRINT.
 """
 
 import importlib
@@ -28,18 +28,19 @@ Decomposition = Literal["erbs", "dirint"]
 _LOWEST_SINE = np.sin(np.radians(3.0))
 _TWILIGHT = np.radians(-6.0)
 
-# Excess of diffuse over global irradiance that is not reported [W/m²]
+# Largest violation of a limit that is not reported [W/m²]
 _TOLERANCE = 5.0
 
 
 @dataclass(frozen=True, eq=False)
 class Irradiance:
-    """Direct and diffuse irradiance, and notes on the corrections made.
+    """Direct and diffuse irradiance, and notes on corrections.
 
     Attributes
     ----------
-    direct_normal, diffuse_horizontal : irradiance [W/m²]
-    notes : corrections, each with its count
+    direct_normal, diffuse_horizontal : direct normal and diffuse horizontal irradiance
+        [W/m²]
+    notes : corrections, with numbers of values
     """
 
     direct_normal: Float[np.ndarray, " time"]
@@ -63,8 +64,8 @@ def split_irradiance(
     times : centres of the steps
     sun : solar position at the steps
     global_horizontal, diffuse_horizontal, direct_normal : measured irradiance
-        [W/m²]; global alone, or any two; global is ignored if all three are given
-    decomposition : model for global irradiance if it alone is measured
+        [W/m²]: global alone, or any two; if all three are given, global is ignored
+    decomposition : model that decomposes global irradiance if it alone is measured
     """
     notes: tuple[str, ...] = ()
     if direct_normal is not None:
@@ -84,7 +85,7 @@ def split_irradiance(
     else:
         split = _decompose(global_horizontal, times, sun, decomposition)
 
-    # Set irradiance to zero with the sun below civil twilight
+    # Set irradiance to zero after civil twilight
     dark = sun.altitude < _TWILIGHT
     stray = dark & (split.direct_normal + split.diffuse_horizontal > _TOLERANCE)
     notes += split.notes
@@ -103,9 +104,7 @@ def split_irradiance(
 def limit_to_extraterrestrial(
     direct_normal: Float[np.ndarray, " time"], times: np.ndarray
 ) -> tuple[Float[np.ndarray, " time"], tuple[str, ...]]:
-    """Return direct irradiance limited to the extraterrestrial irradiance [W/m²], and
-    notes.
-    """
+    """Return direct normal irradiance [W/m²] limited to extraterrestrial, and notes."""
     limit = SOLAR_CONSTANT * orbit_factor(day_of_year(times))
     above = direct_normal > limit + _TOLERANCE
     notes: tuple[str, ...] = ()
@@ -143,7 +142,7 @@ def _decompose(
     sun: SunPosition,
     decomposition: Decomposition,
 ) -> Irradiance:
-    # Import pvlib and pandas here: they take a second and only these models need them
+    # pvlib and pandas take a second to import, so they are imported only here
     models = importlib.import_module("pvlib.irradiance")
     zenith = np.degrees(np.pi / 2 - sun.altitude)
     if decomposition == "erbs":
@@ -154,7 +153,7 @@ def _decompose(
         index = pd.DatetimeIndex(times)
         series = pd.Series(level, index)
         with warnings.catch_warnings():
-            # pvlib 0.16 uses a name that pandas 4 will drop
+            # pvlib 0.16 uses a name that pandas 4 will remove
             warnings.simplefilter("ignore", DeprecationWarning)
             direct = models.dirint(series, pd.Series(zenith, index), index)
         direct = np.nan_to_num(direct.to_numpy())

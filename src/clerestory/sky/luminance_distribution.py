@@ -5,8 +5,8 @@ horizon to zenith and an indicatrix around the sun:
 
     L ∝ (1 + a exp(b / cos ζ)) (base + c exp(d γ) + e cos² γ)
 
-with the angles ζ to the zenith and γ to the sun. The traditional overcast sky and the
-intermediate sky have separate formulas.
+with the angles ζ to the zenith and γ to the sun. The CIE traditional overcast sky and
+the intermediate sky have other formulas.
 """
 
 from dataclasses import dataclass
@@ -34,7 +34,7 @@ class Distribution(Protocol):
 
 @dataclass(frozen=True)
 class FiveParameters:
-    """Luminance distribution of Perez and of the CIE general skies.
+    """Luminance distribution of the Perez sky and the CIE general skies.
 
     Attributes
     ----------
@@ -99,7 +99,8 @@ class Intermediate:
         return np.asarray(level * np.exp(gamma * fall))
 
 
-# ISO 15469 / CIE S 011, table 1: the gradations I…VI and indicatrices 1…6
+# ISO 15469 / CIE S 011, table 1: parameters a, b of the gradations I…VI and c, d, e of
+# the indicatrices 1…6; the fifteen skies are pairs of them
 _GRADATION = (
     (4.0, -0.7),
     (1.1, -0.8),
@@ -123,9 +124,9 @@ _TYPES = (
 
 
 def cie_general(number: int) -> FiveParameters:
-    """Return one of the fifteen CIE general skies.
+    """Return one of the fifteen CIE general skies by number.
 
-    Type 1 is overcast with steep gradation, 5 uniform, 12 clear with low turbidity.
+    Sky 1 is overcast with steep gradation, 5 uniform, 12 clear with low turbidity.
 
     Reference: ISO 15469:2004 / CIE S 011, Spatial distribution of daylight.
 
@@ -144,9 +145,9 @@ def cie_general(number: int) -> FiveParameters:
 def horizontal_integral(
     distribution: Distribution, *, sun: Float[np.ndarray, "3"]
 ) -> float:
-    """Horizontal irradiance of a relative luminance distribution [W/m²].
+    """Horizontal irradiance for a relative luminance taken as radiance [W/(m²·sr)].
 
-    By Gauss–Legendre quadrature in sin² ζ and the midpoint rule in azimuth.
+    Computed by Gauss–Legendre quadrature in sin² ζ and the midpoint rule in azimuth.
     """
     node, weight = np.polynomial.legendre.leggauss(96)
     sine = np.sqrt((node + 1) / 2)

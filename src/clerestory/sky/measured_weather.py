@@ -1,7 +1,7 @@
 """Weather from measured series, by quality control and irradiance decomposition.
 
-Loggers and networks measure global, diffuse or direct irradiance or illuminance. Any
-two of these three components determine the third.
+Measured components are global horizontal, diffuse horizontal and direct normal
+irradiance or illuminance; two of the three determine the third.
 """
 
 from collections.abc import Mapping
@@ -34,7 +34,7 @@ Quantity = Literal[
 
 _Role = Literal["global_horizontal", "diffuse_horizontal", "direct_normal"]
 
-# Components of `split_irradiance`
+# Argument of `split_irradiance` for each measured quantity
 _IRRADIANCE: dict[Quantity, _Role] = {role: role for role in get_args(_Role)}
 _ILLUMINANCE: dict[Quantity, _Role] = {
     "global_illuminance": "global_horizontal",
@@ -42,23 +42,24 @@ _ILLUMINANCE: dict[Quantity, _Role] = {
     "direct_illuminance": "direct_normal",
 }
 
-# Illuminance is checked with the limits of irradiance, at 100 lux per W/m²
+# The limits of irradiance apply to illuminance at 100 lux per W/m²
 _LUX_PER_WATT = 100.0
 
 
 @dataclass(frozen=True, eq=False)
 class Measurement:
-    """Series measured at one site.
+    """Irradiance or illuminance measured at one site.
 
     Attributes
     ----------
     site : location of the instruments
     times : centres of the steps, local standard time
     step_minutes : length of a step [min]
-    series : measured values by quantity [W/m²] or [lux]; NaN where missing
-    file, lines : file and line number of each step
-    names : names of the quantities in the file
-    dew_point_c : dew point [°C], NaN where missing
+    series : measured irradiance [W/m²] or illuminance [lux] by quantity; NaN where
+        missing
+    file, lines : file, and line number of each step
+    names : column name of each quantity
+    dew_point_c : dew point [°C], NaN where missing; None if not measured
     """
 
     site: Site
@@ -74,7 +75,7 @@ class Measurement:
 def weather_of(
     measurement: Measurement, *, decomposition: Decomposition = "erbs"
 ) -> Weather:
-    """Return the measured weather; one warning lists all corrections."""
+    """Return the weather of a measurement; one warning lists all corrections."""
     site, times = measurement.site, measurement.times
     sun = sun_at(site, times)
     watts, notes = _repaired(measurement, _IRRADIANCE, scale=1.0, unit="W/m²")

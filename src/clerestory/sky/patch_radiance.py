@@ -1,7 +1,8 @@
 """Sky matrix S: radiance of every sky patch at every time step.
 
-The matrix is stored as an achromatic sky times a colour per patch, plus a sparse sun.
-Memory and, with `SkyResponse`, the time of a product are those of a single band.
+The matrix is stored as achromatic radiance times a colour per patch, plus a sparse
+matrix of the sun. Its memory and, with `SkyResponse`, the time of a matrix product are
+those of a single band.
 """
 
 from collections.abc import Iterator, Mapping
@@ -27,18 +28,18 @@ from clerestory.sky.sky_product import fold, lit_steps, product_blocks, row_bloc
 if TYPE_CHECKING:
     import xarray as xr
 
-# Time steps transposed at once, so that they fit in the cache
+# Rows or columns computed at once, so that they fit in the cache
 _BLOCK = 64
 
 
 def default_colour(bands: Bands) -> tuple[float, ...]:
-    """Return the sky colour: gendaymtx's default in RGB, white in other bands."""
+    """Return the default sky colour: that of gendaymtx in RGB, white in other bands."""
     return SKY_COLOUR if bands == RGB else (1.0,) * len(bands)
 
 
 @dataclass(frozen=True, eq=False)
 class SkyMatrix:
-    """Radiance of ground and sky patches over time.
+    """Radiance of the ground and the sky patches over time.
 
     The radiance in band b is colour[b] · diffuse + sun_colour[b] · sun.
 
@@ -47,9 +48,9 @@ class SkyMatrix:
     partition : ground (patch 0) and sky patches
     times : centres of the steps, local standard time
     diffuse : achromatic radiance of ground and sky [W/(m²·sr)]
-    colour : factor of each band and patch; the ground reflectance for patch 0
-    sun : radiance of the direct sun in the patches [W/(m²·sr)], over (patch, time)
-    sun_colour : factor of each band for the direct sun
+    colour : factor on `diffuse` by band and patch; ground reflectance for patch 0
+    sun : radiance of the direct sun in each patch [W/(m²·sr)], over (patch, time)
+    sun_colour : factor on `sun` by band
     attributes : provenance of the matrix
     bands : spectral bands
 
@@ -67,7 +68,7 @@ class SkyMatrix:
     attributes: Mapping[str, str | float]
     bands: Bands = RGB
 
-    # Disable NumPy's operator, so that `array @ sky` raises a TypeError
+    # Let `array @ sky` raise a TypeError instead of using NumPy's operator
     __array_ufunc__ = None
 
     def __post_init__(self) -> None:
@@ -93,21 +94,21 @@ class SkyMatrix:
 
     @property
     def rows(self) -> Axis:
-        """The sky patches."""
+        """Axis of ground and sky patches."""
         return sky_axis(self.partition)
 
     @property
     def columns(self) -> Axis:
-        """The time steps."""
+        """Axis of time steps."""
         return time_axis(self.times)
 
     @property
     def values(self) -> Float32[np.ndarray, "band patch time"]:
-        """Radiance of all patches and steps [W/(m²·sr)], dense."""
+        """Radiance in all bands, patches and steps [W/(m²·sr)], as a dense array."""
         return self.block(slice(None))
 
     def block(self, steps: slice) -> Float32[np.ndarray, "band patch block"]:
-        """Radiance of all patches [W/(m²·sr)] in some time steps."""
+        """Radiance of all patches in the given time steps [W/(m²·sr)]."""
         colour = self.colour.astype(np.float32)[:, :, None]
         radiance = colour * self.diffuse[None, :, steps]
         sun = self.sun[:, steps].tocoo()
@@ -117,7 +118,7 @@ class SkyMatrix:
         return np.asarray(radiance)
 
     def select(self, steps: slice | np.ndarray) -> "SkyMatrix":
-        """Return some of the time steps, by slice or boolean mask."""
+        """Return the sky matrix of the time steps in a slice or boolean mask."""
         chosen = np.arange(len(self.times))[steps]
         return replace(
             self,
@@ -127,9 +128,9 @@ class SkyMatrix:
         )
 
     def mean(self) -> "SkyMatrix":
-        """Return the mean over all steps, nights included, as a matrix of one step.
+        """Return the mean over all steps, including nights, as a matrix of one step.
 
-        Its time is the first of the times.
+        The time of this step is that of the first step.
         """
         share = 1 / len(self.times)
         weight = np.full((len(self.times), 1), share)
@@ -143,7 +144,7 @@ class SkyMatrix:
         )
 
     def to_transfer_matrix(self) -> TransferMatrix:
-        """Return the dense matrix of all bands, stored row by row."""
+        """Return the radiance in all bands as a dense matrix."""
         shape = len(self.bands), len(self.partition), len(self.times)
         values = np.empty(shape, np.float32)
         for start in range(0, len(self.times), _BLOCK):
@@ -152,7 +153,7 @@ class SkyMatrix:
         return TransferMatrix(values, self.rows, self.columns, bands=self.bands)
 
     def luminance(self) -> TransferMatrix:
-        """Return the luminance of the patches [cd/m²], as a matrix of one channel."""
+        """Return the luminance of the patches [cd/m²] as a matrix with one channel."""
         weights = self.bands.weights
         tint = (weights @ self.colour).astype(np.float32)
         sun = self.sun.tocoo()
@@ -161,7 +162,7 @@ class SkyMatrix:
         return TransferMatrix(values[None], self.rows, self.columns, bands=GREY)
 
     def row_blocks(self) -> Iterator[Float32[np.ndarray, "patch time band"]]:
-        """Yield the radiance of blocks of patches in the order of matrix files."""
+        """Yield the radiance [W/(m²·sr)] of blocks of patches, in matrix file order."""
         sun = csr_array(self.sun)
         tint = self.sun_colour.astype(np.float32)
         for start in range(0, len(self.partition), _BLOCK):
@@ -176,9 +177,7 @@ class SkyMatrix:
             yield radiance
 
     def __rmatmul__(self, transfer: object) -> "SkyResponse":
-        """Return the product of a transfer matrix and this sky, evaluated on
-        request.
-        """
+        """Return the product of a transfer matrix and this sky, not yet evaluated."""
         if not isinstance(transfer, TransferMatrix):
             return NotImplemented
         return SkyResponse(transfer, self)
@@ -186,7 +185,7 @@ class SkyMatrix:
 
 @dataclass(frozen=True, eq=False)
 class SkyResponse:
-    """Product of daylight coefficients and a sky matrix, evaluated on request.
+    """Product of daylight coefficients and a sky matrix, evaluated by its methods.
 
     Attributes
     ----------
@@ -206,10 +205,10 @@ class SkyResponse:
         yield self.sky.bands, len(self.sky.colour)
 
     def illuminance(self) -> "xr.Dataset":
-        """Illuminance [lux] of sensors per time step, with its standard error.
+        """Illuminance of the sensors at each time step, and its standard error [lux].
 
-        The bands are summed to luminance before the product; hours without light are
-        skipped.
+        The bands are summed with their luminous efficacies before the matrix product;
+        steps without sky and sun radiance are skipped.
         """
         weights = common_bands(self._parts()).weights
         values, components = self.transfer.values[None], self.transfer.components
@@ -229,7 +228,7 @@ class SkyResponse:
         )
 
     def rgb(self) -> TransferMatrix:
-        """Return the product in all bands, dense, with its error components."""
+        """Return the product in all bands as a dense matrix, with error components."""
         return self.transfer @ self.sky.to_transfer_matrix()
 
     def _blocks(
@@ -237,7 +236,8 @@ class SkyResponse:
         values: Float[np.ndarray, "layer channel row patch"],
         weights: Float[np.ndarray, " band"],
     ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-        # Yield blocks of time steps, with the rows of all layers stacked
+        # Yield blocks of time steps and results, with the rows of the coefficients and
+        # of their error components stacked
         sky = self.sky
         patches = values.shape[-1]
         folded = (

@@ -2,8 +2,8 @@
 
     L ∝ (1 + a exp(b / cos ζ)) (1 + c exp(d γ) + e cos² γ)
 
-with the angles ζ to the zenith and γ to the sun. The sky is later scaled to the diffuse
-irradiance, so each factor may be divided by its largest term to avoid overflow.
+with the angles ζ to the zenith and γ to the sun. Since the sky is later scaled to the
+diffuse irradiance, each factor is divided by its largest term to avoid overflow.
 
 Reference: R. Perez, R. Seals, J. Michalsky, All-weather model for sky luminance
 distribution – preliminary configuration and validation, Solar Energy 50 (3),
@@ -53,12 +53,12 @@ _LARGEST_EXPONENT = 600.0
 
 @dataclass(frozen=True, eq=False)
 class PerezSky:
-    """Relative luminance distribution at some time steps.
+    """Relative luminance distribution at each time step.
 
     Attributes
     ----------
     a, b, c, d, e : parameters of the distribution
-    sun : unit vectors to the sun, its zenith angle limited to 3°…90°
+    sun : unit vectors to the sun, with the zenith angle limited to 3°…90°
     """
 
     a: Float[np.ndarray, " time"]
@@ -71,7 +71,7 @@ class PerezSky:
     def gradation(
         self, cos_zenith: Float[np.ndarray, " patch"]
     ) -> Float[np.ndarray, "time patch"]:
-        """Relative gradation: the factor of the zenith angle."""
+        """Gradation 1 + a exp(b / cos ζ), up to a factor per time step."""
         exponent = self.b[:, None] / cos_zenith
         largest = np.maximum(exponent.max(axis=1, keepdims=True), 0)
         factor = np.exp(-largest) + self.a[:, None] * np.exp(exponent - largest)
@@ -80,11 +80,11 @@ class PerezSky:
     def indicatrix(
         self, cos_sun: Float32[np.ndarray, "time patch"]
     ) -> Float32[np.ndarray, "time patch"]:
-        """Relative indicatrix: the factor of the angle to the sun.
+        """Indicatrix 1 + c exp(d γ) + e cos² γ, up to a factor per time step.
 
-        The argument is overwritten and returned.
+        `cos_sun`, cos γ, is overwritten and returned.
         """
-        # Divide by the larger of 1, |c| and the growth of the exponential
+        # Divide by the largest of 1, |c| exp(d π) and |e|
         growth = np.maximum(self.d * np.pi, 0)
         size = np.maximum(np.log(np.maximum(np.abs(self.c), 1e-300)) + growth, 0)
         size = np.maximum(size, np.log(np.maximum(np.abs(self.e), 1)))
@@ -107,7 +107,7 @@ class PerezSky:
         return cos_sun
 
     def select(self, steps: slice | np.ndarray) -> "PerezSky":
-        """Return some of the time steps."""
+        """Return the distribution at the given time steps."""
         return PerezSky(
             self.a[steps], self.b[steps], self.c[steps], self.d[steps], self.e[steps],
             self.sun[steps],
@@ -115,8 +115,8 @@ class PerezSky:
 
 
 def perez_sky(state: SkyState, *, azimuth: Float[np.ndarray, " time"]) -> PerezSky:
-    """Return the distribution of a sky (Perez et al. 1993, eqs. 6 to 8)."""
-    # Limit the brightness to the range of the fit, as gendaymtx does
+    """Return the luminance distribution of the sky (Perez et al. 1993, eqs. 6 to 8)."""
+    # Limit the brightness Δ as gendaymtx does
     low = (state.clearness > 1.065) & (state.clearness < 2.8)
     brightness = np.where(low, np.maximum(state.brightness, 0.2), state.brightness)
 
@@ -124,7 +124,7 @@ def perez_sky(state: SkyState, *, azimuth: Float[np.ndarray, " time"]) -> PerezS
     z = state.zenith
     a, b, c, d, e = x[:, 0] + x[:, 1] * z + brightness * (x[:, 2] + x[:, 3] * z)
 
-    # Overcast skies have their own c and d
+    # c and d of the overcast clearness category (eqs. 7 and 8)
     overcast = state.category == 0
     power = np.maximum(brightness * (x[2, 0] + x[2, 1] * z), 0) ** x[2, 2]
     c_overcast = np.exp(np.minimum(power, _LARGEST_EXPONENT)) - x[2, 3]

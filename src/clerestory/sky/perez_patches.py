@@ -1,8 +1,8 @@
 """Radiance of sky patches under the Perez all-weather sky.
 
-The time of a sky matrix is dominated by the exponential and the arc cosine of every
-patch and step; they are computed in float32, in blocks that fit in the cache, with one
-thread per core.
+The computing time of a sky matrix is dominated by one exponential and one arc cosine
+per patch and time step; they are computed in float32, in blocks that fit in the cache,
+in parallel.
 """
 
 import os
@@ -18,7 +18,7 @@ from clerestory.sky.perez import PerezSky
 
 Quadrature = Literal["exact", "centres"]
 
-# Entries of a block: half a megabyte of float32
+# Values per block: half a megabyte of float32
 _BLOCK = 150_000
 _MOST_THREADS = 8
 
@@ -39,8 +39,10 @@ def dome_radiance(
     sky : relative luminance distribution at all steps
     diffuse : diffuse horizontal irradiance at all steps [W/m²]
     dome : sky patches
-    quadrature : method of scaling to `diffuse`: by the "exact" projected solid angles
-        of the patches, or by their "centres" as in Radiance
+    quadrature : weights of the patches in the scaling to `diffuse`: "exact" projected
+        solid angles, or solid angle times cosine at the patch "centres" as in Radiance
+    out : result
+    steps : indices of the steps
     """
     centres = dome.centres()
     if quadrature not in ("exact", "centres"):
@@ -63,7 +65,7 @@ def dome_radiance(
         block *= np.repeat(gradation, dome.count, axis=1)
         np.maximum(block, 0, out=block)
 
-        # Scale to the irradiance; use a uniform sky where the model gives zero
+        # Scale to the diffuse irradiance; use a uniform sky where the model gives zero
         total = block @ weight
         dark = ~(total > 1e-30)
         block[dark] = 1

@@ -1,7 +1,7 @@
-"""Sky at one moment, as a function of direction and as a vector of patches.
+"""Sky at one moment, as a function of direction or as a sky vector.
 
-Pictures are rendered with the function of direction; the sky vector (Radiance's
-genskyvec) is a sky matrix of one time step.
+Pictures are rendered with the function of direction. The sky vector, as of Radiance's
+genskyvec, is a sky matrix of one time step.
 """
 
 from dataclasses import dataclass, replace
@@ -32,7 +32,7 @@ from clerestory.sky.weather import Illuminance, Weather
 # Sample points per patch edge of a sky vector
 _SAMPLES = 4
 
-# Day of the year with the sun at its mean distance
+# Day on which the distance to the sun is its annual mean
 _MEAN_DAY = np.datetime64("2023-04-04", "s")
 
 
@@ -43,11 +43,11 @@ class PointSky:
     Attributes
     ----------
     distribution : relative luminance of the sky
-    scale : radiance for a relative luminance of 1 [W/(m²·sr)]
+    scale : radiance at a relative luminance of 1 [W/(m²·sr)]
     sun : unit vector to the sun
     direct_normal : direct normal irradiance [W/m²]
     ground : radiance of the ground [W/(m²·sr)]
-    colour : factor of each band of the sky
+    colour : factor on the sky radiance in each band
     time : local standard time; NaT if unspecified
     bands : spectral bands
     """
@@ -77,7 +77,7 @@ class PointSky:
     def radiance(
         self, direction: Float[np.ndarray, "*batch 3"]
     ) -> Float[np.ndarray, "*batch"]:
-        """Achromatic radiance of sky and ground without the sun [W/(m²·sr)]."""
+        """Achromatic radiance of sky and ground, without sun [W/(m²·sr)]."""
         sky = self.scale * self.distribution.relative(direction, sun=self.sun)
         return np.where(direction[..., 2] > 0, sky, self.ground)
 
@@ -93,10 +93,10 @@ def perez_point(
     sky_colour: tuple[float, float, float] = SKY_COLOUR,
     **options: Unpack[SkyOptions],
 ) -> PointSky:
-    """Return the Perez sky of weather with a single time step.
+    """Return the Perez sky for weather of a single time step.
 
-    See `sky_matrix` for the arguments; `weather.select(slice(i, i + 1))` selects one
-    step of a year.
+    The arguments are those of `sky_matrix`; `weather.select(slice(i, i + 1))` selects
+    one step of a year.
     """
     if len(weather) != 1:
         raise InputError(f"weather of {len(weather)} steps; a single step expected")
@@ -124,11 +124,11 @@ def perez_moment(
     Parameters
     ----------
     sun_altitude, sun_azimuth : solar altitude, and azimuth clockwise from north [rad]
-    diffuse_horizontal, direct_normal : visible irradiance [W/m²]: illuminance divided
-        by 179 lm/W
-    with_sun : whether the sky includes the sun; the ground radiance includes reflected
-        sunlight in either case
-    ground_reflectance, sky_colour : as for `perez_point`
+    diffuse_horizontal, direct_normal : visible irradiance, illuminance divided by 179
+        lm/W [W/m²]
+    with_sun : whether to include the sun; the ground radiance always includes reflected
+        sunlight
+    ground_reflectance, sky_colour : as in `perez_point`
     time : local standard time, whose day determines the distance to the sun
 
     >>> sky = perez_moment(
@@ -152,7 +152,7 @@ def perez_moment(
     sky = np.array([diffuse_horizontal], dtype=float)
     times = np.array([time], dtype="datetime64[s]")
 
-    # Estimate the solar irradiance, from which Perez's parameters follow
+    # Estimate the irradiance of the whole solar spectrum for the Perez parameters
     lux = Illuminance(LUMINOUS_EFFICACY * visible, LUMINOUS_EFFICACY * sky)
     irradiance = irradiance_of(lux, times=times, sun=sun)
     state = sky_state(
@@ -178,7 +178,7 @@ def _perez(
     diffuse = float(conditions.diffuse_horizontal[0])
     level = diffuse + float(conditions.direct_horizontal()[0])
 
-    # The model limits the solar zenith angle to at least 3°
+    # Use the sun direction of the Perez model, with a zenith angle of at least 3°
     distribution = _Circumsolar(shape, sky.sun[0])
     total = horizontal_integral(distribution, sun=sky.sun[0])
     if not total > 0:
@@ -197,7 +197,7 @@ def _perez(
 
 @dataclass(frozen=True, eq=False)
 class _Circumsolar:
-    # Distribution with a fixed circumsolar centre instead of the sun's direction
+    # Distribution whose circumsolar centre may differ from the sun's direction
     shape: FiveParameters
     centre: Float[np.ndarray, "3"]
 
@@ -214,17 +214,17 @@ def sky_vector(
     sun: SunPlacement = "spread",
     sun_diameter_deg: float = SUN_DIAMETER_DEG,
 ) -> SkyMatrix:
-    """Return the mean radiance of every patch, as a sky matrix of one column.
+    """Return the mean radiance of every patch as a sky matrix of one column.
 
-    The mean is taken over 16 points per patch, weighted by projected solid angle, which
+    The mean is taken over 16 points per patch with equal projected solid angles, which
     preserves the horizontal irradiance.
 
     Parameters
     ----------
     sky : the sky at one moment
     subdivision : Reinhart's MF, 1 to 6
-    sun : distribution of the direct sun over patches, see `sun_radiance`
-    sun_diameter_deg : apparent diameter of the sun's "disc"
+    sun : assignment of the direct sun to patches, see `sun_radiance`
+    sun_diameter_deg : angular diameter of the sun [°], for `sun="disc"`
     """
     partition = reinhart(subdivision)
     dome = partition.dome

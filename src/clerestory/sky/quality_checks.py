@@ -1,9 +1,8 @@
-"""Quality checks of weather data: gaps in time, irradiance at night, wrong clocks.
+"""Quality checks of weather data: missing steps, irradiance at night, clock errors.
 
-The clock is checked by the symmetry of irradiance about solar noon: the shift is the
-one that maximises the correlation with the sine of the solar altitude. Over a year its
-uncertainty is a quarter of an hour, except in climates with frequent morning fog or
-afternoon storms.
+The clock error is the time shift that maximises the correlation of the irradiance with
+the sine of the solar altitude. Over a year the uncertainty of this shift is a quarter
+of an hour, except in climates with frequent morning fog or afternoon storms.
 """
 
 import warnings
@@ -20,16 +19,15 @@ from clerestory.sky.weather import Weather
 # Candidate time shifts [h]
 _SHIFTS = np.arange(-12, 13) / 4
 
-# Limits above the shifts caused by climate [h]; with times in daylight saving time, the
-# irradiance of summer is an hour late
+# Limits of the time shift, larger than the shifts caused by climate [h]; with times in
+# daylight saving time, the irradiance in summer is an hour late
 _LARGEST_SHIFT = 0.5
 _SUMMER_LATE, _SUMMER_EARLY = -0.45, 0.65
 
-# Smallest number of days with irradiance for an estimate
+# Smallest number of days with irradiance for an estimate of the time shift
 _FEWEST_DAYS = 20
 
-# Solar altitude below which there is no daylight [rad], and threshold of irradiance
-# [W/m²]
+# Solar altitude at the end of twilight [rad], and threshold of irradiance [W/m²]
 _BELOW = np.radians(-6.0)
 _LIGHT = 20.0
 
@@ -42,9 +40,9 @@ class ClockShift:
 
     Attributes
     ----------
-    whole : shift over all steps [h], positive if clocks are slow
-    summer_less_winter : shift in summer minus shift in winter [h]; 0 if a season is
-        missing
+    whole : time shift over all steps [h], positive if the clock is slow
+    summer_less_winter : time shift in summer minus time shift in winter [h]; 0 if one
+        of the seasons is missing
     """
 
     whole: float
@@ -52,9 +50,9 @@ class ClockShift:
 
 
 def clock_shift(weather: Weather) -> ClockShift | None:
-    """Return the time shift [h] that aligns irradiance with the solar position.
+    """Return the time shift that aligns irradiance with the solar position.
 
-    None if fewer than twenty days have irradiance.
+    The result is None for fewer than twenty days with irradiance.
     """
     light = weather.direct_normal + weather.diffuse_horizontal
     days = np.unique(weather.times[light > _LIGHT].astype("datetime64[D]"))
@@ -75,12 +73,12 @@ def clock_shift(weather: Weather) -> ClockShift | None:
 
 
 def quality_problems(weather: Weather) -> tuple[str, ...]:
-    """Return one clause per problem found, with its magnitude."""
+    """Return a message for each problem of the weather data, with its magnitude."""
     return (*_missing_steps(weather), *_light_at_night(weather), *_clock(weather))
 
 
 def warn_of_clock(weather: Weather) -> None:
-    """Warn if irradiance is too early or too late for the times of a file."""
+    """Warn if irradiance is early or late relative to the solar position."""
     for problem in _clock(weather):
         warnings.warn(f"{weather.source}: {problem}", ClerestoryWarning, stacklevel=2)
 
@@ -134,7 +132,7 @@ def _hours(shift: float) -> str:
 
 
 def _height(weather: Weather, hours: float) -> Float[np.ndarray, " time"]:
-    # Sine of the solar altitude some hours later
+    # Sine of the solar altitude, at least 0, at times shifted by some hours
     later = weather.times + np.timedelta64(round(hours * 3600), "s")
     sun = sun_at(weather.site, later, formula="radiance")
     return np.asarray(np.maximum(np.sin(sun.altitude), 0))
@@ -143,7 +141,7 @@ def _height(weather: Weather, hours: float) -> Float[np.ndarray, " time"]:
 def _best_shift(
     light: Float[np.ndarray, " time"], heights: Float[np.ndarray, "shift time"]
 ) -> float:
-    # Vertex of the parabola through the largest correlation and its neighbours
+    # Vertex of the parabola through the largest correlation and the two adjacent ones
     correlation = np.array([np.corrcoef(height, light)[0, 1] for height in heights])
     best = int(np.clip(np.argmax(correlation), 1, len(_SHIFTS) - 2))
     left, top, right = correlation[best - 1 : best + 2]
@@ -153,9 +151,10 @@ def _best_shift(
 
 
 def describe_weather(weather: Weather) -> list[tuple[str, str]]:
-    """Return labels and values: site, times, annual irradiation, corrections, problems.
+    """Return rows of a summary table of weather data, as labels and values.
 
-    Sums are over the steps of the file; missing steps are not replaced.
+    The rows are site, times, irradiation [kWh/m²], corrections and problems. Sums are
+    over the steps of the file; missing steps are not replaced.
     """
     level = weather.direct_normal * np.sin(np.maximum(sun_over(weather).altitude, 0))
     first, last = weather.times[[0, -1]].astype("datetime64[m]")

@@ -1,8 +1,8 @@
 """Files of radiation networks: SURFRAD (NOAA) and SRML (University of Oregon).
 
-SURFRAD's daily files contain the station's location; SRML's files, read by pvlib, do
-not. Both have steps of minutes; `measured_weather` applies quality control and
-decomposition.
+SURFRAD's daily files contain the location of the station; SRML's monthly files, read by
+pvlib, do not. Time steps are one to several minutes; `measured_weather` applies quality
+control and decomposition.
 """
 
 import importlib
@@ -26,7 +26,7 @@ from clerestory.sky.time_steps import (
 )
 from clerestory.sky.weather import Site, Weather
 
-# Cells of a SURFRAD row, counted from 0; a flag follows each value
+# Indices of the cells of a SURFRAD row, from 0; a quality flag follows each value
 _SURFRAD = {
     "year": 0,
     "day": 1,
@@ -37,10 +37,10 @@ _SURFRAD = {
 }
 _SURFRAD_SERIES: tuple[Quantity, ...] = ("direct_normal", "diffuse_horizontal")
 
-# Missing values are -9999.9 in SURFRAD files
+# Values below this are missing; SURFRAD files contain -9999.9
 _MISSING = -9000.0
 
-# pvlib's prefixes of SRML quantities; the number of the instrument follows
+# pvlib's column names of SRML quantities begin with these; an instrument number follows
 _SRML: dict[Quantity, str] = {
     "global_horizontal": "ghi",
     "diffuse_horizontal": "dhi",
@@ -52,8 +52,8 @@ _SRML_HEADER = 1
 def read_surfrad(path: str | Path, *, utc_offset_hours: float | None = None) -> Weather:
     """Return the weather of a SURFRAD file (.dat), one day in steps of a minute.
 
-    Times are UTC and mark the end of their minute. Direct and diffuse irradiance are
-    measured by the tracking and the shaded instrument.
+    Times are UTC and mark the end of a minute. Direct normal irradiance is measured by
+    a pyrheliometer, diffuse horizontal irradiance by a shaded pyranometer.
 
     Parameters
     ----------
@@ -79,9 +79,7 @@ def read_surfrad(path: str | Path, *, utc_offset_hours: float | None = None) -> 
 
 
 def is_surfrad(head: list[str]) -> bool:
-    """Whether the second line holds a SURFRAD station's location and the third its
-    data.
-    """
+    """Whether the first lines of a file are those of a SURFRAD file."""
     return (
         len(head) > 2
         and head[1].split()[3:5] == ["m", "version"]
@@ -96,7 +94,7 @@ def _surfrad_site(lines: list[str], offset: float | None, path: str | Path) -> S
         for i, name in enumerate(("latitude", "longitude", "elevation"))
     )
 
-    # Stations are in the United States; older files omit the sign of the longitude
+    # Stations are west of Greenwich; older files omit the sign of the longitude
     longitude = -abs(longitude)
     if offset is None:
         offset = round(longitude / 15)
@@ -104,7 +102,7 @@ def _surfrad_site(lines: list[str], offset: float | None, path: str | Path) -> S
 
 
 def _surfrad_times(cells: dict[str, np.ndarray], rows: DataRows) -> np.ndarray:
-    # Times in UTC; the day is the day of the year
+    # UTC times from year, day of the year, hour and minute
     late = (cells["hour"] > 24) | (cells["minute"] > 60) | (cells["day"] > 366)
     wrong = late | (np.minimum(cells["hour"], cells["minute"]) < 0) | (cells["day"] < 1)
     wrong |= (cells["year"] < 1900) | (cells["year"] > 2200)
@@ -126,8 +124,8 @@ def read_srml(
 ) -> Weather:
     """Return the weather of a monthly file of SRML, University of Oregon (.txt).
 
-    If several instruments measure a quantity, the first is used; values flagged as bad
-    by the network are missing.
+    If a quantity is measured by several instruments, the first is used; values flagged
+    as bad by SRML are treated as missing.
 
     Reference: F. Vignola et al., SRML, Archival (short interval) data files.
     """
@@ -155,13 +153,12 @@ def read_srml(
 
 
 def _read_srml(path: str | Path) -> Any:
-    # Open the file here first: pvlib would interpret the path of a missing file as a
-    # URL
+    # Open the file first, since pvlib interprets the path of a missing file as a URL
     read_text(path)
     iotools = importlib.import_module("pvlib.iotools")
     try:
         with warnings.catch_warnings():
-            # pvlib 0.16 uses options that pandas 4 will drop
+            # pvlib 0.16 uses options that pandas 4 will remove
             warnings.simplefilter("ignore", DeprecationWarning)
             return iotools.read_srml(str(path))
     except (ValueError, LookupError, TypeError, AttributeError) as error:
@@ -181,7 +178,7 @@ def _weather(
     stands_for: StandsFor,
     decomposition: Decomposition = "erbs",
 ) -> Weather:
-    # Convert from UTC to local standard time, and to the centres of the steps
+    # Convert UTC times to local standard time at the centres of the steps
     local = utc + np.timedelta64(round(site.utc_offset_hours * 3600), "s")
     require_increasing(local, rows=rows)
     step = typical_step(local)

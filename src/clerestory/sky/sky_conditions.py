@@ -1,6 +1,6 @@
 """Sky conditions: solar position, Perez parameters and visible irradiance per step.
 
-Basis of sky matrices and of skies as functions of direction.
+Sky matrices and skies as functions of direction are computed from sky conditions.
 """
 
 import warnings
@@ -28,13 +28,13 @@ from clerestory.sky.weather import Weather
 
 Spectrum = Literal["visible", "solar"]
 
-# Irradiance below which a step is dark [W/m²], as in gendaymtx
+# Irradiance up to which a step is night [W/m²], as in gendaymtx
 _NIGHT = 1e-4
 
-# Direct irradiance above the uncertainty of instruments [W/m²]
+# Direct normal irradiance that exceeds the uncertainty of instruments [W/m²]
 _BRIGHT = 20.0
 
-# Number of Newton iterations, for sunrise within a few seconds
+# Number of Newton iterations, for times of sunrise within a few seconds
 _ITERATIONS = 3
 
 # Range of dew points on Earth [°C]
@@ -47,9 +47,10 @@ class SkyConditions:
 
     Attributes
     ----------
-    sun : solar position in scene coordinates
-    state : clearness and brightness of the sky
-    direct_normal, diffuse_horizontal : irradiance [W/m²]; zero at night
+    sun : solar position, in scene coordinates
+    state : Perez parameters of the sky, such as clearness and brightness
+    direct_normal, diffuse_horizontal : direct normal and diffuse horizontal irradiance
+        in the chosen spectrum [W/m²]; zero at night
     """
 
     sun: SunPosition
@@ -59,7 +60,7 @@ class SkyConditions:
 
     @property
     def lit(self) -> Bool[np.ndarray, " time"]:
-        """Whether a time step has direct or diffuse irradiance."""
+        """Whether the direct or diffuse irradiance of each step is above zero."""
         return np.asarray(self.direct_normal + self.diffuse_horizontal > 0)
 
     def direct_horizontal(self) -> Float[np.ndarray, " time"]:
@@ -68,7 +69,7 @@ class SkyConditions:
 
 
 class SkyOptions(TypedDict, total=False):
-    """Keyword arguments of `sky_conditions`, for functions that pass them on."""
+    """Keyword arguments that other functions pass to `sky_conditions`."""
 
     rotation_deg: float
     sun_formula: SunFormula
@@ -84,17 +85,16 @@ def sky_conditions(
     dew_point_c: float | None = None,
     spectrum: Spectrum = "visible",
 ) -> SkyConditions:
-    """Return sun and sky for each step of the weather.
+    """Return the sky conditions at each step of the weather.
 
     Parameters
     ----------
     weather : irradiance over time
-    rotation_deg : counter-clockwise rotation of the sun; angle of the scene's y axis
-        east of north
-    sun_formula : "spa", or "radiance" for comparisons with Radiance
-    dew_point_c : dew point of all steps [°C]; default: from the weather, or else 11 °C
-    spectrum : "visible": illuminance divided by 179 lm/W; "solar": irradiance of the
-        whole solar spectrum, as in the weather
+    rotation_deg : azimuth of the scene's y axis, clockwise from north [°]
+    sun_formula : formula of the solar position: "spa", or "radiance" for comparisons
+    dew_point_c : dew point of all steps [°C]; default: from the weather data, or 11 °C
+    spectrum : "visible": irradiance is illuminance divided by 179 lm/W; "solar":
+        irradiance of the whole solar spectrum, as in weather data
     """
     if spectrum not in ("visible", "solar"):
         raise InputError(
@@ -103,7 +103,7 @@ def sky_conditions(
     sun = sun_over(weather, rotation_deg=rotation_deg, sun_formula=sun_formula)
     _warn_of_light_at_night(weather, sun)
 
-    # Compute the Perez parameters and visible irradiance
+    # Perez parameters and visible irradiance
     direct, diffuse = weather.direct_normal, weather.diffuse_horizontal
     state = sky_state(
         direct, diffuse, altitude=sun.altitude, day_of_year=day_of_year(weather.times)
@@ -127,8 +127,8 @@ def sun_over(
 ) -> SunPosition:
     """Return the solar position at each step of the weather.
 
-    The position is computed at the centre of the step; in steps with sunrise or sunset,
-    at the centre of the part with the sun above the horizon. Radiance's formula is
+    The position is that at the centre of the step; in steps with sunrise or sunset, at
+    the centre of the interval with the sun above the horizon. Radiance's formula is
     always evaluated at the centre of the step, as in gendaymtx.
     """
     if not np.isfinite(rotation_deg):
@@ -142,7 +142,7 @@ def sun_over(
 
 
 def daylight_steps(weather: Weather, *, sun_formula: SunFormula = "spa") -> Weather:
-    """Return the steps in which part of the solar disc is above the horizon."""
+    """Return the weather of the steps with part of the solar disc above the horizon."""
     up = sun_over(weather, sun_formula=sun_formula).altitude > -SUN_DIAMETER / 2
     if not up.any():
         raise InputError(
@@ -153,7 +153,7 @@ def daylight_steps(weather: Weather, *, sun_formula: SunFormula = "spa") -> Weat
 
 
 def _at_sunrise_and_sunset(weather: Weather, sun: SunPosition) -> SunPosition:
-    # The sun moves by at most 15° per hour: only steps near the horizon change
+    # Only steps with the sun near the horizon can contain sunrise or sunset
     half = np.timedelta64(round(weather.step_minutes * 30), "s")
     near = np.flatnonzero(np.abs(sun.altitude) < _reach(weather))
     if len(near) == 0:
@@ -164,7 +164,7 @@ def _at_sunrise_and_sunset(weather: Weather, sun: SunPosition) -> SunPosition:
     cross = first * last < 0
     near, centre, first, last = near[cross], centre[cross], first[cross], last[cross]
 
-    # Find sunrise or sunset by Newton's method; the step is the interval from -1 to 1
+    # Find the time of sunrise or sunset by Newton's method; -1 to 1 is the step
     def moved_to(share: Float[np.ndarray, " step"]) -> SunPosition:
         seconds = np.round(share * half.astype(float)).astype("timedelta64[s]")
         return sun_at(weather.site, centre + seconds)
@@ -180,12 +180,12 @@ def _at_sunrise_and_sunset(weather: Weather, sun: SunPosition) -> SunPosition:
 
 
 def _reach(weather: Weather) -> float:
-    # Change of altitude in half a step, plus one degree [rad]
+    # Largest change of solar altitude in half a step, plus one degree [rad]
     return float(np.radians(15 * weather.step_minutes / 60 / 2 + 1))
 
 
 def _warn_of_light_at_night(weather: Weather, sun: SunPosition) -> None:
-    # The sun may rise within half a step
+    # The sun may rise or set within half a step of its centre
     reach = _reach(weather)
     odd = (weather.direct_normal > _BRIGHT) & (sun.altitude < -reach)
     if np.any(odd):

@@ -1,8 +1,8 @@
 """Sky matrix from weather data, as in Radiance's gendaymtx.
 
 The sky is the Perez all-weather sky, scaled to the diffuse horizontal irradiance of the
-weather; the radiance of the ground follows from its reflectance and the global
-horizontal irradiance.
+weather data. The radiance of the ground is ρ GHI / π, with the ground reflectance ρ and
+the global horizontal irradiance GHI.
 """
 
 from collections.abc import Sequence
@@ -47,23 +47,25 @@ def sky_matrix(
 ) -> SkyMatrix:
     """Return the radiance [W/(m²·sr)] of ground and sky patches at every time step.
 
-    With `sun_formula="radiance"`, unspecified arguments also follow gendaymtx:
-    quadrature by "centres" and a dew point of 11 °C.
+    With `sun_formula="radiance"`, other defaults are also those of gendaymtx: the
+    quadrature "centres" and a dew point of 11 °C.
 
     Parameters
     ----------
     weather : irradiance over time
     subdivision : Reinhart's MF, 1 to 6
-    include : "all"; "sky": without the direct sun, but with sunlight reflected by the
-        ground; "sun": without sky and ground
-    sun : distribution of the direct sun over patches, see `sun_radiance`
-    sun_diameter_deg : apparent diameter of the sun's "disc"
-    ground_reflectance : one value, or one per band
-    sky_colour : factor of each band; default: gendaymtx's in RGB, white in other bands
-    rotation_deg, sun_formula, dew_point_c, spectrum : as for `sky_conditions`
-    quadrature : method of scaling to the diffuse irradiance: by the "exact" projected
-        solid angles of the patches, or by their "centres" as in gendaymtx, which gives
-        0.55 % less irradiance at MF 1 and 0.04 % at MF 4
+    include : "all"; "sky": sky, and ground including reflected sunlight, without direct
+        sun; "sun": direct sun only
+    sun : assignment of the direct sun to patches, see `sun_radiance`
+    sun_diameter_deg : angular diameter of the sun [°], for `sun="disc"`
+    ground_reflectance : reflectance of the ground, one value or one per band
+    sky_colour : factor on the sky radiance in each band; default: that of gendaymtx in
+        RGB, white in other bands
+    rotation_deg, sun_formula, dew_point_c, spectrum : as in `sky_conditions`
+    quadrature : weights of the patches in the scaling to the diffuse irradiance:
+        "exact" projected solid angles, or solid angle times cosine at the patch
+        "centres" as in gendaymtx, which gives 0.55 % less irradiance at MF 1 and 0.04 %
+        less at MF 4
     bands : spectral bands of the sky
 
     Raises
@@ -86,7 +88,7 @@ def sky_matrix(
         spectrum=spectrum,
     )
 
-    # Compute the parts that are included
+    # Compute the included parts
     diffuse = _sky_and_ground(conditions, partition, quadrature, empty=include == "sun")
     added = sun_radiance(
         conditions.direct_normal * (include != "sky"),
@@ -131,7 +133,7 @@ def _sky_and_ground(
     *,
     empty: bool,
 ) -> Float32[np.ndarray, "patch time"]:
-    # Time is the first axis in memory, since whole steps are written
+    # Time is the first axis in memory, since values are written step by step
     lit = conditions.lit
     radiance = np.zeros((len(lit), len(partition)), np.float32)
     if not empty:
@@ -154,7 +156,7 @@ def _colours(
     sky_colour: Sequence[float] | None,
     bands: Bands,
 ) -> Float[np.ndarray, "band patch"]:
-    # Factor of each band and patch: ground reflectance, then sky colour
+    # Factor of each band and patch: ground reflectance for patch 0, else sky colour
     if sky_colour is None:
         sky_colour = default_colour(bands)
     ground = _per_band("ground reflectance", ground_reflectance, bands, largest=1.0)

@@ -1,8 +1,9 @@
-"""Product of transfer coefficients and an annual sky, in blocks of time steps.
+"""Product of daylight coefficients and an annual sky matrix, in blocks of time steps.
 
-The radiance of the sky in each band is one achromatic distribution times a colour per
-patch. A weighted sum of bands, such as luminance, is therefore applied to the transfer
-matrix first, and a year takes one matrix product instead of one per band.
+The sky radiance in each band is achromatic radiance times a colour per patch. The
+weighted sum over bands, such as that of illuminance, is therefore applied to the
+daylight coefficients first, and a year takes one matrix product instead of one per
+band.
 """
 
 from collections.abc import Iterator
@@ -11,7 +12,7 @@ import numpy as np
 from jaxtyping import Float, Float32, Int
 from scipy.sparse import csc_array
 
-# Largest array of one block [entries of float32]: 128 MB
+# Largest number of float32 values of one block: 128 MB
 _BLOCK = 32_000_000
 
 
@@ -20,8 +21,9 @@ def fold(
     colour: Float[np.ndarray, "band patch"],
     weights: Float[np.ndarray, " band"],
 ) -> Float32[np.ndarray, "*batch row patch"]:
-    """Sum over bands of weight · colour · coefficient; one channel applies to all
-    bands.
+    """Sum over bands of weight · colour · coefficient.
+
+    A single channel of coefficients applies to all bands.
     """
     tint = weights[:, None] * colour
     if values.shape[-3] == 1:
@@ -35,7 +37,7 @@ def fold(
 def lit_steps(
     diffuse: Float32[np.ndarray, "patch time"], sun: csc_array
 ) -> Int[np.ndarray, " lit"]:
-    """Indices of the time steps with sky or sun radiance."""
+    """Indices of the time steps with sky or sun radiance above zero."""
     return np.flatnonzero(diffuse.T.any(axis=1) | (np.diff(sun.indptr) > 0))
 
 
@@ -47,12 +49,12 @@ def product_blocks(
     direct: csc_array,
     steps: Int[np.ndarray, " lit"],
 ) -> Iterator[tuple[Int[np.ndarray, " block"], Float32[np.ndarray, "row block"]]]:
-    """Yield blocks of time steps and the quantity received by the rows.
+    """Yield blocks of time steps and the product for each row, such as illuminance.
 
     Parameters
     ----------
-    sky, sun : coefficients weighted by the colour of the sky and of the sun
-    diffuse, direct : achromatic radiance of the patches from sky and sun [W/(m²·sr)]
+    sky, sun : coefficients from `fold`, with the colours of the sky and of the sun
+    diffuse, direct : achromatic radiance of the patches, of sky and sun [W/(m²·sr)]
     steps : indices of the time steps to compute
     """
     rows, patches = sky.shape
@@ -72,7 +74,7 @@ def product_blocks(
 
 
 def row_blocks(rows: int, *, layers: int, patches: int) -> Iterator[slice]:
-    """Yield blocks of rows whose coefficients in all layers fit in one block."""
+    """Yield slices of rows whose coefficients do not exceed the block size."""
     size = max(1, _BLOCK // (layers * patches))
     for start in range(0, rows, size):
         yield slice(start, min(start + size, rows))

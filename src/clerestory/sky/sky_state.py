@@ -1,8 +1,8 @@
 """Perez sky parameters: clearness, brightness and luminous efficacy.
 
-Irradiance in weather data covers the whole solar spectrum. Visible radiance
-[W/(m²·sr)], as in Radiance, is luminance divided by 179 lm/W. The conversion uses the
-luminous efficacies of direct and diffuse irradiance.
+Irradiance in weather data is that of the whole solar spectrum. Visible irradiance, as
+in Radiance, is illuminance divided by 179 lm/W; illuminance is computed by the Perez
+model of the luminous efficacy of direct and diffuse irradiance.
 
 Reference: R. Perez, P. Ineichen, R. Seals, J. Michalsky, R. Stewart, Modeling
 daylight availability and irradiance components from direct and global
@@ -58,12 +58,12 @@ _DIRECT = np.array(
 
 @dataclass(frozen=True, eq=False)
 class SkyState:
-    """Parameters of Perez's models per time step.
+    """Parameters of the Perez models at each time step.
 
     Attributes
     ----------
     zenith : solar zenith angle, limited to 3°…90° [rad]
-    clearness, brightness : Perez's ε and Δ
+    clearness, brightness : sky clearness ε and sky brightness Δ
     category : clearness category, from 0 (overcast) to 7 (clear)
     """
 
@@ -80,10 +80,10 @@ def sky_state(
     altitude: Float[np.ndarray, " time"],
     day_of_year: Int[np.ndarray, " time"],
 ) -> SkyState:
-    """Return clearness and brightness of the sky (Perez et al. 1990, eqs. 1 and 2)."""
+    """Return the Perez parameters of the sky (Perez et al. 1990, eqs. 1 and 2)."""
     zenith = np.clip(np.pi / 2 - altitude, *_ZENITH_LIMITS)
 
-    # Clearness; the largest category without diffuse irradiance
+    # Clearness, at its upper limit if there is no diffuse irradiance
     correction = 1.041 * zenith**3
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         ratio = np.where(direct_normal > 0, direct_normal / diffuse_horizontal, 0.0)
@@ -106,7 +106,8 @@ def visible_irradiance(
 ) -> tuple[Float[np.ndarray, " time"], Float[np.ndarray, " time"]]:
     """Return visible direct normal and diffuse horizontal irradiance [W/m²].
 
-    Illuminance from Perez's luminous efficacy (1990, eqs. 7 and 8) divided by 179 lm/W.
+    Visible irradiance is irradiance times luminous efficacy (Perez et al. 1990, eqs. 7
+    and 8), divided by 179 lm/W.
     """
     # Precipitable water [cm] from the dew point (eq. 3)
     water = np.exp(0.07 * dew_point_c - 0.075)
@@ -124,7 +125,7 @@ def visible_irradiance(
 
 
 def orbit_factor(day_of_year: Int[np.ndarray, " time"]) -> Float[np.ndarray, " time"]:
-    """Squared ratio of the mean to the actual distance from the sun (Spencer 1971)."""
+    """Squared ratio of the mean to the actual distance to the sun (Spencer 1971)."""
     angle = 2 * np.pi / 365 * (day_of_year - 1)
     factor = 1.00011 + 0.034221 * np.cos(angle) + 0.00128 * np.sin(angle)
     return np.asarray(
@@ -133,7 +134,7 @@ def orbit_factor(day_of_year: Int[np.ndarray, " time"]) -> Float[np.ndarray, " t
 
 
 def _air_mass(zenith: Float[np.ndarray, " time"]) -> Float[np.ndarray, " time"]:
-    # Kasten 1966
+    # Relative air mass of Kasten 1966
     return np.asarray(
         1 / (np.cos(zenith) + 0.15 * (93.885 - np.degrees(zenith)) ** -1.253)
     )

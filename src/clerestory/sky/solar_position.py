@@ -1,7 +1,7 @@
 """Solar position: altitude and azimuth of the sun.
 
-The default is NREL's Solar Position Algorithm (SPA) of pvlib. Its module is loaded
-without the package, whose import takes a second. Radiance's formulas, for comparisons
+The default is NREL's Solar Position Algorithm (SPA) of pvlib; only the module `spa` is
+loaded, since importing the package takes a second. Radiance's formulas, for comparisons
 with Radiance, differ by some tenths of a degree.
 
 References: I. Reda, A. Andreas, NREL/TP-560-34302, 2008; Radiance, src/gen/sun.c,
@@ -23,22 +23,23 @@ from clerestory.sky.weather import Site
 
 SunFormula = Literal["spa", "radiance"]
 
-# Present terrestrial time minus universal time [s], and refraction at sunrise [°]
+# Terrestrial time minus universal time [s], and refraction at sunrise [°]
 _DELTA_T = 67.0
 _REFRACTION_AT_SUNRISE = 0.5667
 
-# The troposphere of ISO 2533: hPa, K, K/m, and the exponent g / (R L)
+# ISO 2533 atmosphere: pressure [hPa] and temperature [K] at sea level, lapse rate [K/m]
+# and exponent g / (R L)
 _PRESSURE, _TEMPERATURE, _LAPSE, _EXPONENT = 1013.25, 288.15, 0.0065, 5.25588
 
 
 @dataclass(frozen=True, eq=False)
 class SunPosition:
-    """Solar position at some moments.
+    """Solar position at each moment.
 
     Attributes
     ----------
-    altitude : altitude above the horizon, with refraction [rad]
-    azimuth : azimuth clockwise from north [rad]
+    altitude : solar altitude, including refraction [rad]
+    azimuth : solar azimuth, clockwise from north [rad]
     """
 
     altitude: Float[np.ndarray, " time"]
@@ -50,7 +51,7 @@ class SunPosition:
 
 
 def day_of_year(times: np.ndarray) -> Int[np.ndarray, " time"]:
-    """Day of the year, 1 for 1 January."""
+    """Day of the year; 1 January is 1."""
     day = times.astype("datetime64[D]") - times.astype("datetime64[Y]").astype(
         "datetime64[D]"
     )
@@ -75,9 +76,9 @@ def sun_position(
     latitude_deg, longitude_deg : latitude, north-positive, and longitude, east-positive
         [°]
     utc_offset_hours : local standard time minus UTC [h]
-    elevation : elevation above sea level [m]; with `temperature_c`, used for refraction
-        only
-    formula : "spa", within 0.0003° from the year -2000 to 6000, or "radiance"
+    elevation : elevation above sea level [m], for refraction
+    temperature_c : air temperature [°C], for refraction
+    formula : "spa", accurate to 0.0003° in the years -2000 to 6000, or "radiance"
 
     Examples
     --------
@@ -130,14 +131,14 @@ def _radiance(
     hour = (times - times.astype("datetime64[D]")) / np.timedelta64(1, "h")
     latitude = np.radians(latitude_deg)
 
-    # Solar time: equation of time and distance from the time zone's meridian
+    # Solar time from the equation of time and the time zone's meridian
     solar = hour + longitude_deg / 15 - utc_offset_hours
     solar = solar + 0.170 * np.sin(4 * np.pi / 373 * (day - 80))
     solar = solar - 0.129 * np.sin(2 * np.pi / 355 * (day - 8))
     hour_angle = solar * np.pi / 12
     declination = 0.4093 * np.sin(2 * np.pi / 365 * (day - 81))
 
-    # Transform declination and hour angle to altitude and azimuth
+    # Altitude and azimuth from declination and hour angle
     sin_d, cos_d = np.sin(declination), np.cos(declination)
     sine = np.sin(latitude) * sin_d - np.cos(latitude) * cos_d * np.cos(hour_angle)
     south = -np.cos(latitude) * sin_d - np.sin(latitude) * cos_d * np.cos(hour_angle)
@@ -146,7 +147,7 @@ def _radiance(
 
 
 def standard_pressure(elevation: float) -> float:
-    """Return the pressure of the standard atmosphere at an elevation [m], in hPa.
+    """Return the air pressure [hPa] of the standard atmosphere at an elevation [m].
 
     >>> round(standard_pressure(1000), 1)
     898.7
@@ -163,11 +164,11 @@ def _spa(
     elevation: float,
     temperature_c: float,
 ) -> tuple[Float[np.ndarray, " time"], Float[np.ndarray, " time"]]:
-    """Return the solar altitude, with refraction, and azimuth [°].
+    """Return the solar altitude, including refraction, and the azimuth [°].
 
     Parameters
     ----------
-    seconds : universal time [s] since 1970
+    seconds : seconds since 1970-01-01, UTC
     elevation : elevation above sea level [m]
     """
     position = _ALGORITHM.solar_position(
@@ -185,7 +186,7 @@ def _spa(
 
 
 def _load() -> ModuleType:
-    # Locate the package without importing it
+    # Load the module spa without importing the package pvlib
     package = importlib.util.find_spec("pvlib")
     if package is None or not package.submodule_search_locations:
         raise ModuleNotFoundError("pvlib is not installed", name="pvlib")

@@ -1,8 +1,8 @@
 """Direct sun as radiance of sky patches.
 
-Radiance distributes the sun over the four nearest patches. Methods with a separate
-direct-sun term assign it to a single patch, with the mean radiance of the patch or the
-radiance of the solar disc.
+Radiance's gendaymtx distributes the direct sun over the four nearest patches. Methods
+with a separate direct-sun term assign it to one patch, either at the mean radiance of
+the patch or at the radiance of the solar disc.
 """
 
 import math
@@ -22,27 +22,27 @@ SunPlacement = Literal["spread", "patch", "disc"]
 SUN_DIAMETER_DEG = math.degrees(SUN_DIAMETER)
 _WIDEST_SUN_DEG = 30.0
 
-# Number of nearest patches, and constant added to distance² in their weights, in
-# gendaymtx
+# Number of nearest patches in gendaymtx, and constant s in their weights
+# 1 / (s − cos γ), with the angle γ to the sun
 _NEIGHBOURS = 4
 _SOFTENING = 1.002
 
-# Smallest direct irradiance regarded as sun [W/m²], as in gendaymtx: 1e-4 lux
+# Direct irradiance below which there is no sun [W/m²], as in gendaymtx: 1e-4 lux
 _THRESHOLD = 1e-4 / 179
 
 
-# Candidates: rings around the ring of a direction, and patches of each ring. Patches
-# are at most 1.5 times as wide as high
+# Number of rings, and of patches per ring, that are searched for the nearest patches;
+# sufficient since patches are at most 1.5 times as wide as high
 _RINGS = 5
 _MOST = 4
 
 
 class Nearest(NamedTuple):
-    """Nearest patches, in order of distance.
+    """Nearest patches of each direction, in order of distance.
 
     Attributes
     ----------
-    distance : chord from the direction to the centre of the patch
+    distance : distance between the unit vectors of the direction and the patch centre
     patch : index of the patch
     """
 
@@ -58,17 +58,18 @@ def sun_radiance(
     placement: SunPlacement = "spread",
     diameter_deg: float = SUN_DIAMETER_DEG,
 ) -> csc_array:
-    """Return the radiance of the sun in each patch at each step [W/(m²·sr)].
+    """Return the radiance of the direct sun in each patch at each step [W/(m²·sr)].
 
     Parameters
     ----------
     direct : visible direct normal irradiance [W/m²]
     directions : unit vectors to the sun
     partition : sky patches
-    placement : "spread": over the four nearest patches, weighted by proximity; "patch":
-        in the nearest patch, at its mean radiance; "disc": in the nearest patch, at the
-        radiance of the solar disc, for direct-sun matrices traced with solar discs
-    diameter_deg : apparent diameter of the solar disc
+    placement : "spread": over the four nearest patches, with gendaymtx's weights;
+        "patch": in the nearest patch, at the mean radiance of the patch; "disc": in the
+        nearest patch, at the radiance of the solar disc, for direct-sun matrices traced
+        with solar discs
+    diameter_deg : angular diameter of the solar disc [°]
     """
     if placement not in ("spread", "patch", "disc"):
         raise InputError(
@@ -83,7 +84,7 @@ def sun_radiance(
     count = _NEIGHBOURS if placement == "spread" else 1
     distance, near = nearest_patches(partition.dome, directions[up], count=count)
 
-    # Weight by proximity: distance² = 2 − 2 cos γ
+    # Weights of gendaymtx, with distance² = 2 − 2 cos γ
     weight = 1 / (_SOFTENING - 1 + distance**2 / 2)
     weight /= weight.sum(axis=1, keepdims=True)
     if placement == "disc":
@@ -111,22 +112,22 @@ def nearest_patches(
     centres = dome.centres()
     rings = min(_RINGS, len(dome.count))
 
-    # Candidate rings around each direction, by the height of their centres
+    # Rings to be searched, adjacent to the altitude of each direction
     height = np.arcsin(centres[dome.first, 2])
     altitude = np.arcsin(np.clip(directions[:, 2], -1, 1))
     own = np.abs(height[:, None] - altitude).argmin(axis=0)
     lowest = np.clip(own - rings // 2, 0, len(height) - rings)
     ring = lowest[:, None] + np.arange(rings)
 
-    # Candidate patches of each ring, around the azimuth; the first patch is in the
-    # north
+    # Patches to be searched in each ring, adjacent to the azimuth; the first patch of a
+    # ring is in the north
     each = dome.count[ring]
     azimuth = np.arctan2(directions[:, 0], directions[:, 1])[:, None]
     offset = np.arange(_MOST)
     place = np.floor(azimuth * each / (2 * np.pi)).astype(int)[..., None] - 1 + offset
     patch = dome.first[ring][..., None] + place % each[..., None]
 
-    # Choose the nearest; exclude duplicates in rings with few patches
+    # Choose the nearest patches; exclude duplicates in rings with few patches
     apart = centres[patch] - directions[:, None, None]
     distance = np.sqrt(np.einsum("drpx,drpx->drp", apart, apart))
     distance[offset >= each[..., None]] = np.inf

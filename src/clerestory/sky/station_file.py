@@ -1,4 +1,4 @@
-"""Station files (.toml): site and columns of a measurement file.
+"""Station files (.toml), which describe the site and columns of a measurement file.
 
     file = "roof.csv"
     stands_for = "end"
@@ -38,7 +38,7 @@ from clerestory.sky.radiation_networks import read_srml, read_surfrad
 from clerestory.sky.time_steps import StandsFor
 from clerestory.sky.weather import Site, Weather
 
-# Keys that are arguments of `read_measured`
+# Keys that are passed to `read_measured` as arguments
 _CSV_SETTINGS = {
     "time_format",
     "stands_for",
@@ -66,7 +66,7 @@ class Table(BaseModel):
 
 
 class SiteTable(Table):
-    """Location of the measurement."""
+    """Table [site]: location of the measurement."""
 
     latitude_deg: float = Field(description="degrees, positive north")
     longitude_deg: float = Field(description="degrees, positive east")
@@ -76,7 +76,7 @@ class SiteTable(Table):
 
 
 class ColumnsTable(Table):
-    """Names of the columns."""
+    """Table [columns]: names of the columns."""
 
     time: OneOrSeveral = Field(min_length=1, description="the name of a column")
     global_horizontal: str | None = None
@@ -88,15 +88,15 @@ class ColumnsTable(Table):
     dew_point: str | None = None
 
     def columns(self) -> Columns:
-        """Return the names as a `Columns`."""
+        """Return the column names for `read_measured`."""
         named = self.model_dump(exclude={"time"})
         return Columns(tuple(self.time), **named)
 
 
 class MeasuredTable(Table):
-    """Description of a measurement file; see `read_measured`.
+    """Description of a measurement file, with the arguments of `read_measured`.
 
-    Files of the networks SURFRAD and SRML have fixed columns.
+    SURFRAD and SRML files have fixed columns.
     """
 
     format: Literal["csv", "srml", "surfrad"] = "csv"
@@ -128,7 +128,7 @@ class _StationFile(MeasuredTable):
 
 
 def read_with(path: str | Path, how: MeasuredTable) -> Weather:
-    """Return the weather in a measurement file."""
+    """Return the weather in a measurement file with a given description."""
     if how.format == "surfrad":
         offset = None if how.site is None else how.site.utc_offset_hours
         return read_surfrad(path, utc_offset_hours=offset)
@@ -144,7 +144,10 @@ def read_with(path: str | Path, how: MeasuredTable) -> Weather:
 
 
 def read_station(path: str | Path) -> Weather:
-    """Return the weather of a station file, whose `file` is relative to its folder."""
+    """Return the weather of a station file.
+
+    The measurement file is relative to the folder of the station file.
+    """
     try:
         tables = tomllib.loads(read_text(path))
     except tomllib.TOMLDecodeError as error:

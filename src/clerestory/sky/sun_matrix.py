@@ -1,8 +1,8 @@
-"""Sun matrix: direct normal irradiance of every solar position over time.
+"""Sun matrix: direct normal irradiance from every solar position at every time step.
 
-The sun is never in most of the 5185 patches of a Reinhart sky. Here every step with
-direct irradiance has its exact solar position; positions within a given angle are
-merged into the position of largest irradiance.
+Every step with direct irradiance has its exact solar position, unlike in the five-phase
+method with 5185 patch centres, most of which the sun never reaches. Solar positions
+within a given angle are merged into the position of largest irradiance.
 """
 
 import importlib
@@ -28,14 +28,14 @@ _WIDEST_TOLERANCE_DEG = 10.0
 
 @dataclass(frozen=True, eq=False)
 class SunMatrix:
-    """Direct normal irradiance from every solar position over time.
+    """Direct normal irradiance from every solar position at every time step.
 
     Attributes
     ----------
-    directions : unit vectors to the sun
+    directions : unit vectors to the sun, one per solar position
     times : centres of the steps, local standard time
-    direct_normal : irradiance [W/m²], over (sun, time), with at most one position per
-        step
+    direct_normal : direct normal irradiance [W/m²], over (sun, time); at most one solar
+        position per step
     attributes : provenance of the matrix
     """
 
@@ -56,23 +56,23 @@ class SunMatrix:
 
     @property
     def rows(self) -> Axis:
-        """The solar positions."""
+        """Axis of solar positions."""
         return unknown_axis(len(self))
 
     @property
     def columns(self) -> Axis:
-        """The time steps."""
+        """Axis of time steps."""
         return time_axis(self.times)
 
     def select(self, steps: slice | np.ndarray) -> "SunMatrix":
-        """Return some of the time steps, by slice or boolean mask, with all suns."""
+        """Return the time steps in a slice or mask, with all solar positions."""
         chosen = np.arange(len(self.times))[steps]
         return replace(
             self, times=self.times[chosen], direct_normal=self.direct_normal[:, chosen]
         )
 
     def radiance(self, diameter: float = SUN_DIAMETER) -> csc_array:
-        """Radiance [W/(m²·sr)] of a sun of the given apparent diameter [rad]."""
+        """Radiance [W/(m²·sr)] of a solar disc of the given angular diameter [rad]."""
         return csc_array(self.direct_normal / (np.pi * (diameter / 2) ** 2))
 
 
@@ -82,10 +82,10 @@ def sun_matrix(
     tolerance_deg: float = 0.0,
     **options: Unpack[SkyOptions],
 ) -> SunMatrix:
-    """Return the solar positions of all steps with direct irradiance.
+    """Return the sun matrix of all steps with direct irradiance.
 
-    Steps with the sun below the horizon are excluded; their number is the attribute
-    "steps_below_horizon".
+    Steps with the sun below the horizon are excluded; the attribute
+    "steps_below_horizon" is the number of these steps.
 
     Parameters
     ----------
@@ -126,10 +126,10 @@ def patch_suns(
     subdivision: int = 6,
     **options: Unpack[SkyOptions],
 ) -> SunMatrix:
-    """Return a sun at the centre of every sky patch: 5185 for subdivision 6.
+    """Return a sun matrix with one solar position at the centre of every sky patch.
 
-    The sun of each step is moved to the nearest patch centre, as in the direct-sun
-    matrices of the five-phase method.
+    The sun of each step is moved to the nearest patch centre, as in the five-phase
+    method. Subdivision 6 has 5185 solar positions.
     """
     conditions = sky_conditions(weather, **options)
     partition = reinhart(subdivision)
@@ -163,15 +163,15 @@ def merge_suns(
     *,
     tolerance: float,
 ) -> Int[np.ndarray, " step"]:
-    """Return, for each step, the index of the step whose solar position represents it.
+    """Merge solar positions; return the index of the representative step of each step.
 
-    Greedy clustering: the remaining step of largest weight represents all remaining
-    steps within `tolerance` [rad], until none remain.
+    By greedy clustering: the unassigned step of largest weight represents all
+    unassigned steps within the angle `tolerance` [rad].
     """
     count = len(directions)
     if count == 0 or tolerance == 0:
         return np.arange(count)
-    # Import here: SciPy's k-d tree loads slowly and is needed for merging only
+    # Imported here, since SciPy loads slowly
     tree = importlib.import_module("scipy.spatial").cKDTree(directions)
     near = tree.query_ball_point(directions, 2 * np.sin(tolerance / 2))
     representative = np.full(count, -1)

@@ -11,7 +11,7 @@ from clerestory.sky.weather import Weather
 def sun_path_table(
     weather: Weather, *, sun_formula: SunFormula = "spa", rotation_deg: float = 0.0
 ) -> str:
-    """Return one line per time step with solar position [°] and irradiance."""
+    """Return a line per step: time, altitude [°], azimuth [°], direct irradiance."""
     position = sun_over(weather, rotation_deg=rotation_deg, sun_formula=sun_formula)
     lines = ["time,altitude,azimuth clockwise from north,direct normal [W/m²]"]
     rows = zip(
@@ -28,7 +28,7 @@ def sun_path_table(
 
 
 def suns_table(suns: SunMatrix, *, step_minutes: float) -> str:
-    """Return one line per solar position [°], with its number of steps and irradiation.
+    """Return a line per solar position: angles [°], number of steps, irradiation.
 
     >>> from scipy.sparse import csc_array
     >>> noon = np.array([[0.0, -0.6, 0.8]])

@@ -1,4 +1,4 @@
-"""Numbers in the cells of text files, with the line number in error messages."""
+"""Numbers in table cells of text files, with line numbers in error messages."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from clerestory.errors import InputError
 def number(
     cells: Sequence[str], index: int, *, name: str, file: str | Path, line: int
 ) -> float:
-    """Return the finite number in one cell."""
+    """Return the number in a cell; raise `InputError` if it is not a finite number."""
     if index >= len(cells):
         raise InputError(
             f"{len(cells)} fields; {name} expected as field {index + 1}",
@@ -35,13 +35,13 @@ def number(
 
 @dataclass(frozen=True, eq=False)
 class DataRows:
-    """Rows of cells of a text file.
+    """Table rows of a text file.
 
     Attributes
     ----------
     file : name of the file
-    cells : cells of each row
-    lines : line number of each row
+    cells : texts of the cells of each row
+    lines : line number of each row in the file
     """
 
     file: str | Path
@@ -64,7 +64,7 @@ class DataRows:
     def column(
         self, index: int, name: str, *, may_miss: bool = False
     ) -> Float[np.ndarray, " row"]:
-        """Return one column; NaN where a cell is empty and `may_miss` allows it."""
+        """Return a column of numbers; with `may_miss`, empty cells are NaN."""
         try:
             values = np.array([row[index] for row in self.cells], dtype=float)
             if np.all(np.isfinite(values)):
@@ -72,7 +72,7 @@ class DataRows:
         except (ValueError, IndexError):
             pass
 
-        # Convert cell by cell, to report the invalid cell
+        # Convert cell by cell, to report the line of an invalid cell
         values = np.empty(len(self.cells))
         for i, row in enumerate(self.cells):
             blank = index < len(row) and row[index].strip().lower() in ("", "nan", "na")

@@ -1,4 +1,4 @@
-"""Time steps of weather files: dates of typical years, lengths and centres of steps."""
+"""Dates, lengths and centres of the time steps of weather files."""
 
 from typing import Literal
 
@@ -11,7 +11,7 @@ from clerestory.sky.weather import TYPICAL_LEAP_YEAR, TYPICAL_YEAR
 
 StandsFor = Literal["start", "centre", "end"]
 
-# Offset from the stated time to the centre of the step [steps]
+# Offset from the time in the file to the centre of the step, in step lengths
 _SHIFTS = {"start": 0.5, "centre": 0.0, "end": -0.5}
 
 _DAYS = (31, 29, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31)
@@ -24,10 +24,10 @@ def calendar_times(
     *,
     rows: DataRows,
 ) -> np.ndarray:
-    """Return the times `hour` hours after the start of the given days, to the second.
+    """Return times from month, day and decimal hour, to the second.
 
-    The year is 2023, or 2024 if a 29 February occurs. Hours within 2 s of a whole
-    minute are rounded to that minute, since files contain 0.167 for 1/6.
+    The year is 2023, or 2024 if the data include 29 February. Times within 2 s of a
+    whole minute are rounded to that minute, since files contain 0.167 for 1/6.
     """
     calendar = np.array(_DAYS)
     whole = (month == np.floor(month)) & (day == np.floor(day))
@@ -49,13 +49,13 @@ def calendar_times(
             line=int(rows.lines[i]),
         )
 
-    # Build the dates in the fixed year
+    # Dates in the fixed year
     leap = np.any((month == 2) & (day == 29))
     year = TYPICAL_LEAP_YEAR if leap else TYPICAL_YEAR
     first = np.datetime64(f"{year}-01", "M") + (month.astype(int) - 1)
     date = first.astype("datetime64[D]") + (day.astype(int) - 1)
 
-    # Add the hours; round to the minute if the difference is due to rounding
+    # Add the hours, and correct for rounding in the file
     seconds = np.round(hour * 3600)
     minute = 60 * np.round(seconds / 60)
     seconds = np.where(np.abs(seconds - minute) <= 2, minute, seconds).astype(int)
@@ -65,9 +65,7 @@ def calendar_times(
 
 
 def require_increasing(times: np.ndarray, *, rows: DataRows) -> None:
-    """Raise `InputError` at the first row whose time is not after the previous
-    row's.
-    """
+    """Raise `InputError` at the first row whose time does not increase."""
     late = np.diff(times) <= np.timedelta64(0)
     if np.any(late):
         i = int(np.argmax(late)) + 1
@@ -80,10 +78,10 @@ def require_increasing(times: np.ndarray, *, rows: DataRows) -> None:
 
 
 def typical_step(times: np.ndarray) -> float:
-    """Return the shortest step between times [min]; 60 for a single one.
+    """Return the shortest interval between times [min]; 60 for a single time.
 
-    Steps within 5 s of a whole minute are rounded to it, since files round hours to
-    three digits: 0.042, 0.125, 0.208 for every five minutes.
+    Intervals within 5 s of a whole minute are rounded to that minute, since files
+    contain hours with three decimals: 0.042, 0.125, 0.208 for steps of five minutes.
     """
     if len(times) < 2:
         return 60.0
@@ -95,7 +93,7 @@ def typical_step(times: np.ndarray) -> float:
 def centres(
     times: np.ndarray, step_minutes: float, stands_for: StandsFor
 ) -> np.ndarray:
-    """Return the centres of steps given by their start, centre or end."""
+    """Return the centres of steps from times at their start, centre or end."""
     if stands_for not in _SHIFTS:
         raise InputError(
             f"times stand for {stands_for!r}; 'start', 'centre' or 'end' expected"

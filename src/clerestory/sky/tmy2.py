@@ -1,6 +1,6 @@
 """Typical meteorological years of NREL, second edition (TMY2, .tm2).
 
-Lines have fixed columns. Hours are numbered 1…24 and mark the end of their step.
+Fields have fixed columns. Hours are numbered 1…24 and mark the end of a time step.
 
 Reference: W. Marion, K. Urban, User's Manual for TMY2s, NREL, 1995, tables 3-1 and 3-2.
 """
@@ -16,7 +16,7 @@ from clerestory.sky.table_cells import DataRows, number
 from clerestory.sky.time_steps import calendar_times, typical_step
 from clerestory.sky.weather import Site, Weather
 
-# Character range of each field, counted from 0, end excluded
+# Character range of each field, from 0, end excluded
 _SITE = {
     "time zone": (33, 36),
     "latitude [°]": (39, 41),

@@ -1,6 +1,6 @@
 """Typical meteorological years of NREL, third edition (TMY3, .csv).
 
-Hours are numbered 01:00…24:00 and mark the end of their step.
+Hours are numbered 01:00…24:00 and mark the end of a time step.
 
 Reference: S. Wilcox, W. Marion, Users Manual for TMY3 Data Sets,
 NREL/TP-581-43156, 2008.
@@ -19,13 +19,14 @@ from clerestory.sky.table_cells import DataRows, number
 from clerestory.sky.time_steps import calendar_times, typical_step
 from clerestory.sky.weather import Site, Weather
 
-# Fields of the first line, counted from 0
+# Indices of the fields of the first line, from 0
 _SITE = {"latitude": 4, "longitude": 5, "time zone": 3, "elevation": 6}
 
 DATE, _TIME = "Date (MM/DD/YYYY)", "Time (HH:MM)"
 _SERIES = ("DNI (W/m^2)", "DHI (W/m^2)", "Dew-point (C)")
 
-# Code for a missing dew point [°C]; codes for missing irradiance are out of range
+# Upper limit of the code for a missing dew point; codes for missing irradiance are
+# removed by quality control
 _MISSING_DEW_POINT = -9900.0
 
 
@@ -45,7 +46,7 @@ def read_tmy3(path: str | Path) -> Weather:
     site = Site(latitude, longitude, offset, elevation, place)
     rows, names = DataRows.below(2, table, file=path), table[1]
 
-    # Convert the end of each hour to its centre
+    # Convert ends of hours to centres
     month, day = _parts(rows, names, DATE, "/")
     hour, _ = _parts(rows, names, _TIME, ":")
     times = calendar_times(month, day, hour - 0.5, rows=rows)

@@ -1,7 +1,7 @@
 """Weather files of Radiance and Daysim (.wea).
 
-Hours are the times at which the solar position is evaluated. Longitude and time zone
-are in west-positive degrees in the file.
+Hours mark the centres of the steps, at which the solar position is computed. In the
+file, longitude and time zone are in degrees, positive west.
 """
 
 from pathlib import Path
@@ -26,7 +26,7 @@ _COLUMNS = (
     "diffuse horizontal irradiance",
 )
 
-# Values of weather_data_file_units
+# Values of weather_data_file_units, the quantities of the last two columns
 _DIRECT_NORMAL, _DIRECT_HORIZONTAL, _ILLUMINANCE = 1, 2, 3
 
 _KEYS = (

@@ -1,8 +1,8 @@
-"""Weather of one place: direct and diffuse irradiance per time step.
+"""Weather of one place: direct and diffuse irradiance at each time step.
 
-Times are local standard time at the centre of the step, where the solar position is
-computed. Typical years are composed of different years, so their dates are set to one
-fixed year: 2023, or 2024 with a 29 February.
+Times are local standard time at the centre of the step, for which the solar position is
+computed. The months of a typical year are from different years, so dates are set to one
+fixed year: 2023, or 2024 if the data include 29 February.
 """
 
 from dataclasses import dataclass, replace
@@ -22,10 +22,11 @@ class Site:
 
     Attributes
     ----------
-    latitude_deg, longitude_deg : latitude (north-positive), longitude (east-positive)
-        utc_offset_hours : local standard time minus UTC [h]
-        elevation : elevation above sea level [m]
-        place : name of the location
+    latitude_deg, longitude_deg : latitude, positive north, and longitude, positive east
+        [°]
+    utc_offset_hours : local standard time minus UTC [h]
+    elevation : elevation above sea level [m]
+    place : name of the location
     """
 
     latitude_deg: float
@@ -51,11 +52,12 @@ class Site:
 
 @dataclass(frozen=True, eq=False)
 class Illuminance:
-    """Direct and diffuse illuminance over time.
+    """Measured direct and diffuse illuminance over time.
 
     Attributes
     ----------
-    direct_normal, diffuse_horizontal : illuminance [lux]
+    direct_normal, diffuse_horizontal : direct normal and diffuse horizontal illuminance
+        [lux]
     """
 
     direct_normal: Float[np.ndarray, " time"]
@@ -73,23 +75,23 @@ class Weather:
     Attributes
     ----------
     place : name of the place
-    latitude_deg, longitude_deg : latitude, north-positive, and longitude, east-positive
+    latitude_deg, longitude_deg : latitude, positive north, and longitude, positive east
         [°]
-    elevation : above sea level [m]
+    elevation : elevation above sea level [m]
     utc_offset_hours : local standard time minus UTC [h]
     times : centres of the steps, local standard time
     step_minutes : length of a step [min]
     direct_normal : direct normal irradiance, DNI [W/m²]
     diffuse_horizontal : diffuse horizontal irradiance, DHI [W/m²]
-    dew_point_c : dew point [°C], NaN where unknown; None if all are unknown
-    illuminance : measured illuminance [lux]; None if it is derived from the irradiance
-    source : file name
-    notes : corrections made by the reader, each with its count
+    dew_point_c : dew point [°C], NaN where unknown; None if unknown at all steps
+    illuminance : measured illuminance; None if it is computed from the irradiance
+    source : name of the weather file
+    notes : corrections of the data, with numbers of values
 
     Raises
     ------
-    InputError : a coordinate is out of range, series differ in length, times do not
-        increase, or irradiance is negative or not finite
+    InputError : a coordinate is out of range, arrays differ in length, times do not
+        increase, or irradiance or illuminance is negative or not finite
     """
 
     place: str
@@ -147,7 +149,7 @@ class Weather:
 
     @property
     def site(self) -> Site:
-        """Location of the weather."""
+        """Location and time zone."""
         return Site(
             self.latitude_deg,
             self.longitude_deg,

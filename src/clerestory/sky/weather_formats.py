@@ -1,6 +1,6 @@
-"""Registry of weather file formats, recognised by their first lines.
+"""List of weather file formats, which are recognised by the first lines of a file.
 
-To add a format, write a reader module and add a line to `FORMATS`.
+To add a format, write a module with a reader and add a line to `FORMATS`.
 """
 
 import importlib
@@ -19,7 +19,7 @@ from clerestory.sky.weather import Weather
 
 Reader = Callable[[str | Path], Weather]
 
-# Number of leading characters by which a format is recognised
+# Number of characters from which the format is recognised
 _HEAD = 4000
 
 
@@ -29,8 +29,8 @@ class WeatherFormat(NamedTuple):
     Attributes
     ----------
     name : name of the format in messages
-    recognises : whether the first lines belong to this format
-    read : reader of the format
+    recognises : function that tells from the first lines whether a file has this format
+    read : function that reads a file of this format
     """
 
     name: str
@@ -53,8 +53,8 @@ def read_weather(path: str | Path) -> Weather:
     """Return the weather in an EPW, WEA, TMY2, TMY3, SURFRAD or station file.
 
     The format is recognised by the first lines, not by the suffix, except for station
-    files (.toml), which describe measurement files. Dates of typical years are set to
-    the year 2023 (2024 if the file has a 29 February).
+    files (.toml), which describe measurement files. Dates of typical years are in 2023,
+    or in 2024 if the file includes 29 February.
 
     Raises
     ------
@@ -64,7 +64,7 @@ def read_weather(path: str | Path) -> Weather:
     try:
         return read(path)
     except InputError as error:
-        # Add the file name to errors of the whole series
+        # Add the file name to errors without one
         if error.file is not None:
             raise
         raise InputError(error.message, file=path) from error
@@ -72,7 +72,7 @@ def read_weather(path: str | Path) -> Weather:
 
 def _reader(path: str | Path) -> Reader:
     if Path(path).suffix.lower() == ".toml":
-        # Import here: Pydantic loads slowly and is needed for station files only
+        # Imported here, since Pydantic loads slowly
         station = importlib.import_module("clerestory.sky.station_file")
         reader: Reader = station.read_station
         return reader

@@ -1,4 +1,4 @@
-"""Selection of weather: a range of days, or the time step that contains a moment."""
+"""Selection of time steps of the weather: a range of days, or one moment."""
 
 import re
 
@@ -11,12 +11,12 @@ from clerestory.sky.weather import Weather
 def select_days(
     weather: Weather, *, first: str = "01-01", last: str = "12-31"
 ) -> Weather:
-    """Return the steps of a range of days, first and last day included.
+    """Return the weather of a range of days, including the first and the last day.
 
     Parameters
     ----------
-    first, last : days "MM-DD"; if the last is before the first, the range includes new
-        year
+    first, last : days "MM-DD"; if `last` is before `first`, the range includes 1
+        January
     """
     for day in (first, last):
         if not re.fullmatch(r"(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])", day):
@@ -34,15 +34,15 @@ def select_days(
 
 
 def select_moment(weather: Weather, moment: str) -> Weather:
-    """Return the single step that contains a moment of the year.
+    """Return the weather of the time step that contains a moment of the year.
 
     Parameters
     ----------
-    moment : time "MM-DD HH:MM", local standard time
+    moment : local standard time "MM-DD HH:MM"
 
     Examples
     --------
-    The hour with its centre at 11:30 is from 11:00 to 12:00.
+    The step with its centre at 11:30 is the hour from 11:00 to 12:00.
 
     >>> hours = np.datetime64("2023-06-21T00:30", "s") + np.arange(24) * 3600
     >>> dark = np.zeros(24)

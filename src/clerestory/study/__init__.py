@@ -1,1 +1,1 @@
-"""Studies: a whole annual simulation described by one TOML file."""
+"""Studies: annual simulations described by a TOML file."""

@@ -28,7 +28,7 @@ from clerestory.study.view_matrices import ViewMatrices
 
 PICTURE_FOLDER = "pictures"
 
-# Least view angle for glare, a little less than the field of view of the eye
+# Minimum view angle for glare evaluation [degrees], with a tolerance of 1°
 _EYE_DEG = 179.0
 
 
@@ -42,14 +42,14 @@ def study_views(
     out: Path,
     display: Display,
 ) -> xr.Dataset:
-    """Return the glare of every view at every step, and write the selected images.
+    """Return glare metrics of every view and time step; write the selected images.
 
-    Steps without light have no glare: NaN.
+    Metrics are NaN in time steps without light.
 
     Parameters
     ----------
-    states : states of every window group over time
-    lamps, output : electric light to be added, and its fraction of full output
+    states : index of the shade state at each time step, per window group
+    lamps, output : electric light at full output, and dimming level 0…1 of each zone
 
     Returns
     -------
@@ -98,9 +98,9 @@ def sees_glare(view: View) -> bool:
 def glare_function(
     views: Sequence[ViewMatrices], skies: Skies, *, display: Display
 ) -> GlareFunction:
-    """Return a function from time steps to their glare, without electric light.
+    """Return a function that computes DGP at given time steps, for daylight only.
 
-    The glare of steps without daylight is 0.
+    The function returns the maximum DGP of the views, and 0 without daylight.
     """
     times = skies.whole.times
     lit = skies.whole.diffuse.max(axis=0) > 0
@@ -151,7 +151,7 @@ def _glare(
     *,
     progress: Callable[[int], None] | None = None,
 ) -> xr.Dataset:
-    # Images are grouped by combinations of states; they are ordered by their times
+    # Images are grouped by combination of shade states, not in order of time
     order = view.order(states, steps)
     return annual_glare(series, view.camera.view, times=times[order], progress=progress)
 
@@ -163,7 +163,7 @@ def _counted(progress: Progress, count: int) -> Callable[[int], None]:
 def _asked_for(
     table: ViewTable, times: np.ndarray, steps: np.ndarray
 ) -> dict[int, str]:
-    # Number of the step of each picture, and the words of the study for it
+    # Step index of each selected picture, and its moment as given in the study
     stamps = {
         str(np.datetime_as_string(times[step], unit="m"))[5:]: int(step)
         for step in steps
@@ -184,7 +184,7 @@ def _with_lamps(
     lamps: Sequence[np.ndarray],
     output: Float[np.ndarray, "zone time"],
 ) -> Iterator[tuple[int, Picture]]:
-    # Add the light of every zone by its output
+    # Add the radiance due to each zone, scaled by its dimming level
     for step, picture in series:
         pixels = picture.radiance
         for lit, share in zip(lamps, output[:, step], strict=True):

@@ -1,7 +1,7 @@
 """Schema of the study file (TOML).
 
-Each table of the file is a class; error messages use the description of a key as the
-expected value. See `docs/study-file.md`.
+Each table of the file is a class; error messages state the description of a key as
+the expected value. See `docs/study-file.md`.
 """
 
 import json
@@ -48,7 +48,7 @@ _METHODS = " or".join(", ".join(f'"{name}"' for name in METHODS).rsplit(",", 1))
 
 
 def _methods(value: Any) -> Any:
-    # One method, or several different ones to compare
+    # One method, or a list of distinct methods to compare
     chosen = value if isinstance(value, list) else [value]
     known = all(isinstance(m, str) and m in METHODS for m in chosen)
     if not (chosen and known and len(set(chosen)) == len(chosen)):
@@ -58,7 +58,7 @@ def _methods(value: Any) -> Any:
 
 
 class Study(Table):
-    """A study; paths are relative to its folder."""
+    """Study, as described by a study file; paths are relative to its folder."""
 
     _folder: Path = PrivateAttr(Path())
 
@@ -147,7 +147,7 @@ class Study(Table):
 
     @model_validator(mode="after")
     def _names_that_exist(self) -> "Study":
-        # References of rules and zones to grids, views and zones of the study
+        # Grids, views and zones named in rules, zones and luminaires must exist
         grids = [table.label for table in self.sensors]
         views = [table.label for table in self.view]
         for window in self.window:
@@ -191,18 +191,18 @@ class Study(Table):
 
     @property
     def method(self) -> MethodName:
-        """The method; the first if several are compared."""
+        """Phase method; the first one if several are compared."""
         return self.methods[0]
 
     @property
     def corrected(self) -> bool:
-        """Whether direct sun in patches is replaced by the sun's exact position."""
+        """Whether the direct correction is applied."""
         choice = METHODS[self.method].correction
         return choice == "always" or (choice == "choice" and self.sun.places == "exact")
 
     @property
     def terms(self) -> tuple[Term, ...]:
-        """The terms of the matrix equation."""
+        """Terms of the matrix equation."""
         return METHODS[self.method].terms(corrected=self.corrected)
 
     @property
@@ -235,7 +235,7 @@ class Study(Table):
         return self.model_copy(update={"trace": trace})
 
     def facts(self) -> dict[str, Any]:
-        """Return every key with its value, files relative to the study."""
+        """Return all keys and values, with file paths relative to the study folder."""
 
         def plain(value: Any) -> Any:
             if isinstance(value, dict):
@@ -253,7 +253,7 @@ class Study(Table):
         return facts
 
     def to_json(self) -> str:
-        """Return the facts as JSON."""
+        """Return all keys and values as JSON."""
         return json.dumps(self.facts(), sort_keys=True)
 
 

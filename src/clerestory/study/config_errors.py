@@ -14,7 +14,7 @@ from pydantic_core import ErrorDetails
 from clerestory.errors import InputError
 from clerestory.study.toml_lines import key_lines, line_of
 
-# Expected value for each type of pydantic error; {…} are its limits
+# Expected value for each type of pydantic error, with the limits in {…}
 _EXPECTED = {
     "int_type": "a whole number",
     "int_from_float": "a whole number",
@@ -53,7 +53,7 @@ def parse_toml(text: str, *, file: Path) -> dict[str, Any]:
 def input_error(
     error: ValidationError, *, model: type[BaseModel], text: str, file: Path
 ) -> InputError:
-    """Return the pydantic error that is first in the file."""
+    """Return an InputError for the first pydantic error in the file."""
     lines = key_lines(text)
 
     def place(details: ErrorDetails) -> float:
@@ -93,7 +93,7 @@ def _expected(details: ErrorDetails, model: type[BaseModel]) -> str:
 
 
 def _shown(value: Any) -> str:
-    # The value in the file, abbreviated
+    # Value in the file, abbreviated
     shown = json.dumps(value, default=str, ensure_ascii=False)
     return shown if len(shown) <= 60 else shown[:57] + "…"
 
@@ -104,7 +104,7 @@ def _keys(model: type[BaseModel]) -> list[str]:
 
 
 def _model_at(model: type[BaseModel], where: tuple[str | int, ...]) -> type[BaseModel]:
-    # The table at a path of keys
+    # Table class at a path of keys
     for part in where:
         if isinstance(part, str):
             model = _table_of(_field(model, part).annotation) or model
@@ -123,7 +123,7 @@ def _field(model: type[BaseModel], key: str) -> Any:
 
 
 def _table_of(annotation: Any) -> type[BaseModel] | None:
-    # The table class in an annotation such as list[WindowTable]
+    # Table class in an annotation such as list[WindowTable]
     if get_origin(annotation) in (list, types.UnionType):
         annotation = get_args(annotation)[0]
     is_table = isinstance(annotation, type) and issubclass(annotation, BaseModel)

@@ -1,6 +1,7 @@
 """Tables of the study file, except for windows and lighting.
 
-Each table is a class; error messages use the description of a key as expected value.
+Each table is a class; error messages state the description of a key as the expected
+value.
 """
 
 from pathlib import Path
@@ -34,7 +35,7 @@ MonthDay = Annotated[str, Field(pattern=r"^(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])
 
 
 def rule_broken(message: str, **words: Any) -> PydanticCustomError:
-    """Return the error that keys of a table are inconsistent."""
+    """Return a validation error for inconsistent keys of a table."""
     return PydanticCustomError("rule", message, words or None)
 
 
@@ -57,23 +58,23 @@ class Named(Table):
 
     @property
     def label(self) -> str:
-        """The name."""
+        """Name of the table."""
         return self.name
 
 
 class NamedFile(Named):
-    """A table about a file, named after it if it has no name."""
+    """Table with a file, whose name is the default for the name of the table."""
 
     file: InputFile
 
     @property
     def label(self) -> str:
-        """Name, or else the stem of the file's name."""
+        """Name of the table, by default the stem of the file name."""
         return self.name or self.file.stem
 
 
 class SceneTable(Table):
-    """The room and its surroundings."""
+    """Files of the room and its surroundings."""
 
     files: list[InputFile] = Field(
         min_length=1, description="a list of Radiance scene files"
@@ -87,7 +88,7 @@ class SensorsTable(NamedFile):
 
 
 class ClearSkyTable(Table):
-    """A year of clear skies, instead of a weather file."""
+    """Year of clear skies, in place of a weather file."""
 
     latitude_deg: float = Field(ge=-90, le=90, description="degrees, positive north")
     longitude_deg: float = Field(ge=-180, le=180, description="degrees, positive east")
@@ -108,7 +109,7 @@ class ClearSkyTable(Table):
 
 
 class WeatherTable(Table):
-    """The weather, and the part of the year to simulate."""
+    """Weather data, and the simulated part of the year."""
 
     file: InputFile | None = Field(
         None,
@@ -164,7 +165,7 @@ def _pictures(value: Any) -> Any:
 
 
 class ViewTable(NamedFile):
-    """A view: glare at every step, and images of selected moments."""
+    """View for glare at every time step and for images of selected moments."""
 
     file: InputFile = Field(description="a Radiance view file")
     resolution: int = Field(200, ge=8, le=4096)
@@ -179,12 +180,12 @@ class ViewTable(NamedFile):
 
 
 def sun_places(value: Any) -> Any:
-    """Return the table [sun] for its short form, one word."""
+    """Return the table [sun] for the short form `sun = "exact"` or "patches"."""
     return {"places": value} if isinstance(value, str) else value
 
 
 class SunTable(Table):
-    """The direct sun of the five-phase method."""
+    """Direct sun of the direct correction."""
 
     places: Literal["exact", "patches"] = "exact"
     tolerance_deg: float = Field(0.25, ge=0, le=5)
@@ -194,7 +195,7 @@ class SunTable(Table):
 
 
 class TraceTable(Table):
-    """Accuracy of tracing; `relative_error` is 0.01 if neither goal is given."""
+    """Accuracy of tracing; default `relative_error` is 0.01 without `samples`."""
 
     relative_error: float | None = Field(None, gt=0, lt=1)
     samples: int | None = Field(None, ge=1)

@@ -1,6 +1,6 @@
 """Inputs of shade control rules: sun, façade irradiance, illuminance and glare.
 
-All are computed on demand.
+Inputs are computed on demand.
 """
 
 from collections.abc import Callable, Sequence
@@ -31,11 +31,11 @@ GlareFunction = Callable[
 
 @dataclass(frozen=True, eq=False)
 class ControlInputs:
-    """The inputs of the rules of a study.
+    """Inputs of the control rules of a study.
 
     Attributes
     ----------
-    judge : function that returns the glare of time steps
+    judge : function that returns the maximum DGP of given views at given time steps
     """
 
     study: Study
@@ -47,17 +47,17 @@ class ControlInputs:
 
     @property
     def times(self) -> np.ndarray:
-        """Middles of the steps, local standard time."""
+        """Centres of the time steps, in local standard time."""
         return self.inputs.weather.times
 
     @property
     def step_minutes(self) -> float:
-        """Length of a step [min]."""
+        """Length of a time step [min]."""
         return self.inputs.weather.step_minutes
 
     @cached_property
     def occupied(self) -> Bool[np.ndarray, " time"]:
-        """Whether each step lies within the study's schedule."""
+        """Whether each time step lies within the schedule of the study."""
         schedule = self.study.schedule
         return occupied_hours(
             self.times, from_hour=schedule.from_hour, to_hour=schedule.to_hour
@@ -65,30 +65,30 @@ class ControlInputs:
 
     @cached_property
     def sun(self) -> Float[np.ndarray, "time 3"]:
-        """Unit vectors to the sun, in the frame of the scene."""
+        """Unit vectors to the sun, in the coordinate system of the scene."""
         rotation = self.study.sky.rotation_deg
         return sun_over(self.inputs.weather, rotation_deg=rotation).directions()
 
     def profile(
         self, group: int, *, vertical: bool = False
     ) -> Float[np.ndarray, " time"]:
-        """Profile angle of the sun at a window [rad]; NaN behind it and at night."""
+        """Profile angle [rad] of the sun; NaN at night and with the sun behind."""
         frame = self.inputs.groups[group].inner.frame
         angle = profile_angle(self.sun, frame, vertical=vertical)
         return np.where(self.sun[:, 2] > 0, angle, np.nan)
 
     def direct_irradiance(self, group: int) -> Float[np.ndarray, " time"]:
-        """Return the unobstructed direct irradiance of a façade [W/m²]."""
+        """Return the unobstructed direct irradiance on a façade [W/m²]."""
         outward = -self.inputs.groups[group].inner.frame.normal
         slant = np.maximum(self.sun @ outward, 0) * (self.sun[:, 2] > 0)
         return np.asarray(self.inputs.weather.direct_normal * slant)
 
     def irradiance(self, group: int) -> Float[np.ndarray, " time"]:
-        """Return the global irradiance of a façade [W/m²]."""
+        """Return the global irradiance on a façade [W/m²]."""
         return self._on_facade("irradiance", group, self._solar) / LUMINOUS_EFFICACY
 
     def facade_illuminance(self, group: int) -> Float[np.ndarray, " time"]:
-        """Illuminance of a façade [lux]."""
+        """Illuminance on a façade [lux]."""
         return self._on_facade("illuminance", group, self.skies.whole)
 
     @cached_property
@@ -110,10 +110,11 @@ class ControlInputs:
         return self._kept[name, group]
 
     def _facade_row(self, group: int) -> TransferMatrix:
-        # The window's outer patches as one sensor; without D, unobstructed
+        # Irradiance coefficients [sr] of the window: D weighted by projected solid
+        # angle, or those of an unobstructed plane if the method has no D
         factors = self.matrices.windows[group].whole.factors
         if factors:
-            daylight = factors[0][-1]  # with the shades most open
+            daylight = factors[0][-1]  # shade state 0
             outer = self.inputs.groups[group].outer.partition
             values = outer.projected_solid_angles()[None, :] @ daylight.values
             return replace(

@@ -1,8 +1,8 @@
 """Shade control rules: states of window groups over time.
 
-Rules that depend on the room are evaluated in the order of the file: window groups
-already decided are in their states, those not yet decided are closed. Limits are thus
-observed if possible, and the first group remains the most open.
+Rules with interior inputs are evaluated group by group, in the order of the study file.
+Groups evaluated before are in their chosen states, groups evaluated later are closed.
+Limits are thus met if possible, with earlier groups as open as possible.
 """
 
 from collections.abc import Callable
@@ -31,12 +31,13 @@ _StateTimes = Int[np.ndarray, " time"]
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A window group whose states are to be determined.
+    """Control problem of one window group.
 
     Attributes
     ----------
+    signals : inputs of the control rules
     number : index of the group
-    control : its rule
+    control : control rule of the group
     others : current states of all groups; those of the group itself are ignored
     """
 
@@ -51,24 +52,24 @@ class Case:
         return len(self.signals.inputs.groups[self.number].states)
 
     def with_state(self, state: int) -> list[_StateTimes]:
-        """States of all groups with this one in a given state at all steps."""
+        """States of all groups, with this group in a given state at all steps."""
         states = list(self.others)
         states[self.number] = np.full_like(states[self.number], state)
         return states
 
     def every_step(self) -> Int[np.ndarray, " time"]:
-        """Numbers of all steps."""
+        """Indices of all time steps."""
         return np.arange(len(self.signals.times))
 
 
 def fixed(case: Case) -> _StateTimes:
-    """Return the same state at all steps."""
+    """Return a constant state."""
     group = case.signals.inputs.groups[case.number]
     return np.full(len(case.signals.times), group.number_of(case.control.state))
 
 
 def cut_off(case: Case) -> _StateTimes:
-    """Return the most open tilt that blocks direct sun, if there is any."""
+    """Return the most open slat tilt that blocks direct sun, at each time step."""
     control = case.control
     width, spacing = control.slat_width, control.slat_spacing
     if width is None or spacing is None:
@@ -83,7 +84,7 @@ def cut_off(case: Case) -> _StateTimes:
 
 
 def by_profile(case: Case) -> _StateTimes:
-    """Return as state the number of angles above the sun's profile angle."""
+    """Return the number of `angles_deg` above the solar profile angle as the state."""
     angle = case.signals.profile(case.number, vertical=case.control.vertical)
     if case.control.vertical:
         angle = np.abs(angle)
@@ -92,7 +93,7 @@ def by_profile(case: Case) -> _StateTimes:
 
 
 def by_threshold(case: Case) -> _StateTimes:
-    """Return states that follow one quantity over time."""
+    """Return states by thresholds of one quantity, with hysteresis and delays."""
     control = case.control
     quantity = _quantity(case)
     delays = {
@@ -117,7 +118,7 @@ def by_threshold(case: Case) -> _StateTimes:
 
 
 def by_glare(case: Case) -> _StateTimes:
-    """Return the least closed state with glare below the limit."""
+    """Return the most open state with DGP below the limit."""
     bound = case.control.dgp_below or DGP_BELOW
     if case.control.grid:
         return least_closed([Limit(_simplified_glare(case), bound)])
@@ -125,7 +126,7 @@ def by_glare(case: Case) -> _StateTimes:
 
 
 def by_score(case: Case) -> _StateTimes:
-    """Return the state with the highest useful illuminance within limits."""
+    """Return the state with the highest mean of min(illuminance, target), in limits."""
     control, signals = case.control, case.signals
     target = control.target_lux or signals.study.metrics.target_lux
     lux = [
@@ -143,7 +144,7 @@ def by_score(case: Case) -> _StateTimes:
 
 
 def by_schedule(case: Case) -> _StateTimes:
-    """Return the states in a file; each line is valid until the next one."""
+    """Return the states of a schedule file; each line applies until the next line."""
     group = case.signals.inputs.groups[case.number]
     file = case.control.file
     if file is None:
@@ -172,7 +173,7 @@ def by_function(case: Case) -> _StateTimes:
         return apply_rule(rule, situation(case))
     except InputError:
         raise
-    except Exception as error:  # whatever the user's function does
+    except Exception as error:  # any exception of the user-defined function
         told = " ".join(str(error).split())[:200]
         raise InputError(
             f'rule "{function}" ended with {type(error).__name__}: {told}', file=file
@@ -201,7 +202,7 @@ def situation(case: Case) -> Situation:
 
 
 def _wanted(case: Case) -> dict[str, Float[np.ndarray, "state time"]]:
-    # Quantities required for every state
+    # Illuminance and DGP of every state, as required by the user-defined function
     found, needs = {}, case.control.needs
     if "illuminance" in needs:
         for grid in case.signals.inputs.grids:
@@ -215,7 +216,7 @@ def _wanted(case: Case) -> dict[str, Float[np.ndarray, "state time"]]:
     return found
 
 
-# Rules that depend on sky and façade only, and rules that depend on the room
+# Rules with exterior inputs only, and rules with interior inputs
 OUTSIDE: dict[str, Callable[[Case], _StateTimes]] = {
     "fixed": fixed,
     "cut-off": cut_off,
@@ -271,7 +272,7 @@ def _glare(case: Case) -> Float[np.ndarray, "state time"]:
 
 
 def _glare_until(case: Case, bound: float) -> Float[np.ndarray, "state time"]:
-    # More closed states are evaluated only at steps without an acceptable state
+    # Evaluate a state only at time steps at which all more open states exceed the limit
     steps = case.every_step()
     glare = np.full((case.count, len(steps)), np.inf)
     for state in range(case.count):

@@ -1,4 +1,4 @@
-"""Geometry and layer transmission in the results, for drawings."""
+"""Geometry and BSDF data in the results, for drawings."""
 
 from collections.abc import Sequence
 
@@ -15,9 +15,9 @@ from clerestory.study.window_groups import WindowGroup
 
 
 def room_drawing(scene: Scene) -> xr.Dataset:
-    """Return the surfaces as triangles [m] with the colour of their material, 0…1.
+    """Return the surfaces as triangles [m], with material colours 0…1.
 
-    Empty for a scene without surfaces.
+    The dataset is empty for a scene without surfaces.
     """
     if not scene.surfaces:
         return xr.Dataset()
@@ -37,9 +37,9 @@ def room_drawing(scene: Scene) -> xr.Dataset:
 
 
 def window_drawing(windows: Sequence[Window]) -> xr.Dataset:
-    """Return the windows as triangles [m] with their centre, normal and up vector.
+    """Return the windows as triangles [m], with centre, normal and up vector.
 
-    No windows give nothing.
+    The dataset is empty without windows.
     """
     if not windows:
         return xr.Dataset()
@@ -62,9 +62,9 @@ def window_drawing(windows: Sequence[Window]) -> xr.Dataset:
 
 
 def layer_drawing(groups: Sequence[WindowGroup]) -> xr.Dataset:
-    """Return the layers' BTDF from outside [1/sr], in Klems' full basis.
+    """Return the BTDFs for light from outside [1/sr], in the Klems full basis.
 
-    A layer is a state of a window; those of one file are one. No windows give nothing.
+    A layer is a shade state; states with the same BSDF file and name share a layer.
     """
     shown: dict[tuple[str, str], list[str]] = {}
     values = []

@@ -11,7 +11,7 @@ from clerestory.metrics.lighting_energy import LightingUse, LightingZone, lighti
 from clerestory.study.lighting_tables import LightingTable
 from clerestory.study.luminaire_matrices import Lamps, Zone
 
-# Fixed-point iterations of zones that light each other
+# Number of fixed-point iterations for zones that illuminate each other
 _ROUNDS = 8
 
 
@@ -23,17 +23,18 @@ def lighting(
     occupied: Bool[np.ndarray, " time"],
     step_hours: float,
 ) -> xr.Dataset:
-    """Return output, illuminance and power of the luminaires at every step.
+    """Return dimming level, illuminance and power of the luminaires over time.
 
-    The photosensors of dimmed zones receive daylight and the light of other zones,
-    those of switched zones daylight only.
+    Photosensors of dimmed zones measure daylight and the light of other zones,
+    photosensors of switched zones ("on-off") measure daylight only.
 
     Parameters
     ----------
+    lamps : electric light at full output
     hourly : `illuminance` and `standard_error` of daylight [lux]
     rows : indices of the sensors that control each zone
-    occupied : whether the zone is occupied
-    step_hours : length of a step [h]
+    occupied : mask of the occupied time steps
+    step_hours : length of a time step [h]
 
     Returns
     -------
@@ -89,7 +90,8 @@ def _governed(zone: Zone, full: np.ndarray) -> LightingZone:
 def _reading(
     table: LightingTable, seen: Float[np.ndarray, "sensor time"], full: np.ndarray
 ) -> Float[np.ndarray, " time"]:
-    # Illuminance of the photosensor; "lowest" is the sensor with the lowest illuminance
+    # Photosensor reading [lux]: mean of the sensors, or by the sensor with the largest
+    # required output
     if table.reading == "mean":
         return np.asarray(seen.mean(axis=0))
     missing = ((table.setpoint_lux - seen) / full[:, None]).max(axis=0)

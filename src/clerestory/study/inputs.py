@@ -1,4 +1,4 @@
-"""Input files of a study, read and checked before tracing."""
+"""Content of the input files of a study."""
 
 from dataclasses import dataclass
 
@@ -20,15 +20,15 @@ from clerestory.study.window_groups import WindowGroup, read_window_groups
 
 @dataclass(frozen=True, eq=False)
 class Inputs:
-    """The inputs of a study.
+    """Inputs of a study.
 
     Attributes
     ----------
-    scene : the room without its windows
-    groups : the window groups
-    grids : sensors by the name of their grid
-    cameras : views of the study, in order
-    weather : the simulated part of the year
+    scene : room and surroundings, without the windows
+    groups : window groups
+    grids : sensors of each grid, by grid name
+    cameras : views with picture sizes, in the order of the study file
+    weather : weather of the simulated time steps
     """
 
     scene: Scene
@@ -38,7 +38,7 @@ class Inputs:
     weather: Weather
 
     def sensors(self) -> Sensors:
-        """Return the sensors of all grids, one after the other."""
+        """Return the sensors of all grids, concatenated."""
         grids = self.grids.values()
         return Sensors(
             np.concatenate([grid.position for grid in grids]),
@@ -46,7 +46,7 @@ class Inputs:
         )
 
     def rows(self, grid: str) -> Int[np.ndarray, " sensor"]:
-        """Return the indices of the sensors of a grid, or of all for an empty name."""
+        """Return the indices of the sensors of a grid, or all if `grid` is empty."""
         owner = np.repeat(list(self.grids), [len(s) for s in self.grids.values()])
         return np.flatnonzero((owner == grid) | (not grid))
 

@@ -1,4 +1,4 @@
-"""What every matrix of a study needs: scene, seeds, effort, and where it is kept."""
+"""Common inputs of all traced matrices of a study: scene, seeds, effort, cache."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -16,30 +16,30 @@ from clerestory.scene.model import Scene
 from clerestory.study.config import Study
 from clerestory.study.inputs import Inputs
 
-# Starts the display of one phase, given its name
+# Function that starts the progress display of a phase of this name
 Display = Callable[[str], Progress]
 
-# Random numbers of the direct phases, of the suns, of lamps and of the two-phase
-# method, apart from those of V and D
+# Seed offsets of V_d and D_d, direct-sun coefficients, electric light, and daylight
+# coefficients (V and D: no offset)
 DIRECT, SUN, LAMPS, COEFFICIENTS = 0x10000, 0x20000, 0x30000, 0x40000
 
-# Apart the states of one window
+# Seed offset between the shade states of a window
 STATE = 0x100
 
-# Aimed at where a study asks for neither samples nor an error
+# Default relative error, if a study gives neither samples nor relative_error
 _RELATIVE_ERROR = 0.01
 
 
 @dataclass(frozen=True, eq=False)
 class Job:
-    """What every matrix of a study needs.
+    """Common inputs of all traced matrices of a study.
 
     Attributes
     ----------
-    found : whether each matrix was found in the store, by its file's name; grows
-        while the study is traced
-    executor : does the work; it changes no bit of the results
-    scratch : folder for hourly results that memory does not hold
+    display : function that starts the progress display of a phase
+    found : for each matrix file name, whether the matrix was in the cache
+    executor : executor of the tracing jobs; results do not depend on it
+    scratch : folder for hourly results that do not fit into memory
     """
 
     study: Study
@@ -62,15 +62,15 @@ class Job:
 
     @property
     def device(self) -> Literal["cpu", "cuda"]:
-        """The device that is used."""
+        """Compute device for tracing."""
         return self.executor.resolve(self.study.trace.device)
 
     def seed(self, stream: int = 0) -> int:
-        """Random numbers of one matrix, apart from those of the others."""
+        """Random seed of a matrix, from the seed of the study and an offset."""
         return (self.study.trace.seed + stream) % 2**32
 
     def effort(self, stream: int = 0) -> Effort:
-        """How long to trace, where, and with which random numbers."""
+        """Number of samples or target error, bounces, seed and device of a matrix."""
         trace = self.study.trace
         error = None if trace.samples else trace.relative_error or _RELATIVE_ERROR
         return Effort(
@@ -83,11 +83,11 @@ class Job:
         )
 
     def pixel_effort(self, samples: int, stream: int = 0) -> Effort:
-        """Effort of so many paths a pixel."""
+        """Effort with a given number of paths per pixel."""
         return replace(self.effort(stream), samples=samples, relative_error=None)
 
     def direct_effort(self, stream: int, samples: int | None = None) -> Effort:
-        """Effort of direct light, which has no bounces."""
+        """Effort of direct coefficients, without reflections."""
         return Effort(
             samples=samples,
             seed=self.seed(stream),
@@ -98,7 +98,7 @@ class Job:
     def matrix(
         self, name: str, key: str, make: Callable[[], TransferMatrix]
     ) -> TransferMatrix:
-        """Return a matrix of an earlier run, or make and keep it."""
+        """Return a matrix from the cache, or trace and store it."""
         return self.matrices([name], key, lambda: {name: make()})[name]
 
     def matrices(
@@ -107,7 +107,7 @@ class Job:
         key: str,
         make: Callable[[], Mapping[str, TransferMatrix]],
     ) -> dict[str, TransferMatrix]:
-        """Return matrices that are traced together, of an earlier run or just made."""
+        """Return matrices from the cache, or trace them together and store them."""
         for name in names:
             file = self.store.path(name, key).name
             self.found.setdefault(file, self.store.holds(name, key))
@@ -120,7 +120,7 @@ class Job:
         rows: Sequence[slice],
         make: Callable[[slice], TransferMatrix],
     ) -> tuple[Path, ...]:
-        """Return the files of a matrix larger than memory, kept or just made."""
+        """Return the files of a matrix larger than memory; trace missing ones."""
         kept = [self.store.holds(n, key) for n in block_names(name, len(rows))]
         self.found.setdefault(self.store.path(name, key).name, all(kept))
         return self.store.blocks(name, key, rows, make)

@@ -1,4 +1,4 @@
-"""Matrices of a study, traced or found again from an earlier run."""
+"""Cached matrices of a study: read from the cache, or traced and stored."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -19,13 +19,13 @@ def kept(
     *,
     shown: str,
 ) -> TransferMatrix:
-    """Return a matrix of an earlier run, or trace and keep it.
+    """Return a matrix from the cache, or trace and store it.
 
     Parameters
     ----------
-    trace : takes `effort` and `progress`
-    key : all that the matrix depends on beside the effort
-    shown : what the display calls it
+    trace : function of `effort` and `progress` that traces the matrix
+    key : all inputs of the matrix except the effort
+    shown : name of the matrix in the progress display
     """
 
     def make() -> TransferMatrix:
@@ -44,11 +44,11 @@ def kept_together(
     *,
     shown: str,
 ) -> dict[str, TransferMatrix]:
-    """Return matrices that are traced at once, by the name of their window; see `kept`.
+    """Return matrices that are traced together, by window name; see `kept`.
 
     Parameters
     ----------
-    name : of the matrices; the name of the window follows
+    name : common prefix of the matrix names, followed by the window name
     """
     names = {f"{name}-{window.name}": window.name for window in windows}
 

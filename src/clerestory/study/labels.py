@@ -1,4 +1,4 @@
-"""Results of a run as one labelled dataset."""
+"""Results of a run as one xarray dataset."""
 
 from collections.abc import Sequence
 
@@ -16,7 +16,7 @@ from clerestory.study.inputs import Inputs
 from clerestory.study.results import sensor_names
 from clerestory.study.shade_operation import ShadeOperation
 
-# Sensors per block of metrics: a year of them requires 140 MB
+# Sensors per block in the computation of metrics: a year of hours requires 140 MB
 _SENSORS = 4096
 
 
@@ -27,7 +27,7 @@ def sensor_labels(inputs: Inputs) -> list[str]:
 
 
 def occupied_steps(study: Study, times: np.ndarray) -> Bool[np.ndarray, " time"]:
-    """Whether each step lies within the study's schedule."""
+    """Whether each time step lies within the schedule of the study."""
     table = study.schedule
     return occupied_hours(times, from_hour=table.from_hour, to_hour=table.to_hour)
 
@@ -44,9 +44,10 @@ def label_results(
 
     Parameters
     ----------
-    hourly : daylight at the sensors
-    parts : further results: electric light, glare
-    acts : states of the shades
+    hourly : hourly daylight illuminance at the sensors
+    parts : further datasets, such as electric light, glare and sunlight exposure
+    signals : inputs of the shade control
+    acts : shade states over time
     """
     sensors = inputs.sensors()
     grids = np.repeat(list(inputs.grids), [len(s) for s in inputs.grids.values()])
@@ -88,7 +89,7 @@ def label_results(
 def _metrics(
     hourly: xr.Dataset, hours: Bool[np.ndarray, " time"], *, target_lux: float
 ) -> xr.Dataset:
-    # In blocks of sensors: hourly results may be in a file
+    # In blocks of sensors, as hourly results may be in a file
     parts = [
         sensor_metrics(
             hourly.isel(sensor=slice(first, first + _SENSORS)).load(),
@@ -111,7 +112,7 @@ def _metrics(
 
 
 def _sensors_left_out(part: xr.Dataset) -> xr.Dataset:
-    # Sensors get their names from the daylight beside
+    # The sensor names come from the daylight dataset
     return part.drop_vars("sensor", errors="ignore")
 
 
@@ -152,7 +153,7 @@ def _states(signals: ControlInputs, acts: ShadeOperation) -> xr.Dataset:
 
 
 def _direct_sun(signals: ControlInputs, hours: Bool[np.ndarray, " time"]) -> xr.Dataset:
-    # Direct sun with all shades most open, if it was traced
+    # Direct sunlight with all shades in state 0, if it was traced
     matrices = signals.matrices
     if not matrices.has_direct:
         return xr.Dataset()
@@ -162,7 +163,7 @@ def _direct_sun(signals: ControlInputs, hours: Bool[np.ndarray, " time"]) -> xr.
     sun = lux.drop_vars(["sensor", "time"])
     found = xr.Dataset({"direct_open": sun}, coords={"time": signals.times})
     if matrices.suns is None:
-        return found  # sun in patches: too low for hours above a limit
+        return found  # ASE needs the sun at its true position
     step_hours = signals.step_minutes / 60
     return found.assign(sun_hours=hours_above(sun, hours, step_hours=step_hours))
 

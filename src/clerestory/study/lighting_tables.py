@@ -1,4 +1,4 @@
-"""Tables of the study file about electric light: luminaires and their zones."""
+"""Tables of the study file for electric light: luminaires and lighting zones."""
 
 from typing import Annotated, Literal
 
@@ -11,7 +11,7 @@ Place = Annotated[list[float], Field(min_length=3, max_length=3)]
 
 
 class LuminaireTable(NamedFile):
-    """Luminaires of one kind, at some places; or a scene file of things that shine."""
+    """Luminaires of one type at given positions, or a scene file of light sources."""
 
     file: InputFile = Field(
         description="a photometric file (.ies, .ldt) or a Radiance file (.rad)"
@@ -27,7 +27,7 @@ class LuminaireTable(NamedFile):
 
     @property
     def photometric(self) -> bool:
-        """Whether the file says how one luminaire shines."""
+        """Whether the file is a photometric file of one luminaire."""
         return self.file.suffix.lower() in (".ies", ".ldt")
 
     @model_validator(mode="after")
@@ -48,7 +48,7 @@ class LuminaireTable(NamedFile):
 
 
 class LightingTable(Named):
-    """A zone of luminaires that one photosensor governs."""
+    """Zone of luminaires that are controlled by one photosensor."""
 
     control: Control = Field(
         "dimming",

@@ -1,7 +1,6 @@
-"""Electric light of a study: traced once at full output, then dimmed step by step.
+"""Electric light of a study, traced once at full output and dimmed per time step.
 
-Luminaires light the room with the windows open and black: what falls on them is lost.
-What else shines in the scene's files is left out.
+Windows are black for electric light. Light sources in the scene files are turned off.
 """
 
 from dataclasses import dataclass, field
@@ -26,12 +25,12 @@ from clerestory.study.lighting_tables import LightingTable, LuminaireTable
 
 @dataclass(frozen=True, eq=False)
 class Zone:
-    """Luminaires that one photosensor governs.
+    """Luminaires that are controlled by one photosensor.
 
     Attributes
     ----------
-    light : the luminaires alone, as surfaces that shine
-    power : of all of them at full output [W]
+    light : light-emitting surfaces of the luminaires
+    power : total electric power at full output [W]
     """
 
     table: LightingTable
@@ -45,9 +44,9 @@ class Lamps:
 
     Attributes
     ----------
-    zones : in the order of the study
-    full : irradiance of the sensors by each zone [W/m²], as matrices of one column
-    views : radiance of the pixels by each zone, per view
+    zones : lighting zones, in the order of the study
+    full : sensor irradiance due to each zone [W/m²], as matrices with one column
+    views : pixel radiance due to each zone, by view name
     """
 
     zones: tuple[Zone, ...] = ()
@@ -55,11 +54,11 @@ class Lamps:
     views: dict[str, tuple[np.ndarray, ...]] = field(default_factory=dict)
 
     def pictures(self, view: str) -> tuple[np.ndarray, ...]:
-        """Radiance (pixel, channel) of a view by each zone at full output."""
+        """Radiance (pixel, channel) of a view due to each zone at full output."""
         return self.views.get(view, ())
 
     def illuminance(self) -> Float[np.ndarray, "zone sensor"]:
-        """Illuminance of the sensors by each zone at full output [lux]."""
+        """Illuminance of the sensors due to each zone at full output [lux]."""
         return np.stack([_lux(matrix)[0] for matrix in self.full])
 
     def error(self) -> Float[np.ndarray, "zone sensor"]:
@@ -73,11 +72,11 @@ def _lux(matrix: TransferMatrix) -> tuple[np.ndarray, np.ndarray]:
 
 
 def trace_lamps(job: Job) -> Lamps:
-    """Return the electric light of a study; what was traced before is found again.
+    """Return the electric light of a study, from the cache if possible.
 
     Raises
     ------
-    InputError : a luminaire's file is wrong
+    InputError : a luminaire file is invalid
     """
     zones = tuple(_zone(job, table) for table in job.study.lighting)
     if not zones:
@@ -94,7 +93,7 @@ def trace_lamps(job: Job) -> Lamps:
 
 
 def unlit(scene: Scene) -> Scene:
-    """Return a scene in which nothing shines: lamps are black, skies are gone.
+    """Return a scene without light: black emitters, no sources at infinity.
 
     Examples
     --------
@@ -127,7 +126,7 @@ def _zone(job: Job, table: LightingTable) -> Zone:
 
 
 def _luminaires(table: LuminaireTable) -> tuple[Scene, float]:
-    # What shines, and its power
+    # Light-emitting surfaces and their electric power [W]
     if not table.photometric:
         return _emitters(table), table.power or 0.0
     lamp = read_luminaire(table.file)

@@ -1,7 +1,7 @@
-"""Whether a study fits into memory, or its matrices and hours have to lie in files.
+"""Choice between matrices and hourly results in memory or in files.
 
-The choice depends on the study alone, never on the machine: where it falls the other
-way, standard errors come from fewer batches, and results are the same everywhere.
+The choice depends on the study alone, so that results are the same on every machine:
+matrices in files have fewer error components.
 """
 
 import warnings
@@ -13,23 +13,23 @@ from clerestory.phases.methods import METHODS
 from clerestory.study.config import Study
 from clerestory.study.inputs import Inputs
 
-# Bytes of a coefficient in double precision with its error components
+# Bytes of a coefficient in double precision, with its error components
 _COEFFICIENT = 8 + 4 * BATCHES
 
-# Bytes of a coefficient in single precision, without its error
+# Bytes of a coefficient in single precision, without error components
 _SINGLE = 4
 
-# Arrays over sensors and steps that a run holds at most: illuminance and its error,
-# both twice more while they are written, and as much again in the report
+# Maximum number of (sensor, time) arrays in memory: illuminance, its error, copies for
+# writing, and copies for the report
 _HOURLY = 8
 
 
 def is_stored(study: Study, inputs: Inputs, *, direct: bool) -> bool:
-    """Whether view matrices and hourly results lie in files.
+    """Whether view matrices and hourly results are kept in files.
 
     Parameters
     ----------
-    direct : whether direct light is traced apart
+    direct : whether direct matrices (V_d, D_d) are traced as well
     """
     each = _sensor_bytes(study, inputs, coefficient=_COEFFICIENT, direct=direct)
     whole = len(inputs.sensors()) * each * 1e-9
@@ -46,11 +46,11 @@ def is_stored(study: Study, inputs: Inputs, *, direct: bool) -> bool:
 
 
 def most_sensors(study: Study, inputs: Inputs, *, direct: bool) -> int:
-    """Return how many sensors a rule may look at: those that memory holds, errorless.
+    """Return the maximum number of sensors for a control rule, limited by memory.
 
     Parameters
     ----------
-    direct : whether direct light is traced apart
+    direct : whether direct matrices (V_d, D_d) are traced as well
     """
     each = _sensor_bytes(study, inputs, coefficient=_SINGLE, direct=direct)
     return int(study.trace.memory_gb * 1e9) // each
@@ -59,7 +59,7 @@ def most_sensors(study: Study, inputs: Inputs, *, direct: bool) -> int:
 def _sensor_bytes(
     study: Study, inputs: Inputs, *, coefficient: int, direct: bool
 ) -> int:
-    # What a sensor's coefficients and hours take in memory
+    # Bytes of the coefficients and hourly results of one sensor
     patches = sum(len(group.inner.partition) for group in inputs.groups)
     coefficients = patches * channels_of(inputs.scene) * (2 if direct else 1)
     hours = len(inputs.weather.times)

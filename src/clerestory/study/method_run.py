@@ -1,8 +1,7 @@
-"""Run a study by one method: read, trace, operate, multiply, judge, save.
+"""Run of a study with one phase method, from input files to results.
 
-Whatever kills a run, the next one gives the same results to the bit: traced
-matrices are kept as soon as they are whole, all else is computed again, and
-results.nc is written last.
+A restarted run gives bitwise identical results: each traced matrix is stored as soon
+as it is complete, everything else is computed again, and results.nc is written last.
 """
 
 import shutil
@@ -38,20 +37,20 @@ from clerestory.study.study_tracing import study_skies, trace_study
 from clerestory.study.sunlight_exposure import sunlight
 from clerestory.study.view_matrices import trace_views
 
-# Hourly values that memory does not hold lie here until results.nc is written
+# Folder of hourly values that do not fit into memory, until results.nc is written
 SCRATCH_FOLDER = "unfinished"
 
 
 @dataclass
 class RunLog:
-    """What a run notes about itself."""
+    """Run time of each phase [s], and warnings of a run."""
 
     seconds: dict[str, float] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
 
     @contextmanager
     def phase(self, name: str) -> Iterator[None]:
-        """Time a phase; note its warnings, and pass them on when it ends."""
+        """Measure the run time of a phase, and record and re-issue its warnings."""
         start = perf_counter()
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", ClerestoryWarning)
@@ -74,13 +73,13 @@ def run_method(
     executor: Executor,
     states: States | None = None,
 ) -> Results:
-    """Run a study by its first method and write the results into a folder.
+    """Run a study with its first method and write the results into a folder.
 
     Parameters
     ----------
-    store : where traced matrices are kept
-    executor : does the work of tracing
-    states : of every window group, in place of what the rules of the study choose
+    store : cache of traced matrices
+    executor : executor of the tracing jobs
+    states : shade states of the window groups; default: by the study's control rules
     """
     log = RunLog()
     with log.phase("read"):
@@ -96,7 +95,7 @@ def run_method(
         results = Results(data, facts)
         save_results(results, out)
         if any(scratch.iterdir()):
-            # Hourly values go on from where they are kept
+            # Read hourly values from results.nc, as the scratch folder is deleted
             data.close()
             results = read_results(out)
     return results
@@ -142,7 +141,7 @@ def _simulate(
 
 @contextmanager
 def _scratch_folder(out: Path) -> Iterator[Path]:
-    # An empty folder for what memory does not hold; what a killed run left goes
+    # Empty folder; files of an interrupted run are deleted
     folder = out / SCRATCH_FOLDER
     shutil.rmtree(folder, ignore_errors=True)
     try:
@@ -171,7 +170,7 @@ def _lighting(
 
 
 def _output(electric: xr.Dataset, skies: Skies) -> np.ndarray:
-    # Share of full output of every zone, if there are any
+    # Dimming level 0…1 of each lighting zone at each time step
     if "dimming" not in electric:
         return np.zeros((0, len(skies.whole.times)))
     return np.asarray(electric["dimming"].values)

@@ -1,4 +1,4 @@
-"""A model of another program as a folder of ours: scene, windows, sensors, study."""
+"""Conversion of a Honeybee model to files: scene, windows, sensors, views, study."""
 
 import os
 from dataclasses import dataclass
@@ -28,12 +28,12 @@ _BASES = {145: "kf", 77: "kh", 73: "kh", 41: "kq"}
 @final
 @dataclass(frozen=True)
 class Written:
-    """What was written into a folder.
+    """Files written by an import.
 
     Attributes
     ----------
-    study : the study file; None where weather or sensors are missing
-    files : all files, in the order written
+    study : path of the study file; None without weather or sensors
+    files : paths of all files, in the order of writing
     """
 
     study: Path | None
@@ -43,17 +43,17 @@ class Written:
 def write_honeybee_model(
     model: HoneybeeModel, folder: str | Path, *, weather: str | Path | None = None
 ) -> Written:
-    """Write a model as files that a study names, and the study.
+    """Write a model as Radiance files, BSDF files and a study file.
 
-    Glass and other sheets of window groups become BSDFs by tracing.
+    BSDFs of glass and other sheet materials are computed by ray tracing.
 
     Parameters
     ----------
-    weather : file that the study names
+    weather : weather file of the study; without it no study file is written
 
     Raises
     ------
-    InputError : a BSDF of the model cannot be read
+    InputError : a BSDF of the model is invalid
     OutputError : the folder cannot be written
     """
     folder = make_folder(folder)
@@ -97,7 +97,7 @@ def _word(name: str) -> str:
 
 
 def _bsdfs(model: HoneybeeModel, folder: Path) -> dict[str, Path]:
-    # One file for each modifier of a window
+    # One BSDF file per window modifier
     found: dict[str, Path] = {}
     for group in model.windows:
         for name, modifier in group.states:
@@ -123,7 +123,7 @@ def _write_modifier(modifier: Modifier, path: Path) -> None:
 
 
 def sheet_bsdf(modifier: Modifier) -> Bsdf:
-    """Return the transmission of a flat sheet of a material, by tracing."""
+    """Return the transmission BSDF of a flat sheet of a material, by ray tracing."""
     if isinstance(modifier, BsdfModifier):
         raise InputError(f'"{modifier.name}" is a BSDF already')
     corners = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
@@ -196,7 +196,7 @@ def _study_text(
 
 
 def _relative(file: Path, folder: Path) -> str:
-    # Another drive has no way from here
+    # No relative path exists to a different drive
     try:
         return Path(os.path.relpath(file, folder)).as_posix()
     except ValueError:

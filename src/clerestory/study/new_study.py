@@ -1,4 +1,4 @@
-"""A study to begin with: a room, a window, a BSDF and a year of weather become one."""
+"""New study file from a room, windows, a BSDF and a weather file."""
 
 import json
 import os
@@ -25,13 +25,13 @@ STUDY_FILE, SENSOR_FILE = "study.toml", "workplane.pts"
 
 @dataclass(frozen=True)
 class NewStudy:
-    """What was written.
+    """Files written for a new study.
 
     Attributes
     ----------
-    study : the study file
-    sensors : how many there are
-    turned : names of windows whose front had to be turned to the room
+    study : path of the study file
+    sensors : number of sensors
+    turned : names of windows that were flipped to face the room
     """
 
     study: Path
@@ -50,25 +50,25 @@ def begin_study(
     spacing: float = 0.5,
     height: float = 0.76,
 ) -> NewStudy:
-    """Write a study file for a room, and what it lacks.
+    """Write a study file for a room, and a sensor grid if none is given.
 
-    The files stay where they are. Sensors are laid over the floor of the room unless a
-    file has them; a window whose back faces the room is turned round in a copy. What is
-    doubtful, such as glazing that was left in its place, is warned of.
+    Input files are not changed. By default, a sensor grid is placed above the floor of
+    the room. A window whose back faces the room is flipped in a copy of its file.
+    Warnings are issued for probable mistakes, such as glazing left in the scene.
 
     Parameters
     ----------
-    scene : Radiance scene files, materials first, without the glazing of the window
-    windows : Radiance files of the polygons of windows, one or more
-    bsdf : a BSDF file of what stands in them
-    weather : a weather file
-    sensors : a file of sensors
-    spacing, height : of the sensors otherwise [m]
+    scene : Radiance scene files, materials first, without the window glazing
+    windows : Radiance files of window polygons
+    bsdf : BSDF file of the glazing and shading of all windows
+    weather : weather file
+    sensors : sensor file; by default a grid above the floor
+    spacing, height : spacing of the grid, and its height above the floor [m]
 
     Raises
     ------
-    InputError : a file is wrong, or no closed room lies behind the window
-    OutputError : the folder holds a study already, or cannot be written
+    InputError : a file is invalid, or the room behind a window is not closed
+    OutputError : the folder is not writable
     """
     folder = Path(folder)
     if (folder / STUDY_FILE).exists():
@@ -80,7 +80,7 @@ def begin_study(
     for doubt in check_scene(room, [w for found in groups.values() for w in found]):
         warnings.warn(doubt, ClerestoryWarning, stacklevel=2)
 
-    # Sensors stand over the floor
+    # Sensor grid above the floor
     if sensors is None:
         first, *others = [w for found in groups.values() for w in found]
         grid = floor_grid(
@@ -90,7 +90,7 @@ def begin_study(
     else:
         points, count = Path(sensors), len(read_sensors(sensors))
 
-    # Fronts face the room; nothing is written before all is read
+    # Flip windows to face the room; write files only after all are read
     make_folder(folder)
     shown, turned = [], []
     for file, found in groups.items():
@@ -120,7 +120,7 @@ def _relative(file: str | Path, folder: Path) -> str:
 
 
 def _windows_text(windows: Sequence[Window], turned: Sequence[str]) -> str:
-    # Polygons with their vertices in the order in which the room sees them
+    # Polygons with vertices counter-clockwise as seen from the room
     parts = ["# Windows whose front faces the room.\n"]
     for window in windows:
         up = " ".join(f"{x:.6g}" for x in np.round(window.frame.up, 6))
@@ -136,7 +136,7 @@ def _windows_text(windows: Sequence[Window], turned: Sequence[str]) -> str:
 
 
 def _axis(up: str) -> str:
-    # As rfluxmtx writes a direction: an axis, or three numbers
+    # Direction in rfluxmtx syntax: an axis name or three numbers
     names = {"0 0 1": "Z", "0 1 0": "Y", "1 0 0": "X"}
     return names.get(up, ",".join(up.split()))
 

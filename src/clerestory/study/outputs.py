@@ -1,7 +1,7 @@
-"""Tables of the results for spreadsheets and other programs.
+"""Result tables for spreadsheets and other programs.
 
-`.ill` is Daysim's format: a line per hour with month, day and the hour of its
-middle, then the illuminance of every sensor [lux].
+`.ill` is the Daysim format: a line per time step with month, day and hour of its
+centre, then the illuminance of every sensor [lux].
 """
 
 from collections.abc import Iterator
@@ -15,10 +15,10 @@ from clerestory.files import replace_file, write_text
 from clerestory.study.config import Study
 from clerestory.study.results import Results
 
-# Steps read at a time
+# Number of time steps per read
 _BLOCK = 730
 
-# Columns of metrics.csv: name in the results, heading, factor
+# Columns of metrics.csv: result variable, heading, factor
 _METRICS = (
     ("mean_illuminance", "mean [lux]", 1),
     ("mean_illuminance_error", "mean, standard error [lux]", 1),
@@ -34,7 +34,7 @@ _METRICS = (
 
 
 def write_tables(study: Study, results: Results, out: Path) -> None:
-    """Write the tables that a study asks for into a folder."""
+    """Write the tables selected in the study file into a folder."""
     if study.output.csv:
         write_metrics(results, out / "metrics.csv")
         if "state" in results.data:
@@ -49,7 +49,7 @@ def write_tables(study: Study, results: Results, out: Path) -> None:
 
 
 def write_states(results: Results, path: str | Path) -> None:
-    """Write the states of all window groups, as the rule "schedule" reads them."""
+    """Write the shade states of all window groups, in the format of rule "schedule"."""
     data = results.data
     states = {
         str(name): data["state"].values[number].astype(int)
@@ -59,7 +59,7 @@ def write_states(results: Results, path: str | Path) -> None:
 
 
 def write_lighting(results: Results, path: str | Path) -> None:
-    """Write a line for every step: output and power of each lighting zone."""
+    """Write dimming level and power [W] of each lighting zone, a line per time step."""
     data = results.data
     zones = [str(name) or "lighting" for name in data["zone"].values]
     head = ["time", *(f"{z} output" for z in zones), *(f"{z} [W]" for z in zones)]
@@ -72,7 +72,7 @@ def write_lighting(results: Results, path: str | Path) -> None:
 
 
 def write_metrics(results: Results, path: str | Path) -> None:
-    """Write a line for every sensor: where it is, and its metrics."""
+    """Write position, direction and metrics of each sensor, a line per sensor."""
     data = results.data
     head = ["sensor", "grid", "x [m]", "y [m]", "z [m]", "dx", "dy", "dz"]
     head += [heading for _, heading, _ in _METRICS]
@@ -90,7 +90,7 @@ def write_metrics(results: Results, path: str | Path) -> None:
 
 
 def write_hourly(results: Results, path: str | Path, *, grid: str) -> None:
-    """Write a line for every time step with the illuminance of one grid [lux]."""
+    """Write the illuminance of one grid [lux], a line per time step."""
     chosen = _grid(results, grid)
     head = ["time", *(str(name) for name in chosen["sensor"].values)]
     form = ",%.1f" * chosen.sizes["sensor"]
@@ -102,7 +102,7 @@ def write_hourly(results: Results, path: str | Path, *, grid: str) -> None:
 
 
 def write_ill(results: Results, path: str | Path, *, grid: str) -> None:
-    """Write the illuminance of one grid as Daysim does."""
+    """Write the illuminance of one grid [lux] in Daysim format."""
     chosen = _grid(results, grid)
     form = " %.1f" * chosen.sizes["sensor"]
     with replace_file(path) as stream:
@@ -118,7 +118,7 @@ def write_ill(results: Results, path: str | Path, *, grid: str) -> None:
 def _steps(
     chosen: xr.Dataset,
 ) -> Iterator[tuple[np.datetime64, tuple[float, ...]]]:
-    # Every step with the illuminance of all sensors; they may lie in a file
+    # Time and illuminance of all sensors for each step, read in blocks
     moments = chosen["time"].values
     for first in range(0, len(moments), _BLOCK):
         block = slice(first, first + _BLOCK)
@@ -129,7 +129,7 @@ def _steps(
 
 def _grid(results: Results, grid: str) -> xr.Dataset:
     members = np.flatnonzero(results.data["grid"].values == grid)
-    # Grids come one after the other
+    # The sensors of a grid are contiguous
     return results.data.isel(sensor=slice(members[0], members[-1] + 1))
 
 

@@ -1,8 +1,7 @@
-"""What a run found: the hourly illuminance, its errors, the metrics, the facts.
+"""Results of a run: hourly illuminance, standard errors, metrics and run data.
 
-`results.nc` holds all that follows from the study alone: two runs of the same
-study write the same bytes. Clock times, versions and the machine go to
-`run.json` beside it.
+`results.nc` depends on the study alone: two runs of the same study write identical
+files. Run times, versions and the machine are in `run.json`.
 """
 
 import io
@@ -24,10 +23,10 @@ RESULTS_FILE = "results.nc"
 RUN_FILE = "run.json"
 _FORMAT = "clerestory results 1"
 
-# Hourly values of more bytes are read and written some sensors at a time
+# Hourly arrays above this size [bytes] are read and written in blocks of sensors
 _LARGE = 500_000_000
 
-# Sensors written at a time: a year of them takes 36 MB
+# Sensors per block in writing: a year of hours takes 36 MB
 _SENSORS = 1024
 
 
@@ -37,38 +36,38 @@ class Results:
 
     Attributes
     ----------
-    data : one dataset; lengths in metres, in the frame of the scene:
+    data : dataset; coordinates in metres, in the coordinate system of the scene:
 
         - `illuminance`, `standard_error` (sensor, time) [lux, float32]
         - `occupied` (time): whether the hour lies within the schedule
-        - the metrics of `sensor_metrics` (sensor)
+        - metrics of `sensor_metrics` (sensor)
         - `mean_components` (component, sensor) [lux]: error components of the mean
-          illuminance in the hours that count
+          illuminance in the occupied hours
         - coordinates `time`, `sensor` (name, such as "desks.1"), `grid` (sensor),
           `position` and `direction` (sensor, xyz)
-        - the room for drawings: `triangle` (triangle, corner, xyz),
+        - room for drawings: `triangle` (triangle, corner, xyz),
           `triangle_colour` (triangle, channel) 0…1, `triangle_material` (triangle)
-        - the windows: `window` (window) name, `window_centre`, `window_up` and
+        - windows: `window` (window) name, `window_centre`, `window_up` and
           `window_normal` into the room (window, xyz), `window_triangle`
           (window_triangle, corner, xyz), `window_index` (window_triangle)
-        - the layers in the windows: `layer_transmission` (layer, exit, incident)
-          [1/sr] on Klems' full basis, for light from outside
-        - where windows have states: `state` (window, time) int8, from 0, the most
+        - window BSDFs: `layer_transmission` (layer, exit, incident) [1/sr] on the
+          Klems full basis, for light from outside
+        - if windows have several states: `state` (window, time) int8, 0 is the most
           open; `state_name` (window, state_number); `control` (window), the rules;
           `facade_irradiance` [W/m²] and `profile_angle` [rad] (window, time);
-          `rule_kept` (time) of LM-83's rule
-        - where direct light was traced: `direct_open` (sensor, time), direct sun with
-          all shades open [lux]; with the sun at its place also `sun_hours` (sensor),
-          scheduled hours in which that exceeds 1000 lux [h], for ASE
-        - where there is electric light: `electric_illuminance` (sensor, time) [lux],
+          `rule_kept` (time), whether the LM-83 limit is met
+        - if direct light was traced: `direct_open` (sensor, time), direct sunlight
+          with all shades open [lux]; with the sun at its true position, `sun_hours`
+          (sensor), occupied hours with `direct_open` above 1000 lux [h], for ASE
+        - with electric light: `electric_illuminance` (sensor, time) [lux],
           `dimming` 0…1 and `lighting_power` [W] (zone, time), `lighting_energy` and
           `lighting_energy_error` (zone) [Wh]
-        - where views were judged: `glare_…` (view, time), electric light included
-        - where the study asks for sunlight: `sun_reaches` (opening, moment) on its day,
+        - with views: `glare_…` (view, time), including electric light
+        - with a sunlight table: `sun_reaches` (opening, moment) on the reference day,
           `hours_of_sun` (opening) and `room_hours_of_sun` [h]
-        - where methods were compared: `illuminance_by_method` (method, sensor, time)
+        - with several methods: `illuminance_by_method` (method, sensor, time)
         - attributes `title`, `method`, `target_lux`, `study` (the study as JSON)
-    run : facts about the run, as in run.json: `versions`, `seed`, `device`,
+    run : content of run.json: `versions`, `seed`, `device`,
         `seconds` by phase, `error` by grid, `warnings`, `matrices` by name
     """
 
@@ -90,9 +89,9 @@ class Results:
         return list(dict.fromkeys(str(name) for name in self.data["grid"].values))
 
     def thinned(self, most: int) -> "Results":
-        """Return the results of at most so many sensors, evenly spread, in memory.
+        """Return the results of at most `most` evenly spaced sensors, in memory.
 
-        The facts then say how many were left out.
+        A warning in `run` states the number of sensors.
 
         >>> many = xr.Dataset({"lux": ("sensor", np.arange(10))})
         >>> few = Results(many).thinned(4)
@@ -110,7 +109,7 @@ class Results:
 
 
 def save_results(results: Results, folder: str | Path) -> Path:
-    """Write `results.nc` and `run.json`, whole or not at all; return the former's path.
+    """Write `results.nc` and `run.json` atomically; return the path of `results.nc`.
 
     Raises
     ------
@@ -131,7 +130,7 @@ def save_results(results: Results, folder: str | Path) -> Path:
 
 
 def _append_hourly(path: Path, name: str, data: xr.DataArray) -> None:
-    # Values may lie in another file; those of some sensors are in memory
+    # Copied in blocks of sensors, as the values may be in another file
     sensors, steps = data.shape
     with h5netcdf.File(path, "a") as file:
         variable = hourly_variable(file, name, sensors, steps)
@@ -149,11 +148,11 @@ def _is_large(data: xr.DataArray) -> bool:
 def read_results(path: str | Path) -> Results:
     """Return the results of a run, from its folder or its `results.nc`.
 
-    Values of a large file stay there and are read each time they are asked for.
+    Values of a large file are read on demand.
 
     Raises
     ------
-    InputError : the file is missing, damaged, or not one of ours
+    InputError : the file is missing, damaged, or not written by Clerestory
     """
     path = Path(path)
     path = path / RESULTS_FILE if path.is_dir() else path
@@ -176,7 +175,7 @@ def read_results(path: str | Path) -> Results:
 
 
 def _read_run(path: Path) -> dict[str, Any]:
-    # The facts are a bonus: results without them can be shown
+    # run.json is optional
     if not path.is_file():
         return {}
     try:
@@ -195,5 +194,5 @@ def sensor_names(grid: str, count: int) -> list[str]:
 
 
 def float32(data: xr.DataArray) -> xr.DataArray:
-    """Return hourly data as results keep them."""
+    """Return hourly data in single precision, as in results.nc."""
     return data.astype(np.float32, keep_attrs=True)

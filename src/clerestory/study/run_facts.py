@@ -1,4 +1,4 @@
-"""What run.json tells beyond the results: versions, machine, seconds, matrices."""
+"""Content of run.json: versions, machine, run times, matrices, warnings."""
 
 import platform
 from collections.abc import Mapping, Sequence
@@ -19,12 +19,12 @@ def run_facts(
     seconds: Mapping[str, float],
     warnings: Sequence[str],
 ) -> dict[str, Any]:
-    """Return the facts about a run.
+    """Return the content of run.json.
 
     Parameters
     ----------
-    job : that was done, with the matrices that it found
-    seconds : by phase
+    job : completed job, with the record of cached matrices
+    seconds : run time of each phase [s]
     """
     mean, error = data["mean_illuminance"], data["mean_illuminance_error"]
     relative = (error / mean.where(mean > 0)).groupby("grid").median()

@@ -1,7 +1,7 @@
-"""What a run will take, before it starts: matrices, time, memory, disk.
+"""Dry run: estimate of time, memory and disk space of a run.
 
-A plan walks through a study as a run does, with an executor that takes note of every
-trace instead of doing it. Matrices of an earlier run are named and cost nothing.
+A dry run has the same steps as a run, with an executor that records the tracing jobs
+instead of executing them. Cached matrices are listed at no cost.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -23,30 +23,30 @@ from clerestory.study.study_run import MATRIX_FOLDER
 from clerestory.study.study_tracing import needs_direct, trace_study
 from clerestory.study.view_matrices import trace_views
 
-# What a run holds beside matrices: libraries and kernels, and the sums of a block of
-# rows with their means and deviations [bytes]
+# Memory besides matrices [bytes]: libraries and compiled kernels, and the accumulators
+# of one block of rows
 _PROCESS, _SUMS = 450e6, 5 * 2**29
 
-# What a triangle takes on the device and on its way there [bytes], roughly
+# Approximate memory per triangle, on host and device [bytes]
 _TRIANGLE = 400
 
-# Bytes of an hourly value in a table of text
+# Bytes per value in a text table
 _TEXT = 7
 
 
 @dataclass(frozen=True)
 class PlannedMatrix:
-    """A matrix of a run.
+    """Size and tracing cost of a matrix.
 
     Attributes
     ----------
-    file : that it is kept in
-    kept : whether an earlier run left it there
-    rows, columns : of the matrix
-    bytes : that it takes on disk and in memory, without what labels it
-    paths : to be traced for it and for those that are traced with it
-    seconds : that this takes, 0 for what is traced along with another
-    stored : whether it lies in files block by block, and is never held whole
+    file : file name in the cache
+    kept : whether the matrix is in the cache
+    rows, columns : numbers of rows and columns
+    bytes : size of values and error components, on disk and in memory
+    paths : number of paths, common to all matrices that are traced together
+    seconds : tracing time; 0 except for the first of matrices traced together
+    stored : whether the matrix is stored in blocks and never completely in memory
     """
 
     file: str
@@ -61,17 +61,18 @@ class PlannedMatrix:
 
 @dataclass(frozen=True)
 class StudyPlan:
-    """What a run will take.
+    """Estimated cost of a run.
 
     Attributes
     ----------
-    device : that it traces on, and how many workers there are
-    matrices : in the order in which they are traced
-    later : what is traced while pictures are made, by paths and seconds
-    results : that are written besides [bytes]
-    scene : what the scene takes in memory [bytes]
-    streamed : what leaves the windows, held in place of hourly results where these
-        lie in files [bytes]; else 0
+    device : compute device for tracing
+    workers : number of workers
+    matrices : matrices in the order of tracing
+    later : number of paths and time of direct suns traced during picture output
+    results : size of the results on disk [bytes]
+    scene : memory for the scene [bytes]
+    streamed : memory for the exiting radiance of all steps if hourly results are in
+        files [bytes]; otherwise 0
     """
 
     device: str
@@ -84,31 +85,32 @@ class StudyPlan:
 
     @property
     def seconds(self) -> float:
-        """Time to trace what is not kept [s]."""
+        """Total tracing time of matrices that are not in the cache [s]."""
         return float(sum(m.seconds for m in self.matrices) + self.later.seconds)
 
     @property
     def memory(self) -> float:
-        """Most memory of the run [bytes]."""
+        """Peak memory of the run [bytes]."""
         held = sum(m.bytes for m in self.matrices if not m.stored)
         sums = max(
             (m.bytes * (32 if m.stored else 6) for m in self.matrices), default=0
         )
         sums = min(_SUMS, sums)
-        # What leaves the windows is there when sums are no more; hours are kept beside
+        # Exiting radiance is allocated after the accumulators are freed; hourly results
+        # are allocated at the same time as the accumulators
         work = max(sums, self.streamed) if self.streamed else sums + self.results
         return _PROCESS + held + self.scene + work
 
     @property
     def disk(self) -> int:
-        """What the run will write [bytes]."""
+        """Disk space for matrices and results [bytes]."""
         return self.results + sum(m.bytes for m in self.matrices if not m.kept)
 
 
 @dataclass(frozen=True, eq=False)
 class _Entry:
-    # Matrices that are traced together, the share of them that is kept, and the numbers
-    # of the jobs noted for them
+    # Matrices traced together, the fraction of them in the cache, and the indices of
+    # their recorded jobs
     files: tuple[str, ...]
     kept: float
     matrices: tuple[TransferMatrix, ...]
@@ -118,18 +120,18 @@ class _Entry:
 
 @dataclass(frozen=True, eq=False)
 class PlannedStore:
-    """A store that neither reads nor writes, but takes note of what it is asked for."""
+    """Cache for dry runs: records requests, without reading or writing matrices."""
 
     store: MatrixStore
     plan: Plan
     entries: list[_Entry] = field(default_factory=list)
 
     def path(self, name: str, fingerprint: str) -> Path:
-        """File of a matrix."""
+        """Path of the file of a matrix."""
         return self.store.path(name, fingerprint)
 
     def holds(self, name: str, fingerprint: str) -> bool:
-        """Whether an earlier run kept the matrix."""
+        """Whether the matrix is in the cache."""
         return self.store.holds(name, fingerprint)
 
     def matrices(
@@ -138,7 +140,7 @@ class PlannedStore:
         fingerprint: str,
         make: Callable[[], Mapping[str, TransferMatrix]],
     ) -> dict[str, TransferMatrix]:
-        """Return blank matrices in the shape of those asked for."""
+        """Record the matrices; return blank matrices of the same shape."""
         first = len(self.plan.planned)
         made = dict(make())
         files = tuple(self.path(name, fingerprint).name for name in names)
@@ -159,7 +161,7 @@ class PlannedStore:
         rows: Sequence[slice],
         make: Callable[[slice], TransferMatrix],
     ) -> tuple[Path, ...]:
-        """Take note of the whole matrix, and of how much of it is kept."""
+        """Record the whole matrix and the fraction of it in the cache."""
         first, whole = len(self.plan.planned), rows[-1].stop
         matrix = make(slice(0, whole))
         parts = zip(block_names(name, len(rows)), rows, strict=True)
@@ -176,18 +178,18 @@ class PlannedStore:
 
 
 def plan_study(study: Study, *, out: str | Path) -> StudyPlan:
-    """Return what a run of a study into a folder will take.
+    """Estimate the cost of a run of a study.
 
-    Traces for about a second for each kind of matrix, to learn how fast it goes.
+    Each kind of matrix is traced for about one second to measure the speed.
 
     Parameters
     ----------
-    study : from `read_study`
-    out : folder whose matrices will be found again
+    study : study, as returned by `read_study`
+    out : output folder, whose cached matrices are reused
 
     Raises
     ------
-    InputError : a file of the study is wrong
+    InputError : a file of the study is invalid
     DeviceError : no usable compute device
     """
     with executor_at(study.trace.cluster) as place:
@@ -199,7 +201,7 @@ def plan_study(study: Study, *, out: str | Path) -> StudyPlan:
 
 
 def _walk_through(study: Study, store: PlannedStore, plan: Plan) -> Inputs:
-    # Ask for everything that a run asks for
+    # Request the same matrices as a run
     inputs = read_inputs(study)
     job = Job(study, inputs, store, _silent, executor=plan)
     for view in trace_views(job, trace_study(job)):
@@ -240,7 +242,7 @@ def _planned(
 
 
 def _hour_bytes(study: Study) -> int:
-    # Illuminance and its error; the terms of the direct correction, direct sun, lamps
+    # Bytes per sensor and step: illuminance, its error, terms, direct sun, lamps, text
     variables = 2 + bool(study.lighting)
     if needs_direct(study):
         variables += 1 + 3 * study.corrected
@@ -248,7 +250,7 @@ def _hour_bytes(study: Study) -> int:
 
 
 def _leaving(entry: _Entry, steps: int) -> int:
-    # Patches by steps with light, half of all, with each error component and without
+    # Exiting radiance and its error components in lit steps, half of all steps
     if not entry.stored:
         return 0
     channels, _, patches = entry.matrices[0].values.shape
@@ -276,7 +278,7 @@ def _matrix(
 
 
 def _triangles(scene: Scene) -> int:
-    # As many as flat surfaces have, and a hundred for each round one
+    # Number of triangles, with 100 per curved surface
     count = 0
     for surface in scene.surfaces:
         if isinstance(surface, TriangleMesh):

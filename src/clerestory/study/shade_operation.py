@@ -1,7 +1,7 @@
-"""Operate the shades of a study: the state of every window group at every step.
+"""Shade operation: the state of every window group at every time step.
 
-Rules that look at the sky come first, then LM-83's for all groups that have it, then
-those that look at the room, in the order of the file.
+Rules with exterior inputs are evaluated first, then the LM-83 rule for all its groups
+together, then rules with interior inputs, in the order of the study file.
 """
 
 from dataclasses import dataclass
@@ -18,12 +18,12 @@ from clerestory.study.window_groups import WindowGroup
 
 @dataclass(frozen=True, eq=False)
 class ShadeOperation:
-    """States of the shades of a study.
+    """Shade states of a study.
 
     Attributes
     ----------
-    states : per window group, over time
-    kept : whether LM-83's rule is kept at each step; None where nobody asks
+    states : index of the shade state at each time step, per window group
+    kept : whether the LM-83 limit is met at each step; None without that rule
     """
 
     states: list[Int[np.ndarray, " time"]]
@@ -31,17 +31,17 @@ class ShadeOperation:
 
 
 def operate(signals: ControlInputs) -> ShadeOperation:
-    """Return the states that the rules of a study choose.
+    """Return the shade states by the control rules of a study.
 
     Raises
     ------
-    InputError : a rule's file or function is wrong
+    InputError : the file or function of a rule is invalid
     """
     groups = signals.inputs.groups
     steps = len(signals.times)
     states = [np.full(steps, len(group.states) - 1) for group in groups]
 
-    # What only the sky decides
+    # Rules with exterior inputs only
     for number, group in enumerate(groups):
         control = group.control
         if control is None or len(group.states) == 1:
@@ -51,7 +51,7 @@ def operate(signals: ControlInputs) -> ShadeOperation:
 
     kept = _by_direct_sun(signals, states)
 
-    # What the room decides, one group after the other
+    # Rules with interior inputs, one group after the other
     for number, group in enumerate(groups):
         if len(group.states) > 1 and _looks_inside(group):
             _decide(signals, number, states)
@@ -66,7 +66,7 @@ def _looks_inside(group: WindowGroup) -> bool:
 
 
 def _decide(signals: ControlInputs, number: int, states: list[np.ndarray]) -> None:
-    # Replace the states of one group by those of its rule
+    # Set the states of one group by its rule
     control = signals.inputs.groups[number].control
     if control is not None:
         rule = {**OUTSIDE, **INSIDE}[control.rule]
@@ -77,7 +77,7 @@ def _decide(signals: ControlInputs, number: int, states: list[np.ndarray]) -> No
 def _by_direct_sun(
     signals: ControlInputs, states: list[np.ndarray]
 ) -> np.ndarray | None:
-    # All groups with LM-83's rule at once; the others let through what they do
+    # LM-83 rule for its groups together; the direct light of other groups is fixed
     groups = signals.inputs.groups
     chosen = [
         n

@@ -1,8 +1,8 @@
-"""Matrices of a study that lead from sensors straight to the sky or to the suns.
+"""Daylight coefficients (C, C_d) and direct-sun coefficients (C_ds) of a study.
 
-In the two-phase method light passes one window group at a time, a surface of its BSDF,
-while the others are black; the sum over the groups is that of the room. What a group's
-own shade reflects back into the room is part of it, what the others' reflect is not.
+In the two-phase method, each window group is traced separately, as a BSDF surface, with
+the other groups black; the results are summed. Room light reflected by the group's
+own BSDF is included; reflection by the other groups is neglected.
 """
 
 from dataclasses import replace
@@ -29,11 +29,11 @@ from clerestory.study.window_groups import state_label
 
 
 def coefficients(job: Job, *, direct: bool) -> list[MatrixChain]:
-    """Return C of each window group in each state, or of a scene that has its glass.
+    """Return C of each window group and shade state, or of a scene with glazing.
 
     Parameters
     ----------
-    direct : whether only direct light counts: C_d
+    direct : whether to return C_d, for direct light only
     """
     if not job.inputs.groups:
         unscattered = _unscattered(job) if direct else _traced(job, job.scene, "", 0)
@@ -50,7 +50,7 @@ def coefficients(job: Job, *, direct: bool) -> list[MatrixChain]:
 
 
 def direct_suns(job: Job, suns: SunMatrix) -> list[MatrixChain]:
-    """Return C_ds of each window group in each state, or of a scene with its glass."""
+    """Return C_ds of each window group and shade state, or of a scene with glazing."""
     if not job.inputs.groups:
         return [MatrixChain((_unscattered_sun(job, suns),))]
     return [
@@ -62,7 +62,7 @@ def direct_suns(job: Job, suns: SunMatrix) -> list[MatrixChain]:
 
 
 def _of_state(job: Job, number: int, at: int, *, direct: bool) -> TransferMatrix:
-    # The scene with one window in one state, and the others black
+    # Scene with one window group in the given state, and the other groups black
     groups = job.inputs.groups
     chosen, state = groups[number], groups[number].states[at]
     up = chosen.inner.frame.up

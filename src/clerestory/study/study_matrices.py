@@ -1,4 +1,4 @@
-"""Matrices of a study, for its sensors, and their products with the sky."""
+"""Sensor matrices of a study, and their products with the skies."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -28,13 +28,13 @@ class StudyMatrices:
 
     Attributes
     ----------
-    terms : of the study's method
-    windows : matrices of each window group; for the two-phase method without windows,
-        those of the whole scene
-    suns : columns of the direct-sun matrices; None without direct correction
-    folder : where hourly results lie, in place of memory, until the run is done
-    most_sensors : that fit into memory together without errors, where view matrices lie
-        in files; None where they are in memory
+    terms : terms of the study's method
+    windows : matrices of each window group, or of the whole scene for the two-phase
+        method without window groups
+    suns : columns of C_ds; None without direct correction
+    folder : folder of hourly results during the run; None keeps them in memory
+    most_sensors : maximum number of sensors in memory if view matrices are in files;
+        None if they are in memory
     """
 
     terms: tuple[Term, ...]
@@ -45,7 +45,7 @@ class StudyMatrices:
 
     @property
     def has_direct(self) -> bool:
-        """Whether direct light was traced."""
+        """Whether direct matrices were traced."""
         return all(window.direct or window.sun for window in self.windows)
 
     def illuminance(
@@ -60,7 +60,7 @@ class StudyMatrices:
 
         Parameters
         ----------
-        hours : steps that count for the error components of the mean
+        hours : mask of the time steps for the error components of the mean
         """
         return illuminance(
             self.windows,
@@ -73,9 +73,9 @@ class StudyMatrices:
         )
 
     def direct_illuminance(self, skies: Skies, states: States) -> xr.DataArray:
-        """Illuminance [lux] straight from the sun, over (sensor, time).
+        """Direct sun illuminance [lux] over (sensor, time).
 
-        The sun is at its place where C_ds is known, else spread over sky patches.
+        With C_ds the sun is at its true position, otherwise spread over sky patches.
 
         Raises
         ------
@@ -92,11 +92,11 @@ class StudyMatrices:
     def reduced(
         self, groups: Sequence[int], rows: Int[np.ndarray, " sensor"]
     ) -> "StudyMatrices":
-        """Return some window groups and sensors in memory, without errors.
+        """Return matrices of selected groups and sensors, without error components.
 
         Raises
         ------
-        InputError : more sensors than memory holds
+        InputError : the sensors do not fit into memory
         """
         if self.most_sensors is not None and len(rows) > self.most_sensors:
             raise InputError(

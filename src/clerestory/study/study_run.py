@@ -1,4 +1,4 @@
-"""Run a study, by one method or by several."""
+"""Run of a study with one or several phase methods."""
 
 from pathlib import Path
 from typing import Any
@@ -18,25 +18,25 @@ MATRIX_FOLDER = "matrices"
 def run_study(
     study: Study, *, out: str | Path, display: Display | None = None
 ) -> Results:
-    """Run a study and write its results into a folder, made if need be.
+    """Run a study and write its results into a folder, created if missing.
 
     Parameters
     ----------
-    study : from `read_study`
-    out : gets `results.nc`, `run.json`, the tables asked for, and `matrices/`; where
-        several methods are compared, a folder for each besides
-    display : starts the display of a long phase, given its name; returns a callable
-        (share done 0…1, note)
+    study : study, as returned by `read_study`
+    out : folder for `results.nc`, `run.json`, tables and `matrices/`; with several
+        methods, also a folder for each method
+    display : function that starts the progress display of a phase of this name, and
+        returns a callback (completed fraction 0…1, status text)
 
     Returns
     -------
-    the results; where several methods are compared, those of the last one
+    results of the study, of the last method if there are several
 
     Raises
     ------
-    InputError : a file of the study is wrong
+    InputError : a file of the study is invalid
     DeviceError : no usable compute device
-    OutputError : the folder cannot be written
+    OutputError : the folder is not writable
     """
     out, display = make_folder(out), display or _silent
     store = MatrixStore(out / MATRIX_FOLDER)

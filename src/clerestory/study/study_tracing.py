@@ -1,7 +1,7 @@
-"""Tracing of the matrices that a study asks for.
+"""Tracing of the matrices of a study.
 
-Matrices of an earlier run are found again. Each is traced once for all time steps,
-whatever state of the shades acts when.
+Matrices are read from the cache or traced. Each matrix is traced once for all time
+steps, independently of the shade operation.
 """
 
 from collections.abc import Sequence
@@ -40,12 +40,12 @@ from clerestory.study.study_coefficients import coefficients, direct_suns
 from clerestory.study.study_matrices import StudyMatrices
 from clerestory.study.window_groups import WindowGroup, state_label
 
-# Random numbers of façade matrices and of the daylight matrices of their ports
+# Seed offsets of façade matrices and of the daylight matrices of ports
 FACADE, PORTS = 0x100000, 0x200000
 
 
 def study_skies(study: Study, inputs: Inputs, suns: SunMatrix | None) -> Skies:
-    """Return the skies that the method of a study multiplies, in the scene's bands."""
+    """Return S, and S_ds and S_sun if required, in the bands of the scene."""
     make = partial(
         sky_matrix,
         inputs.weather,
@@ -58,14 +58,14 @@ def study_skies(study: Study, inputs: Inputs, suns: SunMatrix | None) -> Skies:
 
 
 def needs_direct(study: Study) -> bool:
-    """Whether direct light is traced apart: for a term, or for LM-83's rule."""
+    """Whether direct matrices are required, for a term or for the LM-83 rule."""
     rules = [window.control.rule for window in study.window if window.control]
     named = any(term.part == "direct" for term in study.terms)
     return named or (METHODS[study.method].windows and "LM-83" in rules)
 
 
 def study_suns(study: Study, weather: Weather) -> SunMatrix | None:
-    """Return the suns of the direct correction; None for methods without it."""
+    """Return the suns of the direct correction, or None without direct correction."""
     table, rotation = study.sun, study.sky.rotation_deg
     if not study.corrected:
         return None
@@ -75,11 +75,11 @@ def study_suns(study: Study, weather: Weather) -> SunMatrix | None:
 
 
 def trace_study(job: Job) -> StudyMatrices:
-    """Return the matrices of a study; those of an earlier run are not traced again.
+    """Return the matrices of a study, from the cache if possible.
 
     Raises
     ------
-    InputError : a rule asks for light that the method does not know
+    InputError : a control rule requires direct light, which the method lacks
     """
     study, direct = job.study, needs_direct(job.study)
     method, stored = METHODS[study.method], is_stored(study, job.inputs, direct=direct)
@@ -92,7 +92,7 @@ def trace_study(job: Job) -> StudyMatrices:
     suns = study_suns(study, job.inputs.weather)
     black = job
     if job.inputs.groups:
-        # Windows scatter direct light, and all else is black
+        # Direct light is scattered by windows only: all other surfaces are black
         black = replace(job, inputs=replace(job.inputs, scene=blackened(job.scene)))
     make = partial(_window_chains, stored=stored) if method.windows else coefficients
     whole = make(job, direct=False)
@@ -107,7 +107,7 @@ def trace_study(job: Job) -> StudyMatrices:
 
 
 def _window_chains(job: Job, *, direct: bool, stored: bool) -> list[MatrixChain]:
-    # V, T and D, or F D; all views are traced at once, each daylight matrix on its own
+    # V, T and D or F D; view matrices are traced together, daylight matrices separately
     trace = _stored_views if stored else _views
     views: Sequence[TransferMatrix | StoredColumns] = trace(job, direct=direct)
     chains = []
@@ -126,7 +126,7 @@ def _prefix(direct: bool) -> str:
 
 def _view_effort(job: Job, *, direct: bool) -> Effort:
     effort = job.effort(DIRECT * direct)
-    # The gather at the sensor itself is a bounce
+    # The gather at the sensor counts as one bounce
     return replace(effort, bounces=1) if direct else effort
 
 
@@ -164,14 +164,14 @@ def _stored_views(job: Job, *, direct: bool) -> Sequence[StoredColumns]:
 def _daylight(
     job: Job, group: WindowGroup, number: int, *, direct: bool
 ) -> list[TransferMatrix]:
-    # D, shared by all states, or F D of each of them
+    # D, common to all shade states, or F D of each shade state
     if METHODS[job.study.method].facade and group.ports:
         D = _port_daylight(job, group, number, direct=direct)
         return [
             facade_daylight(_facade(job, group, number, at, direct=direct), D)
             for at in range(len(group.states))
         ]
-    # Each window has a seed of its own, apart from that of the view matrices
+    # Separate seeds for each window and for the view matrices
     subdivision = job.study.sky.subdivision
     matrix = kept(
         job,
@@ -192,7 +192,7 @@ def _outside_effort(job: Job, stream: int, *, direct: bool) -> Effort:
 def _port_daylight(
     job: Job, group: WindowGroup, number: int, *, direct: bool
 ) -> dict[str, TransferMatrix]:
-    # D of each port, without the shade before the window
+    # D of each port, without the exterior shade
     subdivision = job.study.sky.subdivision
     return kept_together(
         job,
@@ -208,7 +208,7 @@ def _port_daylight(
 def _facade(
     job: Job, group: WindowGroup, number: int, at: int, *, direct: bool
 ) -> dict[str, TransferMatrix]:
-    # F of each port, through one state of the exterior shade
+    # F of each port, with one state of the exterior shade
     shade, label = group.states[at].shade, state_label(group, at)
     scene = job.scene + (blackened(shade) if direct else shade)
     return kept_together(

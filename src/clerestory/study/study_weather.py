@@ -1,4 +1,4 @@
-"""The weather of a study: read or made, and cut to the steps that are simulated."""
+"""Weather of a study: read or generated, and reduced to the simulated time steps."""
 
 from dataclasses import replace
 
@@ -17,11 +17,11 @@ from clerestory.study.config_tables import ClearSkyTable, WeatherTable
 
 
 def study_weather(study: Study) -> Weather:
-    """Return the steps that a study simulates, with at least one that counts.
+    """Return the weather of the simulated time steps.
 
     Raises
     ------
-    InputError : a fault in the file, or nothing left of it
+    InputError : the file is invalid, or no step lies within the schedule
     """
     table = study.weather
     weather = select_days(
@@ -66,7 +66,7 @@ def _clear(table: ClearSkyTable) -> Weather:
 
 
 def _chosen(weather: Weather, table: WeatherTable) -> np.ndarray:
-    # Steps by hour of the day, by moment, and one of every few
+    # Indices of the steps within the hours, at the given moments, every n-th of them
     steps = occupied_hours(
         weather.times, from_hour=table.from_hour, to_hour=table.to_hour
     )

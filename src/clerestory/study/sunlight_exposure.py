@@ -1,4 +1,4 @@
-"""Exposure to sunlight after EN 17037: the openings of a study on one day."""
+"""Exposure to sunlight according to EN 17037, for the openings of a study."""
 
 import numpy as np
 import xarray as xr
@@ -16,16 +16,17 @@ _STEP_MINUTES = 1
 
 
 def sunlight(study: Study, inputs: Inputs) -> xr.Dataset:
-    """Return when the sun reaches each opening; empty if the study does not ask.
+    """Return the hours of sunlight of each opening; empty without a sunlight table.
 
     Returns
     -------
-    `sun_reaches` (opening, moment): whether the sun is seen from the opening's point;
-    `sun_point` (opening, xyz) [m]; `hours_of_sun` (opening) and `room_hours_of_sun` [h]
+    `sun_reaches` (opening, moment): whether the sun is visible from the reference
+    point; `sun_point` (opening, xyz): reference points [m]; `hours_of_sun` (opening)
+    and `room_hours_of_sun` [h]
 
     Raises
     ------
-    InputError : the file of openings is wrong
+    InputError : the file of openings is invalid
     """
     table = study.sunlight
     if table is None:
@@ -35,7 +36,7 @@ def sunlight(study: Study, inputs: Inputs) -> xr.Dataset:
     moments, sun = _day(study, table, inputs)
     high = sun.altitude >= np.radians(table.lowest_sun_deg)
     reached = np.zeros((len(points), len(moments)), dtype=bool)
-    # Not worth a cluster, whose devices may be others
+    # Computed locally; the device setting of a cluster applies to its workers
     device = "auto" if study.trace.cluster else study.trace.device
     seen = sun_visible(inputs.scene, points, sun.directions()[high], device=device)
     reached[:, high] = seen & (_inwards(windows) @ sun.directions()[high].T < 0)
@@ -64,7 +65,7 @@ def _windows(table: SunlightTable, inputs: Inputs) -> tuple[Window, ...]:
 def _openings(
     table: SunlightTable, windows: tuple[Window, ...]
 ) -> tuple[list[str], np.ndarray]:
-    # Each polygon is an opening of its own
+    # Each polygon is a separate opening
     names, points = [], []
     for window in windows:
         several = len(window.polygons) > 1
@@ -88,7 +89,7 @@ def _inwards(windows: tuple[Window, ...]) -> np.ndarray:
 def _day(
     study: Study, table: SunlightTable, inputs: Inputs
 ) -> tuple[np.ndarray, SunPosition]:
-    # The middle of every minute, and the sun in the frame of the scene
+    # Centres of all minutes, and the sun in the coordinate system of the scene
     weather = inputs.weather
     year = str(weather.times[0])[:4]
     half = 30 * _STEP_MINUTES

@@ -1,7 +1,7 @@
-"""The line on which each key of a TOML file stands.
+"""Line numbers of the keys of a TOML file.
 
-Python's parser keeps no lines. This scanner leans on it: it joins lines until
-the parser accepts them as one statement, and notes which keys they set.
+`tomllib` does not report line numbers. This scanner joins lines until `tomllib` accepts
+them as one statement, and records the keys that the statement sets.
 """
 
 import tomllib
@@ -12,10 +12,9 @@ Path = tuple[str | int, ...]
 
 
 def key_lines(text: str) -> dict[Path, int]:
-    r"""Return the line of every key and table of a text that is valid TOML.
+    r"""Return the line number of every key and table of a valid TOML text.
 
-    A key is the path to it from the root: names, and numbers for the elements of
-    an array of tables.
+    Keys are paths from the root: names, and indices for elements of arrays of tables.
 
     Examples
     --------
@@ -38,7 +37,7 @@ def key_lines(text: str) -> dict[Path, int]:
                 found.setdefault(parent, start + 1)
             continue
 
-        # Join lines until they make a whole statement
+        # Join lines to a complete statement
         statement, parsed = lines[start], _parse(lines[start])
         while parsed is None and number < len(lines):
             statement += "\n" + lines[number]
@@ -50,7 +49,7 @@ def key_lines(text: str) -> dict[Path, int]:
 
 
 def line_of(path: Path, lines: dict[Path, int]) -> int | None:
-    """Line of a key, or else of the innermost table around it."""
+    """Line number of a key, or else of the innermost table that contains it."""
     while path and path not in lines:
         path = path[:-1]
     return lines[path] if path else None
@@ -78,7 +77,7 @@ def _table(header: str, elements: dict[Path, int]) -> Path:
 
 
 def _chain(tree: dict[str, Any]) -> Iterator[tuple[str, ...]]:
-    # The names of a header, from the one-branch tree that it parses to
+    # Names in a table header, from its nested dictionaries
     for name, branch in tree.items():
         inner = branch[0] if isinstance(branch, list) else branch
         rest = next(_chain(inner), ())
@@ -86,7 +85,7 @@ def _chain(tree: dict[str, Any]) -> Iterator[tuple[str, ...]]:
 
 
 def _paths(tree: Any) -> Iterator[Path]:
-    # Every key in a value, with its parents
+    # Paths of all keys in a value
     branches: list[tuple[str | int, Any]] = []
     if isinstance(tree, dict):
         branches = list(tree.items())

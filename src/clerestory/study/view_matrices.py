@@ -1,9 +1,9 @@
-"""Trace what the pictures of one view need, and multiply them out for given states.
+"""Matrices of the pixels of one view, and pictures for given shade states.
 
-V and V_d of the pixels are traced once for all states. Direct suns are traced for each
-state when it first acts. All are kept beside the other matrices as half-precision
-numbers; those of suns only if all states' fit into what the study allows, else they are
-forgotten as the pictures pass.
+V and V_d are traced once for all shade states. Direct-sun coefficients of a shade state
+are traced when it first occurs. All are cached in half precision. If the direct-sun
+coefficients of all states exceed the limit `keep_gb` of the study, they are traced on
+demand for each picture and not cached.
 """
 
 from collections.abc import Iterator
@@ -36,19 +36,19 @@ from clerestory.study.job import DIRECT, STATE, SUN, Job
 from clerestory.study.kept_matrices import kept, kept_together
 from clerestory.study.study_matrices import StudyMatrices
 
-# Bytes of a pixel's coefficient for one sun: three half-precision numbers
+# Bytes per pixel and sun: three half-precision values
 _PIXEL_BYTES = 6
 
 
 @dataclass(frozen=True, eq=False)
 class ViewMatrices:
-    """Matrices of one view, for all states of all window groups.
+    """Matrices of one view, for all window groups and shade states.
 
     Attributes
     ----------
-    matrices : of the sensors, whose T and D are those of the pixels
-    windows : V of the pixels, T and D of each window group; V_d, T, D_d and direct suns
-        with the direct correction
+    matrices : sensor matrices, which have the same T and D
+    windows : pixel V, T and D of each window group; with direct correction, also V_d,
+        T, D_d and C_ds
     """
 
     job: Job
@@ -61,14 +61,14 @@ class ViewMatrices:
     def pictures(
         self, states: States, skies: Skies, steps: Int[np.ndarray, " step"]
     ) -> Iterator[tuple[int, Picture]]:
-        """Yield number and picture of each of some steps.
+        """Yield step index and picture of the selected time steps.
 
-        Steps of one combination of states come together, in order of time.
+        Steps are grouped by combination of shade states, in order of time.
 
         Parameters
         ----------
-        states : number of the state at every step of the skies, per window group
-        steps : numbers of the steps wanted
+        states : index of the shade state at each time step, per window group
+        steps : indices of the selected time steps
         """
         for alike in _combinations(states, steps):
             series = pictures_over_time(
@@ -83,17 +83,17 @@ class ViewMatrices:
     def order(
         self, states: States, steps: Int[np.ndarray, " step"]
     ) -> Int[np.ndarray, " step"]:
-        """Numbers of the steps in the order in which their pictures come."""
+        """Indices of the time steps in the order of `pictures`."""
         return np.concatenate(_combinations(states, steps))
 
     def sun_of(
         self, number: int, state: int, asked: Int[np.ndarray, " sun"]
     ) -> Float[np.ndarray, "channel pixel sun"]:
-        """Direct-sun coefficients of some suns, traced or read when first asked for."""
+        """Direct-sun coefficients of given suns, traced or read on demand."""
         return self.sun(number, state)(asked)
 
     def sun(self, number: int, state: int) -> SunPictures:
-        """Direct sun through one window group in one of its states, by suns."""
+        """Function for the direct-sun coefficients of a window group and state."""
         if (number, state) not in self._suns:
             self._suns[number, state] = self._sun(number, state)
         return self._suns[number, state]
@@ -136,7 +136,7 @@ class ViewMatrices:
         return lambda asked: found.values[:, :, asked]
 
     def _bytes(self, suns: int) -> int:
-        # What the direct suns of all views and states take
+        # Size of the direct-sun coefficients of all views and shade states
         inputs = self.job.inputs
         pixels = sum(len(camera) for camera in inputs.cameras)
         states = sum(len(group.states) for group in inputs.groups)
@@ -144,8 +144,8 @@ class ViewMatrices:
 
 
 def _half(matrix: TransferMatrix) -> TransferMatrix:
-    # Three digits are enough for a pixel, whose noise is larger. The channels of grey
-    # rooms are equal and one in memory: one is enough
+    # Three digits suffice, as the noise of a pixel is larger. Grey rooms have equal
+    # channels, of which one is stored
     values = matrix.values
     alike = values.strides[0] == 0
     return replace(matrix, values=(values[:1] if alike else values).astype(np.float16))
@@ -154,7 +154,7 @@ def _half(matrix: TransferMatrix) -> TransferMatrix:
 def _combinations(
     states: States, steps: Int[np.ndarray, " step"]
 ) -> list[Int[np.ndarray, " alike"]]:
-    # Steps of each combination of states that occurs
+    # Indices of the time steps of each combination of shade states
     chosen = np.stack([np.asarray(state)[steps] for state in states], axis=1)
     return [
         steps[(chosen == combination).all(axis=1)]
@@ -163,7 +163,7 @@ def _combinations(
 
 
 def trace_views(job: Job, matrices: StudyMatrices) -> tuple[ViewMatrices, ...]:
-    """Return the matrices of all views; what was traced before is found again."""
+    """Return the matrices of all views, from the cache if possible."""
     return tuple(
         _view(job, matrices, table, camera)
         for table, camera in zip(job.study.view, job.inputs.cameras, strict=True)

@@ -1,7 +1,7 @@
-"""Window groups of a study: their polygons, the states of their shades, their rule.
+"""Window groups of a study, with polygons, shade states and control rule.
 
-V and D are traced on patches, so all states of a group have the same ones: those of
-the finest of them. Trees are averaged over Klems patches.
+V and D are common to all shade states of a group, so all states have the hemisphere
+partition of the finest BSDF. Tensor trees are averaged over Klems patches.
 """
 
 import warnings
@@ -28,15 +28,15 @@ from clerestory.study.window_tables import (
 
 @dataclass(frozen=True, eq=False)
 class WindowState:
-    """One state of the shades of a window group.
+    """Shade state of a window group.
 
     Attributes
     ----------
-    name : empty where the window has only one
-    transmission : matrix T of its BSDF
-    fine : the BSDF that direct sun is traced through
-    peak : whether what it passes straight is kept as sharp as the sun
-    shade : geometry between the window and its ports
+    name : name of the state; empty for a single state
+    transmission : transmission matrix T of the BSDF
+    fine : BSDF for direct sun
+    peak : whether direct-direct transmission is extracted from the BSDF
+    shade : exterior shade geometry between the window and its ports
     """
 
     name: str
@@ -48,14 +48,14 @@ class WindowState:
 
 @dataclass(frozen=True, eq=False)
 class WindowGroup:
-    """A window group and what stands in it.
+    """Window group with its shade states and control.
 
     Attributes
     ----------
-    inner, outer : the window with the patches of its room side and its outer side
-    states : from the most open to the most closed
-    control : the rule that chooses among them; None keeps the first
-    ports : openings that close the space of its exterior shades, if it has any
+    inner, outer : window with the patches of its room side and its outer side
+    states : shade states from the most open to the most closed
+    control : control rule; None for a fixed state 0
+    ports : ports (F apertures) that enclose the exterior shades, if any
     """
 
     inner: Window
@@ -70,23 +70,23 @@ class WindowGroup:
         return self.inner.name
 
     def number_of(self, choice: StateChoice) -> int:
-        """Return the number of a state that is given by number or name."""
+        """Return the index of a state that is given by index or name."""
         if isinstance(choice, int):
             return choice
         return [state.name for state in self.states].index(choice)
 
 
 def state_label(group: WindowGroup, at: int) -> str:
-    """Return what files and displays call one state of a window group."""
+    """Return the label of a shade state in file names and progress displays."""
     return "-".join(filter(None, (group.name, group.states[at].name)))
 
 
 def read_window_groups(table: WindowTable) -> list[WindowGroup]:
-    """Return one group for each modifier in the window's file, all with the same BSDFs.
+    """Return one group per modifier in the window file, all with the same BSDFs.
 
     Raises
     ------
-    InputError : a file is wrong, or a BSDF without patches
+    InputError : a file is invalid, or a BSDF has no hemisphere partition
     """
     tables = table.states()
     layers = [read_layer(state.bsdf) for state in tables]
@@ -139,7 +139,7 @@ def _on_common_patches(layers: list[Bsdf], window: str) -> list[TransferMatrix]:
 
 
 def _with_patches(window: Window, axis: Axis, *, file: Path) -> Window:
-    # The BSDF decides how the window is cut into patches
+    # The BSDF determines the hemisphere partition of the window
     if not isinstance(axis.partition, RingPartition):
         raise InputError("is not given on patches of a hemisphere", file=file)
     if not axis.partition.matches(window.partition):

@@ -1,6 +1,6 @@
-"""Tables of the study file about windows: their states, and who chooses among them.
+"""Tables of the study file for windows: shade states and control rules.
 
-States of a window are numbered from the most open, 0, to the most closed.
+Shade states are numbered from 0, the most open, to the most closed.
 """
 
 import itertools
@@ -41,7 +41,7 @@ Quantity = Literal[
 ]
 Need = Literal["illuminance", "glare"]
 
-# Keys of each rule: those it must have, and those it may have
+# Required and optional keys of each rule
 _KEYS: dict[RuleName, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "fixed": (("state",), ()),
     "cut-off": (
@@ -69,7 +69,7 @@ def _state(value: Any) -> Any:
 
 
 def _levels(value: Any) -> Any:
-    # One threshold, or one for each stage
+    # One threshold, or one for each step to the next state
     levels = value if isinstance(value, list) else [value]
     numbers = all(isinstance(x, int | float) for x in levels)
     if not levels or not numbers or any(isinstance(x, bool) for x in levels):
@@ -84,7 +84,7 @@ Levels = Annotated[list[float], BeforeValidator(_levels)]
 
 
 class StateTable(Named):
-    """One state of the shades of a window."""
+    """Shade state of a window."""
 
     bsdf: InputFile = Field(description="a BSDF file (.xml)")
     sun_bsdf: InputFile | None = Field(
@@ -97,12 +97,12 @@ class StateTable(Named):
 
     @property
     def label(self) -> str:
-        """Name, or else the stem of the BSDF's file."""
+        """Name of the state, by default the stem of the BSDF file name."""
         return self.name or self.bsdf.stem
 
 
 class ControlTable(Table):
-    """The rule by which a window changes its state."""
+    """Control rule for the shade states of a window."""
 
     rule: RuleName = Field(description="the name of a rule")
     when_empty: StateChoice | None = None
@@ -182,7 +182,7 @@ class ControlTable(Table):
 
 
 class WindowTable(NamedFile):
-    """A window group: polygons that share one BSDF, or states of it."""
+    """Window group: polygons with one BSDF, or with several shade states."""
 
     file: InputFile = Field(description="a Radiance file of window polygons")
     bsdf: InputFile | None = Field(None, description="a BSDF file (.xml)")
@@ -230,7 +230,7 @@ class WindowTable(NamedFile):
         return self
 
     def _check_control(self) -> None:
-        # The rule names states that exist, and as many angles as there are
+        # States in the rule must exist, and numbers of angles and levels must match
         control, labels = self.control, [table.label for table in self.states()]
         if control is None:
             return
@@ -261,7 +261,7 @@ class WindowTable(NamedFile):
                 )
 
     def states(self) -> list[StateTable]:
-        """Return the states, one where the window has a single BSDF."""
+        """Return the shade states, a single one for a window with one BSDF."""
         if self.bsdf is None:
             return list(self.state)
         alone = StateTable.model_construct(

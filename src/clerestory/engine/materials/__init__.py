@@ -1,12 +1,12 @@
 """Materials of scenes as Mitsuba BSDF plugins, usable in any Mitsuba scene.
 
-Each plugin has one file, found by its presence in this folder. The file defines the
-plugin's name (`PLUGIN`), its class (`define`, because each variant of Mitsuba has a
-base class of its own) and how it takes parameters that are functions or BSDFs (`vary`).
-Radiance's materials act alike on both sides of a surface, except `radiance_mirror` and
-the two media of `radiance_dielectric`.
+Each plugin is a file of this folder. The file defines the plugin's name (`PLUGIN`), a
+function that returns its class (`define`; each Mitsuba variant has its own base class),
+and a function that sets parameters given as functions or BSDFs (`vary`). Radiance's
+materials scatter alike on both sides of a surface, except `radiance_mirror` and the two
+media of `radiance_dielectric`.
 
-Parameters are opaque to the compiler, so that many instances share one kernel.
+Parameters are opaque to the compiler, so that all instances share one kernel.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ _registered: set[str] = set()
 
 
 def register() -> None:
-    """Define the plugins for the current variant, once."""
+    """Register the plugins for the current variant, once."""
     variant = mi.variant()
     if variant in _registered:
         return
@@ -61,7 +61,7 @@ def load(material: Material, origin: np.ndarray | None = None) -> mi.BSDF:
 
     Parameters
     ----------
-    origin : point of the scene that is at the device's origin [m]; None: the same point
+    origin : scene point at the origin of device coordinates [m]; None: scene origin
     """
     origin = np.zeros(3) if origin is None else origin
     plugin = material.plugin()
@@ -84,5 +84,5 @@ def load(material: Material, origin: np.ndarray | None = None) -> mi.BSDF:
 
 
 def absorber() -> mi.BSDF:
-    """Return a material that reflects nothing, for receivers."""
+    """Return a black material, for receivers."""
     return mi.load_dict({"type": "radiance_plastic", "reflectance": [0, 0, 0]})

@@ -1,12 +1,12 @@
 """BSDF files as a Mitsuba plugin: `{"type": "bsdf_file", "filename": "blind.xml"}`.
 
-The plugin scatters by the visible data of a `Bsdf`, matrices or tensor trees, from
-both sides, and adds diffuse reflection and transmission as Radiance's material does.
-Directions are turned into the frame of the layer by the surface's normal, which
-points into the room, and the up vector.
+The plugin evaluates the visible data of a `Bsdf` (matrices or tensor trees) for both
+sides, and adds diffuse reflection and transmission as Radiance's BSDF material does.
+Directions are transformed to the frame of the layer, defined by the up vector and by
+the surface normal, which points into the room.
 
-With `peak`, light that passes unscattered (Radiance's aBSDF) leaves the data: it
-goes straight on as through a pane, and shadow rays may pass.
+With `peak`, direct transmission is separated from the data (Radiance's aBSDF): it
+passes straight as through a pane, and shadow rays may pass.
 """
 
 from dataclasses import dataclass
@@ -33,7 +33,7 @@ _REVERSE = [FUNCTIONS.index(OTHER_SIDE.get(name, name)) for name in FUNCTIONS]
 
 
 def scattering_table(bsdf: Bsdf) -> Table:
-    """Return the visible functions of a layer as a table for kernels."""
+    """Return the visible scattering functions of a layer as device arrays."""
     bsdf = bsdf.tabulated()
     parts = [_colours(bsdf, name) for name in FUNCTIONS]
     trees = [p for p in parts if p is not None and isinstance(p[0], ScatteringTree)]
@@ -45,16 +45,16 @@ def scattering_table(bsdf: Bsdf) -> Table:
 
 
 def forward_table(bsdf: Bsdf, name: Function = "transmission_front") -> Table:
-    """Return a transmission as a table that is drawn from for the light that enters.
+    """Return a table that samples the leaving direction of a transmission function.
 
-    It is the reciprocal function: what the table calls leaving is where the light
-    comes from, and what it calls incident where it goes.
+    The table holds the reciprocal function: its leaving direction is the actual
+    incident direction, and vice versa.
     """
     bsdf = bsdf.tabulated()
     parts = _colours(bsdf, name)
     if parts is not None and isinstance(parts[0], ScatteringTree):
         if parts[0].rank == 3:
-            # Function 0 is read from function 1 with directions exchanged
+            # Function 0 is evaluated from function 1 with directions exchanged
             return TreeTable([None, parts], [1, 0])
         return TreeTable([tuple(part.reciprocal() for part in parts)], [0])
     matrices = _matrices(bsdf)[FUNCTIONS.index(name)]
@@ -62,19 +62,19 @@ def forward_table(bsdf: Bsdf, name: Function = "transmission_front") -> Table:
 
 
 def _colours(bsdf: Bsdf, name: Function):
-    # The trees or matrices of a function: X, Y, Z in colour, else Y alone
+    # Trees or matrices of a function: X, Y, Z if it is coloured, otherwise Y only
     if not bsdf.has(name):
         return None
     part = bsdf.scattering(name)
     if isinstance(part, ScatteringTree) and bsdf.in_colour(name):
         return bsdf.xyz(name)
-    # What rank 3 knows of one side only is read in reverse by the table
+    # Rank 3 data given for one side only are evaluated by reciprocity in the table
     known = isinstance(part, ScatteringTree | ScatteringMatrix)
     return (part,) if known else None
 
 
 def _matrices(bsdf: Bsdf):
-    # All functions on the patches of the first, in colour if the file is
+    # All functions, resampled to the patches of the first; coloured if the file is
     first = next(name for name in FUNCTIONS if bsdf.has(name))
     like = bsdf.function(first)
     found = []
@@ -94,9 +94,9 @@ def _matrices(bsdf: Bsdf):
 
 @dataclass
 class Added:
-    """Diffuse parts beside the data: reflection of front and back, transmission.
+    """Diffuse reflectances and transmittance in addition to the data.
 
-    Front is the side of the normal, the room.
+    The front is the side of the normal, which faces the room.
     """
 
     front: "mi.Color3f"
@@ -108,7 +108,7 @@ PLUGIN = "bsdf_file"
 
 
 def define() -> type:
-    """Return the plugin's class for the variant in use."""
+    """Return the plugin's class for the current variant."""
 
     @completed(up="up")
     class BsdfFile(mi.BSDF):
@@ -146,7 +146,7 @@ def define() -> type:
             self.m_flags = flags
 
         def take(self, bsdf):
-            """Scatter by a `Bsdf`."""
+            """Set the scattering data from a `Bsdf`."""
             bsdf = bsdf.tabulated()
             self.table = scattering_table(bsdf)
             if self.sharp:
@@ -156,7 +156,7 @@ def define() -> type:
             self._flag()
 
         def turned(self, si):
-            """Return the frame of the layer at a hit; black where up is the normal."""
+            """Return the layer's frame; no axes if up is parallel to the normal."""
             normal = si.sh_frame.n
             right = dr.cross(self.up, normal)
             length = dr.norm(right)
@@ -164,14 +164,14 @@ def define() -> type:
             return mi.Frame3f(right, dr.cross(normal, right), normal)
 
         def split(self, si, wo):
-            """Return both directions in the layer's frame, and whether it has one."""
+            """Return both directions in the layer's frame, and if it is defined."""
             frame = self.turned(si)
             wi = frame.to_local(si.sh_frame.to_world(si.wi))
             oriented = dr.squared_norm(frame.s) > 0.5
             return wi, frame.to_local(si.sh_frame.to_world(wo)), oriented
 
         def parts(self, wi):
-            """Return the functions on the side of wi, and the chance of each part."""
+            """Return the functions for the side of wi, and component probabilities."""
             room = wi.z > 0
             transmission = dr.select(room, mi.UInt32(0), mi.UInt32(1))
             reflection = dr.select(room, mi.UInt32(3), mi.UInt32(2))
@@ -188,7 +188,7 @@ def define() -> type:
             return transmission, reflection, [c * scale for c in chances]
 
         def evaluate(self, si, wo, active):
-            """BSDF × cosine and pdf, without what passes straight."""
+            """Return BSDF × cosine [1/sr] and pdf, without direct transmission."""
             wi, wo, oriented = self.split(si, mi.Vector3f(wo))
             transmission, reflection, chance = self.parts(wi)
             same = wi.z * wo.z > 0
@@ -274,5 +274,5 @@ def define() -> type:
 
 
 def vary(made, name: str, bsdf: Bsdf, origin) -> None:
-    """Scatter by the functions of a `Bsdf`."""
+    """Set the scattering data from a `Bsdf`."""
     made.take(bsdf)

@@ -1,36 +1,37 @@
-"""What a smooth coat reflects: more towards grazing angles, as Radiance has it.
+"""Reflectance of a smooth coat, which increases towards grazing angles as in Radiance.
 
-Radiance lets the coat weaken diffuse light by what it reflects at the angle of view,
-and light that comes straight from lamps and sun also by what it reflects at theirs.
-Plugins do the latter where they are asked by `lamp_context`.
+As in Radiance, the coat reduces the diffuse component by its reflectance at the view
+angle, and for direct light from luminaires and the sun also by its reflectance at the
+angle of incidence. Plugins apply the second factor in a `lamp_context` only.
 """
 
 import drjit as dr
 import mitsuba as mi
 
-# A purely specular surface of at least this reflectance counts as a dielectric
+# A smooth surface of at least this specular reflectance is treated as a dielectric
 # (normal.c of Radiance, FRESTHRESH).
 _THRESHOLD = 0.017999
 
-# Radiance 6.0's stand-in for Fresnel's formulas, exp(-5.85 cos) - c (normal.c, FRESNE)
+# Radiance 6.0's approximation of Fresnel's formulas (normal.c, FRESNE):
+# exp(-5.85 cos) - 0.00203
 _STEEPNESS, _OFFSET = 5.85, 0.00202943064
 
 
 def grazing_share(specularity, smooth, cos_theta):
-    """Share that a smooth coat adds to what the specularity leaves, 0…1."""
+    """Specular reflectance added by a smooth coat, as a fraction of 1 - specularity."""
     share = dr.exp(-_STEEPNESS * cos_theta) - _OFFSET
     return dr.select(smooth & (specularity >= _THRESHOLD), share, 0)
 
 
 def lamp_context() -> mi.BSDFContext:
-    """Return the context to evaluate light in that comes straight from lamps or sun.
+    """Return the BSDF context for direct light from luminaires and suns.
 
-    It asks for all parts of a BSDF, and for one that has no meaning as a part.
+    Its type mask has all component flags, marked by an otherwise unused flag.
     """
     mask = +mi.BSDFFlags.All | +mi.BSDFFlags.SpatiallyVarying
     return mi.BSDFContext(mi.TransportMode.Radiance, mask)
 
 
 def straight_from_lamp(ctx: mi.BSDFContext) -> bool:
-    """Whether the context is one of `lamp_context`."""
+    """Whether a context was made by `lamp_context`."""
     return bool(ctx.type_mask & +mi.BSDFFlags.SpatiallyVarying)

@@ -1,11 +1,12 @@
-"""`radiance_dielectric`: the surface of a clear solid, or between two of them.
+"""`radiance_dielectric`: the surface of a clear solid, or between two clear solids.
 
     {"type": "radiance_dielectric", "inside_index": 1.5,
      "inside_transmissivity": [0.8, 0.9, 0.8]}
 
-The inside lies behind the front. Light is absorbed along the segment on which it
-arrives, by what the medium on that side leaves after one metre; so a surface of
-another material standing in the medium is lit without absorption on the way to it.
+The inside is the medium behind the front. Absorption is applied at each intersection
+with the surface, for the preceding path segment, by the medium's transmissivity per
+metre. Hence, light is not absorbed on its way to a surface of another material inside
+the medium.
 
 References: M. Born and E. Wolf, Principles of Optics, section 1.5.2 (Fresnel's
 formulas); E. Veach, Robust Monte Carlo Methods for Light Transport Simulation, 1997,
@@ -18,7 +19,7 @@ import mitsuba as mi
 from clerestory.engine.materials.properties import colour, number
 from clerestory.engine.materials.queries import completed
 
-# Extinction beyond this leaves nothing after a metre (dielectric.c, mylog)
+# Least transmissivity per metre (dielectric.c, mylog)
 _DARKEST = 1e-40
 
 
@@ -35,7 +36,7 @@ def define() -> type:
         outside_index="outside_index",
     )
     class RadianceDielectric(mi.BSDF):
-        """Specular reflection and refraction, with absorption on the way."""
+        """Specular reflection and refraction, with absorption in the media."""
 
         def __init__(self, props):
             mi.BSDF.__init__(self, props)

@@ -1,4 +1,4 @@
-"""`radiance_glass`: a thin pane, clear or tinted.
+"""`radiance_glass`: a thin pane of clear or tinted glass.
 
     {"type": "radiance_glass", "transmissivity": [0.9, 0.9, 0.9], "index": 1.52}
 
@@ -22,11 +22,10 @@ def define() -> type:
 
     @completed(transmissivity="paint.colour", index="index")
     class RadianceGlass(mi.BSDF):
-        """A thin pane: Fresnel reflection and absorption in both passes, no refraction.
+        """A thin pane with Fresnel reflection and absorption, without refraction.
 
-        Internal reflections are summed for both polarisations, as glass.c of
-        Radiance does; the transmissivity is that of the pane's bulk at normal
-        incidence.
+        Internal reflections are summed for both polarisations, as in Radiance's
+        glass.c; the transmissivity is the internal transmittance at normal incidence.
         """
 
         def __init__(self, props):
@@ -42,7 +41,7 @@ def define() -> type:
             self.m_flags = self.m_components[0] | self.m_components[1]
 
         def coefficients(self, si):
-            """Reflectance and transmittance of the pane at an angle."""
+            """Reflectance and transmittance of the pane for the direction wi."""
             cos_theta = dr.maximum(dr.abs(si.wi.z), 1e-4)
             inner = dr.sqrt(1 - (1 - dr.square(cos_theta)) / dr.square(self.index))
             bulk = dr.maximum(self.paint.colour, 1e-15) ** (1 / inner)
@@ -60,7 +59,7 @@ def define() -> type:
                 transmitted += 0.5 * passed
                 reflected += 0.5 * (r + r * bulk * passed)
             if self.paint.pattern is not None:
-                # Patterns tint what passes, and leave what is reflected
+                # Patterns modify the transmittance, not the reflectance
                 transmitted *= self.paint.pattern(si)
             return reflected, transmitted
 
@@ -90,5 +89,5 @@ def define() -> type:
 
 
 def vary(made, name: str, pattern: Pattern, origin) -> None:
-    """Let a function vary the colour (`pattern`)."""
+    """Set the pattern of the transmittance."""
     made.paint.pattern = multiplier(pattern, origin)

@@ -1,8 +1,9 @@
-"""Which part of a material a sampled direction is put down to.
+"""Classification of sampled directions as diffuse or glossy scattering.
 
-Materials of a matt and a glossy part propose a direction by either and weigh it by the
-sum of both. Where diffuse reflections are counted and cut, the count has to follow the
-light and not the proposal: of the light in a direction the glossy share goes on free.
+A material with a diffuse and a glossy component samples a direction from one of them,
+and weights it by the sum of both. If diffuse reflections are limited, the direction
+must be counted as diffuse with the probability of the diffuse share of the BSDF value,
+and not according to the component that was sampled.
 """
 
 import drjit as dr
@@ -10,22 +11,22 @@ import mitsuba as mi
 
 
 def credited(number, glossy, matt):
-    """Whether a direction is put down to the glossy part.
+    """Whether a direction is classified as glossy.
 
     Parameters
     ----------
-    number : random, 0…1, not used for the direction
-    glossy, matt : BSDF × cosine of both parts for the direction
+    number : random number, 0…1, independent of the direction
+    glossy, matt : BSDF × cosine of the glossy and the diffuse component
     """
     strength = dr.sum(glossy)
     return (strength > 0) & (number * (strength + dr.sum(matt)) <= strength)
 
 
 def glossy_context() -> mi.BSDFContext:
-    """Return the context to evaluate only the glossy part of reflecting plugins in."""
+    """Return the BSDF context that evaluates the glossy component only."""
     return mi.BSDFContext(mi.TransportMode.Radiance, +mi.BSDFFlags.Glossy)
 
 
 def only_glossy(ctx: mi.BSDFContext) -> bool:
-    """Whether the context is one of `glossy_context`."""
+    """Whether a context was made by `glossy_context`."""
     return ctx.type_mask == +mi.BSDFFlags.Glossy

@@ -19,7 +19,7 @@ def define() -> type:
 
     @completed(reflectance="paint.colour")
     class RadianceMirror(mi.BSDF):
-        """Specular reflection from the front; nothing from the back."""
+        """Specular reflection at the front; absorption at the back."""
 
         def __init__(self, props):
             mi.BSDF.__init__(self, props)
@@ -39,5 +39,5 @@ def define() -> type:
 
 
 def vary(made, name: str, pattern: Pattern, origin) -> None:
-    """Let a function vary the colour (`pattern`)."""
+    """Set the pattern of the reflectance."""
     made.paint.pattern = multiplier(pattern, origin)

@@ -1,9 +1,9 @@
-"""`radiance_mixture`: two materials side by side, too finely to be seen apart.
+"""`radiance_mixture`: two materials mixed in parts too small to be resolved.
 
 {"type": "radiance_mixture", "amount": 0.8,
  "foreground": {"type": "radiance_plastic"}, "background": {"type": "null"}}
 
-The share of the foreground may vary from point to point (`pattern`).
+The area fraction of the foreground may vary with position (`pattern`).
 """
 
 import drjit as dr
@@ -22,7 +22,7 @@ def define() -> type:
 
     @completed(amount="amount", foreground="foreground", background="background")
     class RadianceMixture(mi.BSDF):
-        """Mean of two materials, weighted by the share of the foreground."""
+        """Mean of two BSDFs, weighted by the area fraction of the foreground."""
 
         def __init__(self, props):
             mi.BSDF.__init__(self, props)
@@ -37,11 +37,11 @@ def define() -> type:
             self.m_flags = parts[0].flags() | parts[1].flags()
 
         def share(self, si):
-            """Share of the foreground at a point."""
+            """Area fraction of the foreground at a point."""
             return self.amount if self.pattern is None else self.pattern(si)
 
         def sample(self, ctx, si, sample1, sample2, active=True):
-            # Choose one by its share, and use the random number again
+            # Choose a material by its area fraction, and rescale the random number
             amount = self.share(si)
             front = sample1 < amount
             again = dr.select(
@@ -57,7 +57,7 @@ def define() -> type:
             bs = dr.select(front, one, two)
             weight = dr.select(front, gain, other)
 
-            # Either could have led to a direction that is not singular
+            # For non-delta components, combine the densities of both materials
             peak = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
             chance = dr.select(front, amount, 1 - amount)
             bs.pdf = dr.select(
@@ -81,5 +81,5 @@ def define() -> type:
 
 
 def vary(made, name: str, pattern: Pattern, origin) -> None:
-    """Let a function vary the share of the foreground (`amount`)."""
+    """Set the pattern of the foreground's area fraction."""
     made.pattern = share(pattern, origin)

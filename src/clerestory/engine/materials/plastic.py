@@ -1,15 +1,15 @@
-"""`radiance_plastic`: plastic and metal, with a round or an elliptical highlight.
+"""`radiance_plastic`: plastic and metal, isotropic or anisotropic.
 
     {"type": "radiance_plastic", "reflectance": [0.5, 0.4, 0.3], "specularity": 0.05,
      "roughness": 0.1}
 
-`metallic` gives the highlight the colour of the rest; `roughness_v` and `up` make it
-elliptical, with `roughness` along `up`. At roughness zero it is a mirror image whose
-strength grows towards grazing angles.
+`metallic` gives the highlight the colour of the reflectance; `roughness_v` and `up`
+make it anisotropic, with `roughness` along `up`. At roughness zero it is a mirror
+reflection, whose reflectance increases towards grazing angles.
 
-Such a smooth coat weakens the diffuse part by the angle of view, and for light straight
-from lamps and sun by theirs as well (`coat.lamp_context`), as in Radiance. Only where
-it is the angle of view alone, the material is not reciprocal.
+As in Radiance, such a smooth coat reduces the diffuse component according to the view
+angle, and for direct light from luminaires and the sun also according to the angle of
+incidence (`coat.lamp_context`). With the view angle alone, the BRDF is not reciprocal.
 """
 
 import drjit as dr
@@ -45,7 +45,7 @@ def define() -> type:
             self.m_flags = self.m_components[0] | self.m_components[1]
 
         def shares(self, si, cos_theta):
-            """Diffuse and specular reflectance, and the chance of the latter."""
+            """Diffuse and specular reflectance, and probability of the latter."""
             added = grazing_share(self.specularity, self.highlight.smooth, cos_theta)
             rest = 1 - self.specularity
             colour = self.paint.at(si)
@@ -57,7 +57,7 @@ def define() -> type:
             return diffuse, specular, dr.select(strength > 0, chance, 0)
 
         def parts(self, ctx, si, wi, wo, active):
-            """BRDF × cosine, diffuse and glossy, and pdf, without the mirror's peak."""
+            """BRDF × cosine, diffuse and glossy, and pdf, without delta reflection."""
             active = active & (wi.z > 0) & (wo.z > 0)
             diffuse, specular, chance = self.shares(si, wi.z)
             value, pdf = self.highlight.reflected(self.highlight.at(si), wi, wo)
@@ -88,7 +88,7 @@ def define() -> type:
             pdf = dr.select(peak, chance, pdf)
             valid = active & (wo.z > 0) & (wi.z > 0) & (pdf > 0)
 
-            # Call it after one of the parts, as often as that sends light there
+            # Classify the direction as glossy or diffuse by their BSDF values
             again = dr.select(
                 shiny, sample1 / chance, (sample1 - chance) / (1 - chance)
             )
@@ -120,5 +120,5 @@ def define() -> type:
 
 
 def vary(made, name: str, pattern: Pattern, origin) -> None:
-    """Let a function vary the colour (`pattern`) or the highlight's axis (`up`)."""
+    """Set the pattern of the colour (`pattern`) or of the highlight's axis (`up`)."""
     vary_highlight(made, name, pattern, origin)

@@ -1,7 +1,7 @@
 """Parameters of plugins, made opaque to the compiler.
 
-Literal parameters would give each instance its own code; opaque ones let any number
-of instances share one kernel. A pattern gives its instance code of its own.
+Each literal parameter would require a separate kernel; all instances with opaque
+parameters share one kernel. An instance with a pattern has separate code.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ import mitsuba as mi
 
 
 class Paint:
-    """A colour, and the pattern that varies it where there is one.
+    """A colour with an optional pattern.
 
     Attributes
     ----------
-    colour : without the pattern
-    pattern : function of an interaction that returns what to multiply by
+    colour : colour without the pattern
+    pattern : function of an interaction that returns the multiplier of the colour
     """
 
     def __init__(self, props, name: str, default: float):
@@ -44,7 +44,7 @@ def colour(props, name: str, default: float):
 
 
 def number(props, name: str, default: float):
-    """Return a parameter that is one number."""
+    """Return a scalar parameter."""
     made = mi.Float(float(props.get(name, default)))
     dr.make_opaque(made)
     return made

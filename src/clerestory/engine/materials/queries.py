@@ -1,4 +1,4 @@
-"""Queries of a BSDF plugin that follow from its other methods."""
+"""Mitsuba's BSDF methods that can be derived from other methods of a plugin."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ import mitsuba as mi
 
 
 def completed(**parameters: str):
-    """Return a class decorator that adds the queries a BSDF class does not define.
+    """Return a class decorator that adds methods which a BSDF class does not define.
 
-    `eval`, `pdf` and `eval_pdf_sample` follow from `eval_pdf` and `sample`. A class
-    without `eval_pdf` has delta components only.
+    `eval`, `pdf` and `eval_pdf_sample` are derived from `eval_pdf` and `sample`. A
+    class without `eval_pdf` has delta components only.
 
     Parameters
     ----------
-    parameters : what `mi.traverse` shows, by name: the attribute that holds it
+    parameters : for each parameter name of `mi.traverse`, the path of its attribute
     """
     shown = {name: attrgetter(path) for name, path in parameters.items()}
 

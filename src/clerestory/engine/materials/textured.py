@@ -1,10 +1,11 @@
-"""`radiance_textured`: a material on a surface that scatters as if it were bumpy.
+"""`radiance_textured`: a material with perturbed normals (bump mapping).
 
-The nested material sees a bent frame: what a function of the interaction returns is
-added to the unit normal, as Radiance's textures do. A normal bent away from the viewer
-is turned back to him. Light that would leave on the wrong side of the real surface is
-lost, so that no light leaks through closed solids. Bent normals conserve no energy and
-are not reciprocal; they are for looks.
+The nested material is evaluated in a perturbed frame: as in Radiance's textures, a
+vector function of the interaction is added to the unit normal. A perturbed normal that
+faces away from the viewer is mirrored towards the viewer. Directions on the wrong side
+of the actual surface are discarded, so that no light leaks through closed solids.
+Perturbed normals are neither energy-conserving nor reciprocal, and are intended for
+appearance only.
 
 Reference: G. Ward, Radiance, src/rt/raytrace.c (raynormal).
 """
@@ -24,7 +25,7 @@ def define() -> type:
 
     @completed(base="base")
     class RadianceTextured(mi.BSDF):
-        """A nested material in a bent frame."""
+        """A nested material in a perturbed frame."""
 
         def __init__(self, props):
             mi.BSDF.__init__(self, props)
@@ -36,14 +37,14 @@ def define() -> type:
             self.m_flags = self.base.flags()
 
         def bent(self, si):
-            """Return the interaction in the bent frame."""
+            """Return the interaction in the perturbed frame."""
             towards = si.sh_frame.to_world(si.wi)
             normal = si.sh_frame.n
             added = mi.Vector3f(0) if self.added is None else self.added(si)
             bent = dr.normalize(mi.Vector3f(normal) + added)
             bent = dr.select(dr.isfinite(bent.x), bent, mi.Vector3f(normal))
 
-            # Mirror a normal that faces the other way in the plane across the view
+            # Mirror a normal that faces away from the viewer
             seen = dr.dot(bent, towards)
             away = (seen > 0) != (si.wi.z > 0)
             bent = dr.select(away, bent - 2 * seen * towards, bent)
@@ -53,7 +54,7 @@ def define() -> type:
             return made
 
         def turned(self, si, bent, wo):
-            """Direction in the bent frame, and whether it stays on its side."""
+            """Direction in the perturbed frame, and whether it is on the same side."""
             world = si.sh_frame.to_world(wo)
             local = bent.to_local(world)
             return local, local.z * wo.z > 0
@@ -82,5 +83,5 @@ def define() -> type:
 
 
 def vary(made, name: str, texture: Pattern, origin) -> None:
-    """Let a function perturb the normal (`texture`)."""
+    """Set the function that perturbs the normal (`texture`)."""
     made.added = perturbation(texture, origin)

@@ -1,11 +1,12 @@
-"""`radiance_trans`: translucent sheets, with round or elliptical highlights.
+"""`radiance_trans`: translucent sheets, isotropic or anisotropic.
 
     {"type": "radiance_trans", "reflectance": [0.9, 0.9, 0.9], "specularity": 0.05,
      "roughness": 0.1, "transmission": 0.6, "transmitted_specular": 0.5}
 
-Of what the highlight leaves, `transmission` passes, and of that the share
-`transmitted_specular` without being diffused: straight on at roughness zero, where
-shadow rays may follow it, and in a lobe otherwise. See `radiance_plastic` for the rest.
+Of the light not reflected specularly, the fraction `transmission` is transmitted, and
+of this the fraction `transmitted_specular` is specular: direct transmission, which
+shadow rays may pass, at roughness zero, and a lobe otherwise. For the other parameters
+see `radiance_plastic`.
 """
 
 import drjit as dr
@@ -57,7 +58,7 @@ def define() -> type:
                 self.m_flags = self.m_flags | component
 
         def shares(self, si, cos_theta):
-            """Shares: diffuse back and through, specular back and through."""
+            """Diffuse reflectance and transmittance, specular ones likewise."""
             added = grazing_share(self.specularity, self.highlight.smooth, cos_theta)
             rest = (1 - self.specularity) * (1 - added)
             passed = self.transmission * rest
@@ -71,13 +72,13 @@ def define() -> type:
             )
 
         def chances(self, shares):
-            """Probability of sampling each way."""
+            """Probability of sampling each component."""
             strength = [dr.max(share) for share in shares]
             total = sum(strength)
             return [dr.select(total > 0, each / total, 0) for each in strength]
 
         def parts(self, ctx, si, wi, wo, active):
-            """BSDF × cosine, diffuse and glossy, and pdf, without peaks."""
+            """BSDF × cosine, diffuse and glossy, and pdf, without delta components."""
             active = active & (wi.z > 0) & (wo.z != 0)
             shares = self.shares(si, wi.z)
             chances = self.chances(shares)
@@ -88,13 +89,13 @@ def define() -> type:
             if straight_from_lamp(ctx):
                 coat -= grazing_share(self.specularity, smooth, cosine)
 
-            # Back to the side the light comes from
+            # Reflection
             lobe, density = self.highlight.reflected(shape, wi, wo)
             lobe = dr.select(smooth, 0, lobe * cosine)
             back = shares[2] * lobe
             back_pdf = chances[0] * even + dr.select(smooth, 0, chances[2] * density)
 
-            # Through to the other side
+            # Transmission
             lobe, density = self.highlight.passed(shape, wi, wo)
             lobe = dr.select(smooth, 0, lobe)
             through = shares[3] * lobe
@@ -113,7 +114,7 @@ def define() -> type:
             chances = self.chances(shares)
             shape = self.highlight.at(si)
 
-            # Choose the way, then the direction
+            # Choose the component, then the direction
             back = sample1 < chances[0]
             diffuse = sample1 < chances[0] + chances[1]
             mirrored = ~diffuse & (sample1 < chances[0] + chances[1] + chances[2])
@@ -138,7 +139,7 @@ def define() -> type:
             pdf = dr.select(peak, chance, pdf)
             valid = active & (wi.z > 0) & ((wo.z > 0) == reflects) & (pdf > 0)
 
-            # Call it after one of the parts, as often as that sends light there
+            # Classify the direction as glossy or diffuse by their BSDF values
             below = dr.select(mirrored, chances[0] + chances[1], 1 - chances[3])
             below = dr.select(diffuse, dr.select(back, 0, chances[0]), below)
             chance = dr.select(diffuse, dr.select(back, chances[0], chances[1]), chance)
@@ -156,7 +157,7 @@ def define() -> type:
             return bs, dr.select(valid, weight, 0)
 
         def kinds(self, diffuse, reflects, peak):
-            """Mitsuba's name of what was sampled."""
+            """BSDF flag of the sampled component."""
 
             def flag(back, through):
                 return dr.select(reflects, mi.UInt32(+back), mi.UInt32(+through))
@@ -186,5 +187,5 @@ def define() -> type:
 
 
 def vary(made, name: str, pattern: Pattern, origin) -> None:
-    """Let a function vary the colour (`pattern`) or the highlight's axis (`up`)."""
+    """Set the pattern of the colour (`pattern`) or of the highlight's axis (`up`)."""
     vary_highlight(made, name, pattern, origin)

@@ -1,1 +1,1 @@
-"""Luminaires: photometric files and the emitting surfaces of their luminaires."""
+"""Readers of photometric files, and emitting surfaces of luminaires."""

@@ -1,7 +1,7 @@
 """Reader of EULUMDAT files (.ldt).
 
-Intensities per 1000 lm are converted to absolute ones by the flux of the first set of
-lamps. The length of the luminaire is in the plane C90–C270.
+Intensities [cd/klm] are multiplied by the luminous flux of the first set of lamps. The
+length of the luminaire is along the plane C90–C270.
 
 Reference: A. Stockmar, EULUMDAT – ein Leuchtendatenformat für den europäischen
 Beleuchtungsplaner, Licht '90, 1990.
@@ -63,7 +63,7 @@ def read_eulumdat(path: str | Path) -> Luminaire:
 
 @dataclass(frozen=True)
 class _Head:
-    # The relevant ones of the first twelve lines
+    # Fields in the first twelve lines that are used
     maker: str
     symmetry: int
     planes: int
@@ -93,7 +93,7 @@ class _Lamps:
 
 
 def _lamps(lines: WordReader) -> _Lamps:
-    # The first set; others are alternatives to it
+    # The first set of lamps; the other sets are alternatives
     sets = lines.whole("the number of sets of lamps", 1, _MOST_LAMPS)
     found = []
     for _ in range(sets):
@@ -109,7 +109,7 @@ def _lamps(lines: WordReader) -> _Lamps:
 
 
 def _shape(lines: WordReader) -> LuminousShape:
-    # Body, then luminous area with its heights towards C0, C90, C180 and C270 [mm]
+    # Luminaire size, then luminous area and its heights at C0, C90, C180 and C270 [mm]
     body = lines.several(3, "a size of the luminaire") * _MILLIMETRE
     area = lines.several(2, "a size of the luminous area") * _MILLIMETRE
     heights = lines.several(4, "a height of the luminous area") * _MILLIMETRE
@@ -124,7 +124,7 @@ def _shape(lines: WordReader) -> LuminousShape:
 
 
 def _planes(symmetry: int, planes: int) -> range:
-    # Numbers of the C planes whose intensities are given
+    # Indices of the C planes whose intensities are in the file
     match symmetry:
         case 0:
             return range(planes)

@@ -1,11 +1,11 @@
 """Reader of IES files (LM-63 of 1986, 1991, 1995, 2002 and 2019).
 
-The candela multiplier and the ballast factor are applied, before 1995 also the
-ballast-lamp factor. Unsupported shapes are replaced as in Radiance: horizontal
-cylinders by boxes, ellipses by circles or boxes.
+The candela multiplier and the ballast factor are applied; in files before 1995, also
+the ballast-lamp factor. As in Radiance, horizontal cylinders are replaced by boxes, and
+ellipses by circles or boxes.
 
-Reference: IES LM-63-86, -91, -95, -02, -19; the meaning of the dimensions' signs in
-each version after R. Fritz's comments in Radiance's ies2rad.
+References: IES LM-63-86, -91, -95, -02, -19; meaning of negative dimensions in each
+version: R. Fritz's comments in Radiance's ies2rad.
 """
 
 import re
@@ -27,7 +27,7 @@ from clerestory.formats.word_reader import WordReader
 # Feet to metres
 _FOOT = 0.3048
 
-# Diameter of a point source [m]
+# Diameter that represents a point source [m]
 POINT = 0.001
 
 _MOST_ANGLES = 10_000
@@ -52,7 +52,7 @@ def read_ies(path: str | Path) -> Luminaire:
 
 
 def _words(text: str, path: str | Path, line: int) -> WordReader:
-    # Words of a text, with the line of each
+    # Words of a text, with the line number of each word
     words, lines, at = [], [], 0
     for match in _WORD.finditer(text):
         line += text.count("\n", at, match.start())
@@ -154,7 +154,7 @@ def _luminaire(
 
 
 def _shape(sizes: list[float], year: int) -> LuminousShape:
-    # Width, length and height; negative: round. The version says which of the three
+    # Negative width, length or height: round; the combinations depend on the version
     width, length, height = map(abs, sizes)
     round_width, round_length, round_height = (size < 0 for size in sizes)
     if width == length == height == 0:
@@ -170,7 +170,7 @@ def _shape(sizes: list[float], year: int) -> LuminousShape:
     if round_width and (round_length or length == 0):
         return _cylinder(width, length or width, flat_z)
     if (round_width or round_length) and not round_height and year < 2002:
-        # An ellipse, or an elliptical cylinder
+        # An ellipse or an elliptical cylinder
         return _cylinder(width, length or width, flat_z)
     return _box(length, width, flat_z)
 
@@ -183,5 +183,5 @@ def _cylinder(width: float, length: float, height: float) -> LuminousShape:
 
 
 def _box(length: float, width: float, height: float) -> LuminousShape:
-    # The length is along the photometric 0°
+    # The length is along the photometric 0° direction (+x)
     return LuminousShape("box", max(length, POINT), max(width, POINT), height)

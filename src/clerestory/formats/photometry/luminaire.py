@@ -1,13 +1,13 @@
 """Luminous intensity distribution, luminous shape and flux of luminaires.
 
-The nadir of the luminaire is -z, its photometric 0° +x. Angles of the table for a
-direction of emission l:
+The nadir of the luminaire is −z; photometric 0° is +x. For a direction of emission l,
+the angles of the table are:
 
-- type C: the vertical angle is from the nadir, the horizontal one from +x to +y;
-- type B: the vertical angle is atan2(lx, -lz), about the y axis; the horizontal one
-  asin(-ly) is out of that plane;
-- type A: the horizontal angle is atan2(-ly, -lz), about the x axis; the vertical one
-  asin(lx) is out of that plane.
+- type C: vertical angle from the nadir; horizontal angle from +x towards +y;
+- type B: vertical angle atan2(lx, −lz) about the y axis; horizontal angle asin(−ly)
+  from the xz plane;
+- type A: horizontal angle atan2(−ly, −lz) about the x axis; vertical angle asin(lx)
+  from the yz plane.
 
 Reference: I. Ashdown, Thinking photometrically, LightFair 2001 (types A, B and C);
 IES LM-63-02.
@@ -30,12 +30,12 @@ _SAME_DEG = 1e-6
 
 @dataclass(frozen=True)
 class LuminousShape:
-    """The luminous shape, centred at the origin.
+    """The luminous shape of a luminaire, centred at the origin.
 
     Attributes
     ----------
-    kind : a box, a vertical cylinder or a sphere; flat if its height is 0
-    x, y, z : its extents [m]; x and y are the diameter of a cylinder or sphere
+    kind : box, vertical cylinder or sphere; a height of 0 means a flat area
+    x, y, z : dimensions [m]; x and y are the diameter of a cylinder or sphere
     """
 
     kind: Literal["box", "cylinder", "sphere"]
@@ -54,12 +54,12 @@ class LuminousShape:
 
 @dataclass(frozen=True)
 class TiltTable:
-    """The dependence of lamp output on the tilt of the luminaire.
+    """Dependence of luminous flux on the tilt of the luminaire.
 
     Attributes
     ----------
     geometry : lamp-to-luminaire geometry: 1 for vertical lamps, 2 and 3 for horizontal
-    angle_deg, factor : multiplier by tilt angle
+    angle_deg, factor : tilt angles; multipliers of the luminous flux
     """
 
     geometry: int
@@ -67,7 +67,7 @@ class TiltTable:
     factor: tuple[float, ...]
 
     def at(self, tilt_deg: float) -> float:
-        """Return the multiplier of the output at a tilt angle."""
+        """Return the multiplier of the luminous flux at a tilt angle."""
         return float(np.interp(abs(tilt_deg), self.angle_deg, self.factor))
 
 
@@ -78,15 +78,16 @@ class Luminaire:
     Attributes
     ----------
     name : name in the file
-    photometry : type of the table's angles
-    horizontal_deg : ascending; 0 to 360 for type C, a single 0 for rotational symmetry
-    vertical_deg : ascending; beyond them the intensity is zero
-    intensity : [cd]
+    photometry : photometric type of the angles
+    horizontal_deg : ascending horizontal angles; 0 to 360 for type C, or a single 0 for
+        rotational symmetry
+    vertical_deg : ascending vertical angles; outside them the intensity is zero
+    intensity : luminous intensity [cd]
     shape : luminous shape
-    lamp_lumens : flux of all lamps [lm]; None for absolute photometry
-    watts : electric power
-    keywords : other data in the file
-    tilt : None if the output does not depend on tilt
+    lamp_lumens : luminous flux of all lamps [lm]; None for absolute photometry
+    watts : electric power [W]
+    keywords : other data in the file, by keyword
+    tilt : dependence of flux on tilt; None if there is none
     """
 
     name: str
@@ -113,11 +114,11 @@ class Luminaire:
     def candela(
         self, direction: Float[np.ndarray, "*batch 3"]
     ) -> Float[np.ndarray, "*batch"]:
-        """Return luminous intensities [cd] in the luminaire's frame.
+        """Return luminous intensities [cd] for directions in the luminaire's frame.
 
         Parameters
         ----------
-        direction : unit vectors of emission
+        direction : unit vectors of emission directions
 
         Examples
         --------
@@ -134,7 +135,7 @@ class Luminaire:
     def angles(
         self, direction: Float[np.ndarray, "*batch 3"]
     ) -> tuple[Float[np.ndarray, "*batch"], Float[np.ndarray, "*batch"]]:
-        """Return horizontal and vertical angles [deg] of directions."""
+        """Return horizontal and vertical photometric angles [deg] of directions."""
         x, y, z = np.moveaxis(direction, -1, 0)
         match self.photometry:
             case "C":
@@ -149,7 +150,7 @@ class Luminaire:
         return np.asarray(horizontal), np.asarray(vertical)
 
     def flux(self) -> float:
-        """Return the luminous flux [lm], the integral of the interpolated intensity.
+        """Return the luminous flux [lm]: integral of the interpolated intensity.
 
         Examples
         --------
@@ -161,7 +162,7 @@ class Luminaire:
         100.0
         """
         if self.photometry == "B":
-            # The horizontal angle is out of the plane
+            # In type B the horizontal angle is the latitude
             weights = _latitude_weights(self.horizontal_deg)
             turn, table = self.vertical_deg, self.intensity
         else:
@@ -178,7 +179,7 @@ class Luminaire:
 
         Parameters
         ----------
-        factor : factor of every intensity and of the lamps' flux
+        factor : factor of the intensities and of the luminous flux of the lamps
         """
         if not (np.isfinite(factor) and factor >= 0):
             raise InputError(f"luminaire scaled by {factor}; 0 or more expected")
@@ -219,7 +220,7 @@ def _bilinear(
 def _place(
     angles: Float[np.ndarray, " angles"], at: Float[np.ndarray, "*batch"]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    # Interval of each angle, relative position in it, and whether it is in the table
+    # Interval of each angle, relative position in it, and whether the table contains it
     if len(angles) == 1:
         zero = np.zeros(at.shape)
         return zero.astype(int), zero, np.ones(at.shape, dtype=bool)
@@ -232,8 +233,8 @@ def _place(
 def _latitude_weights(
     latitude_deg: Float[np.ndarray, " angles"],
 ) -> Float[np.ndarray, " angles"]:
-    # ∫ f cos λ dλ = weights @ f for f linear between the angles: of each interval,
-    # the part of the rising hat that its upper end gets
+    # Weights for which ∫ f cos λ dλ = weights @ f if f is linear between the angles;
+    # `upper` is the weight of the upper end of each interval
     lam = np.radians(latitude_deg)
     width = np.diff(lam)
     whole = np.diff(np.sin(lam))

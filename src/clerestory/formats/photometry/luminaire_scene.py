@@ -1,4 +1,4 @@
-"""Scenes of luminaires and light panels."""
+"""Conversion of luminaires and luminous panels to scenes."""
 
 import numpy as np
 from jaxtyping import Float
@@ -30,22 +30,22 @@ def luminaire_scene(
     colour: tuple[float, float, float] = WHITE,
     name: str = "luminaire",
 ) -> Scene:
-    """Return a luminaire's emitting surfaces as a scene, to be added to a room.
+    """Return the emitting surfaces of a luminaire as a scene, to be added to a room.
 
     Parameters
     ----------
-    luminaire : its intensity and shape
+    luminaire : intensity distribution and luminous shape
     position : centre of the luminous shape [m]
-    turn_deg : rotation about the vertical, counter-clockwise seen from above
-    tilt_deg : rotation about its x axis, before `turn_deg`
-    dimming : fraction of full output
-    colour : colour of its light; only the ratios of the values are used
-    name : name of its material, and prefix of the names of its surfaces
+    turn_deg : rotation about the vertical, counter-clockwise as seen from above
+    tilt_deg : rotation about the luminaire's x axis, before `turn_deg`
+    dimming : fraction of full luminous flux
+    colour : colour of the light as RGB; only the ratios are used
+    name : name of the material, and prefix of the names of surfaces
 
     Raises
     ------
-    InputError : a dimming or colour below 0, or a tilt of horizontal lamps whose output
-        depends on it
+    InputError : dimming or colour is negative, or horizontal lamps with tilt-dependent
+        flux are tilted
 
     Examples
     --------
@@ -78,12 +78,12 @@ def panel_scene(
     ----------
     vertices : outline [m], counter-clockwise as seen from the emitting front
     lumens : luminous flux [lm]
-    colour : colour of its light; only the ratios of the values are used
-    name : name of its material and its surface
+    colour : colour of the light as RGB; only the ratios are used
+    name : name of the material and of the surface
 
     Raises
     ------
-    InputError : an outline without area, or a negative flux or colour
+    InputError : the outline has no area, or flux or colour is negative
 
     Examples
     --------
@@ -103,7 +103,7 @@ def panel_scene(
 
 
 def _balanced(colour: tuple[float, float, float]) -> Float[np.ndarray, "3"]:
-    # A colour of luminance 1
+    # Colour scaled to luminance 1
     given = np.asarray(colour, dtype=float)
     level = float(given @ RGB.shares)
     if given.min() < 0 or not (np.isfinite(level) and level > 0):

@@ -10,7 +10,7 @@ from clerestory.formats.photometry.luminaire import Luminaire
 
 LUMINAIRE_SUFFIXES = (".ies", ".ldt")
 
-# Ratio of luminaire flux to lamp flux above which a file is inconsistent
+# Ratio of luminaire flux to lamp flux above which a warning is given
 _MOST_OUTPUT = 1.02
 
 
@@ -23,7 +23,7 @@ def read_luminaire(path: str | Path) -> Luminaire:
 
     Warns
     -----
-    ClerestoryWarning : the flux of the luminaire exceeds that of its lamps
+    ClerestoryWarning : the flux of the luminaire exceeds the flux of its lamps
 
     Examples
     --------

@@ -1,7 +1,7 @@
-"""Emitting surfaces of luminaires and their radiance by direction.
+"""Emitting surfaces of luminaires, and their radiance by direction.
 
-The radiance of all emitting surfaces is the intensity divided by their projected area.
-A shape with downward light only, or upward light only, emits from that one face.
+The radiance is the intensity divided by the projected area of all emitting surfaces. A
+luminaire that emits only downwards, or only upwards, emits from that face only.
 """
 
 from dataclasses import dataclass, field
@@ -14,13 +14,13 @@ from clerestory.formats.photometry.luminaire import Luminaire
 from clerestory.scene.model import Cone, Polygon, Ring, Sphere
 from clerestory.scene.transform import Transform
 
-# What luminaires are made of
+# Surface types that luminaires consist of
 Shining = Polygon | Sphere | Cone | Ring
 
-# Distance between the two faces of a flat luminaire with direct and indirect light [m]
+# Distance between the faces of a flat luminaire that emits up- and downwards [m]
 _THICKNESS = 0.0005
 
-# Least height of a luminous shape with sides [m]
+# Height of a luminous shape above which its sides emit [m]
 _LEAST_SIDE = 0.001
 
 
@@ -34,10 +34,11 @@ class Faces:
 
 
 def faces(luminaire: Luminaire) -> Faces:
-    """Return which faces emit light.
+    """Return which faces of a luminaire emit light.
 
-    The lower and upper face do if there is light downwards and upwards, the sides if
-    the shape has a height and the table extends above and below the horizontal.
+    The lower and the upper face emit if there is downward or upward intensity; the
+    sides emit if the shape has a height and the table extends above and below the
+    horizontal.
     """
     if luminaire.photometry != "C":
         return Faces(lower=True, upper=False, sides=False)
@@ -53,9 +54,9 @@ class LuminairePattern:
 
     Attributes
     ----------
-    luminaire : its intensity
-    shining : its emitting faces
-    transform : from the luminaire's frame to the scene's
+    luminaire : luminaire with the intensity distribution
+    shining : emitting faces
+    transform : transform from luminaire to scene coordinates
 
     Examples
     --------
@@ -81,7 +82,7 @@ class LuminairePattern:
         normal: Float[np.ndarray, "rays 3"] | None = None,
         point: Float[np.ndarray, "rays 3"] | None = None,
     ) -> Float[np.ndarray, "rays 3"]:
-        """Return the radiance of the surfaces; see `Pattern.value`."""
+        """Return the radiance of the emitting surfaces; see `Pattern.value`."""
         back = np.linalg.inv(self.transform.matrix[:3, :3]) * self.transform.scale
         local = direction @ back
         area = self._projected_area(local) * self.transform.scale**2
@@ -92,7 +93,7 @@ class LuminairePattern:
     def _projected_area(
         self, local: Float[np.ndarray, "rays 3"]
     ) -> Float[np.ndarray, " rays"]:
-        # Of the faces that shine [m²]
+        # Projected area of the emitting faces [m²]
         shape = self.luminaire.shape
         x, y, z = np.abs(local).T
         area: np.ndarray
@@ -113,12 +114,12 @@ class LuminairePattern:
 def shining_surfaces(
     luminaire: Luminaire, *, material: str, name: str
 ) -> tuple[Shining, ...]:
-    """Return the emitting surfaces in the luminaire's frame, with outward fronts.
+    """Return the emitting surfaces in the luminaire's frame, with fronts outwards.
 
     Parameters
     ----------
-    material : key of their material
-    name : prefix of their names
+    material : key of the material of the surfaces
+    name : prefix of the names of the surfaces
     """
     shape, shining = luminaire.shape, faces(luminaire)
     if shape.kind == "sphere":
@@ -138,7 +139,7 @@ def shining_surfaces(
 def _face(
     luminaire: Luminaire, side: float, height: float, material: str, name: str
 ) -> Shining:
-    # The lower (-1) or upper (+1) face
+    # Lower face (side -1) or upper face (side +1)
     shape = luminaire.shape
     centre = np.array([0.0, 0.0, side * height / 2])
     if shape.kind == "cylinder":

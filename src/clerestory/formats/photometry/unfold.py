@@ -12,10 +12,10 @@ def unfold_type_c(
     horizontal_deg: Float[np.ndarray, " given"],
     intensity: Float[np.ndarray, "given vertical"],
 ) -> tuple[Float[np.ndarray, " all"], Float[np.ndarray, "all vertical"]]:
-    """Return horizontal angles from 0° to 360° and their intensities.
+    """Return horizontal angles from 0° to 360°, and the intensities at these angles.
 
-    A quadrant (0 to 90°) is reflected twice, a half (0 to 180°, 90 to 270° or -90 to
-    90°) once; a single angle means rotational symmetry.
+    Tables of a quadrant (0 to 90°) are reflected twice, those of a half (0 to 180°, 90
+    to 270° or −90 to 90°) once; a single angle means rotational symmetry.
 
     Examples
     --------
@@ -45,7 +45,7 @@ def unfold_sides(
     horizontal_deg: Float[np.ndarray, " given"],
     intensity: Float[np.ndarray, "given vertical"],
 ) -> tuple[Float[np.ndarray, " all"], Float[np.ndarray, "all vertical"]]:
-    """Return angles of type A or B from -90°; those from 0 to 90° are reflected."""
+    """Return angles of type A or B; tables from 0 to 90° are reflected to −90°."""
     if len(horizontal_deg) > 1 and abs(horizontal_deg[0]) < _SAME_DEG:
         angle = np.concatenate([-horizontal_deg[:0:-1], horizontal_deg])
         return angle, np.concatenate([intensity[:0:-1], intensity])
@@ -60,7 +60,7 @@ def _joined(
     copies: list[Float[np.ndarray, " given"]],
     intensity: Float[np.ndarray, "given vertical"],
 ) -> tuple[Float[np.ndarray, " all"], Float[np.ndarray, "all vertical"]]:
-    # Unique sorted angles of the copies, over the full circle
+    # Sorted angles of all copies without duplicates, extended to the full circle
     angle = np.mod(np.concatenate(copies), 360.0).round(6)
     table = np.concatenate([intensity] * len(copies))
     angle, first = np.unique(angle, return_index=True)
@@ -74,7 +74,7 @@ def _joined(
 def _between(
     angle: Float[np.ndarray, " all"], table: Float[np.ndarray, "all vertical"]
 ) -> Float[np.ndarray, "1 vertical"]:
-    # The intensity at 0°, between the last angle and the first
+    # Intensity at 0°, interpolated between the last and the first angle
     gap = angle[0] + 360 - angle[-1]
     share = (360 - angle[-1]) / gap
     row: np.ndarray = table[-1:] * (1 - share) + table[:1] * share

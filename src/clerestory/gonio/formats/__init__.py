@@ -1,1 +1,1 @@
-"""Readers of goniophotometer files, one format a file."""
+"""Readers of goniophotometer files, one module per file format."""

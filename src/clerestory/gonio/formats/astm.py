@@ -5,8 +5,8 @@
     0.17,0.0,0.35,3.14,0.081
 
 Angles are in radians, or in degrees if any angle exceeds 2π. Incident and scattered φ
-are measured from the same axis, so that a mirror reflects light to φ + 180°. Columns X,
-Y, Z give three channels; other columns (R, G, B or wavelengths) are averaged.
+are measured from the same axis: mirror reflection is at φ + 180°. Columns X, Y and Z
+are read as three channels; other columns (R, G, B or wavelengths) are averaged.
 
 References: ASTM E1392-96, "Standard practice for angle resolved optical scatter
 measurements on specular or diffuse surfaces"; files of Cornell University's Light

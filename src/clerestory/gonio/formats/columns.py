@@ -1,11 +1,11 @@
-"""Plain columns of incident θ and φ, scattered θ and φ [°], and a value.
+"""Text files with columns of incident θ and φ, scattered θ and φ [°], and a value.
 
     theta_i,phi_i,theta_s,phi_s,btdf
     30,0,30,180,12.5
 
 Incident and scattered φ are measured from the same axis, from right to up: undeviated
-transmission is at φ + 180°. The header names the value: bsdf, brdf, btdf or value
-[1/sr], or dsf for BSDF times the cosine of θ_s. Columns are separated by commas,
+transmission is at φ + 180°. The last column name is bsdf, brdf, btdf or value [1/sr],
+or dsf for BSDF times the cosine of θ_s. Columns are separated by commas,
 semicolons or blanks.
 """
 
@@ -32,7 +32,7 @@ _VALUES = ("bsdf", "brdf", "btdf", "value", "dsf")
 
 
 def scans_of(data: Float[np.ndarray, "rows 5"], path: Path) -> tuple[Scan, ...]:
-    """Return one scan per incident direction from rows of four angles [°] and BSDF."""
+    """Group rows of four angles [°] and BSDF [1/sr] into one scan per incidence."""
     check_angles(data[:, 0], most=90, file=path, what="incident θ")
     incident = np.round(data[:, :2] % [1e9, 360], 6)
     incident[incident[:, 0] == 0, 1] = 0

@@ -1,6 +1,6 @@
 """Interface of goniophotometer file formats.
 
-The registry finds every module of this package that defines `FORMAT`.
+Each module of this package that defines `FORMAT` is registered as a file format.
 """
 
 from collections.abc import Callable, Sequence
@@ -35,12 +35,12 @@ class FileHead:
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """Information that some file formats do not contain.
+    """Information about a measurement that some file formats do not contain.
 
     Attributes
     ----------
     function : measured scattering function; None for the default of the format
-    facing : side that the normal of the sample faces
+    facing : side to which the normal of the sample points
     blank : file of readings without a sample; None if not available
     """
 
@@ -51,12 +51,12 @@ class ReadOptions:
 
 @dataclass(frozen=True)
 class FileFormat:
-    """One file format.
+    """Reader of one goniophotometer file format.
 
     Attributes
     ----------
     name : name of the format, as in the option `--format`
-    recognizes : function that tells from the head of a file whether it has this format
+    recognizes : function that returns whether a file with a given head is in the format
     read : function that returns the measurements in the files of one sample, one per
         scattering function and channel
     """
@@ -67,7 +67,7 @@ class FileFormat:
 
 
 def single_file(paths: Sequence[Path], kind: str) -> Path:
-    """Return the only file; raise InputError unless there is exactly one."""
+    """Return the only file; raise InputError if there are no or several files."""
     if len(paths) != 1:
         raise InputError(
             f"{len(paths)} {kind} files; one file per measurement expected"

@@ -1,12 +1,13 @@
-"""Files of pab-opto's goniophotometer pgII, as written by its program Mountain.
+"""Files of pab-opto's goniophotometer pgII, written by the program Mountain.
 
 Lines that start with # hold the header; all other lines hold θ, φ and a value, or three
-values for CIE X, Y and Z. One file is one incident direction. θ is measured from the
-normal of the sample, from 0 to 180°; φ runs anticlockwise seen from that side. "upphi"
-is the φ of the up direction. The values are BSDF, or DSF: BSDF times the cosine of θ.
+values for CIE X, Y and Z. Each file contains one incident direction. θ is measured from
+the normal of the sample, from 0 to 180°; φ runs anticlockwise for a viewer whom the
+normal faces. "upphi" is the φ of the up direction. Values are BSDF, or DSF: BSDF times
+the cosine of θ.
 
-The normal of the sample faces the room unless the caller says that it faces the sky;
-the sample is then turned about its up axis.
+The normal of the sample points to the room, or optionally to the sky; directions are
+then rotated by 180° about the up axis.
 
 Reference: manual page of Radiance's pabopto2bsdf, version 6.0a.
 """
@@ -41,7 +42,8 @@ from clerestory.gonio.scattering_measurement import Measurement, Scan
 _CHANNELS = {"cie-y": ("visible",), "cie-xyz": ("cie-x", "visible", "cie-z")}
 _NAME = re.compile(r'sample_name\s*:?\s*"([^"]*)"')
 
-# Angle to the sample plane below which the side of a direction is not checked [°].
+# Directions closer to the sample plane [°] do not decide between reflection and
+# transmission.
 _GRAZING_DEG = 1e-3
 
 
@@ -152,7 +154,7 @@ def _kind(word: str, path: Path, line: int) -> str:
 
 
 def _turn(angles: Points2, up: float, facing: Facing) -> Directions:
-    # Convert to the frame of the window: up at φ = 90°, the normal into the room
+    # Convert to window coordinates: up at φ = 90°, normal towards the room
     theta, phi = angles.T
     if facing == "sky":
         return from_degrees(180 - theta, 90 - (phi - up))

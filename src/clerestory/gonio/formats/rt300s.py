@@ -1,4 +1,4 @@
-"""Raw tables of the J&C RT-300S scatterometer, in workbooks of Excel 97.
+"""Raw readings of the J&C RT-300S scatterometer in Excel 97 workbooks.
 
 Each column is one reading. The rows give the azimuth A of the detector plane, the angle
 of incidence I, the angle R of the detector and the reading RT relative to a white
@@ -30,14 +30,14 @@ from clerestory.gonio.scattering_measurement import Measurement, Scan
 from clerestory.gonio.symmetry import Symmetry
 
 _ROWS = ("azimuth", "incidence", "receive", "rt")
-# Signature at the start of workbooks of Excel 97, and sample rotation in file names
+# First bytes of Excel 97 workbooks; sample rotation [°] in file names.
 _WORKBOOK = b"\xd0\xcf\x11\xe0"
 _ROTATION = re.compile(r"stageRotation(-?\d+)", re.IGNORECASE)
 
-# Range of detector positions that shade the source [°]: ±30 in azimuth, ±10 in angle R.
+# Detector positions that shade the source [°]: ±30 in azimuth, ±10 in angle R.
 _SHADOW_AZIMUTH, _SHADOW_ANGLE = 30.0, 10.0
 
-# Detector angle from which readings are omitted: the sample is seen edge-on [°].
+# Readings at larger detector angles [°] are omitted: the sample is seen edge-on.
 _GRAZING = 89.0
 
 

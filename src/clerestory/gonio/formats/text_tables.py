@@ -18,7 +18,7 @@ Line = tuple[int, str]
 
 _SEPARATOR = re.compile(r"[,;\s]+")
 
-# Upper limit of polar angles of scattered light [°]; 90° is in the sample plane.
+# Polar angles of scattered directions are limited to this angle [°].
 _LARGEST_THETA_DEG = 89.99
 
 
@@ -35,7 +35,7 @@ def numbered_lines(path: Path, *, comment: str | None = None) -> list[Line]:
 
 
 def number(text: str, *, what: str, file: str | Path, line: int) -> float:
-    """Return the finite number that a text contains.
+    """Parse a text as a finite number.
 
     >>> number("0.5", what="a BSDF value", file="a.txt", line=3)
     0.5
@@ -52,7 +52,7 @@ def number(text: str, *, what: str, file: str | Path, line: int) -> float:
 def table(
     lines: Iterable[Line], *, columns: int, what: str, file: str | Path
 ) -> Float[np.ndarray, "rows columns"]:
-    """Return a table of numbers from lines; blank and # lines are skipped.
+    """Parse lines as a table of numbers; blank lines and # lines are skipped.
 
     >>> table([(1, "1, 2"), (2, "3 4")], columns=2, what="pairs", file="a.txt").tolist()
     [[1.0, 2.0], [3.0, 4.0]]
@@ -78,7 +78,7 @@ def table(
 def check_angles(
     theta_deg: Values, *, most: float, file: str | Path, what: str = "θ"
 ) -> None:
-    """Raise InputError for polar angles outside 0…most [°], as in swapped columns."""
+    """Raise InputError for polar angles outside 0…most [°] (swapped columns?)."""
     wrong = (theta_deg < 0) | (theta_deg > most)
     if np.any(wrong):
         value = float(theta_deg[wrong][0])
@@ -105,8 +105,7 @@ def scan_of_rows(
 def scan_of_block(lines: Sequence[Line], path: Path, *, scale: float = 1.0) -> Scan:
     """Return a scan from a line of incident θ and φ [°] and lines of θ, φ and BSDF.
 
-    The incident φ is the azimuth of propagation: a mirror reflects light to the
-    incident φ.
+    The incident φ is the azimuth of propagation: mirror reflection is at this φ.
     """
     (theta, phi), *_ = table(
         lines[:1], columns=2, what="incident θ and φ [°]", file=path

@@ -3,12 +3,12 @@
 Scattered directions are relative to the mirror direction: the radius is the angle to
 the mirror direction, azimuth 0 points to the normal, and azimuths run anticlockwise. A
 sample rotation rotates the incident direction in the opposite sense. Zeros after the
-last non-zero value of a row mean "not measured"; they are skipped, as are directions
-below the sample.
+last non-zero value of a row were not measured; these directions and directions below
+the sample are skipped.
 
 "PlaneSymmetrical" files contain half of the azimuths and are completed by mirror
-images. A single rotation means an isotropic sample. Only Y of tristimulus files is
-read.
+images. A file with a single rotation contains an isotropic sample. Of tristimulus files
+only Y is read.
 
 References: R. Rykowski, "BSDF Data Interchange File Format Specification", Radiant
 Zemax 2008; the frame as derived in ua-loft/bsdf-tools, fred_frame_to_zemax.m.
@@ -38,7 +38,7 @@ from clerestory.gonio.symmetry import Symmetry
 _AXES = ("SampleRotation", "AngleOfIncidence", "ScatterAzimuth", "ScatterRadial")
 _SYMMETRIES = ("planesymmetrical", "asymmetrical", "asymmetrical4d")
 
-# Largest number of values of a table; larger numbers indicate a damaged file.
+# Largest number of values in a file; a larger number indicates a damaged file.
 _MOST_VALUES = 50_000_000
 
 # Angle below which directions count as equal [rad].
@@ -174,7 +174,7 @@ def _scan(
     )
     measured = np.flip(np.cumsum(np.flip(values != 0, 1), 1), 1) > 0
     keep = measured & (leaving[..., 2] > 1e-3)
-    # Keep the centre direction only once: it is repeated in every row
+    # Radius 0 is the same direction in every row: keep only the first row's value
     keep[1:, :] &= angle_between(leaving[1:], leaving[:1]) > _SAME
     points, bsdf = leaving[keep], values[keep]
     if found.symmetry == "planesymmetrical":

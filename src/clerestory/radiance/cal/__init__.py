@@ -1,1 +1,1 @@
-"""Radiance's function language (calcomp), vectorized and with limited work."""
+"""Evaluation of Radiance's function language (calcomp) for arrays of rays."""

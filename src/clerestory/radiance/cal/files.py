@@ -1,7 +1,7 @@
-"""Built-in replacements of function files of Radiance's library.
+"""Built-in replacements for the function files of Radiance's library.
 
-Those of skies and luminaires are in Python; those for smooth normals of `gensurf`,
-`genrev` and `obj2rad` are in the function language.
+Functions of skies and luminaires are written in Python; those for smooth normals
+(`gensurf`, `genrev`, `obj2rad`) are written in the function language.
 """
 
 from collections.abc import Mapping
@@ -17,20 +17,20 @@ NATIVE_FILES: Mapping[str, Mapping[str, Native]] = {
     "source.cal": SOURCE,
 }
 
-# Perturbation of a patch, bilinear in the coordinates other than its dominant axis A1
+# Normal perturbation of a gensurf patch, bilinear in the two axes other than A1
 _SURF = """
 u = select(A1 + 1, Py, Pz, Px); v = select(A1 + 1, Pz, Px, Py);
 bent(i) = u*v*arg(i) + u*arg(i + 3) + v*arg(i + 6) + arg(i + 9);
 surf_dx = bent(2); surf_dy = bent(3); surf_dz = bent(4);
 """
 
-# Surface of revolution around z: radial component A3 r + A4, axial A1 z + A2
+# Surface of revolution around z: radial normal component A3 r + A4, axial A1 z + A2
 _REV = """
 r = sqrt(Px*Px + Py*Py); outwards = A3*r + A4;
 rev_dx = outwards*Px/r; rev_dy = outwards*Py/r; rev_dz = A1*Pz + A2;
 """
 
-# Normal interpolated by three linear functions in the plane of a triangle
+# Triangle normal, interpolated by three linear functions of the two axes other than A1
 _TMESH = """
 p = select(A1 + 1, Py, Pz, Px); q = select(A1 + 1, Pz, Px, Py);
 along(i) = p*arg(i) + q*arg(i + 1) + arg(i + 2);

@@ -1,8 +1,8 @@
-"""Predefined functions and variables of function files, over arrays.
+"""Predefined functions and variables of function files, evaluated for arrays of rays.
 
-They are those of Radiance's calculator and rayinit.cal, without fractal noise. As in
-Radiance, a division by zero or a root of a negative number is an error of that ray: the
-value is 0, and the ray is marked as not computed.
+The functions are those of Radiance's calcomp and rayinit.cal, without fractal noise.
+As in Radiance, a division by zero or a root of a negative number affects one ray only:
+the value is 0, and the ray is marked as invalid.
 
 Reference: G. Ward, Radiance, icalc and rayinit.cal (names and meanings).
 """
@@ -32,7 +32,7 @@ class Surroundings(Protocol):
         """Return the value of a variable for the current rays."""
 
     def fault(self, where: Bool[np.ndarray, " rays"]) -> None:
-        """Mark rays for which there is no value."""
+        """Mark rays as invalid."""
 
 
 @dataclass(frozen=True)
@@ -41,9 +41,9 @@ class Native:
 
     Attributes
     ----------
-    compute : function of the context and the arguments
+    compute : function of the evaluation context and the arguments
     arity : minimum number of arguments; None for a variable
-    uses : names of the variables that it reads
+    uses : names of the variables read by `compute`
     """
 
     compute: Callable[..., Any]
@@ -52,14 +52,14 @@ class Native:
 
 
 def divide(env: Surroundings, dividend: Values, divisor: Values) -> Values:
-    """Return the quotient; 0, with the ray marked, for a divisor of 0."""
+    """Return the quotient; if the divisor is 0, return 0 and mark the ray invalid."""
     zero = divisor == 0
     env.fault(zero)
     return np.where(zero, 0.0, dividend / np.where(zero, 1.0, divisor))
 
 
 def power(env: Surroundings, base: Values, exponent: Values) -> Values:
-    """Return the power; 0, with the ray marked, if it is not a finite real number."""
+    """Return the power; if it is not finite, return 0 and mark the ray invalid."""
     return _finite(env, np.power(base, exponent))
 
 
@@ -78,7 +78,7 @@ def _of_all(function: np.ufunc) -> Native:
 
 
 def _argument(env: Surroundings, number: Values) -> Values:
-    # arg(n): the n-th real argument; arg(0): their number
+    # arg(n) is the n-th real argument; arg(0) is the number of real arguments
     place = np.floor(number + 0.5).astype(int)
     given = (float(len(env.arguments)), *env.arguments)
     if place.size and place.max() >= len(given):
@@ -90,7 +90,7 @@ def _argument(env: Surroundings, number: Values) -> Values:
 
 
 def _numbered(number: int) -> Native:
-    # A1…A10
+    # Variables A1…A10: real arguments
     def compute(env: Surroundings) -> Values:
         if number > len(env.arguments):
             raise InputError(
@@ -124,7 +124,7 @@ def _grey(_: Surroundings, red: Values, green: Values, blue: Values) -> Values:
 
 
 def _component(letter: str) -> Native:
-    # D(i), N(i), P(i): one of three coordinates
+    # D(i), N(i) and P(i): component i of the vector, i = 1…3
     def compute(env: Surroundings, which: Values) -> Values:
         place = np.floor(which + 0.5).astype(int)
         env.fault((place < 1) | (place > 3))
@@ -137,7 +137,7 @@ def _component(letter: str) -> Native:
 
 
 def _local(letter: str) -> Native:
-    # U and V of a flat surface: U is horizontal, and N = U × V
+    # Local coordinates U and V of a planar surface: U is horizontal, and N = U × V
     def compute(env: Surroundings) -> Values:
         n = [env.value("N" + a) for a in "xyz"]
         p = [env.value("P" + a) for a in "xyz"]
@@ -157,12 +157,12 @@ def _constant(value: float) -> Native:
 
 
 def _plain(function: Callable[..., Any], arity: int) -> Native:
-    # A function without undefined values
+    # Function defined for all arguments
     return Native(lambda _, *v: function(*v[:arity]), arity)
 
 
 def _quotient(remainder: Callable[..., Any], arity: int) -> Native:
-    # A function that divides by its last argument
+    # Function that divides by its last argument
     def compute(env: Surroundings, *v: Values) -> Values:
         divisor = v[arity - 1]
         env.fault(divisor == 0)
@@ -174,7 +174,7 @@ def _quotient(remainder: Callable[..., Any], arity: int) -> Native:
 
 
 def _zigzag(n: Values, d: Values) -> Values:
-    # 0 at even multiples of d and |d| at odd ones
+    # Triangle wave: 0 at even multiples of d, |d| at odd multiples
     height: Values = np.abs(d - np.mod(n - d, 2 * d))
     return height
 
@@ -197,7 +197,7 @@ def _bezier(p1: Values, p2: Values, p3: Values, p4: Values, t: Values) -> Values
 
 
 def _bspline(pp: Values, p0: Values, p1: Values, pn: Values, t: Values) -> Values:
-    # Uniform and cubic
+    # Uniform cubic B-spline
     ends = pp * (1 - t) ** 3 + pn * t**3
     middle = p0 * (4 + t**2 * (3 * t - 6)) + p1 * (1 + 3 * t * (1 + t * (1 - t)))
     value: Values = (ends + middle) / 6
@@ -278,7 +278,7 @@ _NOISE = {"noise3": _plain(noise_of_arrays, 3)} | {
 
 LIBRARY: Mapping[str, Native] = _CALCULATOR | _START_FILE | _NOISE
 
-# Functions of functions, defined in the language itself
+# Functions with functions as arguments, defined in the function language
 PRELUDE = """
 dot(v1, v2) : v1(1)*v2(1) + v1(2)*v2(2) + v1(3)*v2(3);
 cross(i, v1, v2) : select(i, v1(2)*v2(3) - v1(3)*v2(2),

@@ -1,8 +1,8 @@
 """Functions of Radiance's source.cal for luminaires from IES files.
 
-Photometric angles [deg] of the direction of emission −D: θ from the nadir (−z), φ from
-+x towards +y. Corrections divide the intensity by the projected area of the luminaire,
-which gives the radiance.
+Photometric angles [deg] of the emission direction −D: θ is measured from the nadir
+(−z), φ from +x towards +y. The correction functions divide the radiant intensity by the
+projected area of the luminaire, which gives the radiance.
 """
 
 from collections.abc import Callable, Mapping
@@ -31,7 +31,7 @@ def _azimuth(dx: Values, dy: Values, _: Values) -> Values:
 
 
 def _folded(period: float) -> Callable[[Values, Values, Values], Values]:
-    # Azimuth reflected into one period, for symmetric luminaires
+    # Azimuth reflected into 0…period, for symmetric luminaires
     def compute(dx: Values, dy: Values, dz: Values) -> Values:
         turn = np.mod(_azimuth(dx, dy, dz), 2 * period)
         angle: Values = np.minimum(turn, 2 * period - turn)

@@ -17,7 +17,7 @@ from jaxtyping import Float
 # Step of the backward differences
 STEP = 0.0005
 
-# The permutation, and the gradients by the last four bits of its numbers
+# Permutation of 0…255; gradients, selected by the last four bits of the permutation
 SHUFFLE = np.array(
     [
         151, 160, 137, 91, 90, 15, 131, 13, 201, 95, 96, 53, 194, 233, 7, 225, 140,
@@ -49,15 +49,15 @@ GRADIENTS = np.array(
     dtype=float,
 )  # fmt: skip
 
-# Four tables of 256 numbers: the permutation, and the gradients by axis
+# Four tables of 256 numbers: the permutation; x, y and z components of the gradients
 TABLES = (SHUFFLE, *GRADIENTS[SHUFFLE.astype(int) & 15].T)
 
-# Function of the number of a table and integer indices of any size
+# Function of a table's index and integer array indices of any size
 Take = Callable[[int, Any], Any]
 
 
 def noise(x: Any, y: Any, z: Any, *, floor: Callable[[Any], Any], take: Take) -> Any:
-    """Return the noise at points.
+    """Return the noise at the points (x, y, z).
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def noise(x: Any, y: Any, z: Any, *, floor: Callable[[Any], Any], take: Take) ->
 def slope_of(
     at: Callable[[Any, Any, Any], Any], axis: int
 ) -> Callable[[Any, Any, Any], Any]:
-    """Return the backward difference of a noise function along an axis."""
+    """Return the backward difference quotient of a noise function along an axis."""
 
     def slope(x: Any, y: Any, z: Any) -> Any:
         before = [x, y, z]
@@ -100,7 +100,7 @@ def noise_of_arrays(
     y: Float[np.ndarray, " points"],
     z: Float[np.ndarray, " points"],
 ) -> Float[np.ndarray, " points"]:
-    """Return the noise at points.
+    """Return the noise at the points (x, y, z).
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Programs: the definitions of a function file and of the library."""
+"""Programs: definitions of a function file together with the predefined functions."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -26,12 +26,12 @@ _PRELUDE = parse_definitions(PRELUDE)
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """The definitions of a function file, on top of the predefined ones.
+    """Definitions of a function file together with the predefined functions.
 
     Attributes
     ----------
-    definitions : those of the file
-    native_file : function file of Radiance implemented in Python, or None
+    definitions : definitions in the file, by name
+    native_file : name of a Radiance function file implemented in Python; empty if none
 
     Examples
     --------
@@ -45,7 +45,7 @@ class Program:
     native_file: str = ""
 
     def definition(self, name: str) -> Definition | Native | None:
-        """Return the definition of a name, or None."""
+        """Return the definition of a name; None if it is undefined."""
         natives = NATIVE_FILES.get(self.native_file, {})
         for names in (self.definitions, natives, _PRELUDE, LIBRARY):
             if name in names:
@@ -53,18 +53,18 @@ class Program:
         return None
 
     def arity(self, name: str) -> int:
-        """Return the number of arguments of a function; 0 for other names."""
+        """Return the number of arguments of a function; 0 for variables."""
         found = self.definition(name)
         if isinstance(found, Definition):
             return len(found.parameters or ())
         return 0 if found is None else found.arity or 0
 
     def is_value(self, node: Node) -> bool:
-        """Whether an expression has a value, unlike the name of a function."""
+        """Whether an expression has a numeric value, unlike a function name."""
         return not (isinstance(node, Name) and self.arity(node.name) > 0)
 
     def uses(self, *nodes: Node) -> frozenset[str]:
-        """Return the undefined names used by expressions, directly or indirectly."""
+        """Return the undefined names in expressions and in the definitions they use."""
         open_names, seen = set().union(*(_names(node) for node in nodes)), set()
         missing = set()
         while open_names:
@@ -87,12 +87,12 @@ class Program:
         inputs: Mapping[str, Float[np.ndarray, " rays"]],
         arguments: tuple[float, ...] = (),
     ) -> "Computed":
-        """Return the values of expressions for rays.
+        """Return the values of expressions for each ray.
 
         Parameters
         ----------
         nodes : expressions
-        inputs : values of variables, at least the scale S
+        inputs : values of the ray variables by name; at least the scale S
         arguments : real arguments of the primitive
         """
         faulty = np.zeros(len(inputs["S"]), dtype=bool)
@@ -106,8 +106,8 @@ class Computed:
 
     Attributes
     ----------
-    value : one column per expression
-    valid : whether the ray has values for all of them
+    value : values, one column per expression
+    valid : whether all expressions are defined for the ray
     """
 
     value: Float[np.ndarray, "rays expressions"]
@@ -115,7 +115,7 @@ class Computed:
 
 
 def _names(node: Node) -> set[str]:
-    # Names that occur in a tree
+    # Names that occur in an expression tree
     found, left = set(), [node]
     while left:
         match left.pop():

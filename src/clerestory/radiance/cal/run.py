@@ -1,8 +1,8 @@
 """Evaluation of function files for many rays at once.
 
-Conditions divide the rays: each branch is evaluated for its own rays only, so that
-recursion terminates. Arguments and variables are evaluated lazily, once for a set of
-rays. Depth and number of steps are limited.
+At conditions the rays are divided: each branch is evaluated only for the rays that take
+it, so that recursion terminates. Arguments and variables are evaluated lazily, once per
+set of rays. The depth of nesting and the number of evaluated nodes are limited.
 """
 
 from collections.abc import Callable, Hashable, Mapping
@@ -30,7 +30,7 @@ _DEEPEST = 100
 # Maximum number of nodes evaluated in one run
 MOST_STEPS = 50_000
 
-# Functions that evaluate only the arguments they need
+# Functions of which only the selected argument is evaluated
 SPECIAL = ("if", "select")
 
 
@@ -40,8 +40,8 @@ class Rows:
     Attributes
     ----------
     index : indices among all rays
-    parent, place : the superset from which they were selected, and the mask
-    known : cached values
+    parent, place : superset from which the rays were selected, and selection mask
+    known : cached values by key
     """
 
     def __init__(
@@ -58,7 +58,7 @@ class Rows:
         return Rows(self.index[place], self, place)
 
     def find(self, key: Hashable) -> Values | None:
-        """Return the cached value of a key, of these rays or of a superset."""
+        """Return the value cached for these rays or a superset; None if not cached."""
         value = self.known.get(key)
         if value is None and self.parent is not None:
             outer = self.parent.find(key)
@@ -67,7 +67,7 @@ class Rows:
         return value
 
     def once(self, key: Hashable, compute: Callable[[], Values]) -> Values:
-        """Return the value of a key, from the cache or computed."""
+        """Return the cached value; compute it first if necessary."""
         value = self.find(key)
         if value is None:
             value = self.known[key] = compute()
@@ -76,13 +76,13 @@ class Rows:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """The frame of a function call.
+    """Arguments of a function call.
 
     Attributes
     ----------
-    parameters : their names
-    arguments : their expressions
-    outer : frame in which the arguments are evaluated
+    parameters : names of the parameters
+    arguments : expressions of the arguments
+    outer : frame in which the arguments are evaluated; None outside functions
     """
 
     parameters: tuple[str, ...]
@@ -109,15 +109,15 @@ class _Env:
 
 @dataclass(eq=False)
 class Run:
-    """One evaluation.
+    """One evaluation of expressions.
 
     Attributes
     ----------
-    definition : function from a name to its definition
-    inputs : values of variables, at least the scale S
+    definition : function that returns the definition of a name
+    inputs : values of the ray variables by name; at least the scale S
     arguments : real arguments of the primitive
-    faulty : rays without a value
-    depth, steps : current depth, and number of nodes evaluated
+    faulty : whether the ray is invalid
+    depth, steps : current depth of nesting; number of nodes evaluated so far
     """
 
     definition: Callable[[str], Definition | Native | None]
@@ -137,7 +137,7 @@ class Run:
             raise _too_deep() from None
 
     def node(self, node: Node, rows: Rows, frame: Frame | None) -> Values:
-        """Evaluate an expression for some rays, in the frame of a call if any."""
+        """Evaluate an expression for some rays, with the arguments of a call if any."""
         self.depth, self.steps = self.depth + 1, self.steps + 1
         if self.depth > _DEEPEST:
             raise _too_deep()
@@ -228,7 +228,7 @@ class Run:
         raise InputError(f'the function "{name}" is not defined')
 
     def _function_name(self, name: str, frame: Frame | None) -> str:
-        # The function bound to a parameter
+        # Name of the function passed as an argument
         while frame is not None and name in frame.parameters:
             handed = frame.arguments[frame.parameters.index(name)]
             if not isinstance(handed, Name):

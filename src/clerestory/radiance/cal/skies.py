@@ -1,11 +1,11 @@
 """Sky functions of Radiance's skybright.cal and perezlum.cal.
 
-`skybr` (skybright.cal) is the sky of gensky, `skybright` (perezlum.cal) that of
+`skybr` (skybright.cal) is the sky of gensky; `skybright` (perezlum.cal) is the sky of
 gendaylit. Both blend sky and ground at the horizon with the weights (z + 1.01)^±10.
 
 References: CIE 22-1973 (clear sky); P. Moon, D. E. Spencer 1942 (overcast sky);
 J. Matsuura, T. Iwata 1990 (intermediate sky); R. Perez, R. Seals, J. Michalsky, Solar
-Energy 50 (3), 1993. Arguments and horizon are those of Radiance's two files.
+Energy 50 (3), 1993. Arguments and horizon blend: Radiance's files.
 """
 
 from collections.abc import Mapping
@@ -19,7 +19,7 @@ from clerestory.sky.luminance_distribution import Overcast
 
 _DIRECTION = ("Dx", "Dy", "Dz")
 
-# Elevation below which the gradation function is constant
+# Sine of the elevation below which the gradation function is constant
 _LOWEST = 0.01
 
 
@@ -32,7 +32,7 @@ def _need(env: Surroundings, count: int, what: str) -> tuple[float, ...]:
 
 
 def _over_ground(height: Values, sky: Values, ground: float) -> Values:
-    # The ratio of the weights of sky and ground is (z + 1.01)^20
+    # Ratio of sky weight to ground weight: (z + 1.01)^20
     share = (height + 1.01) ** 20
     value: Values = (share * sky + ground) / (share + 1)
     return value
@@ -76,7 +76,7 @@ def _clear(env: Surroundings, zenith: float) -> Values:
 
 
 def _intermediate(direction: np.ndarray, sun: np.ndarray) -> Values:
-    # The formula extends below the horizon, where the ground's weight dominates
+    # Defined below the horizon too, where the ground has almost all of the weight
     eta = np.arccos(np.clip(direction[:, 2], -1, 1))
     gamma = np.arccos(np.clip(direction @ sun, -1, 1))
     zenith = np.arccos(np.clip(sun[2], -1, 1))

@@ -3,7 +3,7 @@
 A definition is `name = expression;`, `name : expression;` or `f(x, y) = expression;`.
 Powers are right-associative and precede products, products precede sums; a sign binds
 more tightly than a power, so -2^2 is 4. Comments are in braces.
-Chains of sums or products are one node, so that long expressions are not deep.
+A chain of sums or products is one node, so that long expressions are not deeply nested.
 
 Reference: G. Ward, Radiance, "calcomp" (icalc manual page, section Expressions).
 """
@@ -82,7 +82,7 @@ class Definition:
 
 
 def parse_definitions(text: str, *, file: str | None = None) -> dict[str, Definition]:
-    """Return the definitions in a text; the last of one name is valid.
+    """Return the definitions in a text by name; of equal names, the last is valid.
 
     Examples
     --------
@@ -104,7 +104,7 @@ def parse_definitions(text: str, *, file: str | None = None) -> dict[str, Defini
 
 
 def parse_expression(text: str, *, file: str | None = None, line: int = 1) -> Node:
-    """Return the tree of a single expression.
+    """Return the expression tree of a single expression.
 
     Examples
     --------
@@ -119,7 +119,7 @@ def parse_expression(text: str, *, file: str | None = None, line: int = 1) -> No
 
 
 def _without_comments(text: str, file: str | None) -> str:
-    # Replace nested comments by blanks, except for line breaks
+    # Replaces nested comments by blanks, but preserves line breaks
     kept, depth, opened = [], 0, 0
     for at, letter in enumerate(text):
         if letter == "{":
@@ -135,7 +135,7 @@ def _without_comments(text: str, file: str | None) -> str:
 
 
 class _Cursor:
-    # Position in the tokens of a text
+    # Current token and its position in the text
 
     def __init__(self, text: str, file: str | None, *, line: int = 1) -> None:
         self.source, self.file, self.line = text, file, line
@@ -231,7 +231,7 @@ def _chain(cursor: _Cursor, signs: str, operand: Callable[[_Cursor], Node]) -> N
 
 
 def _power(cursor: _Cursor) -> Node:
-    # Collect a ^ b ^ c, then fold it from the right
+    # a ^ b ^ c is right-associative
     operands = [_signed(cursor)]
     while cursor.text == "^":
         cursor.advance()
@@ -273,7 +273,7 @@ def _primary(cursor: _Cursor) -> Node:
 
 
 def _inside(cursor: _Cursor, *, one: bool = False) -> tuple[Node, ...]:
-    # An expression in brackets
+    # One or more expressions in brackets
     cursor.depth += 1
     if cursor.depth > _DEEPEST:
         raise cursor.error(f"brackets are nested too deep, more than {_DEEPEST}")

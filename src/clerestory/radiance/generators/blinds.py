@@ -1,7 +1,7 @@
 """Radiance's genblinds: venetian blinds with flat or curved slats.
 
-Slats extend along y from 0 to the width and along +x by their depth, from their axis of
-rotation at x = 0.
+Slats extend along y from 0 to the width of the blind, and across from their axis of
+rotation at x = 0 to the slat depth.
 """
 
 from itertools import pairwise
@@ -21,9 +21,9 @@ _MOST_SLATS = 100_000
 def blinds(words: WordReader) -> list[str]:
     """Return the primitives of a blind.
 
-    `genblinds material name depth width height slats angle [-r|+r radius]`, with the
-    angle in degrees; the front of a slat is its upper side, -r curves it downwards, +r
-    upwards.
+    Syntax: `genblinds material name depth width height slats angle [-r|+r radius]`,
+    with the angle in degrees. The front of a slat is its upper side; -r curves slats
+    downwards, +r upwards.
     """
     material, name = words.word("a material"), words.word("a name")
     depth = words.positive("depth of the slats")
@@ -58,11 +58,11 @@ def blinds(words: WordReader) -> list[str]:
 def _profile(
     depth: float, angle: float, radius: float
 ) -> Float[np.ndarray, "points 2"]:
-    # Cross-section of the slat: points (x, z) from the axis to the other edge
+    # Cross-section of a slat: points (x, z) from the axis of rotation to the other edge
     chord = np.array([np.cos(angle), np.sin(angle)])
     if radius == 0:
         return np.stack([np.zeros(2), depth * chord])
-    # An arc above the chord, with angles from the middle of the arc
+    # Arc above the chord; angles are measured from the middle of the arc
     half = np.arcsin(depth / (2 * abs(radius)))
     strips = int(2 * np.degrees(half) / _STRIP_DEG + 0.99999)
     turn = np.linspace(-half, half, strips + 1)

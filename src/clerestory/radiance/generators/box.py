@@ -1,8 +1,8 @@
 """Radiance's genbox: plain, bevelled or rounded boxes.
 
-The index of a corner has three bits, one for each axis: 0 at the origin, 1 at the
-opposite side. With bevelled or rounded edges, three more bits give the axes along which
-the corner is moved inwards.
+The index of a corner has one bit for each axis: 0 at the origin, 1 at the opposite
+face. With bevelled or rounded edges, three more bits mark the axes along which the
+corner is moved inwards.
 """
 
 import numpy as np
@@ -11,7 +11,7 @@ from jaxtyping import Float
 from clerestory.formats.word_reader import WordReader
 from clerestory.radiance.generators.scene_text import polygon, primitive
 
-# Faces of the plain box, and of one with bevelled edges; vertices as in genbox
+# Faces of the plain box and of the bevelled box; vertex order as in genbox
 _FACES = ("1540", "4620", "2310", "3267", "5137", "6457")
 
 # fmt: off
@@ -62,7 +62,7 @@ def box(words: WordReader) -> list[str]:
 
 
 class _Corners:
-    # Positions of genbox's corners
+    # Positions of the corners by index
 
     def __init__(self, size: Float[np.ndarray, "3"], cut: float, inward: bool) -> None:
         self.size, self.cut, self.inward = size, cut, inward
@@ -79,7 +79,7 @@ def _letters(numbers: tuple[int, ...]) -> str:
 
 
 def _rounded(material: str, name: str, corners: _Corners) -> list[str]:
-    # Quarters of cylinders along the edges, eighths of spheres at the corners
+    # Cylinders along the edges and spheres at the corners
     kinds = ("tube", "bubble") if corners.inward else ("cylinder", "sphere")
     made = []
     for one in (0o70, 0o73, 0o75, 0o76):  # no two of these share an edge

@@ -35,8 +35,8 @@ def generate(program: str, words: list[str], find: Find) -> str:
     Parameters
     ----------
     program : name of the generator
-    words : its arguments
-    find : function from a file name in the command to its path
+    words : arguments of the generator
+    find : function that returns the path of a file named in the command
 
     Examples
     --------

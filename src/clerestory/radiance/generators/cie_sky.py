@@ -1,7 +1,7 @@
 """Radiance's gensky: CIE clear, intermediate, overcast and uniform skies.
 
-References: Radiance, gensky (levels, efficacies, normalisation); R. Dogniaux (zenith of
-clear skies); R. G. Hopkinson (overcast). Unlike gensky, values are not rounded.
+References: Radiance, gensky (radiances, efficacies, normalization); R. Dogniaux (zenith
+luminance of clear skies); R. G. Hopkinson (overcast). Values are not rounded.
 """
 
 import warnings
@@ -33,7 +33,7 @@ _NAMES: dict[int, CieSky] = {
     INTERMEDIATE: "intermediate",
 }
 
-# Ratio of horizontal irradiance to zenith radiance: polynomial of the sun's altitude
+# Horizontal irradiance / zenith radiance: polynomial in the scaled sun altitude
 _NORMAL = {
     CLEAR: (2.766521, 0.547665, -0.369832, 0.009237, 0.059229),
     INTERMEDIATE: (3.5556, -2.7152, -1.3081, 1.0660, 0.60227),
@@ -42,7 +42,7 @@ _NORMAL = {
 
 @dataclass
 class _Request:
-    # Values of the options
+    # Values of the command's options
     kind: int = CLEAR
     sun: bool = True
     zenith: float | None = None
@@ -117,7 +117,7 @@ def _sky(request: _Request, moment: Moment, words: WordReader) -> list[str]:
         zenith = zenith_radiance(_NAMES[kind], altitude, request.turbidity)
     ambient = zenith * share
 
-    # Radiance of the sun; it lights the ground even if it is omitted from the output
+    # Radiance of the sun; the sun lights the ground even if omitted from the output
     radiance = None if overcast else _sun_radiance(request, float(sun[2]))
     made = []
     if radiance is not None:
@@ -134,9 +134,10 @@ def _sky(request: _Request, moment: Moment, words: WordReader) -> list[str]:
 
 
 def levels(kind: int, altitude: float, height: float) -> tuple[float, float]:
-    """Return a sky's relative zenith radiance and its normalization factor.
+    """Return the relative zenith radiance and the normalization factor of a sky.
 
-    The second is the ratio of a white horizontal plane's radiance to the zenith's.
+    The normalization factor is the radiance of a white horizontal plane divided by the
+    zenith radiance.
 
     Parameters
     ----------
@@ -166,7 +167,7 @@ def levels(kind: int, altitude: float, height: float) -> tuple[float, float]:
 
 
 def _sun_radiance(request: _Request, height: float) -> float | None:
-    # None: no sun in the sky
+    # None if the sun is below the horizon or has no radiance
     if height <= 0:
         return None
     given = request.sun_radiance

@@ -11,13 +11,13 @@ from clerestory.radiance.bsdf_package import package
 from clerestory.scene.model import Scene
 from clerestory.scene.transform import Transform
 
-# Function from a transform to the transformed scene
+# Function that returns a scene placed by a transform
 Build = Callable[[Transform], Scene]
 Find = Callable[[str], Path]
 
 
 def mgf2rad(words: WordReader, find: Find) -> Build:
-    """Return the scene of `mgf2rad file.mgf …`."""
+    """Return a function that builds the scene of `mgf2rad file.mgf …`."""
     paths = _paths(words, find, idle=())
     texts = [(read_text(path), path) for path in paths]
 
@@ -31,7 +31,10 @@ def mgf2rad(words: WordReader, find: Find) -> Build:
 
 
 def pkg_bsdf(words: WordReader, find: Find) -> Build:
-    """Return the scene of `pkgBSDF [-s] [-i] file.xml …`; both options are ignored."""
+    """Return a function that builds the scene of `pkgBSDF [-s] [-i] file.xml …`.
+
+    The options -s and -i are ignored.
+    """
     paths = _paths(words, find, idle=("-s", "-i"))
     layers = [(read_bsdf(path), path.stem) for path in paths]
 

@@ -1,7 +1,7 @@
-"""Radiance's gensurf, genrev and genworm: surfaces of formulas.
+"""Radiance's gensurf, genrev and genworm: surfaces given by formulas.
 
-Formulas and the definitions of -e and -f are in Radiance's function language. Normals
-are those of flat facets and cones: -s (smooth normals) is ignored with a warning.
+Formulas and the definitions of -e and -f are in Radiance's function language. Surfaces
+are flat facets and cones; -s (smooth normals) is ignored with a warning.
 """
 
 import warnings
@@ -27,10 +27,10 @@ from clerestory.radiance.generators.scene_text import polygon, primitive
 
 Find = Callable[[str], Path]
 
-# Tolerance of lengths, as in the generators
+# Length below which differences are ignored, as in the generators
 _TINY = 1e-7
 
-# Tolerance of normals for two triangles to form a planar quadrilateral
+# Tolerance of 1 − cosine between the normals of two triangles merged to a quadrilateral
 _FLAT = 1e-12
 
 _MOST_STEPS = 100_000
@@ -44,7 +44,7 @@ class _Formulas:
     nodes: tuple[Node, ...]
 
     def at(self, **places: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n values"]:
-        """Return values of the formulas; NaN if undefined."""
+        """Return the values of the formulas; NaN where undefined."""
         count = len(next(iter(places.values())))
         computed = self.program.values(self.nodes, {"S": np.ones(count), **places})
         return np.where(computed.valid[:, None], computed.value, np.nan)
@@ -96,7 +96,7 @@ def worm(words: WordReader, find: Find) -> list[str]:
 def _link(
     material: str, name: str, i: int, last: np.ndarray, this: np.ndarray
 ) -> list[str]:
-    # The cone tangent to two spheres, unless one contains the other
+    # Cone tangent to two spheres; none if one sphere contains the other
     step = this[:3] - last[:3]
     length = float(np.linalg.norm(step))
     fall = float(last[3] - this[3])
@@ -116,8 +116,8 @@ def _link(
 def surface(words: WordReader, find: Find) -> list[str]:
     """Return the polygons of `gensurf material name x(s,t) y(s,t) z(s,t) m n`.
 
-    Options: -e, -f and -s; if `valid(s,t)` is defined, points at which it is not
-    positive are omitted.
+    Options: -e, -f and -s. If `valid(s,t)` is defined, points where it is zero or
+    negative are omitted.
     """
     formulas, [m, n] = _read(words, find, 3, ("rows", "columns"))
     s, t = (
@@ -183,7 +183,7 @@ def _normal(corner: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, "3"] | None:
 def _read(
     words: WordReader, find: Find, formulas: int, counts: tuple[str, ...]
 ) -> tuple[_Formulas, list[int]]:
-    # material, name, formulas, counts, options
+    # Arguments in the order material, name, formulas, counts, options
     material, name = words.word("a material"), words.word("a name")
     nodes = tuple(
         parse_expression(words.word(f"formula {i + 1} of {formulas}"))

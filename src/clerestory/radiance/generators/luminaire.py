@@ -1,7 +1,7 @@
 """Radiance's ies2rad: luminaires from IES or EULUMDAT files.
 
-The output refers to the photometric file, which `brightdata` reads, instead of a data
-file written by ies2rad. Lamps are white by default (-c).
+The output refers to the photometric file itself, which `brightdata` can read, instead
+of to a data file written by ies2rad. Lamps are white unless -c gives another colour.
 """
 
 import re
@@ -23,13 +23,13 @@ from clerestory.scene.model import Cone, Polygon, Ring, Sphere
 _UNITS = {"m": 1.0, "c": 100.0, "f": 1 / 0.3048, "i": 12 / 0.3048}
 _DIMENSION = re.compile(r"-d([mcfi])(?:/(\d+\.?\d*))?")
 
-# Ignored options for file names, with one argument
+# Ignored options that have one argument
 _NAMED = ("-p", "-l", "-f", "-u")
 
 
 @dataclass
 class _Request:
-    # Values of the options
+    # Values of the command's options
     file: str = ""
     name: str = ""
     scale: float = 1.0
@@ -40,7 +40,7 @@ class _Request:
 def ies2rad(words: WordReader, find: Callable[[str], Path]) -> list[str]:
     """Return the primitives of `ies2rad [-dU] [-m factor] [-c r g b] [-o name] file`.
 
-    -s, -p, -l, -f, -u and `-t default` are ignored, since no file is written.
+    The options -s, -p, -l, -f, -u and `-t default` are ignored.
     """
     request = _Request()
     while words.left:
@@ -80,7 +80,7 @@ def _take(request: _Request, word: str, words: WordReader) -> None:
 
 
 def _distribution(lamp: Luminaire, path: Path, factor: float, name: str) -> str:
-    # The function that converts intensity to radiance, and its arguments
+    # Pattern that gives the radiance: intensity divided by projected area
     shape = lamp.shape
     reals: tuple[float, ...]
     if shape.kind == "sphere":

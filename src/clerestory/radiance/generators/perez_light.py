@@ -1,4 +1,4 @@
-"""Irradiance options of gendaylit and Perez's sky parameters.
+"""Irradiance options of gendaylit, and parameters of the Perez sky.
 
 References: R. Perez et al., Solar Energy 44 (5), 1990; D. G. Erbs, S. A. Klein, J. A.
 Duffie, Solar Energy 28 (4), 1982 (-E); Radiance, gendaylit (limits, order of steps).
@@ -17,15 +17,15 @@ from clerestory.sky.sky_state import (
     visible_irradiance,
 )
 
-# Limits of Perez's clearness and brightness, and bins of the clearness
+# Limits of Perez's sky clearness and brightness; boundaries of the clearness bins
 _CLEARNESS = (1.0, 12.009)
 _BRIGHTNESS = (0.01, 0.6)
 _CATEGORIES = np.array([1.065, 1.230, 1.500, 1.950, 2.800, 4.500, 6.200])
 
-# Dew point of 2 cm of precipitable water [°C]
+# Dew point at 2 cm of precipitable water [°C]
 DEW_POINT_C = 10.97353115
 
-# Maximum illuminance: that of the extraterrestrial sun
+# Maximum direct normal illuminance: extraterrestrial solar illuminance [lx]
 _MOST_LUX = 127_500.0
 
 # Iterations of the conversion from illuminance to irradiance
@@ -34,13 +34,13 @@ _ROUNDS = 9
 
 @dataclass
 class Request:
-    """Values of the options.
+    """Values of the command's options.
 
     Attributes
     ----------
-    by : option of the irradiance, -P -W -L -G or -E
-    given : its arguments
-    output : 0 visible radiance, 1 solar radiance, 2 luminance
+    by : option that gives the irradiance: -P, -W, -L, -G or -E
+    given : arguments of that option
+    output : output quantity: 0 visible radiance, 1 solar radiance, 2 luminance
     sun : whether the output includes the sun
     ground : reflectance of the ground
     dew_point_c : dew point [°C]
@@ -64,12 +64,12 @@ class Light:
 
 @dataclass(frozen=True)
 class Air:
-    """Properties of the atmosphere.
+    """Properties of the atmosphere and the sun.
 
     Attributes
     ----------
     altitude : altitude of the sun [rad]
-    day_of_year : day that determines the distance of the sun
+    day_of_year : day of the year, for the earth-sun distance
     dew_point_c : dew point [°C]
     """
 
@@ -95,11 +95,11 @@ class Air:
 
     @property
     def bend(self) -> float:
-        """Zenith angle term of Perez's clearness."""
+        """Zenith-angle term in Perez's sky clearness."""
         return 1.041 * self.zenith**3
 
     def light(self, request: Request, words: WordReader) -> Light | None:
-        """Return the given irradiance; None if it is zero."""
+        """Return the irradiance given by the options; None if diffuse is zero."""
         first, second = request.given[0], request.given[-1]
         match request.by:
             case "-P":
@@ -123,7 +123,7 @@ class Air:
         return None if light.diffuse <= 0 else light
 
     def state(self, light: Light, request: Request) -> SkyState:
-        """Return clearness and brightness."""
+        """Return the sky clearness and brightness."""
         clear, bright = request.given if request.by == "-P" else (None, None)
         if clear is None or bright is None:
             ratio = (light.diffuse + light.direct) / light.diffuse
@@ -140,7 +140,7 @@ class Air:
     def output(
         self, light: Light, state: SkyState, request: Request, words: WordReader
     ) -> Light:
-        """Return visible or solar irradiance, or illuminance, by the option -O."""
+        """Return visible or solar irradiance, or illuminance, as selected by -O."""
         if request.output == 1:
             return light
         if request.by == "-L":
@@ -167,7 +167,7 @@ class Air:
         )
 
     def _from_lux(self, direct: float, diffuse: float, request: Request) -> Light:
-        # The efficacy depends on the irradiance: fixed-point iteration
+        # The luminous efficacy depends on the irradiance: fixed-point iteration
         per = SOLAR_CONSTANT / _MOST_LUX
         light = Light(max(direct, 0) * per, max(diffuse, 0) * per)
         for _ in range(_ROUNDS):
@@ -181,7 +181,7 @@ class Air:
         return light
 
     def _erbs(self, level: float) -> Light:
-        # Diffuse fraction by the clearness index
+        # Diffuse fraction as a function of the clearness index
         outside = self.outside * np.sin(self.altitude)
         level = max(level, 0.0) if level <= outside else 0.999 * outside
         k = level / outside

@@ -1,8 +1,8 @@
 """Radiance's gendaylit: Perez all-weather sky for one moment.
 
 As in gendaylit, the diffuse irradiance is normalized over the 145 Tregenza patches, and
-the ground's radiance is that under the clear or intermediate sky of gensky. Values are
-not rounded, unlike those of gendaylit.
+the ground radiance is that under gensky's overcast, intermediate or clear sky. Unlike
+in gendaylit, values are not rounded.
 
 References: R. Perez et al., Solar Energy 44 (5), 1990 and 50 (3), 1993; D. G. Erbs,
 S. A. Klein, J. A. Duffie, Solar Energy 28 (4), 1982 (-E); Radiance, gendaylit (limits).
@@ -26,10 +26,10 @@ from clerestory.sky.perez import perez_sky
 
 _DEW_POINTS = (-40.0, 40.0)
 
-# Solid angle of the sun for the irradiance of the ground [sr]
+# Solid angle of the sun, for the solar irradiance of the ground [sr]
 _SUN_ON_GROUND = 6.8e-5
 
-# Tregenza's rings: zenith angle [deg] and patches
+# Tregenza rings: zenith angle [deg] and number of patches
 _RINGS = ((84, 30), (72, 30), (60, 24), (48, 24), (36, 18), (24, 12), (12, 6), (0, 1))
 
 
@@ -112,7 +112,7 @@ def _lit_sky(
     scale = sent.diffuse / _tregenza_integral(distribution, towards)
     radiance = sent.direct / (2 * np.pi * (1 - np.cos(SUN_DIAMETER / 2)))
 
-    # Ground radiance under the sky of gensky with the nearest clearness
+    # Ground radiance under gensky's sky type for this clearness
     clearness = float(state.clearness[0])
     kind = cie_sky.OVERCAST if clearness <= 1 else cie_sky.INTERMEDIATE
     kind = cie_sky.CLEAR if clearness >= 6 else kind
@@ -142,7 +142,7 @@ def _skyfunc(reals: list[float], sun: Float[np.ndarray, "3"]) -> str:
 def _tregenza_integral(
     distribution: FiveParameters, sun: Float[np.ndarray, "3"]
 ) -> float:
-    # Horizontal irradiance by the centres of 145 patches of equal weight
+    # Horizontal irradiance, summed over the centres of 145 patches of equal solid angle
     theta = np.radians(np.repeat([t for t, _ in _RINGS], [n for _, n in _RINGS]))
     phi = np.concatenate([2 * np.pi * np.arange(n) / n for _, n in _RINGS])
     sine, cosine = np.sin(theta), np.cos(theta)

@@ -1,8 +1,8 @@
 """Radiance's genprism: polygons in the plane z = 0, extruded along a vector.
 
-Corners may be rounded. With t the tangent of half the exterior angle of a corner, the
-circle of radius r around the point t·r before the corner and r inside is tangent to
-both sides; t is negative at concave corners.
+Corners may be rounded. Let t be the tangent of half the exterior angle of a corner: the
+circle of radius r whose centre is t·r before the corner and r inside the outline is
+tangent to both edges. At concave corners t is negative.
 """
 
 from collections.abc import Callable
@@ -43,8 +43,8 @@ def prism(words: WordReader, find: Callable[[str], Path]) -> list[str]:
     """Return the primitives of a prism.
 
     `genprism material name {file | N x1 y1 … xN yN} [-l x y z][-r radius][-c][-e]`:
-    -l gives the vector of extrusion (0 0 1), -r rounds corners, -c omits the side from
-    the last corner to the first, -e omits both ends.
+    -l gives the extrusion vector (default 0 0 1), -r rounds corners, -c omits the face
+    from the last corner to the first, -e omits both ends.
     """
     material, name = words.word("a material"), words.word("a name")
     outline = _outline(words, find)
@@ -111,7 +111,7 @@ def _sharp(made: _Prism) -> list[str]:
 
 
 def _round(made: _Prism, words: WordReader) -> list[str]:
-    # u: unit vector from a corner to the previous one
+    # u: unit vector from each corner to the previous one
     corner, r = made.outline, made.radius * made.upwards
     back = np.roll(corner, 1, axis=0) - corner
     length = np.linalg.norm(back, axis=1, keepdims=True)
@@ -141,7 +141,7 @@ def _round_side(
     centre: Float[np.ndarray, "corners 2"],
 ) -> list[str]:
     j, r = (i + 1) % len(t), made.radius * made.upwards
-    # Oblique sides: the tangent points are inclined
+    # Oblique prisms: tangent points are tilted out of the horizontal plane
     tilt = made.along[1] * u[j, 0] - made.along[0] * u[j, 1]
     sine = made.upwards * tilt / np.linalg.norm(made.along)
     sine = sine if abs(sine) > _TINY else 0.0

@@ -1,7 +1,7 @@
 """Formatting of primitives as scene text on one line.
 
-The output of a generator has no line breaks, so that messages give the line of its
-command.
+The output of a generator has no line breaks, so that error messages give the line of
+the command.
 """
 
 from collections.abc import Iterable, Sequence
@@ -49,7 +49,7 @@ def polygon(modifier: str, name: str, vertices: Float[np.ndarray, "vertices 3"])
 
 
 def quoted(word: str) -> str:
-    """Return a word in quotation marks if it needs them."""
+    """Return a word, in quotation marks if necessary."""
     plain = word and not any(letter.isspace() for letter in word)
     if plain and word[0] not in "\"'#!":
         return word

@@ -1,7 +1,7 @@
 """Sun position of gensky and gendaylit from date, time and site.
 
-As in these commands, longitudes and meridians are in degrees west. The position is by
-Radiance's formulas, or by the Astronomical Almanac if a year is given.
+As in these commands, longitudes and meridians are in degrees west. The sun position is
+computed by Radiance's formulas, or by the Astronomical Almanac if a year is given.
 
 References: Radiance, sun.c (time zones, defaults, solar time); J. J. Michalsky, The
 Astronomical Almanac's algorithm for approximate solar position (1950-2050), Solar
@@ -17,7 +17,7 @@ from jaxtyping import Float
 from clerestory.formats.word_reader import WordReader
 from clerestory.sky.solar_position import sun_position
 
-# Standard meridians of time zones [deg west]; the first of a name is used
+# Standard meridians of time zones [deg west], by abbreviation
 _ZONES = {
     **{"YST": 135, "YDT": 120, "PST": 120, "PDT": 105, "MST": 105, "MDT": 90},
     **{"CST": 90, "CDT": 75, "EST": 75, "EDT": 60, "AST": 60, "ADT": 45},
@@ -31,16 +31,17 @@ _HOUR = re.compile(r"(\+?)(\d{1,2})(?::(\d{1,2})|(\.\d*))?([A-Za-z]*)", re.ASCII
 
 @dataclass
 class Moment:
-    """Date, time and site; or, without a month, the sun's altitude and azimuth.
+    """Date, time and site; or, without a month, altitude and azimuth of the sun.
 
     Attributes
     ----------
-    altitude, azimuth : angles of the sun, azimuth clockwise from south [rad], if given
-    month, day, year : the date; 0 for none
-    hour : standard time, or solar time
-    solar : whether it is solar time
-    latitude_deg, longitude_deg, meridian_deg : the site, positive to the west
-    zoned : whether the hour has a time zone, which overrides -m
+    altitude, azimuth : sun altitude and azimuth clockwise from south [rad], with -ang
+    month, day, year : date; 0 if not given
+    hour : standard time or solar time [h]
+    solar : whether `hour` is solar time
+    latitude_deg, longitude_deg, meridian_deg : latitude north, longitude and standard
+        meridian west
+    zoned : whether a time zone is given, which overrides -m
     """
 
     altitude: float = 0.0
@@ -56,7 +57,7 @@ class Moment:
     zoned: bool = False
 
     def take(self, option: str, words: WordReader) -> bool:
-        """Read an option of date or site; return False for other options."""
+        """Read an option for date or site; return False for other options."""
         match option:
             case "-a":
                 self.latitude_deg = words.real("a latitude")
@@ -73,18 +74,18 @@ class Moment:
 
     @property
     def day_of_year(self) -> int:
-        """Day of the year, 1 for 1 January; 0 without a date."""
+        """Day of the year, 1 for 1 January; 0 if no date is given."""
         return _DAYS_BEFORE[self.month - 1] + self.day if self.month else 0
 
     def sun(self) -> tuple[float, float]:
-        """Altitude and azimuth of the sun, azimuth clockwise from south [rad]."""
+        """Altitude of the sun, and azimuth clockwise from south [rad]."""
         if not self.month:
             return self.altitude, self.azimuth
         if self.year:
             declination, solar_hour = self._almanac()
             hour = self.hour if self.solar else solar_hour
             return _horizontal(np.radians(self.latitude_deg), declination, hour)
-        # Solar time is standard time without equation of time and longitude correction
+        # Solar time is used without equation of time and longitude correction
         days = np.timedelta64(self.day_of_year - 1, "D")
         seconds = np.timedelta64(round(self.hour * 3600), "s")
         times = np.array([np.datetime64("2001-01-01", "s") + days + seconds])
@@ -102,7 +103,7 @@ class Moment:
         return float(place.altitude[0]), float(place.azimuth[0] - np.pi)
 
     def _almanac(self) -> tuple[float, float]:
-        # Declination [rad] and solar time [h]; days since noon of 1 January 2000
+        # Declination [rad] and solar time [h]; n: days since noon of 1 January 2000
         date = np.datetime64(f"{self.year:04d}-{self.month:02d}-01") + self.day - 1
         days = (date - np.datetime64("2000-01-01")) / np.timedelta64(1, "D")
         utc = self.hour + self.meridian_deg / 15
@@ -156,7 +157,7 @@ def read_moment(words: WordReader) -> Moment:
 
 
 def direction(altitude: float, azimuth: float) -> Float[np.ndarray, "3"]:
-    """Unit vector to the sun; azimuth clockwise from south [rad].
+    """Return the unit vector to the sun; azimuth clockwise from south [rad].
 
     >>> direction(0.0, 0.0).round(6).tolist()
     [0.0, -1.0, 0.0]
@@ -169,7 +170,7 @@ def direction(altitude: float, azimuth: float) -> Float[np.ndarray, "3"]:
 def _horizontal(
     latitude: float, declination: float, hour: float
 ) -> tuple[float, float]:
-    # Altitude and azimuth clockwise from south, by solar time
+    # Altitude, and azimuth clockwise from south, from solar time [h]
     turn = hour * np.pi / 12
     sine = np.sin(latitude) * np.sin(declination)
     sine -= np.cos(latitude) * np.cos(declination) * np.cos(turn)

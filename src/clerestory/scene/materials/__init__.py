@@ -1,7 +1,7 @@
 """Registry of material types, discovered from the files in this folder.
 
-Each file defines a `Material` and `READERS`, a dictionary from types of Radiance's
-scene language to functions that read the arguments of the type.
+Each file defines subclasses of `Material`, and a dictionary `READERS` from Radiance
+material types to functions that read the arguments of the type.
 """
 
 import importlib
@@ -21,7 +21,7 @@ READERS: Mapping[str, Callable[[Definition], Material]] = {
 
 
 def read_material(given: Definition) -> Material:
-    """Return the material that a primitive defines."""
+    """Return the material defined by a primitive."""
     if given.item.kind not in READERS:
         raise given.error(f"unsupported type; one of {', '.join(READERS)} expected")
     return READERS[given.item.kind](given)

@@ -28,14 +28,13 @@ class BsdfSurface(Material):
 
     Attributes
     ----------
-    bsdf : its scattering functions
-    thickness : 0 for a surface; otherwise depth of the geometry that the BSDF
-        represents, behind (positive) or in front of (negative) the surface [m]
-    up : vector in the coordinates before `transform`; with the normal it orients the
-        BSDF
-    transform : rotation or reflection of `up` into the scene: up @ transform
-    front, back : diffuse reflectance added on either side
-    transmission : diffuse transmittance added for both sides
+    bsdf : scattering functions
+    thickness : 0 for a surface; otherwise the depth of the geometry represented by the
+        BSDF, behind (positive) or in front of (negative) the surface [m]
+    up : vector that, with the normal, orients the BSDF, before `transform`
+    transform : rotation or reflection of `up` to scene coordinates: up @ transform
+    front, back : diffuse reflectance added on the front or the back
+    transmission : diffuse transmittance added in both directions
     peak : whether direct transmission is extracted as a specular peak (aBSDF)
     """
 
@@ -94,7 +93,7 @@ def _read(given: Definition) -> Material:
         raise given.error("the up vector varies; a constant vector expected")
     if not np.any(up):
         raise given.error("the up vector has zero length")
-    # In the coordinates before the transform
+    # Up vector before the transform
     up = up @ np.linalg.inv(given.transform(first + 5).matrix[:3, :3])
     return BsdfSurface(
         name=given.item.name,

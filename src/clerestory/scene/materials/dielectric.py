@@ -1,4 +1,4 @@
-"""Radiance's dielectric and interface: surfaces of clear solids that refract."""
+"""Radiance's dielectric and interface: surfaces of refracting transparent solids."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -15,17 +15,17 @@ from clerestory.scene.material import (
 )
 from clerestory.scene.primitive import Definition
 
-# Radiance takes the index of a dielectric at this wavelength [nm]
+# Wavelength at which Radiance evaluates the index of refraction [nm]
 _MIDDLE = 500.0
 
 
 @dataclass(frozen=True, eq=False)
 class Dielectric(Material):
-    """The surface of a refracting solid, which is on its back side.
+    """The surface of a refracting solid; the solid is behind the surface.
 
     Attributes
     ----------
-    transmissivity : transmitted fraction per metre
+    transmissivity : transmittance per metre
     index : index of refraction at 500 nm
     """
 
@@ -50,11 +50,11 @@ class Dielectric(Material):
 
 @dataclass(frozen=True, eq=False)
 class Interface(Material):
-    """The surface between two dielectrics; the inside is on its back side.
+    """The interface between two dielectrics; the inside is behind the surface.
 
     Attributes
     ----------
-    inside_transmissivity, outside_transmissivity : transmitted fraction per metre
+    inside_transmissivity, outside_transmissivity : transmittances per metre
     inside_index, outside_index : indices of refraction
     """
 
@@ -112,7 +112,7 @@ def _interface(given: Definition) -> Material:
 
 
 def _per_metre(given: Definition, value: Colour) -> Colour:
-    # Convert from transmissivity per unit length of the file; at most 1
+    # Converts transmittance per unit length of the file, at most 1, to that per metre
     passed = np.minimum(given.share("transmissivity", value), 1)
     return np.asarray(passed ** (1 / given.placed.scale))
 

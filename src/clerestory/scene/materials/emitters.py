@@ -1,6 +1,6 @@
 """Emitters of Radiance: light, glow, spotlight and illum.
 
-Emission is from the front; the back is black, and the reflectance is zero.
+Light is emitted from the front only; the back is black, and the reflectance is zero.
 
 Reference: "The RADIANCE 6.0 Synthetic Imaging System" (ray.html), section 2.1.3.
 """
@@ -36,11 +36,11 @@ def _black(_: Emitter) -> Plugin:
 
 @dataclass(frozen=True, eq=False)
 class Light(Emitter):
-    """A light source of known radiance [W/(m²·sr)].
+    """A light source of given radiance [W/(m²·sr)].
 
     Attributes
     ----------
-    pattern : multiplier of the radiance; None: the same for all directions and points
+    pattern : multiplier of the radiance by direction and point; None: constant radiance
     """
 
     name: str
@@ -55,12 +55,12 @@ class Light(Emitter):
 
 @dataclass(frozen=True, eq=False)
 class Glow(Emitter):
-    """A light source sampled by shadow rays within a maximum distance only.
+    """A light source that is sampled by shadow rays within a maximum distance only.
 
     Attributes
     ----------
-    radius : largest distance at which it is sampled [m]; 0: never; negative: it also
-        contributes no indirect light
+    radius : maximum distance at which the source is sampled [m]; 0: never sampled;
+        negative: without indirect light either
     pattern : see `Light`
     """
 
@@ -78,13 +78,13 @@ class Glow(Emitter):
 
 @dataclass(frozen=True, eq=False)
 class Spotlight(Emitter):
-    """A light source that emits within a cone only.
+    """A light source that emits within a cone.
 
     Attributes
     ----------
     angle_deg : full angle of the cone
-    direction : unit vector of its axis
-    length : distance to its apex behind the surface [m]
+    direction : unit vector of the cone's axis
+    length : distance of the cone's apex behind the surface [m]
     pattern : see `Light`
     """
 
@@ -105,11 +105,11 @@ class Spotlight(Emitter):
 
 @dataclass(frozen=True, eq=False)
 class Illum(Emitter):
-    """A light source that appears to direct view as another material.
+    """A light source that the camera sees as another material.
 
     Attributes
     ----------
-    alternate : material in direct view
+    alternate : material seen by the camera
     pattern : see `Light`
     """
 

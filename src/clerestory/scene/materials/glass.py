@@ -1,4 +1,4 @@
-"""Radiance's glass: thin glazing."""
+"""Radiance's glass: a thin pane."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ class Glass(Material):
 
     Attributes
     ----------
-    name : key in the scene
+    name : key of the material in the scene
     transmissivity : internal transmittance of one pass at normal incidence
     index : index of refraction
     """

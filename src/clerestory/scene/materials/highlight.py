@@ -1,7 +1,7 @@
 """Gaussian highlights of plastic, metal and trans.
 
-One roughness gives an isotropic highlight; two, with an up vector, an anisotropic one
-(Radiance's plastic2, metal2, trans2).
+One roughness value gives an isotropic highlight; two values and an up vector give an
+anisotropic highlight (Radiance's plastic2, metal2, trans2).
 
 References: G. Ward, "Measuring and modeling anisotropic reflection", SIGGRAPH 1992;
 "The RADIANCE 6.0 Synthetic Imaging System" (ray.html), section 2.1.3.
@@ -16,18 +16,18 @@ from clerestory.scene.material import Colour, Parameter, Specification, Vector
 from clerestory.scene.pattern import Pattern
 from clerestory.scene.primitive import Definition
 
-# Least roughness of anisotropic highlights (Radiance's FTINY)
+# Minimum roughness of anisotropic highlights (Radiance's FTINY)
 _TINY = 1e-6
 
-# Rms facet slope; of an anisotropic highlight along `up` and across it
+# Rms facet slope; for an anisotropic highlight, along `up` and perpendicular to it
 Roughness = float | Float[np.ndarray, "2"]
 
-# Vector in scene coordinates, or expressions in the coordinates of a function
+# Vector in scene coordinates; pattern: vector in the coordinates of a function
 Up = Vector | Pattern | None
 
 
 class Glossy(Protocol):
-    """A material with a highlight."""
+    """A material with a Gaussian highlight."""
 
     @property
     def reflectance(self) -> Colour: ...
@@ -42,7 +42,7 @@ class Glossy(Protocol):
 def highlight_parameters(
     material: Glossy,
 ) -> dict[str, Parameter]:
-    """Return the plugin parameters common to all glossy materials."""
+    """Return the plugin parameters that all glossy materials have in common."""
     first, *second = np.atleast_1d(material.roughness).tolist()
     shared: dict[str, Parameter] = {
         "reflectance": material.reflectance,
@@ -61,7 +61,7 @@ def highlight_specification(
 
     Parameters
     ----------
-    kind : type with an isotropic highlight
+    kind : type of the material with an isotropic highlight
     further : arguments after the roughness
     """
     gloss = material.specularity, *np.atleast_1d(material.roughness).tolist()

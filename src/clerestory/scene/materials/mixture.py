@@ -34,8 +34,8 @@ class Mixture(Material):
 
     Attributes
     ----------
-    foreground, background : the two materials
-    amount : fraction of the foreground, 0…1, or a pattern whose first channel gives it
+    foreground, background : component materials
+    amount : foreground fraction 0…1, or a pattern whose first channel is the fraction
     """
 
     name: str

@@ -8,12 +8,12 @@ from clerestory.scene.pattern import Pattern
 
 @dataclass(frozen=True, eq=False)
 class Patterned(Material):
-    """A material whose colour varies.
+    """A material whose colour is multiplied by a pattern.
 
     Attributes
     ----------
     base : plastic, metal, trans, glass or mirror; for glass the transmission varies
-    pattern : multiplier of its colour
+    pattern : multiplier of the colour
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Radiance's plastic and metal: a diffuse colour under a Gaussian highlight."""
+"""Radiance's plastic and metal: diffuse reflection with a Gaussian highlight."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -16,15 +16,15 @@ from clerestory.scene.primitive import Definition
 
 @dataclass(frozen=True, eq=False)
 class Plastic(Material):
-    """Radiance's plastic: a diffuse colour under an uncoloured Gaussian highlight.
+    """Radiance's plastic: diffuse reflection with an uncoloured Gaussian highlight.
 
     Attributes
     ----------
-    name : key in the scene
-    reflectance : diffuse reflectance, to be multiplied by 1 − specularity
+    name : key of the material in the scene
+    reflectance : diffuse reflectance before multiplication by 1 − specularity
     specularity : specular reflectance, 0…1
-    roughness : rms facet slope, 0 for a smooth coat; two values, along `up` and across
-        it, for an anisotropic highlight
+    roughness : rms facet slope, 0 for a smooth coat; two values, along `up` and
+        perpendicular to it, for an anisotropic highlight
     up : first axis of an anisotropic highlight, before projection onto the surface
     """
 
@@ -49,7 +49,7 @@ class Plastic(Material):
 
 @dataclass(frozen=True, eq=False)
 class Metal(Material):
-    """Radiance's metal: as `Plastic`, with a highlight of the metal's own colour."""
+    """Radiance's metal: as `Plastic`, with a highlight of the metal's colour."""
 
     name: str
     reflectance: Colour

@@ -20,10 +20,11 @@ class Trans(Material):
 
     Attributes
     ----------
-    reflectance : colour of reflected and transmitted light, except for the highlight
+    reflectance : colour of diffuse reflection and of all transmission
     specularity : specular reflectance, uncoloured
-    roughness, up : of the reflected and the transmitted highlight; see `Plastic`
-    transmission : fraction of the remaining light that is transmitted
+    roughness, up : parameters of the reflected and transmitted highlights; see
+        `Plastic`
+    transmission : transmitted fraction of the light that is not reflected specularly
     transmitted_specular : specular fraction of the transmitted light
     """
 
