@@ -86,7 +86,7 @@ def test_window_emitters_are_written_to_a_file(call, room):
         ),
         (
             ("--time", "2023-03-21T12:30", "--weather", "two_days.wea"),
-            "no step at",
+            "no time step at",
         ),
         ((), "nothing in the scene shines"),
         (("--sky", "missing.rad"), "missing.rad"),

@@ -218,11 +218,14 @@ BAD = {
         "both --occ",
     ),
     "plot of another kind": ("sky plot two_days.wea -o sky.gif", ".png, .svg"),
-    "dome at night": ("sky plot two_days.wea --time 06-21T00:30 -o s.png", "by day"),
+    "dome at night": (
+        "sky plot two_days.wea --time 06-21T00:30 -o s.png",
+        "daytime step",
+    ),
     "unknown sky": ("sky vector foggy --sun 40 0 -o S.vec", "unknown sky 'foggy'"),
     "perez without sun": (
         "sky vector perez --sun 40 0 --diffuse 9 -o S.vec",
-        "both expected",
+        "both options expected",
     ),
     "general sky without level": ("sky vector 3 --sun 40 0 -o S.vec", "sky 3 without"),
 }

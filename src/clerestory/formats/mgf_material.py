@@ -37,6 +37,7 @@ def scene_material(given: MgfMaterial, name: str, source: Source | None) -> Mate
 
     Examples
     --------
+    >>> from clerestory.formats.mgf_context import Share
     >>> matt = MgfMaterial(shares=(("rd", Share(0.5)),))
     >>> scene_material(matt, "grey", None).reflectance
     array([0.5, 0.5, 0.5])

@@ -30,6 +30,8 @@ def format_rad(scene: Scene, *, bsdf_file: Mapping[str, str | Path]) -> str:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from clerestory.scene.materials.plastic import Plastic
     >>> ball = Sphere(np.zeros(3), 0.5, False, "grey", "ball")
     >>> grey = Plastic("grey", np.full(3, 0.4))
     >>> print(format_rad(Scene({"grey": grey}, (ball,)), bsdf_file={}))

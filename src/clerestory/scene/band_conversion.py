@@ -74,7 +74,7 @@ def step_spectrum(rgb: Rgb, bands: Bands) -> Colour:
     Examples
     --------
     >>> two = Bands(("short", "long"), limits_nm=((400.0, 480.0), (480.0, 696.0)))
-    >>> step_spectrum(np.array([0.6, 0.4, 0.1]), two).tolist()
+    >>> step_spectrum(np.array([0.6, 0.4, 0.1]), two).round(6).tolist()
     [0.1, 0.5]
     """
     if bands.limits_nm is None:
