@@ -111,7 +111,7 @@ def test_compiled_meshes_hold_the_triangles_of_their_source(folder):
 
 def test_what_is_not_compiled_is_refused(folder):
     (folder / "fake.oct").write_text("#?RADIANCE\nFORMAT=Radiance_tmesh\n\nxx")
-    with pytest.raises(InputError, match="fake.oct: the header has no FORMAT"):
+    with pytest.raises(InputError, match=r"fake\.oct: the header has no FORMAT"):
         scene(folder, "void instance i 1 fake.oct 0 0\n")
     with pytest.raises(
         InputError, match=r'main.rad:3: instance "i": the file "no.oct"'
