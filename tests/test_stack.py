@@ -13,7 +13,7 @@ import clerestory
 
 STACK = (
     ("array_types", "errors", "constants", "options", "progress"),
-    ("files", "directions", "bands"),
+    ("checks", "files", "directions", "bands"),
     ("colorimetry",),
     ("hemisphere", "spectra"),
     ("matrix",),

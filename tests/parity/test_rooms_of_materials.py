@@ -107,5 +107,6 @@ def test_views_of_a_window_sum_to_what_rtrace_reads(tmp_path, name):
     )
     error = np.hypot(own, spread)
     assert np.median(error / truth) < 0.01
-    assert np.all(np.abs(found - truth) < 4 * error + 0.02 * truth)
-    assert abs(found.sum() / truth.sum() - 1) < 0.02
+    allowed = 0.005 if name.startswith("smooth") else 0.02
+    assert np.all(np.abs(found - truth) < 4 * error + allowed * truth)
+    assert abs(found.sum() / truth.sum() - 1) < allowed

@@ -74,4 +74,4 @@ class SurfaceEmitters(Source):
                 self.model, start, lambda origin: towards(origin, point), lit
             )
 
-        yield LightSample(direction, pdf, cosine > 1e-6, arriving)
+        yield LightSample(direction, pdf, cosine > 1e-6, arriving, luminaire=True)

@@ -65,8 +65,9 @@ class Vertex:
     point : position [m]
     leave : function of direction and mask that returns the point offset from its
         surface
-    scatter : function of a direction that returns BSDF × cosine for direct light from a
-        source, and the density of BSDF sampling [1/sr]
+    scatter : function of a direction, and of whether its light comes directly from a
+        luminaire or the sun (`materials.lamp_context`), that returns BSDF × cosine and
+        the density of BSDF sampling [1/sr]
     densities : function of direction, density of BSDF sampling and mask that returns
         all densities of the vertex
     active : mask of vertices at which sources are sampled
@@ -79,7 +80,7 @@ class Vertex:
 
     point: mi.Point3f
     leave: Callable[[mi.Vector3f, mi.Bool], mi.Point3f]
-    scatter: Callable[[mi.Vector3f], tuple[mi.Color3f, mi.Float]]
+    scatter: Callable[..., tuple[mi.Color3f, mi.Float]]
     densities: Callable[[mi.Vector3f, mi.Float, mi.Bool], Densities]
     active: mi.Bool
     shape: mi.UInt32 | None
@@ -177,6 +178,7 @@ class LightSample:
     column : of a matrix
     heuristic : heuristic that weights the sample and continued paths; None if continued
         paths never meet the source
+    luminaire : whether the source is a luminaire or the sun, and not a window or sky
     """
 
     direction: mi.Vector3f
@@ -185,10 +187,11 @@ class LightSample:
     arriving: Callable[[Vertex, mi.Bool], mi.Color3f]
     column: mi.UInt32 | None = None
     heuristic: Heuristic | None = balance_heuristic
+    luminaire: bool = False
 
     def estimate(self, vertex: Vertex, active):
         """Return the radiance scattered by the vertex, and the mask of its support."""
-        value, own = vertex.scatter(self.direction)
+        value, own = vertex.scatter(self.direction, self.luminaire)
         lit = active & self.active & (dr.max(value) > 0)
         arriving = self.arriving(vertex, lit)
         lit &= dr.max(arriving) > 0

@@ -141,7 +141,12 @@ class Suns(Source):
             return sun.radiance * seen * share
 
         return LightSample(
-            sun.direction, sun.pdf, mi.Bool(True), arriving, heuristic=power_heuristic
+            sun.direction,
+            sun.pdf,
+            mi.Bool(True),
+            arriving,
+            heuristic=power_heuristic,
+            luminaire=True,
         )
 
     def _on_surfaces(
@@ -216,7 +221,12 @@ class Suns(Source):
             return dr.select(lit, sun.radiance * share * seen, 0)
 
         return LightSample(
-            direction, sun.pdf * chance, cosine > 0, arriving, heuristic=None
+            direction,
+            sun.pdf * chance,
+            cosine > 0,
+            arriving,
+            heuristic=None,
+            luminaire=True,
         )
 
 

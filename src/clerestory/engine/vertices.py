@@ -26,7 +26,7 @@ def sensor_vertex(
 ) -> Vertex:
     """Return the vertex of an irradiance sensor, with cosine-weighted response."""
 
-    def scatter(direction):
+    def scatter(direction, luminaire=False):
         cosine = dr.maximum(dr.dot(normal, direction), 0)
         return mi.Color3f(cosine), cosine * dr.inv_pi
 
@@ -58,7 +58,8 @@ def surface_vertex(
     thickness : thickness of the geometry that a proxy surface stands for; transmitted
         rays start on its far side [m]
     """
-    bsdf, context = si.bsdf(), materials.lamp_context()
+    bsdf = si.bsdf()
+    contexts = {False: mi.BSDFContext(), True: materials.lamp_context()}
     flags = dr.gather(mi.UInt32, model.flags_of_shape, shape, active)
     smooth = mi.has_flag(flags, mi.BSDFFlags.Smooth)
     opaque = ~mi.has_flag(flags, mi.BSDFFlags.Null)
@@ -76,8 +77,9 @@ def surface_vertex(
         through = dr.dot(direction, si.n) * si.wi.z < 0
         return dr.select(through, moved - si.n * thickness, moved)
 
-    def scatter(direction):
-        return bsdf.eval_pdf(context, si, si.to_local(direction), active)
+    def scatter(direction, luminaire=False):
+        local = si.to_local(direction)
+        return bsdf.eval_pdf(contexts[luminaire], si, local, active)
 
     return Vertex(
         si.p, leave, scatter, _densities(portals, si.p, guided, cell, chance),
