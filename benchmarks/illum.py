@@ -3,7 +3,7 @@
     python benchmarks/illum.py [--bsdf FILE] [--samples 256] [--write FILE]
 
 The illuminance of the tutorial room's sensors behind a BSDF, under sun and sky, with
-the window as it is and as a lamp. The gain is time × variance of the former over the
+the window as it is and as an emitter. The gain is time × variance of the former over the
 latter; the time of the tables is told beside it.
 """
 
