@@ -15,7 +15,8 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.formats.word_reader import WordReader
-from clerestory.sky.solar_position import sun_position
+from clerestory.sky.solar_position import sun_at
+from clerestory.sky.weather import Site
 
 # Standard meridians of time zones [deg west], by abbreviation
 _ZONES = {
@@ -93,13 +94,8 @@ class Moment:
             declination = 0.4093 * np.sin(2 * np.pi / 365 * (self.day_of_year - 81))
             latitude = np.radians(self.latitude_deg)
             return _horizontal(latitude, declination, self.hour)
-        place = sun_position(
-            times,
-            latitude_deg=self.latitude_deg,
-            longitude_deg=-self.longitude_deg,
-            utc_offset_hours=-self.meridian_deg / 15,
-            formula="radiance",
-        )
+        site = Site(self.latitude_deg, -self.longitude_deg, -self.meridian_deg / 15)
+        place = sun_at(site, times, formula="radiance")
         return float(place.altitude[0]), float(place.azimuth[0] - np.pi)
 
     def _almanac(self) -> tuple[float, float]:
