@@ -62,7 +62,7 @@ def read_instance(
     loaded : cache of file contents; new contents are added
     """
     given = Arguments(item, file)
-    given.reals(0)
+    given.reals(0, strings=True)
     if not item.strings:
         raise given.error("no file name; one expected")
     modifier = None if item.modifier == "void" else item.modifier

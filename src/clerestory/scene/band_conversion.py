@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bands import RGB, Bands
+from clerestory.checks import require
 from clerestory.errors import InputError
 from clerestory.scene.material import (
     Colour,
@@ -42,9 +43,9 @@ def in_bands(
     InputError : the scene is not in RGB, or has coloured materials and no upsampling
         is given
     """
-    if scene.bands != RGB:
-        raise InputError(f"a scene in the bands {scene.bands}; {RGB} expected")
-
+    require(
+        scene.bands == RGB, f"the scene is in the bands {scene.bands}; {RGB} expected"
+    )
     if upsampling is None:
         for material in scene.materials.values():
             _require_grey(material)

@@ -10,6 +10,7 @@ from typing import TypeVar
 import numpy as np
 from jaxtyping import Float, Int
 
+from clerestory.checks import require
 from clerestory.errors import InputError
 from clerestory.scene.material import Source
 from clerestory.scene.transform import Transform
@@ -25,13 +26,10 @@ class Polygon:
     source: Source | None = None
 
     def __post_init__(self) -> None:
-        if (
-            self.vertices.ndim != 2
-            or self.vertices.shape[1] != 3
-            or len(self.vertices) < 3
-        ):
+        shape = self.vertices.shape
+        if len(shape) != 2 or shape[1] != 3 or shape[0] < 3:
             raise InputError(
-                f'polygon "{self.name}" has vertices of shape {self.vertices.shape};'
+                f'polygon "{self.name}" has vertices of shape {shape};'
                 " at least 3 rows of 3 expected"
             )
 
@@ -93,11 +91,11 @@ class TriangleMesh:
 
     def __post_init__(self) -> None:
         low, high = self.faces.min(initial=0), self.faces.max(initial=0)
-        if len(self.vertices) == 0 or low < 0 or high >= len(self.vertices):
-            raise InputError(
-                f'mesh "{self.name}" refers to vertices {low} to {high};'
-                f" 0 to {len(self.vertices) - 1} expected"
-            )
+        require(
+            0 <= low <= high < len(self.vertices),
+            f'mesh "{self.name}" refers to vertices {low} to {high};'
+            f" 0 to {len(self.vertices) - 1} expected",
+        )
 
 
 Surface = Polygon | Sphere | Cone | Ring | TriangleMesh
@@ -131,15 +129,10 @@ def extent(surface: Surface) -> Float[np.ndarray, "points 3"]:
         case Sphere():
             return surface.centre + np.outer([-1, 1], np.full(3, surface.radius))
         case Cone():
-            return np.concatenate(
-                [
-                    _disc_extent(
-                        surface.base, surface.top - surface.base, surface.base_radius
-                    ),
-                    _disc_extent(
-                        surface.top, surface.top - surface.base, surface.top_radius
-                    ),
-                ]
+            axis = surface.top - surface.base
+            base = _disc_extent(surface.base, axis, surface.base_radius)
+            return np.vstack(
+                [base, _disc_extent(surface.top, axis, surface.top_radius)]
             )
         case Ring():
             return _disc_extent(surface.centre, surface.normal, surface.outer_radius)
@@ -151,12 +144,7 @@ _Item = TypeVar("_Item", bound=Surface | DistantSource)
 def transformed(
     surface: _Item, transform: Transform, *, inverted: bool = False
 ) -> _Item:
-    """Return a transformed surface or source at infinity.
-
-    Parameters
-    ----------
-    inverted : whether front and back are swapped
-    """
+    """Return a transformed surface or source; `inverted` swaps front and back."""
     move, scale = transform, transform.scale
     reverse = move.mirrored != inverted
     changes: dict[str, object]

@@ -255,7 +255,7 @@ def test_a_function_of_ones_own_chooses(shaded, tmp_path):
     [
         ("def shade(s):\n    return s.nothing", "ended with AttributeError"),
         ("def shade(s):\n    return s.signals['irradiance']", "whole numbers expected"),
-        ("def other(s):\n    return 0", 'has no function "shade"'),
+        ("def other(s):\n    return 0", 'no function "shade"'),
         ("def shade(s)", "SyntaxError"),
         ("1 / 0", "ZeroDivisionError"),
     ],

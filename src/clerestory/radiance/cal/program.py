@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from clerestory.radiance.cal.files import NATIVE_FILES
-from clerestory.radiance.cal.library import LIBRARY, PRELUDE, Native
+from clerestory.radiance.cal.library import LIBRARY, START_FILE, Native
 from clerestory.radiance.cal.run import SPECIAL, Run
 from clerestory.radiance.cal.syntax import (
     Call,
@@ -18,10 +18,7 @@ from clerestory.radiance.cal.syntax import (
     Node,
     Number,
     Power,
-    parse_definitions,
 )
-
-_PRELUDE = parse_definitions(PRELUDE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +32,7 @@ class Program:
 
     Examples
     --------
+    >>> from clerestory.radiance.cal.syntax import parse_definitions
     >>> program = Program(parse_definitions("fall(n) = if(n-.5, n*fall(n-1), 1);"))
     >>> [four] = parse_definitions("x = fall(4);").values()
     >>> program.values((four.body,), {"S": np.ones(1)}).value.tolist()
@@ -47,7 +45,7 @@ class Program:
     def definition(self, name: str) -> Definition | Native | None:
         """Return the definition of a name; None if it is undefined."""
         natives = NATIVE_FILES.get(self.native_file, {})
-        for names in (self.definitions, natives, _PRELUDE, LIBRARY):
+        for names in (self.definitions, natives, START_FILE, LIBRARY):
             if name in names:
                 return names[name]
         return None
