@@ -49,7 +49,8 @@ def read_epw(path: str | Path) -> Weather:
         line=1,
     )
     place = "_".join(part.strip() for part in (cells[1:2] + cells[3:4]) if part.strip())
-    site = Site(*numbers(cells, _SITE, file=path, line=1), place)
+    latitude, longitude, offset, elevation = numbers(cells, _SITE, file=path, line=1)
+    site = Site(latitude, longitude, offset, elevation, place)
     per_hour = _records_per_hour(lines, path)
     table = (text.split(",") if text.strip() else [] for text in lines)
     rows = DataRows.below(_HEADER_LINES, table, file=path)

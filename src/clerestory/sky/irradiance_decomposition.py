@@ -140,7 +140,7 @@ def _from_diffuse(
 def _erbs(level: _Values, times: np.ndarray, sun: SunPosition) -> _Values:
     models = importlib.import_module("pvlib.irradiance")
     parts = models.erbs(level, _zenith_deg(sun), day_of_year(times))
-    return np.maximum(np.nan_to_num(np.asarray(parts["dni"])), 0)
+    return np.asarray(np.maximum(np.nan_to_num(parts["dni"]), 0))
 
 
 def _dirint(level: _Values, times: np.ndarray, sun: SunPosition) -> _Values:
@@ -152,7 +152,7 @@ def _dirint(level: _Values, times: np.ndarray, sun: SunPosition) -> _Values:
         # pvlib 0.16 uses a name that pandas 4 will remove
         warnings.simplefilter("ignore", DeprecationWarning)
         direct = models.dirint(pd.Series(level, index), zenith, index)
-    return np.maximum(np.nan_to_num(direct.to_numpy()), 0)
+    return np.asarray(np.maximum(np.nan_to_num(direct.to_numpy()), 0))
 
 
 def _zenith_deg(sun: SunPosition) -> _Values:

@@ -40,7 +40,9 @@ def read_tmy3(path: str | Path) -> Weather:
         line=2,
     )
     place = "_".join(part.strip() for part in table[0][1:3])
-    site = Site(*numbers(table[0], _SITE, file=path, line=1), place)
+    header = numbers(table[0], _SITE, file=path, line=1)
+    latitude, longitude, offset, elevation = header
+    site = Site(latitude, longitude, offset, elevation, place)
     rows = DataRows.below(2, table, file=path)
     index = {name: i for i, name in enumerate(table[1])}
     for name in (_TIME, *_SERIES):
