@@ -1,12 +1,13 @@
 """Expansion of scene files and of the files included by them."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
-from itertools import chain
+from dataclasses import dataclass, replace
+from itertools import chain, groupby
 from pathlib import Path
 
 import numpy as np
 
+from clerestory.checks import require
 from clerestory.errors import InputError, located
 from clerestory.files import read_text
 from clerestory.radiance.command import parse_command
@@ -38,6 +39,8 @@ class Scope:
 
 
 Item = PolygonRun | Primitive | Directive | Simple | Scope | Scene
+
+_SHAPES = SURFACE_KINDS - INSTANCE_KINDS
 
 # Maximum depth of nested files, which limits recursion
 _DEEPEST = 100
@@ -115,14 +118,11 @@ class _Walk:
             copies = [p.then(placement) for p in inclusion.placements]
             files = [self._find(name, path) for name in inclusion.files]
             _refuse_recursion(files, (*within, path))
-        if inclusion.text:
-            # Line breaks, so that errors give the line of the command
-            text = "\n" * (command.line - 1) + inclusion.text
-            made = _parsed(text, str(path))
+        items = (replace(item, line=command.line) for item in inclusion.items)
+        made = tuple(_built(items, str(path)))
         for inner in copies:
-            if inclusion.text:
-                yield from self._put(made, path, inner, within)
-            elif inclusion.build is not None:
+            yield from self._put(made, path, inner, within)
+            if inclusion.build is not None:
                 with located(file=path, line=command.line):
                     scene = inclusion.build(inner.transform)
                 yield Placed(scene, str(path), inner)
@@ -181,37 +181,44 @@ def _built(
 ) -> list[Item | Command]:
     # Statements, with surface primitives converted to surfaces
     items: list[Item | Command] = []
-    for statement in statements:
-        match statement:
-            case PolygonRun():
-                items.append(checked(statement, file=file))
-            case Primitive(kind="polygon") if _is_outline(statement):
-                items.append(checked(_run(statement), file=file))
-            case Primitive(kind="polygon"):
-                raise InputError(
-                    f'polygon "{statement.name}" has {len(statement.reals)} numbers'
-                    f" and {len(statement.strings)} strings;"
-                    " three numbers for each of at least 3 vertices expected",
-                    file=file,
-                    line=statement.line,
-                )
-            case Primitive() if statement.kind in INSTANCE_KINDS:
-                items.append(statement)
-            case Primitive() if statement.kind in SURFACE_KINDS:
-                built = surface(statement, file=file)
-                items += [] if built is None else [built]
-            case _:
-                items.append(statement)
+    for polygonal, group in groupby(statements, _is_polygon):
+        if polygonal:
+            polygons = [p for p in group if isinstance(p, Primitive)]
+            items.append(checked(_run(polygons, file), file=file))
+            continue
+        for statement in group:
+            match statement:
+                case PolygonRun():
+                    items.append(checked(statement, file=file))
+                case Primitive(kind=kind) if kind in _SHAPES:
+                    built = surface(statement, file=file)
+                    items += [] if built is None else [built]
+                case _:
+                    items.append(statement)
     return items
 
 
-def _is_outline(item: Primitive) -> bool:
-    count = len(item.reals)
-    return not item.strings and count >= 9 and count % 3 == 0
+def _is_polygon(statement: Statement | TriangleMesh) -> bool:
+    return isinstance(statement, Primitive) and statement.kind == "polygon"
 
 
-def _run(item: Primitive) -> PolygonRun:
-    # A single polygon that was read word by word
-    vertices = np.array(item.reals).reshape(-1, 3)
-    first = np.array([0, len(vertices)])
-    return PolygonRun([item.modifier], [item.name], [item.line], first, vertices)
+def _run(polygons: list[Primitive], file: str) -> PolygonRun:
+    # Consecutive polygons that were read word by word or made by a command
+    modifier, name, line, count = [], [], [], []
+    numbers: list[float] = []
+    for item in polygons:
+        given, words = len(item.reals), len(item.strings)
+        require(
+            words == 0 and given >= 9 and given % 3 == 0,
+            f'polygon "{item.name}" has {given} numbers and {words} strings;'
+            " three numbers for each of at least 3 vertices expected",
+            file=file,
+            line=item.line,
+        )
+        modifier.append(item.modifier)
+        name.append(item.name)
+        line.append(item.line)
+        count.append(given // 3)
+        numbers += item.reals
+    first = np.cumsum([0, *count])
+    return PolygonRun(modifier, name, line, first, np.array(numbers).reshape(-1, 3))

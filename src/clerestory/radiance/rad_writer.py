@@ -6,19 +6,12 @@ from pathlib import Path
 from clerestory.bands import RGB
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.errors import InputError
+from clerestory.radiance.primitives import specification
 from clerestory.scene.material import Material, Specification, insert_material
 from clerestory.scene.materials.mixture import Void
 from clerestory.scene.model import Scene
 from clerestory.scene.pattern import Pattern
-from clerestory.scene.surface import (
-    Cone,
-    DistantSource,
-    Polygon,
-    Ring,
-    Simple,
-    Sphere,
-    TriangleMesh,
-)
+from clerestory.scene.surface import Polygon, Simple, TriangleMesh
 
 
 def format_rad(scene: Scene, *, bsdf_file: Mapping[str, str | Path]) -> str:
@@ -31,6 +24,7 @@ def format_rad(scene: Scene, *, bsdf_file: Mapping[str, str | Path]) -> str:
     Examples
     --------
     >>> import numpy as np
+    >>> from clerestory.scene.model import Sphere
     >>> from clerestory.scene.materials.plastic import Plastic
     >>> ball = Sphere(np.zeros(3), 0.5, False, "grey", "ball")
     >>> grey = Plastic("grey", np.full(3, 0.4))
@@ -133,29 +127,7 @@ def _shapes(surface: Polygon | Simple) -> Iterator[Specification]:
         for corners in surface.vertices[surface.faces]:
             yield Specification("polygon", (), (*corners.ravel(),))
     else:
-        yield _shape(surface)
-
-
-def _shape(surface: Polygon | Sphere | Cone | Ring | DistantSource) -> Specification:
-    match surface:
-        case Polygon():
-            return Specification("polygon", (), (*surface.vertices.ravel(),))
-        case Sphere():
-            kind = "bubble" if surface.inward else "sphere"
-            return Specification(kind, (), (*surface.centre, surface.radius))
-        case Cone():
-            ends = [*surface.base, *surface.top]
-            if surface.base_radius == surface.top_radius:
-                kind = "tube" if surface.inward else "cylinder"
-                return Specification(kind, (), (*ends, surface.base_radius))
-            radii = surface.base_radius, surface.top_radius
-            kind = "cup" if surface.inward else "cone"
-            return Specification(kind, (), (*ends, *radii))
-        case Ring():
-            radii = surface.inner_radius, surface.outer_radius
-            return Specification("ring", (), (*surface.centre, *surface.normal, *radii))
-        case DistantSource():
-            return Specification("source", (), (*surface.direction, surface.angle_deg))
+        yield specification(surface)
 
 
 def _quoted(word: str) -> str:

@@ -10,10 +10,11 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 from jaxtyping import Float
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.checks import not_negative
+from clerestory.checks import finite, not_negative
 from clerestory.errors import ClerestoryWarning, InputError, located
 from clerestory.scene.material import Material, Source
 from clerestory.scene.pattern import Pattern
@@ -30,6 +31,18 @@ class Primitive:
     strings: tuple[str, ...]
     reals: tuple[float, ...]
     line: int
+
+
+def primitive(
+    modifier: str,
+    kind: str,
+    name: str,
+    reals: npt.ArrayLike = (),
+    strings: tuple[str, ...] = (),
+) -> Primitive:
+    """Return a primitive made by a command, with line number 0."""
+    finite(reals, f'a number of {kind} "{name}"')
+    return Primitive(modifier, kind, name, strings, tuple(np.ravel(reals).tolist()), 0)
 
 
 @dataclass(frozen=True, eq=False)

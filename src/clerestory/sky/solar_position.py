@@ -22,6 +22,8 @@ from clerestory.checks import one_of
 from clerestory.directions import from_azimuth
 from clerestory.sky.weather import Site
 
+_Day = Int[np.ndarray, "*time"] | int
+_Times = Float[np.ndarray, "*time"]
 SunFormula = Literal["spa", "radiance"]
 
 # Terrestrial time minus universal time [s], and refraction at sunrise [°]
@@ -37,8 +39,8 @@ _PRESSURE, _TEMPERATURE, _LAPSE, _EXPONENT = 1013.25, 288.15, 0.0065, 5.25588
 class SunPosition:
     """Solar altitude, including refraction, and azimuth clockwise from north [rad]."""
 
-    altitude: Float[np.ndarray, " time"]
-    azimuth: Float[np.ndarray, " time"]
+    altitude: Float[np.ndarray, "*time"]
+    azimuth: Float[np.ndarray, "*time"]
 
     def directions(self) -> Float[np.ndarray, "time 3"]:
         """Unit vectors to the sun: x east, y north, z up."""
@@ -96,17 +98,33 @@ def _radiance(site: Site, times: np.ndarray) -> SunPosition:
 
     # Solar time from the equation of time and the time zone's meridian
     solar = hour + site.longitude_deg / 15 - site.utc_offset_hours
-    solar = solar + 0.170 * np.sin(4 * np.pi / 373 * (day - 80))
-    solar = solar - 0.129 * np.sin(2 * np.pi / 355 * (day - 8))
-    hour_angle = solar * np.pi / 12
-    declination = 0.4093 * np.sin(2 * np.pi / 365 * (day - 81))
+    return horizontal_position(
+        latitude, solar_declination(day), solar + equation_of_time(day)
+    )
 
-    # Altitude and azimuth from declination and hour angle
+
+def equation_of_time(day: _Day) -> _Times:
+    """Return Radiance's equation of time [h] for a day of the year."""
+    term = 0.170 * np.sin(4 * np.pi / 373 * (day - 80))
+    return np.asarray(term - 0.129 * np.sin(2 * np.pi / 355 * (day - 8)))
+
+
+def solar_declination(day: _Day) -> _Times:
+    """Return Radiance's solar declination [rad] for a day of the year."""
+    return np.asarray(0.4093 * np.sin(2 * np.pi / 365 * (day - 81)))
+
+
+def horizontal_position(
+    latitude: float, declination: _Times | float, solar_hour: _Times | float
+) -> SunPosition:
+    """Return the solar position for a latitude and declination [rad], at solar time."""
+    hour_angle = np.asarray(solar_hour * np.pi / 12)
     sin_d, cos_d = np.sin(declination), np.cos(declination)
     sine = np.sin(latitude) * sin_d - np.cos(latitude) * cos_d * np.cos(hour_angle)
     south = -np.cos(latitude) * sin_d - np.sin(latitude) * cos_d * np.cos(hour_angle)
     azimuth = np.pi - np.arctan2(cos_d * np.sin(hour_angle), south)
-    return SunPosition(np.arcsin(np.clip(sine, -1, 1)), azimuth)
+    altitude = np.arcsin(np.clip(sine, -1, 1))
+    return SunPosition(np.asarray(altitude), np.asarray(azimuth))
 
 
 def standard_pressure(elevation: float) -> float:
