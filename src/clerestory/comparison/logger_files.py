@@ -14,7 +14,7 @@ from clerestory.comparison.series import Series
 from clerestory.files import read_text
 from clerestory.sky.csv_measurements import LoggerTable, local_times, read_table
 from clerestory.sky.station_file import OneOrSeveral, Table
-from clerestory.sky.time_steps import centres, require_increasing, typical_step
+from clerestory.sky.time_steps import step_centres
 
 
 class CsvFormat(Table):
@@ -80,11 +80,10 @@ def read_logger(
     table = logger.read(path)
     columns = tuple(logger.time)
     times = local_times(table, columns, logger.time_format, clock, utc_offset_hours)
-    require_increasing(times, rows=table)
-    step = 0.0
-    if logger.stands_for != "moment":
-        step = typical_step(times)
-        times = centres(times, step, logger.stands_for)
+    if logger.stands_for == "moment":
+        times, step = step_centres(times, "centre", rows=table)[0], 0.0
+    else:
+        times, step = step_centres(times, logger.stands_for, rows=table)
     names, values = tuple(logger.columns), logger.values(table, logger.columns.values())
     return Series(names, times, values, step, utc_offset_hours, source=str(path))
 
