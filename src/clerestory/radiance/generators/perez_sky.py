@@ -105,7 +105,7 @@ def _lit_sky(
 ) -> list[Primitive]:
     state = air.state(light, request)
     perez = perez_sky(state, azimuth=np.zeros(1))
-    shape = [float(p[0]) for p in (perez.a, perez.b, perez.c, perez.d, perez.e)]
+    shape = perez.parameters[:, 0].tolist()
     if shape[1] > 0:
         raise words.error(
             f"Perez's parameter b is {shape[1]:.3g}, for which the model is undefined;"
