@@ -124,7 +124,7 @@ def main() -> None:
     parser.add_argument("--keep", type=Path, help="folder for the mutants with defects")
     given = parser.parse_args()
     outcome = run(given.reader, given.count, first=given.first, keep=given.keep)
-    print(json.dumps(asdict(outcome)))
+    sys.stdout.write(json.dumps(asdict(outcome)) + "\n")
 
 
 if __name__ == "__main__":

@@ -108,7 +108,8 @@ MATERIALS = (
     'pane = { transmissivity = 0.8, index = 1.52 }\n"*" = { reflectance = 0.5 }\n'
 )
 MGF = (
-    "# comment\nc red =\n\tcxy .5 .3\nm one =\n\tsides 1\n\tc red\n\trd .5\n\trs .02 .1\n"
+    "# comment\nc red =\n\tcxy .5 .3\nm one =\n\tsides 1\n\tc red\n\trd .5\n"
+    "\trs .02 .1\n"
     "m two = one\n\tts .3 0\nv a =\n\tp 0 0 0\n\tn 0 0 1\nv b =\n\tp 1 0 0\nv c =\n"
     "\tp 1 1 0\no thing\nm one\nf a b c\nxf -a 3 -t 0 0 1 -rz 20\nsph a 1\ncyl a 1 b\n"
     "xf\nm two\nprism a b c 2\nring a 0 1\ntorus a .1 .5\nfh a b c - a c b\no\n"
@@ -221,7 +222,7 @@ def _ldt() -> str:
     head += ["date", "200", "100", "50", "200", "100", "0", "0", "0", "0", "100", "90"]
     head += ["1", "0", "1", "2", "LED", "1000", "warm", "80", "20"]
     numbers = [f"{0.5 + k / 100}" for k in range(10)] + ["0", "90", "180", "270"]
-    return "\n".join([*head, *numbers, "0", "45", "90", *("100 80 10".split())]) + "\n"
+    return "\n".join([*head, *numbers, "0", "45", "90", *(["100", "80", "10"])]) + "\n"
 
 
 # ------------------------------------- BSDF -------------------------------------
@@ -346,7 +347,7 @@ def _matrices(_: Path) -> list[bytes]:
 def _netcdf(folder: Path) -> list[bytes]:
     axis = importlib.import_module("clerestory.matrix.axis")
     values = np.random.default_rng(0).uniform(0, 1, (3, 4, 5))
-    matrix = cl.TransferMatrix(values, axis.sensor_axis(4), axis.pixel_axis(5))
+    matrix = cl.TransferMatrix(values, axis.sensor_axis(4), axis.unknown_axis(5))
     cl.write_matrix(folder / "seed.nc", matrix)
     return [(folder / "seed.nc").read_bytes()]
 
@@ -362,7 +363,8 @@ COLUMNS = "theta_i,phi_i,theta_s,phi_s,brdf\n" + "".join(
 )
 VIAVI = "!!EDS 30-200   RPC\n!!BSDF Data\n30 200\n" + POINTS
 FRED = "type bsdf_data\nformat angles=deg bsdf=value scale=1\n30 200\n" + POINTS
-ASTM = "TITLE glass\nVARS theta_i,phi_i,theta_s,phi_s,BRDF\n.5,.3,0,0,.5\n.5,.3,.2,1,.4\n.5,.3,.3,2,.4\n.5,.3,.4,3,.4\n"
+ASTM = "TITLE glass\nVARS theta_i,phi_i,theta_s,phi_s,BRDF\n.5,.3,0,0,.5\n"
+ASTM += ".5,.3,.2,1,.4\n.5,.3,.3,2,.4\n.5,.3,.4,3,.4\n"
 TABULAR = (
     "Source Measured\nSymmetry PlaneSymmetrical\nSpectralContent Monochrome\n"
     "ScatterType BRDF\nSampleRotation 1\n0\nAngleOfIncidence 1\n30\n"
@@ -419,7 +421,8 @@ thickness_mm = 50
 [[layer]]
 venetian = { material = "a.json", width_mm = 25, spacing_mm = 20, tilt_deg = 45 }
 """
-BLIND = 'kind = "venetian"\nslat_width = 0.08\nspacing = 0.072\ntilt_deg = 45\nrise = 0.002\n'
+BLIND = 'kind = "venetian"\nslat_width = 0.08\nspacing = 0.072\ntilt_deg = 45\n'
+BLIND += "rise = 0.002\n"
 
 # --------------------------------- Studies, results ---------------------------------
 SCAN = """utc_offset_hours = -6

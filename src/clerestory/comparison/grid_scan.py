@@ -17,7 +17,7 @@ from pydantic_core import PydanticCustomError
 from clerestory.comparison.series import Series
 from clerestory.errors import InputError
 from clerestory.files import read_text
-from clerestory.sky.station_file import Table
+from clerestory.toml_tables import Table
 
 
 class GridLayout(Table):

@@ -12,8 +12,9 @@ from clerestory.comparison.series import Series
 from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.sky.csv_measurements import local_times, read_table
-from clerestory.sky.station_file import OneOrSeveral, Table
+from clerestory.sky.station_file import OneOrSeveral
 from clerestory.sky.time_steps import centres, require_increasing, typical_step
+from clerestory.toml_tables import Table
 
 
 class LoggerFile(Table):

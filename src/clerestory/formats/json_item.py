@@ -9,8 +9,8 @@ from typing import Any, final
 import numpy as np
 from jaxtyping import Float
 
+from clerestory import files
 from clerestory.errors import InputError
-from clerestory.files import read_text
 
 
 @final
@@ -127,12 +127,7 @@ class Item:
 
 def read_json(path: str | Path) -> Item:
     """Return the object in a JSON file."""
-    try:
-        value = json.loads(read_text(path))
-    except (ValueError, RecursionError) as error:
-        line = getattr(error, "lineno", None)
-        reason = getattr(error, "msg", str(error))
-        raise InputError(f"not JSON: {reason}", file=path, line=line) from error
+    value = files.read_json(path)
     if not isinstance(value, dict):
         raise InputError("an object at the root expected", file=path)
     return Item(value, "", str(path))

@@ -24,22 +24,21 @@ TOML file.
 """
 
 import math
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Literal, final
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import ConfigDict, Field
 
 from clerestory.errors import InputError
-from clerestory.files import read_text
 from clerestory.glazing.layer import Diffuser, Layer
 from clerestory.glazing.layer_files import read_layer, read_pane
 from clerestory.glazing.pane import Pane
 from clerestory.glazing.screen import PerforatedScreen, WovenShade
 from clerestory.glazing.slat_cell import SlatGeometry
 from clerestory.glazing.venetian import VenetianBlind
+from clerestory.toml_tables import Table, read_table
 
 GASES = ("air", "argon", "krypton", "xenon")
 
@@ -139,21 +138,7 @@ def read_system(path: str | Path) -> GlazingSystem:
     ------
     InputError : not TOML, unknown or missing keys, files that cannot be read
     """
-    try:
-        plan = _Plan.model_validate(tomllib.loads(read_text(path)))
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError(f"not TOML: {error}", file=path) from error
-    except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(
-            str(part + 1) if isinstance(part, int) else part for part in first["loc"]
-        )
-        what = (
-            "unknown key"
-            if first["type"] == "extra_forbidden"
-            else first["msg"][0].lower() + first["msg"][1:]
-        )
-        raise InputError(f"{where}: {what}", file=path) from error
+    plan = read_table(_Plan, path)
     folder = Path(path).parent
     layers = [
         _layer(row, folder, path, number) for number, row in enumerate(plan.layer, 1)
@@ -173,8 +158,8 @@ def read_system(path: str | Path) -> GlazingSystem:
 _Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
 
-class _Strict(BaseModel):
-    model_config = ConfigDict(extra="forbid")
+class _Strict(Table):
+    model_config = ConfigDict(strict=False)
 
 
 class _Slats(_Strict):
@@ -213,14 +198,14 @@ class _Row(_Strict):
 
 class _Space(_Strict):
     thickness_mm: _Positive
-    gases: dict[str, float] = {"air": 1.0}
+    gases: dict[str, float] = Field(default={"air": 1.0})
     pressure_pa: _Positive = ATMOSPHERE
 
 
 class _Plan(_Strict):
     name: str = ""
     layer: Annotated[list[_Row], Field(min_length=1)]
-    gap: list[_Space] = []
+    gap: list[_Space] = Field(default=[])
 
 
 def _layer(row: _Row, folder: Path, path: str | Path, number: int) -> Layer:

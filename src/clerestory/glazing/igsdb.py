@@ -7,7 +7,6 @@ Lengths are in millimetres, wavelengths in micrometres.
 Format: LBNL, https://igsdb.lbl.gov; the same files as pywincalc reads.
 """
 
-import json
 import math
 import warnings
 from pathlib import Path
@@ -16,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from clerestory.errors import ClerestoryWarning, InputError
-from clerestory.files import read_text
+from clerestory.files import read_json
 from clerestory.glazing.optics import Optics
 from clerestory.glazing.pane import GLASS_CONDUCTIVITY, GLASS_EMISSIVITY, Pane
 
@@ -41,12 +40,7 @@ def read_igsdb(path: str | Path) -> Pane:
 
 def load_product(path: str | Path) -> dict[str, Any]:
     """Return the JSON object in a file."""
-    try:
-        product = json.loads(read_text(path))
-    except (json.JSONDecodeError, RecursionError) as error:
-        line = getattr(error, "lineno", None)
-        reason = getattr(error, "msg", "nested too deeply")
-        raise InputError(f"not JSON: {reason}", file=path, line=line) from error
+    product = read_json(path)
     if isinstance(product, list) and len(product) == 1:
         product = product[0]
     if not isinstance(product, dict):

@@ -13,17 +13,14 @@ from pydantic import (
     BeforeValidator,
     Field,
     PrivateAttr,
-    ValidationError,
     field_validator,
     model_validator,
 )
 from pydantic_core import PydanticCustomError
 
 from clerestory.engine.device import Device
-from clerestory.files import read_text
 from clerestory.phases.matrix_equation import Term
 from clerestory.phases.methods import METHODS, MethodName
-from clerestory.study.config_errors import input_error, parse_toml
 from clerestory.study.config_tables import (
     MetricsTable,
     Named,
@@ -34,7 +31,6 @@ from clerestory.study.config_tables import (
     SkyTable,
     SunlightTable,
     SunTable,
-    Table,
     TraceTable,
     ViewTable,
     WeatherTable,
@@ -43,6 +39,7 @@ from clerestory.study.config_tables import (
 )
 from clerestory.study.lighting_tables import LightingTable, LuminaireTable
 from clerestory.study.window_tables import WindowTable
+from clerestory.toml_tables import Table, read_table
 
 _METHODS = " or".join(", ".join(f'"{name}"' for name in METHODS).rsplit(",", 1))
 
@@ -278,10 +275,5 @@ def read_study(path: str | Path) -> Study:
         unknown or wrong; with the line and the valid choices
     """
     path = Path(path)
-    text = read_text(path)
-    tables = parse_toml(text, file=path)
-    try:
-        study = Study.model_validate(tables, context={"folder": path.parent})
-    except ValidationError as error:
-        raise input_error(error, model=Study, text=text, file=path) from error
+    study = read_table(Study, path, {"folder": path.parent})
     return study.model_copy(update={"title": study.title or path.stem})

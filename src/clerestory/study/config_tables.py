@@ -7,13 +7,14 @@ value.
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from clerestory.engine.device import Device
 from clerestory.metrics.climate_based_metrics import TARGET_LUX
 from clerestory.metrics.en17037 import FIRST_DAY, LAST_DAY
 from clerestory.sky.station_file import MeasuredTable
+from clerestory.toml_tables import Table
 
 
 def _input_file(value: Any, info: Any) -> Any:
@@ -37,14 +38,6 @@ MonthDay = Annotated[str, Field(pattern=r"^(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])
 def rule_broken(message: str, **words: Any) -> PydanticCustomError:
     """Return a validation error for inconsistent keys of a table."""
     return PydanticCustomError("rule", message, words or None)
-
-
-class Table(BaseModel):
-    """A table of the study file; unknown keys and wrong types are errors."""
-
-    model_config = ConfigDict(
-        extra="forbid", frozen=True, strict=True, allow_inf_nan=False
-    )
 
 
 class Named(Table):

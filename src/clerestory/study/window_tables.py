@@ -15,9 +15,9 @@ from clerestory.study.config_tables import (
     InputFile,
     Named,
     NamedFile,
-    Table,
     rule_broken,
 )
+from clerestory.toml_tables import Table
 
 RuleName = Literal[
     "fixed",

@@ -234,7 +234,7 @@ _JSON = st.recursive(
 @given(data=st.data())
 def test_a_damaged_model_is_refused_in_words(read, data):
     """Any member of the model is replaced by anything."""
-    value = model(sensor_grids=[{"identifier": "g", "sensors": []}])
+    value = copy.deepcopy(model(sensor_grids=[{"identifier": "g", "sensors": []}]))
     at = value
     for _ in range(data.draw(st.integers(1, 7))):
         keys = list(at) if isinstance(at, dict) else list(range(len(at)))
