@@ -346,9 +346,10 @@ def _matrices(_: Path) -> list[bytes]:
 
 def _netcdf(folder: Path) -> list[bytes]:
     axis = importlib.import_module("clerestory.matrix.axis")
+    netcdf = importlib.import_module("clerestory.matrix.netcdf")
     values = np.random.default_rng(0).uniform(0, 1, (3, 4, 5))
     matrix = cl.TransferMatrix(values, axis.sensor_axis(4), axis.unknown_axis(5))
-    cl.write_matrix(folder / "seed.nc", matrix)
+    netcdf.write_netcdf(folder / "seed.nc", matrix)
     return [(folder / "seed.nc").read_bytes()]
 
 
