@@ -14,8 +14,7 @@ import clerestory
 STACK = (
     ("array_types", "errors", "constants", "options", "progress"),
     ("checks", "files", "directions", "bands", "toml_lines"),
-    ("toml_tables",),
-    ("colorimetry",),
+    ("colorimetry", "documents"),
     ("hemisphere", "spectra"),
     ("matrix",),
     ("bsdf", "sky"),

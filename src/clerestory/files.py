@@ -1,12 +1,11 @@
 """Atomic writing of files, and reading with error messages that name the file."""
 
-import json
 import os
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, BinaryIO, cast
+from typing import BinaryIO, cast
 
 from clerestory.errors import InputError, OutputError
 
@@ -58,24 +57,6 @@ def read_text(path: str | Path) -> str:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
         return data.decode("latin-1")
-
-
-def read_json(path: str | Path) -> Any:
-    """Return the value in a JSON file.
-
-    Raises
-    ------
-    InputError : the file cannot be read or is not JSON, with the line
-    """
-    try:
-        return json.loads(read_text(path))
-    except json.JSONDecodeError as error:
-        raise InputError(
-            f"not JSON: {error.msg}", file=path, line=error.lineno
-        ) from error
-    except (ValueError, RecursionError) as error:
-        message = "not JSON: a number is too long, or values are nested too deeply"
-        raise InputError(message, file=path) from error
 
 
 def read_bytes(path: str | Path) -> bytes:

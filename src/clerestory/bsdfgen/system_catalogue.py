@@ -13,8 +13,9 @@ from clerestory.bsdfgen.flat_panes import clear_pane, diffuse_pane
 from clerestory.bsdfgen.screen_geometry import perforated, woven
 from clerestory.bsdfgen.shading_system import System
 from clerestory.bsdfgen.venetian_geometry import microlouvre, venetian
+from clerestory.documents import toml_tables
 from clerestory.errors import InputError
-from clerestory.toml_tables import read_toml
+from clerestory.files import read_text
 
 SYSTEMS: Mapping[str, Callable[..., System]] = MappingProxyType(
     {
@@ -120,7 +121,7 @@ def read_system(path: str | Path) -> System:
     >>> system.area.thickness
     0.08
     """
-    values = read_toml(path)
+    values = toml_tables(read_text(path), file=path)
     kind = values.pop("kind", None)
     if not isinstance(kind, str):
         raise InputError(

@@ -15,9 +15,9 @@ from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from clerestory.comparison.series import Series
+from clerestory.documents import Table
 from clerestory.errors import InputError
 from clerestory.files import read_text
-from clerestory.toml_tables import Table
 
 
 class GridLayout(Table):

@@ -9,12 +9,12 @@ import numpy as np
 from pydantic import Field
 
 from clerestory.comparison.series import Series
+from clerestory.documents import Table
 from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.sky.csv_measurements import local_times, read_table
 from clerestory.sky.station_file import OneOrSeveral
-from clerestory.sky.time_steps import centres, require_increasing, typical_step
-from clerestory.toml_tables import Table
+from clerestory.sky.time_steps import step_centres
 
 
 class LoggerFile(Table):
@@ -64,11 +64,13 @@ def read_logger(
     table = read_table(path, logger.separator, logger.skip_lines)
     columns = tuple(logger.time)
     times = local_times(table, columns, logger.time_format, clock, utc_offset_hours)
-    require_increasing(times, rows=table)
-    step = 0.0
-    if logger.stands_for != "moment":
-        step = typical_step(times)
-        times = centres(times, step, logger.stands_for)
+    momentary = logger.stands_for == "moment"
+    times, step = step_centres(
+        times,
+        "centre" if logger.stands_for == "moment" else logger.stands_for,
+        rows=table,
+    )
+    step = 0.0 if momentary else step
     values = [logger.factor * table.numbers(name) for name in logger.columns.values()]
     return Series(
         tuple(logger.columns),

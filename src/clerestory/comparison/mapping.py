@@ -32,9 +32,9 @@ from pydantic_core import PydanticCustomError
 from clerestory.comparison.grid_scan import GridLayout, GridScan, read_scan
 from clerestory.comparison.logger_files import LoggerFile, read_logger, read_plain
 from clerestory.comparison.series import Series
+from clerestory.documents import Table, read_toml
 from clerestory.errors import InputError
 from clerestory.files import write_text
-from clerestory.toml_tables import Table, read_table
 
 
 class Mapping(Table):
@@ -65,7 +65,7 @@ class Mapping(Table):
 
 def read_mapping(path: str | Path) -> Mapping:
     """Return the mapping in a TOML file."""
-    return read_table(Mapping, path)
+    return read_toml(path, Mapping)
 
 
 def read_measured_series(path: str | Path, *, near: Series) -> list[Series]:

@@ -17,8 +17,9 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float, Int
 
+from clerestory.documents import json_value
 from clerestory.errors import InputError
-from clerestory.files import make_folder, read_json, read_text, replace_file, write_text
+from clerestory.files import make_folder, read_text, replace_file, write_text
 
 STATIC = "__static_apertures__"
 Light = Literal["total", "direct"]
@@ -135,7 +136,7 @@ class HoneybeeFolder:
 def read_honeybee(folder: str | Path) -> HoneybeeFolder:
     """Return a results folder of honeybee-radiance-postprocess."""
     folder = Path(folder)
-    info = read_json(folder / "grids_info.json")
+    info = _json(folder / "grids_info.json")
     try:
         counts = {str(grid["full_id"]): int(grid["count"]) for grid in info}
         paths = {
@@ -152,7 +153,7 @@ def read_honeybee(folder: str | Path) -> HoneybeeFolder:
     states: dict[str, tuple[str, ...]] = {}
     if (folder / "grid_states.json").is_file():
         try:
-            for groups in read_json(folder / "grid_states.json").values():
+            for groups in _json(folder / "grid_states.json").values():
                 states |= {str(k): tuple(map(str, v)) for k, v in groups.items()}
         except (AttributeError, TypeError) as error:
             raise InputError(
@@ -224,3 +225,7 @@ def write_honeybee(
             values = grids.get(name, np.zeros_like(lux))[:, lit]
             with replace_file(place / f"{name}.npy") as stream:
                 np.save(stream, values.astype(np.float32), allow_pickle=False)
+
+
+def _json(path: Path) -> Any:
+    return json_value(read_text(path), file=path)

@@ -19,10 +19,10 @@ from typing import Annotated, Literal, final
 import numpy as np
 from pydantic import Field
 
+from clerestory.documents import Table, read_toml
 from clerestory.errors import InputError
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.scene.model import Glass, Material, Plastic
-from clerestory.toml_tables import Table, read_table
 
 _Share = Annotated[float, Field(ge=0, le=1)]
 _Colour = _Share | Annotated[list[_Share], Field(min_length=3, max_length=3)]
@@ -66,7 +66,7 @@ class MaterialMap:
 def read_material_map(path: str | Path) -> MaterialMap:
     """Return the material map in a TOML file; `file` is relative to its folder."""
     path = Path(path)
-    told = read_table(_MapFile, path)
+    told = read_toml(path, _MapFile)
     known = read_rad(path.parent / told.file).materials if told.file else {}
     found: dict[str, Material] = {}
     for name, value in told.materials.items():

@@ -84,12 +84,7 @@ def write_comparison(
     title: str,
     places: dict[str, Float[np.ndarray, " 3"]] | None = None,
 ) -> Path:
-    """Write the figures and the page into a folder; return the path of the page.
-
-    Raises
-    ------
-    OutputError : the folder cannot be written
-    """
+    """Write the figures and the page into a folder; return the path of the page."""
     folder = make_folder(folder)
     drawings = comparison_drawings(comparisons, places)
     for drawing in drawings:

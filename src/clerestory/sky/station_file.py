@@ -26,13 +26,13 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
+from clerestory.documents import Table, read_toml
 from clerestory.errors import InputError
 from clerestory.sky.csv_measurements import Columns, read_measured
 from clerestory.sky.irradiance_decomposition import Decomposition
 from clerestory.sky.radiation_networks import read_srml, read_surfrad
 from clerestory.sky.time_steps import StandsFor
 from clerestory.sky.weather import Site, Weather
-from clerestory.toml_tables import Table, read_table
 
 # Keys that are passed to `read_measured` as arguments
 _CSV_SETTINGS = {
@@ -136,5 +136,5 @@ def read_station(path: str | Path) -> Weather:
 
     The measurement file is relative to the folder of the station file.
     """
-    station = read_table(_StationFile, path)
+    station = read_toml(path, _StationFile)
     return read_with(Path(path).parent / station.file, station)

@@ -16,8 +16,9 @@ import numpy as np
 import xarray as xr
 
 from clerestory.checks import require
+from clerestory.documents import json_value
 from clerestory.errors import InputError
-from clerestory.files import read_bytes, read_json, replace_path, write_text
+from clerestory.files import read_bytes, read_text, replace_path, write_text
 from clerestory.phases.illuminance import hourly_variable
 
 RESULTS_FILE = "results.nc"
@@ -179,7 +180,7 @@ def _read_run(path: Path) -> dict[str, Any]:
     # run.json is optional
     if not path.is_file():
         return {}
-    data = read_json(path)
+    data = json_value(read_text(path), file=path)
     require(isinstance(data, dict), "not the run.json of a run", file=path)
     return dict(data)
 
