@@ -15,7 +15,7 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.engine.direct_sun_jobs import PixelSunJob, SunJob
+from clerestory.engine.direct_sun_jobs import SunlightJob
 from clerestory.engine.lower import LoweredScene, lower
 from clerestory.engine.materials.bsdf_file import forward_table
 from clerestory.engine.next_event_estimation import (
@@ -73,9 +73,7 @@ class SunlitWindow(Source):
     sun: mi.Vector3f | None = None
 
     @classmethod
-    def of(
-        cls, job: SunJob | PixelSunJob, origin: Float[np.ndarray, "3"]
-    ) -> "SunlitWindow":
+    def of(cls, job: SunlightJob, origin: Float[np.ndarray, "3"]) -> "SunlitWindow":
         """Return the window of a job, without a sun."""
         own, _ = window_shapes((job.windows[job.number],), origin)
         frame = mi.Frame3f(own.right, own.up, own.normal)

@@ -98,14 +98,29 @@ def transmittance(
     if not model.panes:
         blocked = model.scene.ray_test(shadow_ray(origin), active)
         return dr.select(active & blocked, mi.Color3f(0), 1)
-    share, _, hit = first_opaque(
+    share, _, hit = _through_panes(
         model, origin, shadow_ray, active, direct=direct, through_illums=through_illums
     )
     return dr.select(active & hit.is_valid(), 0, share)
 
 
-@dr.syntax
 def first_opaque(
+    model: LoweredScene, origin: mi.Point3f, shadow_ray: ShadowRay, active: mi.Bool
+):
+    """Trace shadow rays to the first surface that blocks them; see `transmittance`.
+
+    Return the transmittance up to that surface, the ray's last segment, and its hit.
+    """
+    if not model.panes:
+        # A loop over panes would cost time
+        ray = shadow_ray(origin)
+        hit = model.scene.ray_intersect_preliminary(ray, active=active)
+        return mi.Color3f(1), ray, hit
+    return _through_panes(model, origin, shadow_ray, active)
+
+
+@dr.syntax
+def _through_panes(
     model: LoweredScene,
     origin: mi.Point3f,
     shadow_ray: ShadowRay,
@@ -113,10 +128,7 @@ def first_opaque(
     direct: bool = True,
     through_illums: bool = False,
 ):
-    """Trace shadow rays to the first surface that blocks them; see `transmittance`.
-
-    Return the transmittance up to that surface, the ray's last segment, and its hit.
-    """
+    # As `first_opaque`, for a scene with panes
     ray = shadow_ray(origin)
     share = mi.Color3f(1)
     looking = mi.Bool(active)
