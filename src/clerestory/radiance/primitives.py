@@ -1,4 +1,4 @@
-"""Surface primitives of Radiance scene files, other than polygons."""
+"""Reading and writing of surface primitives of Radiance scene files."""
 
 from collections.abc import Callable, Mapping
 
@@ -6,7 +6,8 @@ import numpy as np
 
 from clerestory.checks import require
 from clerestory.directions import unit
-from clerestory.scene.model import Cone, DistantSource, Ring, Simple, Sphere
+from clerestory.scene.material import Specification
+from clerestory.scene.model import Cone, DistantSource, Polygon, Ring, Simple, Sphere
 from clerestory.scene.primitive import Arguments, Primitive
 
 # Radiance's FTINY: lengths up to it are treated as zero
@@ -79,3 +80,28 @@ SURFACES: Mapping[str, Callable[[Arguments], Simple | None]] = {
     "ring": _ring,
     "source": _source,
 }
+
+
+def specification(
+    surface: Polygon | Sphere | Cone | Ring | DistantSource,
+) -> Specification:
+    """Return the type and arguments of a surface in Radiance."""
+    match surface:
+        case Polygon():
+            return Specification("polygon", (), (*surface.vertices.ravel(),))
+        case Sphere():
+            kind = "bubble" if surface.inward else "sphere"
+            return Specification(kind, (), (*surface.centre, surface.radius))
+        case Cone():
+            ends = [*surface.base, *surface.top]
+            if surface.base_radius == surface.top_radius:
+                kind = "tube" if surface.inward else "cylinder"
+                return Specification(kind, (), (*ends, surface.base_radius))
+            radii = surface.base_radius, surface.top_radius
+            kind = "cup" if surface.inward else "cone"
+            return Specification(kind, (), (*ends, *radii))
+        case Ring():
+            radii = surface.inner_radius, surface.outer_radius
+            return Specification("ring", (), (*surface.centre, *surface.normal, *radii))
+        case DistantSource():
+            return Specification("source", (), (*surface.direction, surface.angle_deg))

@@ -10,10 +10,12 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 from jaxtyping import Float
 
+from clerestory.array_types import Vector
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.checks import not_negative
+from clerestory.checks import finite, not_negative
 from clerestory.errors import ClerestoryWarning, InputError, located
 from clerestory.scene.material import Material, Source
 from clerestory.scene.pattern import Pattern
@@ -30,6 +32,18 @@ class Primitive:
     strings: tuple[str, ...]
     reals: tuple[float, ...]
     line: int
+
+
+def primitive(
+    modifier: str,
+    kind: str,
+    name: str,
+    reals: npt.ArrayLike = (),
+    strings: tuple[str, ...] = (),
+) -> Primitive:
+    """Return a primitive made by a command, with line number 0."""
+    finite(reals, f'a number of {kind} "{name}"')
+    return Primitive(modifier, kind, name, strings, tuple(np.ravel(reals).tolist()), 0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,7 +177,7 @@ class Definition(Arguments):
     placed: Transform
     named: Callable[[str], Material]
     bsdf: Callable[[str], Bsdf]
-    vector: Callable[[int, Transform], Float[np.ndarray, "3"] | Pattern]
+    vector: Callable[[int, Transform], Vector | Pattern]
     share_of_foreground: Callable[[], float | Pattern]
 
     def oriented(self, at: int) -> Transform:
