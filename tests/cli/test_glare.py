@@ -116,7 +116,7 @@ def test_a_check_picture_shows_the_sources(call, desk):
     assert shown[-21, 45, 0] < 0.05 < shown[-21, 45, 2]
     outcome = call("glare", desk, desk, "-c", "check.hdr")
     assert outcome.status == 2
-    assert "--check with 2 pictures" in outcome.err
+    assert "--check is given with 2 pictures" in outcome.err
 
 
 def test_a_mask_marks_the_window(call, desk):

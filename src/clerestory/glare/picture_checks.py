@@ -2,8 +2,10 @@
 
 import numpy as np
 
+from clerestory.checks import require
 from clerestory.constants import LUMINOUS_EFFICACY
 from clerestory.errors import InputError
+from clerestory.image.denoise import is_denoised
 from clerestory.image.picture import Picture
 from clerestory.scene.view import View
 
@@ -25,7 +27,7 @@ _CLIPPED, _WHITE = 1e-3, 5e-3
 def check_photometry(picture: Picture, view: View, *, trust: bool) -> None:
     """Raise `InputError` for a picture that cannot be evaluated.
 
-    With `trust`, projection and photometric scale are not checked.
+    With `trust`, projection, photometric scale and denoising are not checked.
     """
     if picture.quantity != "radiance":
         raise InputError(
@@ -47,6 +49,10 @@ def check_photometry(picture: Picture, view: View, *, trust: bool) -> None:
         )
     if trust:
         return
+    require(
+        not is_denoised(picture),
+        "the picture is denoised, with unknown errors; the traced picture expected",
+    )
     _check_shape(picture, view)
     luminance = picture.luminance()
     _check_corners(luminance, view)

@@ -42,13 +42,7 @@ _MOST_VALUES_OF_ONE = 1_000_000
 
 
 def write_view(bsdf: Bsdf, path: str | Path) -> None:
-    """Write the view of a BSDF as one self-contained HTML file.
-
-    Raises
-    ------
-    InputError : the BSDF has no data
-    OutputError : the file cannot be written
-    """
+    """Write the view of a BSDF as one self-contained HTML file."""
     write_text(path, view_page(bsdf))
 
 

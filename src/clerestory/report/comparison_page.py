@@ -11,8 +11,11 @@ from jaxtyping import Float
 from matplotlib.figure import Figure
 
 from clerestory.comparison.agreement import LIMITS
-from clerestory.comparison.comparison_notes import comparison_notes
-from clerestory.comparison.comparison_tables import shares_table, statistics_table
+from clerestory.comparison.comparison_output import (
+    comparison_notes,
+    shares_table,
+    statistics_table,
+)
 from clerestory.comparison.series import ILLUMINANCE, group_of, quantity_of
 from clerestory.comparison.series_comparison import Comparison
 from clerestory.files import make_folder, replace_file, write_text
@@ -84,12 +87,7 @@ def write_comparison(
     title: str,
     places: dict[str, Float[np.ndarray, " 3"]] | None = None,
 ) -> Path:
-    """Write the figures and the page into a folder; return the path of the page.
-
-    Raises
-    ------
-    OutputError : the folder cannot be written
-    """
+    """Write the figures and the page into a folder; return the path of the page."""
     folder = make_folder(folder)
     drawings = comparison_drawings(comparisons, places)
     for drawing in drawings:

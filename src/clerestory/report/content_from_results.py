@@ -57,10 +57,6 @@ def from_results(
     ----------
     results : results of the run
     pictures : folder of the pictures of the run; default: a report without pictures
-
-    Raises
-    ------
-    InputError : the results contain values that are not finite, or a picture is damaged
     """
     results = results.thinned(_MOST_SENSORS)
     data, run = results.data, results.run

@@ -25,9 +25,9 @@ DEFAULT_DEW_POINT_C = 11.0
 _ZENITH_LIMITS = (np.radians(3.0), np.pi / 2)
 
 # Table 1: lower limits of clearness categories 2…8
-_CLEARNESS_LIMITS = np.array([1.065, 1.230, 1.500, 1.950, 2.800, 4.500, 6.200])
+CLEARNESS_LIMITS = np.array([1.065, 1.230, 1.500, 1.950, 2.800, 4.500, 6.200])
 _MAX_CLEARNESS = 11.9
-_BRIGHTNESS_LIMITS = (0.01, 0.6)
+BRIGHTNESS_LIMITS = (0.01, 0.6)
 
 # Table 4: coefficients a, b, c, d of the luminous efficacy, by category
 _DIFFUSE = np.array(
@@ -91,9 +91,9 @@ def sky_state(
 
     # Brightness
     extraterrestrial = SOLAR_CONSTANT * orbit_factor(day_of_year)
-    brightness = diffuse_horizontal * _air_mass(zenith) / extraterrestrial
-    brightness = np.clip(brightness, *_BRIGHTNESS_LIMITS)
-    category = np.searchsorted(_CLEARNESS_LIMITS, clearness, side="right")
+    brightness = diffuse_horizontal * air_mass(zenith) / extraterrestrial
+    brightness = np.clip(brightness, *BRIGHTNESS_LIMITS)
+    category = np.searchsorted(CLEARNESS_LIMITS, clearness, side="right")
     return SkyState(zenith, clearness, brightness, category)
 
 
@@ -133,8 +133,8 @@ def orbit_factor(day_of_year: Int[np.ndarray, " time"]) -> Float[np.ndarray, " t
     )
 
 
-def _air_mass(zenith: Float[np.ndarray, " time"]) -> Float[np.ndarray, " time"]:
-    # Relative air mass of Kasten 1966
+def air_mass(zenith: Float[np.ndarray, " time"]) -> Float[np.ndarray, " time"]:
+    """Relative air mass (Kasten 1966) by solar zenith angle [rad]."""
     return np.asarray(
         1 / (np.cos(zenith) + 0.15 * (93.885 - np.degrees(zenith)) ** -1.253)
     )

@@ -203,11 +203,11 @@ def test_what_is_left_out_is_told(read):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"units": "Parsecs"}, r"units: got \"Parsecs\"; one of Meters"),
-        ({"rooms": 3}, "rooms: got 3; a list expected"),
+        ({"units": "Parsecs"}, r'units is "Parsecs"; "Meters", "Millimeters"'),
+        ({"rooms": 3}, "rooms is 3; a list expected"),
         (
             {"rooms": [{"faces": [{"identifier": "a"}]}]},
-            r"faces\[0\].geometry.boundary",
+            r"rooms\[0\].faces\[0\].geometry.boundary is missing",
         ),
     ],
 )

@@ -49,9 +49,13 @@ def test_a_description_is_read(plan):
     ("old", "new", "words"),
     [
         ("name =", "nam =", "nam: unknown key"),
-        ("tilt_deg", "tilt", r"layer\.2\.venetian\.tilt: unknown key"),
+        ("tilt_deg", "tilt", r"layer\[2\]\.venetian\.tilt: unknown key"),
         ('file = "glass.json"', 'file = "none.json"', r"none\.json: cannot be read"),
-        ('file = "glass.json"', "flipped = true", "layer 1 is undefined; one of file"),
+        (
+            'file = "glass.json"',
+            "flipped = true",
+            "layer 1: nothing defined; one of file",
+        ),
         ("argon = 0.9", "argon = 0.5", "sum to 0.6; 1 expected"),
         ("argon", "helium", "unknown gas 'helium'"),
         ("width_mm = 25", "width_mm = -1", "greater than 0"),

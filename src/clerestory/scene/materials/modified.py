@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from clerestory.scene.material import Colour, Material, Plugin, Source
+from clerestory.scene.material import Material, Plugin, Source
 from clerestory.scene.pattern import Pattern
 
 
@@ -24,9 +24,6 @@ class Patterned(Material):
     @property
     def opaque(self) -> bool:
         return self.base.opaque
-
-    def display_colour(self) -> Colour:
-        return self.base.display_colour()
 
     def plugin(self) -> Plugin:
         base = self.base.plugin()
@@ -53,9 +50,6 @@ class Textured(Material):
     @property
     def opaque(self) -> bool:
         return self.base.opaque
-
-    def display_colour(self) -> Colour:
-        return self.base.display_colour()
 
     def plugin(self) -> Plugin:
         return Plugin("radiance_textured", {"base": self.base, "texture": self.texture})
