@@ -5,6 +5,7 @@ angles of the overlaps of incident and of exit patches. This conserves flux.
 """
 
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Float
@@ -94,7 +95,7 @@ def _mean(one: ScatteringFunction, two: ScatteringFunction) -> ScatteringFunctio
 
 
 def full_tree(
-    value: Float[np.ndarray, "..."], halvings: int, *, rank: int = 4
+    value: Float[np.ndarray, "..."], halvings: int, *, rank: Literal[3, 4] = 4
 ) -> ScatteringTree:
     """Convert a full grid of cells to a tensor tree.
 

@@ -126,7 +126,7 @@ class SkyTable:
         return dr.select(direction.z > 0, patch, 0)
 
 
-def _sector(across, along, count: mi.UInt32) -> mi.UInt32:
+def _sector(across, along, count):
     # Number of the azimuth sector; sector 0 is centred on `along`
     turn = dr.atan2(across, along) * (0.5 * dr.inv_pi)
     within = mi.Int32(dr.floor(turn * mi.Float(count) + 0.5))

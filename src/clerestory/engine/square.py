@@ -19,7 +19,7 @@ def square_from_disc(x, y):
     )
 
 
-def cell_of_disc(direction, edge: int) -> mi.UInt32:
+def cell_of_disc(direction, edge: int):
     """Return the cell of a direction's disc point in a grid of edge² cells."""
     place = square_from_disc(direction.x, direction.y) * edge
     row = dr.clip(mi.Int32(place.x), 0, edge - 1)
