@@ -287,7 +287,7 @@ def test_seed_and_device_can_be_replaced(study_file):
 def test_the_sun_is_followed_between_february_and_the_equinox(study_file, day):
     text = study_file.read_text()
     study_file.write_text(f'{text}\n[sunlight]\nday = "{day}"\n')
-    assert f'day "{day}"; one from "02-01" to "03-21" expected' in str(
+    assert f'"day" is "{day}"; a day from "02-01" to "03-21" expected' in str(
         complaint(study_file)
     )
 

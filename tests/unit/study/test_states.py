@@ -327,7 +327,7 @@ WRONG_RULES = {
         'rule = "fixed"\nstate = 1\nclose_above = 5',
         'rule "fixed" has no key "close_above"; one of state expected',
     ),
-    "key that is missing": ('rule = "threshold"', 'lacks "close_above"'),
+    "key that is missing": ('rule = "threshold"', 'without "close_above"'),
     "state that is none": ('rule = "fixed"\nstate = "shut"', "no state 'shut'"),
     "state beyond the last": ('rule = "fixed"\nstate = 3', "a number below 3"),
     "too few tilts": (
