@@ -9,10 +9,8 @@ from clerestory.glare.source_table import GlareSources
 def cgi(sources: GlareSources, *, illuminance: float, direct: float) -> float:
     """CIE glare index; 0 without sources.
 
-    Parameters
-    ----------
-    illuminance : vertical illuminance at the eye [lux]
-    direct : vertical illuminance at the eye from the glare sources [lux]
+    Both illuminances are vertical, at the eye [lux]; `direct` is from the sources
+    alone.
 
     Reference: Einhorn, H. D. (1979): Discomfort glare: a formula to bridge differences.
     Lighting Research and Technology 11(2).

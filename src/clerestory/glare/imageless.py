@@ -9,8 +9,8 @@ and sources by reflection in the room, are neglected.
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.errors import InputError
-from clerestory.glare.dgp import EVALGLARE, DgpCoefficients
+from clerestory.checks import require
+from clerestory.glare.index_settings import EVALGLARE, DgpCoefficients
 from clerestory.glare.position_index import PositionModel, position_index
 from clerestory.scene.view import View
 
@@ -51,20 +51,18 @@ def imageless_dgp(
     >>> dgp.round(3).tolist()
     [0.384]
     """
-    if luminance.shape != (len(solid_angle), len(illuminance)):
-        raise InputError(
-            f"luminances of shape {luminance.shape}; ({len(solid_angle)} directions,"
-            f" {len(illuminance)} steps) expected"
-        )
+    require(
+        luminance.shape == (len(solid_angle), len(illuminance)),
+        f"luminances of shape {luminance.shape}; ({len(solid_angle)} directions,"
+        f" {len(illuminance)} steps) expected",
+    )
     k = coefficients
     weight = solid_angle**k.a2 / index**k.a4
     bright = np.where(luminance > threshold, luminance, 0.0) ** k.a1
     total = weight[:, 0] @ bright if weight.shape[1] == 1 else (weight * bright).sum(0)
     level = np.maximum(np.asarray(illuminance, dtype=float), 1e-9)
     contrast = k.c2 * np.log10(1 + total / level**k.a3)
-    dgp: np.ndarray = k.c1 * level**k.a5 + k.c3 + contrast
-    limited: np.ndarray = np.minimum(dgp, 1.0)
-    return limited
+    return np.asarray(np.minimum(k.c1 * level**k.a5 + k.c3 + contrast, 1.0))
 
 
 def position_of(

@@ -23,10 +23,7 @@ def split_peaks(
 ) -> Int[np.ndarray, " pixel"]:
     """Group the peak pixels of one source; return a label per pixel, from 1.
 
-    Parameters
-    ----------
-    peaks : peak pixels of the source, in the order of the scan
-    near, nearer : pixels within half and a quarter of the merging angle
+    The search angles `near` and `nearer` are half and a quarter of the merging angle.
     """
     place = np.full(solid_angle.shape, -1, dtype=np.int64)
     row, column = peaks.row, peaks.column

@@ -2,7 +2,7 @@
 
 import math
 
-from clerestory.errors import InputError
+from clerestory.checks import require
 
 
 def contrast_pgsv(*, window: float, window_solid_angle: float, average: float) -> float:
@@ -40,14 +40,13 @@ def surround_luminance(
 ) -> float:
     """Mean luminance of the field of view outside of a window [cd/m²]."""
     sphere = 2 * math.pi
-    rest = (sphere * average - window * window_solid_angle) / (
-        sphere - window_solid_angle
+    total = sphere * average
+    rest = (total - window * window_solid_angle) / (sphere - window_solid_angle)
+    require(
+        rest > 0,
+        f"a window of {window:g} cd/m² without light in its surround; less than"
+        f" {total / window_solid_angle:g} cd/m² expected",
     )
-    if not rest > 0:
-        raise InputError(
-            f"a window of {window:g} cd/m² without light in its surround; less than"
-            f" {sphere * average / window_solid_angle:g} cd/m² expected"
-        )
     return rest
 
 

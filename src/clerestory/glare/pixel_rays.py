@@ -17,13 +17,10 @@ from clerestory.scene.view import View
 
 
 class PixelRays(NamedTuple):
-    """Directions of pixel centres or of other points in a picture.
+    """Unit vectors towards points of a picture; zero outside of the projection.
 
-    Attributes
-    ----------
-    direction : unit vectors; zero outside of the projection
-    covered : whether points are within the projection
-    up : vertical coordinate, positive above the line of sight
+    `covered` tells whether points are within the projection; `up` is the vertical
+    coordinate, positive above the line of sight.
     """
 
     direction: Float[np.ndarray, "row column 3"]
@@ -34,12 +31,7 @@ class PixelRays(NamedTuple):
 def pixel_rays(
     view: View, columns: int, rows: int, some: slice | None = None
 ) -> PixelRays:
-    """Return the directions of pixel centres.
-
-    Parameters
-    ----------
-    columns, rows : size of the picture [pixels]
-    some : slice of rows, from the top; default: all rows
+    """Return the directions of the pixel centres in some rows, or in all.
 
     >>> rays = pixel_rays(View(kind="angular", horizontal=180, vertical=180), 3, 3)
     >>> rays.direction[1, 1].tolist()
@@ -53,12 +45,7 @@ def pixel_rays(
 def directions(
     view: View, x: Float[np.ndarray, " column"], y: Float[np.ndarray, " row"]
 ) -> PixelRays:
-    """Return the directions of a grid of points in the picture.
-
-    Parameters
-    ----------
-    x, y : picture coordinates, 0 to 1 from the left and from below
-    """
+    """Return the directions of a grid of points, from 0 to 1 across the picture."""
     across, high = np.meshgrid(x - 0.5 + view.shift, y - 0.5 + view.lift)
     right, up = _screen(view)
     size = view.horizontal, view.vertical
@@ -79,8 +66,7 @@ def directions(
 
 def _square(direction: np.ndarray) -> np.ndarray:
     x, y, z = np.moveaxis(direction, -1, 0)
-    square: np.ndarray = x * x + (z * z + y * y)
-    return square
+    return np.asarray(x * x + (z * z + y * y))
 
 
 def _inverse_length(square: np.ndarray) -> np.ndarray:
@@ -89,21 +75,11 @@ def _inverse_length(square: np.ndarray) -> np.ndarray:
     return np.where(near, 2 - (0.5 + 0.5 * square), 1 / np.sqrt(square))
 
 
-def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    return np.array(
-        [
-            a[1] * b[2] - a[2] * b[1],
-            a[2] * b[0] - a[0] * b[2],
-            a[0] * b[1] - a[1] * b[0],
-        ]
-    )
-
-
 def _screen(view: View) -> tuple[np.ndarray, np.ndarray]:
     # Vectors along the width and the height of the picture
-    right = _cross(view.direction, view.up)
+    right = np.cross(view.direction, view.up)
     right = right * _inverse_length(_square(right))
-    up = _cross(right, view.direction)
+    up = np.cross(right, view.direction)
     width, height = _sizes(view.kind, view.horizontal, view.vertical)
     return right * width, up * height
 

@@ -30,8 +30,8 @@ def quadrilaterals(
     # evalglare mirrors the picture vertically, which affects rounding only
     mirrored = view.lift == 0
     low, high = (under, over) if mirrored else (under[::-1], over[::-1])
-    some = some or slice(None)
-    low, high = low[some], high[some]
+    if some is not None:
+        low, high = low[some], high[some]
     x, columns_of = np.unique(np.concatenate([left, right]), return_inverse=True)
     y, rows_of = np.unique(np.concatenate([low, high]), return_inverse=True)
     grid = directions(view, x, y)
@@ -39,10 +39,9 @@ def quadrilaterals(
 
 
 def _angles(grid: PixelRays, rows_of: np.ndarray, columns_of: np.ndarray) -> np.ndarray:
-    places = ((0, 0), (1, 0), (1, 1), (0, 1))
     corners, whole = [], np.ones((rows_of.shape[1], columns_of.shape[1]), dtype=bool)
     planes = np.ascontiguousarray(np.moveaxis(grid.direction, -1, 0))
-    for row, column in places:
+    for row, column in ((0, 0), (1, 0), (1, 1), (0, 1)):
         x, y, z = planes[:, rows_of[row]].take(columns_of[column], axis=2)
         corners.append((x, y, z))
         whole &= grid.covered[rows_of[row]].take(columns_of[column], axis=1)
@@ -79,5 +78,4 @@ def _plane(a: _Vectors, b: _Vectors) -> _Vectors:
 
 
 def _dot(a: _Vectors, b: _Vectors) -> np.ndarray:
-    total: np.ndarray = (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
-    return total
+    return np.asarray((a[0] * b[0] + a[1] * b[1]) + a[2] * b[2])

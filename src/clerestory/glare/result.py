@@ -5,41 +5,24 @@ from functools import cached_property
 
 import numpy as np
 
-from clerestory.glare.dgp import (
-    EVALGLARE,
-    DgpCoefficients,
-    age_correction,
-    dgp,
-    low_light_correction,
-)
+from clerestory.glare.dgp import age_correction, dgp, low_light_correction
 from clerestory.glare.index import EyePhotometry
 from clerestory.glare.indices import REPORTED
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Glare(EyePhotometry):
-    """Glare sources, photometric quantities and glare indices of one picture.
-
-    Attributes
-    ----------
-    low_light : whether DGP is corrected for low vertical illuminance
-    age : age of the observer for the correction of DGP [years]; None for no correction
-    coefficients : coefficients of DGP
-    """
-
-    low_light: bool = False
-    age: float | None = None
-    coefficients: DgpCoefficients = EVALGLARE
+    """Glare sources, photometric quantities and glare indices of one picture."""
 
     @cached_property
     def dgp(self) -> float:
         """Daylight glare probability, with the corrections for low light and age."""
-        level = self.eye_illuminance
-        value = dgp(self.sources, illuminance=level, coefficients=self.coefficients)
-        if self.low_light:
+        level, settings = self.eye_illuminance, self.settings
+        value = dgp(self.sources, illuminance=level, coefficients=settings.coefficients)
+        if settings.low_light:
             value *= float(low_light_correction(np.array(level)))
-        if self.age is not None:
-            value *= age_correction(self.age)
+        if settings.age is not None:
+            value *= age_correction(settings.age)
         return min(value, 1.0)
 
     def values(self) -> dict[str, float]:

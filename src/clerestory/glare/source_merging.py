@@ -111,7 +111,7 @@ class _Merging:
         return outer
 
     def run(self) -> None:
-        """Repeat scans until no sources are merged."""
+        # Repeat scans until no sources are merged
         while self._scan():
             pass
 

@@ -11,7 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float, Int
 
-from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.checks import require
+from clerestory.errors import ClerestoryWarning
 from clerestory.glare.detection_criteria import SourceRules, Zone
 from clerestory.glare.glare_view import GlareView
 from clerestory.glare.neighbour_search import Neighbourhood
@@ -31,15 +32,10 @@ _FEW_PIXELS = 3.0
 
 
 class Members(NamedTuple):
-    """Pixels of glare sources.
+    """Pixels of glare sources, with the label of their source.
 
-    A pixel that smoothing adds to several sources is listed once per source.
-
-    Attributes
-    ----------
-    label : label of the source of each pixel, from 1; labels of merged sources are
-        unused
-    row, column : row and column of each pixel
+    Labels start at 1; labels of merged sources are unused. A pixel that smoothing adds
+    to several sources is listed once per source.
     """
 
     label: Int[np.ndarray, " member"]
@@ -68,21 +64,19 @@ def reference_luminance(
     if task is not None:
         weight = weight * in_zone(eye, task)
     total = float(weight.sum())
-    if not total > 0:
-        raise InputError("the task has no pixel in view; a larger opening expected")
+    require(total > 0, "the task has no pixel in view; a larger opening expected")
     return float(np.vdot(weight, luminance)) / total
 
 
 def in_zone(eye: GlareView, zone: Zone) -> np.ndarray:
     """Whether each pixel is in a zone."""
     rows, columns = eye.shape
-    if not (0 <= zone.row < rows and 0 <= zone.column < columns):
-        raise InputError(
-            f"zone centre at row {zone.row}, column {zone.column} of a picture of"
-            f" {columns} × {rows} pixels; a pixel of the picture expected"
-        )
-    inside: np.ndarray = 2 * eye.angle_from(zone.row, zone.column) <= zone.opening
-    return inside
+    require(
+        0 <= zone.row < rows and 0 <= zone.column < columns,
+        f"zone centre at row {zone.row}, column {zone.column} of a picture of"
+        f" {columns} × {rows} pixels; a pixel of the picture expected",
+    )
+    return np.asarray(2 * eye.angle_from(zone.row, zone.column) <= zone.opening)
 
 
 def find_sources(
@@ -103,7 +97,6 @@ def find_sources(
     rules = rules or SourceRules()
     level = threshold_luminance(luminance, eye, rules)
     scale = rules.merge_angle / 2 / eye.pixel_angle()
-    coarse = scale < 1
     if scale < _FEW_PIXELS:
         warnings.warn(
             f"merging angle of {scale:.1f} pixels; {_FEW_PIXELS:g} or more pixels"
@@ -122,7 +115,7 @@ def find_sources(
         if scale > 1:
             label = merge_sources(pixels, label, eye.solid_angle, near, skip_inner=True)
     members = Members(label, pixels.row, pixels.column)
-    if coarse:
+    if scale < 1:
         return members
     if rules.smooth:
         members = _smooth(members, mask, eye, scale / _SMOOTHING)
@@ -187,8 +180,7 @@ def tabulate(
     used = np.flatnonzero(pixels)
 
     def total(values: np.ndarray) -> np.ndarray:
-        sums: np.ndarray = np.bincount(label, weights=values)[used].astype(float)
-        return sums
+        return np.asarray(np.bincount(label, weights=values)[used], dtype=float)
 
     solid_angle, power = total(omega), total(flux)
     # Centre of each source, weighted by luminance; the pixel at the centre defines
