@@ -20,6 +20,11 @@ Mask = Bool[np.ndarray, "*batch"]
 Vector = Float[np.ndarray, "3"]
 Vector2 = Float[np.ndarray, "2"]
 
+# One value per time step, and one per pixel of a picture
+Series = Float[np.ndarray, " time"]
+Image = Float[np.ndarray, "row column"]
+ImageMask = Bool[np.ndarray, "row column"]
+
 # Matrix of a BSDF: exit patches by incident patches
 ExitIncident = Float[np.ndarray, "exit incident"]
 

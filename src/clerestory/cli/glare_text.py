@@ -5,15 +5,16 @@ import math
 import numpy as np
 
 from clerestory.glare.dgp import dgp
-from clerestory.glare.indices import REPORTED
+from clerestory.glare.indices import REPORTED, Glare
 from clerestory.glare.luminance_statistics import FieldLuminances, RegionStatistics
-from clerestory.glare.result import Glare
 from clerestory.glare.source_table import GlareSources
 from clerestory.glare.veiling import veiling_luminance
 
 # Name of the quantity in each column of evalglare
-_SHORT = {q.column: q.name for q in REPORTED if q.column and q.in_short_line}
 _LONG = {q.column: q.name for q in REPORTED if q.column}
+_SHORT = {
+    column: _LONG[column] for column in ("dgp", "dgi", "ugr", "vcp", "cgi", "Lveil")
+}
 
 # Columns of `FieldLuminances`, and the column after these
 _FIELD = ("av_lum_pos", "av_lum_pos2", "med_lum", "med_lum_pos", "med_lum_pos2")

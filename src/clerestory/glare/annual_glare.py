@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Image
 from clerestory.checks import require, same_length
 from clerestory.glare.detection_criteria import SourceRules
 from clerestory.glare.evaluate import summarise
@@ -33,7 +34,7 @@ _UNITS = {quantity.name: quantity.unit for quantity in REPORTED}
 
 
 def annual_glare(
-    luminance: Iterable[Float[np.ndarray, "row column"]],
+    luminance: Iterable[Image],
     view: View,
     *,
     times: np.ndarray | None = None,

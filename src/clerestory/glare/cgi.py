@@ -35,5 +35,4 @@ CGI = GlareIndex(
     reference="Einhorn 1979; thresholds: Jakubiec and Reinhart 2012",
     thresholds=(13.0, 22.0, 28.0),
     column="cgi",
-    in_short_line=True,
 )

@@ -6,8 +6,8 @@ The luminances of the pixels are preserved.
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Bool, Float
 
+from clerestory.array_types import ImageMask, Vector
 from clerestory.bands import RGB
 from clerestory.checks import require
 from clerestory.constants import LUMINOUS_EFFICACY
@@ -34,7 +34,7 @@ def check_picture(
     members: Members,
     *,
     colour: Colour | None = None,
-    task: Bool[np.ndarray, "row column"] | None = None,
+    task: ImageMask | None = None,
 ) -> Picture:
     """Return the picture in grey, with coloured glare sources and a blue task zone.
 
@@ -57,7 +57,7 @@ def check_picture(
     return replace(picture, radiance=shown.astype(np.float32), bands=RGB)
 
 
-def _primaries(colour: Colour) -> Float[np.ndarray, "3"]:
+def _primaries(colour: Colour) -> Vector:
     # RGB radiance of the colour at a weighted sum (luminance / 179 lm/W) of one
     shares = np.asarray(colour, dtype=float)
     require(

@@ -5,6 +5,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Values
 from clerestory.checks import require, within
 from clerestory.glare.dgp import DGP
 
@@ -25,8 +26,8 @@ _DIFFUSE = (0.02, 0.04, 0.08)
 
 
 def exceeded_dgp(
-    dgp: Float[np.ndarray, "*shape time"], share: float = EXCEEDANCE
-) -> Float[np.ndarray, "*shape"]:
+    dgp: Float[np.ndarray, "*batch time"], share: float = EXCEEDANCE
+) -> Values:
     """DGP that is exceeded in at most the fraction `share` of the steps.
 
     >>> float(exceeded_dgp(np.linspace(0, 1, 101)).round(3))
@@ -52,8 +53,8 @@ def protection_level(exceeded: float) -> Protection:
 
 
 def glare_autonomy(
-    dgp: Float[np.ndarray, "*shape time"], limit: float = LIMITS[1]
-) -> Float[np.ndarray, "*shape"]:
+    dgp: Float[np.ndarray, "*batch time"], limit: float = LIMITS[1]
+) -> Values:
     """Glare autonomy: fraction of the occupied steps with DGP below a limit.
 
     Reference: Jones, N. L. (2019), as in `imageless`.

@@ -59,7 +59,6 @@ DGI = GlareIndex(
     reference="Hopkinson 1972; thresholds: Jakubiec and Reinhart 2012",
     thresholds=(18.0, 24.0, 31.0),
     column="dgi",
-    in_short_line=True,
 )
 MODIFIED_DGI = GlareIndex(
     name="modified_dgi",

@@ -1,13 +1,11 @@
 """Daylight glare probability (DGP), corrections of DGP, and simplified DGP (DGPs)."""
 
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import Values
 from clerestory.glare.index import GlareIndex
 from clerestory.glare.index_settings import EVALGLARE, DgpCoefficients
 from clerestory.glare.source_table import GlareSources
-
-_Values = Float[np.ndarray, "*shape"]
 
 # Illuminance from which the low-light correction factor is 1 [lux]
 _BRIGHT = 1000.0
@@ -42,7 +40,7 @@ def dgp(
     return float(min(k.c1 * illuminance**k.a5 + k.c3 + glare, 1.0))
 
 
-def simplified_dgp(illuminance: _Values) -> _Values:
+def simplified_dgp(illuminance: Values) -> Values:
     """Simplified DGP (DGPs), from the vertical illuminance at the eye [lux] alone.
 
     Valid only if neither the sun nor its specular reflection is visible.
@@ -57,7 +55,7 @@ def simplified_dgp(illuminance: _Values) -> _Values:
     return np.asarray(np.minimum(plain, 1.0))
 
 
-def low_light_correction(illuminance: _Values) -> _Values:
+def low_light_correction(illuminance: Values) -> Values:
     """Correction factor of DGP at low vertical illuminance [lux]; 1 from 1000 lux.
 
     Reference: Wienold, J. (2012): New features of evalglare. 11th International
@@ -91,7 +89,6 @@ DGP = GlareIndex(
     reference="Wienold and Christoffersen 2006; thresholds: Wienold 2009",
     thresholds=(0.35, 0.40, 0.45),
     column="dgp",
-    in_short_line=True,
 )
 SIMPLIFIED_DGP = GlareIndex(
     name="simplified_dgp",

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import Image
 from clerestory.checks import require
 from clerestory.errors import InputError
 from clerestory.glare.check_picture import Colour, check_picture
@@ -17,11 +17,11 @@ from clerestory.glare.index_settings import (
     DgpCoefficients,
     IndexSettings,
 )
+from clerestory.glare.indices import Glare
 from clerestory.glare.luminance_statistics import RegionStatistics
 from clerestory.glare.pgsv import contrast_pgsv, pgsv, saturation_pgsv
 from clerestory.glare.picture_checks import check_photometry
 from clerestory.glare.position_index import PositionModel
-from clerestory.glare.result import Glare
 from clerestory.glare.sources import (
     Members,
     find_sources,
@@ -32,8 +32,6 @@ from clerestory.glare.sources import (
 from clerestory.glare.zones import Zones, cut_along
 from clerestory.image.picture import Picture
 from clerestory.scene.view import View
-
-_Luminance = Float[np.ndarray, "row column"]
 
 
 @dataclass(frozen=True)
@@ -64,7 +62,7 @@ class Evaluation:
 
     picture: Picture
     rules: SourceRules
-    luminance: _Luminance
+    luminance: Image
     eye: GlareView
     members: Members
     result: Glare
@@ -192,7 +190,7 @@ def eye_of(
     return eye
 
 
-def fill_cut(luminance: _Luminance, eye: GlareView, seen: SeenRows) -> _Luminance:
+def fill_cut(luminance: Image, eye: GlareView, seen: SeenRows) -> Image:
     """Return the luminance [cd/m²], with missing rows set to the nearest captured row.
 
     As in evalglare -I, a column is extrapolated upwards only if the pixel of its first
@@ -210,7 +208,7 @@ def fill_cut(luminance: _Luminance, eye: GlareView, seen: SeenRows) -> _Luminanc
 
 
 def summarise(
-    luminance: _Luminance,
+    luminance: Image,
     eye: GlareView,
     members: Members,
     rules: SourceRules,

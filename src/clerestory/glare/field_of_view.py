@@ -7,11 +7,10 @@ of sight.
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Bool, Float
+
+from clerestory.array_types import Mask, Values
 
 FieldOfView = Literal["total", "binocular"]
-
-_Angles = Float[np.ndarray, "*shape"]
 
 # Upper limit of the binocular field of view [rad]
 _BROW = np.radians(60)
@@ -20,12 +19,12 @@ _CHEEK = np.radians(135)
 
 
 def in_field(
-    sigma: _Angles,
-    tau: _Angles,
-    below: Bool[np.ndarray, "*shape"],
+    sigma: Values,
+    tau: Values,
+    below: Mask,
     *,
     field: FieldOfView,
-) -> Bool[np.ndarray, "*shape"]:
+) -> Mask:
     """Whether directions lie in the field of view of one eye ("total") or both eyes.
 
     Directions are given by their angle sigma from the line of sight, and their azimuth

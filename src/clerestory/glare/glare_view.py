@@ -12,12 +12,12 @@ from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 
+from clerestory.array_types import Image, ImageMask
 from clerestory.checks import require
 from clerestory.glare.field_of_view import FieldOfView, in_field
-from clerestory.glare.pixel_rays import pixel_rays
-from clerestory.glare.pixel_solid_angle import quadrilaterals
+from clerestory.glare.pixel_rays import pixel_rays, quadrilaterals
 from clerestory.glare.position_index import PositionModel, position_index
 from clerestory.scene.projection import Kind
 from clerestory.scene.view import View
@@ -33,8 +33,8 @@ _MOST_THREADS = 8
 class Pitch(NamedTuple):
     """Smallest and largest angle per pixel over all directions in the picture [rad]."""
 
-    least: Float[np.ndarray, "row column"]
-    most: Float[np.ndarray, "row column"]
+    least: Image
+    most: Image
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,11 +53,11 @@ class GlareView:
 
     view: View
     direction: Float[np.ndarray, "row column 3"]
-    solid_angle: Float[np.ndarray, "row column"]
-    cosine: Float[np.ndarray, "row column"]
-    position_index: Float[np.ndarray, "row column"]
-    sigma: Float[np.ndarray, "row column"]
-    tau: Float[np.ndarray, "row column"]
+    solid_angle: Image
+    cosine: Image
+    position_index: Image
+    sigma: Image
+    tau: Image
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -66,7 +66,7 @@ class GlareView:
         return rows, columns
 
     @cached_property
-    def valid(self) -> Bool[np.ndarray, "row column"]:
+    def valid(self) -> ImageMask:
         """Whether a pixel is in the hemisphere in front of the eye."""
         return self.solid_angle > 0
 
@@ -76,16 +76,16 @@ class GlareView:
         return float(self.solid_angle.sum())
 
     @cached_property
-    def eye_weight(self) -> Float[np.ndarray, "row column"]:
+    def eye_weight(self) -> Image:
         """Vertical illuminance from each pixel per unit of its luminance [sr]."""
         return np.asarray(self.solid_angle * self.cosine)
 
-    def in_field(self, field: FieldOfView) -> Bool[np.ndarray, "row column"]:
+    def in_field(self, field: FieldOfView) -> ImageMask:
         """Whether pixels lie in Guth's field of view."""
         up = np.cross(np.cross(self.view.direction, self.view.up), self.view.direction)
         return in_field(self.sigma, self.tau, self.direction @ up < 0, field=field)
 
-    def angle_from(self, row: int, column: int) -> Float[np.ndarray, "row column"]:
+    def angle_from(self, row: int, column: int) -> Image:
         """Angle between every pixel and the given pixel [rad]."""
         cosine = self.direction @ self.direction[row, column]
         angle: np.ndarray = np.arccos(np.clip(cosine, -1, 1))
@@ -108,7 +108,7 @@ class GlareView:
         reach = 1.25 * angle / self._least_pitch
         return int(min(np.ceil(reach) + 1, max(self.shape)))
 
-    def surely_within(self, angle: float) -> Float[np.ndarray, "row column"]:
+    def surely_within(self, angle: float) -> Image:
         """Distance in pixels up to which other pixels are within an angle [rad]."""
         with np.errstate(divide="ignore"):
             return np.asarray(angle / self._pitch.most)

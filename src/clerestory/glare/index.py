@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Float, Int
 
+from clerestory.array_types import Indices, Values
 from clerestory.glare.index_settings import IndexSettings
 from clerestory.glare.source_table import GlareSources
 
@@ -72,12 +72,8 @@ class EyePhotometry:
 class Quantity:
     """A quantity reported for every picture.
 
-    Attributes
-    ----------
-    name : name in results; `VIEW.name` in comparisons
-    column : name in the output of evalglare; None if evalglare does not print the
-        quantity
-    in_short_line : whether evalglare prints the quantity also without option -d
+    `column` is its name in the output of evalglare; None if evalglare does not print
+    it.
     """
 
     name: str
@@ -85,7 +81,6 @@ class Quantity:
     formula: Callable[[EyePhotometry], float]
     unit: str = "1"
     column: str | None = None
-    in_short_line: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,9 +99,7 @@ class GlareIndex(Quantity):
     thresholds: tuple[float, ...] = ()
     glare_increases: bool = True
 
-    def category(
-        self, values: Float[np.ndarray, "*shape"]
-    ) -> Int[np.ndarray, "*shape"]:
+    def category(self, values: Values) -> Indices:
         """Index of the glare category in `CATEGORIES`."""
         sign = 1 if self.glare_increases else -1
         limits = sign * np.asarray(self.thresholds)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float
 
+from clerestory.array_types import Image, ImageMask
 from clerestory.checks import require
 from clerestory.glare.glare_view import GlareView
 
@@ -30,9 +30,7 @@ class FieldLuminances(NamedTuple):
     median_by_square: float
 
 
-def field_luminances(
-    luminance: Float[np.ndarray, "row column"], eye: GlareView
-) -> FieldLuminances:
+def field_luminances(luminance: Image, eye: GlareView) -> FieldLuminances:
     """Return mean and median luminances of the pixels in view.
 
     `average_by_square` differs from av_lum_pos2 of evalglare, which is divided twice by
@@ -76,9 +74,9 @@ class RegionStatistics:
 
 
 def region_statistics(
-    luminance: Float[np.ndarray, "row column"],
+    luminance: Image,
     eye: GlareView,
-    region: Bool[np.ndarray, "row column"],
+    region: ImageMask,
 ) -> RegionStatistics:
     """Return the luminance statistics of the pixels of a region that are in view.
 
@@ -114,7 +112,7 @@ def _percentile(values: np.ndarray, share: float) -> float:
     return float((values[at] + values[max(at - 1, 0)]) / 2)
 
 
-def band(eye: GlareView, half_width: float) -> Bool[np.ndarray, "row column"]:
+def band(eye: GlareView, half_width: float) -> ImageMask:
     """Mask of the pixels within an angle [rad] of the centre row of the picture.
 
     The angle is measured between pixels of the same column.

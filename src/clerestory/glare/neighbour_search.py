@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Int
 
+from clerestory.array_types import Indices, Mask
 from clerestory.glare.glare_view import GlareView
 
 _Labels = Int[np.ndarray, "row column"]
@@ -61,9 +62,7 @@ class Neighbourhood:
         blind = self.blind(np.array([row]), np.array([column]))[0]
         return Window(top, left, near, bool(blind))
 
-    def blind(
-        self, row: Int[np.ndarray, "*shape"], column: Int[np.ndarray, "*shape"]
-    ) -> Bool[np.ndarray, "*shape"]:
+    def blind(self, row: Indices, column: Indices) -> Mask:
         """Whether rounding makes the squared length of a direction exceed one.
 
         In evalglare, the angle is then NaN and the row of the pixel is not searched.

@@ -9,9 +9,10 @@ source, the run is added to that source; otherwise it begins a new source.
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Int
+from jaxtyping import Int
 from scipy import ndimage
 
+from clerestory.array_types import ImageMask
 from clerestory.glare.neighbour_search import Neighbourhood, first_found
 
 # Fraction of the search radius within which the search always finds a previous pixel
@@ -30,12 +31,8 @@ class ScannedPixels(NamedTuple):
     column: Int[np.ndarray, " pixel"]
     island: Int[np.ndarray, " pixel"]
 
-    def take(self, index: np.ndarray) -> "ScannedPixels":
-        """Return the pixels with the given indices."""
-        return ScannedPixels(*(part[index] for part in self))
 
-
-def scan_order(mask: Bool[np.ndarray, "row column"], reach: int) -> ScannedPixels:
+def scan_order(mask: ImageMask, reach: int) -> ScannedPixels:
     """Return the pixels of a mask column by column, each column from the bottom up."""
     # Restrict the scan to the bounding box of the mask
     used_rows = np.flatnonzero(mask.any(axis=1))
@@ -50,9 +47,7 @@ def scan_order(mask: Bool[np.ndarray, "row column"], reach: int) -> ScannedPixel
     return ScannedPixels(bottom - 1 - up, across + left, islands(turned, reach))
 
 
-def islands(
-    mask: Bool[np.ndarray, "row column"], reach: int
-) -> Int[np.ndarray, " pixel"]:
+def islands(mask: ImageMask, reach: int) -> Int[np.ndarray, " pixel"]:
     """Index, from 0, of the island of each pixel of the mask, in row-major order.
 
     Islands are groups of pixels more than `reach` rows or columns apart, and are
@@ -78,7 +73,7 @@ def islands(
 
 def first_scan(
     pixels: ScannedPixels,
-    mask: Bool[np.ndarray, "row column"],
+    mask: ImageMask,
     near: Neighbourhood,
     *,
     single: bool,

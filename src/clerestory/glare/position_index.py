@@ -9,23 +9,22 @@ limit.
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Bool, Float
+
+from clerestory.array_types import Mask, Values
 
 PositionModel = Literal["guth", "kim", "levin"]
 
 # Upper limit of the position index (evalglare)
 LARGEST = 16.0
 
-_Angles = Float[np.ndarray, "*shape"]
-
 
 def position_index(
-    sigma: _Angles,
-    tau: _Angles,
-    below: Bool[np.ndarray, "*shape"],
+    sigma: Values,
+    tau: Values,
+    below: Mask,
     *,
     model: PositionModel = "guth",
-) -> Float[np.ndarray, "*shape"]:
+) -> Values:
     """Position index of directions; 1 on the line of sight, except Kim's.
 
     Directions are given by their angle sigma from the line of sight, and their azimuth

@@ -1,18 +1,20 @@
 """Smoothing of glare sources: dark pixels surrounded by a source are added to it."""
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Int
 from scipy import fft
+
+from clerestory.array_types import Image, ImageMask
 
 # A dark pixel is added if a larger fraction of the disc around it belongs to the source
 _SHARE = 0.2
 
 
 def surrounded(
-    mine: Bool[np.ndarray, "row column"],
-    solid_angle: Float[np.ndarray, "row column"],
+    mine: ImageMask,
+    solid_angle: Image,
     radius: float,
-) -> Bool[np.ndarray, "row column"]:
+) -> ImageMask:
     """Whether more than a fifth of the disc around each pixel belongs to a source.
 
     `mine` are the pixels of the source; the radius of the disc is in pixels. Fractions

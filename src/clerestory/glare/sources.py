@@ -9,8 +9,9 @@ import warnings
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Int
 
+from clerestory.array_types import Image
 from clerestory.checks import require
 from clerestory.errors import ClerestoryWarning
 from clerestory.glare.detection_criteria import SourceRules, Zone
@@ -21,8 +22,6 @@ from clerestory.glare.pixel_scan import ScannedPixels, first_scan, scan_order
 from clerestory.glare.smoothing import surrounded
 from clerestory.glare.source_merging import merge_sources
 from clerestory.glare.source_table import GlareSources
-
-_Luminance = Float[np.ndarray, "row column"]
 
 # Ratio of half the merging angle to the smoothing radius (evalglare)
 _SMOOTHING = 1.75
@@ -42,23 +41,15 @@ class Members(NamedTuple):
     row: Int[np.ndarray, " member"]
     column: Int[np.ndarray, " member"]
 
-    def __add__(self, other: "Members") -> "Members":  # type: ignore[override]
-        """Concatenate two lists of pixels."""
-        return Members(*(np.concatenate(p) for p in zip(self, other, strict=True)))
 
-
-def threshold_luminance(
-    luminance: _Luminance, eye: GlareView, rules: SourceRules
-) -> float:
+def threshold_luminance(luminance: Image, eye: GlareView, rules: SourceRules) -> float:
     """Luminance above which pixels are glare pixels [cd/m²]."""
     if rules.threshold_kind == "luminance":
         return rules.threshold
     return rules.threshold * reference_luminance(luminance, eye, rules.task)
 
 
-def reference_luminance(
-    luminance: _Luminance, eye: GlareView, task: Zone | None
-) -> float:
+def reference_luminance(luminance: Image, eye: GlareView, task: Zone | None) -> float:
     """Mean luminance of the task, or of the picture without a task [cd/m²]."""
     weight = eye.solid_angle
     if task is not None:
@@ -80,7 +71,7 @@ def in_zone(eye: GlareView, zone: Zone) -> np.ndarray:
 
 
 def find_sources(
-    luminance: _Luminance,
+    luminance: Image,
     eye: GlareView,
     rules: SourceRules | None = None,
 ) -> Members:
@@ -128,14 +119,14 @@ def _smooth(
     members: Members, mask: np.ndarray, eye: GlareView, radius: float
 ) -> Members:
     dark = eye.valid & ~mask
-    result = members
+    parts = [members]
     for label in np.unique(members.label):
         mine = np.zeros(eye.shape, dtype=bool)
         one = members.label == label
         mine[members.row[one], members.column[one]] = True
         row, column = np.nonzero(surrounded(mine, eye.solid_angle, radius) & dark)
-        result = result + Members(np.full(row.size, label), row, column)
-    return result
+        parts.append(Members(np.full(row.size, label), row, column))
+    return Members(*map(np.concatenate, zip(*parts, strict=True)))
 
 
 def _split(
@@ -165,7 +156,7 @@ def _split(
 
 def tabulate(
     members: Members,
-    luminance: Float[np.ndarray, "row column"],
+    luminance: Image,
     eye: GlareView,
     *,
     zone: Int[np.ndarray, " label"] | None = None,

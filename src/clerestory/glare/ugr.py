@@ -49,7 +49,6 @@ UGR = GlareIndex(
     reference="CIE 117-1995; thresholds: Jakubiec and Reinhart 2012",
     thresholds=(13.0, 22.0, 28.0),
     column="ugr",
-    in_short_line=True,
 )
 EXPERIMENTAL_UGR = GlareIndex(
     name="experimental_ugr",

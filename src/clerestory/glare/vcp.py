@@ -62,5 +62,4 @@ VCP = GlareIndex(
     glare_increases=False,
     unit="%",
     column="vcp",
-    in_short_line=True,
 )

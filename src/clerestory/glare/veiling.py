@@ -51,7 +51,6 @@ POYNTER_VEILING_LUMINANCE = Quantity(
     formula=lambda eye: poynter_veiling_luminance(eye.sources),
     unit="cd/m2",
     column="Lveil",
-    in_short_line=True,
 )
 CIE_VEILING_LUMINANCE = Quantity(
     name="cie_veiling_luminance",
