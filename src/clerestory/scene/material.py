@@ -21,7 +21,6 @@ from clerestory.errors import InputError
 from clerestory.scene.pattern import Pattern
 
 Colour = Float[np.ndarray, " band"]
-Vector = Float[np.ndarray, "3"]
 
 
 @dataclass(frozen=True)
@@ -34,12 +33,7 @@ class Source:
 
 @dataclass(frozen=True)
 class Plugin:
-    """Name and parameters of a Mitsuba plugin, independent of Mitsuba.
-
-    Attributes
-    ----------
-    parameters : parameters by name; materials, patterns and BSDFs as objects
-    """
+    """Name of a Mitsuba plugin, and parameters; materials and patterns as objects."""
 
     name: str
     parameters: "Mapping[str, Parameter]" = field(default_factory=dict)
@@ -55,15 +49,11 @@ def error_at(source: Source | None, message: str) -> InputError:
 class Specification:
     """Type and arguments of a material in Radiance's scene language.
 
-    Attributes
-    ----------
-    kind : type of the primitive
-    strings : string arguments; materials are written as names, BSDFs as file names
-    reals : real arguments
+    Of the string arguments, materials are written as names and BSDFs as file names.
     """
 
     kind: str
-    strings: "tuple[str | float | Material | Pattern | Bsdf, ...]" = ()
+    strings: "tuple[Argument, ...]" = ()
     reals: tuple[float, ...] = ()
 
 
@@ -108,6 +98,7 @@ class Emitter(Material, ABC):
     pattern: Pattern | None
 
 
+Argument = str | float | Material | Pattern | Bsdf
 Parameter = float | np.ndarray | Material | Pattern | Bsdf
 _AnyMaterial = TypeVar("_AnyMaterial", bound=Material)
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Vector
 from clerestory.checks import require
 from clerestory.directions import Frame, unit
 from clerestory.errors import located
@@ -71,15 +72,12 @@ def window_of(
     polygons: tuple[Polygon, ...],
     *,
     name: str,
-    up: Float[np.ndarray, "3"] | None = None,
+    up: Vector | None = None,
     partition: RingPartition | None = None,
 ) -> Window:
     """Return a window group of polygons; the mean normal defines the frame.
 
-    Parameters
-    ----------
-    up : up vector of the frame; None: +z, or +y for a horizontal window
-    partition : angular basis; None: Klems full
+    By default `up` is +z, or +y for a horizontal window, and the basis is Klems full.
     """
     normal = unit(_normals(polygons).sum(axis=0))
     if up is None:

@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 from clerestory.metrics.en17037 import hours_of_sun, reference_point
-from clerestory.phases.sun_visibility import sun_visible
+from clerestory.phases.unscattered_light import sun_visible
 from clerestory.radiance.window_reader import read_windows
 from clerestory.scene.window import Window
 from clerestory.sky.solar_position import SunPosition, sun_at

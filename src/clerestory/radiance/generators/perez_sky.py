@@ -11,8 +11,8 @@ S. A. Klein, J. A. Duffie, Solar Energy 28 (4), 1982 (-E); Radiance, gendaylit (
 import warnings
 
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import Vector
 from clerestory.constants import SUN_DIAMETER
 from clerestory.errors import ClerestoryWarning
 from clerestory.formats.word_reader import WordReader
@@ -100,7 +100,7 @@ def _lit_sky(
     request: Request,
     air: Air,
     light: Light,
-    sun: Float[np.ndarray, "3"],
+    sun: Vector,
     words: WordReader,
 ) -> list[Primitive]:
     state = air.state(light, request)
@@ -132,14 +132,12 @@ def _lit_sky(
     return made
 
 
-def _sky_pattern(reals: list[float], sun: Float[np.ndarray, "3"]) -> Primitive:
+def _sky_pattern(reals: list[float], sun: Vector) -> Primitive:
     strings = ("skybright", "perezlum.cal")
     return primitive("void", "brightfunc", "skyfunc", [*reals, *sun], strings)
 
 
-def _tregenza_integral(
-    distribution: FiveParameters, sun: Float[np.ndarray, "3"]
-) -> float:
+def _tregenza_integral(distribution: FiveParameters, sun: Vector) -> float:
     # Horizontal irradiance, summed over the centres of 145 patches of equal solid angle
     theta = np.radians(np.repeat([t for t, _ in _RINGS], [n for _, n in _RINGS]))
     phi = np.concatenate([2 * np.pi * np.arange(n) / n for _, n in _RINGS])

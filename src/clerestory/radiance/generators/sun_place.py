@@ -12,8 +12,8 @@ import re
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import Vector
 from clerestory.directions import from_azimuth
 from clerestory.formats.word_reader import WordReader
 from clerestory.scene.primitive import Primitive, primitive
@@ -37,17 +37,11 @@ _HOUR = re.compile(r"(\+?)(\d{1,2})(?::(\d{1,2})|(\.\d*))?([A-Za-z]*)", re.ASCII
 
 @dataclass
 class Moment:
-    """Date, time and site; or, without a month, altitude and azimuth of the sun.
+    """Date, time and site; or, without a month, altitude and azimuth of the sun [rad].
 
-    Attributes
-    ----------
-    altitude, azimuth : sun altitude and azimuth clockwise from south [rad], with -ang
-    month, day, year : date; 0 if not given
-    hour : standard time or solar time [h]
-    solar : whether `hour` is solar time
-    latitude_deg, longitude_deg, meridian_deg : latitude north, longitude and standard
-        meridian west
-    zoned : whether a time zone is given, which overrides -m
+    The azimuth is clockwise from south. Time is standard time, or solar time if `solar`
+    is set. Longitude and meridian are west-positive; a time zone (`zoned`) overrides
+    -m.
     """
 
     altitude: float = 0.0
@@ -157,7 +151,7 @@ def read_moment(words: WordReader) -> Moment:
     return moment
 
 
-def direction(altitude: float, azimuth: float) -> Float[np.ndarray, "3"]:
+def direction(altitude: float, azimuth: float) -> Vector:
     """Return the unit vector to the sun; azimuth clockwise from south [rad].
 
     >>> direction(0.0, 0.0).round(6).tolist()
@@ -166,9 +160,7 @@ def direction(altitude: float, azimuth: float) -> Float[np.ndarray, "3"]:
     return from_azimuth(np.array(azimuth + np.pi), np.array(altitude)) + 0.0
 
 
-def sun_source(
-    radiance: float, sun: Float[np.ndarray, "3"], *, angle_deg: float
-) -> list[Primitive]:
+def sun_source(radiance: float, sun: Vector, *, angle_deg: float) -> list[Primitive]:
     """Return the sun as a light and a source of an angular diameter."""
     return [
         primitive("void", "light", "solar", (radiance,) * 3),

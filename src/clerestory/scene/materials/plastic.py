@@ -13,6 +13,7 @@ from typing import Protocol
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Vector, Vector2
 from clerestory.checks import not_negative, require, within
 from clerestory.directions import unit
 from clerestory.scene.material import (
@@ -22,7 +23,6 @@ from clerestory.scene.material import (
     Plugin,
     Source,
     Specification,
-    Vector,
 )
 from clerestory.scene.pattern import Pattern
 from clerestory.scene.primitive import Definition, Readers
@@ -31,7 +31,7 @@ from clerestory.scene.primitive import Definition, Readers
 _TINY = 1e-6
 
 # Rms facet slope; for an anisotropic highlight, along `up` and perpendicular to it
-Roughness = float | Float[np.ndarray, "2"]
+Roughness = float | Vector2
 
 # Vector in scene coordinates; pattern: vector in the coordinates of a function
 Up = Vector | Pattern | None
@@ -120,10 +120,8 @@ def highlight_specification(
 ) -> Specification:
     """Return the type and arguments of a glossy material.
 
-    Parameters
-    ----------
-    kind : type of the material with an isotropic highlight
-    further : arguments after the roughness
+    `kind` is the type with an isotropic highlight; `further` arguments follow the
+    roughness.
     """
     gloss = material.specularity, *np.atleast_1d(material.roughness).tolist()
     reals = (*material.reflectance, *gloss, *further)
@@ -136,12 +134,7 @@ def highlight_specification(
 def read_highlight(
     given: Definition, further: int
 ) -> tuple[tuple[Colour, float, Roughness], Up, Float[np.ndarray, " further"]]:
-    """Return reflectance, specularity and roughness; up vector; further arguments.
-
-    Parameters
-    ----------
-    further : number of arguments after the roughness
-    """
+    """Return reflectance, specularity and roughness; up vector; `further` arguments."""
     elliptical = given.item.kind.endswith("2")
     up = _up(given) if elliptical else None
     end = 6 if elliptical else 5
