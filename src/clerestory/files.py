@@ -51,7 +51,7 @@ def write_text(path: str | Path, text: str) -> None:
 
 
 def is_file(path: str | Path) -> bool:
-    """Whether a file exists; names that the system refuses, such as long ones, do not."""
+    """Whether a file exists; False for names that the system refuses as too long."""
     try:
         return Path(path).is_file()
     except OSError:
