@@ -17,8 +17,8 @@ from scipy.spatial import cKDTree
 from clerestory.checks import require, same_length
 from clerestory.comparison.logger_files import CsvFormat
 from clerestory.comparison.series import Series
+from clerestory.documents import Table
 from clerestory.errors import InputError
-from clerestory.sky.station_file import Table
 
 
 class GridLayout(CsvFormat):

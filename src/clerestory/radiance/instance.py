@@ -16,7 +16,7 @@ import numpy as np
 
 from clerestory.checks import require
 from clerestory.errors import InputError
-from clerestory.files import read_bytes
+from clerestory.files import is_file, read_bytes
 from clerestory.formats.obj import obj_meshes
 from clerestory.formats.obj_text import ObjText, parse_obj
 from clerestory.radiance.compiled import Octree, read_octree
@@ -32,13 +32,9 @@ _OBJ = ".obj"
 
 @dataclass(frozen=True, eq=False)
 class Instance:
-    """The content of an instance or mesh.
+    """The content of an instance or mesh: scene files to read, primitives and meshes.
 
-    Attributes
-    ----------
-    files : paths of the scene files to read
-    items : primitives and meshes that have been read
-    placement : placement of the content; its modifier, if any, replaces all materials
+    A modifier of the placement replaces all materials.
     """
 
     files: tuple[Path, ...]
@@ -100,7 +96,7 @@ def _octree(
             " octree (oconv -f) expected",
         )
         beside = path.parent / name
-        files.append(beside if beside.is_file() else find(name))
+        files.append(beside if is_file(beside) else find(name))
     return Instance(tuple(files), octree.items, placement)
 
 

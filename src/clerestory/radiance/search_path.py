@@ -5,17 +5,14 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from clerestory.errors import InputError, located
+from clerestory.files import is_file
 
 
 def library_file(name: str, *, beside: str | Path, line: int) -> Path:
-    """Return the path of a file that a scene refers to.
+    """Return the path of a file that a scene file refers to in a line.
 
-    The folder of the referring file is searched, then the current directory and the
-    folders in the environment variable RAYPATH. Absolute paths are used as they are.
-
-    Parameters
-    ----------
-    beside, line : path and line number of the referring file
+    The folder of the scene file is searched, then the current directory and the folders
+    in the environment variable RAYPATH. Absolute paths are used as they are.
     """
     listed = [Path(f) for f in os.environ.get("RAYPATH", "").split(os.pathsep) if f]
     with located(file=beside, line=line):
@@ -25,7 +22,7 @@ def library_file(name: str, *, beside: str | Path, line: int) -> Path:
 def found_in(name: str, folders: Sequence[Path]) -> Path:
     """Return the path of a file in the first folder that contains it."""
     for folder in dict.fromkeys(folders):
-        if (folder / name).is_file():
+        if is_file(folder / name):
             return folder / name
     tried = ", ".join(str(folder) for folder in dict.fromkeys(folders))
     raise InputError(f'the file "{name}" is missing; searched in {tried}')
