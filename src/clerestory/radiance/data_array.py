@@ -51,8 +51,6 @@ class DataArray:
     ) -> Float[np.ndarray, " points"]:
         """Return interpolated values at positions.
 
-        Examples
-        --------
         >>> line = DataArray((np.array([0.0, 1, 3]),), np.array([0.0, 10, 20]))
         >>> line.value(np.array([[0.5], [2.0], [5.0]])).tolist()
         [5.0, 15.0, 30.0]

@@ -59,8 +59,6 @@ def light_pattern(light: LeavingLight) -> FunctionPattern:
     The table has values at the centres of rings and sectors. They are scaled so that
     the exitance of the interpolated table equals that of `light`.
 
-    Examples
-    --------
     >>> even = LeavingLight(np.eye(3), np.full((9, 18, 3), 2.0))
     >>> pattern = light_pattern(even)
     >>> pattern.value(np.eye(3), np.eye(3), np.eye(3))[2].round(3).tolist()

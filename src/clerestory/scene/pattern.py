@@ -55,8 +55,6 @@ class Pattern(Protocol):
 class Product:
     """A product of patterns.
 
-    Examples
-    --------
     >>> class Half:
     ...     needs_normal, needs_point, grey = False, False, True
     ...     def value(self, direction, normal=None, point=None):

@@ -86,8 +86,6 @@ class Definition:
 def parse_definitions(text: str, *, file: str | None = None) -> dict[str, Definition]:
     """Return the definitions in a text by name; of equal names, the last is valid.
 
-    Examples
-    --------
     >>> made = parse_definitions("{ square } sq(x) : x*x; two = 2;")
     >>> sorted(made), made["sq"].parameters
     (['sq', 'two'], ('x',))
@@ -106,8 +104,6 @@ def parse_definitions(text: str, *, file: str | None = None) -> dict[str, Defini
 def parse_expression(text: str, *, file: str | None = None) -> Node:
     """Return the expression tree of a single expression.
 
-    Examples
-    --------
     >>> parse_expression("-x^2")
     Power(base=Negative(value=Name(name='x')), exponent=Number(value=2.0))
     """
