@@ -41,14 +41,6 @@ class Mesh:
     surface: Int[np.ndarray, " triangles"]
 
 
-@dataclass(frozen=True, eq=False)
-class _Part:
-    # Triangles, with the index of the surface of each triangle
-    vertices: Vertices
-    faces: Faces
-    surface: Int[np.ndarray, " triangles"]
-
-
 def meshes(scene: Scene) -> tuple[Mesh, ...]:
     """Return the surfaces of a scene as triangles, one mesh per material in use.
 
@@ -72,20 +64,21 @@ def meshes(scene: Scene) -> tuple[Mesh, ...]:
 
 
 def _mesh(material: Material, surfaces: Sequence[Surface], chosen: list[int]) -> Mesh:
-    parts = list(_parts(surfaces, chosen))
-    start = np.cumsum([0, *(len(p.vertices) for p in parts)])
+    parts, surface = zip(*_parts(surfaces, chosen), strict=True)
+    start = np.cumsum([0, *(len(p.vertices) for p in parts[:-1])])
+    faces = [p.faces + s for p, s in zip(parts, start, strict=True)]
     return Mesh(
         material,
         np.concatenate([p.vertices for p in parts]),
-        np.concatenate(
-            [p.faces + s for p, s in zip(parts, start, strict=False)]
-        ).astype(np.int32),
-        np.concatenate([p.surface for p in parts]).astype(np.int32),
+        np.concatenate(faces).astype(np.int32),
+        np.concatenate(surface).astype(np.int32),
     )
 
 
-def _parts(surfaces: Sequence[Surface], chosen: list[int]) -> Iterator[_Part]:
-    # Convex polygons are processed together by number of corners, other surfaces singly
+def _parts(
+    surfaces: Sequence[Surface], chosen: list[int]
+) -> Iterator[tuple[Triangles, Int[np.ndarray, " triangles"]]]:
+    # Triangles, and the surface of each; convex polygons together by number of corners
     by_corners: dict[int, list[int]] = {}
     rest: list[int] = []
     for i in chosen:
@@ -99,11 +92,11 @@ def _parts(surfaces: Sequence[Surface], chosen: list[int]) -> Iterator[_Part]:
         convex = _convex(corner)
         rest += index[~convex].tolist()
         if convex.any():
-            yield _fans(corner[convex], index[convex])
+            fans = _fans(corner[convex])
+            yield fans, np.repeat(index[convex], corner.shape[1] - 2)
     for i in rest:
         triangles = _triangles(surfaces[i])
-        origin = np.full(len(triangles.faces), i)
-        yield _Part(triangles.vertices, triangles.faces, origin)
+        yield triangles, np.full(len(triangles.faces), i)
 
 
 def _triangles(surface: Surface) -> Triangles:
@@ -121,14 +114,12 @@ def _corners(
     return np.concatenate([p.vertices for p in polygons]).reshape(len(polygons), -1, 3)
 
 
-def _fans(
-    corner: Float[np.ndarray, "polygons corners 3"], index: Int[np.ndarray, " polygons"]
-) -> _Part:
-    # Triangle fan around the first corner
+def _fans(corner: Float[np.ndarray, "polygons corners 3"]) -> Triangles:
+    # Triangle fans around the first corners
     count, corners = corner.shape[:2]
     fan = np.array([(0, k, k + 1) for k in range(1, corners - 1)])
     faces = (corners * np.arange(count)[:, None, None] + fan).reshape(-1, 3)
-    return _Part(corner.reshape(-1, 3), faces, np.repeat(index, corners - 2))
+    return Triangles(corner.reshape(-1, 3), faces)
 
 
 def _convex(
