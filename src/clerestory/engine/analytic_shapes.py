@@ -10,6 +10,7 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.engine.origin import Origin
 from clerestory.scene.model import (
     BsdfSurface,
     Cone,
@@ -34,9 +35,7 @@ def without_analytic(scene: Scene) -> tuple[Scene, tuple[Sphere | Cone, ...]]:
     return replace(scene, surfaces=left), tuple(exact)
 
 
-def analytic_shape(
-    surface: Sphere | Cone, bsdf: mi.BSDF, origin: Float[np.ndarray, "3"]
-) -> mi.Shape:
+def analytic_shape(surface: Sphere | Cone, bsdf: mi.BSDF, origin: Origin) -> mi.Shape:
     """Return the Mitsuba shape of a sphere or cylinder.
 
     Parameters

@@ -116,8 +116,7 @@ def prepare_pixel_sun(job: PixelSunJob) -> Tracer:
         ray, valid = rays.through(pixel, x, y)
         tracer = _tracer(window.lit_by(middle, a, b))
         with launching():
-            path, once = tracer.camera_path(ray), mi.UInt32(1)
-            light = tracer.trace(_SINK, _SINK.begin(), path, numbers, once, valid)
+            light = tracer.trace(_SINK, tracer.camera_path(ray), numbers, 1, valid)
             dr.eval(light)
             total = dr.block_reduce(dr.ReduceOp.Add, light, samples).numpy()
         return (total / samples).T.reshape(len(unit.rows), suns, -1)

@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.engine.directional_map import DirectionalMap, map_directions
+from clerestory.engine.origin import Origin
 from clerestory.engine.sampler import Distribution
 from clerestory.engine.spherical_rectangle import Parallelograms, fold
 from clerestory.engine.upload import on_device, vectors
@@ -69,7 +70,7 @@ class Emitters:
     density: mi.Float
 
     @classmethod
-    def of(cls, shining: list[Mesh], origin: Float[np.ndarray, "3"]) -> "Emitters":
+    def of(cls, shining: list[Mesh], origin: Origin) -> "Emitters":
         """Return the tables of emitting meshes; emitter i is mesh i."""
         radiance = np.array([m.material.radiance for m in shining]).reshape(-1, 3)
         found = [_pattern(mesh) for mesh in shining]

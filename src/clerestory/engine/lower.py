@@ -16,6 +16,7 @@ from clerestory.engine import materials
 from clerestory.engine.analytic_shapes import analytic_shape, without_analytic
 from clerestory.engine.channels import channels_of
 from clerestory.engine.emitters import Emitters, split_by_surface
+from clerestory.engine.origin import Origin
 from clerestory.engine.scene_cache import cached
 from clerestory.engine.upload import on_device
 from clerestory.engine.windows import WindowTable, window_shapes
@@ -68,7 +69,7 @@ class LoweredScene:
 def lower(
     scene: Scene,
     *,
-    origin: Float[np.ndarray, "3"],
+    origin: Origin,
     receivers: tuple[Window, ...] = (),
 ) -> LoweredScene:
     """Return the device scene around `origin`, possibly cached from the previous job.
@@ -90,7 +91,7 @@ def lower(
 
 
 def _lowered(
-    scene: Scene, origin: Float[np.ndarray, "3"], receivers: tuple[Window, ...]
+    scene: Scene, origin: Origin, receivers: tuple[Window, ...]
 ) -> LoweredScene:
     materials.register()
     content: dict[str, object] = {"type": "scene"}

@@ -25,9 +25,7 @@ Heuristic = Callable[[mi.Float, mi.Float], mi.Float]
 def balance_heuristic(own, other):
     """Return the balance heuristic weight of two techniques, divided by `own` [sr].
 
-    Parameters
-    ----------
-    own, other : densities of the technique and of the other technique [1/sr]
+    The arguments are the densities of the technique and of the other one [1/sr].
     """
     return dr.rcp(own + other)
 
@@ -46,10 +44,8 @@ def power_heuristic(own, other):
 class Densities:
     """Densities of sampling a direction at a vertex [1/sr].
 
-    Attributes
-    ----------
-    path : density of continuing the path
-    sunlit : density of rays towards sunlit surfaces in portals
+    `path` is that of the continued path, `sunlit` that of rays towards sunlit surfaces
+    in portals.
     """
 
     path: mi.Float
@@ -121,11 +117,10 @@ class Scattering:
 
     Attributes
     ----------
-    direction, factor : direction of the next segment, and factor of the throughput
-    densities : densities of the direction
+    factor : factor of the throughput
     flags : BSDF flags of the sampled component
-    null, delta : whether the path was transmitted without deflection; whether it was
-        mirrored or refracted
+    null : whether the path was transmitted without deflection
+    delta : whether the path was mirrored or refracted
     """
 
     direction: mi.Vector3f
@@ -134,6 +129,13 @@ class Scattering:
     flags: mi.UInt32
     null: mi.Bool
     delta: mi.Bool
+
+    def pass_straight(self, passed: mi.Bool, si: mi.SurfaceInteraction3f) -> None:
+        """Continue the chosen paths unscattered."""
+        self.null |= passed
+        self.delta &= ~passed
+        self.direction = dr.select(passed, -si.to_world(si.wi), self.direction)
+        self.factor = dr.select(passed, 1, self.factor)
 
 
 @dataclass
@@ -225,20 +227,15 @@ class Source:
     ) -> Iterable[LightSample]:
         """Yield samples of directions from a vertex to the source.
 
-        Parameters
-        ----------
-        path : path that led to the vertex; None at a sensor
+        The path is the one that led to the vertex, or None at a sensor.
         """
         return ()
 
     def begin(self, pdf: mi.Float, sunlit: mi.Float):
         """Return the source's state for the first segment of a path.
 
-        Parameters
-        ----------
-        pdf : density of the segment's direction; 0 for camera rays
-        sunlit : density of rays towards sunlit surfaces in this direction; negative if
-            not sampled
+        `pdf` is the density of the segment's direction, or 0 for camera rays; `sunlit`
+        is that of rays towards sunlit surfaces, negative if none were sampled.
         """
         return
 

@@ -121,8 +121,7 @@ def _pilot_samples(
     tracer, sink = scene.tracer(portals), RadianceSink()
     with launching():
         path = tracer.path(ray, 1, SAMPLED_AT_START, sunlit=1)
-        limit = dr.opaque(mi.UInt32, _SEGMENTS)
-        onward = tracer.trace(sink, sink.begin(), path, numbers, limit, works)
+        onward = tracer.trace(sink, path, numbers, _SEGMENTS, works)
         sunlit = mi.Color3f(0)
         if scene.distant.suns:
             suns = scene.suns(portals)

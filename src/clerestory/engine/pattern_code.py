@@ -10,10 +10,10 @@ from typing import Any
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from jaxtyping import Float
 
 from clerestory.engine.function_code import FunctionCode
 from clerestory.engine.function_library import Value
+from clerestory.engine.origin import Origin
 from clerestory.errors import InputError
 from clerestory.radiance.data_array import DataArray
 from clerestory.radiance.function_pattern import NUMBERED, READINGS, FunctionPattern
@@ -26,7 +26,7 @@ from clerestory.scene.transform import Transform
 Code = Callable[[Any], tuple[list[Any], Any]]
 
 
-def pattern_code(pattern: Pattern, origin: Float[np.ndarray, "3"]) -> Code:
+def pattern_code(pattern: Pattern, origin: Origin) -> Code:
     """Return a pattern as a function of an interaction.
 
     Parameters
@@ -48,9 +48,7 @@ def pattern_code(pattern: Pattern, origin: Float[np.ndarray, "3"]) -> Code:
     return code
 
 
-def multiplier(
-    pattern: Pattern, origin: Float[np.ndarray, "3"]
-) -> Callable[[Any], Any]:
+def multiplier(pattern: Pattern, origin: Origin) -> Callable[[Any], Any]:
     """Return a pattern as a multiplier of colours; 1 if undefined."""
     code = pattern_code(pattern, origin)
 
@@ -63,7 +61,7 @@ def multiplier(
     return factor
 
 
-def share(pattern: Pattern, origin: Float[np.ndarray, "3"]) -> Callable[[Any], Any]:
+def share(pattern: Pattern, origin: Origin) -> Callable[[Any], Any]:
     """Return a pattern as the foreground fraction of a mixture; 0 if undefined."""
     code = pattern_code(pattern, origin)
 
@@ -74,9 +72,7 @@ def share(pattern: Pattern, origin: Float[np.ndarray, "3"]) -> Callable[[Any], A
     return amount
 
 
-def perturbation(
-    pattern: Pattern, origin: Float[np.ndarray, "3"]
-) -> Callable[[Any], Any]:
+def perturbation(pattern: Pattern, origin: Origin) -> Callable[[Any], Any]:
     """Return a pattern as a vector in scene coordinates that perturbs a normal."""
     if not isinstance(pattern, FunctionPattern):
         raise InputError(
@@ -97,7 +93,7 @@ def perturbation(
     return added
 
 
-def _function(pattern: FunctionPattern, origin: Float[np.ndarray, "3"]) -> Code:
+def _function(pattern: FunctionPattern, origin: Origin) -> Code:
     tables = [_table(table) for table in pattern.tables]
 
     def code(si: Any) -> tuple[list[Any], Any]:
@@ -138,9 +134,7 @@ def _split(values: list[Value]) -> tuple[list[Any], Any]:
     return [mi.Float64(each.value) for each in values], bad
 
 
-def _inputs(
-    transform: Transform, si: Any, origin: Float[np.ndarray, "3"]
-) -> dict[str, Any]:
+def _inputs(transform: Transform, si: Any, origin: Origin) -> dict[str, Any]:
     # Radiance's ray variables in the function's local coordinates
     back = np.linalg.inv(transform.matrix)
     scale = 1 / transform.scale

@@ -131,7 +131,7 @@ class ExitingRadianceJob(RadianceJob):
     Suns seen straight through the patch are excluded.
     """
 
-    tracer: ClassVar[tuple[str, str]] = ("exiting_radiance_tracer", "prepare_outgoing")
+    tracer: ClassVar[tuple[str, str]] = ("radiance_tracers", "prepare_outgoing")
 
     patches: EmitterPatches
     rings: int

@@ -49,14 +49,10 @@ def surface_vertex(
     continues: mi.Bool,
     thickness: mi.Float | None = None,
 ) -> Vertex:
-    """Return a path vertex on a surface.
+    """Return a path vertex on a surface; see `Vertex`.
 
-    Parameters
-    ----------
-    shape : Mitsuba's number of the surface's shape
-    continues : whether the path may continue after the vertex
-    thickness : thickness of the geometry that a proxy surface stands for; transmitted
-        rays start on its far side [m]
+    `thickness` is that of the geometry that a proxy surface stands for [m]; transmitted
+    rays start on its far side.
     """
     bsdf = si.bsdf()
     contexts = {False: mi.BSDFContext(), True: materials.lamp_context()}
@@ -131,35 +127,12 @@ def continue_from_surface(
     active: mi.Bool,
     *,
     split_lobes: bool,
-    passed: mi.Bool | None = None,
 ) -> Scattering:
-    """Sample the continuation of a path at a surface.
+    """Sample the continuation of a path at a surface, from the BSDF or to a portal.
 
-    Parameters
-    ----------
-    split_lobes : whether a guided direction counts as diffuse only by the diffuse share
-        of its BSDF value; relevant for few diffuse bounces; costs one BSDF evaluation
-    passed : paths that pass a proxy unscattered
+    With `split_lobes`, a guided direction counts as diffuse only by the diffuse share
+    of its BSDF value. This matters for few diffuse bounces; it costs an evaluation.
     """
-    after = _scattering(portals, vertex, si, numbers, active, split_lobes=split_lobes)
-    if passed is not None:
-        after.null |= passed
-        after.delta &= ~passed
-        after.direction = dr.select(passed, -si.to_world(si.wi), after.direction)
-        after.factor = dr.select(passed, 1, after.factor)
-    return after
-
-
-def _scattering(
-    portals: Portals | None,
-    vertex: Vertex,
-    si: mi.SurfaceInteraction3f,
-    numbers: PathNumbers,
-    active: mi.Bool,
-    *,
-    split_lobes: bool,
-) -> Scattering:
-    # Sample from the BSDF or towards a portal
     context, bsdf = mi.BSDFContext(), si.bsdf()
     lobe, u, v = (numbers.sobol(n) for n in (LOBE, DIRECTION_U, DIRECTION_V))
     place = mi.Point2f(u, v)

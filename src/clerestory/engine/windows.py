@@ -14,6 +14,7 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float, Int
 
+from clerestory.engine.origin import Origin
 from clerestory.engine.patches import PatchTable
 from clerestory.engine.sampler import Distribution
 from clerestory.engine.spherical_rectangle import (
@@ -140,7 +141,7 @@ class _Element:
 
 
 def window_shapes(
-    windows: Sequence[Window], origin: Float[np.ndarray, "3"]
+    windows: Sequence[Window], origin: Origin
 ) -> tuple[
     WindowTable | None, list[tuple[Float[np.ndarray, "v 3"], Int[np.ndarray, "f 3"]]]
 ]:
@@ -182,7 +183,7 @@ def _elements(window: Window) -> list[_Element]:
 def _table(
     windows: Sequence[Window],
     elements: list[list[_Element]],
-    origin: Float[np.ndarray, "3"],
+    origin: Origin,
 ) -> WindowTable:
     flat = [element for own in elements for element in own]
     corner, edge_u, edge_v = (
