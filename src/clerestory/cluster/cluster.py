@@ -17,12 +17,12 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from types import TracebackType
-from typing import Any, Literal, cast
+from typing import Any, cast
 
 import numpy as np
 
 from clerestory.cluster import optional
-from clerestory.engine.device import Device
+from clerestory.engine.device import Device, Processor
 from clerestory.engine.work_units import Executor, Goal, Job, Local, Unit, UnitSize
 from clerestory.errors import ClerestoryError, ClerestoryWarning, DeviceError
 from clerestory.scene.model import Scene
@@ -96,7 +96,7 @@ class Cluster:
         """Return the current number of workers, each of which traces one unit."""
         return len(self._client.scheduler_info(n_workers=-1)["workers"])
 
-    def resolve(self, device: Device) -> Literal["cpu", "cuda"]:
+    def resolve(self, device: Device) -> Processor:
         """Return the device used by all workers: a GPU only if every worker has one."""
         found = set(self._client.run(self._worker.device_of, device).values())
         if found == {"cuda"}:
@@ -114,7 +114,7 @@ class Cluster:
         """Return True: every job is accepted."""
         return True
 
-    def unit_size(self, device: Literal["cpu", "cuda"]) -> UnitSize:
+    def unit_size(self, device: Processor) -> UnitSize:
         """Return the largest size of a unit."""
         return _UNIT_SIZE
 

@@ -10,12 +10,11 @@ a second job of the kind in the same scene.
 import time
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
 from clerestory.engine.controller import CONVERGENCE, EstimatedJob, row_bytes
-from clerestory.engine.device import Device
+from clerestory.engine.device import Device, Processor
 from clerestory.engine.sums import Sums, estimated
 from clerestory.engine.work_units import (
     Executor,
@@ -76,7 +75,7 @@ class Plan:
         self.place = place
         self.planned: list[PlannedJob] = []
 
-    def resolve(self, device: Device) -> Literal["cpu", "cuda"]:
+    def resolve(self, device: Device) -> Processor:
         """Return the device of the actual run."""
         return self.place.resolve(device)
 
@@ -85,7 +84,7 @@ class Plan:
         self.planned.append(PlannedJob(job, goal))
         return False
 
-    def unit_size(self, device: Literal["cpu", "cuda"]) -> UnitSize:
+    def unit_size(self, device: Processor) -> UnitSize:
         """Return the limits of the size of units."""
         return self.place.unit_size(device)
 

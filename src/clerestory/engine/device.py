@@ -23,7 +23,9 @@ from typing import Literal, get_args
 
 from clerestory.errors import ClerestoryWarning, DeviceError, InputError
 
+# Devices that can be asked for, and those that trace
 Device = Literal["auto", "cpu", "cuda"]
+Processor = Literal["cpu", "cuda"]
 
 _VARIANT = {"cpu": "llvm_ad_rgb", "cuda": "cuda_ad_rgb"}
 _LIBRARY = "DRJIT_LIBLLVM_PATH"
@@ -64,7 +66,7 @@ def load(device: Device = "auto", module: str = "controller") -> ModuleType:
 
 
 @cache
-def resolve(device: Device) -> Literal["cpu", "cuda"]:
+def resolve(device: Device) -> Processor:
     """Return the device to use for a setting; "auto" selects a GPU if one works.
 
     Raises

@@ -12,13 +12,13 @@ plan is an executor that records jobs without tracing them (`engine.cost_estimat
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import ClassVar, Literal, Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.engine.channels import GROUP, band_groups, channels_of
-from clerestory.engine.device import Device, free_memory, load, resolve
+from clerestory.engine.device import Device, Processor, free_memory, load, resolve
 from clerestory.engine.scene_cache import SceneCache
 from clerestory.scene.model import Scene
 
@@ -81,7 +81,7 @@ class Job(ABC):
     batches: int
     bounces: int | None = None
     seed: int
-    device: Literal["cpu", "cuda"]
+    device: Processor
 
     @property
     @abstractmethod
@@ -129,13 +129,13 @@ class UnitSize:
 class Executor(Protocol):
     """An object that traces units."""
 
-    def resolve(self, device: Device) -> Literal["cpu", "cuda"]:
+    def resolve(self, device: Device) -> Processor:
         """Return the device chosen for a request such as "auto"."""
 
     def accepts(self, job: Job, goal: Goal) -> bool:
         """Return whether to trace a job; the result of a rejected job is zero."""
 
-    def unit_size(self, device: Literal["cpu", "cuda"]) -> UnitSize:
+    def unit_size(self, device: Processor) -> UnitSize:
         """Return the largest size of a unit."""
 
     def workers(self) -> int:
@@ -181,7 +181,7 @@ class Local:
         self._tracer: Tracer | None = None
         self._cache = SceneCache()
 
-    def resolve(self, device: Device) -> Literal["cpu", "cuda"]:
+    def resolve(self, device: Device) -> Processor:
         """Return the device of this machine for a request such as "auto"."""
         return resolve(device)
 
@@ -193,7 +193,7 @@ class Local:
         """Return one: a unit uses the whole machine."""
         return 1
 
-    def unit_size(self, device: Literal["cpu", "cuda"]) -> UnitSize:
+    def unit_size(self, device: Processor) -> UnitSize:
         """Return the size of one launch; on a GPU, it depends on the free memory."""
         if device == "cpu":
             return UnitSize(_PATHS, _SUMS)
