@@ -24,7 +24,12 @@ import numpy as np
 
 from clerestory.engine.device import Device, Processor
 from clerestory.engine.work_units import Executor, Goal, Job, Local, Unit, UnitSize
-from clerestory.errors import ClerestoryError, ClerestoryWarning, DeviceError, InputError
+from clerestory.errors import (
+    ClerestoryError,
+    ClerestoryWarning,
+    DeviceError,
+    InputError,
+)
 from clerestory.scene.model import Scene
 
 # Units are smaller than on one machine: they are distributed over many workers, and
@@ -34,8 +39,8 @@ _UNIT_SIZE = UnitSize(paths=1 << 20, sums=1 << 25)
 # Units submitted in advance per worker; results are returned in the order of the units
 _AHEAD = 3
 
-# Number of attempts per unit if workers are lost; times to wait for a worker and for the
-# scheduler [s]
+# Number of attempts per unit if workers are lost; times to wait for a worker and for
+# the scheduler [s]
 _TRIES = 10
 _WORKER, _SCHEDULER = 60.0, 10
 
@@ -120,12 +125,7 @@ class Cluster:
         return _UNIT_SIZE
 
     def map(self, job: Job, units: Iterable[Unit]) -> Iterator[np.ndarray]:
-        """Yield the sums of each unit, in the order of the units.
-
-        Raises
-        ------
-        DeviceError : no workers are left, or a unit fails on every attempt
-        """
+        """Yield the sums of each unit, in the order of the units."""
         waiting, running = iter(units), deque[tuple[Unit, Any]]()
         try:
             while True:

@@ -36,12 +36,7 @@ def without_analytic(scene: Scene) -> tuple[Scene, tuple[Sphere | Cone, ...]]:
 
 
 def analytic_shape(surface: Sphere | Cone, bsdf: mi.BSDF, origin: Origin) -> mi.Shape:
-    """Return the Mitsuba shape of a sphere or cylinder.
-
-    Parameters
-    ----------
-    origin : scene point at the origin of device coordinates [m]
-    """
+    """Return the Mitsuba shape of a sphere or cylinder."""
     shared = {"flip_normals": surface.inward, "bsdf": bsdf}
     if isinstance(surface, Sphere):
         centre = _point(surface.centre - origin)

@@ -39,10 +39,6 @@ def band_groups(scene: Scene) -> tuple[Scene, ...]:
 
     The last group repeats the last band if fewer than three remain. A scene in RGB is
     returned unchanged.
-
-    Raises
-    ------
-    InputError : a pattern or BSDF is in RGB, but the scene has other bands
     """
     return (scene,) if scene.bands == RGB else _groups(scene)
 

@@ -42,12 +42,9 @@ _PILOT_ROWS = 64
 class Growth:
     """Growth of the batches towards a target error.
 
-    Attributes
-    ----------
-    pilot : sample points of a batch in the pilot run
-    longest : largest number of sample points in a batch; smaller errors cannot be
-        reached
-    most : largest growth factor per step
+    `pilot` and `longest` are the first and the largest number of sample points of a
+    batch; `most` is the largest growth factor per step. Smaller errors than those of
+    the longest batches cannot be reached.
     """
 
     pilot: int
@@ -59,12 +56,9 @@ class Growth:
 class EstimatedJob(Job):
     """A job with batches of increasing length, by default with fixed-point sums.
 
-    Attributes
-    ----------
-    together : whether convergence is tested for all rows together
-    growth : growth of the batches; a fixed-point sum can hold 2^22 weights of π
-    cut : size of units; default: chosen by the executor, since fixed-point sums do not
-        depend on the division into units
+    Convergence is tested for all rows `together`, or for each. A fixed-point sum can
+    hold 2^22 weights of π. `cut` is the size of units; by default it is chosen by the
+    executor, since fixed-point sums do not depend on the division into units.
     """
 
     together: ClassVar[bool]
@@ -146,9 +140,7 @@ def estimate_rows(job: EstimatedJob, rows: slice, effort: Effort) -> Estimate:
 def sum_rows(job: EstimatedJob, rows: slice, effort: Effort) -> tuple[Sums, bool]:
     """Lengthen the batches until the samples are used up or the error is reached.
 
-    Returns
-    -------
-    sums, and whether the error was reached
+    Return the sums, and whether the error was reached.
     """
     numbers = np.arange(rows.start, rows.stop)
     sums, active = job.empty_sums(len(numbers)), np.full(len(numbers), True)

@@ -39,13 +39,7 @@ class PlannedJob:
 
 @dataclass(frozen=True)
 class JobCost:
-    """Estimated cost of a job.
-
-    Attributes
-    ----------
-    paths : total number of paths
-    seconds : wall time [s]
-    """
+    """Estimated total number of paths and wall time [s] of a job."""
 
     paths: int
     seconds: float
@@ -64,12 +58,7 @@ class _Rates:
 
 
 class Plan:
-    """An executor that records jobs without tracing them.
-
-    Parameters
-    ----------
-    place : executor of the actual run
-    """
+    """An executor that records jobs without tracing them, for the executor `place`."""
 
     def __init__(self, place: Executor):
         self.place = place

@@ -47,17 +47,7 @@ class Finding:
 
 
 def load(device: Device = "auto", module: str = "controller") -> ModuleType:
-    """Start the device and return a module of tracing functions.
-
-    Parameters
-    ----------
-    module : name of a module of this package
-
-    Raises
-    ------
-    InputError : the device is not one of auto, cpu, cuda
-    DeviceError : there is no such device, or no working LLVM library
-    """
+    """Start the device and return a module of this package, such as one of tracers."""
     chosen = resolve(device)
     mitsuba = importlib.import_module("mitsuba")
     if mitsuba.variant() != _VARIANT[chosen]:
@@ -67,13 +57,7 @@ def load(device: Device = "auto", module: str = "controller") -> ModuleType:
 
 @cache
 def resolve(device: Device) -> Processor:
-    """Return the device to use for a setting; "auto" selects a GPU if one works.
-
-    Raises
-    ------
-    InputError : the device is not one of auto, cpu, cuda
-    DeviceError : the requested device does not work, or none does
-    """
+    """Return the device to use for a setting; "auto" selects a GPU if one works."""
     if device not in get_args(Device):
         raise InputError(f"unknown device {device!r}; one of auto, cpu, cuda expected")
     if device in ("auto", "cuda") and _cuda_driver() is not None:

@@ -85,13 +85,10 @@ class _DirectSensorJob(_DirectJob, EstimatedJob):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SunlightJob(_DirectJob):
-    """Light of suns transmitted by one of several windows.
+    """Light of suns transmitted by the window of index `number` among several windows.
 
-    Attributes
-    ----------
-    number : index of the transmitting window among all windows
-    peak : whether unscattered light keeps the angular diameter of the sun
-    samples : paths per receiver and sun
+    If `peak`, unscattered light keeps the angular diameter of the sun. `samples` counts
+    the paths per receiver and sun.
     """
 
     windows: tuple[Window, ...]

@@ -28,12 +28,9 @@ def is_sun(source: DistantSource) -> bool:
 class DistantEmitters:
     """Device arrays of all distant sources.
 
-    Attributes
-    ----------
-    dome : radiance of all distant sources with a large solid angle
-    suns : number of narrow sources; the other arrays are theirs
-    one_minus_cos : 1 − cos of the angular radius
-    chosen : distribution by irradiance
+    The dome is the radiance of all sources of a large solid angle. The arrays are of
+    the narrow sources, the suns: `one_minus_cos` is 1 − cos of the angular radius, and
+    they are chosen in proportion to their irradiance.
     """
 
     dome: DirectionalMap | None

@@ -43,17 +43,15 @@ def is_sampled(material: Emitter) -> bool:
 
 @dataclass
 class Emitters:
-    """Device arrays of all emitting shapes.
+    """Device arrays of all emitting shapes, and of their `count` sampled triangles.
 
     Attributes
     ----------
-    count : number of sampled triangles
     table : 1 + index of the pattern of each emitter, or 0
     view_only : whether an emitter is visible but does not illuminate (glow of negative
         radius)
     illum : whether camera rays see the alternate material of an illum instead
-    patterns : directional tables of all patterns
-    triangles, emitter : sampled triangles, and the emitter of each
+    emitter : emitter of each triangle
     chosen : distribution of the triangles by power
     density : probability of each emitter divided by its area [1/m²]; 0 if not sampled
     """

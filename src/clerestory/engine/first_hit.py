@@ -15,11 +15,8 @@ from clerestory.engine.visibility import offset
 def first_hit(model: LoweredScene, ray: mi.Ray3f, active: mi.Bool):
     """Trace rays to the first surface that blocks them.
 
-    Returns
-    -------
-    point : point offset from the surface towards the eye
-    normal : surface normal towards the eye
-    found : whether a surface was found
+    Return the point, offset from the surface towards the eye, the normal towards the
+    eye, and whether a surface was found.
     """
     point, normal = mi.Point3f(0), mi.Vector3f(0, 0, 1)
     found = mi.Bool(False)

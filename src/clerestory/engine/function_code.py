@@ -39,11 +39,8 @@ _MOST_NODES = 20_000
 class FunctionCode:
     """Expressions of a function file, evaluated in a kernel.
 
-    Attributes
-    ----------
-    program : definitions used by the expressions
-    inputs : variables of the rays, as arrays of doubles
-    arguments : real arguments of the primitive
+    The inputs are the variables of the rays, as arrays of doubles; the arguments are
+    the real arguments of the primitive.
     """
 
     program: Program
@@ -54,12 +51,7 @@ class FunctionCode:
     _nodes: int = 0
 
     def value(self, node: Node) -> Value:
-        """Return the value of an expression.
-
-        Raises
-        ------
-        InputError : a function is not available in kernels, or a recursion has no end
-        """
+        """Return the value of an expression."""
         return self._node(node, None)
 
     def call(self, name: str, given: list[Value]) -> Value:

@@ -24,12 +24,8 @@ _FACINGS = 6
 class GuidingCells:
     """A grid with six cells per position, one for each class of normals.
 
-    Attributes
-    ----------
-    low : corner of the grid [m]
-    size : cell size along each axis [m]
-    shape : number of cells along each axis
-    count : number of all cells
+    The grid begins at the corner `low` and has `shape` positions of a size [m]; `count`
+    is the number of all cells.
     """
 
     low: mi.Point3f

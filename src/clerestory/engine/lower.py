@@ -39,11 +39,9 @@ class LoweredScene:
     reach : largest coordinate of each face [m], to which rounding is proportional
     panes : whether shadow rays may be transmitted
     grey : whether all materials are grey, so that one channel is enough
-    windows : tables of the receiving windows; None if there are none
     thickness_of_shape : thickness of proxied geometry behind (positive) or in front of
         (negative) a BSDF [m]; 0 for all other shapes
     layer_of_shape : whether the material is a BSDF without thickness
-    flags_of_shape : BSDF flags of the material
     proxies : whether any shape has a thickness
     """
 

@@ -58,7 +58,6 @@ class Vertex:
 
     Attributes
     ----------
-    point : position [m]
     leave : function of direction and mask that returns the point offset from its
         surface
     scatter : function of a direction, and of whether its light comes directly from a
@@ -67,8 +66,7 @@ class Vertex:
     densities : function of direction, density of BSDF sampling and mask that returns
         all densities of the vertex
     active : mask of vertices at which sources are sampled
-    shape : Mitsuba shape index; None for a sensor
-    flags : Mitsuba BSDF flags of the material
+    shape, flags : Mitsuba's shape index, None for a sensor, and BSDF flags
     cell, chance : guiding cell, and probability that a path continues towards a portal
     opaque : whether the material only reflects
     continues : whether the path may continue after the vertex
@@ -93,8 +91,6 @@ class Path:
 
     Attributes
     ----------
-    ray : ray of the segment
-    throughput : throughput of the path, which weights the radiance along the ray
     point : previous vertex at which a direction was sampled [m]
     pdf : density of the segment's direction at that vertex [1/sr]; 0 if sources were
         not sampled there
@@ -115,12 +111,9 @@ class Path:
 class Scattering:
     """Continuation of a path at a vertex.
 
-    Attributes
-    ----------
-    factor : factor of the throughput
-    flags : BSDF flags of the sampled component
-    null : whether the path was transmitted without deflection
-    delta : whether the path was mirrored or refracted
+    The throughput is multiplied by a factor. `flags` are the BSDF flags of the sampled
+    component; `null` marks paths transmitted without deflection, `delta` those mirrored
+    or refracted.
     """
 
     direction: mi.Vector3f
@@ -140,16 +133,10 @@ class Scattering:
 
 @dataclass
 class Emission:
-    """Radiance of a source that a path hits.
+    """Radiance of a source that a path hits, or 1 for a receiver in a matrix column.
 
-    Attributes
-    ----------
-    value : radiance, or 1 for a receiver of a matrix
-    active : mask of the paths that hit the source
-    pdf : density of next-event estimation of this direction at the previous vertex
-        [1/sr]; None if the source is not sampled
-    column : of a matrix
-    heuristic : heuristic that weights both techniques
+    `pdf` is the density of next-event estimation of this direction at the previous
+    vertex [1/sr], None if the source is not sampled.
     """
 
     value: mi.Color3f
@@ -172,12 +159,10 @@ class LightSample:
 
     Attributes
     ----------
-    direction : unit vector to the source
     pdf : total density of all sampling techniques of the source [1/sr], or a function
         of the vertex densities that returns it, called after `arriving`
     active : mask of useful samples
     arriving : function of vertex and mask that returns the arriving radiance
-    column : of a matrix
     heuristic : heuristic that weights the sample and continued paths; None if continued
         paths never meet the source
     luminaire : whether the source is a luminaire or the sun, and not a window or sky

@@ -43,9 +43,7 @@ def learned_portals(
 ) -> Portals | None:
     """Return windows and sunlit areas as portals, with learned probabilities.
 
-    Parameters
-    ----------
-    places : surface points of the room at which the second moments are measured
+    The second moments are measured at surface points of the room.
     """
     trial = Portals.uniform(windows + patches)
     if trial is None or len(places) == 0:

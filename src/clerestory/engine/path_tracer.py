@@ -64,7 +64,6 @@ class PathTracer:
         next-event estimation only
     bounce_to_source : whether the segment to a source is counted as a bounce, as for
         the windows of a matrix
-    split_lobes : see `continue_from_surface`
     """
 
     model: LoweredScene

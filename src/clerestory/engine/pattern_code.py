@@ -27,16 +27,7 @@ Code = Callable[[Any], tuple[list[Any], Any]]
 
 
 def pattern_code(pattern: Pattern, origin: Origin) -> Code:
-    """Return a pattern as a function of an interaction.
-
-    Parameters
-    ----------
-    origin : point of the scene at the origin of device coordinates [m]
-
-    Raises
-    ------
-    InputError : a function is not available in kernels; the message locates the pattern
-    """
+    """Return a pattern as a function of an interaction."""
     match pattern:
         case FunctionPattern():
             code = _function(pattern, origin)

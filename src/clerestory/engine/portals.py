@@ -66,15 +66,15 @@ class Rectangles:
 
 @dataclass
 class Portals:
-    """Device arrays of rectangles, with their sampling probabilities.
+    """Device arrays of rectangles, with their sampling probabilities by guiding cell.
 
     Attributes
     ----------
     slots : number of rectangle slots in kernels; surplus slots are empty
     facing : normal times area, edge_u × edge_v [m²]
     across, upwards : edges divided by their squared lengths [1/m]
-    share : probability of each rectangle for continued paths, by cell
-    sunlit : probability of each rectangle for rays towards sunlit surfaces, by cell
+    share, sunlit : probability of each rectangle for continued paths, and for rays
+        towards sunlit surfaces
     chance : probability that a path continues towards any rectangle
     sunny : whether any rectangle contains sunlit surfaces
     """

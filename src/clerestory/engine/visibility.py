@@ -87,13 +87,10 @@ def transmittance(
 ) -> mi.Color3f:
     """Return the unscattered transmittance along shadow rays, by channel.
 
-    Parameters
-    ----------
-    shadow_ray : function from a point to the ray towards the light source
-    direct : whether the rays pass proxies, as direct rays do; indirect rays are
-        blocked by proxies that scatter them
-    through_illums : whether illums transmit like their alternate material; True for
-        suns, which are not included in the illums' distributions
+    `shadow_ray` is a function from a point to the ray towards the light source. If
+    `direct`, rays pass proxies; otherwise proxies that scatter them block them. With
+    `through_illums`, illums transmit like their alternate material, as for suns, which
+    are not included in the illums' distributions.
     """
     if not model.panes:
         blocked = model.scene.ray_test(shadow_ray(origin), active)

@@ -90,12 +90,9 @@ class WindowTable:
     def sample_direction(self, origin, u, v):
         """Sample a direction from a point to the windows, regardless of visibility.
 
-        Returns
-        -------
-        point, direction, window : sampled point, unit vector to it, number of its
-            window
-        cosine : cosine of the angle between window normal and reversed direction
-        pdf : probability density of the direction [1/sr]
+        Return the sampled point, the direction to it, its window, the cosine of the
+        angle between window normal and reversed direction, and the density of the
+        direction [1/sr].
         """
         element, _, rest = self.chosen.sample(u)
         by_area, window = self.sample_point(u, v)

@@ -34,13 +34,9 @@ _MOST_PATHS, _MOST_SUMS = 1 << 26, 1 << 33
 
 @dataclass(frozen=True, eq=False)
 class Unit:
-    """A part of a job.
+    """A part of a job: rows of the matrix, and a range of the sample points.
 
-    Attributes
-    ----------
-    rows : indices of rows of the whole matrix
-    first, count : range of the sequence of sample points
-    columns : indices of columns, such as suns; None: all columns
+    It has some of the columns, such as suns, or all of them (None).
     """
 
     rows: Int[np.ndarray, " row"]
@@ -66,13 +62,9 @@ def evenly_spaced(count: int, most: int) -> Int[np.ndarray, " number"]:
 class Job(ABC):
     """Plain values that an estimate depends on.
 
-    Attributes
-    ----------
-    tracer : names of an engine module and of its function that returns the tracer of
-        the job's units
-    scene : scene in which paths are traced
-    batches : number of independent estimates of each row
-    bounces : largest number of diffuse reflections; None: no limit
+    `tracer` names an engine module and its function that returns the tracer of the
+    job's units. `batches` is the number of independent estimates of each row; for
+    `bounces`, see `Effort`.
     """
 
     tracer: ClassVar[tuple[str, str]]
@@ -100,12 +92,9 @@ class Job(ABC):
 
 @dataclass(frozen=True)
 class Goal:
-    """Stopping criterion of a job.
+    """Stopping criterion of a job: samples, or a target relative standard error.
 
-    Attributes
-    ----------
-    samples : paths per row, or per pair of row and column; None if an error is given
-    relative_error : target relative standard error; None if samples are given
+    Samples are paths per row, or per pair of row and column.
     """
 
     samples: int | None
@@ -114,13 +103,7 @@ class Goal:
 
 @dataclass(frozen=True)
 class UnitSize:
-    """Limits of the size of a unit.
-
-    Attributes
-    ----------
-    paths : largest number of paths of a unit
-    sums : largest size of the sums of a unit [bytes]
-    """
+    """Largest number of paths of a unit, and largest size of its sums [bytes]."""
 
     paths: int
     sums: int
