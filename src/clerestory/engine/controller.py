@@ -11,7 +11,7 @@ the work into units, adds their sums in order, and reports progress.
 
 import time
 from abc import abstractmethod
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
@@ -92,22 +92,21 @@ class EstimatedJob(Job):
         points = min(_LONGEST_RANGE, max(self.growth.pilot, points))
         for begin in range(first, end, points):
             count = min(end - begin, points)
-            most = min(
-                size.paths // (self.batches * count), size.sums // row_bytes(self)
-            )
-            for row in range(0, len(rows), max(1, most)):
-                yield Unit(rows[row : row + max(1, most)], begin, count)
+            most = size.paths // (self.batches * count)
+            most = max(1, min(most, size.sums // row_bytes(self)))
+            for row in range(0, len(rows), most):
+                yield Unit(rows[row : row + most], begin, count)
 
 
 def estimate(job: EstimatedJob, effort: Effort) -> Estimate:
     """Estimate a matrix, one block of rows after another."""
     if not effort.executor.accepts(job, effort.goal):
         return _blank(job, effort)
-    whole = job.shape[0]
-    blocks = [
-        estimate_rows(job, rows, _part_of_progress(effort, rows, whole))
-        for rows in row_blocks(job)
-    ]
+    whole, blocks = job.shape[0], []
+    for rows in row_blocks(job):
+        first, share = rows.start / whole, (rows.stop - rows.start) / whole
+        part = share_of_progress(effort.progress, first, share)
+        blocks.append(estimate_rows(job, rows, replace(effort, progress=part)))
     kept = [b.components for b in blocks if b.components is not None]
     return Estimate(
         np.concatenate([block.values for block in blocks], axis=1),
@@ -183,44 +182,24 @@ def _lengthen(
     size = job.cut or effort.executor.unit_size(job.device)
     units = list(job.units(numbers[todo], int(sums.count[todo[0]]), length, size))
 
-    def add(unit: Unit, part: np.ndarray) -> None:
+    note = f"{job.batches * length:,} paths a row"
+    for unit, part in traced_units(job, units, effort, note):
         sums.add(unit.rows - numbers[0], part, unit.columns)
-
-    trace_units(job, units, effort, add, f"{job.batches * length:,} paths a row")
     sums.count[todo] = length
 
 
-def trace_units(
-    job: Job,
-    units: Sequence[Unit],
-    effort: Effort,
-    add: Callable[[Unit, np.ndarray], None],
-    note: str,
-) -> None:
-    """Trace units, pass their sums to `add` in order, and report progress."""
-    columns, begin, done = job.shape[2], time.perf_counter(), 0.0
-    paths = [
-        job.batches * len(unit.rows) * unit.count * _share(unit, columns)
-        for unit in units
-    ]
-    work = sum(paths)
-    traced = effort.executor.map(job, units)
-    for unit, count, part in zip(units, paths, traced, strict=True):
-        add(unit, part)
-        done += count
+def traced_units(
+    job: Job, units: Sequence[Unit], effort: Effort, note: str
+) -> Iterator[tuple[Unit, np.ndarray]]:
+    """Yield units and their sums in order, and report progress."""
+    begin, done = time.perf_counter(), 0
+    work = sum(unit.paths(job.batches) for unit in units)
+    for unit, part in zip(units, effort.executor.map(job, units), strict=True):
+        yield unit, part
+        done += unit.paths(job.batches)
         if effort.progress is not None:
             rate = done / (time.perf_counter() - begin) * 1e-6
             effort.progress(done / work, f"{note}, {rate:.1f} million a second")
-
-
-def _share(unit: Unit, columns: int) -> float:
-    return 1.0 if unit.columns is None else len(unit.columns) / columns
-
-
-def _part_of_progress(effort: Effort, rows: slice, whole: int) -> Effort:
-    size = rows.stop - rows.start
-    part = share_of_progress(effort.progress, rows.start / whole, size / whole)
-    return replace(effort, progress=part)
 
 
 def _blank(job: EstimatedJob, effort: Effort) -> Estimate:

@@ -133,8 +133,7 @@ def _pilot_run(kind: Sequence[PlannedJob], place: Executor) -> _Rates:
     units = [unit] * workers
     first, _ = _timed(job, units, place)
     seconds, sums = _timed(job, units, place)
-    pairs = len(unit.rows) * (1 if unit.columns is None else len(unit.columns))
-    paths = workers * pairs * unit.count * job.batches
+    paths = workers * unit.paths(job.batches)
     preparation = following = max(0.0, first - seconds)
     for other in [each for each in kind[1:] if each.job.scene is job.scene][:1]:
         taken, _ = _timed(other.job, [_pilot_unit(other)] * workers, place)

@@ -44,6 +44,11 @@ class Unit:
     count: int
     columns: Int[np.ndarray, " column"] | None = None
 
+    def paths(self, batches: int) -> int:
+        """Return the number of paths."""
+        columns = 1 if self.columns is None else len(self.columns)
+        return batches * len(self.rows) * columns * self.count
+
 
 Tracer = Callable[[Unit], Float[np.ndarray, "*shape channel"]]
 
