@@ -15,6 +15,7 @@ import mitsuba as mi
 import numpy as np
 
 from clerestory.engine.function_library import FUNCTIONS, Value, either_bad, where
+from clerestory.engine.upload import on_device
 from clerestory.errors import InputError
 from clerestory.radiance.cal.library import START_FILE, Native
 from clerestory.radiance.cal.program import Program
@@ -85,8 +86,7 @@ class FunctionCode(Evaluation[Value]):
                 )
             given = (float(len(self.arguments)), *self.arguments)
             return Value(given[max(place, 0)])
-        table = mi.Float64([float(len(self.arguments)), *self.arguments])
-        dr.make_opaque(table)
+        table = on_device(mi.Float64, [len(self.arguments), *self.arguments])
         place = mi.Int32(dr.floor(which.value + 0.5))
         bad = (place < 0) | (place > len(self.arguments))
         index = mi.UInt32(dr.clip(place, 0, len(self.arguments)))

@@ -12,6 +12,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from clerestory.engine.upload import on_device
 from clerestory.radiance.cal.library import Native
 from clerestory.radiance.cal.noise import TABLES, noise, slope_of
 
@@ -74,8 +75,7 @@ def _random(x: Any) -> Any:
 
 
 def _noise(x: Any, y: Any, z: Any) -> Any:
-    tables = [mi.Float64(table) for table in TABLES]
-    dr.make_opaque(tables)
+    tables = [on_device(mi.Float64, table) for table in TABLES]
 
     def take(table: int, place: Any) -> Any:
         index = mi.UInt32(mi.Int32(place) & 255)

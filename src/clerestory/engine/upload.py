@@ -13,6 +13,7 @@ from clerestory.errors import DeviceError
 
 _NUMBERS = {
     dr.VarType.Float32: np.float32,
+    dr.VarType.Float64: np.float64,
     dr.VarType.UInt32: np.uint32,
     dr.VarType.Int32: np.int32,
     dr.VarType.Bool: np.bool_,

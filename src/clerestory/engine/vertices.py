@@ -31,11 +31,10 @@ def sensor_vertex(
         return mi.Color3f(cosine), cosine * dr.inv_pi
 
     always = mi.Bool(True)
-    guided, cell, chance = _guiding(portals, point, normal, mi.Float(1))
+    cell, chance, densities = _guiding(portals, point, normal, mi.Float(1))
     return Vertex(
-        point, lambda direction, active: point, scatter,
-        _densities(portals, point, guided, cell, chance),
-        active=always, shape=None, flags=mi.UInt32(0), cell=cell, chance=chance,
+        point, lambda direction, active: point, scatter, densities, active=always,
+        shape=None, flags=mi.UInt32(0), cell=cell, chance=chance,
         opaque=always, continues=always,
     )  # fmt: skip
 
@@ -63,7 +62,7 @@ def surface_vertex(
     share = dr.select(diffuse, mi.Float(1), _GLOSSY)
     share = dr.select(active & smooth & opaque, share, 0)
     facing = dr.mulsign(si.n, si.wi.z)
-    guided, cell, chance = _guiding(portals, si.p, facing, share)
+    cell, chance, densities = _guiding(portals, si.p, facing, share)
 
     def leave(direction, lit):
         moved = offset(model, si, direction, lit)
@@ -77,29 +76,24 @@ def surface_vertex(
         return bsdf.eval_pdf(contexts[luminaire], si, local, active)
 
     return Vertex(
-        si.p, leave, scatter, _densities(portals, si.p, guided, cell, chance),
-        active=active, shape=shape, flags=flags, cell=cell, chance=chance,
-        opaque=opaque, continues=continues,
+        si.p, leave, scatter, densities, active=active, shape=shape, flags=flags,
+        cell=cell, chance=chance, opaque=opaque, continues=continues,
     )  # fmt: skip
 
 
 def _guiding(portals: Portals | None, point, normal, share):
-    # Whether guiding applies, the guiding cell, and the guiding probability
+    # Guiding cell, guiding probability, and density function of a vertex
     if portals is None:
-        return mi.Bool(False), mi.UInt32(0), mi.Float(0)
-    cell = portals.cells.number(point, normal)
-    chance = dr.gather(mi.Float, portals.chance, cell, share > 0)
-    return share > 0, cell, share * chance
+        zero = mi.Float(0)
+        return mi.UInt32(0), zero, lambda _, own, active: Densities(own, mi.Float(0))
+    cell, guided = portals.cells.number(point, normal), share > 0
+    chance = share * dr.gather(mi.Float, portals.chance, cell, guided)
 
-
-def _densities(portals: Portals | None, point, guided, cell, chance):
     def densities(direction, own, active) -> Densities:
-        if portals is None:
-            return Densities(own, mi.Float(0))
         onward, sunlit = portals.pdf(point, cell, direction, active & guided)
         return Densities(chance * onward + (1 - chance) * own, sunlit)
 
-    return densities
+    return cell, chance, densities
 
 
 def continue_from_sensor(
