@@ -25,6 +25,15 @@ def is_sun(source: DistantSource) -> bool:
 
 
 @dataclass
+class SunSample:
+    """A direction to a sun, its density [1/sr], and the sun's radiance."""
+
+    direction: mi.Vector3f
+    pdf: mi.Float
+    radiance: mi.Color3f
+
+
+@dataclass
 class DistantEmitters:
     """Device arrays of all distant sources.
 
@@ -84,8 +93,8 @@ class DistantEmitters:
             number += 1
         return found, pdf
 
-    def sample_sun(self, pick, u, v):
-        """Sample a direction to a narrow source; return it, its pdf and radiance."""
+    def sample_sun(self, pick, u, v) -> SunSample:
+        """Sample a direction to a narrow source."""
         number, chance, _ = self.chosen.sample(pick)
         depth = dr.gather(mi.Float, self.one_minus_cos, number)
         axis = dr.gather(mi.Vector3f, self.direction, number)
@@ -95,7 +104,7 @@ class DistantEmitters:
         local = mi.Vector3f(flat * cosine, flat * sine, 1 - height)
         pdf = chance / (2 * dr.pi * depth)
         radiance = dr.gather(mi.Color3f, self.radiance, number)
-        return mi.Frame3f(axis).to_world(local), pdf, radiance
+        return SunSample(mi.Frame3f(axis).to_world(local), pdf, radiance)
 
 
 def _at_centre(scene: Scene, source: DistantSource) -> Float[np.ndarray, "3"]:

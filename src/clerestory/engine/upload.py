@@ -44,7 +44,9 @@ def on_device(kind: type, values: ArrayLike):
 
 def vectors(kind: type, values: Float[np.ndarray, "n 3"]):
     """Return the rows of an array as device points, vectors or colours."""
-    return kind(*(on_device(mi.Float, column) for column in np.asarray(values).T))
+    return kind(
+        *(on_device(dr.value_t(kind), column) for column in np.asarray(values).T)
+    )
 
 
 @contextmanager
