@@ -9,7 +9,6 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.engine.camera_rays import CameraRays
-from clerestory.engine.first_hit import first_hit
 from clerestory.engine.illumination import Illumination
 from clerestory.engine.origin import Origin
 from clerestory.engine.path_guiding import learned_portals
@@ -32,6 +31,7 @@ from clerestory.engine.sinks import RadianceSink
 from clerestory.engine.spherical_rectangle import Parallelograms, fold
 from clerestory.engine.sun_patches import sun_patches
 from clerestory.engine.upload import launching, on_device, vectors
+from clerestory.engine.visibility import first_hit
 from clerestory.engine.work_units import Tracer, Unit
 from clerestory.scene.model import Scene
 

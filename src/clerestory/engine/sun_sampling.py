@@ -141,14 +141,14 @@ class Suns(Source):
         # Sample along a window's lobe of sunlight, or towards a portal
         u, v, pick = (numbers.extra(purpose) for purpose in (8, 9, 10))
         direction, valid = mi.Vector3f(0, 0, 1), mi.Bool(False)
-        sunny = self.portals is not None and self.portals.sunny
-        if self.portals is not None and sunny:
-            direction, valid = self.portals.sample(
-                self.portals.sunlit, vertex.point, vertex.cell, u, v
+        portals = self.portals if self.portals and self.portals.sunny else None
+        if portals:
+            direction, valid = portals.sample(
+                portals.sunlit, vertex.point, vertex.cell, u, v
             )
         if self.lobes.groups:
             lobe = self.lobes.sample(dr.minimum(pick / _LOBES, 1), sun.direction, u, v)
-            chosen = pick < _LOBES if sunny else mi.Bool(True)
+            chosen = pick < _LOBES if portals else mi.Bool(True)
             direction = dr.select(chosen, lobe, direction)
             valid |= chosen
         active = vertex.opaque & vertex.continues & valid
