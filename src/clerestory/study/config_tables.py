@@ -10,14 +10,13 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
     AfterValidator,
-    BaseModel,
     BeforeValidator,
-    ConfigDict,
     Field,
     model_validator,
 )
 from pydantic_core import PydanticCustomError
 
+from clerestory.documents import Table
 from clerestory.engine.device import Device
 from clerestory.metrics.climate_based_metrics import TARGET_LUX
 from clerestory.metrics.en17037 import FIRST_DAY, LAST_DAY
@@ -46,14 +45,6 @@ def require_rule(valid: object, message: str) -> None:
     """Raise a validation error for inconsistent keys of a table unless `valid`."""
     if not valid:
         raise PydanticCustomError("rule", "{message}", {"message": message})
-
-
-class Table(BaseModel):
-    """A table of the study file; unknown keys and wrong types are errors."""
-
-    model_config = ConfigDict(
-        extra="forbid", frozen=True, strict=True, allow_inf_nan=False
-    )
 
 
 class Named(Table):
