@@ -18,13 +18,7 @@ _BROW = np.radians(60)
 _CHEEK = np.radians(135)
 
 
-def in_field(
-    sigma: Values,
-    tau: Values,
-    below: Mask,
-    *,
-    field: FieldOfView,
-) -> Mask:
+def in_field(sigma: Values, tau: Values, below: Mask, *, field: FieldOfView) -> Mask:
     """Whether directions lie in the field of view of one eye ("total") or both eyes.
 
     Directions are given by their angle sigma from the line of sight, and their azimuth

@@ -126,11 +126,7 @@ class GlareView:
 
 
 def glare_view(
-    view: View,
-    columns: int,
-    rows: int,
-    *,
-    model: PositionModel = "guth",
+    view: View, columns: int, rows: int, *, model: PositionModel = "guth"
 ) -> GlareView:
     """Return the pixel quantities of a view; the last results are cached.
 

@@ -61,10 +61,7 @@ def imageless_dgp(
 
 
 def position_of(
-    direction: Directions,
-    view: View,
-    *,
-    model: PositionModel = "guth",
+    direction: Directions, view: View, *, model: PositionModel = "guth"
 ) -> Values:
     """Position index of directions from the eye; infinite behind the eye.
 

@@ -77,7 +77,6 @@ class Quantity:
     """
 
     name: str
-    title: str
     formula: Callable[[EyePhotometry], float]
     unit: str = "1"
     column: str | None = None
@@ -89,13 +88,11 @@ class GlareIndex(Quantity):
 
     Attributes
     ----------
-    reference : publications of the formula and of the thresholds
     thresholds : values from which glare is perceptible, disturbing and intolerable;
         empty if not published
     glare_increases : whether a higher value means more glare; False for VCP
     """
 
-    reference: str
     thresholds: tuple[float, ...] = ()
     glare_increases: bool = True
 

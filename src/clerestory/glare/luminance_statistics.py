@@ -74,9 +74,7 @@ class RegionStatistics:
 
 
 def region_statistics(
-    luminance: Image,
-    eye: GlareView,
-    region: ImageMask,
+    luminance: Image, eye: GlareView, region: ImageMask
 ) -> RegionStatistics:
     """Return the luminance statistics of the pixels of a region that are in view.
 

@@ -72,11 +72,7 @@ def islands(mask: ImageMask, reach: int) -> Int[np.ndarray, " pixel"]:
 
 
 def first_scan(
-    pixels: ScannedPixels,
-    mask: ImageMask,
-    near: Neighbourhood,
-    *,
-    single: bool,
+    pixels: ScannedPixels, mask: ImageMask, near: Neighbourhood, *, single: bool
 ) -> Int[np.ndarray, " pixel"]:
     """Source label of each pixel after the first scan, from 1 in order of creation.
 

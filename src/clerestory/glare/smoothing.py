@@ -10,11 +10,7 @@ from clerestory.array_types import Image, ImageMask
 _SHARE = 0.2
 
 
-def surrounded(
-    mine: ImageMask,
-    solid_angle: Image,
-    radius: float,
-) -> ImageMask:
+def surrounded(mine: ImageMask, solid_angle: Image, radius: float) -> ImageMask:
     """Whether more than a fifth of the disc around each pixel belongs to a source.
 
     `mine` are the pixels of the source; the radius of the disc is in pixels. Fractions

@@ -71,9 +71,7 @@ def in_zone(eye: GlareView, zone: Zone) -> np.ndarray:
 
 
 def find_sources(
-    luminance: Image,
-    eye: GlareView,
-    rules: SourceRules | None = None,
+    luminance: Image, eye: GlareView, rules: SourceRules | None = None
 ) -> Members:
     """Return the pixels of the glare sources of a picture.
 

@@ -47,14 +47,12 @@ def poynter_veiling_luminance(sources: GlareSources) -> float:
 
 POYNTER_VEILING_LUMINANCE = Quantity(
     name="veiling_luminance",
-    title="veiling luminance after Poynter",
     formula=lambda eye: poynter_veiling_luminance(eye.sources),
     unit="cd/m2",
     column="Lveil",
 )
 CIE_VEILING_LUMINANCE = Quantity(
     name="cie_veiling_luminance",
-    title="veiling luminance after Stiles and Holladay",
     formula=lambda eye: float(veiling_luminance(eye.sources).sum()),
     unit="cd/m2",
     column="Lveil_cie",

@@ -67,7 +67,7 @@ def read_surfrad(path: str | Path, *, utc_offset_hours: float | None = None) -> 
         file=path,
         line=1,
     )
-    site = _surfrad_site(lines, utc_offset_hours, path)
+    site = _surfrad_site(lines, utc_offset_hours)
     rows = DataRows.below(2, (text.split() for text in lines), file=path)
     cells = {name: rows.column(index, name) for name, index in _SURFRAD.items()}
     series = {
@@ -85,10 +85,10 @@ def is_surfrad(head: list[str]) -> bool:
     )
 
 
-def _surfrad_site(lines: list[str], offset: float | None, path: str | Path) -> Site:
+def _surfrad_site(lines: list[str], offset: float | None) -> Site:
     fields = {"latitude": 0, "longitude": 1, "elevation": 2}
     cells = lines[1].split()
-    latitude, longitude, elevation = numbers(cells, fields, file=path, line=2)
+    latitude, longitude, elevation = numbers(cells, fields, 2)
 
     # Stations are west of Greenwich; older files omit the sign of the longitude
     longitude = -abs(longitude)

@@ -78,10 +78,7 @@ class SunMatrix:
 
 
 def sun_matrix(
-    weather: Weather,
-    *,
-    tolerance_deg: float = 0.0,
-    **options: Unpack[SkyOptions],
+    weather: Weather, *, tolerance_deg: float = 0.0, **options: Unpack[SkyOptions]
 ) -> SunMatrix:
     """Return the sun matrix of all steps with direct irradiance.
 
@@ -119,10 +116,7 @@ def sun_matrix(
 
 
 def patch_suns(
-    weather: Weather,
-    *,
-    subdivision: int = 6,
-    **options: Unpack[SkyOptions],
+    weather: Weather, *, subdivision: int = 6, **options: Unpack[SkyOptions]
 ) -> SunMatrix:
     """Return a sun matrix with one solar position at the centre of every sky patch.
 
