@@ -39,14 +39,9 @@ _MEAN_DAY = np.datetime64("2023-04-04", "s")
 class PointSky:
     """Sky, sun and ground at one moment.
 
-    Attributes
-    ----------
-    scale : radiance at a relative luminance of 1 [W/(m²·sr)]
-    sun : unit vector to the sun
-    direct_normal : direct normal irradiance [W/m²]
-    ground : radiance of the ground [W/(m²·sr)]
-    colour : factor on the sky radiance in each band
-    time : local standard time; NaT if unspecified
+    `scale` is the radiance at a relative luminance of 1, `ground` that of the ground
+    [W/(m²·sr)]; `colour` is a factor on the sky radiance in each band. The time is
+    local standard time, or NaT.
     """
 
     distribution: Distribution
