@@ -19,8 +19,12 @@ from clerestory.errors import InputError
 from clerestory.files import is_file, read_bytes
 from clerestory.formats.obj import obj_meshes
 from clerestory.formats.obj_text import ObjText, parse_obj
-from clerestory.radiance.compiled import Octree, read_octree
-from clerestory.radiance.compiled_mesh import CompiledMesh, read_compiled_mesh
+from clerestory.radiance.compiled import (
+    CompiledMesh,
+    Octree,
+    read_compiled_mesh,
+    read_octree,
+)
 from clerestory.radiance.placement import Placement
 from clerestory.scene.model import Source, TriangleMesh
 from clerestory.scene.primitive import Arguments, Primitive

@@ -30,7 +30,7 @@ from clerestory.radiance.function_pattern import (
     constant_value,
     constant_vector,
 )
-from clerestory.radiance.intensity_table import intensity_table
+from clerestory.radiance.generators.luminaire import intensity_table
 from clerestory.radiance.modifiers import Modifiers
 from clerestory.radiance.search_path import library_file
 from clerestory.scene.pattern import Pattern
