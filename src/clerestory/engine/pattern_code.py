@@ -74,7 +74,7 @@ def perturbation(pattern: Pattern, origin: Origin) -> Callable[[Any], Any]:
     return added
 
 
-def _single(values: list[Any]) -> list[mi.Float]:
+def _single(values: list[Any]) -> list[Any]:
     return [mi.Float(mi.Float64(value)) for value in values]
 
 
