@@ -36,13 +36,7 @@ _CURVE_DEG = 2.5
 
 
 def patch_direction(patch: int, function: Function) -> Float[np.ndarray, "3"]:
-    """Incident direction, from its source, at the centre of a full-basis Klems patch.
-
-    Examples
-    --------
-    >>> patch_direction(0, "transmission_front").tolist()  # from outside
-    [-0.0, -0.0, -1.0]
-    """
+    """Incident direction at the centre of a patch of the full Klems basis."""
     centres = klems("full").centres()
     within(patch, "patch", least=0, most=len(centres) - 1)
     # The undeviated direction is the centre (room) or its mirror image (outdoors)

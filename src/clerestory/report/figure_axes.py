@@ -90,8 +90,8 @@ def compass_axes(figure: Figure) -> PolarAxes:
     axes: PolarAxes = figure.add_subplot(projection="polar")  # type: ignore[assignment]
     axes.set_theta_zero_location("N")
     axes.set_theta_direction(-1)
-    axes.set_xticks(np.radians(np.arange(0, 360, 45)))
-    axes.set_xticklabels(["N", "NE", "E", "SE", "S", "SW", "W", "NW"])
+    names = ("N", "NE", "E", "SE", "S", "SW", "W", "NW")
+    axes.set_xticks(np.radians(np.arange(0, 360, 45)), names)
     return axes
 
 

@@ -4,6 +4,8 @@ The sky dome is drawn as a sun-path diagram: a plan with the zenith at the centr
 up, east to the right, and radii linear in altitude.
 """
 
+from typing import Any
+
 import numpy as np
 from jaxtyping import Float
 from matplotlib.axes import Axes
@@ -28,6 +30,17 @@ _ALTITUDES, _AZIMUTHS = 90, 240
 _DARKEST = 1 / 300
 
 _SUN_COLOUR = "#111111"
+
+# Style of the hours on the sun path
+_HOUR: dict[str, Any] = {
+    "xytext": (0, 7),
+    "textcoords": "offset points",
+    "ha": "center",
+    "fontsize": 8,
+    "color": "white",
+    "bbox": {"boxstyle": "round,pad=0.15", "fc": "#000000a0", "ec": "none"},
+}
+
 # Smallest number of days for lines of sunrise and sunset
 _FEWEST_DAYS = 8
 
@@ -129,23 +142,10 @@ def _sun_path(axes: PolarAxes, weather: Weather, formula: SunFormula) -> None:
         if z < 88:
             axes.plot(a, z, "o", color=_SUN_COLOUR, markersize=4, mec="white", mew=0.8)
             if hour % 3 == 0:
-                _label_hour(axes, a, z, hour)
+                axes.annotate(f"{hour} h", (a, z), **_HOUR)
     a, z = (values[0] for values in _sun(weather, weather.times[:1], formula))
     if z <= 90:
         axes.plot(a, z, "o", color="#ffd84d", markersize=13, mec=_SUN_COLOUR, mew=1.4)
-
-
-def _label_hour(axes: PolarAxes, azimuth: float, zenith: float, hour: int) -> None:
-    axes.annotate(
-        f"{hour} h",
-        (azimuth, zenith),
-        xytext=(0, 7),
-        textcoords="offset points",
-        ha="center",
-        fontsize=8,
-        color="white",
-        bbox={"boxstyle": "round,pad=0.15", "fc": "#000000a0", "ec": "none"},
-    )
 
 
 def _sun(

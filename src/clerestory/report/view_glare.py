@@ -39,14 +39,10 @@ _PALE = np.array([235.0, 243.0, 249.0])
 
 @dataclass(frozen=True, eq=False)
 class ViewGlare:
-    """Annual glare of one view.
+    """Annual glare of one view, NaN in the dark.
 
-    Attributes
-    ----------
-    view : name of the view
-    dgp : DGP of each time step, NaN in the dark
-    illuminance : vertical eye illuminance [lux], NaN in the dark
-    brightest : luminance of the brightest pixel [cd/m²], NaN in the dark
+    `illuminance` is that of the eye [lux], `brightest` the luminance of the brightest
+    pixel [cd/m²].
     """
 
     view: str
