@@ -34,11 +34,8 @@ _MOST_SUMS = 1 << 24
 def trace_trees(request: TraceRequest, engine: Any, *, rank: int, depth: int) -> Traced:
     """Return trees of transmission and reflection for the requested incident sides.
 
-    Parameters
-    ----------
-    engine : module `engine.sample_area_tree`
-    rank : 3 for isotropic systems, 4 otherwise
-    depth : number of tree levels below the root
+    `engine`: module `engine.sample_area_tree`. `rank`: 3 for isotropic systems,
+    otherwise 4. `depth`: number of tree levels below the root.
     """
     area, effort = request.system.area, request.effort
     scene = request.system.scene

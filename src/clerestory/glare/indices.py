@@ -1,12 +1,23 @@
-"""List of the glare indices and photometric quantities reported for a picture.
+"""Result of a glare evaluation, and list of the indices and quantities that it reports.
 
 To add an index, write a module with the formula and add a line here.
 """
 
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
 from clerestory.glare.cgi import CGI
 from clerestory.glare.dgi import DGI, MODIFIED_DGI
-from clerestory.glare.dgp import DGP, SIMPLIFIED_DGP
-from clerestory.glare.index import GlareIndex, Quantity
+from clerestory.glare.dgp import (
+    DGP,
+    SIMPLIFIED_DGP,
+    age_correction,
+    dgp,
+    low_light_correction,
+)
+from clerestory.glare.index import EyePhotometry, GlareIndex, Quantity
 from clerestory.glare.ugp import LOGISTIC_UGP, UGP
 from clerestory.glare.ugr import EXPERIMENTAL_UGR, UGR
 from clerestory.glare.vcp import DGR, VCP
@@ -17,38 +28,19 @@ _CD = "cd/m2"
 # Ordered as the columns of evalglare -d
 REPORTED: tuple[Quantity, ...] = (
     DGP,
-    Quantity("average_luminance", "mean luminance", lambda e: e.average, _CD, "av_lum"),
-    Quantity(
-        "illuminance", "illuminance at the eye", lambda e: e.illuminance, "lux", "E_v"
-    ),
-    Quantity(
-        "background_luminance",
-        "luminance of the background",
-        lambda e: e.background,
-        _CD,
-        "lum_backg",
-    ),
-    Quantity(
-        "direct_illuminance",
-        "illuminance at the eye from the sources",
-        lambda e: e.direct_illuminance,
-        "lux",
-        "E_v_dir",
-    ),
+    Quantity("average_luminance", lambda e: e.average, _CD, "av_lum"),
+    Quantity("illuminance", lambda e: e.illuminance, "lux", "E_v"),
+    Quantity("background_luminance", lambda e: e.background, _CD, "lum_backg"),
+    Quantity("direct_illuminance", lambda e: e.direct_illuminance, "lux", "E_v_dir"),
     DGI,
     UGR,
     VCP,
     CGI,
     Quantity(
-        "source_luminance",
-        "mean luminance of the sources",
-        lambda e: e.sources.average_luminance(),
-        _CD,
-        "lum_sources",
+        "source_luminance", lambda e: e.sources.average_luminance(), _CD, "lum_sources"
     ),
     Quantity(
         "source_solid_angle",
-        "solid angle of the sources",
         lambda e: float(e.sources.solid_angle.sum()),
         "sr",
         "omega_sources",
@@ -61,14 +53,30 @@ REPORTED: tuple[Quantity, ...] = (
     MODIFIED_DGI,
     LOGISTIC_UGP,
     SIMPLIFIED_DGP,
-    Quantity("source_count", "number of sources", lambda e: float(e.sources.count)),
-    Quantity("brightest_luminance", "largest luminance", lambda e: e.brightest, _CD),
-    Quantity(
-        "reference_luminance",
-        "mean luminance of the task, or of the picture",
-        lambda e: e.reference,
-        _CD,
-    ),
+    Quantity("source_count", lambda e: float(e.sources.count)),
+    Quantity("brightest_luminance", lambda e: e.brightest, _CD),
+    Quantity("reference_luminance", lambda e: e.reference, _CD),
 )
 
 INDICES = tuple(one for one in REPORTED if isinstance(one, GlareIndex))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Glare(EyePhotometry):
+    """Glare sources, photometric quantities and glare indices of one picture."""
+
+    @cached_property
+    def dgp(self) -> float:
+        """Daylight glare probability, with the corrections for low light and age."""
+        level, settings = self.eye_illuminance, self.settings
+        value = dgp(self.sources, illuminance=level, coefficients=settings.coefficients)
+        if settings.low_light:
+            value *= float(low_light_correction(np.array(level)))
+        if settings.age is not None:
+            value *= age_correction(settings.age)
+        return min(value, 1.0)
+
+    def values(self) -> dict[str, float]:
+        """Return all indices and photometric quantities by name."""
+        found = {one.name: one.formula(self) for one in REPORTED}
+        return found | {"dgp": self.dgp}

@@ -9,9 +9,10 @@ angle are not merged.
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Int
 from scipy.spatial import cKDTree
 
+from clerestory.array_types import Image
 from clerestory.glare.neighbour_search import Neighbourhood, first_found
 from clerestory.glare.pixel_scan import ScannedPixels
 
@@ -24,7 +25,7 @@ _EDGE = 2
 def merge_sources(
     pixels: ScannedPixels,
     labels: Int[np.ndarray, " pixel"],
-    solid_angle: Float[np.ndarray, "row column"],
+    solid_angle: Image,
     near: Neighbourhood,
     *,
     skip_inner: bool,
@@ -42,10 +43,11 @@ def merge_sources(
     np.maximum.at(highest, pixels.island, labels)
     for island in np.flatnonzero(lowest != highest):
         index = np.flatnonzero(pixels.island == island)
-        some = pixels.take(index)
+        some = ScannedPixels(*(part[index] for part in pixels))
         picture[some.row, some.column] = labels[index]
         state = _Merging(some, labels[index], picture, solid_angle, near, skip_inner)
-        state.run()
+        while state.scan():
+            pass
         merged[index] = picture[some.row, some.column]
     return merged
 
@@ -73,11 +75,15 @@ class _Merging:
         # Pairs of an outer pixel and the label of a source within the search angle
         outer = np.flatnonzero(self._is_outer(np.arange(self.labels.size)))
         row, column = self.pixels.row[outer], self.pixels.column[outer]
-        direction = self.near.direction[row, column]
+        direction, reach = self.near.direction[row, column], self.near.reach
         found = []
         for label in np.unique(self.labels):
             mine = self.labels[outer] == label
-            about = ~mine & self._in_box(row, column, row[mine], column[mine])
+            # Restrict the search to the bounding box of the source
+            about = ~mine
+            for place in (row, column):
+                least, most = place[mine].min(), place[mine].max()
+                about &= (place >= least - reach) & (place <= most + reach)
             distance, _ = cKDTree(direction[mine]).query(
                 direction[about], distance_upper_bound=self.near.chord
             )
@@ -85,16 +91,6 @@ class _Merging:
             found.append((pixel, np.full(pixel.size, label)))
         pixel, neighbour = (np.concatenate(part) for part in zip(*found, strict=True))
         return pixel, neighbour
-
-    def _in_box(
-        self, row: np.ndarray, column: np.ndarray, rows: np.ndarray, columns: np.ndarray
-    ) -> np.ndarray:
-        # Whether pixels are in the bounding box of other pixels, enlarged by the search
-        # radius
-        reach = self.near.reach
-        inside: np.ndarray = (row >= rows.min() - reach) & (row <= rows.max() + reach)
-        inside &= (column >= columns.min() - reach) & (column <= columns.max() + reach)
-        return inside
 
     def _is_outer(self, index: np.ndarray) -> np.ndarray:
         # Whether pixels have an adjacent pixel of another label or are at the edge
@@ -110,12 +106,8 @@ class _Merging:
             outer |= beside != own
         return outer
 
-    def run(self) -> None:
-        """Repeat scans until no sources are merged."""
-        while self._scan():
-            pass
-
-    def _scan(self) -> bool:
+    def scan(self) -> bool:
+        """Merge sources in the order of the scan; return whether any was merged."""
         changed, last = False, -1
         while True:
             own = self.current[self.labels[self.pixel]]

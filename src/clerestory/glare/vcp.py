@@ -12,9 +12,7 @@ _LARGEST_RATING, _SMALLEST_RATING = 750.0, 20.0
 def dgr(sources: GlareSources, *, average: float) -> float:
     """Guth's discomfort glare rating; 0 without sources.
 
-    Parameters
-    ----------
-    average : mean luminance of the field of view [cd/m²]
+    `average` is the mean luminance of the field of view [cd/m²].
 
     Reference: Guth, S. K. (1963): A method for the evaluation of discomfort glare.
     Illuminating Engineering 57. IESNA Lighting Handbook, 9th edition, chapter 9.
@@ -50,19 +48,14 @@ def vcp(rating: float) -> float:
 
 DGR = GlareIndex(
     name="dgr",
-    title="discomfort glare rating",
     formula=lambda eye: dgr(eye.sources, average=eye.average),
-    reference="Guth 1963",
     column="dgr",
 )
 VCP = GlareIndex(
     name="vcp",
-    title="visual comfort probability",
     formula=lambda eye: vcp(DGR.formula(eye)),
-    reference="Guth 1963; thresholds: Jakubiec and Reinhart 2012",
-    thresholds=(80.0, 60.0, 40.0),
+    thresholds=(80.0, 60.0, 40.0),  # Jakubiec and Reinhart 2012
     glare_increases=False,
     unit="%",
     column="vcp",
-    in_short_line=True,
 )

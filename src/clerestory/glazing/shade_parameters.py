@@ -5,10 +5,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
 from clerestory.checks import require
-from clerestory.documents import Positive, Table, validated
+from clerestory.documents import Table, validated
 from clerestory.errors import InputError
 from clerestory.glazing.layer import Layer
 from clerestory.glazing.pane import Pane
@@ -18,15 +18,23 @@ from clerestory.glazing.venetian import VenetianBlind
 
 _MILLIMETRE = 1e-3
 
-_Pair = tuple[Positive, Positive]
+# Numbers in the IGSDB may be text
+_Length = Annotated[float, Field(gt=0)]
+_Pair = tuple[_Length, _Length]
 
 
-class SlatParameters(Table):
+class GlazingTable(Table):
+    """A table of a glazing file, in which lists and file names are converted."""
+
+    model_config = ConfigDict(strict=False)
+
+
+class SlatParameters(GlazingTable):
     """Slats of a venetian blind."""
 
     material: Path
-    width_mm: Positive
-    spacing_mm: Positive
+    width_mm: _Length
+    spacing_mm: _Length
     tilt_deg: Annotated[float, Field(ge=-90, le=90)] = 0.0
     curvature_radius_mm: float = 0.0
     segments: int = 5
@@ -45,12 +53,12 @@ class SlatParameters(Table):
         return VenetianBlind(material, slats, self.distribution, self.vertical)
 
 
-class ThreadParameters(Table):
+class ThreadParameters(GlazingTable):
     """Threads of a woven shade."""
 
     material: Path
-    thread_diameter_mm: Positive
-    thread_spacing_mm: Positive
+    thread_diameter_mm: _Length
+    thread_spacing_mm: _Length
 
     def layer(self, material: Pane) -> Layer:
         """Return the fabric."""
@@ -61,13 +69,13 @@ class ThreadParameters(Table):
         )
 
 
-class HoleParameters(Table):
+class HoleParameters(GlazingTable):
     """Holes of a perforated screen: circles of `radius_mm`, or rectangles."""
 
     material: Path
     shape: Literal["circular", "rectangular"] = "circular"
     spacing_mm: _Pair
-    radius_mm: Positive | None = None
+    radius_mm: _Length | None = None
     size_mm: _Pair | None = None
 
     def layer(self, material: Pane) -> Layer:

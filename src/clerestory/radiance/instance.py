@@ -8,7 +8,7 @@ scene.
 References: G. Ward, "The RADIANCE 6.0 Synthetic Imaging System", section 2.1.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,11 +16,15 @@ import numpy as np
 
 from clerestory.checks import require
 from clerestory.errors import InputError
-from clerestory.files import read_bytes
+from clerestory.files import is_file, read_bytes
 from clerestory.formats.obj import obj_meshes
 from clerestory.formats.obj_text import ObjText, parse_obj
-from clerestory.radiance.compiled import Octree, read_octree
-from clerestory.radiance.compiled_mesh import CompiledMesh, read_compiled_mesh
+from clerestory.radiance.compiled import (
+    CompiledMesh,
+    Octree,
+    read_compiled_mesh,
+    read_octree,
+)
 from clerestory.radiance.placement import Placement
 from clerestory.scene.model import Source, TriangleMesh
 from clerestory.scene.primitive import Arguments, Primitive
@@ -66,7 +70,9 @@ def read_instance(
             case Octree() as octree:
                 return _octree(octree, path, placement, find)
             case ObjText() as text:
-                return Instance((), _obj(text, path, item), placement)
+                meshes = obj_meshes(text, file=str(path))
+                _require_materials(item, path, (mesh.material for mesh in meshes))
+                return Instance((), meshes, placement)
             case CompiledMesh() as mesh:
                 return Instance(
                     (), _compiled(mesh, path, item, given.source), placement
@@ -96,27 +102,21 @@ def _octree(
             " octree (oconv -f) expected",
         )
         beside = path.parent / name
-        files.append(beside if beside.is_file() else find(name))
+        files.append(beside if is_file(beside) else find(name))
     return Instance(tuple(files), octree.items, placement)
 
 
-def _require_materials(item: Primitive, path: Path, *, complete: bool) -> None:
+def _require_materials(item: Primitive, path: Path, names: Iterable[str]) -> None:
     require(
-        complete or item.modifier != "void",
+        all(names) or item.modifier != "void",
         f"{path} has faces without material; a modifier other than void expected",
     )
-
-
-def _obj(text: ObjText, path: Path, item: Primitive) -> tuple[TriangleMesh, ...]:
-    meshes = obj_meshes(text, file=str(path))
-    _require_materials(item, path, complete=all(mesh.material for mesh in meshes))
-    return meshes
 
 
 def _compiled(
     mesh: CompiledMesh, path: Path, item: Primitive, source: Source
 ) -> tuple[Primitive | TriangleMesh, ...]:
-    _require_materials(item, path, complete="" not in mesh.material)
+    _require_materials(item, path, mesh.material)
     names = np.array(mesh.material)
     parts: list[Primitive | TriangleMesh] = list(mesh.items)
     for name in np.unique(names).tolist():

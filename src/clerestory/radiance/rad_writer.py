@@ -8,12 +8,7 @@ from clerestory.bsdf.bsdf import Bsdf
 from clerestory.checks import require
 from clerestory.errors import InputError
 from clerestory.radiance.primitives import specification
-from clerestory.scene.material import (
-    Argument,
-    Material,
-    Specification,
-    insert_material,
-)
+from clerestory.scene.material import Argument, Material, Specification, insert_material
 from clerestory.scene.materials.mixture import Void
 from clerestory.scene.model import Scene
 from clerestory.scene.pattern import Pattern
@@ -24,28 +19,7 @@ from clerestory.scene.surface import Polygon, Simple, TriangleMesh
 def format_rad(scene: Scene, *, bsdf_file: Mapping[str, str | Path]) -> str:
     """Return a scene as the text of a Radiance scene file.
 
-    Parameters
-    ----------
-    bsdf_file : paths of BSDF files by key of the material
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from clerestory.scene.model import Sphere
-    >>> from clerestory.scene.materials.plastic import Plastic
-    >>> ball = Sphere(np.zeros(3), 0.5, False, "grey", "ball")
-    >>> grey = Plastic("grey", np.full(3, 0.4))
-    >>> print(format_rad(Scene({"grey": grey}, (ball,)), bsdf_file={}))
-    void plastic grey
-    0
-    0
-    5 0.4 0.4 0.4 0 0
-    <BLANKLINE>
-    grey sphere ball
-    0
-    0
-    4 0 0 0 0.5
-    <BLANKLINE>
+    `bsdf_file` has the paths of BSDF files by key of the material.
     """
     require(
         scene.bands == RGB, f"the scene is in the bands {scene.bands}; {RGB} expected"
@@ -56,7 +30,8 @@ def format_rad(scene: Scene, *, bsdf_file: Mapping[str, str | Path]) -> str:
         name = surface.name or f"surface{number}"
         for shape in _shapes(surface):
             modifier = name_of[surface.material]
-            writer.put(primitive(modifier, shape.kind, name, shape.reals))
+            made = primitive(modifier, shape.kind, name, shape.reals)
+            writer.text.append(primitive_text(made))
     return "\n".join(writer.text)
 
 
@@ -65,14 +40,6 @@ class _Writer:
         self.text: list[str] = []
         self.written: dict[str, Material] = {}
         self.bsdf_file = bsdf_file
-
-    def put(self, item: Primitive) -> None:
-        """Add a primitive to the text."""
-        words = " ".join([str(len(item.strings)), *map(_quoted, item.strings)])
-        values = [f"{value:.12g}" for value in item.reals]
-        numbers = " ".join([str(len(values)), *values])
-        head = f"{_quoted(item.modifier)} {item.kind} {_quoted(item.name)}"
-        self.text.append(f"{head}\n{words}\n0\n{numbers}\n")
 
     def define(self, material: Material, key: str) -> str:
         """Add a material, after the materials it is composed of; return its name."""
@@ -86,7 +53,8 @@ class _Writer:
             )
         strings = tuple(self.word(each, material, key) for each in given.strings)
         self.written[key] = material
-        self.put(primitive("void", given.kind, key, given.reals, strings))
+        made = primitive("void", given.kind, key, given.reals, strings)
+        self.text.append(primitive_text(made))
         return key
 
     def word(self, value: Argument, material: Material, key: str) -> str:
@@ -125,6 +93,14 @@ def _shapes(surface: Polygon | Simple) -> Iterator[Specification]:
             yield Specification("polygon", (), (*corners.ravel(),))
     else:
         yield specification(surface)
+
+
+def primitive_text(item: Primitive) -> str:
+    """Return a primitive as text."""
+    words = " ".join([str(len(item.strings)), *map(_quoted, item.strings)])
+    numbers = " ".join([str(len(item.reals)), *(f"{v:.12g}" for v in item.reals)])
+    head = f"{_quoted(item.modifier)} {item.kind} {_quoted(item.name)}"
+    return f"{head}\n{words}\n0\n{numbers}\n"
 
 
 def _quoted(word: str) -> str:

@@ -45,14 +45,7 @@ class Triangulation:
 def distances(
     point: Vector, corner: Float[np.ndarray, "triangles 3 3"]
 ) -> Float[np.ndarray, " triangles"]:
-    """Return the distances from a point to triangles [m].
-
-    Examples
-    --------
-    >>> triangle = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]])
-    >>> distances(np.array([0.2, 0.2, 3.0]), triangle).tolist()
-    [3.0]
-    """
+    """Return the distances from a point to triangles [m]."""
     edge = np.roll(corner, -1, axis=1) - corner
     away = point - corner
     normal = np.cross(edge[:, 0], edge[:, 1])
@@ -71,16 +64,12 @@ def distances(
 
 
 def first_hits(
-    point: Vector,
-    direction: RayVectors,
-    corner: Float[np.ndarray, "triangles 3 3"],
+    point: Vector, direction: RayVectors, corner: Float[np.ndarray, "triangles 3 3"]
 ) -> RayValues:
     """Return the distances from a point to the first hit of each ray [m]; inf if none.
 
     References: T. Möller, B. Trumbore, Journal of Graphics Tools 2 (1), 1997.
 
-    Examples
-    --------
     >>> triangle = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]])
     >>> up_and_down = np.array([[0.0, 0, 1], [0, 0, -1]])
     >>> first_hits(np.array([0.2, 0.2, 3.0]), up_and_down, triangle).tolist()

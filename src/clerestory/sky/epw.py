@@ -17,7 +17,8 @@ import numpy as np
 from clerestory.checks import require
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.files import read_text
-from clerestory.sky.measured_weather import Measurement, weather_of_components
+from clerestory.sky.irradiance_decomposition import Irradiance
+from clerestory.sky.measured_weather import weather_of_components
 from clerestory.sky.table_cells import DataRows, numbers
 from clerestory.sky.time_steps import calendar_times
 from clerestory.sky.weather import Site, Weather
@@ -45,13 +46,12 @@ def read_epw(path: str | Path) -> Weather:
     require(
         cells[0].strip().upper() == "LOCATION",
         "no LOCATION in the first line; an EPW file expected",
-        file=path,
         line=1,
     )
     place = "_".join(part.strip() for part in (cells[1:2] + cells[3:4]) if part.strip())
-    latitude, longitude, offset, elevation = numbers(cells, _SITE, file=path, line=1)
+    latitude, longitude, offset, elevation = numbers(cells, _SITE)
     site = Site(latitude, longitude, offset, elevation, place)
-    per_hour = _records_per_hour(lines, path)
+    per_hour = _records_per_hour(lines)
     table = (text.split(",") if text.strip() else [] for text in lines)
     rows = DataRows.below(_HEADER_LINES, table, file=path)
 
@@ -65,34 +65,28 @@ def read_epw(path: str | Path) -> Weather:
     )
     _warn_if_truncated(times, per_hour, lines, path)
     return weather_of_components(
-        Measurement(
-            site,
-            times,
-            60 / per_hour,
-            {"direct_normal": direct, "diffuse_horizontal": diffuse},
-            rows,
-            dew_point_c=np.where(
-                np.abs(dew_point) < _MISSING_DEW_POINT, dew_point, np.nan
-            ),
-        )
+        site,
+        times,
+        rows,
+        Irradiance(direct, diffuse),
+        step_minutes=60 / per_hour,
+        dew_point_c=np.where(np.abs(dew_point) < _MISSING_DEW_POINT, dew_point, np.nan),
     )
 
 
-def _records_per_hour(lines: list[str], path: str | Path) -> int:
+def _records_per_hour(lines: list[str]) -> int:
     for line, text in enumerate(lines[:_HEADER_LINES], start=1):
         cells = text.split(",")
         if cells[0].strip().upper() == "DATA PERIODS":
-            (count,) = numbers(cells, {"records per hour": 2}, file=path, line=line)
+            (count,) = numbers(cells, {"records per hour": 2}, line)
             require(
                 count in (1, 2, 3, 4, 5, 6, 10, 12, 15, 20, 30, 60),
                 f"{count:g} records per hour; a divisor of 60 expected",
-                file=path,
                 line=line,
             )
             return int(count)
     raise InputError(
-        f"no DATA PERIODS in the first {_HEADER_LINES} lines; an EPW header expected",
-        file=path,
+        f"no DATA PERIODS in the first {_HEADER_LINES} lines; an EPW header expected"
     )
 
 

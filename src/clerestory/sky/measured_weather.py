@@ -16,11 +16,11 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import Literal, get_args
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool
 
+from clerestory.array_types import Series
 from clerestory.checks import require
 from clerestory.errors import ClerestoryWarning
-from clerestory.sky.illuminance_conversion import irradiance_of
 from clerestory.sky.irradiance_decomposition import (
     Component,
     Decomposition,
@@ -28,8 +28,10 @@ from clerestory.sky.irradiance_decomposition import (
     limit_to_extraterrestrial,
     split_irradiance,
 )
+from clerestory.sky.sky_state import irradiance_of
 from clerestory.sky.solar_position import sun_at
 from clerestory.sky.table_cells import DataRows
+from clerestory.sky.time_steps import typical_step
 from clerestory.sky.weather import Illuminance, Site, Weather
 
 Quantity = Literal[
@@ -61,32 +63,39 @@ _Notes = tuple[str, ...]
 class Measurement:
     """Irradiance [W/m²] or illuminance [lux] at one site; NaN where missing.
 
-    Attributes
-    ----------
-    times : centres of the steps, local standard time
-    rows : rows of the file, for line numbers in messages
-    names : column name of each quantity, for messages
+    Times are local standard time at the centres of the steps. The rows of the file and
+    the names of the columns are for messages.
     """
 
     site: Site
     times: np.ndarray
     step_minutes: float
-    series: Mapping[Quantity, Float[np.ndarray, " time"]]
+    series: Mapping[Quantity, Series]
     rows: DataRows
     names: Mapping[Quantity, str] = field(default_factory=dict)
-    dew_point_c: Float[np.ndarray, " time"] | None = None
+    dew_point_c: Series | None = None
 
 
-def weather_of_components(measurement: Measurement, *, notes: _Notes = ()) -> Weather:
-    """Return the weather of measured direct normal and diffuse horizontal irradiance.
-
-    Irradiance at night is preserved. `notes` are earlier corrections.
-    """
+def weather_of_components(
+    site: Site,
+    times: np.ndarray,
+    rows: DataRows,
+    parts: Irradiance,
+    *,
+    step_minutes: float | None = None,
+    dew_point_c: Series | None = None,
+) -> Weather:
+    """Return the weather of the rows of a file; irradiance at night is preserved."""
+    step = typical_step(times) if step_minutes is None else step_minutes
+    series: dict[Quantity, np.ndarray] = {
+        "direct_normal": parts.direct_normal,
+        "diffuse_horizontal": parts.diffuse_horizontal,
+    }
+    measurement = Measurement(site, times, step, series, rows, dew_point_c=dew_point_c)
     watts, repairs = _repaired(measurement, _IRRADIANCE, scale=1.0, unit="W/m²")
-    direct, limited = limit_to_extraterrestrial(
-        watts["direct_normal"], measurement.times
-    )
-    parts = Irradiance(direct, watts["diffuse_horizontal"], notes + repairs + limited)
+    direct, limited = limit_to_extraterrestrial(watts["direct_normal"], times)
+    notes = parts.notes + repairs + limited
+    parts = Irradiance(direct, watts["diffuse_horizontal"], notes)
     return _weather(measurement, parts)
 
 
@@ -113,22 +122,17 @@ def weather_of(
         )
         parts = split_irradiance(times, sun, lux)
         notes += parts.notes
-        illuminance = Illuminance(
-            parts.direct_normal * _LUX_PER_WATT,
-            parts.diffuse_horizontal * _LUX_PER_WATT,
-        )
+        direct, diffuse = parts.direct_normal, parts.diffuse_horizontal
+        illuminance = Illuminance(direct * _LUX_PER_WATT, diffuse * _LUX_PER_WATT)
     if watts or illuminance is None:
         parts = split_irradiance(times, sun, watts, decomposition=decomposition)
         if set(watts) == {"global_horizontal"}:
-            assumptions = (
-                f"global irradiance decomposed by the {decomposition} model",
-            )
+            note = f"global irradiance decomposed by the {decomposition} model"
+            assumptions = (note,)
     else:
-        parts = Irradiance(
-            *irradiance_of(
-                illuminance, times=times, sun=sun, dew_point_c=measurement.dew_point_c
-            )
-        )
+        dew_point = measurement.dew_point_c
+        found = irradiance_of(illuminance, times=times, sun=sun, dew_point_c=dew_point)
+        parts = Irradiance(*found)
         assumptions = ("irradiance from illuminance by Perez's luminous efficacy",)
     parts = replace(parts, notes=notes + parts.notes)
     return _weather(measurement, parts, illuminance, assumptions)
@@ -164,7 +168,7 @@ def _repaired(
     *,
     scale: float,
     unit: str,
-) -> tuple[dict[Component, Float[np.ndarray, " time"]], _Notes]:
+) -> tuple[dict[Component, Series], _Notes]:
     # Return the series by component, in W/m² or hundreds of lux, and notes
     notes: _Notes = ()
     series = {}
@@ -178,7 +182,7 @@ def _repaired(
 
 def _filled(
     measurement: Measurement, quantity: Quantity, scale: float, unit: str
-) -> tuple[Float[np.ndarray, " time"], _Notes]:
+) -> tuple[Series, _Notes]:
     values, rows = measurement.series[quantity], measurement.rows
     plain = quantity.replace("_", " ")
     plain += "" if quantity in _ILLUMINANCE else " irradiance"

@@ -8,14 +8,13 @@ from dataclasses import dataclass, replace
 from typing import Unpack
 
 import numpy as np
-from jaxtyping import Float
 from scipy.sparse import csc_array
 
+from clerestory.array_types import Directions, Values, Vector
 from clerestory.bands import RGB, Bands
 from clerestory.checks import not_negative, require, within
 from clerestory.constants import GROUND_REFLECTANCE, LUMINOUS_EFFICACY, SKY_COLOUR
 from clerestory.hemisphere.reinhart import reinhart
-from clerestory.sky.illuminance_conversion import irradiance_of
 from clerestory.sky.luminance_distribution import (
     Distribution,
     FiveParameters,
@@ -24,7 +23,7 @@ from clerestory.sky.luminance_distribution import (
 from clerestory.sky.patch_radiance import SkyMatrix
 from clerestory.sky.perez import perez_sky
 from clerestory.sky.sky_conditions import SkyConditions, SkyOptions, sky_conditions
-from clerestory.sky.sky_state import sky_state
+from clerestory.sky.sky_state import irradiance_of, sky_state
 from clerestory.sky.solar_position import SunPosition, day_of_year
 from clerestory.sky.solar_radiance import SUN_DIAMETER_DEG, SunPlacement, sun_radiance
 from clerestory.sky.weather import Illuminance, Weather
@@ -40,19 +39,14 @@ _MEAN_DAY = np.datetime64("2023-04-04", "s")
 class PointSky:
     """Sky, sun and ground at one moment.
 
-    Attributes
-    ----------
-    scale : radiance at a relative luminance of 1 [W/(m²·sr)]
-    sun : unit vector to the sun
-    direct_normal : direct normal irradiance [W/m²]
-    ground : radiance of the ground [W/(m²·sr)]
-    colour : factor on the sky radiance in each band
-    time : local standard time; NaT if unspecified
+    `scale` is the radiance at a relative luminance of 1, `ground` that of the ground
+    [W/(m²·sr)]; `colour` is a factor on the sky radiance in each band. The time is
+    local standard time, or NaT.
     """
 
     distribution: Distribution
     scale: float
-    sun: Float[np.ndarray, "3"]
+    sun: Vector
     direct_normal: float
     ground: float
     colour: tuple[float, ...] = (1.0, 1.0, 1.0)
@@ -70,11 +64,9 @@ class PointSky:
             " expected",
         )
 
-    def radiance(
-        self, direction: Float[np.ndarray, "*batch 3"]
-    ) -> Float[np.ndarray, "*batch"]:
+    def radiance(self, direction: Directions) -> Values:
         """Achromatic radiance of sky and ground, without sun [W/(m²·sr)]."""
-        sky = self.scale * self.distribution.relative(direction, sun=self.sun)
+        sky = self.scale * self.distribution(direction, self.sun)
         return np.where(direction[..., 2] > 0, sky, self.ground)
 
     def diffuse_horizontal(self) -> float:
@@ -150,16 +142,15 @@ def _perez(
     sky_colour: tuple[float, float, float],
 ) -> PointSky:
     sky = perez_sky(conditions.state, azimuth=conditions.sun.azimuth)
-    shape = FiveParameters(*sky.parameters[:, 0].tolist())
     diffuse = float(conditions.diffuse_horizontal[0])
     level = diffuse + float(conditions.direct_horizontal()[0])
 
     # Use the sun direction of the Perez model, with a zenith angle of at least 3°
-    distribution = _Circumsolar(shape, sky.sun[0])
+    parameters = sky.parameters[:, 0].tolist()
+    distribution = replace(FiveParameters(*parameters), centre=sky.sun[0])
     total = horizontal_integral(distribution, sun=sky.sun[0])
     if not total > 0:
-        uniform = FiveParameters(0, 0, 0, 0, 0)
-        distribution, total = _Circumsolar(uniform, sky.sun[0]), np.pi
+        distribution, total = FiveParameters(0, 0, 0, 0, 0), np.pi
     return PointSky(
         distribution,
         diffuse / total,
@@ -168,18 +159,6 @@ def _perez(
         ground_reflectance * level / np.pi,
         sky_colour,
     )
-
-
-@dataclass(frozen=True, eq=False)
-class _Circumsolar:
-    # Distribution whose circumsolar centre may differ from the sun's direction
-    shape: FiveParameters
-    centre: Float[np.ndarray, "3"]
-
-    def relative(
-        self, direction: Float[np.ndarray, "*batch 3"], *, sun: Float[np.ndarray, "3"]
-    ) -> Float[np.ndarray, "*batch"]:
-        return self.shape.relative(direction, sun=self.centre)
 
 
 def sky_vector(

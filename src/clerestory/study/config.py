@@ -12,16 +12,14 @@ from pydantic import (
     BeforeValidator,
     Field,
     PrivateAttr,
-    ValidationError,
     model_validator,
 )
 from pydantic_core import PydanticCustomError
 
+from clerestory.documents import Table, read_toml
 from clerestory.engine.device import Device
-from clerestory.files import read_text
 from clerestory.phases.matrix_equation import Term
 from clerestory.phases.methods import METHODS, MethodName
-from clerestory.study.config_errors import input_error, parse_toml
 from clerestory.study.config_tables import (
     Distinct,
     MetricsTable,
@@ -32,7 +30,6 @@ from clerestory.study.config_tables import (
     SkyTable,
     SunlightTable,
     SunTable,
-    Table,
     TraceTable,
     ViewTable,
     WeatherTable,
@@ -246,10 +243,5 @@ def read_study(path: str | Path) -> Study:
         unknown or wrong; with the line and the valid choices
     """
     path = Path(path)
-    text = read_text(path)
-    tables = parse_toml(text, file=path)
-    try:
-        study = Study.model_validate(tables, context={"folder": path.parent})
-    except ValidationError as error:
-        raise input_error(error, model=Study, text=text, file=path) from error
+    study = read_toml(path, Study, {"folder": path.parent})
     return study.model_copy(update={"title": study.title or path.stem})

@@ -10,15 +10,15 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
     AfterValidator,
-    BaseModel,
     BeforeValidator,
-    ConfigDict,
     Field,
     model_validator,
 )
 from pydantic_core import PydanticCustomError
 
+from clerestory.documents import Table
 from clerestory.engine.device import Device
+from clerestory.files import is_file
 from clerestory.metrics.climate_based_metrics import TARGET_LUX
 from clerestory.metrics.en17037 import FIRST_DAY, LAST_DAY
 from clerestory.sky.station_file import MeasuredTable
@@ -29,7 +29,7 @@ def _input_file(value: Any, info: Any) -> Any:
     if not isinstance(value, str) or not value:
         raise PydanticCustomError("file", "the name of a file in quotes")
     path: Path = (info.context or {}).get("folder", Path()) / value
-    if not path.is_file():
+    if not is_file(path):
         raise PydanticCustomError("file", "the name of a file that exists")
     return path
 
@@ -46,14 +46,6 @@ def require_rule(valid: object, message: str) -> None:
     """Raise a validation error for inconsistent keys of a table unless `valid`."""
     if not valid:
         raise PydanticCustomError("rule", "{message}", {"message": message})
-
-
-class Table(BaseModel):
-    """A table of the study file; unknown keys and wrong types are errors."""
-
-    model_config = ConfigDict(
-        extra="forbid", frozen=True, strict=True, allow_inf_nan=False
-    )
 
 
 class Named(Table):

@@ -15,8 +15,10 @@ import h5netcdf  # type: ignore[import-untyped]
 import numpy as np
 import xarray as xr
 
+from clerestory.checks import require
+from clerestory.documents import json_value
 from clerestory.errors import InputError
-from clerestory.files import read_bytes, read_text, replace_path, write_text
+from clerestory.files import is_file, read_bytes, read_text, replace_path, write_text
 from clerestory.phases.illuminance import hourly_variable
 
 RESULTS_FILE = "results.nc"
@@ -156,7 +158,7 @@ def read_results(path: str | Path) -> Results:
     """
     path = Path(path)
     path = path / RESULTS_FILE if path.is_dir() else path
-    large = path.is_file() and path.stat().st_size > 2 * _LARGE
+    large = is_file(path) and path.stat().st_size > 2 * _LARGE
     source = path if large else io.BytesIO(read_bytes(path))
     try:
         data = xr.open_dataset(source, engine="h5netcdf", cache=False)
@@ -178,10 +180,9 @@ def _read_run(path: Path) -> dict[str, Any]:
     # run.json is optional
     if not path.is_file():
         return {}
-    try:
-        return dict(json.loads(read_text(path)))
-    except ValueError as error:
-        raise InputError(f"is not JSON: {error}", file=path) from error
+    data = json_value(read_text(path), file=path)
+    require(isinstance(data, dict), "not the run.json of a run", file=path)
+    return dict(data)
 
 
 def sensor_names(grid: str, count: int) -> list[str]:
