@@ -74,12 +74,7 @@ class Bands:
 
     @property
     def weights(self) -> Float[np.ndarray, " band"]:
-        """Luminous efficacy of each band [lm/W].
-
-        Raises
-        ------
-        InputError : the luminous efficacy is unknown
-        """
+        """Luminous efficacy of each band [lm/W]."""
         if self.efficacy is None:
             raise InputError(
                 f"the luminous efficacy of the bands {self} is unknown; bands with"
@@ -143,10 +138,6 @@ def common_bands(parts: Iterable[tuple[Bands, int]]) -> Bands:
     Operands are given by their bands and numbers of channels. An operand with one
     channel is compatible with any bands. If all operands have one channel, the bands of
     the last operand are returned.
-
-    Raises
-    ------
-    MatrixError : two operands with several channels have different bands
     """
     pairs = list(parts)
     several = [bands for bands, channels in pairs if channels > 1]

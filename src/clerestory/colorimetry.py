@@ -47,12 +47,7 @@ _SHARP = np.array(
 
 @dataclass(frozen=True)
 class Primaries:
-    """Chromaticities x, y of red, green, blue and white.
-
-    Raises
-    ------
-    InputError : the white point has y ≤ 0, or the primaries lie on a line
-    """
+    """Chromaticities x, y of red, green, blue and white."""
 
     red: tuple[float, float]
     green: tuple[float, float]

@@ -25,10 +25,6 @@ class Spectrum:
     wavelength_nm : increasing wavelengths [nm]
     value : value at each wavelength
 
-    Raises
-    ------
-    InputError : wavelengths do not increase, or a value is not finite
-
     Examples
     --------
     >>> ramp = Spectrum(np.array([400.0, 500.0]), np.array([0.0, 1.0]))
@@ -59,12 +55,7 @@ class Spectrum:
 
 
 def check_wavelengths(wavelength_nm: Float[np.ndarray, " wavelength"]) -> None:
-    """Check that wavelengths are positive and increasing.
-
-    Raises
-    ------
-    InputError : there are no wavelengths, or one is not positive or not increasing
-    """
+    """Check that wavelengths are positive and increasing."""
     w = wavelength_nm
     if len(w) == 0 or not np.all(np.isfinite(w)) or w[0] <= 0:
         raise InputError("wavelengths are missing or not positive; nanometres expected")
@@ -99,12 +90,6 @@ def common_wavelengths(
 ) -> Float[np.ndarray, " wavelength"]:
     """Union of several wavelength grids within their common range [nm].
 
-    Raises
-    ------
-    InputError : the ranges do not overlap
-
-    Examples
-    --------
     >>> a, b = np.array([300.0, 400.0, 500.0]), np.array([350.0, 600.0])
     >>> common_wavelengths([a, b]).tolist()
     [350.0, 400.0, 500.0]

@@ -6,7 +6,7 @@ import pytest
 
 from clerestory.radiance.window_reader import read_windows
 from clerestory.study.config import read_study
-from clerestory.study.demo_study import write_demo
+from clerestory.study.new_study import write_demo
 
 COMMAND = (
     "new office --scene materials.rad room.rad --window window.rad"

@@ -12,8 +12,7 @@ from clerestory.cli.requests import study as requests
 from clerestory.metrics.sensor_metrics import error_of_group_mean
 from clerestory.report.page import REPORT_FILE, picture_folder, write_report
 from clerestory.study.config import Study, read_study
-from clerestory.study.demo_study import write_demo
-from clerestory.study.new_study import begin_study
+from clerestory.study.new_study import begin_study, write_demo
 from clerestory.study.results import Results, read_results
 from clerestory.study.run_plan import plan_study
 from clerestory.study.study_run import run_study

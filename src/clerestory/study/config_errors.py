@@ -34,12 +34,7 @@ _EXPECTED = {
 
 
 def parse_toml(text: str, *, file: Path) -> dict[str, Any]:
-    """Return the tables of a TOML text.
-
-    Raises
-    ------
-    InputError : the text is not TOML, with the line
-    """
+    """Return the tables of a TOML text."""
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:

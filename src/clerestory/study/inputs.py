@@ -52,12 +52,7 @@ class Inputs:
 
 
 def read_inputs(study: Study) -> Inputs:
-    """Read the files of a study.
-
-    Raises
-    ------
-    InputError : a file is invalid, or files are inconsistent
-    """
+    """Read the files of a study."""
     groups = [group for table in study.window for group in read_window_groups(table)]
     names = [group.name for group in groups]
     for name in names:

@@ -74,12 +74,7 @@ def _lux(matrix: TransferMatrix) -> tuple[np.ndarray, np.ndarray]:
 
 
 def trace_lamps(job: Job) -> Lamps:
-    """Return the electric light of a study, from the cache if possible.
-
-    Raises
-    ------
-    InputError : a luminaire file is invalid
-    """
+    """Return the electric light of a study, from the cache if possible."""
     zones = tuple(_zone(job, table) for table in job.study.lighting)
     if not zones:
         return Lamps()
@@ -97,8 +92,6 @@ def trace_lamps(job: Job) -> Lamps:
 def unlit(scene: Scene) -> Scene:
     """Return a scene without light: black emitters, no sources at infinity.
 
-    Examples
-    --------
     >>> from clerestory.scene.model import Light
     >>> bulb = Scene({"bulb": Light("bulb", np.ones(3))})
     >>> type(unlit(bulb).materials["bulb"]).__name__

@@ -107,8 +107,6 @@ def differences(
 
     Only values with a reference of at least 100 lux are included; NaN without any.
 
-    Examples
-    --------
     >>> ours, theirs = np.array([104.0, 180.0, 5.0]), np.array([100.0, 200.0, 9.0])
     >>> [round(x, 3) for x in differences(ours, theirs)]
     [-5.333, 9.615, 50.0, 100.0, 100.0]

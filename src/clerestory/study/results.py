@@ -109,12 +109,7 @@ class Results:
 
 
 def save_results(results: Results, folder: str | Path) -> Path:
-    """Write `results.nc` and `run.json` atomically; return the path of `results.nc`.
-
-    Raises
-    ------
-    OutputError : the folder is missing or cannot be written
-    """
+    """Write `results.nc` and `run.json` atomically; return the path of `results.nc`."""
     folder = Path(folder)
     data = results.data.assign_attrs(format=_FORMAT)
     hourly = [str(name) for name in data if _is_large(data[name])]
@@ -149,10 +144,6 @@ def read_results(path: str | Path) -> Results:
     """Return the results of a run, from its folder or its `results.nc`.
 
     Values of a large file are read on demand.
-
-    Raises
-    ------
-    InputError : the file is missing, damaged, or not written by Clerestory
     """
     path = Path(path)
     path = path / RESULTS_FILE if path.is_dir() else path

@@ -186,11 +186,6 @@ def plan_study(study: Study, *, out: str | Path) -> StudyPlan:
     ----------
     study : study, as returned by `read_study`
     out : output folder, whose cached matrices are reused
-
-    Raises
-    ------
-    InputError : a file of the study is invalid
-    DeviceError : no usable compute device
     """
     with executor_at(study.trace.cluster) as place:
         plan = Plan(place)

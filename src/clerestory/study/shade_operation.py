@@ -31,12 +31,7 @@ class ShadeOperation:
 
 
 def operate(signals: ControlInputs) -> ShadeOperation:
-    """Return the shade states by the control rules of a study.
-
-    Raises
-    ------
-    InputError : the file or function of a rule is invalid
-    """
+    """Return the shade states by the control rules of a study."""
     groups = signals.inputs.groups
     steps = len(signals.times)
     states = [np.full(steps, len(group.states) - 1) for group in groups]

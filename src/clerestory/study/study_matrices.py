@@ -76,10 +76,6 @@ class StudyMatrices:
         """Direct sun illuminance [lux] over (sensor, time).
 
         With C_ds the sun is at its true position, otherwise spread over sky patches.
-
-        Raises
-        ------
-        InputError : direct light was not traced
         """
         if not self.has_direct:
             raise InputError("direct light was not traced; direct phases expected")
@@ -92,12 +88,7 @@ class StudyMatrices:
     def reduced(
         self, groups: Sequence[int], rows: Int[np.ndarray, " sensor"]
     ) -> "StudyMatrices":
-        """Return matrices of selected groups and sensors, without error components.
-
-        Raises
-        ------
-        InputError : the sensors do not fit into memory
-        """
+        """Return matrices of selected groups and sensors, without error components."""
         if self.most_sensors is not None and len(rows) > self.most_sensors:
             raise InputError(
                 f"a rule looks at {len(rows):,} sensors together, where memory holds"

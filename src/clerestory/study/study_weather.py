@@ -17,12 +17,7 @@ from clerestory.study.config_tables import ClearSkyTable, WeatherTable
 
 
 def study_weather(study: Study) -> Weather:
-    """Return the weather of the simulated time steps.
-
-    Raises
-    ------
-    InputError : the file is invalid, or no step lies within the schedule
-    """
+    """Return the weather of the simulated time steps."""
     table = study.weather
     weather = select_days(
         _whole(table), first=table.first_day or "01-01", last=table.last_day or "12-31"

@@ -23,10 +23,6 @@ def sunlight(study: Study, inputs: Inputs) -> xr.Dataset:
     `sun_reaches` (opening, moment): whether the sun is visible from the reference
     point; `sun_point` (opening, xyz): reference points [m]; `hours_of_sun` (opening)
     and `room_hours_of_sun` [h]
-
-    Raises
-    ------
-    InputError : the file of openings is invalid
     """
     table = study.sunlight
     if table is None:

@@ -82,12 +82,7 @@ def state_label(group: WindowGroup, at: int) -> str:
 
 
 def read_window_groups(table: WindowTable) -> list[WindowGroup]:
-    """Return one group per modifier in the window file, all with the same BSDFs.
-
-    Raises
-    ------
-    InputError : a file is invalid, or a BSDF has no hemisphere partition
-    """
+    """Return one group per modifier in the window file, all with the same BSDFs."""
     tables = table.states()
     layers = [read_layer(state.bsdf) for state in tables]
     fine = [

@@ -22,7 +22,7 @@ from clerestory.phases.pooled import pooled
 from clerestory.phases.stored_views import StoredColumns, StoredViews
 from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.sky.weather_formats import read_weather
-from clerestory.study.demo_study import write_demo
+from clerestory.study.new_study import write_demo
 
 BASIS = klems("quarter")
 SENSORS = 70
