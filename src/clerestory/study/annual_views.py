@@ -44,17 +44,9 @@ def study_views(
 ) -> xr.Dataset:
     """Return glare metrics of every view and time step; write the selected images.
 
-    Metrics are NaN in time steps without light.
-
-    Parameters
-    ----------
-    states : index of the shade state at each time step, per window group
-    lamps, output : electric light at full output, and dimming level 0…1 of each zone
-
-    Returns
-    -------
-    variables `glare_…` over (view, time), for views wide enough for glare, such as
-    `glare_dgp` and `glare_illuminance`, the vertical illuminance at the eye [lux]
+    Views wide enough for glare have variables `glare_…` (view, time), such as
+    `glare_dgp` and `glare_illuminance`, the vertical illuminance at the eye [lux]; NaN
+    in time steps without light. `output` is the dimming level 0…1 of each zone.
     """
     times = skies.whole.times
     daylight = skies.whole.diffuse.max(axis=0) > 0

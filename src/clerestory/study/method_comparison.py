@@ -43,18 +43,14 @@ def compare_methods(
 ) -> Results:
     """Run a study with each of its methods; return the results of the last method.
 
-    Parameters
-    ----------
-    out : folder for the last method's results, the comparison, and a folder per method
+    The folder `out` gets these results, the comparison, and a folder per method.
     """
     found: dict[str, Results] = {}
     states: list[np.ndarray] | None = None
     for method in reversed(study.methods):
-        one = study.with_method(method)
-        folder = make_folder(out / method)
         found[method] = run_method(
-            one,
-            out=folder,
+            study.with_method(method),
+            out=make_folder(out / method),
             store=store,
             executor=executor,
             display=display,
@@ -65,13 +61,9 @@ def compare_methods(
     last = found[study.methods[-1]]
     methods: dict[str, xr.Dataset] = {name: found[name].data for name in study.methods}
     lux = np.stack([data["illuminance"].values for data in methods.values()])
-    data = last.data.assign_coords(method=list(methods)).assign(
-        illuminance_by_method=(
-            ("method", "sensor", "time"),
-            lux,
-            {"units": "lux"},
-        )
-    )
+    axes = ("method", "sensor", "time")
+    data = last.data.assign_coords(method=list(methods))
+    data["illuminance_by_method"] = (axes, lux, {"units": "lux"})
     write_text(out / COMPARISON_FILE, comparison_table(methods))
     results = Results(data.assign_attrs(study=study.to_json()), last.run)
     write_tables(study, results, out)
@@ -80,12 +72,7 @@ def compare_methods(
 
 
 def comparison_table(methods: Mapping[str, xr.Dataset]) -> str:
-    """Return a CSV table of differences from the last method, per method and grid.
-
-    Parameters
-    ----------
-    methods : datasets with `illuminance`, `occupied` and `grid`, by method
-    """
+    """Return a CSV table of differences from the last method, per method and grid."""
     reference = list(methods.values())[-1]
     lines = [_HEAD]
     for name, data in methods.items():

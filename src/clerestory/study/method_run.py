@@ -27,8 +27,8 @@ from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.electric_lighting import lighting
 from clerestory.study.inputs import Inputs, read_inputs
 from clerestory.study.job import Display, Job
-from clerestory.study.labels import label_results, occupied_steps, sensor_labels
-from clerestory.study.luminaire_matrices import Lamps, trace_lamps
+from clerestory.study.labels import label_results, sensor_labels
+from clerestory.study.luminaire_matrices import trace_lamps
 from clerestory.study.outputs import write_tables
 from clerestory.study.results import Results, read_results, save_results
 from clerestory.study.run_facts import run_facts
@@ -75,11 +75,7 @@ def run_method(
 ) -> Results:
     """Run a study with its first method and write the results into a folder.
 
-    Parameters
-    ----------
-    store : cache of traced matrices
-    executor : executor of the tracing jobs
-    states : shade states of the window groups; default: by the study's control rules
+    The default shade states follow from the control rules of the study.
     """
     log = RunLog()
     with log.phase("read"):
@@ -101,13 +97,7 @@ def run_method(
     return results
 
 
-def _simulate(
-    job: Job,
-    log: RunLog,
-    states: States | None,
-    *,
-    out: Path,
-) -> xr.Dataset:
+def _simulate(job: Job, log: RunLog, states: States | None, *, out: Path) -> xr.Dataset:
     study, inputs, display = job.study, job.inputs, job.display
     with log.phase("trace"):
         matrices = trace_study(job)
@@ -123,7 +113,13 @@ def _simulate(
         hourly = matrices.illuminance(
             skies, acts.states, hours=signals.occupied, progress=display("multiply")
         )
-        electric = _lighting(study, inputs, lamps, hourly)
+        electric = lighting(
+            lamps,
+            hourly,
+            rows=[inputs.rows(zone.table.grid) for zone in lamps.zones],
+            occupied=signals.occupied,
+            step_hours=signals.step_minutes / 60,
+        )
     with log.phase("pictures"):
         glare = study_views(
             views,
@@ -136,7 +132,7 @@ def _simulate(
         )
     with log.phase("metrics"):
         parts = [electric, glare, sunlight(study, inputs)]
-        return label_results(study, inputs, hourly, parts, signals, acts)
+        return label_results(hourly, parts, signals, acts)
 
 
 @contextmanager
@@ -155,18 +151,6 @@ def _warn_of_doubts(inputs: Inputs) -> None:
     windows = [group.inner for group in inputs.groups]
     for doubt in check_scene(inputs.scene, windows, named):
         warnings.warn(doubt, ClerestoryWarning, stacklevel=2)
-
-
-def _lighting(
-    study: Study, inputs: Inputs, lamps: Lamps, hourly: xr.Dataset
-) -> xr.Dataset:
-    return lighting(
-        lamps,
-        hourly,
-        rows=[inputs.rows(zone.table.grid) for zone in lamps.zones],
-        occupied=occupied_steps(study, inputs.weather.times),
-        step_hours=inputs.weather.step_minutes / 60,
-    )
 
 
 def _output(electric: xr.Dataset, skies: Skies) -> np.ndarray:

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from clerestory.control.schedule import StateSchedule, write_schedule
@@ -62,31 +63,25 @@ def write_lighting(results: Results, path: str | Path) -> None:
     """Write dimming level and power [W] of each lighting zone, a line per time step."""
     data = results.data
     zones = [str(name) or "lighting" for name in data["zone"].values]
-    head = ["time", *(f"{z} output" for z in zones), *(f"{z} [W]" for z in zones)]
     figures = np.concatenate([data["dimming"].values, data["lighting_power"].values])
-    lines = [",".join(_quoted(text) for text in head)]
-    for moment, row in zip(data["time"].values, figures.T, strict=True):
-        stamp = str(moment.astype("datetime64[m]")).replace("T", " ")
-        lines.append(stamp + "".join(f",{value:.4g}" for value in row))
-    write_text(path, "\n".join(lines) + "\n")
+    head = [*(f"{zone} output" for zone in zones), *(f"{zone} [W]" for zone in zones)]
+    times = pd.Index(data["time"].values, name="time").strftime("%Y-%m-%d %H:%M")
+    table = pd.DataFrame(figures.T, times, head)
+    write_text(path, table.to_csv(float_format="%.4g", lineterminator="\n"))
 
 
 def write_metrics(results: Results, path: str | Path) -> None:
     """Write position, direction and metrics of each sensor, a line per sensor."""
     data = results.data
-    head = ["sensor", "grid", "x [m]", "y [m]", "z [m]", "dx", "dy", "dz"]
-    head += [heading for _, heading, _ in _METRICS]
-    head += [f"{band} [%]" for band in data["band"].values]
-    places = np.concatenate([data["position"], data["direction"]], axis=1)
-    columns = [factor * data[name].values for name, _, factor in _METRICS]
-    figures = np.stack([*columns, *(100 * data["useful_bands"].values)], axis=1)
-    lines = [",".join(_quoted(text) for text in head)]
-    for number, name in enumerate(data["sensor"].values):
-        words = [_quoted(str(name)), _quoted(str(data["grid"].values[number]))]
-        words += [f"{value:.6g}" for value in places[number]]
-        words += [f"{value:.5g}" for value in figures[number]]
-        lines.append(",".join(words))
-    write_text(path, "\n".join(lines) + "\n")
+    table = pd.DataFrame({"sensor": data["sensor"], "grid": data["grid"]})
+    table[["x [m]", "y [m]", "z [m]"]] = data["position"]
+    table[["dx", "dy", "dz"]] = data["direction"]
+    for name, heading, factor in _METRICS:
+        table[heading] = factor * data[name]
+    for band in data["useful_bands"]:
+        table[f"{band['band'].item()} [%]"] = 100 * band
+    text = table.to_csv(index=False, float_format="%.6g", lineterminator="\n")
+    write_text(path, text)
 
 
 def write_hourly(results: Results, path: str | Path, *, grid: str) -> None:

@@ -19,13 +19,7 @@ def run_facts(
     seconds: Mapping[str, float],
     warnings: Sequence[str],
 ) -> dict[str, Any]:
-    """Return the content of run.json.
-
-    Parameters
-    ----------
-    job : completed job, with the record of cached matrices
-    seconds : run time of each phase [s]
-    """
+    """Return the content of run.json; `seconds` are the run times of the phases."""
     mean, error = data["mean_illuminance"], data["mean_illuminance_error"]
     relative = (error / mean.where(mean > 0)).groupby("grid").median()
     return {
@@ -37,10 +31,7 @@ def run_facts(
         "device": job.device,
         "seconds": dict(seconds),
         "median_relative_error_of_mean": {
-            str(grid): round(float(value), 5)
-            for grid, value in zip(
-                relative["grid"].values, relative.values, strict=True
-            )
+            str(grid): round(error, 5) for grid, error in relative.to_series().items()
         },
         "matrices": {name: {"found": known} for name, known in job.found.items()},
         "warnings": list(warnings),

@@ -5,7 +5,7 @@ instead of executing them. Cached matrices are listed at no cost.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from clerestory.cluster.cluster import executor_at
@@ -42,7 +42,6 @@ class PlannedMatrix:
     ----------
     file : file name in the cache
     kept : whether the matrix is in the cache
-    rows, columns : numbers of rows and columns
     bytes : size of values and error components, on disk and in memory
     paths : number of paths, common to all matrices that are traced together
     seconds : tracing time; 0 except for the first of matrices traced together
@@ -65,9 +64,6 @@ class StudyPlan:
 
     Attributes
     ----------
-    device : compute device for tracing
-    workers : number of workers
-    matrices : matrices in the order of tracing
     later : number of paths and time of direct suns traced during picture output
     results : size of the results on disk [bytes]
     scene : memory for the scene [bytes]
@@ -144,14 +140,9 @@ class PlannedStore:
         first = len(self.plan.planned)
         made = dict(make())
         files = tuple(self.path(name, fingerprint).name for name in names)
-        kept = all(self.holds(name, fingerprint) for name in names)
-        twice = any(files == entry.files for entry in self.entries)
-        if kept or twice:
-            del self.plan.planned[first:]
-        if not twice:
-            jobs = range(first, len(self.plan.planned))
-            matrices = tuple(made[name] for name in names)
-            self.entries.append(_Entry(files, float(kept), matrices, jobs))
+        kept = float(all(self.holds(name, fingerprint) for name in names))
+        matrices = tuple(made[name] for name in names)
+        self._record(_Entry(files, kept, matrices, range(first, first)))
         return made
 
     def blocks(
@@ -166,26 +157,25 @@ class PlannedStore:
         matrix = make(slice(0, whole))
         parts = zip(block_names(name, len(rows)), rows, strict=True)
         kept = sum(r.stop - r.start for n, r in parts if self.holds(n, fingerprint))
-        files = (self.path(name, fingerprint).name,)
-        twice = any(files == entry.files for entry in self.entries)
-        if kept == whole or twice:
-            del self.plan.planned[first:]
-        if not twice:
-            jobs = range(first, len(self.plan.planned))
-            entry = _Entry(files, kept / whole, (matrix,), jobs, stored=True)
-            self.entries.append(entry)
+        file, jobs = self.path(name, fingerprint).name, range(first, first)
+        self._record(_Entry((file,), kept / whole, (matrix,), jobs, stored=True))
         return ()
+
+    def _record(self, entry: _Entry) -> None:
+        # Matrices in the cache or recorded before have no jobs
+        planned, first = self.plan.planned, entry.jobs.start
+        twice = any(entry.files == other.files for other in self.entries)
+        if entry.kept == 1 or twice:
+            del planned[first:]
+        if not twice:
+            self.entries.append(replace(entry, jobs=range(first, len(planned))))
 
 
 def plan_study(study: Study, *, out: str | Path) -> StudyPlan:
     """Estimate the cost of a run of a study.
 
-    Each kind of matrix is traced for about one second to measure the speed.
-
-    Parameters
-    ----------
-    study : study, as returned by `read_study`
-    out : output folder, whose cached matrices are reused
+    Each kind of matrix is traced for about one second to measure the speed. Matrices
+    in the folder `out` are reused.
     """
     with executor_at(study.trace.cluster) as place:
         plan = Plan(place)
@@ -274,10 +264,11 @@ def _matrix(
 
 def _triangles(scene: Scene) -> int:
     # Number of triangles, with 100 per curved surface
-    count = 0
-    for surface in scene.surfaces:
-        if isinstance(surface, TriangleMesh):
-            count += len(surface.faces)
-        else:
-            count += len(surface.vertices) - 2 if isinstance(surface, Polygon) else 100
-    return count
+    return sum(
+        len(surface.faces)
+        if isinstance(surface, TriangleMesh)
+        else len(surface.vertices) - 2
+        if isinstance(surface, Polygon)
+        else 100
+        for surface in scene.surfaces
+    )

@@ -58,9 +58,7 @@ class StudyMatrices:
     ) -> xr.Dataset:
         """Illuminance [lux] over (sensor, time), with its standard error.
 
-        Parameters
-        ----------
-        hours : mask of the time steps for the error components of the mean
+        Error components of the mean are those of the time steps `hours`.
         """
         return illuminance(
             self.windows,

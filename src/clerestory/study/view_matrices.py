@@ -60,14 +60,9 @@ class ViewMatrices:
     def pictures(
         self, states: States, skies: Skies, steps: Int[np.ndarray, " step"]
     ) -> Iterator[tuple[int, Picture]]:
-        """Yield step index and picture of the selected time steps.
+        """Yield index and picture of the selected time steps.
 
         Steps are grouped by combination of shade states, in order of time.
-
-        Parameters
-        ----------
-        states : index of the shade state at each time step, per window group
-        steps : indices of the selected time steps
         """
         for alike in _combinations(states, steps):
             series = pictures_over_time(

@@ -28,13 +28,9 @@ class Drawing:
         "--from",
         metavar="THETA,PHI",
     )
-    function: common.Function = option(
-        "transmission_front", "Transmission or reflection function."
-    )
+    function: common.Function = option("transmission_front", "Scattering function.")
     channel: str = option("visible", "Visible, solar, nir, …")
-    curve: bool = option(
-        False, "Draw direct-hemispherical values over the angle instead of discs."
-    )
+    curve: bool = option(False, "Draw hemispherical values over the angle.")
 
 
 @command("bsdf:info", "blind.xml")
@@ -53,9 +49,7 @@ class CheckBsdf:
     """
 
     files: BsdfFiles
-    every: bool = option(
-        False, "Print all findings, not only those that affect results.", "--all"
-    )
+    every: bool = option(False, "Also print findings that affect no result.", "--all")
     as_json: bool = option(False, "Print JSON.", "--json")
 
 
@@ -133,9 +127,7 @@ class PackageBsdf:
     """
 
     file: common.BsdfFile
-    output: Path | None = option(
-        None, "Scene file to write; default: standard output.", "-o"
-    )
+    output: Path | None = option(None, "Scene file; default: standard output.", "-o")
     xform: str = option("", 'Transformation, such as "-rx 90 -t 1 0 2".')
 
 
@@ -192,12 +184,8 @@ class Tracing:
         "--symmetry/--no-symmetry",
     )
     reciprocal: bool = option(False, "Average with the reverse function.")
-    reduction: float = option(
-        0.0, "Percentage of the smallest tree cells to merge.", "--reduce"
-    )
-    geometry: bool = option(
-        True, "Include the geometry in the file.", "--geometry/--no-geometry"
-    )
+    reduction: float = option(0.0, "Percentage of cells to merge.", "--reduce")
+    geometry: bool = option(True, "Include the geometry.", "--geometry/--no-geometry")
     name: str = option("", "Name of the product.")
     seed: common.Seed = 1
     device: common.DeviceName = "auto"
@@ -225,9 +213,7 @@ class GenerateBsdf:
         "--dim",
         metavar="XMIN XMAX YMIN YMAX ZMIN ZMAX",
     )
-    periodic: bool = option(
-        False, "Repeat the sample area periodically, so that no light is lost."
-    )
+    periodic: bool = option(False, "Repeat the sample area periodically.")
     band: list[str] | None = option(
         None,
         "Band and its weights of red, green, blue; repeatable.",

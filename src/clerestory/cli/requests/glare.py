@@ -21,9 +21,7 @@ class GlareRequest:
     form: Literal["text", "json", "csv"] = option(
         "text", "text prints the lines of evalglare.", "--format"
     )
-    detail: bool = option(
-        False, "Print all indices and the table of glare sources.", "-d"
-    )
+    detail: bool = option(False, "Print all indices and all glare sources.", "-d")
     options: EvalglareOptions
     shown_task: Circle | None = option(
         None,
@@ -39,7 +37,7 @@ class GlareRequest:
         None, "Uniform colour of all glare sources.", "-u", metavar="R G B"
     )
     only_illuminance: bool = option(
-        False, "Print only the vertical eye illuminance.", "-V", "--"
+        False, "Print only the eye illuminance.", "-V", "--"
     )
     annual: Path | None = option(
         None,

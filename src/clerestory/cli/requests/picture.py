@@ -49,9 +49,7 @@ class ToneMap:
         None, "Luminance of white [cd/m²] for filmic and linear; default: automatic."
     )
     veil: bool = option(False, "human: add veiling luminance by scattering in the eye.")
-    screen_white: float = option(
-        100.0, "human: maximum luminance of the display [cd/m²]."
-    )
+    screen_white: float = option(100.0, "human: white of the display [cd/m²].")
     screen_contrast: float = option(100.0, "human: contrast ratio of the display.")
     quiet: common.Quiet = False
 
@@ -85,9 +83,7 @@ class SumPictures:
 
     files: PictureFiles
     output: common.PictureOutput
-    weight: list[float] | None = option(
-        None, "Factor of each picture, in order; default: 1."
-    )
+    weight: list[float] | None = option(None, "Factor of each picture; default: 1.")
     quiet: common.Quiet = False
 
 
@@ -97,12 +93,8 @@ class ReducePicture:
 
     file: common.PictureFile
     output: common.PictureOutput
-    factor: float | None = option(
-        None, "Reduction factor of columns and rows; or …", least=1
-    )
-    size: tuple[int, int] | None = option(
-        None, "… new numbers of columns and rows.", metavar="C R"
-    )
+    factor: float | None = option(None, "Reduction factor; or …", least=1)
+    size: tuple[int, int] | None = option(None, "… columns and rows.", metavar="C R")
     quiet: common.Quiet = False
 
 
@@ -126,9 +118,7 @@ class ConvertPicture:
     file: common.PictureFile
     output: common.PictureOutput
     factor: float = option(1.0, "Multiply all values.", "--scale")
-    exposure: float = option(
-        1.0, ".hdr: exposure of the pixels, recorded in the header."
-    )
+    exposure: float = option(1.0, ".hdr: exposure, recorded in the header.")
     xyz: bool = option(False, ".hdr: CIE XYZ instead of RGB.")
     half: bool = option(False, ".exr: 16 instead of 32 bits.")
     quiet: common.Quiet = False
@@ -186,9 +176,7 @@ class ReprojectPhotograph:
         metavar="X Y R",
     )
     view: str = option("-vta -vh 180 -vv 180", "Target view.", metavar="VIEW")
-    resolution: int = option(
-        1000, "Number of columns and of rows.", metavar="N", least=21
-    )
+    resolution: int = option(1000, "Number of columns and rows.", metavar="N", least=21)
     vignetting: list[float] | None = option(
         None,
         "Coefficient of θ², θ⁴, … of the lens transmission, repeatable.",
@@ -204,10 +192,8 @@ class CalibratePicture:
     file: common.PictureFile
     output: common.PictureOutput
     before: float = required("Illuminance at the lens before the bracket [lux].")
-    after: float | None = option(
-        None, "Illuminance after the bracket [lux]; default: as before."
-    )
+    after: float | None = option(None, "Illuminance afterwards [lux]; default: same.")
     resolution: int | None = option(
-        None, "Reduce to this many columns.", metavar="N", least=21
+        None, "New number of columns.", metavar="N", least=21
     )
     quiet: common.Quiet = False

@@ -26,12 +26,8 @@ class Render:
     resolution: common.Resolution = 512
     effort: common.EffortOptions
     error: Path | None = option(None, "Picture of the standard errors to write.")
-    illuminance: bool = option(
-        False, "Render the irradiance of surfaces, as rpict -i does."
-    )
-    denoise: bool = option(
-        False, "Denoise the picture for display; the header records the denoising."
-    )
+    illuminance: bool = option(False, "Render irradiance, as rpict -i does.")
+    denoise: bool = option(False, "Denoise for display; the header says so.")
     quiet: common.Quiet = False
 
 

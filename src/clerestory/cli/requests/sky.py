@@ -71,17 +71,13 @@ class SkyMatrixRequest:
         metavar="X",
     )
     sky_colour: str = option(
-        "0.960,1.004,1.118", "Factor of each channel of the sky.", metavar="R,G,B"
+        "0.960,1.004,1.118", "Factor per channel.", metavar="R,G,B"
     )
-    solar: bool = option(
-        False, "Use the whole solar spectrum instead of the visible range."
-    )
+    solar: bool = option(False, "Use the solar instead of the visible range.")
     rotation: Rotation = 0.0
     days: Days
     time: Moment = None
-    daylight_only: bool = option(
-        False, "Include only time steps with the sun above the horizon."
-    )
+    daylight_only: bool = option(False, "Omit steps with the sun below the horizon.")
     average: bool = option(False, "Write one column, the mean of all time steps.")
     luminance: bool = option(False, "Write luminance [cd/m²] instead of RGB radiance.")
     encoding: common.MatrixEncoding = "float"
@@ -115,9 +111,7 @@ class SkyVectorRequest:
     )
     no_direct: NoDirect = False
     turbidity: float = option(2.45, "Linke turbidity of clear skies.")
-    ground_reflectance: float = option(
-        0.2, "Reflectance of the ground.", least=0, most=1
-    )
+    ground_reflectance: float = option(0.2, "Ground reflectance.", least=0, most=1)
     subdivision: Subdivision = 4
     sun_size: SunSize = None
     encoding: common.MatrixEncoding = "float"
@@ -134,9 +128,7 @@ class SunTable:
 
     weather: WeatherFile
     output: common.MatrixOutput
-    occurring: bool = option(
-        False, "Write distinct sun positions instead of all time steps."
-    )
+    occurring: bool = option(False, "Write distinct suns instead of all time steps.")
     tolerance: float = option(
         0.0,
         "Angular distance within which suns are merged [°]; with --occurring.",
