@@ -9,21 +9,23 @@ from rich.table import Table
 from clerestory.checks import require, same_length
 from clerestory.cli.progress import say
 from clerestory.cli.requests.study import Compare
-from clerestory.comparison.comparison_notes import comparison_notes
-from clerestory.comparison.comparison_tables import shares_table, write_tables
+from clerestory.comparison.comparison_output import (
+    comparison_notes,
+    shares_table,
+    write_tables,
+)
 from clerestory.comparison.logger_files import read_plain
 from clerestory.comparison.mapping import (
     read_mapping,
     read_measured_series,
     write_layout_sensors,
 )
-from clerestory.comparison.series import Series
+from clerestory.comparison.series import Series, simulated_series
 from clerestory.comparison.series_comparison import (
     Comparison,
     Rules,
     compare_series,
 )
-from clerestory.comparison.simulated_series import simulated_series
 from clerestory.files import make_folder
 from clerestory.report.comparison_page import write_comparison
 from clerestory.study.results import read_results

@@ -25,6 +25,12 @@ from clerestory.matrix.axis import Axis
 if TYPE_CHECKING:
     import xarray as xr
 
+# Coefficients of a range of rows, and their error components
+Entries = tuple[
+    Float[np.ndarray, "channel row column"],
+    Float[np.ndarray, "component channel row column"] | None,
+]
+
 # Raise a MatrixError unless a condition is true
 require_matrix = partial(require, error=MatrixError)
 
@@ -127,14 +133,17 @@ class TransferMatrix:
     def _common_bands(self, other: "TransferMatrix") -> Bands:
         return common_bands((m.bands, len(m.values)) for m in (self, other))
 
+    def read(self, rows: slice) -> Entries:
+        """Return a range of rows and their error components."""
+        parts = self.components
+        return self.values[:, rows], None if parts is None else parts[:, :, rows]
+
     def select_rows(self, rows: slice) -> "TransferMatrix":
-        """Return a block of rows."""
+        """Return a range of rows as a matrix."""
         names = self.rows.names[rows] if self.rows.names else None
         axis = replace(self.rows, size=len(range(self.rows.size)[rows]), names=names)
-        components = None if self.components is None else self.components[:, :, rows]
-        return replace(
-            self, values=self.values[:, rows], rows=axis, components=components
-        )
+        values, components = self.read(rows)
+        return replace(self, values=values, rows=axis, components=components)
 
     def weighted(
         self, weights: Sequence[float] | Float[np.ndarray, " band"]

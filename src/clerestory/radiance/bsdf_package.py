@@ -7,8 +7,8 @@ by the BSDF; the geometry between them is visible and casts sharp shadows.
 """
 
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import Vector2
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.errors import InputError
 from clerestory.formats.mgf import parse_mgf
@@ -84,7 +84,7 @@ def package(bsdf: Bsdf, name: str, *, transform: Transform | None = None) -> Sce
 def _face(
     bsdf: Bsdf,
     name: str,
-    half: Float[np.ndarray, "2"],
+    half: Vector2,
     thickness: float,
     height: float,
     place: Transform,

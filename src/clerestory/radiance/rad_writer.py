@@ -1,16 +1,23 @@
 """Writer of scenes as Radiance scene files."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from clerestory.bands import RGB
 from clerestory.bsdf.bsdf import Bsdf
+from clerestory.checks import require
 from clerestory.errors import InputError
 from clerestory.radiance.primitives import specification
-from clerestory.scene.material import Material, Specification, insert_material
+from clerestory.scene.material import (
+    Argument,
+    Material,
+    Specification,
+    insert_material,
+)
 from clerestory.scene.materials.mixture import Void
 from clerestory.scene.model import Scene
 from clerestory.scene.pattern import Pattern
+from clerestory.scene.primitive import Primitive, primitive
 from clerestory.scene.surface import Polygon, Simple, TriangleMesh
 
 
@@ -40,14 +47,16 @@ def format_rad(scene: Scene, *, bsdf_file: Mapping[str, str | Path]) -> str:
     4 0 0 0 0.5
     <BLANKLINE>
     """
-    if scene.bands != RGB:
-        raise InputError(f"a scene in the bands {scene.bands}; {RGB} expected")
+    require(
+        scene.bands == RGB, f"the scene is in the bands {scene.bands}; {RGB} expected"
+    )
     writer = _Writer(bsdf_file)
     name_of = {key: writer.define(m, key) for key, m in scene.materials.items()}
     for number, surface in enumerate((*scene.surfaces, *scene.distant), 1):
         name = surface.name or f"surface{number}"
         for shape in _shapes(surface):
-            writer.put(name_of[surface.material], shape.kind, [], shape.reals, name)
+            modifier = name_of[surface.material]
+            writer.put(primitive(modifier, shape.kind, name, shape.reals))
     return "\n".join(writer.text)
 
 
@@ -57,19 +66,12 @@ class _Writer:
         self.written: dict[str, Material] = {}
         self.bsdf_file = bsdf_file
 
-    def put(
-        self,
-        modifier: str,
-        kind: str,
-        strings: list[str],
-        reals: Iterable[float],
-        name: str,
-    ) -> None:
+    def put(self, item: Primitive) -> None:
         """Add a primitive to the text."""
-        words = " ".join([str(len(strings)), *map(_quoted, strings)])
-        values = [f"{float(v):.12g}" for v in reals]
+        words = " ".join([str(len(item.strings)), *map(_quoted, item.strings)])
+        values = [f"{value:.12g}" for value in item.reals]
         numbers = " ".join([str(len(values)), *values])
-        head = f"{_quoted(modifier)} {kind} {_quoted(name)}"
+        head = f"{_quoted(item.modifier)} {item.kind} {_quoted(item.name)}"
         self.text.append(f"{head}\n{words}\n0\n{numbers}\n")
 
     def define(self, material: Material, key: str) -> str:
@@ -82,17 +84,12 @@ class _Writer:
                 f'material "{key}" has a pattern or a texture, which cannot be written'
                 " to a scene file; a plain material expected"
             )
-        strings = [self.word(each, material, key) for each in given.strings]
+        strings = tuple(self.word(each, material, key) for each in given.strings)
         self.written[key] = material
-        self.put("void", given.kind, strings, given.reals, key)
+        self.put(primitive("void", given.kind, key, given.reals, strings))
         return key
 
-    def word(
-        self,
-        value: str | float | Material | Pattern | Bsdf,
-        material: Material,
-        key: str,
-    ) -> str:
+    def word(self, value: Argument, material: Material, key: str) -> str:
         """Return the text of a string argument."""
         match value:
             case str():

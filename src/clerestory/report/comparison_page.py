@@ -11,8 +11,11 @@ from jaxtyping import Float
 from matplotlib.figure import Figure
 
 from clerestory.comparison.agreement import LIMITS
-from clerestory.comparison.comparison_notes import comparison_notes
-from clerestory.comparison.comparison_tables import shares_table, statistics_table
+from clerestory.comparison.comparison_output import (
+    comparison_notes,
+    shares_table,
+    statistics_table,
+)
 from clerestory.comparison.series import ILLUMINANCE, group_of, quantity_of
 from clerestory.comparison.series_comparison import Comparison
 from clerestory.files import make_folder, replace_file, write_text

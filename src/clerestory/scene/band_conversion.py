@@ -4,8 +4,8 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import Vector
 from clerestory.bands import RGB, Bands
 from clerestory.checks import require
 from clerestory.errors import InputError
@@ -22,7 +22,7 @@ from clerestory.scene.model import Scene
 # Wavelengths that separate blue, green and red (Radiance color.h: WLPART) [nm]
 _GREEN_NM, _RED_NM = 480.0, 588.0
 
-Rgb = Float[np.ndarray, "3"]
+Rgb = Vector
 Upsampling = Callable[[Rgb, Bands], Colour]
 
 

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Vector
 from clerestory.checks import require
 from clerestory.errors import InputError
 from clerestory.scene.model import Scene
@@ -88,7 +89,7 @@ def _walls(scene: Scene, windows: Sequence[Window]) -> Triangulation:
     return Triangulation(corner, np.zeros(len(corner), dtype=int))
 
 
-def _centre(window: Window) -> Float[np.ndarray, "3"]:
+def _centre(window: Window) -> Vector:
     # The centre of the largest triangle is within the window, whatever its outline
     corner = np.concatenate([t.vertices[t.faces] for t in window.triangles()])
     sides = corner[:, 1:] - corner[:, :1]
@@ -96,9 +97,7 @@ def _centre(window: Window) -> Float[np.ndarray, "3"]:
     return np.asarray(corner[int(np.argmax(area))].mean(axis=0))
 
 
-def _centred(
-    walls: Triangulation, start: Float[np.ndarray, "3"], spacing: float
-) -> Float[np.ndarray, "3"]:
+def _centred(walls: Triangulation, start: Vector, spacing: float) -> Vector:
     # Moves the start point so that the grid is centred between opposite walls
     east, west, north, south = first_hits(start, _SIDEWAYS, walls.corner)
     moved = start.copy()
@@ -112,7 +111,7 @@ def _centred(
 
 
 def _filled(
-    walls: Triangulation, start: Float[np.ndarray, "3"], spacing: float
+    walls: Triangulation, start: Vector, spacing: float
 ) -> Float[np.ndarray, "point 3"]:
     # Flood fill over neighbouring points with a free line of sight between them
     known, waiting = {(0, 0)}, [(0, 0)]

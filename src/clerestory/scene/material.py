@@ -21,7 +21,6 @@ from clerestory.errors import InputError
 from clerestory.scene.pattern import Pattern
 
 Colour = Float[np.ndarray, " band"]
-Vector = Float[np.ndarray, "3"]
 
 
 @dataclass(frozen=True)
@@ -63,7 +62,7 @@ class Specification:
     """
 
     kind: str
-    strings: "tuple[str | float | Material | Pattern | Bsdf, ...]" = ()
+    strings: "tuple[Argument, ...]" = ()
     reals: tuple[float, ...] = ()
 
 
@@ -108,6 +107,7 @@ class Emitter(Material, ABC):
     pattern: Pattern | None
 
 
+Argument = str | float | Material | Pattern | Bsdf
 Parameter = float | np.ndarray | Material | Pattern | Bsdf
 _AnyMaterial = TypeVar("_AnyMaterial", bound=Material)
 

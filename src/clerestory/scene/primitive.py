@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 from jaxtyping import Float
 
+from clerestory.array_types import Vector
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.checks import finite, not_negative
 from clerestory.errors import ClerestoryWarning, InputError, located
@@ -176,7 +177,7 @@ class Definition(Arguments):
     placed: Transform
     named: Callable[[str], Material]
     bsdf: Callable[[str], Bsdf]
-    vector: Callable[[int, Transform], Float[np.ndarray, "3"] | Pattern]
+    vector: Callable[[int, Transform], Vector | Pattern]
     share_of_foreground: Callable[[], float | Pattern]
 
     def oriented(self, at: int) -> Transform:

@@ -106,8 +106,7 @@ def _everywhere(u: _Plane) -> Bool[np.ndarray, "*shape"]:
 
 
 def _unit(local: _Local) -> _Local:
-    scaled: np.ndarray = local / np.linalg.norm(local, axis=-1, keepdims=True)
-    return scaled
+    return np.asarray(local / np.linalg.norm(local, axis=-1, keepdims=True))
 
 
 def _perspective_direction(u: _Plane, v: _Plane) -> tuple[_Local, np.ndarray]:

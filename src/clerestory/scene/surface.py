@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
+from clerestory.array_types import Faces, Vector, Vertices
 from clerestory.checks import require
 from clerestory.errors import InputError
 from clerestory.scene.material import Source
@@ -20,7 +21,7 @@ from clerestory.scene.transform import Transform
 class Polygon:
     """A planar polygon, filled by the even–odd rule; seams connect holes to the rim."""
 
-    vertices: Float[np.ndarray, "vertices 3"]
+    vertices: Vertices
     material: str
     name: str = ""
     source: Source | None = None
@@ -38,7 +39,7 @@ class Polygon:
 class Sphere:
     """A sphere; if `inward`, the front faces the centre (Radiance's bubble)."""
 
-    centre: Float[np.ndarray, "3"]
+    centre: Vector
     radius: float
     inward: bool
     material: str
@@ -50,8 +51,8 @@ class Sphere:
 class Cone:
     """The lateral surface of a truncated cone; if `inward`, cup or tube."""
 
-    base: Float[np.ndarray, "3"]
-    top: Float[np.ndarray, "3"]
+    base: Vector
+    top: Vector
     base_radius: float
     top_radius: float
     inward: bool
@@ -64,8 +65,8 @@ class Cone:
 class Ring:
     """A disc, or an annulus if the inner radius is not zero."""
 
-    centre: Float[np.ndarray, "3"]
-    normal: Float[np.ndarray, "3"]
+    centre: Vector
+    normal: Vector
     inner_radius: float
     outer_radius: float
     material: str
@@ -83,8 +84,8 @@ class TriangleMesh:
     faces : vertex indices, counter-clockwise as seen from the front
     """
 
-    vertices: Float[np.ndarray, "vertices 3"]
-    faces: Int[np.ndarray, "triangles 3"]
+    vertices: Vertices
+    faces: Faces
     material: str
     name: str = ""
     source: Source | None = None
@@ -111,7 +112,7 @@ class DistantSource:
     angle_deg : full angle subtended by the disc, up to 360
     """
 
-    direction: Float[np.ndarray, "3"]
+    direction: Vector
     angle_deg: float
     material: str
     name: str = ""
@@ -183,23 +184,22 @@ def transformed(
 
 
 def _disc_extent(
-    centre: Float[np.ndarray, "3"], normal: Float[np.ndarray, "3"], radius: float
+    centre: Vector, normal: Vector, radius: float
 ) -> Float[np.ndarray, "2 3"]:
     axis = normal / np.linalg.norm(normal)
     return centre + np.outer([-1, 1], radius * np.sqrt(np.clip(1 - axis**2, 0, 1)))
 
 
 def area_vector(
-    vertices: Float[np.ndarray, "vertices 3"],
-) -> Float[np.ndarray, "3"]:
+    vertices: Vertices,
+) -> Vector:
     """Return a polygon's normal by Newell's method; its length is the area [m²]."""
     local = vertices - vertices[0]
-    area: np.ndarray = np.cross(local, np.roll(local, -1, axis=0)).sum(axis=0) / 2
-    return area
+    return np.asarray(np.cross(local, np.roll(local, -1, axis=0)).sum(axis=0) / 2)
 
 
 def area_vectors(
-    vertices: Float[np.ndarray, "vertices 3"], first: np.ndarray
+    vertices: Vertices, first: np.ndarray
 ) -> Float[np.ndarray, "polygons 3"]:
     """Return the normals of polygons as `area_vector` does; lengths are areas [m²]."""
     length = np.diff(first)

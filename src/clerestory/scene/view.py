@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
+from clerestory.array_types import Directions, Points2, Values, Vector
 from clerestory.checks import finite, one_of, positive, require
 from clerestory.directions import unit
 from clerestory.scene.projection import PROJECTIONS, TINY, Kind, Projection
@@ -62,13 +63,9 @@ class View:
     """
 
     kind: Kind = "perspective"
-    position: Float[np.ndarray, "3"] = field(default_factory=lambda: np.zeros(3))
-    direction: Float[np.ndarray, "3"] = field(
-        default_factory=lambda: np.array([0.0, 1.0, 0.0])
-    )
-    up: Float[np.ndarray, "3"] = field(
-        default_factory=lambda: np.array([0.0, 0.0, 1.0])
-    )
+    position: Vector = field(default_factory=lambda: np.zeros(3))
+    direction: Vector = field(default_factory=lambda: np.array([0.0, 1.0, 0.0]))
+    up: Vector = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
     horizontal: float = 45.0
     vertical: float = 45.0
     shift: float = 0.0
@@ -182,28 +179,23 @@ class View:
             origin = origin + np.stack([u, v], axis=-1) @ self._axes[:2]
         return Rays(np.where(valid[..., None], origin, 0), direction, valid)
 
-    def _stretch(self, local: Float[np.ndarray, "*batch 3"]) -> np.ndarray:
+    def _stretch(self, local: Directions) -> np.ndarray:
         # Length of each ray between clipping planes one metre apart
         along = np.ones((*local.shape[:-1], 1))
         if self.kind == "perspective":
             along = local[..., 2:]
         elif self.kind == "cylindrical":
             along = np.hypot(local[..., :1], local[..., 2:])
-        stretch: np.ndarray = 1 / np.maximum(along, TINY)
-        return stretch
+        return np.asarray(1 / np.maximum(along, TINY))
 
-    def reach(
-        self, direction: Float[np.ndarray, "*batch 3"]
-    ) -> Float[np.ndarray, "*batch"]:
+    def reach(self, direction: Directions) -> Values:
         """Return ray lengths from fore to aft clipping plane [m]; inf if aft is 0."""
         if self.aft <= TINY:
             return np.full(direction.shape[:-1], np.inf)
         length = (self.aft - self.fore) * self._stretch(direction @ self._axes.T)
         return np.asarray(length[..., 0])
 
-    def pixel(
-        self, direction: Float[np.ndarray, "*batch 3"], *, columns: int, rows: int
-    ) -> Float[np.ndarray, "*batch 2"]:
+    def pixel(self, direction: Directions, *, columns: int, rows: int) -> Points2:
         """Return fractional row and column of the pixels for directions.
 
         Values may be outside the image. They are NaN outside the projection, such as
@@ -217,9 +209,7 @@ class View:
         where = self._pixel(u, v, columns, rows)
         return where.reshape(*local.shape[:-1], 2)
 
-    def pixel_of_point(
-        self, point: Float[np.ndarray, "*batch 3"], *, columns: int, rows: int
-    ) -> Float[np.ndarray, "*batch 2"]:
+    def pixel_of_point(self, point: Directions, *, columns: int, rows: int) -> Points2:
         """Return fractional row and column of the pixels for points."""
         if self.kind != "parallel":
             return self.pixel(point - self.position, columns=columns, rows=rows)
@@ -252,5 +242,4 @@ def solid_angles(
     half_width, half_height = projection.extent(view.horizontal, view.vertical)
     u = (np.arange(columns + 1) / columns + view.shift - 0.5) * 2 * half_width
     v = (np.arange(rows + 1)[::-1] / rows + view.lift - 0.5) * 2 * half_height
-    angles: np.ndarray = projection.solid_angles(u, v)
-    return angles
+    return np.asarray(projection.solid_angles(u, v))

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Vector
 from clerestory.checks import require
 from clerestory.directions import Frame, unit
 from clerestory.errors import located
@@ -71,7 +72,7 @@ def window_of(
     polygons: tuple[Polygon, ...],
     *,
     name: str,
-    up: Float[np.ndarray, "3"] | None = None,
+    up: Vector | None = None,
     partition: RingPartition | None = None,
 ) -> Window:
     """Return a window group of polygons; the mean normal defines the frame.

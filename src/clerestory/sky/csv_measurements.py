@@ -16,17 +16,13 @@ from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.checks import require
 from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.sky.irradiance_decomposition import Decomposition
 from clerestory.sky.measured_weather import Measurement, Quantity, weather_of
 from clerestory.sky.table_cells import DataRows
-from clerestory.sky.time_steps import (
-    StandsFor,
-    centres,
-    require_increasing,
-    typical_step,
-)
+from clerestory.sky.time_steps import StandsFor, step_centres
 from clerestory.sky.weather import Site, Weather
 
 # Values that data loggers write for missing data
@@ -92,46 +88,32 @@ def read_measured(
     decomposition : model that decomposes global irradiance if it alone is measured
     """
     table = read_table(path, separator, skip_lines)
-
-    # Convert times in the file to centres of steps
     times = local_times(table, columns.time, time_format, clock, site.utc_offset_hours)
-    require_increasing(times, rows=table)
-    step = typical_step(times)
-    times = centres(times, step, stands_for)
-
-    series = {
-        quantity: table.numbers(name) for quantity, name in columns.series().items()
-    }
+    times, step = step_centres(times, stands_for, rows=table)
+    names = columns.series()
+    series = {quantity: table.numbers(name) for quantity, name in names.items()}
     dew_point = table.numbers(columns.dew_point) if columns.dew_point else None
     return weather_of(
-        Measurement(
-            site, times, step, series, path, table.lines, columns.series(), dew_point
-        ),
+        Measurement(site, times, step, series, table, names, dew_point),
         decomposition=decomposition,
     )
 
 
 @dataclass(frozen=True, eq=False)
 class LoggerTable(DataRows):
-    """Rows of a CSV file with a header.
-
-    Attributes
-    ----------
-    header_line : line number of the header
-    names : names of the columns
-    """
+    """Rows of a CSV file with the line number of the header and the column names."""
 
     header_line: int
     names: list[str]
 
     def index(self, name: str) -> int:
         """Return the index of a column; raise `InputError` if there is none."""
-        if name not in self.names:
-            raise InputError(
-                f"no column {name!r}; one of {', '.join(self.names)} expected",
-                file=self.file,
-                line=self.header_line,
-            )
+        require(
+            name in self.names,
+            f"no column {name!r}; one of {', '.join(self.names)} expected",
+            file=self.file,
+            line=self.header_line,
+        )
         return self.names.index(name)
 
     def numbers(self, name: str) -> Float[np.ndarray, " time"]:
@@ -159,9 +141,8 @@ def local_times(
     """Return the times of the rows in local standard time."""
     standard = timezone(timedelta(hours=utc_offset_hours))
     zone = _zone(clock)
-    where = [
-        table.index(name) for name in ((names,) if isinstance(names, str) else names)
-    ]
+    names = (names,) if isinstance(names, str) else names
+    where = [table.index(name) for name in names]
     moments: list[float] = []
     for row, line in zip(table.cells, table.lines, strict=True):
         text = " ".join(row[i].strip() for i in where if i < len(row))

@@ -35,15 +35,8 @@ def irradiance_of(
 ) -> tuple[Float[np.ndarray, " time"], Float[np.ndarray, " time"]]:
     """Return direct normal and diffuse horizontal irradiance [W/m²].
 
-    Parameters
-    ----------
-    illuminance : direct normal and diffuse horizontal illuminance
-    times : centres of the steps
-    sun : solar position at the steps
-    dew_point_c : dew point [°C]; NaN or None: 11 °C
+    Unknown dew points (NaN or None) are 11 °C.
 
-    Examples
-    --------
     Skylight has a higher luminous efficacy than sunlight.
 
     >>> noon = np.array(["2023-06-21T12:00"], "datetime64[s]")

@@ -15,7 +15,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.errors import InputError
+from clerestory.checks import require
 
 # Smallest cos ζ, since b / cos ζ is infinite at the horizon
 _LOWEST_COSINE = 1e-3
@@ -36,11 +36,8 @@ class Distribution(Protocol):
 class FiveParameters:
     """Luminance distribution of the Perez sky and the CIE general skies.
 
-    Attributes
-    ----------
-    a, b : parameters of the gradation from horizon to zenith
-    c, d, e : parameters of the indicatrix around the sun
-    base : constant term of the indicatrix
+    a and b are parameters of the gradation from horizon to zenith, c, d, e and base of
+    the indicatrix around the sun.
     """
 
     a: float
@@ -134,8 +131,10 @@ def cie_general(number: int) -> FiveParameters:
     >>> float(cie_general(5).relative(up, sun=sun))
     1.0
     """
-    if number not in range(1, 16):
-        raise InputError(f"CIE general sky {number!r}; a number from 1 to 15 expected")
+    require(
+        number in range(1, 16),
+        f"CIE general sky {number!r}; a number from 1 to 15 expected",
+    )
     gradation, indicatrix = _TYPES[number - 1]
     a, b = _GRADATION[gradation - 1]
     c, d, e = _INDICATRIX[indicatrix - 1]

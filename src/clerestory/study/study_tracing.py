@@ -20,8 +20,12 @@ from clerestory.phases.matrix_equation import (
     window_chain,
 )
 from clerestory.phases.methods import METHODS
-from clerestory.phases.pooled import with_few_components
-from clerestory.phases.stored_views import StoredColumns, store_views, stored_columns
+from clerestory.phases.stored_views import (
+    StoredColumns,
+    store_views,
+    stored_columns,
+    with_few_components,
+)
 from clerestory.phases.sun_coefficients import blackened
 from clerestory.phases.traced_matrices import (
     daylight_matrices,

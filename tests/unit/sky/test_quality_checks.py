@@ -7,8 +7,8 @@ import pytest
 
 from clerestory.errors import InputError
 from clerestory.sky.quality_checks import clock_shift, quality_problems
-from clerestory.sky.solar_position import sun_position
-from clerestory.sky.weather import Weather
+from clerestory.sky.solar_position import sun_at
+from clerestory.sky.weather import Site, Weather
 from clerestory.sky.weather_selection import select_days, select_moment
 
 
@@ -16,7 +16,7 @@ def made_year(latitude_deg=50.0, clouds=0.5, **changes):
     """A year of hours: light follows the sun's height, with clouds drawn at random."""
     times = np.datetime64("2023-01-01T00:30", "s") + 3600 * np.arange(8760)
     place = {"latitude_deg": latitude_deg, "longitude_deg": 8.5}
-    sun = sun_position(times, utc_offset_hours=1.0, **place)
+    sun = sun_at(Site(utc_offset_hours=1.0, **place), times)
     cover = np.repeat(np.random.default_rng(5).uniform(0, clouds, 2920), 3)
     height = np.maximum(np.sin(sun.altitude), 0)
     weather = Weather(

@@ -19,23 +19,20 @@ def _angle(compute: Callable[[Values, Values, Values], Values]) -> Native:
     # A photometric angle [deg]
     def of_ray(env: Surroundings) -> Values:
         dx, dy, dz = (env.value(name) for name in _DIRECTION)
-        angle: Values = np.degrees(compute(dx, dy, dz))
-        return angle
+        return np.asarray(np.degrees(compute(dx, dy, dz)))
 
     return Native(of_ray, uses=_DIRECTION)
 
 
 def _azimuth(dx: Values, dy: Values, _: Values) -> Values:
-    angle: Values = np.mod(np.arctan2(-dy, -dx), 2 * np.pi)
-    return angle
+    return np.asarray(np.mod(np.arctan2(-dy, -dx), 2 * np.pi))
 
 
 def _folded(period: float) -> Callable[[Values, Values, Values], Values]:
     # Azimuth reflected into 0…period, for symmetric luminaires
     def compute(dx: Values, dy: Values, dz: Values) -> Values:
         turn = np.mod(_azimuth(dx, dy, dz), 2 * period)
-        angle: Values = np.minimum(turn, 2 * period - turn)
-        return angle
+        return np.asarray(np.minimum(turn, 2 * period - turn))
 
     return compute
 
@@ -60,16 +57,14 @@ def _flat(env: Surroundings, value: Values) -> Values:
 def _box(env: Surroundings, value: Values) -> Values:
     multiplier, x, y, z = _sizes(env, 4, "boxcorr")
     dx, dy, dz = (np.abs(env.value(name)) for name in _DIRECTION)
-    found: Values = multiplier * value / (dx * y * z + dy * x * z + dz * x * y)
-    return found
+    return np.asarray(multiplier * value / (dx * y * z + dy * x * z + dz * x * y))
 
 
 def _cylinder(env: Surroundings, value: Values) -> Values:
     multiplier, diameter, height = _sizes(env, 3, "cylcorr")
     up = np.clip(np.abs(env.value("Dz")), 0, 1)
     side = diameter * height * np.sqrt(1 - up**2)
-    found: Values = multiplier * value / (side + np.pi / 4 * diameter**2 * up)
-    return found
+    return np.asarray(multiplier * value / (side + np.pi / 4 * diameter**2 * up))
 
 
 SOURCE: Mapping[str, Native] = {

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from jaxtyping import Bool, Float
 
+from clerestory.array_types import RayValues
 from clerestory.radiance.cal.files import NATIVE_FILES
 from clerestory.radiance.cal.library import LIBRARY, START_FILE, Native
 from clerestory.radiance.cal.run import SPECIAL, Run
@@ -82,7 +83,7 @@ class Program:
     def values(
         self,
         nodes: tuple[Node, ...],
-        inputs: Mapping[str, Float[np.ndarray, " rays"]],
+        inputs: Mapping[str, RayValues],
         arguments: tuple[float, ...] = (),
     ) -> "Computed":
         """Return the values of expressions for each ray.

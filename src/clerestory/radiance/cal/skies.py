@@ -11,8 +11,8 @@ Energy 50 (3), 1993. Arguments and horizon blend: Radiance's files.
 from collections.abc import Mapping
 
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import RayVectors
 from clerestory.errors import InputError
 from clerestory.radiance.cal.library import Native, Surroundings, Values
 from clerestory.sky.luminance_distribution import Overcast
@@ -34,11 +34,10 @@ def _need(env: Surroundings, count: int, what: str) -> tuple[float, ...]:
 def _over_ground(height: Values, sky: Values, ground: float) -> Values:
     # Ratio of sky weight to ground weight: (z + 1.01)^20
     share = (height + 1.01) ** 20
-    value: Values = (share * sky + ground) / (share + 1)
-    return value
+    return np.asarray((share * sky + ground) / (share + 1))
 
 
-def _directions(env: Surroundings) -> Float[np.ndarray, "rays 3"]:
+def _directions(env: Surroundings) -> RayVectors:
     return np.stack([env.value(name) for name in _DIRECTION], axis=1)
 
 
@@ -71,8 +70,7 @@ def _clear(env: Surroundings, zenith: float) -> Values:
     indicatrix = 0.91 + 10 * np.exp(-3 * gamma) + 0.45 * cosine**2
     above = np.maximum(height, _LOWEST)
     gradation = np.where(height > _LOWEST, 1 - np.exp(-0.32 / above), 1.0)
-    value: Values = zenith * indicatrix * gradation / normalisation
-    return value
+    return np.asarray(zenith * indicatrix * gradation / normalisation)
 
 
 def _intermediate(direction: np.ndarray, sun: np.ndarray) -> Values:
@@ -82,8 +80,7 @@ def _intermediate(direction: np.ndarray, sun: np.ndarray) -> Values:
     zenith = np.arccos(np.clip(sun[2], -1, 1))
     level = (1.35 * np.sin(5.631 - 3.59 * eta) + 3.12) * np.sin(4.396 - 2.6 * zenith)
     fall = -0.563 * ((2.629 - eta) * (1.562 - zenith) + 0.812)
-    value: Values = (level + 6.37 - eta) / 2.326 * np.exp(gamma * fall)
-    return value
+    return np.asarray((level + 6.37 - eta) / 2.326 * np.exp(gamma * fall))
 
 
 def _perez(env: Surroundings) -> Values:

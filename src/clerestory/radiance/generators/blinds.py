@@ -68,8 +68,7 @@ def _profile(
     along = abs(radius) * (np.sin(turn) + np.sin(half))
     sag = -np.sign(radius) * abs(radius) * (np.cos(turn) - np.cos(half))
     across = np.array([-chord[1], chord[0]])
-    points: np.ndarray = np.outer(along, chord) + np.outer(sag, across)
-    return points
+    return np.asarray(np.outer(along, chord) + np.outer(sag, across))
 
 
 def _strip(
@@ -77,5 +76,4 @@ def _strip(
 ) -> Float[np.ndarray, "4 3"]:
     (x0, z0), (x1, z1) = ends
     corners = [(x0, 0, z0), (x0, width, z0), (x1, width, z1), (x1, 0, z1)]
-    lifted: np.ndarray = np.array(corners) + np.array([0, 0, lift])
-    return lifted
+    return np.asarray(np.array(corners) + np.array([0, 0, lift]))

@@ -8,6 +8,7 @@ corner is moved inwards.
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Vector
 from clerestory.formats.word_reader import WordReader
 from clerestory.scene.primitive import Primitive, primitive
 
@@ -66,9 +67,7 @@ def box(words: WordReader) -> list[Primitive]:
     return made
 
 
-def _positions(
-    size: Float[np.ndarray, "3"], cut: float, *, inward: bool
-) -> Float[np.ndarray, "64 3"]:
+def _positions(size: Vector, cut: float, *, inward: bool) -> Float[np.ndarray, "64 3"]:
     # Position of the corner with each index
     bits = np.arange(64)[:, None] >> np.arange(3)
     margin = np.where(bits & 8, cut, 0.0)

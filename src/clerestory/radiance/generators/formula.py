@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Bool, Float
 
+from clerestory.array_types import Vector
 from clerestory.errors import ClerestoryWarning
 from clerestory.files import read_text
 from clerestory.formats.word_reader import WordReader
@@ -174,7 +175,7 @@ def _square(
         yield p[[2, 1, 3]]
 
 
-def _normal(corner: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, "3"] | None:
+def _normal(corner: Float[np.ndarray, "3 3"]) -> Vector | None:
     normal = np.cross(corner[1] - corner[0], corner[2] - corner[0])
     length = np.linalg.norm(normal)
     return normal / length if length > 0 else None

@@ -7,8 +7,8 @@ Duffie, Solar Energy 28 (4), 1982 (-E); Radiance, gendaylit (limits, order of st
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import Vector2
 from clerestory.constants import LUMINOUS_EFFICACY
 from clerestory.formats.word_reader import WordReader
 from clerestory.sky.sky_state import (
@@ -22,7 +22,7 @@ from clerestory.sky.sky_state import (
 )
 
 # Direct normal and diffuse horizontal irradiance [W/m²] or illuminance [lx]
-Light = Float[np.ndarray, "2"]
+Light = Vector2
 
 # Limits of Perez's sky clearness
 _CLEARNESS = (1.0, 12.009)

@@ -11,8 +11,8 @@ S. A. Klein, J. A. Duffie, Solar Energy 28 (4), 1982 (-E); Radiance, gendaylit (
 import warnings
 
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import Vector
 from clerestory.constants import SUN_DIAMETER
 from clerestory.errors import ClerestoryWarning
 from clerestory.formats.word_reader import WordReader
@@ -100,12 +100,12 @@ def _lit_sky(
     request: Request,
     air: Air,
     light: Light,
-    sun: Float[np.ndarray, "3"],
+    sun: Vector,
     words: WordReader,
 ) -> list[Primitive]:
     state = air.state(light, request)
     perez = perez_sky(state, azimuth=np.zeros(1))
-    shape = [float(p[0]) for p in (perez.a, perez.b, perez.c, perez.d, perez.e)]
+    shape = perez.parameters[:, 0].tolist()
     if shape[1] > 0:
         raise words.error(
             f"Perez's parameter b is {shape[1]:.3g}, for which the model is undefined;"
@@ -132,14 +132,12 @@ def _lit_sky(
     return made
 
 
-def _sky_pattern(reals: list[float], sun: Float[np.ndarray, "3"]) -> Primitive:
+def _sky_pattern(reals: list[float], sun: Vector) -> Primitive:
     strings = ("skybright", "perezlum.cal")
     return primitive("void", "brightfunc", "skyfunc", [*reals, *sun], strings)
 
 
-def _tregenza_integral(
-    distribution: FiveParameters, sun: Float[np.ndarray, "3"]
-) -> float:
+def _tregenza_integral(distribution: FiveParameters, sun: Vector) -> float:
     # Horizontal irradiance, summed over the centres of 145 patches of equal solid angle
     theta = np.radians(np.repeat([t for t, _ in _RINGS], [n for _, n in _RINGS]))
     phi = np.concatenate([2 * np.pi * np.arange(n) / n for _, n in _RINGS])

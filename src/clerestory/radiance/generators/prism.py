@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 from jaxtyping import Float
 
+from clerestory.array_types import Vector
 from clerestory.files import read_text
 from clerestory.formats.word_reader import WordReader
 from clerestory.scene.primitive import Primitive, primitive
@@ -27,7 +28,7 @@ class _Prism:
     material: str
     name: str
     outline: Float[np.ndarray, "corners 2"]
-    along: Float[np.ndarray, "3"]
+    along: Vector
     radius: float
     ends: bool
     open_side: bool

@@ -12,8 +12,8 @@ import re
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import Vector
 from clerestory.directions import from_azimuth
 from clerestory.formats.word_reader import WordReader
 from clerestory.scene.primitive import Primitive, primitive
@@ -157,7 +157,7 @@ def read_moment(words: WordReader) -> Moment:
     return moment
 
 
-def direction(altitude: float, azimuth: float) -> Float[np.ndarray, "3"]:
+def direction(altitude: float, azimuth: float) -> Vector:
     """Return the unit vector to the sun; azimuth clockwise from south [rad].
 
     >>> direction(0.0, 0.0).round(6).tolist()
@@ -166,9 +166,7 @@ def direction(altitude: float, azimuth: float) -> Float[np.ndarray, "3"]:
     return from_azimuth(np.array(azimuth + np.pi), np.array(altitude)) + 0.0
 
 
-def sun_source(
-    radiance: float, sun: Float[np.ndarray, "3"], *, angle_deg: float
-) -> list[Primitive]:
+def sun_source(radiance: float, sun: Vector, *, angle_deg: float) -> list[Primitive]:
     """Return the sun as a light and a source of an angular diameter."""
     return [
         primitive("void", "light", "solar", (radiance,) * 3),

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Vector
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.directions import unit
 from clerestory.errors import InputError
@@ -14,7 +15,6 @@ from clerestory.scene.material import (
     Plugin,
     Source,
     Specification,
-    Vector,
 )
 from clerestory.scene.pattern import Pattern
 from clerestory.scene.primitive import Definition, Readers

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from clerestory.array_types import Vector
 from clerestory.checks import not_negative
 from clerestory.directions import unit
 from clerestory.scene.material import (
@@ -18,7 +19,6 @@ from clerestory.scene.material import (
     Plugin,
     Source,
     Specification,
-    Vector,
 )
 from clerestory.scene.materials.mixture import Void
 from clerestory.scene.pattern import Pattern

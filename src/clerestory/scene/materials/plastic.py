@@ -13,6 +13,7 @@ from typing import Protocol
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Vector, Vector2
 from clerestory.checks import not_negative, require, within
 from clerestory.directions import unit
 from clerestory.scene.material import (
@@ -22,7 +23,6 @@ from clerestory.scene.material import (
     Plugin,
     Source,
     Specification,
-    Vector,
 )
 from clerestory.scene.pattern import Pattern
 from clerestory.scene.primitive import Definition, Readers
@@ -31,7 +31,7 @@ from clerestory.scene.primitive import Definition, Readers
 _TINY = 1e-6
 
 # Rms facet slope; for an anisotropic highlight, along `up` and perpendicular to it
-Roughness = float | Float[np.ndarray, "2"]
+Roughness = float | Vector2
 
 # Vector in scene coordinates; pattern: vector in the coordinates of a function
 Up = Vector | Pattern | None
