@@ -27,8 +27,8 @@ _COMMAND = "clerestory multiply"
 
 def multiply(request: Multiply) -> None:
     """Multiply matrices and write their product, or pictures of it."""
-    terms = _terms(request.factors)
-    with progress_display(quiet=request.quiet) as display:
+    terms, file = _terms(request.factors), request.file
+    with progress_display(quiet=file.quiet) as display:
         progress = display("multiply")
         progress(0.1, "multiplying")
         if is_picture_set(request.factors[0]):
@@ -36,16 +36,14 @@ def multiply(request: Multiply) -> None:
             others = [read_any_matrix(path) for path in request.factors[1:]]
             product = _product([view, *others], request.factors)
             progress(0.8, "writing")
-            write_picture_set(request.output, product, like, command=_COMMAND)
+            write_picture_set(file.output, product, like, command=_COMMAND)
         else:
             product = _sum(terms)
             progress(0.8, "writing")
-            write_any_matrix(
-                request.output, product, encoding=request.encoding, command=_COMMAND
-            )
+            write_any_matrix(file, product, command=_COMMAND)
         progress(1.0, "done")
     size = f"{product.rows.describe()} by {product.columns.describe()}"
-    say(f"{request.output}: {size}", quiet=request.quiet)
+    say(f"{file.output}: {size}", quiet=file.quiet)
 
 
 def read_any_matrix(path: Path) -> TransferMatrix:

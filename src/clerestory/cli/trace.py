@@ -145,8 +145,8 @@ class _Run:
             if isinstance(receiver, Camera) and "%" in path.name:
                 _write_pictures(path, matrix, receiver)
             else:
-                encoding = self.file.encoding
-                write_any_matrix(path, matrix, encoding=encoding, command=command)
+                file = replace(self.file, output=path)
+                write_any_matrix(file, matrix, command=command)
             say(f"{path}: {_summary(matrix)}", quiet=self.file.quiet)
         seconds = time.perf_counter() - self.begin
         say(f"done in {seconds:.1f} s", quiet=self.file.quiet)

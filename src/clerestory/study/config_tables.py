@@ -10,9 +10,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
     AfterValidator,
-    BaseModel,
     BeforeValidator,
-    ConfigDict,
     Field,
     model_validator,
 )
@@ -21,7 +19,7 @@ from pydantic_core import PydanticCustomError
 from clerestory.engine.device import Device
 from clerestory.metrics.climate_based_metrics import TARGET_LUX
 from clerestory.metrics.en17037 import FIRST_DAY, LAST_DAY
-from clerestory.sky.station_file import MeasuredTable
+from clerestory.sky.station_file import MeasuredTable, SiteTable, Table
 
 
 def _input_file(value: Any, info: Any) -> Any:
@@ -46,14 +44,6 @@ def require_rule(valid: object, message: str) -> None:
     """Raise a validation error for inconsistent keys of a table unless `valid`."""
     if not valid:
         raise PydanticCustomError("rule", "{message}", {"message": message})
-
-
-class Table(BaseModel):
-    """A table of the study file; unknown keys and wrong types are errors."""
-
-    model_config = ConfigDict(
-        extra="forbid", frozen=True, strict=True, allow_inf_nan=False
-    )
 
 
 class Named(Table):
@@ -131,14 +121,9 @@ class HoursTable(Table):
         return self
 
 
-class ClearSkyTable(Table):
+class ClearSkyTable(SiteTable):
     """Year of clear skies, in place of a weather file."""
 
-    latitude_deg: float = Field(ge=-90, le=90, description="degrees, positive north")
-    longitude_deg: float = Field(ge=-180, le=180, description="degrees, positive east")
-    utc_offset_hours: float = Field(ge=-14, le=14, description="hours ahead of UTC")
-    elevation: float = Field(0.0, ge=-500, le=9000)
-    place: str = ""
     turbidity: float = Field(3.0, ge=1, le=10)
     step_minutes: int = Field(60, ge=1, le=60)
 

@@ -4,17 +4,21 @@ A restarted run gives bitwise identical results: each traced matrix is stored as
 as it is complete, everything else is computed again, and results.nc is written last.
 """
 
+import platform
 import shutil
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from clerestory import __version__
 from clerestory.engine.work_units import Executor
 from clerestory.errors import ClerestoryWarning
 from clerestory.files import make_folder
@@ -31,7 +35,6 @@ from clerestory.study.labels import label_results, sensor_labels
 from clerestory.study.luminaire_matrices import trace_lamps
 from clerestory.study.outputs import write_tables
 from clerestory.study.results import Results, read_results, save_results
-from clerestory.study.run_facts import run_facts
 from clerestory.study.shade_operation import ShadeOperation, operate
 from clerestory.study.study_tracing import study_skies, trace_study
 from clerestory.study.sunlight_exposure import sunlight
@@ -39,6 +42,9 @@ from clerestory.study.view_matrices import trace_views
 
 # Folder of hourly values that do not fit into memory, until results.nc is written
 SCRATCH_FOLDER = "unfinished"
+
+# Packages whose versions are recorded
+_PACKAGES = ("mitsuba", "drjit", "numpy", "xarray", "pvlib")
 
 
 @dataclass
@@ -87,7 +93,7 @@ def run_method(
         data = _simulate(job, log, states, out=out)
         with log.phase("write"):
             write_tables(study, Results(data), out)
-        facts = run_facts(job, data, log.seconds, log.warnings)
+        facts = _run_facts(job, data, log)
         results = Results(data, facts)
         save_results(results, out)
         if any(scratch.iterdir()):
@@ -158,3 +164,33 @@ def _output(electric: xr.Dataset, skies: Skies) -> np.ndarray:
     if "dimming" not in electric:
         return np.zeros((0, len(skies.whole.times)))
     return np.asarray(electric["dimming"].values)
+
+
+def _run_facts(job: Job, data: xr.Dataset, log: RunLog) -> dict[str, Any]:
+    # Content of run.json
+    mean, error = data["mean_illuminance"], data["mean_illuminance_error"]
+    relative = (error / mean.where(mean > 0)).groupby("grid").median()
+    return {
+        "title": job.study.title,
+        "study": job.study.facts(),
+        "versions": {"clerestory": __version__, **_versions()},
+        "machine": f"{platform.system()} {platform.machine()}",
+        "seed": job.study.trace.seed,
+        "device": job.device,
+        "seconds": log.seconds,
+        "median_relative_error_of_mean": {
+            str(grid): round(error, 5) for grid, error in relative.to_series().items()
+        },
+        "matrices": {name: {"found": known} for name, known in job.found.items()},
+        "warnings": log.warnings,
+    }
+
+
+def _versions() -> dict[str, str]:
+    found = {"python": platform.python_version()}
+    for package in _PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            found[package] = "not installed"
+    return found

@@ -32,43 +32,12 @@ _SENSORS = 1024
 
 @dataclass(frozen=True, eq=False)
 class Results:
-    """Results of a study.
+    """Results of a study; `docs/study-file.md`, *Output files*, lists their content.
 
     Attributes
     ----------
-    data : dataset; coordinates in metres, in the coordinate system of the scene:
-
-        - `illuminance`, `standard_error` (sensor, time) [lux, float32]
-        - `occupied` (time): whether the hour lies within the schedule
-        - metrics of `sensor_metrics` (sensor)
-        - `mean_components` (component, sensor) [lux]: error components of the mean
-          illuminance in the occupied hours
-        - coordinates `time`, `sensor` (name, such as "desks.1"), `grid` (sensor),
-          `position` and `direction` (sensor, xyz)
-        - room for drawings: `triangle` (triangle, corner, xyz),
-          `triangle_colour` (triangle, channel) 0…1, `triangle_material` (triangle)
-        - windows: `window` (window) name, `window_centre`, `window_up` and
-          `window_normal` into the room (window, xyz), `window_triangle`
-          (window_triangle, corner, xyz), `window_index` (window_triangle)
-        - window BSDFs: `layer_transmission` (layer, exit, incident) [1/sr] on the
-          Klems full basis, for light from outside
-        - if windows have several states: `state` (window, time) int8, 0 is the most
-          open; `state_name` (window, state_number); `control` (window), the rules;
-          `facade_irradiance` [W/m²] and `profile_angle` [rad] (window, time);
-          `rule_kept` (time), whether the LM-83 limit is met
-        - if direct light was traced: `direct_open` (sensor, time), direct sunlight
-          with all shades open [lux]; with the sun at its true position, `sun_hours`
-          (sensor), occupied hours with `direct_open` above 1000 lux [h], for ASE
-        - with electric light: `electric_illuminance` (sensor, time) [lux],
-          `dimming` 0…1 and `lighting_power` [W] (zone, time), `lighting_energy` and
-          `lighting_energy_error` (zone) [Wh]
-        - with views: `glare_…` (view, time), including electric light
-        - with a sunlight table: `sun_reaches` (opening, moment) on the reference day,
-          `hours_of_sun` (opening) and `room_hours_of_sun` [h]
-        - with several methods: `illuminance_by_method` (method, sensor, time)
-        - attributes `title`, `method`, `target_lux`, `study` (the study as JSON)
-    run : content of run.json: `versions`, `seed`, `device`,
-        `seconds` by phase, `error` by grid, `warnings`, `matrices` by name
+    data : content of results.nc
+    run : content of run.json
     """
 
     data: xr.Dataset

@@ -21,18 +21,16 @@ from clerestory.scene.window import Window
 from clerestory.study.window_tables import (
     ControlTable,
     StateChoice,
-    StateTable,
     WindowTable,
 )
 
 
 @dataclass(frozen=True, eq=False)
 class WindowState:
-    """Shade state of a window group.
+    """Shade state of a window group, with the name "" if it is the only one.
 
     Attributes
     ----------
-    name : name of the state; empty for a single state
     transmission : transmission matrix T of the BSDF
     fine : BSDF for direct sun
     peak : whether direct-direct transmission is extracted from the BSDF
@@ -84,6 +82,7 @@ def state_label(group: WindowGroup, at: int) -> str:
 def read_window_groups(table: WindowTable) -> list[WindowGroup]:
     """Return one group per modifier in the window file, all with the same BSDFs."""
     tables = table.states()
+    names = [state.label if len(tables) > 1 else state.name for state in tables]
     layers = [read_layer(state.bsdf) for state in tables]
     fine = [
         read_layer(state.sun_bsdf) if state.sun_bsdf else layer
@@ -92,16 +91,14 @@ def read_window_groups(table: WindowTable) -> list[WindowGroup]:
     shades = [read_rad(*state.shade) if state.shade else Scene() for state in tables]
     ports = tuple(read_windows(table.ports)) if table.ports else ()
     windows = read_windows(table.file)
-    labels = [table.label]
-    if len(windows) > 1:
-        labels = [f"{table.label}.{window.name}" for window in windows]
     groups = []
-    for label, window in zip(labels, windows, strict=True):
+    for window in windows:
+        label = f"{table.label}.{window.name}" if len(windows) > 1 else table.label
         matrices = _on_common_patches(layers, label)
         states = tuple(
             WindowState(name, matrix, sharp, state.peak, shade)
             for name, matrix, sharp, state, shade in zip(
-                _names(tables), matrices, fine, tables, shades, strict=True
+                names, matrices, fine, tables, shades, strict=True
             )
         )
         named = replace(window, name=label)
@@ -109,10 +106,6 @@ def read_window_groups(table: WindowTable) -> list[WindowGroup]:
         outer = _with_patches(named, matrices[0].columns, file=tables[0].bsdf)
         groups.append(WindowGroup(inner, outer, states, table.control, ports))
     return groups
-
-
-def _names(tables: list[StateTable]) -> list[str]:
-    return [state.label for state in tables] if len(tables) > 1 else [tables[0].name]
 
 
 def _on_common_patches(layers: list[Bsdf], window: str) -> list[TransferMatrix]:

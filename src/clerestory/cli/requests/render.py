@@ -79,6 +79,4 @@ class Multiply:
         " factor, a set of pictures (V_%03d.hdr). + adds products.",
         "A B [C D E] [+ A B …]",
     )
-    output: common.MatrixOutput
-    encoding: common.MatrixEncoding = "float"
-    quiet: common.Quiet = False
+    file: common.MatrixFile

@@ -57,7 +57,7 @@ class SkyMatrixRequest:
     """Sky matrix: radiance of ground and sky patches at every time step [W/(m²·sr)]."""
 
     weather: WeatherFile
-    output: common.MatrixOutput
+    file: common.MatrixFile
     subdivision: Subdivision = 4
     sun_only: bool = option(False, "Include only the direct sun.")
     no_direct: NoDirect = False
@@ -80,8 +80,6 @@ class SkyMatrixRequest:
     daylight_only: bool = option(False, "Omit steps with the sun below the horizon.")
     average: bool = option(False, "Write one column, the mean of all time steps.")
     luminance: bool = option(False, "Write luminance [cd/m²] instead of RGB radiance.")
-    encoding: common.MatrixEncoding = "float"
-    quiet: common.Quiet = False
 
 
 @command("sky:vector", "overcast --sun 40 180 --diffuse 100 -o S.vec")
@@ -95,7 +93,7 @@ class SkyVectorRequest:
         "uniform, overcast, intermediate, clear, CIE general sky 1..15, or perez.",
         "SKY",
     )
-    output: common.MatrixOutput
+    file: common.MatrixFile
     sun: tuple[float, float] = required(
         "Altitude of the sun, and azimuth clockwise from north [°].",
         metavar="ALT AZI",
@@ -114,8 +112,6 @@ class SkyVectorRequest:
     ground_reflectance: float = option(0.2, "Ground reflectance.", least=0, most=1)
     subdivision: Subdivision = 4
     sun_size: SunSize = None
-    encoding: common.MatrixEncoding = "float"
-    quiet: common.Quiet = False
 
 
 @command("sky:sun", "oslo.epw -o suns.csv")
