@@ -8,10 +8,10 @@ from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from clerestory.comparison.agreement import agreement
 from clerestory.comparison.series import GLARE, UNITS, group_of, quantity_of
 from clerestory.comparison.series_comparison import Comparison
 from clerestory.comparison.time_alignment import Pairs
+from clerestory.metrics.agreement import agreement
 
 # Measurements in black, simulations in colour-blind-safe colours (Okabe and Ito)
 _MEASURED = "#1b1f24"

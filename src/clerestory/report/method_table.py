@@ -6,9 +6,10 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Bool, Float
 
+from clerestory.metrics.agreement import LIMITS
 from clerestory.report.markup import Markup, render
 from clerestory.report.uncertain_value import number
-from clerestory.study.method_comparison import LEAST_LUX, WITHIN, differences
+from clerestory.study.method_comparison import LEAST_LUX, differences
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +48,7 @@ def methods_section(compared: MethodComparison | None) -> Markup:
     if compared is None:
         return Markup("")
     head = ["Method", "Grid", "Mean [lux]", "Mean bias", "Root mean square"]
-    head += [f"Within {100 * share:.0f} %" for share in WITHIN]
+    head += [f"Within {100 * share:.0f} %" for share in LIMITS]
     rows = []
     grids, hours = np.array(compared.grids), np.flatnonzero(compared.occupied)
     for name, lux in zip(compared.methods, compared.illuminance, strict=True):

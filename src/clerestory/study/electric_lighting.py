@@ -37,7 +37,7 @@ def lighting(
     """
     if not lamps.zones:
         return xr.Dataset()
-    full = lamps.illuminance()
+    full = lamps.illuminance
     daylight = [hourly["illuminance"][chosen].values for chosen in rows]
     error = [hourly["standard_error"][chosen].values for chosen in rows]
     output = np.zeros((len(lamps.zones), hourly.sizes["time"]))

@@ -105,6 +105,3 @@ class SunCoefficients:
     peak: bool = option(False, "Extract the direct transmission peak.")
     effort: common.SunEffort
     file: common.MatrixFile
-
-
-_SCENE = "--scene materials.rad room.rad"

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from clerestory.comparison.agreement import agreement
+from clerestory.metrics.agreement import agreement
 from clerestory.errors import InputError
 
 
