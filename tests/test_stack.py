@@ -13,7 +13,8 @@ import clerestory
 
 STACK = (
     ("array_types", "errors", "constants", "options", "progress"),
-    ("checks", "files", "directions", "bands"),
+    ("checks",),
+    ("files", "directions", "bands"),
     ("colorimetry", "documents"),
     ("hemisphere", "spectra"),
     ("matrix",),

@@ -14,8 +14,8 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bands import Bands
+from clerestory.checks import finite, positive, require
 from clerestory.constants import LUMINOUS_EFFICACY
-from clerestory.errors import InputError
 
 OBSERVER_NM = np.arange(380, 790, 10)
 # CIE 1931 colour-matching functions x, y, z every 10 nm (CIE 15:2004)
@@ -56,15 +56,12 @@ class Primaries:
 
     def __post_init__(self) -> None:
         points = np.array([self.red, self.green, self.blue, self.white])
-        if not np.isfinite(points).all() or (points[3] <= 0).any():
-            raise InputError(
-                "the white point of the primaries has y ≤ 0; a positive one expected"
-            )
-        corners = np.column_stack([points[:3], 1 - points[:3].sum(axis=1)])
-        if np.linalg.cond(corners) > 1e6 or not self._scale().all():
-            raise InputError(
-                "the chromaticities of the primaries lie on a line; a triangle expected"
-            )
+        finite(points, "a chromaticity")
+        positive(self.white, "the chromaticity of the white point")
+        require(
+            np.linalg.cond(self._corners()) <= 1e6 and self._scale().all(),
+            "the chromaticities of the primaries lie on a line; a triangle expected",
+        )
 
     def _corners(self) -> Float[np.ndarray, "3 3"]:
         xy = np.array([self.red, self.green, self.blue], dtype=float)
@@ -151,10 +148,10 @@ def wavelength_bands(limits_nm: Sequence[float]) -> Bands:
     ('470-515 nm', 179.0)
     """
     limits = np.asarray(limits_nm, dtype=float)
-    if limits.ndim != 1 or len(limits) < 2 or not np.all(np.diff(limits) > 0):
-        raise InputError(
-            f"limits {limits.tolist()} nm; two or more, increasing, expected"
-        )
+    require(
+        limits.ndim == 1 and len(limits) > 1 and np.all(np.diff(limits) > 0),
+        f"limits are {limits.tolist()} nm; two or more increasing numbers expected",
+    )
     fine = np.arange(OBSERVER_NM[0], OBSERVER_NM[-1] + 1)
     sensitivity = np.interp(fine, OBSERVER_NM, OBSERVER[1])
     integral = np.append(0.0, np.cumsum(sensitivity[1:] + sensitivity[:-1]))
