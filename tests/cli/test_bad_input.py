@@ -107,7 +107,7 @@ BAD = {
     "sun of another size": (
         nothing,
         "sky matrix two_days.wea -o S.smx --sun-size 40",
-        "sun of diameter 40",
+        "diameter of the sun is 40",
     ),
     "one factor": (
         nothing,

@@ -151,7 +151,7 @@ def test_pictures_become_a_year(call, desk):
         (("blind.hdr", "--view", "-vtl -vh 2 -vv 2"), "a parallel view"),
         (("torn.hdr",), "torn.hdr"),
         (("desk.hdr", "-t", "500", "1", "0.1"), "a pixel of the picture expected"),
-        (("desk.hdr", "-r", "0"), "merge angle 0.0; above 0"),
+        (("desk.hdr", "-r", "0"), "merging angle is 0 rad; a positive number"),
     ],
 )
 def test_bad_input_is_told_in_one_line(call, desk, words, message):

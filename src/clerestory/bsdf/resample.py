@@ -5,6 +5,7 @@ angles of the overlaps of incident and of exit patches. This conserves flux.
 """
 
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Float
@@ -94,21 +95,21 @@ def _mean(one: ScatteringFunction, two: ScatteringFunction) -> ScatteringFunctio
 
 
 def full_tree(
-    value: Float[np.ndarray, "incident leaving"], halvings: int
+    value: Float[np.ndarray, "..."], halvings: int, *, rank: Literal[3, 4] = 4
 ) -> ScatteringTree:
-    """Convert a full grid of cells to a rank 4 tensor tree.
+    """Convert a full grid of cells to a tensor tree.
 
     `value`: BSDF [1/sr] of the smallest cells, in row-major order; incident cells are
     indexed by the direction of propagation.
     """
     # Store the branches of all levels, then the values in Morton order
-    starts = np.cumsum([1 << 4 * level for level in range(halvings + 1)])
+    starts = np.cumsum([1 << rank * level for level in range(halvings + 1)])
     inner = [
-        ~(start + (np.arange(1 << 4 * level) << 4)).astype(np.int32)
+        ~(start + (np.arange(1 << rank * level) << rank)).astype(np.int32)
         for level, start in enumerate(starts[:-1])
     ]
-    leaves = float_bits(value.ravel()[morton_order(4, halvings)])
-    return ScatteringTree(np.concatenate([*inner, leaves]), 4, halvings)
+    leaves = float_bits(value.ravel()[morton_order(rank, halvings)])
+    return ScatteringTree(np.concatenate([*inner, leaves]), rank, halvings)
 
 
 def _tristimulus(bsdf: Bsdf) -> dict[tuple[str, Function], ScatteringFunction]:

@@ -11,7 +11,7 @@ from clerestory.bsdfgen.channel_weights import tristimulus
 from clerestory.bsdfgen.mirror_symmetry import NO_MIRROR, Orbits, mirror_flips
 from clerestory.bsdfgen.trace_request import Functions, Traced, TraceRequest
 from clerestory.engine.controller import estimate
-from clerestory.engine.sample_area_jobs import SlabJob
+from clerestory.engine.matrix_jobs import SlabJob
 from clerestory.hemisphere.partition import RingPartition
 
 # Number of independent batches. Longer low-discrepancy sequences converge faster: for a

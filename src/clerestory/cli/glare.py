@@ -21,12 +21,9 @@ from clerestory.cli.progress import progress_display, say
 from clerestory.cli.requests.glare import GlareRequest
 from clerestory.files import replace_file, write_text
 from clerestory.glare.evalglare_options import EvalglareOptions
-from clerestory.glare.field_luminance import field_luminances
-from clerestory.glare.picture_evaluation import (
-    Evaluation,
-    annual_glare_of_files,
-    evaluate_file,
-)
+from clerestory.glare.evaluate import Evaluation
+from clerestory.glare.luminance_statistics import field_luminances
+from clerestory.glare.picture_evaluation import annual_glare_of_files, evaluate_file
 from clerestory.image.picture_files import write_picture
 
 

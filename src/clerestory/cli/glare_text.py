@@ -5,16 +5,16 @@ import math
 import numpy as np
 
 from clerestory.glare.dgp import dgp
-from clerestory.glare.field_luminance import FieldLuminances
-from clerestory.glare.indices import REPORTED
-from clerestory.glare.region_statistics import RegionStatistics
-from clerestory.glare.result import Glare
+from clerestory.glare.indices import REPORTED, Glare
+from clerestory.glare.luminance_statistics import FieldLuminances, RegionStatistics
 from clerestory.glare.source_table import GlareSources
 from clerestory.glare.veiling import veiling_luminance
 
 # Name of the quantity in each column of evalglare
-_SHORT = {q.column: q.name for q in REPORTED if q.column and q.in_short_line}
 _LONG = {q.column: q.name for q in REPORTED if q.column}
+_SHORT = {
+    column: _LONG[column] for column in ("dgp", "dgi", "ugr", "vcp", "cgi", "Lveil")
+}
 
 # Columns of `FieldLuminances`, and the column after these
 _FIELD = ("av_lum_pos", "av_lum_pos2", "med_lum", "med_lum_pos", "med_lum_pos2")
@@ -88,7 +88,7 @@ def _six(*numbers: float) -> list[str]:
 def _shares(result: Glare) -> tuple[np.ndarray, np.ndarray]:
     # Contribution of each source to the contrast term of DGP, relative to the whole
     # contrast term and relative to DGP
-    sources, k = result.sources, result.coefficients
+    sources, k = result.sources, result.settings.coefficients
     scale = result.illuminance**k.a3
     each = k.c2 * np.log10(1 + sources.weight() / scale)
     total = k.c2 * math.log10(1 + float(sources.weight().sum()) / scale)

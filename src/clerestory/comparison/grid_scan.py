@@ -16,8 +16,8 @@ from pydantic_core import PydanticCustomError
 from clerestory.checks import require, same_length
 from clerestory.comparison.logger_files import CsvFormat
 from clerestory.comparison.series import Series
+from clerestory.documents import Table
 from clerestory.errors import InputError
-from clerestory.sky.station_file import Table
 
 
 class GridLayout(CsvFormat):

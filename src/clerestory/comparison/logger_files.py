@@ -11,9 +11,10 @@ from pydantic import Field
 
 from clerestory.checks import require
 from clerestory.comparison.series import Series
+from clerestory.documents import Table
 from clerestory.files import read_text
 from clerestory.sky.csv_measurements import LoggerTable, local_times, read_table
-from clerestory.sky.station_file import OneOrSeveral, Table
+from clerestory.sky.station_file import OneOrSeveral
 from clerestory.sky.time_steps import step_centres
 
 

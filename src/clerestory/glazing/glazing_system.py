@@ -30,11 +30,12 @@ from typing import Annotated, final
 
 from pydantic import Field
 
-from clerestory.documents import Positive, Table, read_toml
+from clerestory.documents import Positive, read_toml
 from clerestory.errors import InputError, located
 from clerestory.glazing.layer import Diffuser, Layer
 from clerestory.glazing.layer_files import read_layer, read_pane
 from clerestory.glazing.shade_parameters import (
+    GlazingTable,
     HoleParameters,
     SlatParameters,
     ThreadParameters,
@@ -151,7 +152,7 @@ def read_system(path: str | Path) -> GlazingSystem:
         return GlazingSystem(plan.name or Path(path).stem, tuple(layers), tuple(gaps))
 
 
-class _Row(Table):
+class _Row(GlazingTable):
     file: Path | None = None
     venetian: SlatParameters | None = None
     woven: ThreadParameters | None = None
@@ -160,13 +161,13 @@ class _Row(Table):
     flipped: bool = False
 
 
-class _Space(Table):
+class _Space(GlazingTable):
     thickness_mm: Positive
     gases: dict[str, float] = Field(default_factory=lambda: {"air": 1.0})
     pressure_pa: Positive = ATMOSPHERE
 
 
-class _Plan(Table):
+class _Plan(GlazingTable):
     name: str = ""
     layer: Annotated[list[_Row], Field(min_length=1)]
     gap: tuple[_Space, ...] = ()

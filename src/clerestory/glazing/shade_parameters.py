@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
 from clerestory.checks import require
 from clerestory.documents import Positive, Table, validated
@@ -21,7 +21,13 @@ _MILLIMETRE = 1e-3
 _Pair = tuple[Positive, Positive]
 
 
-class SlatParameters(Table):
+class GlazingTable(Table):
+    """A table of a glazing file, in which lists and file names are converted."""
+
+    model_config = ConfigDict(strict=False)
+
+
+class SlatParameters(GlazingTable):
     """Slats of a venetian blind."""
 
     material: Path
@@ -45,7 +51,7 @@ class SlatParameters(Table):
         return VenetianBlind(material, slats, self.distribution, self.vertical)
 
 
-class ThreadParameters(Table):
+class ThreadParameters(GlazingTable):
     """Threads of a woven shade."""
 
     material: Path
@@ -61,7 +67,7 @@ class ThreadParameters(Table):
         )
 
 
-class HoleParameters(Table):
+class HoleParameters(GlazingTable):
     """Holes of a perforated screen: circles of `radius_mm`, or rectangles."""
 
     material: Path

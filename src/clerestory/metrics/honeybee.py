@@ -20,6 +20,7 @@ import xarray as xr
 from jaxtyping import Float, Int
 
 from clerestory.checks import one_of, require, within
+from clerestory.documents import json_value
 from clerestory.errors import InputError, located
 from clerestory.files import make_folder, read_text, replace_file, write_text
 
@@ -206,7 +207,4 @@ def write_honeybee(
 
 
 def _json(path: Path) -> Any:
-    try:
-        return json.loads(read_text(path))
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"not JSON: {error}", file=path) from error
+    return json_value(read_text(path), file=path)

@@ -25,12 +25,7 @@ _NO_REFLECTION = 1e-3
 
 
 def layer_geometry(bsdf: Bsdf, *, transform: Transform | None = None) -> Scene:
-    """Return the geometry contained in a BSDF file; an empty scene if there is none.
-
-    Parameters
-    ----------
-    transform : transform from BSDF to scene coordinates; None: identity
-    """
+    """Return the geometry contained in a BSDF file; an empty scene if there is none."""
     geometry = bsdf.product.geometry
     if geometry is None:
         return Scene()

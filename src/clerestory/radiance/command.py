@@ -23,14 +23,10 @@ _MOST_COPIES = 100_000
 
 @dataclass(frozen=True, eq=False)
 class Inclusion:
-    """Files or scene included by a command, and the placements of the copies.
+    """Content included by a command, with the placement of each copy.
 
-    Attributes
-    ----------
-    files : names of the files to read
-    placements : placement of each copy
-    items : primitives made by a generator
-    build : function that returns the scene of a converter such as mgf2rad, or None
+    The content is files by name, primitives made by a generator, or a scene that a
+    converter such as mgf2rad builds.
     """
 
     files: tuple[str, ...]
@@ -42,10 +38,7 @@ class Inclusion:
 def parse_command(text: str, *, find: Callable[[str], Path]) -> Inclusion:
     """Return the content included by `xform …`, `cat …`, a generator or a pipe.
 
-    Parameters
-    ----------
-    text : command without the exclamation mark
-    find : function that returns the path of a file named in the command
+    `find` returns the path of a file named in the command.
     """
     stages = _stages(text)
     # `xform < file` is `xform file`

@@ -26,25 +26,14 @@ _EMPTY, _FULL, _TREE = range(3)
 
 @dataclass(frozen=True)
 class Octree:
-    """The content of an octree file.
-
-    Attributes
-    ----------
-    files : scene files from which the octree was compiled; none if it is frozen
-    items : primitives of a frozen octree
-    """
+    """Primitives of a frozen octree, or scene files of any other octree."""
 
     files: tuple[str, ...]
     items: tuple[Primitive, ...]
 
 
 def read_octree(path: str | Path) -> Octree:
-    """Return the scene files or primitives of an octree.
-
-    Raises
-    ------
-    InputError : the file is missing, damaged or not an octree
-    """
+    """Return the scene files or primitives of an octree."""
     reader = Reader(path)
     size = reader.header(*_OCTREE)
     for _ in range(4):

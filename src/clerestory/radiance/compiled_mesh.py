@@ -28,14 +28,10 @@ _NO_MATERIAL = -1
 
 @dataclass(frozen=True, eq=False)
 class CompiledMesh:
-    """The content of a compiled mesh.
+    """Material primitives and triangles of a compiled mesh.
 
-    Attributes
-    ----------
-    items : material primitives of the mesh
-    vertices : vertex coordinates [m]
-    faces : vertex indices, counter-clockwise as seen from the front
-    material : name of the material of each face; empty if the face has none
+    Faces are counter-clockwise as seen from the front; the material of a face is an
+    empty name if the face has none.
     """
 
     items: tuple[Primitive, ...]

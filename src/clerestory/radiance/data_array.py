@@ -26,13 +26,7 @@ _MOST_AXES = 5
 
 @dataclass(frozen=True, eq=False)
 class DataArray:
-    """Table of values on a grid.
-
-    Attributes
-    ----------
-    axes : positions along each axis, ascending or descending
-    values : values at the grid points
-    """
+    """Table of values on a grid; positions along each axis ascend or descend."""
 
     axes: tuple[Float[np.ndarray, " positions"], ...]
     values: Float[np.ndarray, "..."]

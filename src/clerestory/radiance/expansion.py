@@ -48,14 +48,14 @@ _DEEPEST = 100
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """A scene item with its accumulated placement.
+    """A scene item in its final position.
 
     Attributes
     ----------
     item : polygons, another surface, a material or an alias (Primitive), a directive,
-        begin or end of a scope, or a scene in its final position
+        begin or end of a scope, or a scene
     file : path of the file that contains the item
-    placement : placement accumulated over nested xforms, already applied to surfaces
+    placement : placement accumulated over nested xforms, already applied to the item
     """
 
     item: Item

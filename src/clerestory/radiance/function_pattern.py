@@ -42,17 +42,9 @@ class FunctionPattern:
 
     Without tables (brightfunc, colorfunc, texfunc) the expressions give the values.
     With tables (brightdata, colordata, texdata) the expressions are the names of
-    functions of the values interpolated in the tables at the coordinates.
-
-    Attributes
-    ----------
-    program : definitions used in the expressions
-    expressions : one expression for all channels, or one per channel
-    arguments : real arguments of the primitive
-    transform : transform from function to scene coordinates
-    source : file and line of the definition
-    tables : data tables; none, or one for each expression
-    coordinates : expressions of the table coordinates
+    functions of the values interpolated in the tables at the coordinates. There is one
+    expression for all channels, or one per channel, and one table per expression.
+    `transform` leads from function to scene coordinates.
 
     Examples
     --------

@@ -32,12 +32,10 @@ _FINE = 20
 
 @dataclass(frozen=True, eq=False)
 class LeavingLight:
-    """Outgoing radiance of a planar patch by direction.
+    """Outgoing radiance of a planar patch [W/(m²·sr)].
 
-    Attributes
-    ----------
-    frame : rows: two axes in the plane of the patch, and its normal
-    radiance : radiance by ring (polar angle), sector (azimuth) and channel [W/(m²·sr)]
+    Its axes are polar angle, azimuth and channel. The rows of the frame are two axes in
+    the plane of the patch, and its normal.
     """
 
     frame: Float[np.ndarray, "3 3"]

@@ -32,13 +32,9 @@ _OBJ = ".obj"
 
 @dataclass(frozen=True, eq=False)
 class Instance:
-    """The content of an instance or mesh.
+    """The content of an instance or mesh: scene files to read, primitives and meshes.
 
-    Attributes
-    ----------
-    files : paths of the scene files to read
-    items : primitives and meshes that have been read
-    placement : placement of the content; its modifier, if any, replaces all materials
+    A modifier of the placement replaces all materials.
     """
 
     files: tuple[Path, ...]

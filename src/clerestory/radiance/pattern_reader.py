@@ -15,7 +15,7 @@ from clerestory.checks import require
 from clerestory.errors import located
 from clerestory.files import read_text
 from clerestory.formats.photometry.read import LUMINAIRE_SUFFIXES, read_luminaire
-from clerestory.radiance.cal.files import NATIVE_FILES, TEXT_FILES
+from clerestory.radiance.cal.files import FUNCTION_FILES
 from clerestory.radiance.cal.program import Program
 from clerestory.radiance.cal.syntax import (
     Name,
@@ -155,13 +155,9 @@ def _program(given: Arguments, at: int) -> Program:
     name = given.item.strings[at]
     if name == ".":
         return Program()
-    native = Path(name).name
     beside = (Path(given.file).parent / name, Path(name))
-    if not any(path.is_file() for path in beside):
-        if native in NATIVE_FILES:
-            return Program(native_file=native)
-        if native in TEXT_FILES:
-            return Program(TEXT_FILES[native])
+    if Path(name).name in FUNCTION_FILES and not any(p.is_file() for p in beside):
+        return Program(FUNCTION_FILES[Path(name).name])
     path = library_file(name, beside=given.file, line=given.item.line)
     return Program(parse_definitions(read_text(path), file=str(path)))
 

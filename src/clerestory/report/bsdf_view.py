@@ -20,7 +20,7 @@ from clerestory.errors import InputError
 from clerestory.files import write_text
 from clerestory.hemisphere.klems import from_rings, klems
 from clerestory.hemisphere.partition import RingPartition
-from clerestory.report.colour import ColourScale
+from clerestory.report.colour import logarithmic_scale
 from clerestory.report.embedded_data import packed
 from clerestory.report.markup import render
 from clerestory.report.page_assets import asset, render_page
@@ -91,11 +91,10 @@ def view_data(bsdf: Bsdf) -> dict[str, Any]:
             room -= size
             part = _shown(bsdf, name, channel)
             functions.append(_function_data(part, channel, name))
-    scale = ColourScale(1e-4, 1, "1/sr", "inferno", logarithmic=True)
     return {
         "functions": functions,
         "left_out": left_out,
-        "colours": scale.table().tolist(),
+        "colours": logarithmic_scale(1e-4, 1, "1/sr").table().tolist(),
     }
 
 

@@ -33,12 +33,7 @@ class Source:
 
 @dataclass(frozen=True)
 class Plugin:
-    """Name and parameters of a Mitsuba plugin, independent of Mitsuba.
-
-    Attributes
-    ----------
-    parameters : parameters by name; materials, patterns and BSDFs as objects
-    """
+    """Name of a Mitsuba plugin, and parameters; materials and patterns as objects."""
 
     name: str
     parameters: "Mapping[str, Parameter]" = field(default_factory=dict)
@@ -54,11 +49,7 @@ def error_at(source: Source | None, message: str) -> InputError:
 class Specification:
     """Type and arguments of a material in Radiance's scene language.
 
-    Attributes
-    ----------
-    kind : type of the primitive
-    strings : string arguments; materials are written as names, BSDFs as file names
-    reals : real arguments
+    Of the string arguments, materials are written as names and BSDFs as file names.
     """
 
     kind: str

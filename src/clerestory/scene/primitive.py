@@ -48,13 +48,7 @@ def primitive(
 
 @dataclass(frozen=True, eq=False)
 class Arguments:
-    """Checked access to the arguments of a primitive; errors give file and line.
-
-    Attributes
-    ----------
-    item : primitive with the arguments
-    file : path of the file that contains the primitive
-    """
+    """Checked access to the arguments of a primitive; errors give file and line."""
 
     item: Primitive
     file: str
@@ -72,11 +66,9 @@ class Arguments:
     def reals(
         self, *counts: int, strings: bool = False
     ) -> Float[np.ndarray, " numbers"]:
-        """Return the real arguments; their number must be among `counts`.
+        """Return the real arguments, of which there are as many as one of `counts`.
 
-        Parameters
-        ----------
-        strings : whether string arguments are allowed
+        String arguments are an error unless `strings` is set.
         """
         if not strings and self.item.strings:
             raise self.error(
@@ -164,14 +156,9 @@ class Arguments:
 class Definition(Arguments):
     """Arguments of a material, with access to the objects named in them.
 
-    Attributes
-    ----------
-    placed : transform applied to the file that contains the primitive
-    named : function that returns the material with a given name at this line
-    bsdf : function that returns the BSDF in a given file
-    vector : function of a string argument's index and a transform; returns the vector
-        of three expressions from that argument on, or a pattern if it varies
-    share_of_foreground : function that returns the foreground fraction of a mixture
+    The functions return the material of a name, the BSDF in a file, the vector (or
+    varying pattern) of three expressions from a string argument on, and the foreground
+    fraction of a mixture. `placed` is the transform of the scene file.
     """
 
     placed: Transform

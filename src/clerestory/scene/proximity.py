@@ -13,13 +13,7 @@ from clerestory.array_types import RayValues, RayVectors, Vector
 
 @dataclass(frozen=True, eq=False)
 class Triangulation:
-    """Triangles with their bounding boxes, for proximity queries.
-
-    Attributes
-    ----------
-    corner : corners of each triangle [m]
-    surface : surface index of each triangle
-    """
+    """Triangle corners [m] and surface indices, with bounding boxes."""
 
     corner: Float[np.ndarray, "triangles 3 3"]
     surface: Int[np.ndarray, " triangles"]

@@ -76,13 +76,7 @@ class Ring:
 
 @dataclass(frozen=True, eq=False)
 class TriangleMesh:
-    """A surface that consists of triangles of one material.
-
-    Attributes
-    ----------
-    vertices : vertex coordinates [m]
-    faces : vertex indices, counter-clockwise as seen from the front
-    """
+    """Triangles of one material, counter-clockwise as seen from the front."""
 
     vertices: Vertices
     faces: Faces
@@ -104,13 +98,7 @@ Surface = Polygon | Sphere | Cone | Ring | TriangleMesh
 
 @dataclass(frozen=True, eq=False)
 class DistantSource:
-    """A disc of sky, sun or ground at infinity.
-
-    Attributes
-    ----------
-    direction : unit vector to the centre of the disc
-    angle_deg : full angle subtended by the disc, up to 360
-    """
+    """A disc of sky, sun or ground at infinity, up to 360° of full angle."""
 
     direction: Vector
     angle_deg: float

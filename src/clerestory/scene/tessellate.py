@@ -14,14 +14,9 @@ from clerestory.scene.triangulate import Triangles, triangulate
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Triangles of one material.
+    """Triangles of one material, counter-clockwise as seen from the front.
 
-    Attributes
-    ----------
-    material : material of the triangles
-    vertices : vertex coordinates [m]
-    faces : vertex indices, counter-clockwise as seen from the front of the surface
-    surface : index into `Scene.surfaces` of each triangle
+    `surface` is the index into `Scene.surfaces` of each triangle.
     """
 
     material: Material

@@ -19,14 +19,7 @@ from clerestory.scene.projection import PROJECTIONS, TINY, Kind, Projection
 
 
 class Rays(NamedTuple):
-    """Rays through the pixels of a view.
-
-    Attributes
-    ----------
-    origin : ray origins [m]
-    direction : unit vectors; zero for pixels outside the projection
-    valid : whether the pixel is within the projection
-    """
+    """Rays through the pixels of a view; of length 0 outside the projection."""
 
     origin: Float[np.ndarray, "row column 3"]
     direction: Float[np.ndarray, "row column 3"]

@@ -77,10 +77,7 @@ def window_of(
 ) -> Window:
     """Return a window group of polygons; the mean normal defines the frame.
 
-    Parameters
-    ----------
-    up : up vector of the frame; None: +z, or +y for a horizontal window
-    partition : angular basis; None: Klems full
+    By default `up` is +z, or +y for a horizontal window, and the basis is Klems full.
     """
     normal = unit(_normals(polygons).sum(axis=0))
     if up is None:

@@ -12,8 +12,8 @@ Optics 28, 1989 (air mass); J. W. Spencer, Search 2 (5), 1971 (distance to the s
 from dataclasses import asdict
 
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import Series
 from clerestory.checks import require, within
 from clerestory.sky.sky_state import orbit_factor
 from clerestory.sky.solar_position import day_of_year, sun_at
@@ -47,7 +47,7 @@ def clear_sky_weather(
     times = start + middles.astype("timedelta64[s]")
     direct, diffuse = clear_sky_irradiance(
         sun_at(site, times).altitude,
-        extraterrestrial=extraterrestrial_irradiance(times),
+        extraterrestrial=SOLAR_CONSTANT * orbit_factor(day_of_year(times)),
         turbidity=turbidity,
         elevation=site.elevation,
     )
@@ -62,12 +62,12 @@ def clear_sky_weather(
 
 
 def clear_sky_irradiance(
-    altitude: Float[np.ndarray, " time"],
+    altitude: Series,
     *,
-    extraterrestrial: Float[np.ndarray, " time"] | float = SOLAR_CONSTANT,
+    extraterrestrial: Series | float = SOLAR_CONSTANT,
     turbidity: float = 3.0,
     elevation: float = 0.0,
-) -> tuple[Float[np.ndarray, " time"], Float[np.ndarray, " time"]]:
+) -> tuple[Series, Series]:
     """Direct normal and diffuse horizontal irradiance of a clear sky [W/m²].
 
     The solar altitude [rad] includes refraction; `turbidity` is the Linke turbidity.
@@ -92,8 +92,3 @@ def clear_sky_irradiance(
     up = np.sin(altitude) > 0
     diffuse = np.maximum(total - direct * sine, 0)
     return np.where(up, direct, 0.0), np.where(up, diffuse, 0.0)
-
-
-def extraterrestrial_irradiance(times: np.ndarray) -> Float[np.ndarray, " time"]:
-    """Extraterrestrial normal irradiance [W/m²], by Spencer's Fourier series."""
-    return np.asarray(SOLAR_CONSTANT * orbit_factor(day_of_year(times)))

@@ -14,8 +14,8 @@ from typing import get_args
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import Series
 from clerestory.checks import require
 from clerestory.errors import InputError
 from clerestory.files import read_text
@@ -31,16 +31,10 @@ _MISSING = (-9999.9, -9999.0, -999.0, 9999.0, 99999.0)
 
 @dataclass(frozen=True)
 class Columns:
-    """Names of the columns of a CSV file.
+    """Names of the columns of a CSV file; None if not measured.
 
-    Attributes
-    ----------
-    time : column of times, or several columns whose texts are joined
-    global_horizontal, diffuse_horizontal, direct_normal : columns of irradiance [W/m²];
-        None if not measured
-    global_illuminance, diffuse_illuminance, direct_illuminance : columns of global
-        horizontal, diffuse horizontal and direct normal illuminance [lux]
-    dew_point : column of dew point temperature [°C]
+    The texts of several columns of times are joined by a space. Irradiance is in W/m²,
+    illuminance in lux, and the dew point temperature in °C.
     """
 
     time: str | tuple[str, ...]
@@ -72,20 +66,9 @@ def read_measured(
 ) -> Weather:
     """Return the weather in a CSV file of measured irradiance or illuminance.
 
-    The dates are those of the measurement.
-
-    Parameters
-    ----------
-    columns : names of the columns in the header line
-    site : location of the measurement
-    time_format : format for `datetime.strptime`; texts of several columns are joined by
-        a space; default: ISO 8601
-    stands_for : whether times are the "start", "centre" or "end" of the steps
-    clock : time zone of civil time, such as "Europe/Berlin", with its daylight saving
-        time; None for local standard time
-    separator : character between cells
-    skip_lines : number of lines before the header
-    decomposition : model that decomposes global irradiance if it alone is measured
+    Times in the format of `datetime.strptime`, by default ISO 8601, are the "start",
+    "centre" or "end" of the steps, in local standard time or in the civil time of a
+    time zone such as "Europe/Berlin". The header follows `skip_lines` lines.
     """
     table = read_table(path, separator, skip_lines)
     times = local_times(table, columns.time, time_format, clock, site.utc_offset_hours)
@@ -116,7 +99,7 @@ class LoggerTable(DataRows):
         )
         return self.names.index(name)
 
-    def numbers(self, name: str) -> Float[np.ndarray, " time"]:
+    def numbers(self, name: str) -> Series:
         """Return a column of numbers, with NaN for missing values."""
         values = self.column(self.index(name), name, may_miss=True)
         return np.where(np.isin(values, _MISSING), np.nan, values)

@@ -17,7 +17,8 @@ import numpy as np
 from clerestory.checks import require
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.files import read_text
-from clerestory.sky.measured_weather import Measurement, weather_of_components
+from clerestory.sky.irradiance_decomposition import Irradiance
+from clerestory.sky.measured_weather import weather_of_components
 from clerestory.sky.table_cells import DataRows, numbers
 from clerestory.sky.time_steps import calendar_times
 from clerestory.sky.weather import Site, Weather
@@ -65,16 +66,12 @@ def read_epw(path: str | Path) -> Weather:
     )
     _warn_if_truncated(times, per_hour, lines, path)
     return weather_of_components(
-        Measurement(
-            site,
-            times,
-            60 / per_hour,
-            {"direct_normal": direct, "diffuse_horizontal": diffuse},
-            rows,
-            dew_point_c=np.where(
-                np.abs(dew_point) < _MISSING_DEW_POINT, dew_point, np.nan
-            ),
-        )
+        site,
+        times,
+        rows,
+        Irradiance(direct, diffuse),
+        step_minutes=60 / per_hour,
+        dew_point_c=np.where(np.abs(dew_point) < _MISSING_DEW_POINT, dew_point, np.nan),
     )
 
 

@@ -50,15 +50,11 @@ def cie_sky(
 ) -> PointSky:
     """Return a CIE sky at one moment, as gensky does.
 
-    Parameters
-    ----------
-    kind : sky type of gensky, or number of a CIE general sky, 1…15
-    sun_altitude, sun_azimuth : solar altitude, and azimuth clockwise from north [rad]
-    with_sun : whether to include the sun; the ground radiance always includes reflected
-        sunlight, as in gensky; uniform and overcast skies have no sun
-    turbidity : Linke turbidity, for the zenith luminance of clear skies
-    diffuse_horizontal, direct_normal : irradiance [W/m²]; default: from gensky's
-        zenith luminance and solar radiance; CIE general skies require the diffuse
+    `kind` is a sky type of gensky, or the number of a CIE general sky, 1…15. Azimuth is
+    clockwise from north [rad]. By default, irradiance [W/m²] follows from gensky's
+    zenith luminance, a function of the Linke turbidity, and from its solar radiance;
+    CIE general skies require the diffuse irradiance. The ground radiance includes
+    reflected sunlight also without sun; uniform and overcast skies have no sun.
     """
     overcast = kind in ("uniform", "overcast")
     altitude = sun_altitude if overcast else min(sun_altitude, HIGHEST_SUN)

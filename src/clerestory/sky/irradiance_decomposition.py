@@ -18,8 +18,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import Series
 from clerestory.checks import one_of
 from clerestory.errors import InputError
 from clerestory.sky.sky_state import SOLAR_CONSTANT, orbit_factor
@@ -34,22 +34,20 @@ _TWILIGHT = np.radians(-6.0)
 # Largest violation of a limit that is not reported [W/m²]
 _TOLERANCE = 5.0
 
-_Values = Float[np.ndarray, " time"]
-
 
 @dataclass(frozen=True, eq=False)
 class Irradiance:
     """Direct normal and diffuse horizontal irradiance [W/m²], and corrections made."""
 
-    direct_normal: _Values
-    diffuse_horizontal: _Values
+    direct_normal: Series
+    diffuse_horizontal: Series
     notes: tuple[str, ...] = ()
 
 
 def split_irradiance(
     times: np.ndarray,
     sun: SunPosition,
-    series: Mapping[Component, _Values],
+    series: Mapping[Component, Series],
     *,
     decomposition: Decomposition = "erbs",
 ) -> Irradiance:
@@ -96,8 +94,8 @@ def split_irradiance(
 
 
 def limit_to_extraterrestrial(
-    direct_normal: _Values, times: np.ndarray
-) -> tuple[_Values, tuple[str, ...]]:
+    direct_normal: Series, times: np.ndarray
+) -> tuple[Series, tuple[str, ...]]:
     """Return direct normal irradiance [W/m²] limited to extraterrestrial, and notes."""
     limit = _extraterrestrial(times)
     return _limited(
@@ -108,23 +106,23 @@ def limit_to_extraterrestrial(
 
 
 def _limited(
-    values: _Values, limit: _Values, note: str
-) -> tuple[_Values, tuple[str, ...]]:
+    values: Series, limit: Series, note: str
+) -> tuple[Series, tuple[str, ...]]:
     above = np.count_nonzero(values > limit + _TOLERANCE)
     return np.minimum(values, limit), (f"{above} {note}",) if above else ()
 
 
-def _extraterrestrial(times: np.ndarray) -> _Values:
+def _extraterrestrial(times: np.ndarray) -> Series:
     return np.asarray(SOLAR_CONSTANT * orbit_factor(day_of_year(times)))
 
 
-def _without_direct(level: _Values, direct: _Values, sun: SunPosition) -> _Values:
+def _without_direct(level: Series, direct: Series, sun: SunPosition) -> Series:
     # Global minus direct horizontal irradiance
     return np.asarray(level - direct * np.maximum(np.sin(sun.altitude), 0))
 
 
 def _from_diffuse(
-    level: _Values, diffuse: _Values, times: np.ndarray, sun: SunPosition
+    level: Series, diffuse: Series, times: np.ndarray, sun: SunPosition
 ) -> Irradiance:
     diffuse, notes = _limited(
         diffuse, level, "diffuse values above global limited to global"
@@ -137,13 +135,13 @@ def _from_diffuse(
 
 
 # pvlib and pandas take a second to import, so they are imported only here
-def _erbs(level: _Values, times: np.ndarray, sun: SunPosition) -> _Values:
+def _erbs(level: Series, times: np.ndarray, sun: SunPosition) -> Series:
     models = importlib.import_module("pvlib.irradiance")
     parts = models.erbs(level, _zenith_deg(sun), day_of_year(times))
     return np.asarray(np.maximum(np.nan_to_num(parts["dni"]), 0))
 
 
-def _dirint(level: _Values, times: np.ndarray, sun: SunPosition) -> _Values:
+def _dirint(level: Series, times: np.ndarray, sun: SunPosition) -> Series:
     models = importlib.import_module("pvlib.irradiance")
     pd = importlib.import_module("pandas")
     index = pd.DatetimeIndex(times)
@@ -155,5 +153,5 @@ def _dirint(level: _Values, times: np.ndarray, sun: SunPosition) -> _Values:
     return np.asarray(np.maximum(np.nan_to_num(direct.to_numpy()), 0))
 
 
-def _zenith_deg(sun: SunPosition) -> _Values:
+def _zenith_deg(sun: SunPosition) -> Series:
     return np.asarray(np.degrees(np.pi / 2 - sun.altitude))

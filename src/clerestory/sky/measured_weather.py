@@ -16,11 +16,11 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import Literal, get_args
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool
 
+from clerestory.array_types import Series
 from clerestory.checks import require
 from clerestory.errors import ClerestoryWarning
-from clerestory.sky.illuminance_conversion import irradiance_of
 from clerestory.sky.irradiance_decomposition import (
     Component,
     Decomposition,
@@ -28,8 +28,10 @@ from clerestory.sky.irradiance_decomposition import (
     limit_to_extraterrestrial,
     split_irradiance,
 )
+from clerestory.sky.sky_state import irradiance_of
 from clerestory.sky.solar_position import sun_at
 from clerestory.sky.table_cells import DataRows
+from clerestory.sky.time_steps import typical_step
 from clerestory.sky.weather import Illuminance, Site, Weather
 
 Quantity = Literal[
@@ -71,22 +73,32 @@ class Measurement:
     site: Site
     times: np.ndarray
     step_minutes: float
-    series: Mapping[Quantity, Float[np.ndarray, " time"]]
+    series: Mapping[Quantity, Series]
     rows: DataRows
     names: Mapping[Quantity, str] = field(default_factory=dict)
-    dew_point_c: Float[np.ndarray, " time"] | None = None
+    dew_point_c: Series | None = None
 
 
-def weather_of_components(measurement: Measurement, *, notes: _Notes = ()) -> Weather:
-    """Return the weather of measured direct normal and diffuse horizontal irradiance.
-
-    Irradiance at night is preserved. `notes` are earlier corrections.
-    """
+def weather_of_components(
+    site: Site,
+    times: np.ndarray,
+    rows: DataRows,
+    parts: Irradiance,
+    *,
+    step_minutes: float | None = None,
+    dew_point_c: Series | None = None,
+) -> Weather:
+    """Return the weather of the rows of a file; irradiance at night is preserved."""
+    step = typical_step(times) if step_minutes is None else step_minutes
+    series: dict[Quantity, np.ndarray] = {
+        "direct_normal": parts.direct_normal,
+        "diffuse_horizontal": parts.diffuse_horizontal,
+    }
+    measurement = Measurement(site, times, step, series, rows, dew_point_c=dew_point_c)
     watts, repairs = _repaired(measurement, _IRRADIANCE, scale=1.0, unit="W/m²")
-    direct, limited = limit_to_extraterrestrial(
-        watts["direct_normal"], measurement.times
-    )
-    parts = Irradiance(direct, watts["diffuse_horizontal"], notes + repairs + limited)
+    direct, limited = limit_to_extraterrestrial(watts["direct_normal"], times)
+    notes = parts.notes + repairs + limited
+    parts = Irradiance(direct, watts["diffuse_horizontal"], notes)
     return _weather(measurement, parts)
 
 
@@ -164,7 +176,7 @@ def _repaired(
     *,
     scale: float,
     unit: str,
-) -> tuple[dict[Component, Float[np.ndarray, " time"]], _Notes]:
+) -> tuple[dict[Component, Series], _Notes]:
     # Return the series by component, in W/m² or hundreds of lux, and notes
     notes: _Notes = ()
     series = {}
@@ -178,7 +190,7 @@ def _repaired(
 
 def _filled(
     measurement: Measurement, quantity: Quantity, scale: float, unit: str
-) -> tuple[Float[np.ndarray, " time"], _Notes]:
+) -> tuple[Series, _Notes]:
     values, rows = measurement.series[quantity], measurement.rows
     plain = quantity.replace("_", " ")
     plain += "" if quantity in _ILLUMINANCE else " irradiance"

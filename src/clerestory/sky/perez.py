@@ -18,6 +18,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float, Float32, Int
 
+from clerestory.array_types import Series
 from clerestory.checks import one_of
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.sky.sky_state import SkyState
@@ -122,7 +123,7 @@ class PerezSky:
         return PerezSky(self.parameters[:, steps], self.sun[steps])
 
 
-def perez_sky(state: SkyState, *, azimuth: Float[np.ndarray, " time"]) -> PerezSky:
+def perez_sky(state: SkyState, *, azimuth: Series) -> PerezSky:
     """Return the luminance distribution of the sky (Perez et al. 1993, eqs. 6 to 8)."""
     # Limit the brightness Δ as gendaymtx does
     low = (state.clearness > 1.065) & (state.clearness < 2.8)
@@ -149,7 +150,7 @@ def perez_sky(state: SkyState, *, azimuth: Float[np.ndarray, " time"]) -> PerezS
 
 def dome_radiance(
     sky: PerezSky,
-    diffuse: Float[np.ndarray, " time"],
+    diffuse: Series,
     *,
     dome: RingPartition,
     quadrature: Quadrature = "exact",

@@ -8,14 +8,13 @@ from dataclasses import dataclass, replace
 from typing import Unpack
 
 import numpy as np
-from jaxtyping import Float
 from scipy.sparse import csc_array
 
+from clerestory.array_types import Directions, Values, Vector
 from clerestory.bands import RGB, Bands
 from clerestory.checks import not_negative, require, within
 from clerestory.constants import GROUND_REFLECTANCE, LUMINOUS_EFFICACY, SKY_COLOUR
 from clerestory.hemisphere.reinhart import reinhart
-from clerestory.sky.illuminance_conversion import irradiance_of
 from clerestory.sky.luminance_distribution import (
     Distribution,
     FiveParameters,
@@ -24,7 +23,7 @@ from clerestory.sky.luminance_distribution import (
 from clerestory.sky.patch_radiance import SkyMatrix
 from clerestory.sky.perez import perez_sky
 from clerestory.sky.sky_conditions import SkyConditions, SkyOptions, sky_conditions
-from clerestory.sky.sky_state import sky_state
+from clerestory.sky.sky_state import irradiance_of, sky_state
 from clerestory.sky.solar_position import SunPosition, day_of_year
 from clerestory.sky.solar_radiance import SUN_DIAMETER_DEG, SunPlacement, sun_radiance
 from clerestory.sky.weather import Illuminance, Weather
@@ -52,7 +51,7 @@ class PointSky:
 
     distribution: Distribution
     scale: float
-    sun: Float[np.ndarray, "3"]
+    sun: Vector
     direct_normal: float
     ground: float
     colour: tuple[float, ...] = (1.0, 1.0, 1.0)
@@ -70,9 +69,7 @@ class PointSky:
             " expected",
         )
 
-    def radiance(
-        self, direction: Float[np.ndarray, "*batch 3"]
-    ) -> Float[np.ndarray, "*batch"]:
+    def radiance(self, direction: Directions) -> Values:
         """Achromatic radiance of sky and ground, without sun [W/(m²·sr)]."""
         sky = self.scale * self.distribution.relative(direction, sun=self.sun)
         return np.where(direction[..., 2] > 0, sky, self.ground)
@@ -174,11 +171,9 @@ def _perez(
 class _Circumsolar:
     # Distribution whose circumsolar centre may differ from the sun's direction
     shape: FiveParameters
-    centre: Float[np.ndarray, "3"]
+    centre: Vector
 
-    def relative(
-        self, direction: Float[np.ndarray, "*batch 3"], *, sun: Float[np.ndarray, "3"]
-    ) -> Float[np.ndarray, "*batch"]:
+    def relative(self, direction: Directions, *, sun: Vector) -> Values:
         return self.shape.relative(direction, sun=self.centre)
 
 

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import Series
 from clerestory.checks import require
 from clerestory.errors import InputError
 from clerestory.files import read_text
@@ -170,7 +170,7 @@ def _read_srml(path: str | Path) -> Any:
 def _weather(
     utc: np.ndarray,
     site: Site,
-    series: dict[Quantity, Float[np.ndarray, " time"]],
+    series: dict[Quantity, Series],
     rows: DataRows,
     *,
     names: dict[Quantity, str] | None = None,

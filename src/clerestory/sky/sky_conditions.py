@@ -10,6 +10,7 @@ from typing import Literal, TypedDict
 import numpy as np
 from jaxtyping import Bool, Float
 
+from clerestory.array_types import Series
 from clerestory.checks import finite, one_of, require, within
 from clerestory.constants import LUMINOUS_EFFICACY, SUN_DIAMETER
 from clerestory.errors import ClerestoryWarning
@@ -46,15 +47,15 @@ class SkyConditions:
 
     sun: SunPosition
     state: SkyState
-    direct_normal: Float[np.ndarray, " time"]
-    diffuse_horizontal: Float[np.ndarray, " time"]
+    direct_normal: Series
+    diffuse_horizontal: Series
 
     @property
     def lit(self) -> Bool[np.ndarray, " time"]:
         """Whether the direct or diffuse irradiance of each step is above zero."""
         return np.asarray(self.direct_normal + self.diffuse_horizontal > 0)
 
-    def direct_horizontal(self) -> Float[np.ndarray, " time"]:
+    def direct_horizontal(self) -> Series:
         """Direct horizontal irradiance [W/m²]."""
         return np.asarray(self.direct_normal * np.maximum(np.sin(self.sun.altitude), 0))
 
@@ -80,7 +81,6 @@ def sky_conditions(
 
     Parameters
     ----------
-    weather : irradiance over time
     rotation_deg : azimuth of the scene's y axis, clockwise from north [°]
     sun_formula : formula of the solar position: "spa", or "radiance" for comparisons
     dew_point_c : dew point of all steps [°C]; default: from the weather data, or 11 °C
@@ -184,7 +184,7 @@ def _warn_of_light_at_night(weather: Weather, sun: SunPosition) -> None:
         )
 
 
-def _dew_point(weather: Weather, fixed: float | None) -> Float[np.ndarray, " time"]:
+def _dew_point(weather: Weather, fixed: float | None) -> Series:
     if fixed is not None:
         least, most = _DEW_POINTS
         within(fixed, "dew point", least=least, most=most, unit="°C")

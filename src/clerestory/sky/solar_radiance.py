@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.sparse import coo_array, csc_array
 
+from clerestory.array_types import Series
 from clerestory.checks import one_of, require
 from clerestory.constants import SUN_DIAMETER
 from clerestory.hemisphere.partition import RingPartition
@@ -44,7 +45,7 @@ class Nearest(NamedTuple):
 
 
 def sun_radiance(
-    direct: Float[np.ndarray, " time"],
+    direct: Series,
     directions: Float[np.ndarray, "time 3"],
     *,
     partition: SkyPartition,

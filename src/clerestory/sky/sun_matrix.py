@@ -34,7 +34,6 @@ class SunMatrix:
     Attributes
     ----------
     directions : unit vectors to the sun, one per solar position
-    times : centres of the steps, local standard time
     direct_normal : direct normal irradiance [W/m²], over (sun, time); at most one solar
         position per step
     attributes : provenance of the matrix

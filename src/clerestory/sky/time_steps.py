@@ -3,8 +3,8 @@
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import Series
 from clerestory.checks import one_of
 from clerestory.sky.table_cells import DataRows
 from clerestory.sky.weather import TYPICAL_LEAP_YEAR, TYPICAL_YEAR
@@ -18,9 +18,9 @@ _DAYS = np.array([31, 29, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31])
 
 
 def calendar_times(
-    month: Float[np.ndarray, " time"],
-    day: Float[np.ndarray, " time"],
-    hour: Float[np.ndarray, " time"],
+    month: Series,
+    day: Series,
+    hour: Series,
     *,
     rows: DataRows,
 ) -> np.ndarray:

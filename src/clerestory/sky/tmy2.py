@@ -12,9 +12,10 @@ import numpy as np
 
 from clerestory.checks import require
 from clerestory.files import read_text
-from clerestory.sky.measured_weather import Measurement, weather_of_components
+from clerestory.sky.irradiance_decomposition import Irradiance
+from clerestory.sky.measured_weather import weather_of_components
 from clerestory.sky.table_cells import DataRows, numbers
-from clerestory.sky.time_steps import calendar_times, typical_step
+from clerestory.sky.time_steps import calendar_times
 from clerestory.sky.weather import Site, Weather
 
 # Character range of each field, from 0, end excluded
@@ -52,18 +53,9 @@ def read_tmy2(path: str | Path) -> Weather:
         rows.column(i, name) for i, name in enumerate(_DATA)
     )
     times = calendar_times(month, day, hour - 0.5, rows=rows)
-    return weather_of_components(
-        Measurement(
-            _site(lines[0], path),
-            times,
-            typical_step(times),
-            {"direct_normal": direct, "diffuse_horizontal": diffuse},
-            rows,
-            dew_point_c=np.where(
-                dew_point == _MISSING_DEW_POINT, np.nan, dew_point / 10
-            ),
-        )
-    )
+    dew_point = np.where(dew_point == _MISSING_DEW_POINT, np.nan, dew_point / 10)
+    site, parts = _site(lines[0], path), Irradiance(direct, diffuse)
+    return weather_of_components(site, times, rows, parts, dew_point_c=dew_point)
 
 
 def is_tmy2_header(line: str) -> bool:

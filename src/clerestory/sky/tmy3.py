@@ -14,9 +14,10 @@ import numpy as np
 
 from clerestory.checks import require
 from clerestory.files import read_text
-from clerestory.sky.measured_weather import Measurement, weather_of_components
+from clerestory.sky.irradiance_decomposition import Irradiance
+from clerestory.sky.measured_weather import weather_of_components
 from clerestory.sky.table_cells import DataRows, numbers
-from clerestory.sky.time_steps import calendar_times, typical_step
+from clerestory.sky.time_steps import calendar_times
 from clerestory.sky.weather import Site, Weather
 
 # Indices of the fields of the first line, from 0
@@ -61,16 +62,9 @@ def read_tmy3(path: str | Path) -> Weather:
     direct, diffuse, dew_point = (
         rows.column(index[name], name, may_miss=True) for name in _SERIES
     )
-    return weather_of_components(
-        Measurement(
-            site,
-            times,
-            typical_step(times),
-            {"direct_normal": direct, "diffuse_horizontal": diffuse},
-            rows,
-            dew_point_c=np.where(dew_point <= _MISSING_DEW_POINT, np.nan, dew_point),
-        )
-    )
+    dew_point = np.where(dew_point <= _MISSING_DEW_POINT, np.nan, dew_point)
+    parts = Irradiance(direct, diffuse)
+    return weather_of_components(site, times, rows, parts, dew_point_c=dew_point)
 
 
 def _parts(

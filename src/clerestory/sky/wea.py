@@ -6,6 +6,8 @@ file, longitude and time zone are in degrees, positive west.
 
 from pathlib import Path
 
+import numpy as np
+
 from clerestory.checks import require
 from clerestory.files import read_text
 from clerestory.sky.irradiance_decomposition import Irradiance, split_irradiance
@@ -50,24 +52,21 @@ def read_wea(path: str | Path) -> Weather:
         rows.column(i, name, may_miss=i > 2) for i, name in enumerate(_COLUMNS)
     )
     times = calendar_times(month, day, hour, rows=rows)
-    parts = Irradiance(direct, diffuse)
-    names: tuple[Quantity, Quantity] = ("direct_normal", "diffuse_horizontal")
     if units == _ILLUMINANCE:
-        names = ("direct_illuminance", "diffuse_illuminance")
-    elif units == _DIRECT_HORIZONTAL:
+        series: dict[Quantity, np.ndarray] = {
+            "direct_illuminance": direct,
+            "diffuse_illuminance": diffuse,
+        }
+        return weather_of(Measurement(site, times, typical_step(times), series, rows))
+    parts = Irradiance(direct, diffuse)
+    if units == _DIRECT_HORIZONTAL:
         total = direct + diffuse
         parts = split_irradiance(
             times,
             sun_at(site, times),
             {"global_horizontal": total, "diffuse_horizontal": diffuse},
         )
-    series = dict(
-        zip(names, (parts.direct_normal, parts.diffuse_horizontal), strict=True)
-    )
-    measurement = Measurement(site, times, typical_step(times), series, rows)
-    if units == _ILLUMINANCE:
-        return weather_of(measurement)
-    return weather_of_components(measurement, notes=parts.notes)
+    return weather_of_components(site, times, rows, parts)
 
 
 def _header(lines: list[str], path: str | Path) -> tuple[Site, float]:

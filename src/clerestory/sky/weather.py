@@ -8,8 +8,8 @@ fixed year: 2023, or 2024 if the data include 29 February.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import Series
 from clerestory.checks import not_negative, positive, require, same_length, within
 
 TYPICAL_YEAR = 2023
@@ -46,8 +46,8 @@ class Site:
 class Illuminance:
     """Measured direct normal and diffuse horizontal illuminance over time [lux]."""
 
-    direct_normal: Float[np.ndarray, " time"]
-    diffuse_horizontal: Float[np.ndarray, " time"]
+    direct_normal: Series
+    diffuse_horizontal: Series
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,9 +83,9 @@ class Weather:
     utc_offset_hours: float
     times: np.ndarray
     step_minutes: float
-    direct_normal: Float[np.ndarray, " time"]
-    diffuse_horizontal: Float[np.ndarray, " time"]
-    dew_point_c: Float[np.ndarray, " time"] | None = None
+    direct_normal: Series
+    diffuse_horizontal: Series
+    dew_point_c: Series | None = None
     illuminance: Illuminance | None = None
     source: str = ""
     notes: tuple[str, ...] = ()

@@ -12,18 +12,15 @@ from pydantic import (
     BeforeValidator,
     Field,
     PrivateAttr,
-    ValidationError,
     model_validator,
 )
 from pydantic_core import PydanticCustomError
 
+from clerestory.documents import Table, read_toml
 from clerestory.engine.device import Device
-from clerestory.files import read_text
 from clerestory.phases.matrix_equation import Term
 from clerestory.phases.methods import METHODS, MethodName
-from clerestory.sky.station_file import Table
 from clerestory.study import config_tables as tables
-from clerestory.study.config_errors import input_error, parse_toml
 from clerestory.study.config_tables import Distinct, require_rule
 from clerestory.study.lighting_tables import LightingTable, LuminaireTable
 from clerestory.study.window_tables import WindowTable
@@ -236,10 +233,5 @@ def read_study(path: str | Path) -> Study:
         unknown or wrong; with the line and the valid choices
     """
     path = Path(path)
-    text = read_text(path)
-    tables = parse_toml(text, file=path)
-    try:
-        study = Study.model_validate(tables, context={"folder": path.parent})
-    except ValidationError as error:
-        raise input_error(error, model=Study, text=text, file=path) from error
+    study = read_toml(path, Study, {"folder": path.parent})
     return study.model_copy(update={"title": study.title or path.stem})

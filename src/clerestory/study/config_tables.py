@@ -16,10 +16,11 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
+from clerestory.documents import Table
 from clerestory.engine.device import Device
 from clerestory.metrics.climate_based_metrics import TARGET_LUX
 from clerestory.metrics.en17037 import FIRST_DAY, LAST_DAY
-from clerestory.sky.station_file import MeasuredTable, SiteTable, Table
+from clerestory.sky.station_file import MeasuredTable, SiteTable
 
 
 def _input_file(value: Any, info: Any) -> Any:

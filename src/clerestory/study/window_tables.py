@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from clerestory.control.lm83_blinds import MOST_SENSORS, SUN_LUX
-from clerestory.sky.station_file import Table
+from clerestory.documents import Table
 from clerestory.study.config_tables import (
     Distinct,
     InputFile,

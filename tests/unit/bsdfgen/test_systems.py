@@ -201,7 +201,7 @@ def test_toml_files_name_what_is_wrong(tmp_path):
     ):
         read_system(file)
     file.write_text("kind = [")
-    with pytest.raises(InputError, match=r"blind\.toml: not TOML"):
+    with pytest.raises(InputError, match=r"blind\.toml:1: not TOML"):
         read_system(file)
 
 

@@ -151,7 +151,7 @@ def test_shades_of_the_database_become_layers(product, write_json, geometry, kin
 
 FAULTS = {
     "not JSON": "{",
-    "an object expected": "[1, 2]",
+    "a table expected": "[1, 2]",
     "no spectral data": '{"name": "x"}',
     "'' has no spectral data": '{"spectral_data": []}',
     "T is missing": '{"spectral_data": [{"wavelength": 0.5}]}',

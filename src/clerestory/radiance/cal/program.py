@@ -7,7 +7,6 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from clerestory.array_types import RayValues
-from clerestory.radiance.cal.files import NATIVE_FILES
 from clerestory.radiance.cal.library import LIBRARY, START_FILE, Native
 from clerestory.radiance.cal.run import SPECIAL, Run
 from clerestory.radiance.cal.syntax import (
@@ -26,11 +25,6 @@ from clerestory.radiance.cal.syntax import (
 class Program:
     """Definitions of a function file together with the predefined functions.
 
-    Attributes
-    ----------
-    definitions : definitions in the file, by name
-    native_file : name of a Radiance function file implemented in Python; empty if none
-
     Examples
     --------
     >>> from clerestory.radiance.cal.syntax import parse_definitions
@@ -41,12 +35,10 @@ class Program:
     """
 
     definitions: Mapping[str, Definition] = field(default_factory=dict)
-    native_file: str = ""
 
     def definition(self, name: str) -> Definition | Native | None:
         """Return the definition of a name; None if it is undefined."""
-        natives = NATIVE_FILES.get(self.native_file, {})
-        for names in (self.definitions, natives, START_FILE, LIBRARY):
+        for names in (self.definitions, START_FILE, LIBRARY):
             if name in names:
                 return names[name]
         return None
@@ -88,11 +80,8 @@ class Program:
     ) -> "Computed":
         """Return the values of expressions for each ray.
 
-        Parameters
-        ----------
-        nodes : expressions
-        inputs : values of the ray variables by name; at least the scale S
-        arguments : real arguments of the primitive
+        The inputs are ray variables by name, with at least the scale S; `arguments`
+        are the real arguments of the primitive.
         """
         faulty = np.zeros(len(inputs["S"]), dtype=bool)
         run = Run(self.definition, inputs, arguments, faulty)
@@ -101,13 +90,7 @@ class Program:
 
 @dataclass(frozen=True, eq=False)
 class Computed:
-    """Values of expressions for rays.
-
-    Attributes
-    ----------
-    value : values, one column per expression
-    valid : whether all expressions are defined for the ray
-    """
+    """Values of expressions (columns) for rays, and whether all of them are defined."""
 
     value: Float[np.ndarray, "rays expressions"]
     valid: Bool[np.ndarray, " rays"]

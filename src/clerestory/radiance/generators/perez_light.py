@@ -41,14 +41,8 @@ _ROUNDS = 9
 class Request:
     """Values of the command's options.
 
-    Attributes
-    ----------
-    by : option that gives the irradiance: -P, -W, -L, -G or -E
-    given : arguments of that option
-    output : output quantity: 0 visible radiance, 1 solar radiance, 2 luminance
-    sun : whether the output includes the sun
-    ground : reflectance of the ground
-    dew_point_c : dew point [°C]
+    The option `by` (-P, -W, -L, -G or -E) gives the irradiance. The output is visible
+    radiance (0), solar radiance (1) or luminance (2).
     """
 
     by: str = "-P"
@@ -61,14 +55,7 @@ class Request:
 
 @dataclass(frozen=True)
 class Air:
-    """Properties of the atmosphere and the sun.
-
-    Attributes
-    ----------
-    altitude : altitude of the sun [rad]
-    day_of_year : day of the year, for the earth-sun distance
-    dew_point_c : dew point [°C]
-    """
+    """Altitude of the sun [rad], and properties of the atmosphere."""
 
     altitude: float
     day_of_year: int

@@ -37,17 +37,11 @@ _HOUR = re.compile(r"(\+?)(\d{1,2})(?::(\d{1,2})|(\.\d*))?([A-Za-z]*)", re.ASCII
 
 @dataclass
 class Moment:
-    """Date, time and site; or, without a month, altitude and azimuth of the sun.
+    """Date, time and site; or, without a month, altitude and azimuth of the sun [rad].
 
-    Attributes
-    ----------
-    altitude, azimuth : sun altitude and azimuth clockwise from south [rad], with -ang
-    month, day, year : date; 0 if not given
-    hour : standard time or solar time [h]
-    solar : whether `hour` is solar time
-    latitude_deg, longitude_deg, meridian_deg : latitude north, longitude and standard
-        meridian west
-    zoned : whether a time zone is given, which overrides -m
+    The azimuth is clockwise from south. Time is standard time, or solar time if `solar`
+    is set. Longitude and meridian are west-positive; a time zone (`zoned`) overrides
+    -m.
     """
 
     altitude: float = 0.0

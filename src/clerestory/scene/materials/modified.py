@@ -8,13 +8,7 @@ from clerestory.scene.pattern import Pattern
 
 @dataclass(frozen=True, eq=False)
 class Patterned(Material):
-    """A material whose colour is multiplied by a pattern.
-
-    Attributes
-    ----------
-    base : plastic, metal, trans, glass or mirror; for glass the transmission varies
-    pattern : multiplier of the colour
-    """
+    """A material whose colour (glass: transmissivity) is multiplied by a pattern."""
 
     name: str
     base: Material
@@ -35,12 +29,7 @@ class Patterned(Material):
 
 @dataclass(frozen=True, eq=False)
 class Textured(Material):
-    """A material whose surface normal is perturbed.
-
-    Attributes
-    ----------
-    texture : vector added to the unit normal, in the coordinates of the function
-    """
+    """A material whose unit normal is perturbed by a vector in function coordinates."""
 
     name: str
     base: Material

@@ -120,10 +120,8 @@ def highlight_specification(
 ) -> Specification:
     """Return the type and arguments of a glossy material.
 
-    Parameters
-    ----------
-    kind : type of the material with an isotropic highlight
-    further : arguments after the roughness
+    `kind` is the type with an isotropic highlight; `further` arguments follow the
+    roughness.
     """
     gloss = material.specularity, *np.atleast_1d(material.roughness).tolist()
     reals = (*material.reflectance, *gloss, *further)
@@ -136,12 +134,7 @@ def highlight_specification(
 def read_highlight(
     given: Definition, further: int
 ) -> tuple[tuple[Colour, float, Roughness], Up, Float[np.ndarray, " further"]]:
-    """Return reflectance, specularity and roughness; up vector; further arguments.
-
-    Parameters
-    ----------
-    further : number of arguments after the roughness
-    """
+    """Return reflectance, specularity and roughness; up vector; `further` arguments."""
     elliptical = given.item.kind.endswith("2")
     up = _up(given) if elliptical else None
     end = 6 if elliptical else 5
