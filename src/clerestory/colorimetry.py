@@ -69,13 +69,11 @@ class Primaries:
 
     def _scale(self) -> Float[np.ndarray, "3"]:
         # Amounts of the primaries in white with Y = 1
-        scale: np.ndarray = np.linalg.solve(self._corners(), xyz_of(self.white))
-        return scale
+        return np.asarray(np.linalg.solve(self._corners(), xyz_of(self.white)))
 
     def to_xyz(self) -> Float[np.ndarray, "3 3"]:
         """Matrix from RGB to XYZ; white (1, 1, 1) has Y = 1."""
-        matrix: np.ndarray = self._corners() * self._scale()
-        return matrix
+        return np.asarray(self._corners() * self._scale())
 
 
 def xyz_of(white: tuple[float, float]) -> Float[np.ndarray, "3"]:
@@ -89,8 +87,7 @@ def adaptation(
 ) -> Float[np.ndarray, "3 3"]:
     """Chromatic adaptation matrix for XYZ, from one white point to another."""
     ratio = (_SHARP @ xyz_of(target)) / (_SHARP @ xyz_of(source))
-    matrix: np.ndarray = np.linalg.solve(_SHARP, ratio[:, None] * _SHARP)
-    return matrix
+    return np.asarray(np.linalg.solve(_SHARP, ratio[:, None] * _SHARP))
 
 
 RADIANCE = Primaries((0.640, 0.330), (0.290, 0.600), (0.150, 0.060), (1 / 3, 1 / 3))
@@ -106,14 +103,12 @@ def conversion(source: Primaries, target: Primaries) -> Float[np.ndarray, "3 3"]
     [1.0, 1.0, 1.0]
     """
     white = adaptation(source.white, target.white)
-    matrix: np.ndarray = np.linalg.solve(target.to_xyz(), white @ source.to_xyz())
-    return matrix
+    return np.asarray(np.linalg.solve(target.to_xyz(), white @ source.to_xyz()))
 
 
 def xyz_to_rgb() -> Float[np.ndarray, "3 3"]:
     """Matrix from XYZ to Radiance's RGB."""
-    matrix: np.ndarray = np.linalg.inv(RADIANCE.to_xyz())
-    return matrix
+    return np.asarray(np.linalg.inv(RADIANCE.to_xyz()))
 
 
 def rgb_from_xyz(

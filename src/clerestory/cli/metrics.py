@@ -14,12 +14,7 @@ from clerestory.control.lm83_blinds import operate_by_direct_sun
 from clerestory.control.schedule import read_schedule
 from clerestory.files import write_text
 from clerestory.metrics import climate_based_metrics as climate
-from clerestory.metrics import en17037
-from clerestory.metrics.honeybee import (
-    HoneybeeFolder,
-    read_honeybee,
-    write_honeybee,
-)
+from clerestory.metrics import en17037, honeybee
 from clerestory.metrics.leed import simulated_daylight
 from clerestory.metrics.occupied_hours import occupied_hours
 from clerestory.metrics.spatial_metrics import (
@@ -65,7 +60,7 @@ def metrics(request: Metrics) -> None:
         write_text(request.output, "\n".join([_HEAD, *rows]) + "\n")
     if request.honeybee is not None:
         direct = {g.name: g.direct.values for g in grids if g.direct is not None}
-        write_honeybee(
+        honeybee.write_honeybee(
             request.honeybee,
             {g.name: g.lux.values.astype(float) for g in grids},
             times,
@@ -82,7 +77,7 @@ _HEAD = (
 
 def _grids(path: Path, states: Path | None, operate: bool) -> Iterator[_Grid]:
     if path.is_dir() and (path / "grids_info.json").is_file():
-        folder = read_honeybee(path)
+        folder = honeybee.read_honeybee(path)
         for name in folder.paths:
             chosen = _operated(folder, name) if operate else _scheduled(states)
             lux = folder.illuminance(name, states=chosen)
@@ -141,7 +136,7 @@ def _scheduled(path: Path | None) -> dict[str, np.ndarray]:
     return dict(schedule.states)
 
 
-def _operated(folder: HoneybeeFolder, name: str) -> dict[str, np.ndarray]:
+def _operated(folder: honeybee.HoneybeeFolder, name: str) -> dict[str, np.ndarray]:
     # Direct illuminance per window group and state; groups without states are unshaded
     groups = folder.dynamic_paths(name)
     if not groups:

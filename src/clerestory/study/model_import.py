@@ -19,12 +19,7 @@ from clerestory.formats.hbjson_modifiers import BsdfModifier, Modifier
 from clerestory.radiance.rad_writer import format_rad
 from clerestory.radiance.view_text import format_view
 from clerestory.scene.model import Material, Polygon, Scene
-from clerestory.study.study_files import (
-    relative_path,
-    study_text,
-    window_text,
-    write_sensors,
-)
+from clerestory.study import study_files
 
 _SAMPLES = 2048
 _BASES = {145: "kf", 77: "kh", 73: "kh", 41: "kq"}
@@ -60,10 +55,10 @@ def write_honeybee_model(
     for group in model.windows:
         matrix = read_bsdf(bsdfs[group.states[0][0]]).transmission_matrix()
         basis, name = _BASES.get(matrix.values.shape[1], "kf"), _word(group.name)
-        text = window_text(name, group.polygons, basis=basis, up=group.up)
+        text = study_files.window_text(name, group.polygons, basis=basis, up=group.up)
         windows[group.name] = _put(folder / f"{name}.rad", text)
     grids = {
-        name: write_sensors(folder / f"{_word(name)}.pts", grid)
+        name: study_files.write_sensors(folder / f"{_word(name)}.pts", grid)
         for name, grid in model.grids.items()
     }
     views = {
@@ -73,7 +68,7 @@ def write_honeybee_model(
     files += [*windows.values(), *grids.values(), *views.values()]
     if weather is None or not grids:
         return Written(None, tuple(files))
-    place = relative_path(weather, folder)
+    place = study_files.relative_path(weather, folder)
     text = _study_text(model, bsdfs, windows, grids, views, place)
     study = _put(folder / "study.toml", text)
     return Written(study, (*files, study))
@@ -141,7 +136,7 @@ def _study_text(
     views: Mapping[str, Path],
     weather: str,
 ) -> str:
-    return study_text(
+    return study_files.study_text(
         {
             "title": _plain(model.name),
             "method": "3-phase" if windows else "2-phase",

@@ -17,12 +17,7 @@ from clerestory.scene.scene_checks import check_scene
 from clerestory.scene.sensors import read_sensors
 from clerestory.scene.window import Window
 from clerestory.sky.weather_formats import read_weather
-from clerestory.study.study_files import (
-    relative_path,
-    study_text,
-    window_text,
-    write_sensors,
-)
+from clerestory.study import study_files
 
 STUDY_FILE, SENSOR_FILE = "study.toml", "workplane.pts"
 
@@ -101,20 +96,22 @@ def begin_study(
         if wrong:
             write_text(shown[-1], "\n".join(_facing_room(w, wrong) for w in found))
     if sensors is None:
-        sensors = write_sensors(folder / SENSOR_FILE, grid)
-    layer = relative_path(bsdf, folder)
+        sensors = study_files.write_sensors(folder / SENSOR_FILE, grid)
+    layer = study_files.relative_path(bsdf, folder)
     tables = {
         "title": folder.resolve().name,
         "method": "3-phase",
-        "scene": {"files": [relative_path(file, folder) for file in scene]},
-        "window": [{"file": relative_path(f, folder), "bsdf": layer} for f in shown],
-        "sensors": [{"file": relative_path(sensors, folder)}],
-        "weather": {"file": relative_path(weather, folder)},
+        "scene": {"files": [study_files.relative_path(file, folder) for file in scene]},
+        "window": [
+            {"file": study_files.relative_path(f, folder), "bsdf": layer} for f in shown
+        ],
+        "sensors": [{"file": study_files.relative_path(sensors, folder)}],
+        "weather": {"file": study_files.relative_path(weather, folder)},
         "sky": {"rotation_deg": 0.0},
         "trace": {"relative_error": 0.01},
         "schedule": {"from_hour": 8, "to_hour": 18},
     }
-    write_text(folder / STUDY_FILE, _HEAD + study_text(tables))
+    write_text(folder / STUDY_FILE, _HEAD + study_files.study_text(tables))
     return NewStudy(folder / STUDY_FILE, len(grid), tuple(turned))
 
 
@@ -122,7 +119,7 @@ def _facing_room(window: Window, turned: Sequence[str]) -> str:
     # Text of a window with vertices counter-clockwise as seen from the room
     sign = -1 if window.name in turned else 1
     outlines = [polygon.vertices[::sign] for polygon in window.polygons]
-    return window_text(window.name, outlines, up=window.frame.up)
+    return study_files.window_text(window.name, outlines, up=window.frame.up)
 
 
 def write_demo(folder: str | Path) -> Path:
