@@ -17,9 +17,7 @@ class Drawing:
     """Content of a figure of BSDFs."""
 
     patch: list[int] | None = option(
-        None,
-        "Incident Klems patch, counted from 0 (WINDOW counts from 1); repeatable.",
-        metavar="N",
+        None, "Incident Klems patch, from 0 (WINDOW: from 1); repeatable.", metavar="N"
     )
     source: list[str] | None = option(
         None,
@@ -166,22 +164,14 @@ class Tracing:
     sides: Literal["both", "front", "back"] = option("both", "Sides of incident light.")
     colour: bool = option(False, "Write CIE X and Z too; u' and v' for trees.")
     samples: int | None = option(
-        None,
-        "Paths per incident patch or cell (default 2000); or …",
-        metavar="N",
-        least=1,
+        None, "Paths per patch or cell (default 2000); or …", metavar="N", least=1
     )
     relative_error: float | None = option(
-        None,
-        "… root mean square error of all values relative to their mean.",
-        metavar="X",
+        None, "… root mean square error relative to the mean value.", metavar="X"
     )
     bounces: common.Bounces = None
     symmetry: bool = option(
-        True,
-        "Trace only one of two patches that are mirror images by the symmetry of"
-        " the geometry.",
-        "--symmetry/--no-symmetry",
+        True, "Trace one of two symmetric patches.", "--symmetry/--no-symmetry"
     )
     reciprocal: bool = option(False, "Average with the reverse function.")
     reduction: float = option(0.0, "Percentage of cells to merge.", "--reduce")
@@ -215,9 +205,7 @@ class GenerateBsdf:
     )
     periodic: bool = option(False, "Repeat the sample area periodically.")
     band: list[str] | None = option(
-        None,
-        "Band and its weights of red, green, blue; repeatable.",
-        metavar="NAME=R/G/B",
+        None, "Band and weights of red, green, blue; repeatable.", metavar="NAME=R/G/B"
     )
     tracing: Tracing
     errors: Path | None = option(None, "BSDF file of the standard errors to write.")

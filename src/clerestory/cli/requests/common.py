@@ -95,9 +95,7 @@ class SensorsOrView:
     """Receivers of a matrix: the points of a sensor file, or the pixels of a view."""
 
     sensors: Path | None = option(
-        None,
-        "Sensor file, x y z dx dy dz per line; or use --view.",
-        metavar="F",
+        None, "Sensor file, x y z dx dy dz per line; or use --view.", metavar="F"
     )
     view: Annotated[str | None, _VIEW] = None
     resolution: Resolution = 400
@@ -108,14 +106,10 @@ class SkyChoice:
     """A sky at one instant: scene file, sky command, or weather file and time."""
 
     sky: str | None = option(
-        None,
-        "Scene file of the sky, or a command: 'gensky 9 21 12 +s …', 'gendaylit …'.",
-        metavar="F",
+        None, "Sky: scene file, or command such as 'gensky 9 21 12 +s'.", metavar="F"
     )
     time: str | None = option(
-        None,
-        "Time such as 2026-09-21T12:00; with --weather, instead of --sky.",
-        metavar="T",
+        None, "Time such as 2026-09-21T12:00, with --weather.", metavar="T"
     )
     weather: Path | None = option(None, "Weather file for --time.", metavar="F")
 

@@ -29,11 +29,7 @@ class MeasurementFiles:
 
     files: list[Path] = argument("Files of one sample (pab-opto, VIAVI, …).", "FILE…")
     form: str | None = option(
-        None,
-        "Format of the files, such as pabopto or astm; default: detected from the"
-        " first file.",
-        "--format",
-        metavar="NAME",
+        None, "Format, such as pabopto or astm; default: detected.", "--format"
     )
     function: common.Function | None = option(
         None, "Measured function, if the files do not state it."
@@ -114,9 +110,7 @@ class PlotMeasurement:
     output: common.FigureOutput
     scan: int = option(0, "Number of the scan, from 0.", least=0)
     between: list[str] | None = option(
-        None,
-        "Two incident directions; plot the interpolation half-way between them.",
-        metavar="THETA,PHI",
+        None, "Two directions; plot the interpolation half-way.", metavar="THETA,PHI"
     )
     fit: Fit
     quiet: common.Quiet = False

@@ -42,8 +42,7 @@ class ToneMap:
     file: common.PictureFile
     output: ImageOutput
     method: Literal["human", "filmic", "linear"] = option(
-        "human",
-        "Visibility matching (human vision), film response curve, or linear.",
+        "human", "Visibility matching (human vision), film response curve, or linear."
     )
     white: float | None = option(
         None, "Luminance of white [cd/m²] for filmic and linear; default: automatic."
@@ -134,11 +133,7 @@ class MergePhotographs:
     files: list[Path] = argument("Exposure bracket, .jpg, .png or .tif.", "PHOTO…")
     output: common.PictureOutput
     times: list[float] | None = option(
-        None,
-        "Exposure time of each photograph in order [s], repeatable; default: from"
-        " the EXIF data.",
-        "--time",
-        metavar="S",
+        None, "Exposure time of a photograph [s]; default: EXIF.", "--time", metavar="S"
     )
     response: str = option(
         "debevec",
@@ -164,10 +159,7 @@ class ReprojectPhotograph:
     output: common.PictureOutput
     lens: Mapping = option("equisolid", "Projection of the lens.")
     coefficients: list[float] | None = option(
-        None,
-        "Coefficient of θ, θ², … of a polynomial lens, repeatable.",
-        "--coefficient",
-        metavar="X",
+        None, "Coefficient of θ, θ², … (polynomial).", "--coefficient", metavar="X"
     )
     circle: tuple[float, float, float] | None = option(
         None,
@@ -178,9 +170,7 @@ class ReprojectPhotograph:
     view: str = option("-vta -vh 180 -vv 180", "Target view.", metavar="VIEW")
     resolution: int = option(1000, "Number of columns and rows.", metavar="N", least=21)
     vignetting: list[float] | None = option(
-        None,
-        "Coefficient of θ², θ⁴, … of the lens transmission, repeatable.",
-        metavar="X",
+        None, "Coefficient of θ², θ⁴, … of lens transmission; repeatable.", metavar="X"
     )
     quiet: common.Quiet = False
 
@@ -193,7 +183,5 @@ class CalibratePicture:
     output: common.PictureOutput
     before: float = required("Illuminance at the lens before the bracket [lux].")
     after: float | None = option(None, "Illuminance afterwards [lux]; default: same.")
-    resolution: int | None = option(
-        None, "New number of columns.", metavar="N", least=21
-    )
+    resolution: int | None = option(None, "Number of columns.", metavar="N", least=21)
     quiet: common.Quiet = False

@@ -46,18 +46,13 @@ class Illum:
 
     scene: common.SceneFiles
     panes: Path = required(
-        "Scene file of the window panes, with materials of the scene; their fronts"
-        " face the room.",
-        metavar="F",
+        "Scene file of the panes, whose fronts face the room.", metavar="F"
     )
     output: Path = required(
         "Scene file to write; data files are written to the same folder.", "-o"
     )
     sky: common.SkyChoice
-    zone: float = option(
-        float("inf"),
-        "Maximum edge length of a pane part with its own emission table [m].",
-    )
+    zone: float = option(float("inf"), "Maximum edge of a pane part [m].")
     rings: int = option(18, "Number of polar rings; twice as many azimuths.")
     effort: common.EffortOptions
     quiet: common.Quiet = False

@@ -70,9 +70,7 @@ class SkyMatrixRequest:
         "--ground",
         metavar="X",
     )
-    sky_colour: str = option(
-        "0.960,1.004,1.118", "Factor per channel.", metavar="R,G,B"
-    )
+    sky_colour: str = option("0.960,1.004,1.118", "Colour of the sky.", metavar="R,G,B")
     solar: bool = option(False, "Use the solar instead of the visible range.")
     rotation: Rotation = 0.0
     days: Days
@@ -95,14 +93,10 @@ class SkyVectorRequest:
     )
     file: common.MatrixFile
     sun: tuple[float, float] = required(
-        "Altitude of the sun, and azimuth clockwise from north [°].",
-        metavar="ALT AZI",
+        "Altitude and azimuth of the sun, clockwise from north [°].", metavar="ALT AZI"
     )
     diffuse: float | None = option(
-        None,
-        "Diffuse horizontal visible irradiance [W/m²], lux divided by 179; default:"
-        " as gensky.",
-        least=0,
+        None, "Diffuse horizontal irradiance, lux/179 [W/m²]; default: gensky.", least=0
     )
     direct: float | None = option(
         None, "Direct normal visible irradiance [W/m²]; default: as gensky.", least=0
@@ -126,14 +120,11 @@ class SunTable:
     output: common.MatrixOutput
     occurring: bool = option(False, "Write distinct suns instead of all time steps.")
     tolerance: float = option(
-        0.0,
-        "Angular distance within which suns are merged [°]; with --occurring.",
-        metavar="DEG",
+        0.0, "Angle within which --occurring merges suns [°].", metavar="DEG"
     )
     reinhart: int | None = option(
         None,
-        "Write suns at the centres of Reinhart sky patches (6: 5185 suns).",
-        metavar="1..6",
+        "Write suns at the centres of Reinhart patches (6: 5185).",
         least=1,
         most=6,
     )

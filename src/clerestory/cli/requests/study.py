@@ -108,14 +108,10 @@ class Compare:
     """
 
     measured: Path = argument(
-        "CSV file with one column of times and one per sensor; or mapping (.toml) of"
-        " files and columns to sensors.",
-        "MEASURED",
+        "CSV file of times and sensors, or mapping file (.toml).", "MEASURED"
     )
     simulated: list[Path] | None = argument(
-        "Folders of runs (results.nc), or CSV files; one or more.",
-        "SIMULATED…",
-        default=None,
+        "Folders of runs, or CSV files.", "SIMULATED…", default=None
     )
     output: Path = option(Path("comparison"), "Folder for page and tables.", "-o")
     name: list[str] | None = option(None, "Name of a simulation; repeatable.")
