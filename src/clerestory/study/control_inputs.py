@@ -105,8 +105,8 @@ class ControlInputs:
 
     def _on_facade(self, name: str, group: int, sky: SkyMatrix) -> np.ndarray:
         if (name, group) not in self._kept:
-            row = self._facade_row(group)
-            self._kept[name, group] = (row @ sky).illuminance()["illuminance"].values[0]
+            product = self._facade_row(group) @ sky
+            self._kept[name, group] = product.illuminance()["illuminance"].values[0]
         return self._kept[name, group]
 
     def _facade_row(self, group: int) -> TransferMatrix:

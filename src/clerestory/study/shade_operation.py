@@ -64,7 +64,7 @@ def _decide(signals: ControlInputs, number: int, states: list[np.ndarray]) -> No
     # Set the states of one group by its rule
     control = signals.inputs.groups[number].control
     if control is not None:
-        rule = {**OUTSIDE, **INSIDE}[control.rule]
+        rule = (OUTSIDE | INSIDE)[control.rule]
         found = rule(Case(signals, number, control, list(states)))
         states[number] = _unless_empty(signals, number, np.asarray(found, dtype=int))
 
@@ -74,16 +74,14 @@ def _by_direct_sun(
 ) -> np.ndarray | None:
     # LM-83 rule for its groups together; the direct light of other groups is fixed
     groups = signals.inputs.groups
-    chosen = [
-        n
+    governed = {
+        n: group.control
         for n, group in enumerate(groups)
         if group.control and group.control.rule == "LM-83" and len(group.states) > 1
-    ]
-    if not chosen:
+    }
+    if not governed:
         return None
-    control = groups[chosen[0]].control
-    if control is None:
-        return None
+    chosen, control = list(governed), next(iter(governed.values()))
     steps = len(signals.times)
     direct = {
         str(n): np.stack(
