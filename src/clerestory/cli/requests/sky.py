@@ -11,19 +11,14 @@ HELP = "Sky matrices, sun positions and weather files."
 
 WeatherFile = Annotated[
     Path,
-    Argument(
-        "EPW, WEA, TMY2, TMY3 or SURFRAD file, or a station file (.toml).", "WEATHER"
-    ),
+    Argument("Weather file (EPW, WEA, TMY2, …) or station file (.toml).", "WEATHER"),
 ]
-Subdivision = Annotated[
-    int,
-    Option("Subdivision of the Reinhart sky (MF).", metavar="1..6", least=1, most=6),
-]
+Subdivision = Annotated[int, Option("Subdivision of the sky (MF).", least=1, most=6)]
 SunSize = Annotated[
     float | None,
     Option(
-        "Diameter of the sun [°], placed in the nearest patch: 0.533 is the real sun, 0"
-        " fills the patch. Default: the sun is spread over the four nearest patches.",
+        "Diameter of the sun [°], in the nearest patch: 0.533 is the real sun, 0 fills"
+        " the patch. Default: the sun is spread over four patches.",
         metavar="DEG",
     ),
 ]
@@ -33,14 +28,11 @@ SunFormula = Annotated[
 ]
 Rotation = Annotated[
     float,
-    Option(
-        "Azimuth of the +y axis of the scene, clockwise from north [°].", metavar="DEG"
-    ),
+    Option("Azimuth of +y of the scene, clockwise from north [°].", metavar="DEG"),
 ]
 NoDirect = Annotated[bool, Option("Exclude the direct sun.")]
 Moment = Annotated[
-    str | None,
-    Option("One time step, local standard time.", metavar='"MM-DD HH:MM"'),
+    str | None, Option("One time step, local standard time.", metavar='"MM-DD HH:MM"')
 ]
 
 
@@ -117,7 +109,7 @@ class SunTable:
     """
 
     weather: WeatherFile
-    output: common.MatrixOutput
+    output: Path = required("CSV file to write.", "-o")
     occurring: bool = option(False, "Write distinct suns instead of all time steps.")
     tolerance: float = option(
         0.0, "Angle within which --occurring merges suns [°].", metavar="DEG"
@@ -145,6 +137,6 @@ class WeatherPlot:
     """Annual heat map of sun and sky; with --time, the sky in false colour."""
 
     weather: WeatherFile
-    output: common.MatrixOutput
+    output: common.FigureOutput
     time: Moment = None
     days: Days

@@ -57,7 +57,7 @@ class DaylightCoefficients:
     """Daylight coefficients: irradiance of sensors per radiance of sky patches [sr]."""
 
     scene: common.SceneFiles
-    sensors: common.SensorFile
+    sensors: Path = required("Sensor file, x y z dx dy dz per line.", metavar="F")
     subdivision: common.SkySubdivision = 4
     effort: common.EffortOptions
     file: common.MatrixFile
