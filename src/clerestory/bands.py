@@ -88,13 +88,7 @@ class Bands:
     def photometric(
         self, values: Float[np.ndarray, "*batch"], *, axis: int = -1
     ) -> Float[np.ndarray, "..."]:
-        """Convert radiance to luminance [cd/m²], or irradiance to illuminance [lux].
-
-        Parameters
-        ----------
-        values : radiance [W/(m²·sr)] or irradiance [W/m²]
-        axis : index of the channel axis, with one channel per band or a single channel
-        """
+        """Convert radiance to luminance [cd/m²], or irradiance to illuminance [lux]."""
         return weighted_sum(values, self.weights, axis=axis)
 
 

@@ -38,12 +38,7 @@ def from_azimuth(azimuth: Values, altitude: Values) -> Directions:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """Right-handed coordinate frame of a surface: right × up = normal.
-
-    Attributes
-    ----------
-    right, up, normal : unit vectors in scene coordinates
-    """
+    """Right-handed frame of unit vectors of a surface: right × up = normal."""
 
     right: Float[np.ndarray, "3"]
     up: Float[np.ndarray, "3"]

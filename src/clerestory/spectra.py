@@ -19,15 +19,8 @@ _UNITS_NM = {"nm": 1.0, "nano": 1.0, "um": 1000.0, "µm": 1000.0, "micro": 1000.
 @final
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """A quantity as a function of wavelength.
+    """A quantity as a function of wavelength; wavelengths increase.
 
-    Attributes
-    ----------
-    wavelength_nm : increasing wavelengths [nm]
-    value : value at each wavelength
-
-    Examples
-    --------
     >>> ramp = Spectrum(np.array([400.0, 500.0]), np.array([0.0, 1.0]))
     >>> ramp.at(np.array([300.0, 450.0, 600.0])).tolist()
     [0.0, 0.5, 1.0]

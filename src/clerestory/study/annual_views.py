@@ -44,9 +44,8 @@ def study_views(
 ) -> xr.Dataset:
     """Return glare metrics of every view and time step; write the selected images.
 
-    Views wide enough for glare have variables `glare_…` (view, time), such as
-    `glare_dgp` and `glare_illuminance`, the vertical illuminance at the eye [lux]; NaN
-    in time steps without light. `output` is the dimming level 0…1 of each zone.
+    Views wide enough for glare have variables `glare_…` (view, time), NaN in time steps
+    without light. `output` is the dimming level 0…1 of each zone.
     """
     times = skies.whole.times
     daylight = skies.whole.diffuse.max(axis=0) > 0

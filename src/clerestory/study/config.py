@@ -1,7 +1,7 @@
-"""Schema of the study file (TOML).
+"""Schema of the study file (TOML); see `docs/study-file.md`.
 
 Each table of the file is a class; error messages state the description of a key as
-the expected value. See `docs/study-file.md`.
+the expected value.
 """
 
 import json

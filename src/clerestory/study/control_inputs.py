@@ -31,12 +31,7 @@ GlareFunction = Callable[
 
 @dataclass(frozen=True, eq=False)
 class ControlInputs:
-    """Inputs of the control rules of a study.
-
-    Attributes
-    ----------
-    judge : function that returns the maximum DGP of given views at given time steps
-    """
+    """Inputs of the control rules; `judge` returns the largest DGP of some views."""
 
     study: Study
     inputs: Inputs

@@ -32,14 +32,9 @@ _StateTimes = Int[np.ndarray, " time"]
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """Control problem of one window group.
+    """Control problem of one window group, given by its number.
 
-    Attributes
-    ----------
-    signals : inputs of the control rules
-    number : index of the group
-    control : control rule of the group
-    others : current states of all groups; those of the group itself are ignored
+    The states of the group itself among `others` are ignored.
     """
 
     signals: ControlInputs

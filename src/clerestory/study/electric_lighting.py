@@ -26,14 +26,8 @@ def lighting(
     """Return dimming level, illuminance and power of the luminaires over time.
 
     Photosensors of dimmed zones measure daylight and the light of other zones,
-    photosensors of switched zones ("on-off") measure daylight only.
-
-    The dataset, empty without luminaires, is described in `Results`.
-
-    Parameters
-    ----------
-    hourly : `illuminance` and `standard_error` of daylight [lux]
-    rows : indices of the sensors that control each zone
+    photosensors of switched zones ("on-off") measure daylight only. `rows` are the
+    indices of the sensors that control each zone.
     """
     if not lamps.zones:
         return xr.Dataset()

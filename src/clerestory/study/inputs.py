@@ -26,15 +26,9 @@ from clerestory.study.window_groups import WindowGroup, read_window_groups
 
 @dataclass(frozen=True, eq=False)
 class Inputs:
-    """Inputs of a study.
+    """Content of the files of a study, without the windows in the scene.
 
-    Attributes
-    ----------
-    scene : room and surroundings, without the windows
-    groups : window groups
-    grids : sensors of each grid, by grid name
-    cameras : views with picture sizes, in the order of the study file
-    weather : weather of the simulated time steps
+    Grids are sensors by grid name; cameras are views in the order of the study file.
     """
 
     scene: Scene

@@ -27,13 +27,7 @@ from clerestory.study.lighting_tables import LightingTable, LuminaireTable
 
 @dataclass(frozen=True, eq=False)
 class Zone:
-    """Luminaires that are controlled by one photosensor.
-
-    Attributes
-    ----------
-    light : light-emitting surfaces of the luminaires
-    power : total electric power at full output [W]
-    """
+    """Luminaires that one photosensor controls, and their power at full output [W]."""
 
     table: LightingTable
     light: Scene
@@ -42,13 +36,9 @@ class Zone:
 
 @dataclass(frozen=True, eq=False)
 class Lamps:
-    """Electric light at full output.
+    """Electric light of each zone at full output.
 
-    Attributes
-    ----------
-    zones : lighting zones, in the order of the study
-    illuminance : illuminance of the sensors due to each zone [lux]
-    views : radiance (pixel, channel) due to each zone, by view name
+    The views have the radiance (pixel, channel) of each zone, by view name.
     """
 
     zones: tuple[Zone, ...] = ()

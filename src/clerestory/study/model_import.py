@@ -28,13 +28,7 @@ _BASES = {145: "kf", 77: "kh", 73: "kh", 41: "kq"}
 @final
 @dataclass(frozen=True)
 class Written:
-    """Files written by an import.
-
-    Attributes
-    ----------
-    study : path of the study file; None without weather or sensors
-    files : paths of all files, in the order of writing
-    """
+    """Files of an import; no study without weather or sensors."""
 
     study: Path | None
     files: tuple[Path, ...]

@@ -32,14 +32,7 @@ _WEATHER = "723170TYA.CSV"
 
 @dataclass(frozen=True)
 class NewStudy:
-    """Files written for a new study.
-
-    Attributes
-    ----------
-    study : path of the study file
-    sensors : number of sensors
-    turned : names of windows that were flipped to face the room
-    """
+    """Study file, number of sensors, and windows that were turned to the room."""
 
     study: Path
     sensors: int
@@ -57,18 +50,10 @@ def begin_study(
     spacing: float = 0.5,
     height: float = 0.76,
 ) -> NewStudy:
-    """Write a study file for a room, and a sensor grid if none is given.
+    """Write a study file for a room, by default with a sensor grid above its floor.
 
-    Input files are not changed. By default, a sensor grid is placed above the floor of
-    the room. A window whose back faces the room is flipped in a copy of its file.
-    Warnings are issued for probable mistakes, such as glazing left in the scene.
-
-    Parameters
-    ----------
-    scene : Radiance scene files, materials first, without the window glazing
-    windows : Radiance files of window polygons
-    bsdf : BSDF file of the glazing and shading of all windows
-    spacing, height : spacing of the grid, and its height above the floor [m]
+    A window whose back faces the room is flipped in a copy of its file. Warnings are
+    issued for probable mistakes, such as glazing left in the scene.
     """
     folder = Path(folder)
     exists = (folder / STUDY_FILE).exists()

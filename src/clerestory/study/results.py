@@ -34,12 +34,9 @@ _SENSORS = 1024
 
 @dataclass(frozen=True, eq=False)
 class Results:
-    """Results of a study; `docs/study-file.md`, *Output files*, lists their content.
+    """Results of a study: content of results.nc and of run.json.
 
-    Attributes
-    ----------
-    data : content of results.nc
-    run : content of run.json
+    See `docs/study-file.md`, *Output files*.
     """
 
     data: xr.Dataset
@@ -51,12 +48,7 @@ class Results:
         return str(self.data.attrs["title"])
 
     def grids(self) -> list[str]:
-        """Names of the sensor grids, in the order of the study.
-
-        >>> data = xr.Dataset(coords={"grid": ("sensor", ["desks", "desks", "eyes"])})
-        >>> Results(data).grids()
-        ['desks', 'eyes']
-        """
+        """Names of the sensor grids, in the order of the study."""
         return list(dict.fromkeys(str(name) for name in self.data["grid"].values))
 
     def thinned(self, most: int) -> "Results":

@@ -36,16 +36,10 @@ _TEXT = 7
 
 @dataclass(frozen=True)
 class PlannedMatrix:
-    """Size and tracing cost of a matrix.
+    """Size and tracing cost of a matrix, which may be in the cache (`kept`).
 
-    Attributes
-    ----------
-    file : file name in the cache
-    kept : whether the matrix is in the cache
-    bytes : size of values and error components, on disk and in memory
-    paths : number of paths, common to all matrices that are traced together
-    seconds : tracing time; 0 except for the first of matrices traced together
-    stored : whether the matrix is stored in blocks and never completely in memory
+    Matrices that are traced together have the same number of paths; the tracing time is
+    that of the first of them. A stored matrix is never completely in memory.
     """
 
     file: str
@@ -60,15 +54,10 @@ class PlannedMatrix:
 
 @dataclass(frozen=True)
 class StudyPlan:
-    """Estimated cost of a run.
+    """Estimated cost of a run; sizes in bytes.
 
-    Attributes
-    ----------
-    later : number of paths and time of direct suns traced during picture output
-    results : size of the results on disk [bytes]
-    scene : memory for the scene [bytes]
-    streamed : memory for the exiting radiance of all steps if hourly results are in
-        files [bytes]; otherwise 0
+    `later` is the cost of direct suns traced during picture output, `streamed` the
+    memory for the exiting radiance of all steps if hourly results are in files.
     """
 
     device: str

@@ -18,12 +18,9 @@ from clerestory.study.window_groups import WindowGroup
 
 @dataclass(frozen=True, eq=False)
 class ShadeOperation:
-    """Shade states of a study.
+    """Shade states of each window group over time.
 
-    Attributes
-    ----------
-    states : index of the shade state at each time step, per window group
-    kept : whether the LM-83 limit is met at each step; None without that rule
+    `kept` tells at which time steps the LM-83 limit is met; None without that rule.
     """
 
     states: list[Int[np.ndarray, " time"]]

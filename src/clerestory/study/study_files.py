@@ -53,11 +53,7 @@ def window_text(
 ) -> str:
     """Return the Radiance text of a window group, with the comment for `rfluxmtx`.
 
-    Parameters
-    ----------
-    outlines : vertices, counter-clockwise as seen from the room [m]
-    basis : abbreviation of the hemisphere basis in Radiance
-    up : up vector of the BSDF; None: default of `rfluxmtx`
+    Outlines are counter-clockwise as seen from the room; `up` is that of the BSDF.
     """
     polygons = [
         Polygon(vertices, name, f"{name}.{number}")

@@ -24,17 +24,11 @@ from clerestory.sky.sun_matrix import SunMatrix
 
 @dataclass(frozen=True, eq=False)
 class StudyMatrices:
-    """Traced matrices of a study.
+    """Traced matrices of a study, by window group or of a scene with glazing.
 
-    Attributes
-    ----------
-    terms : terms of the study's method
-    windows : matrices of each window group, or of the whole scene for the two-phase
-        method without window groups
-    suns : columns of C_ds; None without direct correction
-    folder : folder of hourly results during the run; None keeps them in memory
-    most_sensors : maximum number of sensors in memory if view matrices are in files;
-        None if they are in memory
+    Suns are the columns of C_ds. Hourly results are in the folder, or in memory if it
+    is None. If view matrices are in files, memory holds those of `most_sensors`
+    sensors.
     """
 
     terms: tuple[Term, ...]

@@ -41,13 +41,9 @@ _PIXEL_BYTES = 6
 
 @dataclass(frozen=True, eq=False)
 class ViewMatrices:
-    """Matrices of one view, for all window groups and shade states.
+    """Matrices of the pixels of one view, for all window groups and shade states.
 
-    Attributes
-    ----------
-    matrices : sensor matrices, which have the same T and D
-    windows : pixel V, T and D of each window group; with direct correction, also V_d,
-        T, D_d and C_ds
+    They share T and D with the sensor matrices of the study.
     """
 
     job: Job

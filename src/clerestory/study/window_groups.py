@@ -29,12 +29,8 @@ from clerestory.study.window_tables import (
 class WindowState:
     """Shade state of a window group, with the name "" if it is the only one.
 
-    Attributes
-    ----------
-    transmission : transmission matrix T of the BSDF
-    fine : BSDF for direct sun
-    peak : whether direct-direct transmission is extracted from the BSDF
-    shade : exterior shade geometry between the window and its ports
+    The matrix T is that of the BSDF; the BSDF `fine` is for the direct sun, with its
+    direct transmission extracted if `peak`. The exterior shade stands before the ports.
     """
 
     name: str
@@ -46,14 +42,10 @@ class WindowState:
 
 @dataclass(frozen=True, eq=False)
 class WindowGroup:
-    """Window group with its shade states and control.
+    """Window group with its shade states, the most open first, and its control.
 
-    Attributes
-    ----------
-    inner, outer : window with the patches of its room side and its outer side
-    states : shade states from the most open to the most closed
-    control : control rule; None for a fixed state 0
-    ports : ports (F apertures) that enclose the exterior shades, if any
+    The window is given twice, with the patches of its inner and of its outer side.
+    Ports (F apertures) enclose exterior shades.
     """
 
     inner: Window
