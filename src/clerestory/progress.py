@@ -6,6 +6,11 @@ from collections.abc import Callable
 Progress = Callable[[float, str], None]
 
 
+def silent(_title: str) -> Progress:
+    """Return a progress callback without effect, for a display of this title."""
+    return lambda _share, _note: None
+
+
 def share_of_progress(
     progress: Progress | None, start: float, share: float, name: str = ""
 ) -> Progress | None:

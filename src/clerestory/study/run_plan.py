@@ -13,7 +13,7 @@ from clerestory.engine.cost_estimate import JobCost, Plan, estimate_costs
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.matrix_store import MatrixStore, block_names
 from clerestory.phases.stored_views import FEW
-from clerestory.progress import Progress
+from clerestory.progress import silent
 from clerestory.scene.model import Polygon, Scene, TriangleMesh
 from clerestory.study.config import Study
 from clerestory.study.inputs import Inputs, read_inputs
@@ -177,17 +177,13 @@ def plan_study(study: Study, *, out: str | Path) -> StudyPlan:
 def _walk_through(study: Study, store: PlannedStore, plan: Plan) -> Inputs:
     # Request the same matrices as a run
     inputs = read_inputs(study)
-    job = Job(study, inputs, store, _silent, executor=plan)
+    job = Job(study, inputs, store, silent, executor=plan)
     for view in trace_views(job, trace_study(job)):
         for number, group in enumerate(inputs.groups if view.matrices.suns else ()):
             for state in range(len(group.states)):
                 view.sun(number, state)
     trace_lamps(job)
     return inputs
-
-
-def _silent(_phase: str) -> Progress:
-    return lambda _share, _note: None
 
 
 def _planned(
