@@ -50,15 +50,7 @@ class SeenRows:
 
 @dataclass(frozen=True, eq=False)
 class Evaluation:
-    """Glare evaluation of one picture.
-
-    Attributes
-    ----------
-    luminance : luminance of the pixels [cd/m²]
-    eye : pixel quantities of the view
-    members : pixels of the glare sources
-    regions : luminance statistics of the requested regions, by name
-    """
+    """Glare evaluation of one picture, with statistics of the requested regions."""
 
     picture: Picture
     rules: SourceRules

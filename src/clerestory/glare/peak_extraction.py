@@ -17,10 +17,7 @@ _BEFORE = ((1, 0), (1, -1), (0, -1), (-1, -1))
 
 
 def split_peaks(
-    peaks: ScannedPixels,
-    solid_angle: Image,
-    near: Neighbourhood,
-    nearer: Neighbourhood,
+    peaks: ScannedPixels, solid_angle: Image, near: Neighbourhood, nearer: Neighbourhood
 ) -> Int[np.ndarray, " pixel"]:
     """Group the peak pixels of one source; return a label per pixel, from 1.
 

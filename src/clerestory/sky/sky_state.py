@@ -71,11 +71,8 @@ _EFFICACIES = (20.0, 250.0)
 class SkyState:
     """Parameters of the Perez models at each time step.
 
-    Attributes
-    ----------
-    zenith : solar zenith angle, limited to 3°…90° [rad]
-    clearness, brightness : sky clearness ε and sky brightness Δ
-    category : clearness category, from 0 (overcast) to 7 (clear)
+    They are the solar zenith angle, limited to 3°…90° [rad], sky clearness ε and sky
+    brightness Δ, and the clearness category, from 0 (overcast) to 7 (clear).
     """
 
     zenith: Series
@@ -159,9 +156,8 @@ def irradiance_of(
     (103, 132)
     """
     lux = np.stack([illuminance.direct_normal, illuminance.diffuse_horizontal])
-    dew_point = np.full(lux.shape[1], DEFAULT_DEW_POINT_C)
-    if dew_point_c is not None:
-        dew_point = np.where(np.isfinite(dew_point_c), dew_point_c, dew_point)
+    dew_point = np.full(lux.shape[1], np.nan) if dew_point_c is None else dew_point_c
+    dew_point = np.where(np.isfinite(dew_point), dew_point, DEFAULT_DEW_POINT_C)
     efficacy = np.full(lux.shape, _MEAN_EFFICACY)
     day = day_number(times)
     for iteration in range(_ITERATIONS):

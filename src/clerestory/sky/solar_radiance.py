@@ -89,6 +89,8 @@ def nearest_patches(
 ) -> Nearest:
     """Return the sky patches whose centres are nearest to the given directions.
 
+    scipy.spatial.cKDTree finds the same patches, but takes 0.2 s to load.
+
     >>> from clerestory.hemisphere.reinhart import reinhart
     >>> dome = reinhart(1).dome
     >>> nearest_patches(dome, dome.centres()[[7]], count=2).patch[0].tolist()[0]

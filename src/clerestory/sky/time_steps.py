@@ -18,11 +18,7 @@ _DAYS = np.array([31, 29, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31])
 
 
 def calendar_times(
-    month: Series,
-    day: Series,
-    hour: Series,
-    *,
-    rows: DataRows,
+    month: Series, day: Series, hour: Series, *, rows: DataRows
 ) -> np.ndarray:
     """Return times from month, day and decimal hour, to the second.
 
