@@ -28,13 +28,9 @@ def diffuse_pane(*, transmittance: Share, reflectance: Share = 0.0) -> System:
 def clear_pane(*, transmissivity: Share = 0.96, index: float = 1.52) -> System:
     """Return a thin pane of clear glass, as Radiance's material `glass`.
 
-    Parameters
-    ----------
-    transmissivity : internal transmittance at normal incidence
-    index : refractive index
+    `transmissivity`: internal transmittance at normal incidence. `index`: refractive
+    index.
 
-    Examples
-    --------
     >>> clear_pane().scene.surfaces[0].name
     'pane'
     """

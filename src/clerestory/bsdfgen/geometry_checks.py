@@ -9,6 +9,7 @@ from collections.abc import Iterator
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
+from scipy.sparse import coo_array
 
 from clerestory.bsdfgen.shading_system import SampleArea
 from clerestory.checks import require
@@ -241,14 +242,10 @@ def _welded(
 
 def _lone(edges: Int[np.ndarray, "edge 2"]) -> Bool[np.ndarray, " edge"]:
     # Edges that are not traversed equally often in both directions
+    start, end = edges.T
     count = int(edges.max()) + 1
-    forth = edges[:, 0].astype(np.int64) * count + edges[:, 1]
-    back = edges[:, 1].astype(np.int64) * count + edges[:, 0]
-    keys, number = np.unique(forth, return_counts=True)
-    place = np.minimum(np.searchsorted(keys, back), len(keys) - 1)
-    reverse = np.where(keys[place] == back, number[place], 0)
-    own = number[np.searchsorted(keys, forth)]
-    return np.asarray((own != reverse) & (edges[:, 0] != edges[:, 1]))
+    forth = coo_array((np.ones(len(edges), int), (start, end)), shape=(count, count))
+    return np.asarray((forth - forth.T).tocsr()[start, end] != 0)
 
 
 def _in_sides(

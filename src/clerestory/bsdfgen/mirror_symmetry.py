@@ -86,10 +86,6 @@ class Orbits:
         """Group the patches of a partition under given mirror operations.
 
         Operations that do not map patches onto patches are ignored.
-
-        >>> from clerestory.hemisphere.klems import klems
-        >>> Orbits.of(klems("full"), ((1, 1), (-1, 1))).chosen.size
-        81
         """
         centre = partition.centres()
         found = []

@@ -87,14 +87,9 @@ def unit_cell(width: float, height: float, depth: float) -> SampleArea:
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """Shading system: the input of BSDF generation.
+    """Shading system, the input of BSDF generation, in coordinates of genBSDF [m].
 
-    Attributes
-    ----------
-    scene : geometry in coordinates of genBSDF [m]
-    area : sample area
-    bands : weights of the scene bands for each BSDF channel, by channel name
-    product : product name and dimensions for the BSDF file
+    `bands` has the weights of the scene bands for each BSDF channel, by channel name.
     """
 
     scene: Scene

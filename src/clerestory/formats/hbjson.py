@@ -48,7 +48,6 @@ class ApertureGroup:
 
     Attributes
     ----------
-    name : name of the window group
     polygons : outlines, counter-clockwise as seen from the room [m]
     up : up vector of the BSDF; None: default up vector
     states : name and modifier of each state; one entry for a window without states
@@ -63,15 +62,9 @@ class ApertureGroup:
 @final
 @dataclass(frozen=True, eq=False)
 class HoneybeeModel:
-    """A honeybee model.
+    """A honeybee model: scene without window groups, window groups, sensors, views.
 
-    Attributes
-    ----------
-    name : name of the model
-    scene : all surfaces except the window groups
-    windows : window groups
-    grids, views : sensor grids and views by name
-    unsupported : descriptions of omitted items
+    `unsupported` has descriptions of omitted items.
     """
 
     name: str

@@ -37,14 +37,7 @@ _GENERIC_GLASS = {
 @final
 @dataclass(frozen=True, eq=False)
 class BsdfModifier:
-    """A modifier given by a BSDF.
-
-    Attributes
-    ----------
-    name : name of the modifier
-    xml : content of the BSDF file
-    up : up vector of the BSDF
-    """
+    """A modifier given by the XML text of a BSDF file, and the up vector."""
 
     name: str
     xml: str
@@ -67,11 +60,9 @@ class Modifiers:
     def of(self, name: str | None, place: str, room_set: str = "") -> Modifier:
         """Return the modifier of an object: its own, its room's, or the default.
 
-        Parameters
-        ----------
-        name : name of the object's own modifier, if it has one
-        place : key in a modifier set, such as `wall_set.exterior_modifier`
-        room_set : name of the room's modifier set; empty if it has none
+        `name`: the object's own modifier, if it has one. `place`: key in a modifier
+        set, such as `wall_set.exterior_modifier`. `room_set`: modifier set of the room,
+        if it has one.
         """
         if name:
             known = self.named.get(name)

@@ -8,7 +8,7 @@ Reference: G. Ward, "The Materials and Geometry Format", version 2, LBNL, 1996.
 from dataclasses import dataclass, field
 from typing import Generic, NamedTuple, TypeVar
 
-from clerestory.errors import InputError
+from clerestory.checks import require
 from clerestory.formats.mgf_colour import GREY, Chromaticity
 
 Value = TypeVar("Value")
@@ -37,12 +37,8 @@ class Share(NamedTuple):
 class MgfMaterial:
     """A material of MGF.
 
-    Attributes
-    ----------
-    one_sided : whether the back is invisible
-    index : real part of the index of refraction
-    shares : reflectances, transmittances and emittance by keyword: "rd", "td", "rs",
-        "ts" and "ed"
+    `shares` has the reflectances, transmittances and emittance by keyword: "rd", "td",
+    "rs", "ts" and "ed".
     """
 
     one_sided: bool = False
@@ -56,17 +52,7 @@ class MgfMaterial:
 
 @dataclass
 class Contexts(Generic[Value]):
-    """All contexts of one type: the current one and the named ones.
-
-    Examples
-    --------
-    >>> vertices = Contexts(MgfVertex())
-    >>> vertices.choose(["corner", "="])
-    >>> vertices.current = MgfVertex((1.0, 2.0, 3.0))
-    >>> vertices.choose([])
-    >>> vertices.current.point, vertices["corner"].point
-    ((0.0, 0.0, 0.0), (1.0, 2.0, 3.0))
-    """
+    """All contexts of one type: the current one and the named ones."""
 
     default: Value
     name: str | None = None
@@ -89,16 +75,14 @@ class Contexts(Generic[Value]):
             self.named[self.name] = value
 
     def __getitem__(self, name: str) -> Value:
-        if name not in self.named:
-            raise InputError(f'undefined name "{name}"; one defined before expected')
+        require(name in self.named, f'undefined name "{name}"; a defined name expected')
         return self.named[name]
 
     def choose(self, words: list[str]) -> None:
         """Select a context by `name`, `name =`, `name = template` or no words."""
-        if len(words) > 3 or (len(words) > 1 and words[1] != "="):
-            raise InputError(
-                f'context "{" ".join(words[:4])}"; a name, = and a template expected'
-            )
+        valid = len(words) <= 3 and words[1:2] in ([], ["="])
+        shown = " ".join(words[:4])
+        require(valid, f'context "{shown}"; a name, = and a template expected')
         if not words:
             self.name, self.unnamed = None, self.default
             return

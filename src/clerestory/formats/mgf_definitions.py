@@ -2,9 +2,11 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
+from clerestory.checks import not_negative, one_of, positive, require, within
 from clerestory.errors import InputError
 from clerestory.formats import mgf_colour
 from clerestory.formats.mgf_context import Contexts, MgfMaterial, MgfVertex, Share
@@ -28,13 +30,9 @@ class Definitions:
 
     def context(self, keyword: str, words: list[str]) -> None:
         """Select the current vertex, colour or material."""
-        match keyword:
-            case "v":
-                self.vertices.choose(words)
-            case "c":
-                self.colours.choose(words)
-            case _:
-                self.materials.choose(words)
+        contexts: dict[str, Contexts[Any]]
+        contexts = {"v": self.vertices, "c": self.colours, "m": self.materials}
+        contexts[keyword].choose(words)
 
     def vertex(self, keyword: str, words: list[str]) -> None:
         """Set the point or the normal of the current vertex."""
@@ -57,11 +55,11 @@ class Definitions:
                 values = numbers(keyword, words, max(4, len(words)))
                 colour = mgf_colour.from_spectrum(values)
             case _:
-                if len(words) < 4 or len(words) % 2:
-                    raise InputError(
-                        f"{len(words)} words after {keyword}; weights and colours in"
-                        " turn, at least two each, expected"
-                    )
+                require(
+                    len(words) > 3 and len(words) % 2 == 0,
+                    f"{len(words)} words after {keyword}; weights and colours in turn,"
+                    " at least two each, expected",
+                )
                 weights = numbers(keyword, words[::2], len(words) // 2)
                 parts = [self.colours[name] for name in words[1::2]]
                 colour = mgf_colour.mixed(weights, parts)
@@ -70,10 +68,9 @@ class Definitions:
     def share(self, keyword: str, words: list[str]) -> None:
         """Set a reflectance, transmittance or emittance of the current material."""
         value, *rough = numbers(keyword, words, 2 if keyword in _HIGHLIGHTS else 1)
-        if not 0 <= value <= (1 if keyword in _SHARES else LARGEST):
-            raise InputError(f"{keyword} {value:g}; 0 to 1 expected")
-        if min(rough, default=0) < 0:
-            raise InputError(f"{keyword} with roughness {rough[0]:g}; 0 or more")
+        most = 1 if keyword in _SHARES else LARGEST
+        within(value, keyword, least=0, most=most)
+        not_negative(rough, f"roughness of {keyword}")
         current = self.materials.current
         share = Share(value, self.colours.current, *rough)
         shares = {**dict(current.shares), keyword: share}
@@ -83,12 +80,10 @@ class Definitions:
         """Set the number of sides or the refractive index of the current material."""
         if keyword == "ir":
             index, _ = numbers(keyword, words, 2)
-            if index <= 0:
-                raise InputError(f"ir {index:g}; an index above 0 expected")
+            positive(index, "index of refraction")
             self.materials.current = replace(self.materials.current, index=index)
             return
-        if words not in (["1"], ["2"]):
-            raise InputError(f"sides {' '.join(words)[:20]!r}; 1 or 2 expected")
+        one_of(" ".join(words), "number of sides", choices=("1", "2"))
         one = words == ["1"]
         self.materials.current = replace(self.materials.current, one_sided=one)
 

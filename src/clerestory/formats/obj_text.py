@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from jaxtyping import Bool, Float, Int, UInt8
 
+from clerestory.checks import require
 from clerestory.errors import InputError
 from clerestory.scene.triangulate import triangulate
 
@@ -31,13 +32,9 @@ _MOST_CORNERS = 100_000
 
 @dataclass(frozen=True, eq=False)
 class ObjPart:
-    """Triangles of one group and one material.
+    """Triangles of one group and one material, as vertex indices from 0.
 
-    Attributes
-    ----------
-    group, material : names of group and material; empty if not given
-    faces : vertex indices of each triangle, starting at 0
-    line : line number of the first face
+    `group` and `material` are empty if not given; `line` is that of the first face.
     """
 
     group: str
@@ -48,13 +45,8 @@ class ObjPart:
 
 @dataclass(frozen=True, eq=False)
 class ObjText:
-    """The content of an OBJ file.
-
-    Attributes
-    ----------
-    vertices : vertex coordinates in the file's units
-    parts : parts in order of appearance
-    libraries : paths of material libraries
+    """The content of an OBJ file: vertices in the file's units, parts in order of
+    appearance, and paths of material libraries.
     """
 
     vertices: Float[np.ndarray, "vertices 3"]
@@ -120,31 +112,23 @@ class _Reading:
 
     def add_vertices(self, letters: UInt8[np.ndarray, " bytes"], line: int) -> None:
         values, words = self._numbers(letters, line)
-        short = np.flatnonzero(words < 3)
-        if len(short):
-            at = line + int(short[0])
-            raise InputError(
-                f"a vertex of {words[short[0]]} numbers; 3 expected",
-                file=self.file,
-                line=at,
-            )
+        short = int(np.argmin(words >= 3))
+        message = f"a vertex of {words[short]} numbers; 3 expected"
+        require(words[short] >= 3, message, file=self.file, line=line + short)
         first = np.cumsum(words) - words
         points = values[first[:, None] + np.arange(3)]
-        if not np.all(np.isfinite(points)):
-            bad = line + int(np.argmin(np.isfinite(points).all(axis=1)))
-            raise InputError("a coordinate is not finite", file=self.file, line=bad)
+        known = np.isfinite(points).all(axis=1)
+        bad = line + int(np.argmin(known))
+        require(known.all(), "a coordinate is not finite", file=self.file, line=bad)
         self.vertices.append(points)
         self.count += len(points)
 
     def add_faces(self, letters: UInt8[np.ndarray, " bytes"], line: int) -> None:
         values, words = self._numbers(_without_slashes(letters), line)
-        short = np.flatnonzero((words < 3) | (words > _MOST_CORNERS))
-        if len(short):
-            raise InputError(
-                f"a face of {words[short[0]]} vertices; 3 or more expected",
-                file=self.file,
-                line=line + int(short[0]),
-            )
+        valid = (words >= 3) & (words <= _MOST_CORNERS)
+        bad = int(np.argmin(valid))
+        message = f"a face of {words[bad]} vertices; 3 to {_MOST_CORNERS} expected"
+        require(valid[bad], message, file=self.file, line=line + bad)
         corner = np.where(values < 0, values + self.count, values - 1)
         wrong = (corner < 0) | (corner >= self.count) | (corner != np.trunc(corner))
         if wrong.any():
@@ -208,14 +192,11 @@ class _Reading:
                     one = np.frombuffer((" ".join(words) + "\n").encode(), np.uint8)
                     add = self.add_vertices if words[0] == "v" else self.add_faces
                     add(one, line + i)
-                case [word] if not word.isprintable():
-                    raise InputError(
-                        "not a text; an OBJ file expected",
-                        file=self.file,
-                        line=line + i,
-                    )
-                case _:
-                    pass  # smoothing, lines, points and curves are ignored
+                case [word]:
+                    # Smoothing, lines, points and curves are ignored
+                    message = "not a text; an OBJ file expected"
+                    valid = word.isprintable()
+                    require(valid, message, file=self.file, line=line + i)
 
     def _numbers(
         self, letters: UInt8[np.ndarray, " bytes"], line: int
@@ -239,18 +220,16 @@ class _Reading:
         return values, words
 
     def _bad_number(self, text: bytes, line: int) -> InputError:
-        for i, raw in enumerate(text.split(b"\n")):
+        message = "a number cannot be read"
+        for at, raw in enumerate(text.split(b"\n"), line):
             for word in raw.split():
                 try:
                     float(word)
                 except ValueError:
                     shown = word[:40].decode("latin-1")
-                    return InputError(
-                        f'"{shown}" is found where a number is expected',
-                        file=self.file,
-                        line=line + i,
-                    )
-        return InputError("a number cannot be read", file=self.file, line=line)
+                    message = f'"{shown}" is found where a number is expected'
+                    return InputError(message, file=self.file, line=at)
+        return InputError(message, file=self.file, line=line)
 
     def result(self) -> ObjText:
         parts = tuple(

@@ -77,13 +77,9 @@ def _pane(path: str | Path, product: Product | None) -> Pane:
 @final
 @dataclass(frozen=True)
 class Entry:
-    """A product in a catalogue.
+    """A product in a catalogue: name and NFRC number as stated in the file.
 
-    Attributes
-    ----------
-    name, nfrc_id : product name and NFRC number stated in the file
-    path : path of the product file
-    problem : reason why the file cannot be read; empty if it can be read
+    `problem`: reason why the file cannot be read; empty if it can be read.
     """
 
     name: str

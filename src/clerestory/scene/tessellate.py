@@ -46,12 +46,6 @@ def meshes(scene: Scene) -> tuple[Mesh, ...]:
 
     Polygons are filled by the even–odd rule, with new vertices only if they intersect
     themselves; for curved surfaces see `curved`.
-
-    >>> from clerestory.scene.model import Light
-    >>> pane = Polygon(np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]), "sky")
-    >>> [mesh] = meshes(Scene({"sky": Light("sky", np.ones(3))}, (pane,)))
-    >>> len(mesh.faces)
-    2
     """
     groups: dict[str, list[int]] = {}
     for i, surface in enumerate(scene.surfaces):
@@ -147,16 +141,7 @@ _CIRCUMRADIUS = np.sqrt(2 * np.pi / (SIDES * np.sin(2 * np.pi / SIDES)))
 
 
 def curved_triangles(surface: Sphere | Cone | Ring) -> Triangles:
-    """Return triangles that approximate a curved surface, oriented like its front.
-
-    >>> ball = Sphere(np.zeros(3), 1.0, False, "grey")
-    >>> t = curved_triangles(ball)
-    >>> corner = t.vertices[t.faces]
-    >>> edges = corner[:, 1:] - corner[:, :1]
-    >>> area = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1).sum() / 2
-    >>> round(float(area / np.pi), 9)
-    4.0
-    """
+    """Return triangles that approximate a curved surface, oriented like its front."""
     match surface:
         case Sphere():
             ball = _unit_sphere()

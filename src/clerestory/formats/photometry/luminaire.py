@@ -54,12 +54,10 @@ class LuminousShape:
 
 @dataclass(frozen=True)
 class TiltTable:
-    """Dependence of luminous flux on the tilt of the luminaire.
+    """Multipliers of the luminous flux by tilt of the luminaire.
 
-    Attributes
-    ----------
-    geometry : lamp-to-luminaire geometry: 1 for vertical lamps, 2 and 3 for horizontal
-    angle_deg, factor : tilt angles; multipliers of the luminous flux
+    `geometry`: lamp-to-luminaire geometry, 1 for vertical lamps, 2 and 3 for
+    horizontal.
     """
 
     geometry: int
