@@ -82,11 +82,8 @@ def clear_sky_irradiance(
     c1, c2 = 5.09e-5 * elevation + 0.868, 3.92e-5 * elevation + 0.0387
     attenuation = np.exp(-c2 * mass * (low + high * (turbidity - 1)))
     total = c1 * extraterrestrial * sine * attenuation
-    beam = (
-        extraterrestrial
-        * (0.664 + 0.163 / low)
-        * np.exp(-0.09 * mass * (turbidity - 1))
-    )
+    factor = 0.664 + 0.163 / low
+    beam = extraterrestrial * factor * np.exp(-0.09 * mass * (turbidity - 1))
     share = 1 - (0.1 - 0.2 * np.exp(-turbidity)) / (0.1 + 0.882 / low)
     direct = np.minimum(beam, np.maximum(total * share / sine, 0))
     up = np.sin(altitude) > 0

@@ -119,12 +119,8 @@ def patch_suns(
     """
     conditions = sky_conditions(weather, **options)
     partition = reinhart(subdivision)
-    radiance = sun_radiance(
-        conditions.direct_normal,
-        conditions.sun.directions(),
-        partition=partition,
-        placement="disc",
-    )
+    direct, towards = conditions.direct_normal, conditions.sun.directions()
+    radiance = sun_radiance(direct, towards, partition=partition, placement="disc")
     solid_angle = np.pi * (SUN_DIAMETER / 2) ** 2
     return SunMatrix(
         partition.dome.centres(),
