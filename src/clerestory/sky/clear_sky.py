@@ -2,7 +2,8 @@
 
 Global horizontal and direct normal irradiance are functions of the solar altitude, the
 Linke turbidity and the elevation; diffuse horizontal irradiance is the global minus the
-direct horizontal irradiance. The model is that of `pvlib.clearsky.ineichen`.
+direct horizontal irradiance. The model is that of `pvlib.clearsky.ineichen`, which is
+not used, since it imports pandas.
 
 References: P. Ineichen, R. Perez, A new airmass independent formulation for the Linke
 turbidity coefficient, Solar Energy 73 (3), 2002; F. Kasten, A. T. Young, Applied

@@ -78,12 +78,9 @@ def sun_matrix(
     """Return the sun matrix of all steps with direct irradiance.
 
     Steps with the sun below the horizon are excluded; the attribute
-    "steps_below_horizon" is the number of these steps.
-
-    Parameters
-    ----------
-    tolerance_deg : largest angle between merged solar positions [°]; 0: no merging
-    options : keyword arguments of `sky_conditions`
+    "steps_below_horizon" is the number of these steps. Solar positions are merged
+    within an angle `tolerance_deg` [°]. `options` are keyword arguments of
+    `sky_conditions`.
     """
     most = _WIDEST_TOLERANCE_DEG
     within(tolerance_deg, "tolerance", least=0, most=most, unit="degrees")
