@@ -97,11 +97,7 @@ def _sky(
 
 
 def _lit_sky(
-    request: Request,
-    air: Air,
-    light: Light,
-    sun: Vector,
-    words: WordReader,
+    request: Request, air: Air, light: Light, sun: Vector, words: WordReader
 ) -> list[Primitive]:
     state = air.state(light, request)
     perez = perez_sky(state, azimuth=np.zeros(1))
