@@ -169,7 +169,7 @@ def _view(
         MatrixChain(tuple(_on_demand(view, n, at) for at in range(len(group.states))))
         for n, group in enumerate(job.inputs.groups)
     ]
-    whole = chains("whole")
+    whole = chains("whole") if "whole" in parts else none
     direct = chains("direct") if "direct" in parts else none
     windows = map(WindowMatrices, whole, direct, suns if "sun" in parts else none)
     return replace(view, windows=tuple(windows))
