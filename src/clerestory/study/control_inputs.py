@@ -31,12 +31,7 @@ GlareFunction = Callable[
 
 @dataclass(frozen=True, eq=False)
 class ControlInputs:
-    """Inputs of the control rules of a study.
-
-    Attributes
-    ----------
-    judge : function that returns the maximum DGP of given views at given time steps
-    """
+    """Inputs of the control rules; `judge` returns the largest DGP of some views."""
 
     study: Study
     inputs: Inputs
@@ -105,16 +100,16 @@ class ControlInputs:
 
     def _on_facade(self, name: str, group: int, sky: SkyMatrix) -> np.ndarray:
         if (name, group) not in self._kept:
-            row = self._facade_row(group)
-            self._kept[name, group] = (row @ sky).illuminance()["illuminance"].values[0]
+            product = self._facade_row(group) @ sky
+            self._kept[name, group] = product.illuminance()["illuminance"].values[0]
         return self._kept[name, group]
 
     def _facade_row(self, group: int) -> TransferMatrix:
         # Irradiance coefficients [sr] of the window: D weighted by projected solid
         # angle, or those of an unobstructed plane if the method has no D
-        factors = self.matrices.windows[group].whole.factors
-        if factors:
-            daylight = factors[0][-1]  # shade state 0
+        whole = self.matrices.windows[group].whole
+        if whole and whole.factors:
+            daylight = whole.factors[0][-1]  # shade state 0
             outer = self.inputs.groups[group].outer.partition
             values = outer.projected_solid_angles()[None, :] @ daylight.values
             return replace(
