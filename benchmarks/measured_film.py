@@ -25,7 +25,7 @@ from clerestory.gonio.bsdf_export import export_bsdf
 from clerestory.gonio.fit_storage import write_fits
 from clerestory.gonio.fitted_measurement import fit_measurement
 from clerestory.gonio.measurement_files import read_measurement
-from clerestory.study.demo_study import write_demo
+from clerestory.study.new_study import write_demo
 from clerestory.study.results import read_results
 
 LIMITS = (0.05, 0.10, 0.20)

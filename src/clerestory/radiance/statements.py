@@ -107,7 +107,8 @@ class _Cursor:
 
     def skip(self) -> bool:
         # Skips blanks and comments; returns whether any text remains
-        self.matched(_SKIP)
+        match = _SKIP.match(self.text, self.at)
+        self.at = match.end() if match else self.at
         return self.at < len(self.text)
 
     def line(self) -> int:

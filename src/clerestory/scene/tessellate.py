@@ -10,6 +10,8 @@ exact surface area and mean projected area of the sphere; points deviate by at m
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
+from itertools import permutations
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -190,6 +192,7 @@ def _band(
     return Triangles(np.concatenate([lower, upper]), faces)
 
 
+@cache
 def _unit_sphere() -> Triangles:
     # An icosahedron of which each face is subdivided into four, three times
     golden = (1 + np.sqrt(5)) / 2
@@ -210,11 +213,9 @@ def _hull_faces(vertices: Float[np.ndarray, "12 3"]) -> Int[np.ndarray, "20 3"]:
     near = vertices @ vertices.T > 0.4
     faces = [
         (a, b, c)
-        for a in range(12)
-        for b in range(12)
-        for c in range(12)
+        for a, b, c in permutations(range(12), 3)
         if a < min(b, c) and near[a, b] and near[b, c] and near[c, a]
-        if np.linalg.det(vertices[[a, b, c]]) > 0 and len({a, b, c}) == 3
+        if np.linalg.det(vertices[[a, b, c]]) > 0
     ]
     return np.array(faces)
 

@@ -129,13 +129,8 @@ def horizontal_integral(distribution: Distribution, *, sun: Vector) -> float:
     node, weight = np.polynomial.legendre.leggauss(96)
     sine = np.sqrt((node + 1) / 2)
     azimuth = (np.arange(360) + 0.5) * np.pi / 180
-    direction = np.stack(
-        np.broadcast_arrays(
-            sine[:, None] * np.sin(azimuth),
-            sine[:, None] * np.cos(azimuth),
-            np.sqrt(1 - sine**2)[:, None],
-        ),
-        axis=-1,
-    )
+    across, along = np.outer(sine, np.sin(azimuth)), np.outer(sine, np.cos(azimuth))
+    up = np.broadcast_to(np.sqrt(1 - sine**2)[:, None], across.shape)
+    direction = np.stack([across, along, up], axis=-1)
     values = distribution(direction, sun)
     return float(np.pi / 2 * np.sum(weight * values.mean(axis=1)))

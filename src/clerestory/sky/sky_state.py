@@ -125,9 +125,8 @@ def visible_irradiance(
     diffuse = diffuse_horizontal * np.maximum(efficacy, 0)
 
     a, b, c, d = _DIRECT[state.category].T
-    efficacy = (
-        a + b * water + c * np.exp(5.73 * state.zenith - 5) + d * state.brightness
-    )
+    exponential = np.exp(5.73 * state.zenith - 5)
+    efficacy = a + b * water + c * exponential + d * state.brightness
     direct = direct_normal * np.maximum(efficacy, 0)
     return direct / LUMINOUS_EFFICACY, diffuse / LUMINOUS_EFFICACY
 
@@ -186,6 +185,5 @@ def orbit_factor(day_of_year: Int[np.ndarray, " time"]) -> Series:
 
 def air_mass(zenith: Series) -> Series:
     """Relative air mass (Kasten 1966) by solar zenith angle [rad]."""
-    return np.asarray(
-        1 / (np.cos(zenith) + 0.15 * (93.885 - np.degrees(zenith)) ** -1.253)
-    )
+    term = 0.15 * (93.885 - np.degrees(zenith)) ** -1.253
+    return np.asarray(1 / (np.cos(zenith) + term))
