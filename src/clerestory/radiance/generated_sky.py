@@ -60,12 +60,11 @@ def sky_at(weather: Weather, moment: datetime) -> Scene:
     asked = np.datetime64(moment.replace(tzinfo=None), "s")
     half = np.timedelta64(round(weather.step_minutes * 30), "s")
     times = weather.times.astype("datetime64[s]")
-    if len(times) and not np.any(np.abs(times - asked) <= half):
+    distance = np.abs(times - asked)
+    if not np.any(distance <= half):
         # In a typical meteorological year, months are from different years
         within = asked - asked.astype("datetime64[Y]")
         distance = np.abs(times - (times.astype("datetime64[Y]") + within))
-    else:
-        distance = np.abs(times - asked)
     require(
         len(times) and distance.min() <= half,
         f"the weather has no time step at {moment}; a moment within it expected",

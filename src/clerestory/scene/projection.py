@@ -41,15 +41,10 @@ TINY = 1e-6
 class Projection:
     """The mapping of one view type between directions and the image plane.
 
-    Attributes
-    ----------
-    largest : maximum horizontal and vertical view angles [deg]; infinite for a parallel
-        view
-    axes : horizontally and vertically, the function from full view angle [deg] to plane
-        coordinate of the image edge, and its inverse
-    to_direction : function from plane points to local unit directions and validity
-    to_plane : function from local unit directions to plane points; NaN if outside
-    solid_angles : function from grid lines in the plane to solid angles [sr]
+    `largest` are the maximum horizontal and vertical view angles [deg]. `axes` convert
+    full view angles [deg] to plane coordinates of the image edges, and back. Plane
+    points have local unit directions and a validity; directions outside the projection
+    have NaN as plane points. Solid angles [sr] are those between grid lines.
     """
 
     largest: tuple[float, float]
