@@ -99,17 +99,10 @@ def _pattern(
         Name(text) if files else _expression(given, text)
         for text in strings[first:middle]
     )
-    pattern = FunctionPattern(
-        program,
-        functions,
-        given.item.reals,
-        _transform(given, end, placed),
-        given.source,
-        tables,
-        places,
-    )
+    transform = _transform(given, end, placed)
     _check(given, program, (*places, *functions))
-    return pattern
+    own = given.item.reals, transform, given.source
+    return FunctionPattern(program, functions, *own, tables, places)
 
 
 # Number of functions, string index of the first function, number of data files

@@ -31,6 +31,11 @@ class Triangles:
     vertices: Vertices
     faces: Faces
 
+    def areas(self) -> Float[np.ndarray, " triangles"]:
+        """Return the areas of the triangles [m²]."""
+        a, b, c = (self.vertices[self.faces[:, k]] for k in range(3))
+        return np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2)
+
 
 def triangulate(vertices: Vertices) -> Triangles:
     """Return triangles that fill a polygon by the even–odd rule.
