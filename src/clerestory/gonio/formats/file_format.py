@@ -3,13 +3,12 @@
 Each module of this package that defines `FORMAT` is registered as a file format.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
 from clerestory.bsdf.scattering_function import Function
-from clerestory.errors import InputError
 from clerestory.gonio.scattering_measurement import Measurement
 
 Facing = Literal["room", "sky"]
@@ -57,19 +56,10 @@ class FileFormat:
     ----------
     name : name of the format, as in the option `--format`
     recognizes : function that returns whether a file with a given head is in the format
-    read : function that returns the measurements in the files of one sample, one per
-        scattering function and channel
+    read : function that returns the measurements in a file, one per scattering function
+        and channel; errors without a file name refer to this file
     """
 
     name: str
     recognizes: Callable[[FileHead], bool]
-    read: Callable[[Sequence[Path], ReadOptions], tuple[Measurement, ...]]
-
-
-def single_file(paths: Sequence[Path], kind: str) -> Path:
-    """Return the only file; raise InputError if there are no or several files."""
-    if len(paths) != 1:
-        raise InputError(
-            f"{len(paths)} {kind} files; one file per measurement expected"
-        )
-    return paths[0]
+    read: Callable[[Path, ReadOptions], Iterable[Measurement]]

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Values
-from clerestory.errors import InputError
+from clerestory.checks import require
 from clerestory.files import read_text
 from clerestory.gonio.angles import from_degrees
 from clerestory.gonio.scattering_measurement import Scan
@@ -34,27 +34,22 @@ def numbered_lines(path: Path, *, comment: str | None = None) -> list[Line]:
     ]
 
 
-def number(text: str, *, what: str, file: str | Path, line: int) -> float:
-    """Parse a text as a finite number.
-
-    >>> number("0.5", what="a BSDF value", file="a.txt", line=3)
-    0.5
-    """
+def number(text: str, *, what: str, line: int) -> float:
+    """Parse a text as a finite number."""
     try:
         value = float(text)
     except ValueError:
         value = math.nan
-    if not math.isfinite(value):
-        raise InputError(f"{text[:40]!r}; {what} expected", file=file, line=line)
+    require(math.isfinite(value), f"{text[:40]!r}; {what} expected", line=line)
     return value
 
 
 def table(
-    lines: Iterable[Line], *, columns: int, what: str, file: str | Path
+    lines: Iterable[Line], *, columns: int, what: str
 ) -> Float[np.ndarray, "rows columns"]:
     """Parse lines as a table of numbers; blank lines and # lines are skipped.
 
-    >>> table([(1, "1, 2"), (2, "3 4")], columns=2, what="pairs", file="a.txt").tolist()
+    >>> table([(1, "1, 2"), (2, "3 4")], columns=2, what="pairs").tolist()
     [[1.0, 2.0], [3.0, 4.0]]
     """
     rows: list[list[float]] = []
@@ -63,30 +58,21 @@ def table(
         if not line or line.startswith("#"):
             continue
         words = _SEPARATOR.split(line)
-        if len(words) != columns:
-            raise InputError(
-                f"{len(words)} columns; {columns} columns expected: {what}",
-                file=file,
-                line=place,
-            )
-        rows.append([number(word, what=what, file=file, line=place) for word in words])
-    if not rows:
-        raise InputError(f"no data; lines of {what} expected", file=file)
+        found = f"number of columns is {len(words)}; {columns} expected: {what}"
+        require(len(words) == columns, found, line=place)
+        rows.append([number(word, what=what, line=place) for word in words])
+    require(rows, f"no data; lines of {what} expected")
     return np.array(rows)
 
 
-def check_angles(
-    theta_deg: Values, *, most: float, file: str | Path, what: str = "θ"
-) -> None:
-    """Raise InputError for polar angles outside 0…most [°] (swapped columns?)."""
-    wrong = (theta_deg < 0) | (theta_deg > most)
-    if np.any(wrong):
-        value = float(theta_deg[wrong][0])
-        raise InputError(
-            f"{what} of {value:g}°; 0 to {most:g}° expected; are the columns of θ and"
-            " φ swapped?",
-            file=file,
-        )
+def check_angles(theta_deg: Values, *, most: float, what: str = "θ") -> None:
+    """Require polar angles from 0 to `most` [°]."""
+    wrong = theta_deg[(theta_deg < 0) | (theta_deg > most)]
+    require(
+        not wrong.size,
+        f"{what} is {np.ravel([*wrong, 0])[0]:g}°; 0 to {most:g}° expected; are the"
+        " columns of θ and φ swapped?",
+    )
 
 
 def scan_of_rows(
@@ -96,8 +82,8 @@ def scan_of_rows(
 
     Incident and scattered φ are measured from the same axis.
     """
-    check_angles(np.array(incident[:1]), most=90, file=path, what="incident θ")
-    check_angles(data[:, 0], most=90, file=path)
+    check_angles(np.array(incident[:1]), most=90, what="incident θ")
+    check_angles(data[:, 0], most=90)
     leaving = from_degrees(np.minimum(data[:, 0], _LARGEST_THETA_DEG), data[:, 1])
     return Scan(from_degrees(*incident), leaving, data[:, 2], str(path))
 
@@ -107,8 +93,6 @@ def scan_of_block(lines: Sequence[Line], path: Path, *, scale: float = 1.0) -> S
 
     The incident φ is the azimuth of propagation: mirror reflection is at this φ.
     """
-    (theta, phi), *_ = table(
-        lines[:1], columns=2, what="incident θ and φ [°]", file=path
-    )
-    data = table(lines[1:], columns=3, what="θ, φ [°] and BSDF [1/sr]", file=path)
+    ((theta, phi),) = table(lines[:1], columns=2, what="incident θ and φ [°]")
+    data = table(lines[1:], columns=3, what="θ, φ [°] and BSDF [1/sr]")
     return scan_of_rows((float(theta), float(phi) + 180), data * [1, 1, scale], path)
