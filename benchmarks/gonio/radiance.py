@@ -18,8 +18,7 @@ from page import head
 
 from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
-from clerestory.gonio.bsdf_export import export_bsdf
-from clerestory.gonio.fitted_measurement import fit_measurement
+from clerestory.gonio.fitted_measurement import export_bsdf, fit_measurement
 from clerestory.gonio.lobe_fitting import (
     FitOptions,
     condensed_points,

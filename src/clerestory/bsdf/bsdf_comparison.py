@@ -12,30 +12,23 @@ from clerestory.hemisphere.partition import RingPartition
 
 @dataclass(frozen=True)
 class Comparison:
-    """Differences of one scattering function between two layers, second minus first.
+    """Differences of one scattering function between two layers, second minus first."""
 
-    Attributes
-    ----------
-    rms : root mean square difference of the BSDF [1/sr], weighted by the projected
-        solid angles of the exit and incident patches
-    mean : mean of the first BSDF [1/sr], weighted in the same way
-    redistributed : under a uniform sky, the fraction of the flux that the second layer
-        scatters into other patches; 0 for equal layers, 1 for disjoint distributions
-    share_bias, share_rms, share_worst : mean, root mean square and largest difference
-        of directional-hemispherical transmittance or reflectance
-    worst_patch : index of the incident patch with the largest difference
-    incidents : partition of incident directions used for the comparison
-    diffuse : diffuse transmittance or reflectance of the first and the second layer
-    """
-
+    # Root mean square difference of the BSDF [1/sr], weighted by the projected solid
+    # angles of the exit and incident patches
     rms: float
-    mean: float
+    mean: float  # mean of the first BSDF [1/sr], weighted in the same way
+    # Under a uniform sky, the fraction of the flux that the second layer scatters into
+    # other patches; 0 for equal layers, 1 for disjoint distributions
     redistributed: float
+    # Mean, root mean square and largest difference of directional-hemispherical
+    # transmittance or reflectance
     share_bias: float
     share_rms: float
     share_worst: float
-    worst_patch: int
-    incidents: RingPartition
+    worst_patch: int  # index of the incident patch with the largest difference
+    incidents: RingPartition  # partition of incident directions used for the comparison
+    # Diffuse transmittance or reflectance of the first and the second layer
     diffuse: tuple[float, float]
 
 

@@ -30,49 +30,26 @@ _NAMES = ("full", "half", "quarter")
 
 def check_angle_bases(bsdf: Bsdf) -> Iterator[Finding]:
     """Yield findings of angle bases unlike WINDOW's, and notes of the file reader."""
-    seen: set[str] = set()
+    partitions: dict[str, RingPartition] = {}
     for part in bsdf.functions.values():
-        if not isinstance(part, ScatteringMatrix):
+        for partition in part.own_partitions() or ():
+            partitions.setdefault(partition.name, partition)
+    for partition in partitions.values():
+        words = partition.name.lower()
+        basis = next((name for name in _NAMES if f"klems {name}" in words), None)
+        usual = partition if basis is None else klems(basis)
+        if usual.matches(partition):
             continue
-        for partition in (part.exits, part.incidents):
-            finding = None if partition.name in seen else _label(partition)
-            seen.add(partition.name)
-            if finding is not None:
-                yield finding
+        what = f"{partition.name!r} with ring limits that differ from WINDOW's"
+        if len(usual) != len(partition):
+            counts = f"{len(partition)} patches; WINDOW has {len(usual)} patches"
+            what = f"{partition.name!r} with {counts} under that name"
+        excess = float(len(partition) - len(usual))
+        effect = "programs that rely on the name reject the file or assign wrong angles"
+        yield Finding("label", "warning", excess, what, "angle basis", effect)
     for note in bsdf.notes:
-        yield Finding(
-            "reading",
-            "info",
-            0.0,
-            note,
-            "file",
-            "other programs may read the file differently",
-        )
-
-
-def _label(partition: RingPartition) -> Finding | None:
-    words = partition.name.lower()
-    basis = next((name for name in _NAMES if f"klems {name}" in words), None)
-    if basis is None:
-        return None
-    usual = klems(basis)
-    if usual.matches(partition):
-        return None
-    same_count = len(usual) == len(partition)
-    what = (
-        f"{partition.name!r} with ring limits that differ from WINDOW's"
-        if same_count
-        else f"{partition.name!r} with {len(partition)} patches; WINDOW has"
-        f" {len(usual)} patches under that name"
-    )
-    return Finding(
-        "label",
-        "warning",
-        float(len(partition) - len(usual)),
-        what,
-        "angle basis",
-        "programs that rely on the name reject the file or assign wrong angles",
-    )
+        effect = "other programs may read the file differently"
+        yield Finding("reading", "info", 0.0, note, "file", effect)
 
 
 # Smallest excess of transmittance plus reflectance over 1, for the severities info,
@@ -116,28 +93,20 @@ def check(bsdf: Bsdf) -> tuple[Finding, ...]:
 def _energy(channel: str, tables: Tables) -> Iterator[Finding]:
     for side in SIDES:
         share, part = _scattered(tables, side, reflection_of=side)
-        if part is None:
-            continue
         worst = int(np.argmax(share))
         excess = float(share[worst]) - 1
         severity = severity_of(excess, _ENERGY)
-        if severity is None:
+        if severity is None or part is None:
             continue
         # Test whether the reflection of the other side conserves energy
         other: Side = "back" if side == "front" else "front"
         swapped, _ = _scattered(tables, side, reflection_of=other)
-        fits = (
-            excess > _ENERGY[1]
-            and f"reflection_{other}" in tables
-            and swapped.max() < 1 + _ENERGY[0]
-        )
+        fits = f"reflection_{other}" in tables and swapped.max() < 1 + _ENERGY[0]
+        fits = bool(fits and excess > _ENERGY[1])
         advice = (
-            f"; with the reflection of the {other} it would be"
-            f" {swapped.max():.3f}: front and back are swapped in the transmission or"
-            " the reflection"
-            if fits
-            else ""
-        )
+            f"; with the reflection of the {other} it would be {swapped.max():.3f}:"
+            " front and back are swapped in the transmission or the reflection"
+        ) * fits
         yield Finding(
             "order" if fits else "energy",
             severity,
@@ -181,13 +150,8 @@ def _darkness(channel: str, tables: Tables) -> Iterator[Finding]:
                 f" the values for one incident direction sum to {np.max(sums):.3f}",
                 f"{channel} {side}",
                 "if the values are flux fractions instead of 1/sr, results are about"
-                f" {1 / _mean_size(dark):.0f} times too low",
+                f" {1 / dark.exits.projected_solid_angles().mean():.0f} times too low",
             )
-
-
-def _mean_size(part: ScatteringMatrix) -> float:
-    # Mean projected solid angle of an exit patch [sr]
-    return float(part.exits.projected_solid_angles().mean())
 
 
 def _up_and_down(channel: str, tables: Tables) -> Iterator[Finding]:
@@ -225,27 +189,19 @@ def _shape(channel: str, tables: Tables) -> Iterator[Finding]:
     for name, part in tables.items():
         sides = turned_mismatch(part, "left and right")
         quarter = turned_mismatch(part, "a quarter turn")
-        isotropic = max(sides, quarter) < _ALIKE
-        if isotropic:
+        kind, size = "symmetry", sides
+        effect = "results depend on the up vector of the window"
+        if max(sides, quarter) < _ALIKE:
+            kind, size, effect = "isotropy", quarter, "none"
             what = "the layer is isotropic"
         elif sides < _ALIKE:
             what = "the layer is symmetric left to right"
         else:
-            what = (
-                f"left and right differ by {sides:.0%}, a quarter turn by {quarter:.0%}"
-            )
-        yield Finding(
-            "isotropy" if isotropic else "symmetry",
-            "info",
-            quarter if isotropic else sides,
-            what,
-            f"{channel} {name.replace('_', ' ')}",
-            "none"
-            if isotropic
-            else "results depend on the up vector of the window and on left and right"
-            if sides >= _ALIKE
-            else "results depend on the up vector of the window",
-        )
+            what = f"left and right differ by {sides:.0%}"
+            what += f", directions a quarter turn apart by {quarter:.0%}"
+            effect += " and on left and right"
+        where = f"{channel} {name.replace('_', ' ')}"
+        yield Finding(kind, "info", size, what, where, effect)
 
 
 _CHECKS: tuple[Callable[[str, Tables], Iterator[Finding]], ...] = (

@@ -38,19 +38,22 @@ def check_reciprocity(channel: str, tables: Tables) -> Iterator[Finding]:
         if severity is None:
             continue
         # Find the renumbering of incident patches with the smallest mismatch
-        left = {
-            turn: reciprocity_mismatch(
-                turn_incident(part, turn), turn_incident(partner, turn)
+        turned = (
+            (
+                reciprocity_mismatch(
+                    *(turn_incident(p, turn) for p in (part, partner))
+                ),
+                turn,
             )
             for turn in TURNS[:3]
-        }
-        turn = min(left, key=lambda name: left[name])
-        if size > _RECIPROCITY[1] and left[turn] < _REPAIRED * size:
+        )
+        least, turn = min(turned, key=lambda pair: pair[0])
+        if size > _RECIPROCITY[1] and least < _REPAIRED * size:
             yield Finding(
                 "azimuth",
                 "error",
                 size,
-                f"the reciprocity mismatch is {size:.0%}; it is {left[turn]:.0%} if"
+                f"the reciprocity mismatch is {size:.0%}; it is {least:.0%} if"
                 f" incident directions are transformed by: {turn}",
                 f"{channel} {title}",
                 "light is scattered to the wrong side; the azimuth convention of"
@@ -78,12 +81,12 @@ def _reverses(
         ("reflection back", "reflection_back", "reflection_back"),
     )
     for title, name, partner in pairs:
-        if name in tables and partner in tables:
-            one, other = tables[name], tables[partner]
-            if one.exits.matches(other.incidents) and one.incidents.matches(
-                other.exits
-            ):
-                yield title, one, other
+        one, other = tables.get(name), tables.get(partner)
+        if one is None or other is None:
+            continue
+        ends = (one.exits, other.incidents), (one.incidents, other.exits)
+        if all(own.matches(reverse) for own, reverse in ends):
+            yield title, one, other
 
 
 def check_sides(channel: str, tables: Tables) -> Iterator[Finding]:
@@ -121,18 +124,18 @@ def check_scaling(channel: str, tables: Tables) -> Iterator[Finding]:
         size = reciprocity_mismatch(part, partner)
         if size < _WEIGHTED:
             continue
-        left = {
-            name: reciprocity_mismatch(_divided(part, by), _divided(partner, by))
+        divided = (
+            (reciprocity_mismatch(_divided(part, by), _divided(partner, by)), name)
             for name, by in _weights(part).items()
-        }
-        name = min(left, key=lambda key: left[key])
-        if left[name] < _REPAIRED * size:
-            severity: Severity = "error" if left[name] < _PROVEN * size else "info"
+        )
+        least, name = min(divided, key=lambda pair: pair[0])
+        if least < _REPAIRED * size:
+            severity: Severity = "error" if least < _PROVEN * size else "info"
             yield Finding(
                 "scaling",
                 severity,
                 size,
-                f"the reciprocity mismatch is {size:.1%}; it is {left[name]:.1%} if"
+                f"the reciprocity mismatch is {size:.1%}; it is {least:.1%} if"
                 f" values are divided by {name}",
                 f"{channel} {title}",
                 "values may include this weight already; results are then too low or"
@@ -141,13 +144,14 @@ def check_scaling(channel: str, tables: Tables) -> Iterator[Finding]:
 
 
 def _weights(part: ScatteringMatrix) -> dict[str, ExitIncident]:
-    ones = np.ones_like(part.values)
+    exits, incidents = part.exits, part.incidents
+    weights = {
+        "the solid angle of exit patches": exits.projected_solid_angles()[:, None],
+        "the solid angle of incident patches": incidents.projected_solid_angles(),
+        "the cosine of exit directions": exits.centres()[:, 2:],
+    }
     return {
-        "the solid angle of exit patches": part.exits.projected_solid_angles()[:, None]
-        * ones,
-        "the solid angle of incident patches": part.incidents.projected_solid_angles()
-        * ones,
-        "the cosine of exit directions": part.exits.centres()[:, 2:] * ones,
+        name: np.broadcast_to(by, part.values.shape) for name, by in weights.items()
     }
 
 

@@ -14,9 +14,16 @@ from clerestory.bsdf.patch_overlap import patches_in_cells
 from clerestory.bsdf.scattering_function import OTHER_SIDE, Function, ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tensor_tree import ScatteringTree
-from clerestory.bsdf.tree_arithmetic import combine, float_bits, xyz_functions
+from clerestory.bsdf.tree_arithmetic import (
+    combine,
+    float_bits,
+    full_levels,
+    level_slots,
+    xyz_functions,
+)
 from clerestory.bsdf.tree_parser import morton_order
 from clerestory.bsdf.tree_reduction import reduce_tree
+from clerestory.checks import within
 from clerestory.errors import InputError
 from clerestory.hemisphere.partition import RingPartition
 
@@ -58,11 +65,9 @@ def to_trees(bsdf: Bsdf, *, halvings: int = 5) -> Bsdf:
 
 def tree_from(part: ScatteringFunction, halvings: int) -> ScatteringTree:
     """Convert a matrix to a rank 4 tensor tree; equal cells are merged."""
-    if not 0 <= halvings <= _FINEST or not isinstance(part, ScatteringMatrix):
-        raise InputError(
-            f"tensor tree with {halvings} halvings from a {type(part).__name__}; a"
-            f" matrix and 0 to {_FINEST} halvings expected"
-        )
+    if not isinstance(part, ScatteringMatrix):
+        raise InputError(f"tensor tree from a {type(part).__name__}; a matrix expected")
+    within(halvings, "number of halvings of a tensor tree", least=0, most=_FINEST)
     leave = patches_in_cells(part.exits, halvings)
     enter = patches_in_cells(part.incidents, halvings)
     area = np.pi * 0.25**halvings
@@ -73,7 +78,8 @@ def tree_from(part: ScatteringFunction, halvings: int) -> ScatteringTree:
 def reciprocal_mean(bsdf: Bsdf) -> Bsdf:
     """Return the mean of a BSDF and its reciprocal, which satisfies reciprocity.
 
-    Trees of rank 3 have no reciprocal tree and are unchanged.
+    The reciprocal of the transmission of one side is the transmission of the other
+    side. Trees of rank 3 are unchanged, as their reciprocal is not a tree.
     """
     functions: dict[tuple[str, Function], ScatteringFunction] = {}
     for (channel, name), part in bsdf.functions.items():
@@ -102,13 +108,9 @@ def full_tree(
     indexed by the direction of propagation.
     """
     # Store the branches of all levels, then the values in Morton order
-    starts = np.cumsum([1 << 4 * level for level in range(halvings + 1)])
-    inner = [
-        ~(start + (np.arange(1 << 4 * level) << 4)).astype(np.int32)
-        for level, start in enumerate(starts[:-1])
-    ]
+    upper = level_slots(full_levels(4, halvings), 4)
     leaves = float_bits(value.ravel()[morton_order(4, halvings)])
-    return ScatteringTree(np.concatenate([*inner, leaves]), 4, halvings)
+    return ScatteringTree(np.concatenate([*upper, leaves]), 4, halvings)
 
 
 def _tristimulus(bsdf: Bsdf) -> dict[tuple[str, Function], ScatteringFunction]:

@@ -1,30 +1,52 @@
 """Cell-wise operations on tensor trees, and tristimulus values from Y, u' and v'."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import numpy as np
-from jaxtyping import Float, Float32, Int32
+from jaxtyping import Bool, Float, Float32, Int32
 
-from clerestory.array_types import Slots, Values
+from clerestory.array_types import Values
 from clerestory.bsdf.scattering_function import ScatteringFunction
 from clerestory.bsdf.tensor_tree import ScatteringTree
-from clerestory.errors import InputError
+from clerestory.checks import require
 
 _Values = Float32[np.ndarray, " cells"]
 
+# Slots of one part of a tree
+Region = Int32[np.ndarray, " _"]
+
+# Values of the nodes of one tree level, and whether each node is a branch node
+Nodes = tuple[Float[np.ndarray, " nodes"], Bool[np.ndarray, " nodes"]]
+
+
+def level_slots(levels: Iterable[Nodes], rank: int) -> list[Region]:
+    """Slots of each level of a tree, or of several trees whose roots come first.
+
+    The nodes of a level are the children of the branch nodes of the level above.
+    """
+    regions: list[Region] = []
+    size = 0
+    for value, branch in levels:
+        region = float_bits(value)
+        size += len(region)
+        count = np.count_nonzero(branch)
+        region[branch] = ~(size + (np.arange(count, dtype=np.int64) << rank))
+        regions.append(region)
+    return regions
+
+
+def full_levels(rank: int, count: int) -> Iterator[Nodes]:
+    """Levels of a tree without leaves, from the root on."""
+    for level in range(count):
+        yield np.zeros(1 << rank * level), np.ones(1 << rank * level, dtype=bool)
+
 
 def combine(operation: Callable[..., Values], *trees: ScatteringTree) -> ScatteringTree:
-    """Apply a function to the values of one or more trees, cell by cell.
+    """Apply a function to the values of trees of equal rank, cell by cell.
 
     Each cell of the result is as small as the smallest cell of any tree there.
+    `operation`: function of one array of values per tree; returns non-negative values.
 
-    Parameters
-    ----------
-    operation : function of one array of values per tree; returns non-negative values
-    trees : one or more trees of equal rank
-
-    Examples
-    --------
     >>> def constant(value):
     ...     slots = np.array([value], dtype=np.float32).view(np.int32)
     ...     return ScatteringTree(slots, 4, 0)
@@ -32,20 +54,21 @@ def combine(operation: Callable[..., Values], *trees: ScatteringTree) -> Scatter
     (3.0, 3.0)
     """
     rank = trees[0].rank
-    step = np.arange(1 << rank, dtype=np.int32)
+    regions = level_slots(_combined(operation, trees), rank)
+    return ScatteringTree(np.concatenate(regions), rank, len(regions) - 1)
+
+
+def _combined(
+    operation: Callable[..., Values], trees: Sequence[ScatteringTree]
+) -> Iterator[Nodes]:
+    step = np.arange(1 << trees[0].rank, dtype=np.int32)
     codes = [tree.slots[:1] for tree in trees]
-    regions: list[Slots] = []
-    size, level = 1, -1
     while len(codes[0]):
-        level += 1
         inner = np.any([code < 0 for code in codes], axis=0)
-        region = np.empty(len(inner), dtype=np.int32)
-        values: list[_Values] = [code[~inner].view(np.float32) for code in codes]
-        region[~inner] = float_bits(operation(*values))
-        count = int(inner.sum())
-        region[inner] = ~(size + (np.arange(count, dtype=np.int64) << rank))
-        regions.append(region)
-        size += count << rank
+        value = np.zeros(len(inner), dtype=np.float32)
+        leaves: list[_Values] = [code[~inner].view(np.float32) for code in codes]
+        value[~inner] = operation(*leaves)
+        yield value, inner
 
         # Descend; if a tree has a leaf here, all children have the value of this leaf
         below = []
@@ -54,7 +77,6 @@ def combine(operation: Callable[..., Values], *trees: ScatteringTree) -> Scatter
             place = np.where(of < 0, ~of + step, 0)
             below.append(np.where(of < 0, tree.slots[place], of).ravel())
         codes = below
-    return ScatteringTree(np.concatenate(regions), rank, level)
 
 
 def float_bits(value: Float[np.ndarray, " cells"]) -> Int32[np.ndarray, " cells"]:
@@ -70,10 +92,10 @@ def xyz_functions(
 ) -> tuple[ScatteringFunction, ScatteringFunction, ScatteringFunction]:
     """Return the scattering functions of X, Y and Z, from functions of Y, u' and v'."""
     trees = [part for part in (luminance, u, v) if isinstance(part, ScatteringTree)]
-    if len(trees) < 3 or len({tree.rank for tree in trees}) > 1:
-        raise InputError(
-            "CIE Y, u' and v' differ in kind; three tensor trees of equal rank expected"
-        )
+    require(
+        len(trees) == 3 and len({tree.rank for tree in trees}) == 1,
+        "CIE Y, u' and v' differ in kind; three tensor trees of equal rank expected",
+    )
     return combine(_x, *trees), luminance, combine(_z, *trees)
 
 

@@ -18,35 +18,22 @@ _TOP_BITS = 16
 
 
 class Cells(NamedTuple):
-    """Cells of one size in a tree.
+    """Cells of one size in a tree."""
 
-    Attributes
-    ----------
-    level : level of the cells; their edge is 2^-level
-    place : coordinates along each dimension, 0 to 2^level − 1
-    value : BSDF [1/sr]
-    """
-
-    level: int
+    level: int  # level of the cells; their edge is 2^-level
+    # Coordinates along each dimension, 0 to 2^level − 1
     place: Int64[np.ndarray, "rank cells"]
-    value: Float32[np.ndarray, " cells"]
+    value: Float32[np.ndarray, " cells"]  # BSDF [1/sr]
 
 
 class Slices(NamedTuple):
-    """Exit cells for given incident places, sorted by `owner`.
+    """Exit cells for given incident places, sorted by `owner`."""
 
-    Attributes
-    ----------
-    owner : index of the incident place
-    corner : lower corner of the cell in the unit square
-    size : edge of the cell in the unit square
-    value : BSDF [1/sr]
-    """
-
-    owner: Int64[np.ndarray, " cells"]
+    owner: Int64[np.ndarray, " cells"]  # index of the incident place
+    # Lower corner of the cell in the unit square
     corner: Float32[np.ndarray, "2 cells"]
-    size: Float32[np.ndarray, " cells"]
-    value: Float32[np.ndarray, " cells"]
+    size: Float32[np.ndarray, " cells"]  # edge of the cell in the unit square
+    value: Float32[np.ndarray, " cells"]  # BSDF [1/sr]
 
 
 def look_up(

@@ -24,18 +24,12 @@ _TOGETHER = 1 << 22
 
 @dataclass(frozen=True, eq=False)
 class TreeTable:
-    """Slots of a tree, and the magnitude of negative values in the text.
+    """Slots of a tree, and the magnitude of negative values in the text."""
 
-    Attributes
-    ----------
-    slots : values and branch nodes, as in `ScatteringTree`
-    depth : number of levels below the root
-    negative : mean magnitude of negative values [1/sr] over all cells; negative values
-        are read as zero
-    """
-
-    slots: Slots
-    depth: int
+    slots: Slots  # values and branch nodes, as in `ScatteringTree`
+    depth: int  # number of levels below the root
+    # Mean magnitude of negative values [1/sr] over all cells; negative values are read
+    # as zero
     negative: float
 
 

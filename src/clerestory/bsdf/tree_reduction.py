@@ -5,16 +5,16 @@ node exceeds a threshold. The threshold is a percentile of this measure over all
 of smallest cells: at 95 % about one block in twenty is kept.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float, Int32
+from jaxtyping import Float, Int32
 
-from clerestory.array_types import Slots, Values
+from clerestory.array_types import Values
 from clerestory.bsdf.tensor_tree import ScatteringTree
-from clerestory.bsdf.tree_arithmetic import combine, float_bits
-from clerestory.bsdf.tree_lookup import cells
-from clerestory.errors import InputError
+from clerestory.bsdf.tree_arithmetic import Nodes, combine, level_slots
+from clerestory.checks import require
 from clerestory.hemisphere.klems import klems
 
 # Number of bins and upper end of the histogram of the measure, as in rttree_reduce.
@@ -23,22 +23,16 @@ _STEPS, _END = 300, 4.0
 
 @dataclass(frozen=True, eq=False)
 class Reduction:
-    """A reduced tree and the effect of the reduction.
+    """A reduced tree and the effect of the reduction."""
 
-    Attributes
-    ----------
-    tree : the reduced tree
-    cells_before, cells_after : number of cells before and after the reduction
-    moved : flux whose exit cell changes, as a fraction of the incident flux, under a
-        uniform sky
-    hemispherical_error : largest change of directional-hemispherical transmittance or
-        reflectance, for incidence at the centres of the Klems full patches
-    """
-
-    tree: ScatteringTree
-    cells_before: int
-    cells_after: int
+    tree: ScatteringTree  # the reduced tree
+    cells_before: int  # number of cells before and after the reduction
+    cells_after: int  # number of cells before and after the reduction
+    # Flux whose exit cell changes, as a fraction of the incident flux, under a uniform
+    # sky
     moved: float
+    # Largest change of directional-hemispherical transmittance or reflectance, for
+    # incidence at the centres of the Klems full patches
     hemispherical_error: float
 
 
@@ -61,13 +55,12 @@ def reduce_tree(tree: ScatteringTree, percent: float) -> Reduction:
     `percent`: percentage of the blocks of smallest cells that are merged; 0 merges only
     equal cells.
     """
-    if not 0 <= percent < 100:
-        raise InputError(f"reduction by {percent} %; 0 ≤ reduction < 100 % expected")
+    message = f"reduction is {percent} %; 0 ≤ reduction < 100 % expected"
+    require(0 <= percent < 100, message)
     levels = _levels(tree)
     threshold = _threshold(levels, tree, percent)
-    slots = _rebuilt(levels, tree.rank, threshold)
-    depth = max(group.level for group in cells(slots, tree.rank))
-    reduced = ScatteringTree(slots, tree.rank, depth)
+    regions = level_slots(_merged(levels, tree.rank, threshold), tree.rank)
+    reduced = ScatteringTree(np.concatenate(regions), tree.rank, len(regions) - 1)
 
     # Half the sum of absolute changes: a decrease in a cell is an increase in another
     change = combine(lambda a, b: np.abs(a - b), tree, reduced)
@@ -77,7 +70,7 @@ def reduce_tree(tree: ScatteringTree, percent: float) -> Reduction:
     return Reduction(
         reduced,
         cells_before=int(np.sum(tree.slots >= 0)),
-        cells_after=int(np.sum(slots >= 0)),
+        cells_after=int(np.sum(reduced.slots >= 0)),
         moved=float(np.pi / 2 * live * _levels(change)[0].mean[0]),
         hemispherical_error=float(np.abs(shares).max()),
     )
@@ -118,21 +111,13 @@ def _threshold(levels: list[_Level], tree: ScatteringTree, percent: float) -> fl
     return _END / _STEPS * passed if wanted > 0 else 0.0
 
 
-def _rebuilt(levels: list[_Level], rank: int, threshold: float) -> Slots:
-    branches = np.arange(1 << rank)
+def _merged(levels: list[_Level], rank: int, threshold: float) -> Iterator[Nodes]:
     at = np.zeros(1, dtype=np.int64)
-    regions: list[Slots] = []
-    size = 1
     for level in levels:
         inner = level.code < 0
-        keep: Bool[np.ndarray, " nodes"] = (inner & (level.measure() > threshold))[at]
-        region = float_bits(level.mean[at])
-        count = int(keep.sum())
-        region[keep] = ~(size + (np.arange(count) << rank))
-        regions.append(region)
-        size += count << rank
-        if not count:
+        keep = (inner & (level.measure() > threshold))[at]
+        yield level.mean[at], keep
+        if not np.any(keep):
             break
         number = np.cumsum(inner) - 1
-        at = ((number[at[keep]] << rank)[:, None] + branches).ravel()
-    return np.concatenate(regions)
+        at = ((number[at[keep]] << rank)[:, None] + np.arange(1 << rank)).ravel()

@@ -22,18 +22,12 @@ _TO_SPACES = bytes.maketrans(b"{},", b"   ")
 
 @dataclass(frozen=True, eq=False)
 class TreeScan:
-    """Braces and values of a text, in text order.
+    """Braces and values of a text, in text order."""
 
-    Attributes
-    ----------
-    step : +1 for an opening, −1 for a closing brace
-    words : number of words between the previous brace and each brace
-    values : all words as numbers
-    """
-
-    step: Int8[np.ndarray, " braces"]
+    step: Int8[np.ndarray, " braces"]  # +1 for an opening, −1 for a closing brace
+    # Number of words between the previous brace and each brace
     words: Int32[np.ndarray, " braces"]
-    values: Float32[np.ndarray, " values"]
+    values: Float32[np.ndarray, " values"]  # all words as numbers
 
 
 class TreeFault(Exception):

@@ -7,6 +7,7 @@ every text that starts with a brace is therefore replaced by an index, such as {
 import re
 import warnings
 from bisect import bisect_left
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -23,17 +24,13 @@ _NUMBER = re.compile(r"\s*\{(\d{1,9})\}\s*")
 
 @dataclass(frozen=True)
 class TreeTexts:
-    """Texts of tensor trees extracted from an XML file, with their line numbers.
+    """Texts of tensor trees extracted from an XML file, with their line numbers."""
 
-    Attributes
-    ----------
-    texts : texts from the first brace to the next tag
-    first_line : line of the original XML where each text starts
-    line_in_rest : line of the remaining XML that contains the index of each text
-    """
-
+    # Texts from the first brace to the next tag
     texts: list[bytes] = field(default_factory=list)
+    # Line of the original XML where each text starts
     first_line: list[int] = field(default_factory=list)
+    # Line of the remaining XML that contains the index of each text
     line_in_rest: list[int] = field(default_factory=list)
 
     def line(self, line_in_rest: int) -> int:
@@ -79,21 +76,13 @@ def extract_trees(data: bytes) -> tuple[bytes, TreeTexts]:
 
 @dataclass(frozen=True, eq=False)
 class Document:
-    """A parsed BSDF file.
+    """A parsed BSDF file."""
 
-    Attributes
-    ----------
-    path : path of the file, for error messages
-    root : root element
-    lines_before : number of lines before the start of the XML
-    notes : irregularities of the file
-    trees : extracted texts of tensor trees
-    """
-
-    path: str | Path
-    root: etree._Element
-    lines_before: int = 0
-    notes: tuple[str, ...] = ()
+    path: str | Path  # path of the file, for error messages
+    root: etree._Element  # root element
+    lines_before: int = 0  # number of lines before the start of the XML
+    notes: tuple[str, ...] = ()  # irregularities of the file
+    # Extracted texts of tensor trees
     trees: TreeTexts = field(default_factory=TreeTexts)
 
     def line(self, element: etree._Element) -> int:
@@ -104,6 +93,11 @@ class Document:
     def error(self, element: etree._Element, message: str) -> InputError:
         """Error message with the file and the line of an element."""
         return InputError(message, file=self.path, line=self.line(element))
+
+    def check(self, valid: object, element: etree._Element, message: str) -> None:
+        """Raise an input error at an element unless a condition is true."""
+        if not valid:
+            raise self.error(element, message)
 
     def children(self, element: etree._Element, name: str) -> list[etree._Element]:
         """Child elements with a given name, in any namespace."""
@@ -135,9 +129,8 @@ def parse_document(path: str | Path) -> Document:
     data = read_bytes(path)
     start = re.search(rb"<\?xml|<WindowElement", data)
     if start is None:
-        raise InputError(
-            "no XML element WindowElement; a BSDF file expected", file=path
-        )
+        message = "no XML element WindowElement; a BSDF file expected"
+        raise InputError(message, file=path)
     before = data[: start.start()].removeprefix(b"\xef\xbb\xbf").strip()
     lines_before = data[: start.start()].count(b"\n")
     parser = etree.XMLParser(
@@ -160,14 +153,10 @@ def parse_document(path: str | Path) -> Document:
         ) from error
     notes = (f"text before the XML is skipped: {_quote(before)}",) if before else ()
     document = Document(path, root, lines_before, notes, trees)
-    if root.getroottree().docinfo.doctype:
-        raise document.error(
-            root, "a DOCTYPE declaration; plain XML without it expected"
-        )
-    if _name(root) != "WindowElement":
-        raise document.error(
-            root, f"root element {_name(root)}; WindowElement expected"
-        )
+    message = "the file has a DOCTYPE declaration; plain XML without it expected"
+    document.check(not root.getroottree().docinfo.doctype, root, message)
+    message = f"root element is {_name(root)}; WindowElement expected"
+    document.check(_name(root) == "WindowElement", root, message)
     return document
 
 
@@ -180,25 +169,20 @@ def read_numbers(element: etree._Element, document: Document) -> Values:
             values = np.fromstring(text, sep=" ")
     except (DeprecationWarning, ValueError) as error:
         word = next((word for word in text.split() if not _is_number(word)), "")
-        raise document.error(
-            element, f"{word[:40]!r} in {_name(element)}; numbers expected"
-        ) from error
-    if not np.all(np.isfinite(values)):
-        at = int(np.argmin(np.isfinite(values)))
-        raise document.error(
-            element,
-            f"value {at + 1} of {_name(element)} is {values[at]}; a finite number"
-            " expected",
-        )
+        message = f"{word[:40]!r} in {_name(element)}; numbers expected"
+        raise document.error(element, message) from error
+    wrong = np.flatnonzero(~np.isfinite(values))
+    if len(wrong):
+        found = f"value {wrong[0] + 1} of {_name(element)} is {values[wrong[0]]}"
+        raise document.error(element, f"{found}; a finite number expected")
     return values
 
 
 def _is_number(word: str) -> bool:
-    try:
+    with suppress(ValueError):
         float(word)
-    except ValueError:
-        return False
-    return True
+        return True
+    return False
 
 
 def _name(element: etree._Element) -> str:

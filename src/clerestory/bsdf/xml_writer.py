@@ -8,13 +8,13 @@ import numpy as np
 from jaxtyping import Float32
 from lxml import etree
 
-from clerestory.array_types import ExitIncident
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product_data import Detail, Product, usual_spectra
 from clerestory.bsdf.scattering_function import ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.bsdf.tree_parser import morton_order
+from clerestory.checks import require
 from clerestory.errors import InputError
 from clerestory.files import replace_file
 from clerestory.hemisphere.partition import RingPartition
@@ -24,20 +24,15 @@ _XSI = "http://www.w3.org/2001/XMLSchema-instance"
 _SCHEMA = "http://windows.lbl.gov/BSDF-v1.4.xsd"
 
 _LABELS = {
-    "visible": "Visible",
-    "solar": "Solar",
-    "nir": "NIR",
-    "ir": "IR",
-    "cie-x": "CIE-X",
-    "cie-z": "CIE-Z",
-    "cie-u": "CIE-u",
-    "cie-v": "CIE-v",
+    label.lower(): label
+    for label in ("Visible", "Solar", "NIR", "IR", "CIE-X", "CIE-Z", "CIE-u", "CIE-v")
 }
 
 # Written for empty names: WinCalc requires text, and readers strip the space.
 _BLANK = "\N{NO-BREAK SPACE}"
 
-# Placeholder for BSDF values; only a comment before all data can contain the same text.
+# Empty element that is replaced by the BSDF values; only a comment before all data can
+# contain the same text.
 _NO_VALUES = b"<ScatteringData/>"
 
 
@@ -118,25 +113,25 @@ def _add_material(layer: etree._Element, product: Product) -> None:
     # Write the thickness in millimetres: WinCalc ignores the unit attribute
     thickness = Decimal(repr(float(product.thickness or 0))) * 1000
     _add(material, "Thickness", f"{thickness.normalize():f}", unit="Millimeter")
-    for name in ("width", "height"):
-        length = getattr(product, name)
-        if length is not None:
-            _add(material, name.capitalize(), repr(float(length)), unit="Meter")
+    _add_number(material, "Width", product.width, unit="Meter")
+    _add_number(material, "Height", product.height, unit="Meter")
     _add(material, "DeviceType", product.device_type)
-    for name, value in (
-        ("EmissivityFront", product.emissivity_front),
-        ("EmissivityBack", product.emissivity_back),
-    ):
-        if value is not None:
-            _add(material, name, repr(float(value)))
-    for detail in product.details:
-        if "/" not in detail.name:
-            _add_detail(material, detail)
+    _add_number(material, "EmissivityFront", product.emissivity_front)
+    _add_number(material, "EmissivityBack", product.emissivity_back)
+    _add_details(material, [d for d in product.details if "/" not in d.name])
 
 
-def _add_detail(parent: etree._Element, detail: Detail) -> None:
-    unit = {"unit": detail.unit} if detail.unit else {}
-    _add(parent, detail.name.rpartition("/")[2], detail.text, **unit)
+def _add_number(
+    parent: etree._Element, name: str, value: float | None, **attributes: str
+) -> None:
+    if value is not None:
+        _add(parent, name, repr(float(value)), **attributes)
+
+
+def _add_details(parent: etree._Element, details: list[Detail]) -> None:
+    for detail in details:
+        unit = {"unit": detail.unit} if detail.unit else {}
+        _add(parent, detail.name.rpartition("/")[2], detail.text, **unit)
 
 
 def _add_geometry(layer: etree._Element, product: Product) -> None:
@@ -145,8 +140,7 @@ def _add_geometry(layer: etree._Element, product: Product) -> None:
     if geometry is None and not details:
         return
     element = _add(layer, "Geometry", **({} if geometry is None else {"format": "MGF"}))
-    for detail in details:
-        _add_detail(element, detail)
+    _add_details(element, details)
     if geometry is not None:
         # Write other units as an MGF scaling transform: the schema allows few units
         text = geometry.text
@@ -165,11 +159,11 @@ def _structure(bsdf: Bsdf) -> str:
         else type(part).__name__
         for part in bsdf.functions.values()
     }
-    if len(kinds) > 1 or not kinds <= {"Columns", "TensorTree3", "TensorTree4"}:
-        raise InputError(
-            f"BSDF {bsdf.product.name!r} contains {' and '.join(sorted(kinds))};"
-            " matrices only, or trees of one rank only, expected"
-        )
+    require(
+        len(kinds) < 2 and kinds <= {"Columns", "TensorTree3", "TensorTree4"},
+        f"BSDF {bsdf.product.name!r} contains {' and '.join(sorted(kinds))};"
+        " matrices only, or trees of one rank only, expected",
+    )
     return kinds.pop() if kinds else "Columns"
 
 
@@ -179,11 +173,11 @@ def _partitions(bsdf: Bsdf) -> list[RingPartition]:
     for part in bsdf.functions.values():
         for partition in part.own_partitions() or ():
             known = found.setdefault(partition.name.lower(), partition)
-            if not known.matches(partition):
-                raise InputError(
-                    f"two partitions of {len(known)} and {len(partition)} patches are"
-                    f" both named {partition.name!r}; different names expected"
-                )
+            require(
+                known.matches(partition),
+                f"two partitions of {len(known)} and {len(partition)} patches are both"
+                f" named {partition.name!r}; different names expected",
+            )
     return list(found.values())
 
 
@@ -215,21 +209,19 @@ def _add_block(data: etree._Element, direction: str, part: ScatteringFunction) -
 
 def _lines(part: ScatteringFunction, digits: int | None) -> Iterator[str]:
     # Yield the BSDF values of a scattering function as text
-    if isinstance(part, ScatteringMatrix):
-        yield _format_table(part.values, digits)
     if isinstance(part, ScatteringTree):
         for line in tree_lines(part, digits=digits):
             yield line + "\n"
+    if not isinstance(part, ScatteringMatrix):
+        return
 
-
-def _format_table(table: ExitIncident, digits: int | None) -> str:
     # Shorten 0.0 to 0: most values of a clear pane are zero
     def write(value: float) -> str:
         text = repr(value) if digits is None else f"{value:.{digits}g}"
         return text.removesuffix(".0")
 
-    rows = (",".join(map(write, row)) for row in table.tolist())
-    return "\n" + ",\n".join(rows) + "\n"
+    rows = (",".join(map(write, row)) for row in part.values.tolist())
+    yield "\n" + ",\n".join(rows) + "\n"
 
 
 def format_tree(tree: ScatteringTree, *, digits: int | None = None) -> str:

@@ -28,16 +28,16 @@ def measurement_lines(measurement: Measurement, coverage: Coverage) -> Iterator[
     yield _TABLE.format(
         "θ [°]", "φ [°]", "points", "to θ", "gaps", "negative", "noise", "flux"
     )
-    for scan in coverage.scans:
+    for report in coverage.scans:
         yield _TABLE.format(
-            f"{scan.theta_deg:.1f}",
-            f"{scan.phi_deg:.1f}",
-            scan.points,
-            f"{scan.reach_deg:.0f}",
-            f"{scan.gap:.1%}",
-            f"{scan.negative:.1%}",
-            f"{scan.noise:.0%}",
-            f"{scan.flux:.4f}",
+            f"{report.scan.theta_deg:.1f}",
+            f"{report.scan.phi_deg:.1f}",
+            len(report.scan.values),
+            f"{report.reach_deg:.0f}",
+            f"{report.gap:.1%}",
+            f"{report.negative:.1%}",
+            f"{report.noise:.0%}",
+            f"{report.flux:.4f}",
         )
     for finding in coverage.doubts():
         yield f"  finding: {finding}"

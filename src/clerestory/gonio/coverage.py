@@ -1,5 +1,6 @@
 """Angular coverage, gaps, noise, symmetry and flux of a measurement."""
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,58 +37,37 @@ _ALIKE = 0.1
 
 @dataclass(frozen=True)
 class ScanReport:
-    """Angular coverage and quality of one scan.
+    """Angular coverage and quality of one scan."""
 
-    Attributes
-    ----------
-    theta_deg, phi_deg : incident direction [°]
-    points : number of measured directions
-    reach_deg : largest polar angle of the measured directions [°]
-    gap : fraction of the projected hemisphere that is far from measured directions
-    gap_deg : largest angle from any direction to the nearest measured direction [°]
-    negative : fraction of the BSDF values that are negative
-    noise : median relative deviation of BSDF values from a local quadratic fit
-    in_plane : whether only the plane of incidence was measured
-    flux : directional-hemispherical transmittance or reflectance
-    peak : largest BSDF [1/sr]
-    """
-
-    theta_deg: float
-    phi_deg: float
-    points: int
-    reach_deg: float
+    scan: Scan
+    reach_deg: float  # largest polar angle of the measured directions [°]
+    # Fraction of the projected hemisphere that is far from measured directions
     gap: float
+    # Largest angle from any direction to the nearest measured direction [°]
     gap_deg: float
-    negative: float
-    noise: float
-    in_plane: bool
-    flux: float
-    peak: float
+    negative: float  # fraction of the BSDF values that are negative
+    noise: float  # median relative deviation of BSDF values from a local quadratic fit
+    in_plane: bool  # whether only the plane of incidence was measured
+    flux: float  # directional-hemispherical transmittance or reflectance
 
 
 @dataclass(frozen=True)
 class Coverage:
-    """Coverage of a measurement.
-
-    Attributes
-    ----------
-    scans : reports on the scans
-    implied : symmetry implied by the incident directions; None if ambiguous
-    claimed : symmetry stated in the file; None if not stated
-    asymmetry : fraction of the flux that differs between a scan and the mirror image
-        of another scan (mean over scans), for each testable symmetry
-    """
+    """Coverage of a measurement."""
 
     scans: tuple[ScanReport, ...]
+    # Symmetry implied by the incident directions; None if ambiguous
     implied: Symmetry | None
-    claimed: Symmetry | None
+    claimed: Symmetry | None  # symmetry stated in the file; None if not stated
+    # Fraction of the flux that differs between a scan and the mirror image of another
+    # scan (mean over scans), for each testable symmetry
     asymmetry: dict[Symmetry, float]
 
     def doubts(self) -> tuple[str, ...]:
         """Return warnings about the measurement, one line each."""
         lines: list[str] = []
         for report in self.scans:
-            place = f"(θ {report.theta_deg:.1f}°, φ {report.phi_deg:.1f}°)"
+            place = report.scan.words
             if report.in_plane:
                 lines.append(f"{place}: only the plane of incidence was measured")
             elif report.gap > 0.02:
@@ -98,14 +78,13 @@ class Coverage:
             if report.negative > 0.01:
                 lines.append(f"{place}: {report.negative:.0%} of values are negative")
             if report.flux > 1:
-                lines.append(
-                    f"{place}: a total flux of {report.flux:.3f}; at most 1 expected"
-                )
+                flux = f"total flux is {report.flux:.3f}"
+                lines.append(f"{place}: {flux}; at most 1 expected")
         symmetry = self.claimed or self.implied
-        found = None if symmetry is None else self.asymmetry.get(symmetry)
-        if symmetry == "isotropic" and self.asymmetry:
-            found = max(self.asymmetry.values())
-        if found is not None and found > _ALIKE:
+        found = self.asymmetry.get(symmetry, 0.0) if symmetry else 0.0
+        if symmetry == "isotropic":
+            found = max(self.asymmetry.values(), default=0.0)
+        if found > _ALIKE:
             lines.append(
                 f"{symmetry} according to the file or the incident directions, but"
                 f" {found:.0%} of the flux differs between mirror images"
@@ -117,10 +96,9 @@ class Coverage:
 
 def measure_coverage(measurement: Measurement) -> Coverage:
     """Return the coverage of a measurement."""
-    try:
-        implied: Symmetry | None = deduce_symmetry(measurement.incidents)
-    except InputError:
-        implied = None
+    implied: Symmetry | None = None
+    with suppress(InputError):
+        implied = deduce_symmetry(measurement.incidents)
     reports = tuple(_report(scan) for scan in measurement.scans)
     return Coverage(reports, implied, measurement.claimed, _asymmetry(measurement))
 
@@ -134,9 +112,7 @@ def _report(scan: Scan) -> ScanReport:
     weight = grid[:, 2] / grid[:, 2].sum()
     theta = np.degrees(np.arccos(np.clip(scan.leaving[:, 2], 0, 1)))
     return ScanReport(
-        scan.theta_deg,
-        scan.phi_deg,
-        len(scan.values),
+        scan,
         float(theta.max()),
         float(weight[distance > limit].sum()),
         float(np.degrees(distance.max())),
@@ -144,7 +120,6 @@ def _report(scan: Scan) -> ScanReport:
         _noise(tree, scan),
         _in_plane(scan),
         total_flux(scan),
-        float(scan.values.max()),
     )
 
 

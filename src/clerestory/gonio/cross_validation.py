@@ -5,17 +5,17 @@ are upper estimates: leaving out a scan doubles the distance between its neighbo
 Scans at the border of the measured region are extrapolated.
 """
 
+import functools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
 
 from clerestory.array_types import Indices
-from clerestory.errors import InputError
-from clerestory.gonio.angles import angle_between, from_degrees
+from clerestory.checks import require
+from clerestory.gonio.angles import angle_between
 from clerestory.gonio.distribution_metrics import beam_direction, earth_movers_distance
-from clerestory.gonio.incident_mesh import locate
+from clerestory.gonio.incident_mesh import Mesh, Place, locate
 from clerestory.gonio.interpolant import Interpolant
 from clerestory.gonio.lobe_fitting import (
     DEFAULT,
@@ -26,12 +26,11 @@ from clerestory.gonio.lobe_fitting import (
     total_flux,
 )
 from clerestory.gonio.lobes import Lobes
-from clerestory.gonio.network_assembly import join
-from clerestory.gonio.parallel import silent
+from clerestory.gonio.network_assembly import join, refine_plans
+from clerestory.gonio.optimal_transport import Network
+from clerestory.gonio.parallel import IN_SERIES, Workers
 from clerestory.gonio.scattering_measurement import Measurement, Scan
 from clerestory.gonio.symmetry import Symmetry, fold
-from clerestory.gonio.transport_network import Network
-from clerestory.gonio.transport_refinement import refine_some_plans
 from clerestory.progress import Progress
 
 # Smallest number of scans for cross-validation.
@@ -101,7 +100,7 @@ def cross_validate(
     symmetry: Symmetry | None = None,
     options: FitOptions = DEFAULT,
     processes: int = 1,
-    progress: Callable[[str], Progress] = lambda _name: silent,
+    progress: Callable[[str], Progress] = IN_SERIES.progress,
 ) -> CrossValidation:
     """Predict each scan from all other scans and return the errors.
 
@@ -113,51 +112,17 @@ def cross_validate(
     ------
     InputError : fewer than three scans
     """
-    scans = measurement.scans
-    if len(scans) < _FEWEST:
-        raise InputError(
-            f"scans: {len(scans)}; {_FEWEST} or more expected to leave one out"
-        )
-    if symmetry is None:
-        symmetry = measurement.symmetry
-    fits = fit_scans(
-        scans, options=options, processes=processes, report=progress("fit lobes")
+    scans, workers = measurement.scans, Workers(processes, progress)
+    message = f"number of scans is {len(scans)}; {_FEWEST} or more expected"
+    require(len(scans) >= _FEWEST, f"{message} to leave one out")
+    symmetry = symmetry or measurement.symmetry
+    fits = fit_scans(scans, options=options, workers=workers)
+    network = join(measurement.incidents, fits, symmetry, workers=workers)
+    predict = functools.partial(
+        _left_out, scans=scans, fits=fits, symmetry=symmetry, network=network
     )
-    network = join(
-        measurement.incidents,
-        fits,
-        symmetry,
-        processes=processes,
-        report=progress("plan transport"),
-    )
-    report = progress("leave one out")
-    left = []
-    for k in range(len(scans)):
-        left.append(_left_out(k, scans, fits, symmetry, network))
-        report((k + 1) / len(scans), f"{k + 1} of {len(scans)}")
+    left = Workers(progress=progress).map("leave one out", predict, range(len(scans)))
     return CrossValidation(tuple(left), options.smoothing)
-
-
-def smoothing_study(
-    measurement: Measurement,
-    factors: Sequence[float],
-    *,
-    symmetry: Symmetry | None = None,
-    lobes: int = DEFAULT.lobes,
-    processes: int = 1,
-    progress: Callable[[str], Progress] = lambda _name: silent,
-) -> tuple[CrossValidation, ...]:
-    """Cross-validate a measurement with several smoothing factors of the lobe fits."""
-    return tuple(
-        cross_validate(
-            measurement,
-            symmetry=symmetry,
-            options=FitOptions(lobes=lobes, smoothing=factor),
-            processes=processes,
-            progress=progress,
-        )
-        for factor in factors
-    )
 
 
 def _left_out(
@@ -172,12 +137,13 @@ def _left_out(
     incidents = np.array([scans[n].incident for n in others])
     known = network.known_plans()
     rest = join(incidents, [fits[n] for n in others], symmetry, known=known)
-    rest = refine_some_plans(rest, _about(rest, symmetry, scan))
+    place = locate(rest.mesh, fold(scan.incident[None], symmetry, rest.quadrant)[0])
+    rest = refine_plans(rest, chosen=_about(rest.mesh, place))
     lobes = Interpolant(rest, symmetry).lobes(scan.incident)
     return LeftOut(
         scan.theta_deg,
         scan.phi_deg,
-        _inside(rest, symmetry, scan),
+        _inside(rest.mesh, place, scan),
         total_flux(scan),
         lobes.total,
         float(np.degrees(angle_between(beam_direction(lobes), beam_direction(fit)))),
@@ -187,26 +153,15 @@ def _left_out(
     )
 
 
-def _about(network: Network, symmetry: Symmetry, scan: Scan) -> Indices:
+def _about(mesh: Mesh, place: Place) -> Indices:
     # Mesh edges at the corners of the triangle (or edge) of the incident direction
-    mesh = network.mesh
-    place = locate(mesh, _folded(network, symmetry, scan))
     simplex = mesh.edges if place.on_edge[0] else mesh.triangles
     corners = simplex[place.simplex[0]]
     return np.flatnonzero(np.isin(mesh.edges, corners).any(axis=1))
 
 
-def _inside(network: Network, symmetry: Symmetry, scan: Scan) -> bool:
-    folded = _folded(network, symmetry, scan)
-    if symmetry == "isotropic":
-        theta = np.arctan2(network.mesh.vertices[:, 0], network.mesh.vertices[:, 2])
+def _inside(mesh: Mesh, place: Place, scan: Scan) -> bool:
+    if mesh.arc:
+        theta = np.arctan2(mesh.vertices[:, 0], mesh.vertices[:, 2])
         return bool(np.radians(scan.theta_deg) <= theta.max() + 1e-9)
-    return not bool(locate(network.mesh, folded).on_edge[0])
-
-
-def _folded(
-    network: Network, symmetry: Symmetry, scan: Scan
-) -> Float[np.ndarray, "1 3"]:
-    if symmetry == "isotropic":
-        return from_degrees(scan.theta_deg, 0.0)[None]
-    return fold(scan.incident[None], symmetry, network.quadrant)[0]
+    return not bool(place.on_edge[0])

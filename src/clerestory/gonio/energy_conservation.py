@@ -4,31 +4,21 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float
 
 from clerestory.array_types import Values
 from clerestory.bsdf.scattering_function import OF_SIDE, Function
 from clerestory.gonio.fitted_measurement import Fitted
 from clerestory.gonio.interpolant import Interpolant
-from clerestory.gonio.lobes import Lobes
-from clerestory.gonio.optimal_transport import Plan
-from clerestory.gonio.transport_network import Network
+from clerestory.gonio.optimal_transport import Network
 
 
 @dataclass(frozen=True, eq=False)
 class Conserved:
-    """Fitted functions, scaled so that transmittance plus reflectance is at most 1.
+    """Fitted functions, scaled so that transmittance plus reflectance is at most 1."""
 
-    Attributes
-    ----------
-    fits : scaled functions in the given order
-    largest : largest transmittance plus reflectance before the correction
-    changed : number of incident directions at which fluxes were scaled
-    """
-
-    fits: tuple[Fitted, ...]
-    largest: float
-    changed: int
+    fits: tuple[Fitted, ...]  # scaled functions in the given order
+    largest: float  # largest transmittance plus reflectance before the correction
+    changed: int  # number of incident directions at which fluxes were scaled
 
 
 def conserve_energy(fits: Sequence[Fitted]) -> Conserved:
@@ -48,7 +38,7 @@ def conserve_energy(fits: Sequence[Fitted]) -> Conserved:
         if fit.channel == "visible":
             changed += int(np.sum(factors < 1))
         network = _scaled(fit.interpolant.network, factors)
-        interpolant = Interpolant(network, fit.interpolant.symmetry)
+        interpolant = replace(fit.interpolant, network=network)
         result.append(replace(fit, interpolant=interpolant))
     return Conserved(tuple(result), largest, changed)
 
@@ -58,25 +48,22 @@ def _sums(fit: Fitted, visible: dict[Function, Interpolant]) -> Values:
     vertices = fit.interpolant.network.mesh.vertices
     side = next(pair for pair in OF_SIDE.values() if fit.function in pair)
     known = [visible[name] for name in side if name in visible]
-    total: Float[np.ndarray, " vertices"] = np.zeros(len(vertices))
-    for interpolant in known:
-        total += interpolant.hemispherical(vertices)
-    return total
+    shares = [interpolant.hemispherical(vertices) for interpolant in known]
+    return np.asarray(np.sum([np.zeros(len(vertices)), *shares], axis=0))
 
 
 def _scaled(network: Network, factors: Values) -> Network:
     lobes = tuple(
-        Lobes(part.centre, part.radius, part.flux * factor)
+        replace(part, flux=part.flux * factor)
         for part, factor in zip(network.lobes, factors, strict=True)
     )
     plans = tuple(
-        Plan(
-            plan.source,
-            plan.target,
-            plan.sent * factors[a],
-            plan.received * factors[b],
-            plan.fading * factors[a],
-            plan.rising * factors[b],
+        replace(
+            plan,
+            sent=plan.sent * factors[a],
+            received=plan.received * factors[b],
+            fading=plan.fading * factors[a],
+            rising=plan.rising * factors[b],
         )
         for plan, (a, b) in zip(network.plans, network.mesh.edges, strict=True)
     )

@@ -66,10 +66,6 @@ class Flux(Protocol):
 class FluxCurve:
     """Hemispherical transmittance or reflectance of an isotropic layer.
 
-    Attributes
-    ----------
-    curve : transmittance or reflectance as a function of 1 − cos θ
-
     Examples
     --------
     >>> from clerestory.gonio.incident_mesh import arc_mesh
@@ -79,7 +75,7 @@ class FluxCurve:
     0.25
     """
 
-    curve: PchipInterpolator
+    curve: PchipInterpolator  # transmittance or reflectance as a function of 1 − cos θ
 
     def at(self, direction: Directions) -> Values:
         """Transmittance or reflectance; NaN beyond the largest measured polar angle."""
@@ -88,26 +84,17 @@ class FluxCurve:
 
 @dataclass(frozen=True, eq=False)
 class FluxProcess:
-    """Hemispherical transmittance or reflectance as a Gaussian process.
+    """Hemispherical transmittance or reflectance as a Gaussian process."""
 
-    Attributes
-    ----------
-    known : measured incident directions
-    images : factors of x, y and z that give the mirror images of a direction
-    coordinates : coordinates in which the kernel measures distance
-    reach : length scale of each coordinate [rad or 1]
-    weight : weights of the kernels at the measured directions
-    mean : mean of the process
-    most : upper limit of transmittance or reflectance
-    """
-
-    known: Float[np.ndarray, "known 3"]
+    known: Float[np.ndarray, "known 3"]  # measured incident directions
+    # Factors of x, y and z that give the mirror images of a direction
     images: Float[np.ndarray, "images 3"]
-    coordinates: Coordinates
-    reach: Float[np.ndarray, "3"]
+    coordinates: Coordinates  # coordinates in which the kernel measures distance
+    reach: Float[np.ndarray, "3"]  # length scale of each coordinate [rad or 1]
+    # Weights of the kernels at the measured directions
     weight: Float[np.ndarray, " known"]
-    mean: float
-    most: float
+    mean: float  # mean of the process
+    most: float  # upper limit of transmittance or reflectance
 
     def at(self, direction: Directions) -> Values:
         """Transmittance or reflectance at each direction."""

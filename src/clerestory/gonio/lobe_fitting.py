@@ -14,14 +14,13 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Directions, Values
-from clerestory.errors import InputError
+from clerestory.checks import require, within
 from clerestory.gonio.hemispherical_integration import integration_weights
 from clerestory.gonio.lobes import LEAST_RADIUS, MOST_RADIUS, NO_LIGHT, Lobes
 from clerestory.gonio.nonnegative_least_squares import non_negative
-from clerestory.gonio.parallel import map_in_order, silent
+from clerestory.gonio.parallel import IN_SERIES, Workers
 from clerestory.gonio.quadtree import Quadtree
 from clerestory.gonio.scattering_measurement import Scan
-from clerestory.progress import Progress
 
 # Largest number of averaged measurement points in a fit.
 _MOST_BINS = 2000
@@ -62,21 +61,14 @@ class FitOptions:
         misplaced, as for beams with steep edges
     smoothing : relative width of lobes; smaller values than 1 give sharper fits that
         are more sensitive to noise
-
-    Raises
-    ------
-    InputError : `lobes` is below 4, or `smoothing` is outside 0.2…5
     """
 
     lobes: int = 200
     smoothing: float = 1.0
 
     def __post_init__(self) -> None:
-        if self.lobes < 4 or not 0.2 <= self.smoothing <= 5:
-            raise InputError(
-                f"{self.lobes} lobes with smoothing {self.smoothing}; 4 or more lobes"
-                " and a smoothing from 0.2 to 5 expected"
-            )
+        require(self.lobes >= 4, f"number of lobes is {self.lobes}; 4 or more expected")
+        within(self.smoothing, "smoothing", least=0.2, most=5)
 
 
 DEFAULT = FitOptions()
@@ -84,18 +76,11 @@ DEFAULT = FitOptions()
 
 @dataclass(frozen=True, eq=False)
 class Points:
-    """BSDF values at directions, with projected solid angles for integration.
+    """BSDF values at directions, with projected solid angles for integration."""
 
-    Attributes
-    ----------
-    direction : unit vectors
-    value : BSDF [1/sr]
-    weight : projected solid angles [sr], π in total
-    """
-
-    direction: Float[np.ndarray, "points 3"]
-    value: Float[np.ndarray, " points"]
-    weight: Float[np.ndarray, " points"]
+    direction: Float[np.ndarray, "points 3"]  # unit vectors
+    value: Float[np.ndarray, " points"]  # BSDF [1/sr]
+    weight: Float[np.ndarray, " points"]  # projected solid angles [sr], π in total
 
     @property
     def flux(self) -> float:
@@ -130,20 +115,15 @@ def fit_scans(
     scans: Sequence[Scan],
     *,
     options: FitOptions = DEFAULT,
-    processes: int = 1,
-    report: Progress = silent,
+    workers: Workers = IN_SERIES,
 ) -> list[Lobes]:
     """Fit lobes to every scan.
 
     Scans with less than 1/1000 of the flux of the brightest scan are treated as dark.
     """
-    most = max(total_flux(scan) for scan in scans)
-    return map_in_order(
-        functools.partial(_fitted_or_dark, options=options, least=_DARK * most),
-        scans,
-        processes=processes,
-        report=report,
-    )
+    least = _DARK * max(total_flux(scan) for scan in scans)
+    fit = functools.partial(_fitted_or_dark, options=options, least=least)
+    return workers.map("fit lobes", fit, scans)
 
 
 def _fitted_or_dark(scan: Scan, *, options: FitOptions, least: float) -> Lobes:
@@ -156,12 +136,12 @@ def _fitted_or_dark(scan: Scan, *, options: FitOptions, least: float) -> Lobes:
 def fit_lobes(scan: Scan, options: FitOptions = DEFAULT) -> Lobes:
     """Fit lobes to a scan; the total flux is conserved."""
     points = condensed_points(scan)
-    if points.flux <= 0:
-        raise InputError(
-            f"total flux of {points.flux:.3g} from {scan.words}; a positive flux"
-            " expected; is the blank reading too large?",
-            file=scan.source,
-        )
+    require(
+        points.flux > 0,
+        f"total flux of the scan from {scan.words} is {points.flux:.3g}; a positive"
+        " flux expected; is the blank reading too large?",
+        file=scan.source,
+    )
     lobes = _fitted(points, options, options.lobes)
     if misplaced_flux(points, lobes.evaluate(points.direction)) > _MISPLACED:
         lobes = _fitted(points, options, 2 * options.lobes)
@@ -171,10 +151,7 @@ def fit_lobes(scan: Scan, options: FitOptions = DEFAULT) -> Lobes:
 def misplaced_flux(points: Points, predicted: Values) -> float:
     """Fraction of the measured flux predicted in wrong directions; 1 without flux.
 
-    Parameters
-    ----------
-    points : condensed points of a scan
-    predicted : predicted BSDF at the points [1/sr]
+    `predicted`: predicted BSDF at the points [1/sr].
     """
     if points.flux <= 0:
         return 1.0

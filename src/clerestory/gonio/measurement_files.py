@@ -69,8 +69,9 @@ def read_measurement(
     """
     files = [Path(path) for path in paths]
     require(files, "no goniophotometer file; one or more expected")
-    one_of(form, "goniophotometer format", choices=(None, *FORMATS))
-    kind = FORMATS[form] if form else _recognized_format(files[0])
+    if form is not None:
+        one_of(form, "goniophotometer format", choices=FORMATS)
+    kind = _recognized_format(files[0]) if form is None else FORMATS[form]
     options = ReadOptions(function, facing, blank)
     groups: dict[tuple[str, str], list[Measurement]] = {}
     for file in files:
@@ -89,11 +90,9 @@ def _recognized_format(path: Path) -> FileFormat:
     for kind in FORMATS.values():
         if kind.recognizes(head):
             return kind
-    raise InputError(
-        "not a goniophotometer file of a known format; one of"
-        f" {', '.join(FORMATS)} expected",
-        file=path,
-    )
+    known = ", ".join(FORMATS)
+    message = f"not a goniophotometer file of a known format; one of {known} expected"
+    raise InputError(message, file=path)
 
 
 def _joined(parts: Sequence[Measurement], merge: bool) -> Measurement:

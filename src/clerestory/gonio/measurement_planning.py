@@ -25,8 +25,6 @@ def recommended_directions(
     Directions lie in the measured part of the hemisphere and do not exceed the largest
     measured polar angle.
 
-    `symmetry`: symmetry of the layer.
-
     >>> from clerestory.gonio.cross_validation import LeftOut
     >>> scans = [LeftOut(t, 0, True, 0.5, 0.5, 1.0, 1.0, m, 0.01)
     ...          for t, m in ((0, 0.05), (20, 0.05), (40, 0.6), (60, 0.6))]
@@ -36,9 +34,8 @@ def recommended_directions(
     50.0
     """
     scans = validation.scans
-    theta, phi = np.array(
-        [(scan.theta_deg, scan.phi_deg) for scan in scans], dtype=float
-    ).T
+    angles = [(scan.theta_deg, scan.phi_deg) for scan in scans]
+    theta, phi = np.array(angles, dtype=float).T
     known = from_degrees(theta, phi)
     share = np.array([min(scan.misplaced, 1.0) for scan in scans])
     if symmetry == "isotropic":

@@ -25,15 +25,11 @@ _Light = dict[int, Float[np.ndarray, " particles"]]
 
 @dataclass(frozen=True, eq=False)
 class Particles:
-    """Matched lobes of the corners of a triangle or an edge, with fluxes.
+    """Matched lobes of the corners of a triangle or an edge, with fluxes."""
 
-    Attributes
-    ----------
-    corner : index of each particle's lobe at the corners A, B and C; -1 for none
-    flux : flux of each particle at A, at B, at C from A, and at C from B
-    """
-
+    # Index of each particle's lobe at the corners A, B and C; -1 for none
     corner: Int[np.ndarray, "particles 3"]
+    # Flux of each particle at A, at B, at C from A, and at C from B
     flux: Float[np.ndarray, "particles 4"]
 
 

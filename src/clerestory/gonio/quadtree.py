@@ -26,18 +26,13 @@ _FLOOR = 1e-2
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """Cells of the hemisphere, with the points in each cell.
+    """Cells of the hemisphere, with the points in each cell."""
 
-    Attributes
-    ----------
-    level : level of each cell; the square has 2^level cells along each axis
-    first : index in `order` of the first point of each cell; then the number of points
-    order : indices of the points, sorted by cell
-    """
-
+    # Level of each cell; the square has 2^level cells along each axis
     level: Int[np.ndarray, " cells"]
+    # Index in `order` of the first point of each cell; then the number of points
     first: Int[np.ndarray, " limits"]
-    order: Int[np.ndarray, " points"]
+    order: Int[np.ndarray, " points"]  # indices of the points, sorted by cell
 
     @property
     def solid_angle(self) -> Values:

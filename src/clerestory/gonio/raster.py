@@ -46,12 +46,6 @@ _GATHER = 2
 class Raster:
     """Grids for rasterizing lobes at one resolution.
 
-    Attributes
-    ----------
-    halvings : 2^halvings cells along each axis of the projected square
-    directions : unit vectors of the cell centres of each grid, coarsest grid first
-    gather : interpolation matrix from the finest grid to the projected square
-
     Examples
     --------
     >>> spot = Lobes(np.array([[0, 0.6, 0.8]]), np.array([0.05]), np.array([0.5]))
@@ -60,8 +54,10 @@ class Raster:
     0.5
     """
 
-    halvings: int
+    halvings: int  # 2^halvings cells along each axis of the projected square
+    # Unit vectors of the cell centres of each grid, coarsest grid first
     directions: tuple[Float[np.ndarray, "cells 3"], ...]
+    # Interpolation matrix from the finest grid to the projected square
     gather: sparse.csr_array
 
     @staticmethod

@@ -89,14 +89,30 @@ def _on_axes(phi: Values) -> Symmetry:
     return "bilateral-x" if {1, 3} <= axes else "quadrilateral"
 
 
-def fold(
-    incident: Directions, symmetry: Symmetry, quadrant: Vector2
-) -> tuple[Directions, Directions]:
-    """Mirror images of directions in the measured part of the hemisphere.
+def rotation_about_normal(
+    angle: Float[np.ndarray, "*batch"] | float,
+) -> Float[np.ndarray, "*batch 3 3"]:
+    """Matrix of a rotation about the normal by an angle [rad], from +x to +y."""
+    c, s = np.cos(angle), np.sin(angle)
+    nil, one = np.zeros_like(c), np.ones_like(c)
+    return np.stack(
+        [np.stack(row, -1) for row in ([c, -s, nil], [s, c, nil], [nil, nil, one])], -2
+    )
 
-    The second array contains the factors of x, y and z (−1 or 1) of the mirror images.
-    `quadrant`: signs of x and y in the measured part.
+
+def fold(
+    incident: Float[np.ndarray, "batch 3"], symmetry: Symmetry, quadrant: Vector2
+) -> tuple[Float[np.ndarray, "batch 3"], Float[np.ndarray, "batch 3 3"]]:
+    """Images of directions in the measured part of the hemisphere.
+
+    Return the images, which have azimuth 0 for isotropic layers, and the matrices from
+    the images to the directions. `quadrant`: signs of x and y in the measured part.
     """
+    if symmetry == "isotropic":
+        x, y, z = incident.T
+        radius = np.hypot(x, y)
+        folded = np.stack([radius, 0 * radius, z], axis=-1)
+        return folded, rotation_about_normal(np.arctan2(y, x))
     factor = np.ones_like(incident)
     if symmetry in ("quadrilateral", "bilateral-x"):
         factor[..., 0] = np.where(incident[..., 0] * quadrant[0] < 0, -1, 1)
@@ -105,7 +121,7 @@ def fold(
     if symmetry == "rotational":
         behind = incident[..., 1] * quadrant[1] < 0
         factor[..., :2] = np.where(behind[..., None], -1, 1)
-    return incident * factor, factor
+    return incident * factor, factor[:, None] * np.eye(3)
 
 
 def measured_quadrant(incidents: Directions) -> Vector2:

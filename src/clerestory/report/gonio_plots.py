@@ -20,8 +20,8 @@ from clerestory.gonio.cross_validation import CrossValidation
 from clerestory.gonio.incident_mesh import Mesh
 from clerestory.gonio.interpolant import Interpolant
 from clerestory.gonio.lobes import Lobes
-from clerestory.gonio.network_assembly import rotation_about_normal, transformed
 from clerestory.gonio.scattering_measurement import Measurement, Scan
+from clerestory.gonio.symmetry import rotation_about_normal
 
 _PALETTE = "inferno"
 _DECADES = 4
@@ -135,7 +135,7 @@ def _measured(interpolant: Interpolant, scan: Scan) -> Lobes:
             rotation_about_normal(azimuth),
         )
     nearest = int(np.argmax(vertices @ incident))
-    return transformed(interpolant.network.lobes[nearest], turn)
+    return interpolant.network.lobes[nearest].transformed(turn)
 
 
 def _disc(direction: Float[np.ndarray, "*points 3"]) -> Float[np.ndarray, "*points 2"]:

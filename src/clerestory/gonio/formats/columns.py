@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.bsdf.scattering_function import Function
 from clerestory.checks import require
 from clerestory.gonio.formats.file_format import FileFormat, ReadOptions
 from clerestory.gonio.formats.text_tables import (
@@ -56,7 +57,7 @@ def _read(path: Path, options: ReadOptions) -> Iterator[Measurement]:
     data = table(lines[1:], columns=5, what="four angles [°] and a value")
     if value == "dsf":
         data[:, 4] /= np.maximum(np.cos(np.radians(data[:, 2])), 1e-6)
-    default = "transmission_front" if value == "btdf" else "reflection_front"
+    default: Function = "transmission_front" if value == "btdf" else "reflection_front"
     function = options.function or default
     yield Measurement(scans_of(data, path), function, name=path.stem)
 

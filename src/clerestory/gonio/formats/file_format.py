@@ -16,15 +16,10 @@ Facing = Literal["room", "sky"]
 
 @dataclass(frozen=True)
 class FileHead:
-    """First bytes of a file, from which its format is recognized.
+    """First bytes of a file, from which its format is recognized."""
 
-    Attributes
-    ----------
-    data : first bytes of the file
-    lines : non-blank lines of text in lower case; empty for binary files
-    """
-
-    data: bytes
+    data: bytes  # first bytes of the file
+    # Non-blank lines of text in lower case; empty for binary files
     lines: tuple[str, ...]
 
     def has_line(self, *starts: str) -> bool:
@@ -34,32 +29,22 @@ class FileHead:
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """Information about a measurement that some file formats do not contain.
+    """Information about a measurement that some file formats do not contain."""
 
-    Attributes
-    ----------
-    function : measured scattering function; None for the default of the format
-    facing : side to which the normal of the sample points
-    blank : file of readings without a sample; None if not available
-    """
-
+    # Measured scattering function; None for the default of the format
     function: Function | None = None
-    facing: Facing = "room"
+    facing: Facing = "room"  # side to which the normal of the sample points
+    # File of readings without a sample; None if not available
     blank: Path | None = None
 
 
 @dataclass(frozen=True)
 class FileFormat:
-    """Reader of one goniophotometer file format.
+    """Reader of one goniophotometer file format."""
 
-    Attributes
-    ----------
-    name : name of the format, as in the option `--format`
-    recognizes : function that returns whether a file with a given head is in the format
-    read : function that returns the measurements in a file, one per scattering function
-        and channel; errors without a file name refer to this file
-    """
-
-    name: str
+    name: str  # name of the format, as in the option `--format`
+    # Function that returns whether a file with a given head is in the format
     recognizes: Callable[[FileHead], bool]
+    # Function that returns the measurements in a file, one per scattering function and
+    # channel; errors without a file name refer to this file
     read: Callable[[Path, ReadOptions], Iterable[Measurement]]
