@@ -70,11 +70,8 @@ class Bsdf:
 
     def has(self, function: Function, *, channel: str = "visible") -> bool:
         """Whether a scattering function is available, directly or by reciprocity."""
-        other = OTHER_SIDE.get(function, function)
-        return (channel, function) in self.functions or (
-            channel,
-            other,
-        ) in self.functions
+        sides = function, OTHER_SIDE.get(function, function)
+        return any((channel, side) in self.functions for side in sides)
 
     def scattering(
         self, name: Function, *, channel: str = "visible"
@@ -83,10 +80,6 @@ class Bsdf:
 
         If the transmission of only one side is given, the transmission of the other
         side follows by reciprocity.
-
-        Raises
-        ------
-        InputError : the channel has no such function
         """
         if (channel, name) in self.functions:
             return self.functions[channel, name]
@@ -195,9 +188,7 @@ class Bsdf:
 
     def diffuse(self, function: Function, *, channel: str = "visible") -> float:
         """Hemispherical-hemispherical (diffuse) transmittance or reflectance."""
-        part = self.function(function, channel=channel)
-        weight = part.incidents.projected_solid_angles()
-        return float(part.direct_hemispherical() @ weight / np.pi)
+        return self.function(function, channel=channel).diffuse()
 
     def evaluate(
         self,

@@ -96,8 +96,8 @@ def check_sides(channel: str, tables: Tables) -> Iterator[Finding]:
     """
     if not {"transmission_front", "transmission_back"} <= set(tables):
         return
-    front = diffuse_share(tables["transmission_front"])
-    back = diffuse_share(tables["transmission_back"])
+    front = tables["transmission_front"].diffuse()
+    back = tables["transmission_back"].diffuse()
     size = abs(front - back) / max(front, back)
     severity = severity_of(size, _SIDES)
     if severity is not None:
@@ -110,12 +110,6 @@ def check_sides(channel: str, tables: Tables) -> Iterator[Finding]:
             f"{channel} transmission",
             f"daylight depends on the side that a program reads, by {size:.0%}",
         )
-
-
-def diffuse_share(part: ScatteringMatrix) -> float:
-    """Diffuse (hemispherical-hemispherical) transmittance or reflectance."""
-    weight = part.incidents.projected_solid_angles()
-    return float(part.direct_hemispherical() @ weight / weight.sum())
 
 
 def check_scaling(channel: str, tables: Tables) -> Iterator[Finding]:

@@ -9,7 +9,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float32, Int, Int32, Int64
+from jaxtyping import Float, Float32, Int, Int32, Int64
 
 from clerestory.array_types import Indices, Slots
 
@@ -34,6 +34,11 @@ class Slices(NamedTuple):
     corner: Float32[np.ndarray, "2 cells"]
     size: Float32[np.ndarray, " cells"]  # edge of the cell in the unit square
     value: Float32[np.ndarray, " cells"]  # BSDF [1/sr]
+
+    @property
+    def flux(self) -> Float[np.ndarray, " cells"]:
+        """BSDF times area in the unit square."""
+        return np.asarray(self.value * self.size.astype(float) ** 2)
 
 
 def look_up(

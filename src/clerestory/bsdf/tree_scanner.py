@@ -82,10 +82,8 @@ def scan_tree(text: bytes) -> TreeScan:
         values.append(_numbers(chunk, len(begins), start))
         start = end
     if carried:
-        raise TreeFault(
-            "values after the last brace of a tensor tree; end of text expected",
-            offset=len(text),
-        )
+        message = "values after the last brace of a tensor tree; end of text expected"
+        raise TreeFault(message, offset=len(text))
     if not any(len(step) for step in steps):
         raise TreeFault("no tensor tree; text in braces {…} expected")
     return TreeScan(
@@ -126,14 +124,11 @@ def _bad_word(plain: bytes, offset: int) -> TreeFault:
         place = plain.index(word, place)
         if not _is_finite(word):
             shown = word[:40].decode("latin-1")
-            return TreeFault(
-                f"{shown!r} in a tensor tree; a finite number expected",
-                offset=offset + place,
-            )
+            message = f"{shown!r} in a tensor tree; a finite number expected"
+            return TreeFault(message, offset=offset + place)
         place += len(word)
-    return TreeFault(
-        "unreadable values in a tensor tree; numbers expected", offset=offset
-    )
+    message = "unreadable values in a tensor tree; numbers expected"
+    return TreeFault(message, offset=offset)
 
 
 def _is_finite(word: bytes) -> bool:

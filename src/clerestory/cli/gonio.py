@@ -19,9 +19,13 @@ from clerestory.errors import InputError
 from clerestory.gonio.angles import from_degrees
 from clerestory.gonio.coverage import measure_coverage
 from clerestory.gonio.cross_validation import cross_validate
-from clerestory.gonio.energy_conservation import conserve_energy
 from clerestory.gonio.fit_storage import read_fits, write_fits
-from clerestory.gonio.fitted_measurement import Fitted, export_bsdf, fit_measurement
+from clerestory.gonio.fitted_measurement import (
+    Fitted,
+    conserve_energy,
+    export_bsdf,
+    fit_measurement,
+)
 from clerestory.gonio.lobe_fitting import FitOptions
 from clerestory.gonio.measurement_files import read_measurement
 from clerestory.gonio.measurement_planning import recommended_directions

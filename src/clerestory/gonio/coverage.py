@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 from clerestory.array_types import Vector
 from clerestory.errors import InputError
 from clerestory.gonio.angles import angle_between
-from clerestory.gonio.lobe_fitting import condensed_points, total_flux
+from clerestory.gonio.lobe_fitting import condensed_points
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.raster import Raster
 from clerestory.gonio.scattering_measurement import SAME_DIRECTION, Measurement, Scan
@@ -25,8 +25,8 @@ _GAP_PER_SPACING = 3.0
 _IN_PLANE_DEG = 2.0
 
 # Number of neighbouring values in each quadratic fit that estimates noise, and
-# (roughly) the largest number of such fits per scan.
-_NEIGHBOURS, _MOST_SAMPLED = 16, 300
+# approximate limit of the number of fits per scan.
+_NEIGHBOURS, _MOST_FITS = 16, 300
 
 # The grid for gaps and asymmetry has 2^5 × 2^5 cells of equal projected solid angle.
 _HALVINGS = 5
@@ -119,7 +119,7 @@ def _report(scan: Scan) -> ScanReport:
         float(np.mean(scan.values < 0)),
         _noise(tree, scan),
         _in_plane(scan),
-        total_flux(scan),
+        scan.flux,
     )
 
 
@@ -134,7 +134,7 @@ def _noise(tree: cKDTree, scan: Scan) -> float:
     bright = np.flatnonzero(scan.values >= np.abs(scan.values).mean())
     if len(scan.values) < _NEIGHBOURS or not len(bright):
         return 0.0
-    bright = bright[:: max(1, len(bright) // _MOST_SAMPLED)]
+    bright = bright[:: max(1, len(bright) // _MOST_FITS)]
     _, near = tree.query(scan.leaving[bright], k=_NEIGHBOURS)
     x, y = np.moveaxis(
         (scan.leaving[near] - scan.leaving[bright, None])[..., :2], -1, 0

@@ -30,15 +30,7 @@ _THINNEST = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Incident directions and their triangulation.
-
-    Examples
-    --------
-    >>> theta, phi = np.array([0, 60, 60, 60.0]), np.array([0, 0, 120, 240.0])
-    >>> mesh = triangulate(from_degrees(theta, phi))
-    >>> len(mesh.triangles), len(mesh.edges), int(mesh.rim.sum())
-    (3, 6, 3)
-    """
+    """Incident directions and their triangulation."""
 
     vertices: Float[np.ndarray, "vertices 3"]  # unit vectors with z ≥ 0
     # Vertex indices of the corners of each triangle, in ascending order

@@ -24,13 +24,17 @@ from clerestory.bsdf.reciprocal_function import ReciprocalFunction
 from clerestory.bsdf.scattering_function import ScatteringFunction
 from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.gonio.angles import directions_over_disc, undeviated, upper_hemisphere
-from clerestory.gonio.displacement_interpolation import displace
+from clerestory.gonio.displacement_interpolation import (
+    Particles,
+    displace,
+    edge_particles,
+    triangle_particles,
+)
 from clerestory.gonio.flux_interpolation import Flux, flux_surface
 from clerestory.gonio.incident_mesh import Place, flat_weights, locate
 from clerestory.gonio.lobe_motion import mean_motion, with_unmatched_lobes
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.optimal_transport import Network
-from clerestory.gonio.particles import Particles, edge_particles, triangle_particles
 from clerestory.gonio.raster import Raster
 from clerestory.gonio.symmetry import Symmetry, fold
 from clerestory.gonio.tree_export import to_tree

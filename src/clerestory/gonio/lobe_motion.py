@@ -29,10 +29,9 @@ _WIDE = 0.5
 def mean_motion(network: Network) -> float:
     """Mean displacement of lobes relative to the undeviated direction, −1…1."""
     along, squared = 0.0, 0.0
-    for (a, b), plan in zip(network.mesh.edges, network.plans, strict=True):
-        ends = undeviated(network.mesh.vertices[[a, b]])
-        turn = (ends[1] - ends[0])[:2]
-        start, end = network.lobes[a], network.lobes[b]
+    for number, plan in enumerate(network.plans):
+        turn = network.turn(number)
+        start, end = (network.lobes[k] for k in network.mesh.edges[number])
         move = (end.centre[plan.target] - start.centre[plan.source])[:, :2]
         # Weight narrow lobes most: the displacement of wide lobes is mostly noise
         flux = np.minimum(plan.sent, plan.received)
@@ -116,13 +115,10 @@ def _moves(
     # Indices of the matched lobes at the vertex, lobe displacements in the disc along
     # the edge, displacement of the undeviated direction, and flux of each match
     plan = network.plans[number]
-    a, b = network.mesh.edges[number]
-    move = (
-        network.lobes[b].centre[plan.target] - network.lobes[a].centre[plan.source]
-    )[:, :2]
-    ends = undeviated(network.mesh.vertices[[a, b]])[:, :2]
-    turn, flux = ends[1] - ends[0], np.sqrt(plan.sent * plan.received)
-    if a == vertex:
+    start, end = (network.lobes[k] for k in network.mesh.edges[number])
+    move = (end.centre[plan.target] - start.centre[plan.source])[:, :2]
+    turn, flux = network.turn(number), np.sqrt(plan.sent * plan.received)
+    if network.mesh.edges[number, 0] == vertex:
         return plan.source, move, turn, flux
     return plan.target, -move, -turn, flux
 
@@ -132,14 +128,15 @@ def with_unmatched_lobes(network: Network, *, mean_motion: float) -> Network:
     motions = [
         LobeMotion(network, vertex, mean_motion) for vertex in range(len(network.lobes))
     ]
+    edges = network.mesh.edges.tolist()
     lobes = [[own] for own in network.lobes]
     size = [len(own) for own in network.lobes]
     plans = []
-    for (a, b), plan in zip(network.mesh.edges.tolist(), network.plans, strict=True):
+    for number, (plan, (a, b)) in enumerate(zip(network.plans, edges, strict=True)):
         fading, rising = np.flatnonzero(plan.fading), np.flatnonzero(plan.rising)
-        ends = undeviated(network.mesh.vertices[[a, b]])[:, :2]
-        lobes[b].append(motions[a].moved(fading, ends[1] - ends[0]))
-        lobes[a].append(motions[b].moved(rising, ends[0] - ends[1]))
+        turn = network.turn(number)
+        lobes[b].append(motions[a].moved(fading, turn))
+        lobes[a].append(motions[b].moved(rising, -turn))
         gone = size[b] + np.arange(len(fading))
         come = size[a] + np.arange(len(rising))
         size[b] += len(fading)
@@ -158,6 +155,6 @@ def with_unmatched_lobes(network: Network, *, mean_motion: float) -> Network:
         )
     sized = tuple(
         replace(plan, fading=np.zeros(size[a]), rising=np.zeros(size[b]))
-        for plan, (a, b) in zip(plans, network.mesh.edges, strict=True)
+        for plan, (a, b) in zip(plans, edges, strict=True)
     )
     return replace(network, lobes=tuple(map(joined, lobes)), plans=sized)

@@ -25,7 +25,6 @@ from clerestory.gonio.angles import (
     angle_between,
     angle_table,
     directions_over_disc,
-    undeviated,
 )
 from clerestory.gonio.incident_mesh import Mesh, arc_mesh, triangulate
 from clerestory.gonio.lobe_motion import LobeMotion, mean_motion
@@ -109,9 +108,8 @@ def refine_plans(
     edges = network.mesh.edges[chosen]
     motions = {vertex: LobeMotion(network, vertex, mean) for vertex in np.unique(edges)}
     work = []
-    for a, b in edges:
-        ends = undeviated(network.mesh.vertices[[a, b]])[:, :2]
-        turn = ends[1] - ends[0]
+    for number, (a, b) in zip(chosen, edges, strict=True):
+        turn = network.turn(number)
         distance = _missed(motions[a], motions[b], turn)
         work.append((network.lobes[a], network.lobes[b], distance, turn))
     plans = list(network.plans)

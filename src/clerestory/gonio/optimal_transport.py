@@ -20,8 +20,8 @@ import numpy as np
 import ot
 from jaxtyping import Bool, Float, Int
 
-from clerestory.array_types import Values
-from clerestory.gonio.angles import angle_table
+from clerestory.array_types import Values, Vector2
+from clerestory.gonio.angles import angle_table, undeviated
 from clerestory.gonio.incident_mesh import Mesh
 from clerestory.gonio.lobes import Lobes, angles_among
 
@@ -70,6 +70,11 @@ class Network:
     # Signs of x and y in the measured part of the hemisphere
     quadrant: Float[np.ndarray, "2"]
 
+    def turn(self, edge: int) -> Vector2:
+        """Displacement of the undeviated direction along an edge, in the unit disc."""
+        start, end = undeviated(self.mesh.vertices[self.mesh.edges[edge]])[:, :2]
+        return np.asarray(end - start)
+
     def plans_of(self, triangle: int) -> list[Plan]:
         """Plans from A to B, from A to C and from B to C of a triangle."""
         corners = self.mesh.triangles[triangle]
@@ -91,13 +96,6 @@ def plan_transport(start: Lobes, end: Lobes, *, angle: float) -> Plan:
     """Calculate the transport plan of least cost between two sets of lobes.
 
     `angle`: angle between the two incident directions [rad].
-
-    >>> up = np.array([[0, 0, 1.0]])
-    >>> one = Lobes(up, np.array([0.1]), np.array([0.5]))
-    >>> other = Lobes(up, np.array([0.1]), np.array([0.3]))
-    >>> plan = plan_transport(one, other, angle=0.1)
-    >>> plan.sent.round(3).tolist(), plan.received.round(3).tolist()
-    ([0.5], [0.3])
     """
     distance = angle_table(start.centre, end.centre)
     return plan_moves(start, end, distance=distance, slack=_REACH_PER_ANGLE * angle)

@@ -8,6 +8,7 @@ trees, which have equal projected solid angles.
 """
 
 import functools
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,15 +45,7 @@ _GATHER = 2
 
 @dataclass(frozen=True, eq=False)
 class Raster:
-    """Grids for rasterizing lobes at one resolution.
-
-    Examples
-    --------
-    >>> spot = Lobes(np.array([[0, 0.6, 0.8]]), np.array([0.05]), np.array([0.5]))
-    >>> cells = Raster.of(5).cells(spot)
-    >>> round(float(cells.sum()) * np.pi / len(cells), 6)
-    0.5
-    """
+    """Grids for rasterizing lobes at one resolution."""
 
     halvings: int  # 2^halvings cells along each axis of the projected square
     # Unit vectors of the cell centres of each grid, coarsest grid first
@@ -61,9 +54,12 @@ class Raster:
     gather: sparse.csr_array
 
     @staticmethod
+    @functools.lru_cache(maxsize=8)
     def of(halvings: int) -> "Raster":
         """Return the grids for 2^halvings cells along each axis."""
-        return _raster(halvings)
+        finest = max(halvings, _COARSEST)
+        directions = tuple(_centres(k) for k in range(_COARSEST, finest + 1))
+        return Raster(halvings, directions, _gathering(halvings, finest))
 
     @property
     def finest(self) -> int:
@@ -168,13 +164,6 @@ def _square(direction: Directions) -> tuple[Values, Values]:
     return square_from_disc(direction[:, 0] * scale, direction[:, 1] * scale)
 
 
-@functools.lru_cache(maxsize=8)
-def _raster(halvings: int) -> Raster:
-    finest = max(halvings, _COARSEST)
-    directions = tuple(_centres(k) for k in range(_COARSEST, finest + 1))
-    return Raster(halvings, directions, _gathering(halvings, finest))
-
-
 def _centres(halvings: int) -> Directions:
     x, y = disc_from_square(*cell_centres(halvings))
     squared = x * x + y * y
@@ -192,10 +181,9 @@ def _gathering(halvings: int, finest: int) -> sparse.csr_array:
     row = (a * wide).astype(int) * wide + (b * wide).astype(int)
     shape = wide * wide, 1 << 2 * finest
     total = sparse.csr_array(shape)
-    for da in (0, 1):
-        for db in (0, 1):
-            weight = np.where(da, share[0], 1 - share[0])
-            weight = weight * np.where(db, share[1], 1 - share[1]) / 4**_GATHER
-            column = ((low[0] + da) << finest) + low[1] + db
-            total = total + sparse.csr_array((weight, (row, column)), shape=shape)
+    for da, db in itertools.product((0, 1), repeat=2):
+        weight = np.where(da, share[0], 1 - share[0])
+        weight = weight * np.where(db, share[1], 1 - share[1]) / 4**_GATHER
+        column = ((low[0] + da) << finest) + low[1] + db
+        total = total + sparse.csr_array((weight, (row, column)), shape=shape)
     return total

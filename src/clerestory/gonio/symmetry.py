@@ -17,7 +17,7 @@ from typing import Literal, get_args
 import numpy as np
 from jaxtyping import Bool, Float
 
-from clerestory.array_types import Directions, Values, Vector2
+from clerestory.array_types import Directions, Vector2
 from clerestory.errors import InputError
 
 Symmetry = Literal[
@@ -29,6 +29,24 @@ SYMMETRIES: tuple[Symmetry, ...] = get_args(Symmetry)
 # an azimuth and an axis that counts as zero; both as in pabopto2bsdf.
 _NEAR_NORMAL_DEG = 1.0
 _NEAR_AXIS_DEG = 1.0
+
+# Symmetry by the quadrants that contain azimuths.
+_IN_QUADRANTS: dict[frozenset[int], Symmetry] = {
+    **{frozenset({k}): "quadrilateral" for k in range(4)},
+    frozenset({0, 1}): "bilateral-y",
+    frozenset({2, 3}): "bilateral-y",
+    frozenset({1, 2}): "bilateral-x",
+    frozenset({3, 0}): "bilateral-x",
+    frozenset(range(4)): "none",
+}
+
+# Symmetry by whether azimuths are at 0 and 180°, and at 90 and 270°.
+_ON_AXES: dict[tuple[bool, bool], Symmetry] = {
+    (True, True): "none",
+    (True, False): "bilateral-y",
+    (False, True): "bilateral-x",
+    (False, False): "quadrilateral",
+}
 
 # Signs of x and y of the images of a direction under each symmetry.
 _IMAGES: dict[Symmetry, tuple[tuple[int, int], ...]] = {
@@ -63,30 +81,16 @@ def deduce_symmetry(incidents: Directions) -> Symmetry:
     inner = np.abs((phi + 45) % 90 - 45) > _NEAR_AXIS_DEG
     covered = frozenset((phi[inner] // 90).astype(int).tolist())
     if not covered:
-        return _on_axes(phi)
-    if len(covered) == 1:
-        return "quadrilateral"
-    if covered in ({0, 1}, {2, 3}):
-        return "bilateral-y"
-    if covered in ({1, 2}, {3, 0}):
-        return "bilateral-x"
-    if len(covered) == 4:
-        return "none"
+        # All azimuths are 0, 90, 180 or 270°
+        axes = set((np.round(phi / 90) % 4).astype(int).tolist())
+        return _ON_AXES[{0, 2} <= axes, {1, 3} <= axes]
+    if covered in _IN_QUADRANTS:
+        return _IN_QUADRANTS[covered]
     names = ", ".join(f"{90 * k}–{90 * k + 90}°" for k in sorted(covered))
     raise InputError(
         f"incident azimuths cover {names}; one plane, one quadrant, two adjacent"
         " quadrants, or all quadrants expected"
     )
-
-
-def _on_axes(phi: Values) -> Symmetry:
-    # Deduce the symmetry if all azimuths are 0, 90, 180 or 270°
-    axes = set((np.round(phi / 90) % 4).astype(int).tolist())
-    if {0, 2} <= axes and {1, 3} <= axes:
-        return "none"
-    if {0, 2} <= axes:
-        return "bilateral-y"
-    return "bilateral-x" if {1, 3} <= axes else "quadrilateral"
 
 
 def rotation_about_normal(

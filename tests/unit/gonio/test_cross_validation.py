@@ -10,8 +10,8 @@ from clerestory.gonio.cross_validation import (
     CrossValidation,
     LeftOut,
     cross_validate,
+    earth_movers_distance,
 )
-from clerestory.gonio.distribution_metrics import earth_movers_distance
 from clerestory.gonio.lobe_fitting import FitOptions
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.scattering_measurement import Measurement, Scan

@@ -6,10 +6,10 @@ import pytest
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.errors import InputError
 from clerestory.gonio.angles import angle_between, from_degrees
-from clerestory.gonio.distribution_metrics import beam_direction
-from clerestory.gonio.energy_conservation import conserve_energy
+from clerestory.gonio.cross_validation import beam_direction
 from clerestory.gonio.fitted_measurement import (
     Fitted,
+    conserve_energy,
     export_bsdf,
     fit_measurement,
     measured_bsdf,

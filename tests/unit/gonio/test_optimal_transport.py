@@ -4,14 +4,17 @@ import numpy as np
 import pytest
 
 from clerestory.gonio.angles import angle_between, from_degrees
-from clerestory.gonio.displacement_interpolation import displace
-from clerestory.gonio.distribution_metrics import earth_movers_distance
+from clerestory.gonio.cross_validation import earth_movers_distance
+from clerestory.gonio.displacement_interpolation import (
+    displace,
+    edge_particles,
+    triangle_particles,
+)
 from clerestory.gonio.interpolant import Interpolant
 from clerestory.gonio.lobe_motion import with_unmatched_lobes
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.network_assembly import connect, join, refine_plans
 from clerestory.gonio.optimal_transport import plan_transport
-from clerestory.gonio.particles import edge_particles, triangle_particles
 
 
 def cluster(theta_deg, flux, *, seed=0, count=12):

@@ -23,8 +23,12 @@ from jaxtyping import Float
 from clerestory.array_types import Values
 from clerestory.checks import require
 from clerestory.gonio.formats.columns import scans_of
-from clerestory.gonio.formats.file_format import FileFormat, ReadOptions
-from clerestory.gonio.formats.text_tables import numbered_lines, table
+from clerestory.gonio.formats.file_format import (
+    FileFormat,
+    ReadOptions,
+    numbered_lines,
+    table,
+)
 from clerestory.gonio.scattering_measurement import Measurement
 
 _ANGLES = 4

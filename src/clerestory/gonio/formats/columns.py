@@ -18,8 +18,9 @@ from jaxtyping import Float
 
 from clerestory.bsdf.scattering_function import Function
 from clerestory.checks import require
-from clerestory.gonio.formats.file_format import FileFormat, ReadOptions
-from clerestory.gonio.formats.text_tables import (
+from clerestory.gonio.formats.file_format import (
+    FileFormat,
+    ReadOptions,
     check_angles,
     numbered_lines,
     scan_of_rows,

@@ -16,9 +16,11 @@ from itertools import pairwise
 from pathlib import Path
 
 from clerestory.checks import require
-from clerestory.gonio.formats.file_format import FileFormat, FileHead, ReadOptions
-from clerestory.gonio.formats.text_tables import (
+from clerestory.gonio.formats.file_format import (
+    FileFormat,
+    FileHead,
     Line,
+    ReadOptions,
     number,
     numbered_lines,
     scan_of_block,

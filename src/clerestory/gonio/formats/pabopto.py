@@ -27,10 +27,8 @@ from clerestory.gonio.formats.file_format import (
     Facing,
     FileFormat,
     FileHead,
-    ReadOptions,
-)
-from clerestory.gonio.formats.text_tables import (
     Line,
+    ReadOptions,
     check_angles,
     number,
     numbered_lines,

@@ -13,8 +13,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from clerestory.checks import require
-from clerestory.gonio.formats.file_format import FileFormat, ReadOptions
-from clerestory.gonio.formats.text_tables import numbered_lines, scan_of_block
+from clerestory.gonio.formats.file_format import (
+    FileFormat,
+    ReadOptions,
+    numbered_lines,
+    scan_of_block,
+)
 from clerestory.gonio.scattering_measurement import Measurement
 
 

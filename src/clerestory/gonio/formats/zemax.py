@@ -25,9 +25,10 @@ from clerestory.array_types import Values
 from clerestory.bsdf.scattering_function import Function
 from clerestory.checks import require
 from clerestory.gonio.angles import angle_between, from_degrees, undeviated
-from clerestory.gonio.formats.file_format import FileFormat, ReadOptions
-from clerestory.gonio.formats.text_tables import (
+from clerestory.gonio.formats.file_format import (
+    FileFormat,
     Line,
+    ReadOptions,
     check_angles,
     numbered_lines,
     table,
