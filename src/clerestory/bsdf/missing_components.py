@@ -15,14 +15,25 @@ _ASYMMETRIC = 0.05
 
 
 # Effect of each missing function
-_EFFECTS: tuple[tuple[Function, Severity, str], ...] = (
+_EFFECTS: tuple[tuple[Function, str, Severity, str], ...] = (
     (
         "transmission_front",
+        "transmission",
         "warning",
         "the layer transmits no daylight, and matrix products reject it",
     ),
-    ("reflection_front", "info", "light reflected to the outside is lost"),
-    ("reflection_back", "info", "the window absorbs all light from the room"),
+    (
+        "reflection_front",
+        "reflection front",
+        "info",
+        "light reflected to the outside is lost",
+    ),
+    (
+        "reflection_back",
+        "reflection back",
+        "info",
+        "the window absorbs all light from the room",
+    ),
 )
 
 
@@ -33,17 +44,13 @@ def check_components(bsdf: Bsdf, tables: Mapping[str, Tables]) -> Iterator[Findi
         effect = "daylight cannot be computed from this file"
         yield Finding("missing", "warning", 0.0, what, "file", effect)
     for channel, known in tables.items():
-        yield from _missing(bsdf, channel)
+        for name, words, severity, effect in _EFFECTS:
+            if not bsdf.has(name, channel=channel):
+                what = f"no {words}"
+                yield Finding("missing", severity, 0.0, what, channel, effect)
         yield from _empty(channel, known)
         yield from _copied_sides(channel, known)
     yield from _copied_channels(tables)
-
-
-def _missing(bsdf: Bsdf, channel: str) -> Iterator[Finding]:
-    for name, severity, effect in _EFFECTS:
-        if not bsdf.has(name, channel=channel):
-            words = name.replace("_", " ").replace("transmission front", "transmission")
-            yield Finding("missing", severity, 0.0, f"no {words}", channel, effect)
 
 
 def _empty(channel: str, tables: Tables) -> Iterator[Finding]:

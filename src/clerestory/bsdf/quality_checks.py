@@ -160,7 +160,12 @@ def _up_and_down(channel: str, tables: Tables) -> Iterator[Finding]:
         front = tables["transmission_back"].reciprocal()
     if front is None:
         return
-    above, below = from_above_and_below(front)
+    _, y, z = front.incidents.centres().T
+    slant = (z < np.cos(np.radians(30))) & (z > np.cos(np.radians(70)))
+    share = front.direct_hemispherical()
+    # Incident patches are indexed by direction of propagation: y < 0 from above
+    groups = (slant & (y < -0.35), slant & (y > 0.35))
+    above, below = (float(share[g].mean()) if np.any(g) else 0.0 for g in groups)
     if above > _FROM_ABOVE * below:
         yield Finding(
             "order",
@@ -172,17 +177,6 @@ def _up_and_down(channel: str, tables: Tables) -> Iterator[Finding]:
             "plausible for light-redirecting louvres; a shading blind with these values"
             " has its sides swapped or is upside down, and transmits the sun",
         )
-
-
-def from_above_and_below(front: ScatteringMatrix) -> tuple[float, float]:
-    """Mean transmittance of light from above and of light from below."""
-    _, y, z = front.incidents.centres().T
-    slant = (z < np.cos(np.radians(30))) & (z > np.cos(np.radians(70)))
-    share = front.direct_hemispherical()
-    # Incident patches are indexed by direction of propagation: y < 0 from above
-    groups = (slant & (y < -0.35), slant & (y > 0.35))
-    above, below = (float(share[g].mean()) if np.any(g) else 0.0 for g in groups)
-    return above, below
 
 
 def _shape(channel: str, tables: Tables) -> Iterator[Finding]:

@@ -12,7 +12,7 @@ import numpy as np
 from clerestory.array_types import ExitIncident
 from clerestory.bsdf.patch_symmetry import TURNS, reciprocity_mismatch, turn_incident
 from clerestory.bsdf.quality_finding import Finding, Severity, severity_of
-from clerestory.bsdf.scattering_function import Function
+from clerestory.bsdf.scattering_function import FUNCTIONS, OTHER_SIDE, Function
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 
 # Smallest mismatch between a function and its reciprocal (fraction of the flux), and
@@ -75,17 +75,13 @@ def _reverses(
     tables: Tables,
 ) -> Iterator[tuple[str, ScatteringMatrix, ScatteringMatrix]]:
     # Functions and their reciprocal functions; a reflection is its own reciprocal
-    pairs: tuple[tuple[str, Function, Function], ...] = (
-        ("transmission", "transmission_front", "transmission_back"),
-        ("reflection front", "reflection_front", "reflection_front"),
-        ("reflection back", "reflection_back", "reflection_back"),
-    )
-    for title, name, partner in pairs:
-        one, other = tables.get(name), tables.get(partner)
-        if one is None or other is None:
+    for name in FUNCTIONS:
+        one, other = tables.get(name), tables.get(OTHER_SIDE.get(name, name))
+        if one is None or other is None or name == "transmission_back":
             continue
         ends = (one.exits, other.incidents), (one.incidents, other.exits)
         if all(own.matches(reverse) for own, reverse in ends):
+            title = "transmission" if name in OTHER_SIDE else name.replace("_", " ")
             yield title, one, other
 
 

@@ -81,22 +81,18 @@ def reciprocal_mean(bsdf: Bsdf) -> Bsdf:
     The reciprocal of the transmission of one side is the transmission of the other
     side. Trees of rank 3 are unchanged, as their reciprocal is not a tree.
     """
-    functions: dict[tuple[str, Function], ScatteringFunction] = {}
-    for (channel, name), part in bsdf.functions.items():
-        other = bsdf.functions.get((channel, OTHER_SIDE.get(name, name)))
-        functions[channel, name] = (
-            part if other is None else _mean(part, other.reciprocal())
-        )
+    functions = dict(bsdf.functions)
+    for key, one in bsdf.functions.items():
+        partner = bsdf.functions.get((key[0], OTHER_SIDE.get(key[1], key[1])))
+        if partner is None:
+            continue
+        two = partner.reciprocal()
+        if isinstance(one, ScatteringMatrix):
+            values = (one.values + two.average(one.exits, one.incidents)) / 2
+            functions[key] = ScatteringMatrix(values, one.exits, one.incidents)
+        elif isinstance(one, ScatteringTree) and isinstance(two, ScatteringTree):
+            functions[key] = combine(lambda a, b: (a + b) / 2, one, two)
     return replace(bsdf, functions=functions)
-
-
-def _mean(one: ScatteringFunction, two: ScatteringFunction) -> ScatteringFunction:
-    if isinstance(one, ScatteringMatrix):
-        table = two.average(one.exits, one.incidents)
-        return ScatteringMatrix((one.values + table) / 2, one.exits, one.incidents)
-    if isinstance(one, ScatteringTree) and isinstance(two, ScatteringTree):
-        return combine(lambda a, b: (a + b) / 2, one, two)
-    return one
 
 
 def full_tree(

@@ -24,18 +24,13 @@ from clerestory.hemisphere.patch_lookup import find_patches
 @final
 @dataclass(frozen=True, eq=False)
 class ScatteringMatrix(ScatteringFunction):
-    """One scattering function of a layer in one channel, as a matrix between patches.
+    """One scattering function of a layer, in one channel, as a matrix of patches."""
 
-    Attributes
-    ----------
-    values : BSDF from each incident patch to each exit patch [1/sr]
-    exits, incidents : partitions of the exit and incident hemispheres
-    standard_error : standard error of each value [1/sr]; None if unknown
-    """
-
+    # BSDF from each incident patch to each exit patch [1/sr]
     values: Float[np.ndarray, "exit incident"]
-    exits: RingPartition
-    incidents: RingPartition
+    exits: RingPartition  # partitions of the exit and incident hemispheres
+    incidents: RingPartition  # partitions of the exit and incident hemispheres
+    # Standard error of each value [1/sr]; None if unknown
     standard_error: Float[np.ndarray, "exit incident"] | None = None
 
     def __post_init__(self) -> None:

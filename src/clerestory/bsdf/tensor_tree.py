@@ -60,20 +60,12 @@ _Places = Int32[np.ndarray, " pairs"]
 @final
 @dataclass(frozen=True, eq=False)
 class ScatteringTree(ScatteringFunction):
-    """One scattering function of a layer as a tensor tree, in one channel.
+    """One scattering function of a layer as a tensor tree, in one channel."""
 
-    Attributes
-    ----------
-    slots : values and branch nodes, encoded as the module docstring describes
-    rank : 3 for isotropic layers, 4 otherwise
-    depth : number of levels below the root; the smallest cells have edge 2^-depth
-    standard_error : standard error [1/sr] as a tree with the same cells; None if
-        unknown
-    """
-
-    slots: Slots
-    rank: Literal[3, 4]
-    depth: int
+    slots: Slots  # values and branch nodes, encoded as the module docstring describes
+    rank: Literal[3, 4]  # 3 for isotropic layers, 4 otherwise
+    depth: int  # number of levels below the root; the smallest cells have edge 2^-depth
+    # Standard error [1/sr] as a tree with the same cells; None if unknown
     standard_error: "ScatteringTree | None" = None
 
     def __post_init__(self) -> None:

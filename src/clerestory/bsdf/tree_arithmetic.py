@@ -96,16 +96,10 @@ def xyz_functions(
         len(trees) == 3 and len({tree.rank for tree in trees}) == 1,
         "CIE Y, u' and v' differ in kind; three tensor trees of equal rank expected",
     )
-    return combine(_x, *trees), luminance, combine(_z, *trees)
-
-
-# CIE 15:2004, eq. 8.24 and 8.25, solved for X/Y and Z/Y; both are 1 where v' is 0.
-def _x(y: Values, u: Values, v: Values) -> Values:
-    return np.asarray(y * _over(9 * u, 4 * v))
-
-
-def _z(y: Values, u: Values, v: Values) -> Values:
-    return np.asarray(y * _over(12 - 3 * u - 20 * v, 4 * v))
+    # CIE 15:2004, eq. 8.24 and 8.25, solved for X/Y and Z/Y; both are 1 where v' is 0
+    x = combine(lambda y, u, v: y * _over(9 * u, 4 * v), *trees)
+    z = combine(lambda y, u, v: y * _over(12 - 3 * u - 20 * v, 4 * v), *trees)
+    return x, luminance, z
 
 
 def _over(above: Values, below: Values) -> Values:

@@ -140,13 +140,11 @@ def slices(
         code = slots[below.ravel()]
         corner = corner[:, inner, None] + np.float32(size) * halves[:, None]
         corner, owner = corner.reshape(2, -1), np.repeat(owner, 4)
-    order = np.argsort(np.concatenate([part.owner for part in found]), kind="stable")
-    return Slices(
-        np.concatenate([part.owner for part in found])[order],
-        np.concatenate([part.corner for part in found], axis=1)[:, order],
-        np.concatenate([part.size for part in found])[order],
-        np.concatenate([part.value for part in found])[order],
+    owners, corners, sizes, values = (
+        np.concatenate(arrays, axis=-1) for arrays in zip(*found, strict=True)
     )
+    order = np.argsort(owners, kind="stable")
+    return Slices(owners[order], corners[:, order], sizes[order], values[order])
 
 
 def _path(

@@ -158,19 +158,14 @@ def _build(
         size += int(inner.sum()) << rank
 
     # Append the grids
-    shift = 0
-    offsets = np.cumsum([0, *(len(region) for region in regions)])
     grids: list[Slots] = []
-    for level in range(len(offsets) - 1):
+    for level, region in enumerate(regions):
         on = np.flatnonzero(nodes.level == level)
-        for halvings in np.unique(nodes.grid[on]):
-            if halvings < 1:
-                continue
+        for halvings in np.unique(nodes.grid[on][nodes.grid[on] > 0]):
             at = np.flatnonzero(nodes.grid[on] == halvings)
-            regions[level][at] = _pointers(size + shift, len(at), rank)
-            table = _grids(code, nodes.first[on[at]], rank, int(halvings), size + shift)
-            grids.append(table)
-            shift += len(table)
+            region[at] = _pointers(size, len(at), rank)
+            grids.append(_grids(code, nodes.first[on[at]], rank, int(halvings), size))
+            size += len(grids[-1])
     return TreeTable(np.concatenate(regions + grids), depth, negative)
 
 

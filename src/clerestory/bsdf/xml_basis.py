@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from lxml import etree
 
-from clerestory.bsdf.xml_document import Document
+from clerestory.bsdf.xml_document import Document, is_number
 from clerestory.errors import InputError
 from clerestory.hemisphere.klems import from_rings, klems
 from clerestory.hemisphere.partition import RingPartition
@@ -102,9 +102,9 @@ def _read_basis(element: etree._Element, document: Document) -> RingPartition:
     blocks = document.children(element, "AngleBasisBlock")
     message = f"{len(blocks)} rings in basis {name!r}; 1 to {_MOST_RINGS} expected"
     document.check(0 < len(blocks) <= _MOST_RINGS, element, message)
-    lower = [_angle(block, "ThetaBounds/LowerTheta", document) for block in blocks]
-    upper = [_angle(block, "ThetaBounds/UpperTheta", document) for block in blocks]
-    count = [_patches(block, document) for block in blocks]
+    lower, upper, count = zip(
+        *(_read_ring(block, document) for block in blocks), strict=True
+    )
     message = f"{sum(count)} patches in {name!r}; at most {_MOST_PATCHES} expected"
     document.check(sum(count) <= _MOST_PATCHES, element, message)
 
@@ -125,22 +125,17 @@ def _read_basis(element: etree._Element, document: Document) -> RingPartition:
         raise document.error(element, error.message) from error
 
 
-def _angle(block: etree._Element, path: str, document: Document) -> float:
-    element = document.require(block, path)
-    text = (element.text or "").strip()
-    try:
-        angle = float(text)
-    except ValueError:
-        angle = float("nan")
-    message = f"angle is {text[:40]!r}; degrees from 0 to 90 expected"
-    document.check(0 <= angle <= 90 + _ROUNDING_DEG, element, message)
-    return angle
-
-
-def _patches(block: etree._Element, document: Document) -> int:
-    element = document.require(block, "nPhis")
-    text = (element.text or "").strip()
+def _read_ring(block: etree._Element, document: Document) -> tuple[float, float, int]:
+    # Lower limit, upper limit [°] and number of patches of a ring
+    limits = []
+    for path in ("ThetaBounds/LowerTheta", "ThetaBounds/UpperTheta"):
+        element = document.require(block, path)
+        text = document.text(block, path)
+        limits.append(float(text) if is_number(text) else np.nan)
+        message = f"angle is {text[:40]!r}; degrees from 0 to 90 expected"
+        document.check(0 <= limits[-1] <= 90 + _ROUNDING_DEG, element, message)
+    element, text = document.require(block, "nPhis"), document.text(block, "nPhis")
     whole = text.isascii() and text.isdecimal() and 0 < int(text[:9]) <= _MOST_PATCHES
     message = f"nPhis is {text[:40]!r}; a whole number of patches expected"
     document.check(whole, element, message)
-    return int(text)
+    return limits[0], limits[1], int(text)

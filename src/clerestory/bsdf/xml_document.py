@@ -168,7 +168,7 @@ def read_numbers(element: etree._Element, document: Document) -> Values:
             warnings.simplefilter("error", DeprecationWarning)
             values = np.fromstring(text, sep=" ")
     except (DeprecationWarning, ValueError) as error:
-        word = next((word for word in text.split() if not _is_number(word)), "")
+        word = next((word for word in text.split() if not is_number(word)), "")
         message = f"{word[:40]!r} in {_name(element)}; numbers expected"
         raise document.error(element, message) from error
     wrong = np.flatnonzero(~np.isfinite(values))
@@ -178,7 +178,8 @@ def read_numbers(element: etree._Element, document: Document) -> Values:
     return values
 
 
-def _is_number(word: str) -> bool:
+def is_number(word: str) -> bool:
+    """Whether a word is a number, finite or not."""
     with suppress(ValueError):
         float(word)
         return True

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator
-from contextlib import suppress
 from dataclasses import replace
 from decimal import Decimal
 
@@ -15,7 +14,7 @@ from clerestory.bsdf.product_data import (
     Spectra,
     usual_spectra,
 )
-from clerestory.bsdf.xml_document import Document
+from clerestory.bsdf.xml_document import Document, is_number
 
 # Length units [m], as decimal numbers so that conversions are exact.
 _METRES = {
@@ -104,9 +103,8 @@ def _metres(element: etree._Element) -> Decimal | None:
 
 def _number(text: str) -> float | None:
     # Treat invalid numbers as missing: they are not used in simulations
-    with suppress(ValueError):
-        return float(text) if math.isfinite(float(text)) else None
-    return None
+    valid = is_number(text) and math.isfinite(float(text))
+    return float(text) if valid else None
 
 
 def _length(material: etree._Element, name: str, document: Document) -> float | None:

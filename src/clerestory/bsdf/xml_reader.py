@@ -26,6 +26,9 @@ from clerestory.hemisphere.klems import klems
 # Largest tolerated flux of negative BSDF values, as a fraction of the incident flux.
 _NEGLIGIBLE_NEGATIVE = 1e-3
 
+# Functions by WavelengthDataDirection in lower case.
+_NAMES: dict[str, Function] = {name.replace("_", " "): name for name in FUNCTIONS}
+
 # Ranks of tensor trees by IncidentDataStructure, and their angle basis.
 _RANKS: dict[str, Literal[3, 4]] = {"tensortree3": 3, "tensortree4": 4}
 _BASIS = "LBNL/Shirley-Chiu"
@@ -68,7 +71,7 @@ def read_bsdf(path: str | Path) -> Bsdf:
         channel = document.text(data, "Wavelength").lower()
         for block in document.children(data, "WavelengthDataBlock"):
             direction = document.text(block, "WavelengthDataDirection")
-            name = _function_name(direction)
+            name = _NAMES.get(" ".join(direction.lower().split()))
             if name is None:
                 notes.append(f"line {document.line(block)}: {direction!r} is ignored")
                 continue
@@ -86,11 +89,6 @@ def read_bsdf(path: str | Path) -> Bsdf:
     bsdf = Bsdf(functions, read_product(layer, document), tuple(notes), str(path))
     _warn_of_energy(bsdf, path)
     return bsdf
-
-
-def _function_name(direction: str) -> Function | None:
-    words = direction.lower().split()
-    return next((name for name in FUNCTIONS if name.split("_") == words), None)
 
 
 def _read_matrix(

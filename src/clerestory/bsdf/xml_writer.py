@@ -224,18 +224,6 @@ def _lines(part: ScatteringFunction, digits: int | None) -> Iterator[str]:
     yield "\n" + ",\n".join(rows) + "\n"
 
 
-def format_tree(tree: ScatteringTree, *, digits: int | None = None) -> str:
-    """Text of a tensor tree: branches and values in braces.
-
-    `digits`: significant digits; None for lossless output.
-
-    >>> even = ScatteringTree(np.array([0.25], dtype=np.float32).view(np.int32), 4, 0)
-    >>> format_tree(even)
-    '{ 0.25 }'
-    """
-    return "\n".join(tree_lines(tree, digits=digits))
-
-
 def tree_lines(tree: ScatteringTree, *, digits: int | None = None) -> Iterator[str]:
     """Yield the text of a tree line by line: a brace or a block of values each."""
     slots, width = tree.slots, 1 << tree.rank

@@ -105,7 +105,8 @@ def measure_coverage(measurement: Measurement) -> Coverage:
 
 def _report(scan: Scan) -> ScanReport:
     tree = cKDTree(scan.leaving)
-    spacing = 1.0 if len(scan.values) < 2 else _spacing(tree, scan)
+    # Median spacing: half the chord length to the fourth-nearest measured direction
+    spacing = float(np.median(tree.query(scan.leaving, k=[5])[0])) / 2
     limit = max(np.radians(_GAP_DEG), _GAP_PER_SPACING * spacing)
     grid = Raster.of(_HALVINGS).directions[-1]
     distance = 2 * np.arcsin(np.minimum(tree.query(grid)[0] / 2, 1))
@@ -121,12 +122,6 @@ def _report(scan: Scan) -> ScanReport:
         _in_plane(scan),
         scan.flux,
     )
-
-
-def _spacing(tree: cKDTree, scan: Scan) -> float:
-    # Median spacing: half the chord length to the fourth-nearest measured direction
-    distance, _ = tree.query(scan.leaving, k=[5])
-    return float(np.median(distance)) / 2
 
 
 def _noise(tree: cKDTree, scan: Scan) -> float:

@@ -16,10 +16,10 @@ import numpy as np
 import ot
 from jaxtyping import Float
 
-from clerestory.array_types import Indices, Values, Vector
+from clerestory.array_types import Values, Vector
 from clerestory.checks import require
 from clerestory.gonio.angles import angle_between
-from clerestory.gonio.incident_mesh import Mesh, Place, locate
+from clerestory.gonio.incident_mesh import locate
 from clerestory.gonio.interpolant import Interpolant
 from clerestory.gonio.lobe_fitting import (
     DEFAULT,
@@ -112,29 +112,21 @@ _FEWEST = 3
 
 @dataclass(frozen=True)
 class LeftOut:
-    """Prediction of one scan from all other scans.
+    """Prediction of one scan from all other scans."""
 
-    Attributes
-    ----------
-    theta_deg, phi_deg : incident direction [°]
-    inside : whether the prediction is interpolated (True) or extrapolated (False)
-    measured, predicted : directional-hemispherical transmittance or reflectance
-    peak_deg : angle between the measured and the predicted beam direction [°]
-    earth_mover_deg : earth mover's distance between the predicted and the fitted
-        distribution [°]; NaN if the predicted flux is zero
-    misplaced : fraction of the flux predicted in wrong directions, including noise
-    fitted : `misplaced` for the lobes fitted to the scan itself: a lower limit
-    """
-
-    theta_deg: float
-    phi_deg: float
+    theta_deg: float  # polar angle of the incident direction [°]
+    phi_deg: float  # azimuth of the incident direction [°]
+    # Whether the prediction is interpolated (True) or extrapolated (False)
     inside: bool
-    measured: float
-    predicted: float
-    peak_deg: float
+    measured: float  # hemispherical transmittance or reflectance
+    predicted: float  # the same, predicted
+    peak_deg: float  # angle between the measured and the predicted beam direction [°]
+    # Earth mover's distance between the predicted and the fitted distribution [°]; NaN
+    # if the predicted flux is zero
     earth_mover_deg: float
+    # Fraction of the flux predicted in wrong directions, including noise
     misplaced: float
-    fitted: float
+    fitted: float  # `misplaced` for the lobes fitted to the scan itself: a lower limit
 
     @property
     def flux_error(self) -> float:
@@ -144,16 +136,10 @@ class LeftOut:
 
 @dataclass(frozen=True)
 class CrossValidation:
-    """Prediction errors of all scans.
+    """Prediction errors of all scans."""
 
-    Attributes
-    ----------
-    scans : prediction errors of all scans
-    smoothing : smoothing factor of the lobe fits
-    """
-
-    scans: tuple[LeftOut, ...]
-    smoothing: float
+    scans: tuple[LeftOut, ...]  # prediction errors of all scans
+    smoothing: float  # smoothing factor of the lobe fits
 
     def median(self, name: str, *, inside: bool = True) -> float:
         """Median magnitude of a `LeftOut` attribute over inter- or extrapolated scans.
@@ -191,10 +177,8 @@ def cross_validate(
     symmetry = symmetry or measurement.symmetry
     fits = fit_scans(scans, options=options, workers=workers)
     network = join(measurement.incidents, fits, symmetry, workers=workers)
-    predict = functools.partial(
-        _left_out, scans=scans, fits=fits, symmetry=symmetry, network=network
-    )
-    left = Workers(progress=progress).map("leave one out", predict, range(len(scans)))
+    work = [(k, scans, fits, symmetry, network) for k in range(len(scans))]
+    left = Workers(progress=progress).map("leave one out", _left_out, work)
     return CrossValidation(tuple(left), options.smoothing)
 
 
@@ -210,13 +194,23 @@ def _left_out(
     incidents = np.array([scans[n].incident for n in others])
     known = network.known_plans()
     rest = join(incidents, [fits[n] for n in others], symmetry, known=known)
-    place = locate(rest.mesh, fold(scan.incident[None], symmetry, rest.quadrant)[0])
-    rest = refine_plans(rest, chosen=_about(rest.mesh, place))
+    mesh = rest.mesh
+    place = locate(mesh, fold(scan.incident[None], symmetry, rest.quadrant)[0])
+    on_edge = bool(place.on_edge[0])
+    inside = not on_edge
+    if mesh.arc:
+        theta = np.arctan2(mesh.vertices[:, 0], mesh.vertices[:, 2])
+        inside = bool(np.radians(scan.theta_deg) <= theta.max() + 1e-9)
+
+    # Refine the plans at the corners of the triangle (or edge) of the incidence
+    corners = (mesh.edges if on_edge else mesh.triangles)[place.simplex[0]]
+    about = np.flatnonzero(np.isin(mesh.edges, corners).any(axis=1))
+    rest = refine_plans(rest, chosen=about)
     lobes = Interpolant(rest, symmetry).lobes(scan.incident)
     return LeftOut(
         scan.theta_deg,
         scan.phi_deg,
-        _inside(rest.mesh, place, scan),
+        inside,
         scan.flux,
         lobes.total,
         float(np.degrees(angle_between(beam_direction(lobes), beam_direction(fit)))),
@@ -224,17 +218,3 @@ def _left_out(
         misplaced_flux(points, lobes.evaluate(points.direction)),
         misplaced_flux(points, fit.evaluate(points.direction)),
     )
-
-
-def _about(mesh: Mesh, place: Place) -> Indices:
-    # Mesh edges at the corners of the triangle (or edge) of the incident direction
-    simplex = mesh.edges if place.on_edge[0] else mesh.triangles
-    corners = simplex[place.simplex[0]]
-    return np.flatnonzero(np.isin(mesh.edges, corners).any(axis=1))
-
-
-def _inside(mesh: Mesh, place: Place, scan: Scan) -> bool:
-    if mesh.arc:
-        theta = np.arctan2(mesh.vertices[:, 0], mesh.vertices[:, 2])
-        return bool(np.radians(scan.theta_deg) <= theta.max() + 1e-9)
-    return not bool(place.on_edge[0])

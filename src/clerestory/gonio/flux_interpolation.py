@@ -117,7 +117,12 @@ def flux_surface(
     `quadrant`: signs of x and y in the measured part of the hemisphere.
     """
     if mesh.arc:
-        return _curve(mesh.vertices, totals)
+        # Use only directions with x ≥ 0: a direction with x < 0 is a mirror image
+        own = mesh.vertices[:, 0] >= 0
+        fall, total = _fall(mesh.vertices[own]), totals[own]
+        if fall[0] > _AT_NORMAL:
+            fall, total = np.append(0.0, fall), np.append(total[0], total)
+        return FluxCurve(PchipInterpolator(fall, total, extrapolate=False))
     folded, _ = fold(mesh.vertices, symmetry, quadrant)
     _, first = np.unique(np.round(folded, _DIGITS), axis=0, return_index=True)
     return _process(folded[first], totals[first], images(symmetry))
@@ -204,15 +209,6 @@ def _coordinates(direction: Directions, name: Coordinates) -> Directions:
     if name == "sideways":
         return np.stack([np.arctan2(x, height), y, theta], axis=-1)
     return np.stack([x, y, theta], axis=-1)
-
-
-def _curve(vertices: Directions, totals: Values) -> FluxCurve:
-    # Use only directions with x ≥ 0: a direction with x < 0 is a mirror image
-    own = vertices[:, 0] >= 0
-    fall, total = _fall(vertices[own]), totals[own]
-    if fall[0] > _AT_NORMAL:
-        fall, total = np.append(0.0, fall), np.append(total[0], total)
-    return FluxCurve(PchipInterpolator(fall, total, extrapolate=False))
 
 
 def _fall(direction: Directions) -> Values:

@@ -54,16 +54,11 @@ _HALVINGS = 6
 @final
 @dataclass(frozen=True, eq=False)
 class Interpolant(ScatteringFunction):
-    """One scattering function of a measured layer.
+    """One scattering function of a measured layer."""
 
-    Attributes
-    ----------
-    network : lobes at the measured directions, and transport plans between them
-    symmetry : symmetry of the layer
-    """
-
+    # Lobes at the measured directions, and transport plans between them
     network: Network
-    symmetry: Symmetry
+    symmetry: Symmetry  # symmetry of the layer
 
     @cached_property
     def mean_motion(self) -> float:
@@ -155,7 +150,10 @@ class Interpolant(ScatteringFunction):
         """BSDF averaged over pairs of patches [1/sr]; flux is conserved."""
         into = patches_in_cells(exits, _GATHER)
         raster = Raster.of(_GATHER)
-        u = _stratified()
+        # Stratified points: rings of equal area, with staggered azimuths
+        ring, turn = np.indices((_PATCH_RINGS, _PATCH_AZIMUTHS)).reshape(2, -1)
+        first = (ring + 0.5) / _PATCH_RINGS
+        u = np.stack([first, (turn + first) / _PATCH_AZIMUTHS], axis=-1)
         patch = np.repeat(np.arange(len(incidents)), len(u))
         source = incidents.sample(patch, np.tile(u, (len(incidents), 1)))
         table = np.zeros((len(exits), len(incidents)))
@@ -189,7 +187,15 @@ class Interpolant(ScatteringFunction):
         on_edge = bool(place.on_edge[k])
         corner = (mesh.edges if on_edge else mesh.triangles)[number]
         parts = lobes[corner[0]], lobes[corner[1]], lobes[corner[-1]]
-        particles = self._travelling(on_edge, number)
+        # Cache the lobe matches of a triangle or an edge
+        particles = self._particles.get((on_edge, number))
+        if particles is None:
+            particles = (
+                edge_particles(self._moving.plans[number])
+                if on_edge
+                else triangle_particles(*self._moving.plans_of(number))
+            )
+            self._particles[on_edge, number] = particles
         weights, middle = flat_weights(mesh.vertices[corner], place.found[k])
         found = displace(particles, parts, s=s, t=t, weights=weights, total=total)
         if on_edge:
@@ -198,17 +204,6 @@ class Interpolant(ScatteringFunction):
             centre = directions_over_disc(found.centre[:, :2] + shift)
             found = replace(found, centre=centre) if np.hypot(*shift) >= 1e-9 else found
         return found
-
-    def _travelling(self, on_edge: bool, number: int) -> Particles:
-        # Cached lobe matches of a triangle or an edge
-        key = on_edge, number
-        if key not in self._particles:
-            self._particles[key] = (
-                edge_particles(self._moving.plans[number])
-                if on_edge
-                else triangle_particles(*self._moving.plans_of(number))
-            )
-        return self._particles[key]
 
     def _grouped(
         self, source: Float[np.ndarray, "directions 3"]
@@ -219,13 +214,3 @@ class Interpolant(ScatteringFunction):
         limits = np.searchsorted(which.ravel()[order], np.arange(len(unique) + 1))
         for k, lobes in enumerate(self.lobes_of(unique)):
             yield order[limits[k] : limits[k + 1]], lobes
-
-
-def _stratified() -> Points2:
-    # Stratified points: rings of equal area, with azimuths staggered between rings
-    ring, turn = np.meshgrid(
-        np.arange(_PATCH_RINGS), np.arange(_PATCH_AZIMUTHS), indexing="ij"
-    )
-    first = (ring + 0.5) / _PATCH_RINGS
-    second = (turn + (ring + 0.5) / _PATCH_RINGS) / _PATCH_AZIMUTHS
-    return np.stack([first.ravel(), second.ravel()], axis=-1)

@@ -16,7 +16,6 @@ and interior-point algorithms for linear least squares problems with nonnegative
 variables", Mathematics of Computation 63, 1994.
 """
 
-import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -126,19 +125,17 @@ def fit_scans(
     Scans with less than 1/1000 of the flux of the brightest scan are treated as dark.
     """
     least = _DARK * max(scan.flux for scan in scans)
-    fit = functools.partial(_fitted_or_dark, options=options, least=least)
-    return workers.map("fit lobes", fit, scans)
+    return workers.map("fit lobes", fit_lobes, [(s, options, least) for s in scans])
 
 
-def _fitted_or_dark(scan: Scan, *, options: FitOptions, least: float) -> Lobes:
+def fit_lobes(scan: Scan, options: FitOptions = DEFAULT, least: float = 0.0) -> Lobes:
+    """Fit lobes to a scan; the total flux is conserved.
+
+    A scan whose flux is below `least` is treated as dark.
+    """
     if abs(scan.flux) < least:
         up = np.array([[0.0, 0.0, 1.0]])
         return Lobes(up, np.full(1, MOST_RADIUS), np.full(1, NO_LIGHT))
-    return fit_lobes(scan, options)
-
-
-def fit_lobes(scan: Scan, options: FitOptions = DEFAULT) -> Lobes:
-    """Fit lobes to a scan; the total flux is conserved."""
     points = condensed_points(scan)
     require(
         points.flux > 0,

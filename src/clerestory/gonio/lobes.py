@@ -45,17 +45,11 @@ _KEPT = 32
 
 @dataclass(frozen=True, eq=False)
 class Lobes:
-    """A scattered distribution as a sum of Gaussian lobes.
+    """A scattered distribution as a sum of Gaussian lobes."""
 
-    Attributes
-    ----------
-    centre : unit vectors, z ≥ 0
-    radius : radius of each lobe [rad]
-    flux : scattered flux of each lobe, relative to the incident flux
-    """
-
-    centre: Float[np.ndarray, "lobes 3"]
-    radius: Float[np.ndarray, " lobes"]
+    centre: Float[np.ndarray, "lobes 3"]  # unit vectors, z ≥ 0
+    radius: Float[np.ndarray, " lobes"]  # radius of each lobe [rad]
+    # Scattered flux of each lobe, relative to the incident flux
     flux: Float[np.ndarray, " lobes"]
 
     def __post_init__(self) -> None:

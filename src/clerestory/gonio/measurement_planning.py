@@ -6,7 +6,6 @@ directions are therefore dense where the BSDF changes quickly with incidence.
 """
 
 import numpy as np
-from jaxtyping import Float
 
 from clerestory.array_types import Directions
 from clerestory.gonio.angles import angle_between, from_degrees
@@ -44,7 +43,13 @@ def recommended_directions(
         candidates = from_degrees(np.linspace(0, theta.max(), 200), azimuth)
         factors = np.ones((1, 3))
     else:
-        candidates = _within(known, symmetry, float(theta.max()))
+        # Fibonacci spiral over the measured part of the hemisphere
+        number = np.arange(_CANDIDATES) + 0.5
+        turn, height = np.pi * (1 + 5**0.5) * number, 1 - number / _CANDIDATES
+        flat = np.sqrt(1 - height**2)
+        every = np.stack([flat * np.cos(turn), flat * np.sin(turn), height], axis=-1)
+        candidates, _ = fold(every, symmetry, measured_quadrant(known))
+        candidates = candidates[height >= np.cos(np.radians(theta.max()))]
         factors = images(symmetry)
     about = (known[:, None] * factors).reshape(-1, 3)
     away = angle_between(candidates[:, None], about)
@@ -56,15 +61,3 @@ def recommended_directions(
         own = candidates[chosen[-1]] * factors
         near = np.minimum(near, angle_between(candidates[:, None], own).min(axis=1))
     return np.asarray(candidates[chosen])
-
-
-def _within(
-    known: Float[np.ndarray, "scans 3"], symmetry: Symmetry, most_deg: float
-) -> Float[np.ndarray, "candidates 3"]:
-    # Fibonacci spiral over the measured part of the hemisphere
-    turn = np.pi * (1 + 5**0.5) * (np.arange(_CANDIDATES) + 0.5)
-    height = 1 - (np.arange(_CANDIDATES) + 0.5) / _CANDIDATES
-    flat = np.sqrt(1 - height**2)
-    every = np.stack([flat * np.cos(turn), flat * np.sin(turn), height], axis=-1)
-    folded, _ = fold(every, symmetry, measured_quadrant(known))
-    return np.asarray(folded[height >= np.cos(np.radians(most_deg))])

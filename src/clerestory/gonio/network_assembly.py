@@ -85,14 +85,9 @@ def join(
         (lobes[a], lobes[b], float(angle_between(mesh.vertices[a], mesh.vertices[b])))
         for a, b in mesh.edges[new]
     ]
-    made = workers.map("plan transport", _first_plan, work)
+    made = workers.map("plan transport", plan_transport, work)
     plans.update(zip([keys[k] for k in new], made, strict=True))
     return Network(mesh, lobes, tuple(plans[key] for key in keys), quadrant)
-
-
-def _first_plan(work: tuple[Lobes, Lobes, float]) -> Plan:
-    start, end, angle = work
-    return plan_transport(start, end, angle=angle)
 
 
 def refine_plans(
@@ -111,9 +106,10 @@ def refine_plans(
     for number, (a, b) in zip(chosen, edges, strict=True):
         turn = network.turn(number)
         distance = _missed(motions[a], motions[b], turn)
-        work.append((network.lobes[a], network.lobes[b], distance, turn))
+        slack = _REACH_PER_TURN * float(np.hypot(*turn))
+        work.append((network.lobes[a], network.lobes[b], distance, slack))
     plans = list(network.plans)
-    made = workers.map("plan transport", _refined_plan, work)
+    made = workers.map("plan transport", plan_moves, work)
     for number, plan in zip(chosen, made, strict=True):
         plans[number] = plan
     return replace(network, plans=tuple(plans))
@@ -134,14 +130,6 @@ def _lifted(disc: Points2) -> tuple[Directions, Values]:
     # Directions of positions in the unit disc, and distances of positions outside it
     beyond = np.maximum(np.linalg.norm(disc, axis=1) - 1, 0)
     return directions_over_disc(disc), beyond
-
-
-def _refined_plan(
-    work: tuple[Lobes, Lobes, Float[np.ndarray, "start end"], Vector2],
-) -> Plan:
-    start, end, distance, turn = work
-    slack = _REACH_PER_TURN * float(np.hypot(*turn))
-    return plan_moves(start, end, distance=distance, slack=slack)
 
 
 _Assembly = tuple[Mesh, tuple[Lobes, ...], Vector2]

@@ -92,17 +92,17 @@ def edge_keys(mesh: Mesh) -> list[bytes]:
     return [np.round(ends, 9).tobytes() for ends in mesh.vertices[mesh.edges]]
 
 
-def plan_transport(start: Lobes, end: Lobes, *, angle: float) -> Plan:
+def plan_transport(start: Lobes, end: Lobes, angle: float) -> Plan:
     """Calculate the transport plan of least cost between two sets of lobes.
 
     `angle`: angle between the two incident directions [rad].
     """
     distance = angle_table(start.centre, end.centre)
-    return plan_moves(start, end, distance=distance, slack=_REACH_PER_ANGLE * angle)
+    return plan_moves(start, end, distance, _REACH_PER_ANGLE * angle)
 
 
 def plan_moves(
-    start: Lobes, end: Lobes, *, distance: Float[np.ndarray, "start end"], slack: float
+    start: Lobes, end: Lobes, distance: Float[np.ndarray, "start end"], slack: float
 ) -> Plan:
     """Calculate the transport plan of least cost for given angles between lobes [rad].
 

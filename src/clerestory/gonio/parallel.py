@@ -17,7 +17,6 @@ from clerestory.progress import Progress
 # Smallest number of values for which parallel processes are started.
 _FEWEST = 16
 
-_Value = TypeVar("_Value")
 _Result = TypeVar("_Result")
 
 
@@ -36,15 +35,15 @@ class Workers:
     def map(
         self,
         phase: str,
-        function: Callable[[_Value], _Result],
-        values: Sequence[_Value],
+        function: Callable[..., _Result],
+        values: Sequence[tuple[object, ...]],
     ) -> list[_Result]:
-        """Apply a function to each value, in parallel processes if there are many.
+        """Call a function with each tuple of arguments, in parallel if there are many.
 
         The function is at module level, so that other processes can import it.
 
-        >>> Workers().map("magnitudes", abs, [-1, 2])
-        [1, 2]
+        >>> Workers().map("powers", pow, [(2, 3), (3, 2)])
+        [8, 9]
         """
         report, alone = self.progress(phase), functools.partial(_alone, function)
         if self.processes <= 1 or len(values) < _FEWEST:
@@ -67,9 +66,9 @@ def _reported(
     return done
 
 
-def _alone(function: Callable[[_Value], _Result], value: _Value) -> _Result:
+def _alone(function: Callable[..., _Result], values: tuple[object, ...]) -> _Result:
     with _libraries().limit(limits=1):
-        return function(value)
+        return function(*values)
 
 
 @functools.cache

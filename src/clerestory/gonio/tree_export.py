@@ -106,10 +106,13 @@ def _images(
 
 
 def _drawn_block(
-    work: tuple[Source, tuple[int, int], int, int, float],
+    interpolant: Source,
+    block: tuple[int, int],
+    halvings: int,
+    inner: int,
+    tolerance: float,
 ) -> dict[tuple[int, int], Region]:
     # Rasterize the incident cells of a block; build subtrees of all mirror images
-    interpolant, block, halvings, inner, tolerance = work
     wide, part = 1 << halvings, 1 << inner
     raster = Raster.of(halvings)
     a, b = ((block[i] * part + np.arange(part) + 0.5) / wide for i in (0, 1))

@@ -118,9 +118,9 @@ def test_a_scan_that_is_dark_beside_others_is_fitted_as_dark():
 
 
 def test_linear_algebra_runs_in_one_thread():
-    (threads,) = Workers().map("threads", _threads, [0])
+    (threads,) = Workers().map("threads", _threads, [(0,)])
     assert set(threads) <= {1}
-    many = Workers(2).map("threads", _threads, range(16))
+    many = Workers(2).map("threads", _threads, [(k,) for k in range(16)])
     assert {threads for pools in many for threads in pools} <= {1}
 
 

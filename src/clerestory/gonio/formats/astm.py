@@ -18,9 +18,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float
 
-from clerestory.array_types import Values
 from clerestory.checks import require
 from clerestory.gonio.formats.columns import scans_of
 from clerestory.gonio.formats.file_format import (
@@ -50,18 +48,13 @@ def _read(path: Path, options: ReadOptions) -> Iterator[Measurement]:
     if np.abs(angles).max() <= 2 * np.pi + 1e-6:
         angles = np.degrees(angles)
     function = options.function or "reflection_front"
-    for channel, values in _channels(names[_ANGLES:], data[:, _ANGLES:]).items():
+    channels = {"visible": data[:, _ANGLES:].mean(axis=1)}
+    if names[_ANGLES:] == ["x", "y", "z"]:
+        x, y, z = data[:, _ANGLES:].T
+        channels = {"visible": y, "cie-x": x, "cie-z": z}
+    for channel, values in channels.items():
         scans = scans_of(np.column_stack([angles, values]), path)
         yield Measurement(scans, function, channel, name=path.stem)
-
-
-def _channels(
-    names: list[str], values: Float[np.ndarray, "rows columns"]
-) -> dict[str, Values]:
-    if names == ["x", "y", "z"]:
-        x, y, z = values.T
-        return {"visible": y, "cie-x": x, "cie-z": z}
-    return {"visible": values.mean(axis=1)}
 
 
 FORMAT = FileFormat("astm", lambda head: head.has_line("vars"), _read)

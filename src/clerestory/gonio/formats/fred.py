@@ -18,7 +18,6 @@ from pathlib import Path
 from clerestory.checks import require
 from clerestory.gonio.formats.file_format import (
     FileFormat,
-    FileHead,
     Line,
     ReadOptions,
     number,
@@ -54,8 +53,4 @@ def _scale(line: Line) -> float:
     return number(words.get("scale", "1"), what="a scale", line=place)
 
 
-def _recognizes(head: FileHead) -> bool:
-    return bool(head.lines) and head.lines[0].startswith("type bsdf_data")
-
-
-FORMAT = FileFormat("fred", _recognizes, _read)
+FORMAT = FileFormat("fred", lambda head: head.has_line("type bsdf_data"), _read)

@@ -22,7 +22,6 @@ import numpy as np
 import xlrd
 from jaxtyping import Float
 
-from clerestory.array_types import Mask, Values
 from clerestory.checks import require
 from clerestory.errors import InputError, located
 from clerestory.files import read_bytes
@@ -86,11 +85,10 @@ def _sheet(sheet: xlrd.sheet.Sheet) -> Float[np.ndarray, "4 readings"]:
         message = f"sheet {sheet.name!r} has no row {row!r}; rows {', '.join(_ROWS)}"
         require(row in name, f"{message} expected")
     rows = [sheet.row_values(name[row])[1:] for row in _ROWS]
-    return np.array([[_float(cell) for cell in row] for row in rows])
-
-
-def _float(cell: object) -> float:
-    return float(cell) if isinstance(cell, (int, float)) else np.nan
+    return np.array(
+        [[c if isinstance(c, (int, float)) else np.nan for c in row] for row in rows],
+        dtype=float,
+    )
 
 
 def _scans(path: Path, turn: float, blank: Path | None) -> Iterator[Scan]:
@@ -106,7 +104,9 @@ def _scans(path: Path, turn: float, blank: Path | None) -> Iterator[Scan]:
         message = f"angle of incidence is {incidence:g}°; 0 ≤ angle < 90° expected"
         require(0 <= incidence < 90, message)
         azimuth, _, receive, reading = data[:, data[1] == incidence]
-        seen = ~_shadowed(azimuth, float(incidence), receive)
+        near_plane = np.abs(azimuth) >= 90 - _SHADOW_AZIMUTH
+        from_source = np.abs(incidence - np.sign(azimuth) * receive)
+        seen = ~(near_plane & (from_source <= _SHADOW_ANGLE))
         seen &= np.abs(receive) < _GRAZING
         azimuth, receive, reading = azimuth[seen], receive[seen], reading[seen]
         if not len(reading):
@@ -115,12 +115,6 @@ def _scans(path: Path, turn: float, blank: Path | None) -> Iterator[Scan]:
         leaving = from_degrees(receive, 90 + azimuth - turn)
         source = from_degrees(float(incidence), 180 - turn)
         yield Scan(source, leaving, brdf, str(path))
-
-
-def _shadowed(azimuth: Values, incidence: float, receive: Values) -> Mask:
-    near_plane = np.abs(azimuth) >= 90 - _SHADOW_AZIMUTH
-    towards = -np.sign(azimuth) * receive
-    return np.asarray(near_plane & (np.abs(towards + incidence) <= _SHADOW_ANGLE))
 
 
 FORMAT = FileFormat("rt300s", lambda head: head.data.startswith(_WORKBOOK), _read)

@@ -87,9 +87,17 @@ def _read_file(path: Path) -> _Table:
     counts = " × ".join(map(str, shape))
     message = f"{counts} values; at most {_MOST_VALUES} expected"
     require(np.prod(shape, dtype=float) <= _MOST_VALUES, message)
+    marks = [
+        k
+        for k, (_, text) in enumerate(lines, 1)
+        if text.upper().startswith("DATABEGIN")
+    ]
+    require(marks, "no DataBegin; a table of BSDF values expected")
+    # Tristimulus files contain tables of X, Y and Z in this order
+    start = marks[1 if len(marks) == 3 else 0]
     rows = [
         line
-        for line in lines[_begin(lines) :]
+        for line in lines[start:]
         if not line[1].upper().startswith(("TIS", "DATAEND"))
     ]
     wanted = shape[0] * shape[1] * shape[2]
@@ -120,15 +128,6 @@ def _axis(lines: list[Line], head: _Heads, key: str) -> Values:
     message = f"{count} angles of {key}; {words[-1]} expected"
     require(len(words) < 2 or words[1] == str(count), message, line=following[0])
     return np.asarray(angles[0])
-
-
-def _begin(lines: list[Line]) -> int:
-    marks = [
-        k for k, (_, text) in enumerate(lines) if text.upper().startswith("DATABEGIN")
-    ]
-    require(marks, "no DataBegin; a table of BSDF values expected")
-    # Tristimulus files contain tables of X, Y and Z in this order
-    return marks[1 if len(marks) == 3 else 0] + 1
 
 
 def _scan(
