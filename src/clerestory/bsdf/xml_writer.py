@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float32
 from lxml import etree
+from lxml.builder import ElementMaker
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product_data import Detail, Product, usual_spectra
@@ -22,6 +23,7 @@ from clerestory.hemisphere.partition import RingPartition
 _NAMESPACE = "http://windows.lbl.gov"
 _XSI = "http://www.w3.org/2001/XMLSchema-instance"
 _SCHEMA = "http://windows.lbl.gov/BSDF-v1.4.xsd"
+_E = ElementMaker(namespace=_NAMESPACE, nsmap={None: _NAMESPACE, "xsi": _XSI})
 
 _LABELS = {
     label.lower(): label
@@ -71,82 +73,60 @@ def write_bsdf(
 
 
 def _window_element(bsdf: Bsdf, comment: str) -> etree._Element:
-    root = etree.Element(
-        f"{{{_NAMESPACE}}}WindowElement", nsmap={None: _NAMESPACE, "xsi": _XSI}
+    definition = _E.DataDefinition(
+        _E.IncidentDataStructure(_structure(bsdf)), *map(_basis, _partitions(bsdf))
+    )
+    layer = _E.Layer(
+        _material(bsdf.product), *_geometry(bsdf.product), definition, *_data(bsdf)
+    )
+    root = _E.WindowElement(
+        _E.WindowElementType("System"), _E.FileType("BSDF"), _E.Optical(layer)
     )
     root.set(f"{{{_XSI}}}schemaLocation", f"{_NAMESPACE} {_SCHEMA}")
     if comment:
-        root.append(etree.Comment(f" {comment} "))
-    _add(root, "WindowElementType", "System")
-    _add(root, "FileType", "BSDF")
-    layer = _add(_add(root, "Optical"), "Layer")
-    _add_material(layer, bsdf.product)
-    _add_geometry(layer, bsdf.product)
-    definition = _add(layer, "DataDefinition")
-    _add(definition, "IncidentDataStructure", _structure(bsdf))
-    for basis in _partitions(bsdf):
-        _add_basis(definition, basis)
-    spectra = {one.channel: one for one in bsdf.product.spectra}
-    for (channel, name), part in bsdf.functions.items():
-        weighting = spectra.get(channel) or usual_spectra(channel)
-        data = _add(layer, "WavelengthData")
-        _add(data, "LayerNumber", "System")
-        _add(data, "Wavelength", _LABELS.get(channel, channel), unit="Integral")
-        _add(data, "SourceSpectrum", weighting.source)
-        _add(data, "DetectorSpectrum", weighting.detector)
-        _add_block(data, name.replace("_", " ").title(), part)
+        root.insert(0, etree.Comment(f" {comment} "))
     return root
 
 
-def _add(
-    parent: etree._Element, name: str, text: str | None = None, **attributes: str
-) -> etree._Element:
-    child = etree.SubElement(parent, f"{{{_NAMESPACE}}}{name}", attributes)
-    child.text = text
-    return child
-
-
-def _add_material(layer: etree._Element, product: Product) -> None:
-    material = _add(layer, "Material")
-    _add(material, "Name", product.name or _BLANK)
-    _add(material, "Manufacturer", product.manufacturer or _BLANK)
+def _material(product: Product) -> etree._Element:
     # Write the thickness in millimetres: WinCalc ignores the unit attribute
     thickness = Decimal(repr(float(product.thickness or 0))) * 1000
-    _add(material, "Thickness", f"{thickness.normalize():f}", unit="Millimeter")
-    _add_number(material, "Width", product.width, unit="Meter")
-    _add_number(material, "Height", product.height, unit="Meter")
-    _add(material, "DeviceType", product.device_type)
-    _add_number(material, "EmissivityFront", product.emissivity_front)
-    _add_number(material, "EmissivityBack", product.emissivity_back)
-    _add_details(material, [d for d in product.details if "/" not in d.name])
+    return _E.Material(
+        _E.Name(product.name or _BLANK),
+        _E.Manufacturer(product.manufacturer or _BLANK),
+        _E.Thickness(f"{thickness.normalize():f}", unit="Millimeter"),
+        *_number("Width", product.width, unit="Meter"),
+        *_number("Height", product.height, unit="Meter"),
+        _E.DeviceType(product.device_type),
+        *_number("EmissivityFront", product.emissivity_front),
+        *_number("EmissivityBack", product.emissivity_back),
+        *(_detail(one) for one in product.details if "/" not in one.name),
+    )
 
 
-def _add_number(
-    parent: etree._Element, name: str, value: float | None, **attributes: str
-) -> None:
+def _number(
+    name: str, value: float | None, **attributes: str
+) -> Iterator[etree._Element]:
     if value is not None:
-        _add(parent, name, repr(float(value)), **attributes)
+        yield _E(name, repr(float(value)), **attributes)
 
 
-def _add_details(parent: etree._Element, details: list[Detail]) -> None:
-    for detail in details:
-        unit = {"unit": detail.unit} if detail.unit else {}
-        _add(parent, detail.name.rpartition("/")[2], detail.text, **unit)
+def _detail(detail: Detail) -> etree._Element:
+    unit = {"unit": detail.unit} if detail.unit else {}
+    return _E(detail.name.rpartition("/")[2], detail.text, **unit)
 
 
-def _add_geometry(layer: etree._Element, product: Product) -> None:
+def _geometry(product: Product) -> Iterator[etree._Element]:
     geometry = product.geometry
-    details = [d for d in product.details if d.name.startswith("Geometry/")]
-    if geometry is None and not details:
-        return
-    element = _add(layer, "Geometry", **({} if geometry is None else {"format": "MGF"}))
-    _add_details(element, details)
+    details = [_detail(d) for d in product.details if d.name.startswith("Geometry/")]
     if geometry is not None:
         # Write other units as an MGF scaling transform: the schema allows few units
         text = geometry.text
         if geometry.metres != 1:
             text = f"xf -s {geometry.metres!r}\n{text}\nxf\n"
-        _add(element, "MGFblock", text, unit="meter")
+        yield _E.Geometry(*details, _E.MGFblock(text, unit="meter"), format="MGF")
+    elif details:
+        yield _E.Geometry(*details)
 
 
 def _structure(bsdf: Bsdf) -> str:
@@ -181,30 +161,41 @@ def _partitions(bsdf: Bsdf) -> list[RingPartition]:
     return list(found.values())
 
 
-def _add_basis(definition: etree._Element, partition: RingPartition) -> None:
-    basis = _add(definition, "AngleBasis")
-    _add(basis, "AngleBasisName", partition.name)
+def _basis(partition: RingPartition) -> etree._Element:
     limits = np.round(np.degrees(partition.theta), 9)
-    for count, lower, upper in zip(partition.count, limits, limits[1:], strict=False):
-        block = _add(basis, "AngleBasisBlock")
-        pole = count == 1 and lower == 0
-        _add(block, "Theta", f"{lower if pole else (lower + upper) / 2:.9g}")
-        _add(block, "nPhis", str(count))
-        bounds = _add(block, "ThetaBounds")
-        _add(bounds, "LowerTheta", f"{lower:.9g}")
-        _add(bounds, "UpperTheta", f"{upper:.9g}")
+    rings = zip(partition.count, limits[:-1], limits[1:], strict=True)
+    blocks = [
+        _E.AngleBasisBlock(
+            _E.Theta(f"{0 if count == 1 and low == 0 else (low + high) / 2:.9g}"),
+            _E.nPhis(str(count)),
+            _E.ThetaBounds(_E.LowerTheta(f"{low:.9g}"), _E.UpperTheta(f"{high:.9g}")),
+        )
+        for count, low, high in rings
+    ]
+    return _E.AngleBasis(_E.AngleBasisName(partition.name), *blocks)
 
 
-def _add_block(data: etree._Element, direction: str, part: ScatteringFunction) -> None:
-    block = _add(data, "WavelengthDataBlock")
-    _add(block, "WavelengthDataDirection", direction)
-    if isinstance(part, ScatteringMatrix):
-        _add(block, "ColumnAngleBasis", part.incidents.name)
-        _add(block, "RowAngleBasis", part.exits.name)
-    if isinstance(part, ScatteringTree):
-        _add(block, "AngleBasis", "LBNL/Shirley-Chiu")
-    _add(block, "ScatteringDataType", f"B{direction[0]}DF")
-    _add(block, "ScatteringData")
+def _data(bsdf: Bsdf) -> Iterator[etree._Element]:
+    spectra = {one.channel: one for one in bsdf.product.spectra}
+    for (channel, name), part in bsdf.functions.items():
+        weighting = spectra.get(channel) or usual_spectra(channel)
+        direction = name.replace("_", " ").title()
+        bases = [_E.AngleBasis("LBNL/Shirley-Chiu")]
+        if isinstance(part, ScatteringMatrix):
+            column, row = part.incidents.name, part.exits.name
+            bases = [_E.ColumnAngleBasis(column), _E.RowAngleBasis(row)]
+        yield _E.WavelengthData(
+            _E.LayerNumber("System"),
+            _E.Wavelength(_LABELS.get(channel, channel), unit="Integral"),
+            _E.SourceSpectrum(weighting.source),
+            _E.DetectorSpectrum(weighting.detector),
+            _E.WavelengthDataBlock(
+                _E.WavelengthDataDirection(direction),
+                *bases,
+                _E.ScatteringDataType(f"B{direction[0]}DF"),
+                _E.ScatteringData(),
+            ),
+        )
 
 
 def _lines(part: ScatteringFunction, digits: int | None) -> Iterator[str]:
