@@ -15,26 +15,11 @@ _ASYMMETRIC = 0.05
 
 
 # Effect of each missing function
-_EFFECTS: tuple[tuple[Function, str, Severity, str], ...] = (
-    (
-        "transmission_front",
-        "transmission",
-        "warning",
-        "the layer transmits no daylight, and matrix products reject it",
-    ),
-    (
-        "reflection_front",
-        "reflection front",
-        "info",
-        "light reflected to the outside is lost",
-    ),
-    (
-        "reflection_back",
-        "reflection back",
-        "info",
-        "the window absorbs all light from the room",
-    ),
-)
+_EFFECTS: dict[Function, str] = {
+    "transmission_front": "the layer transmits no daylight; matrix products reject it",
+    "reflection_front": "light reflected to the outside is lost",
+    "reflection_back": "the window absorbs all light from the room",
+}
 
 
 def check_components(bsdf: Bsdf, tables: Mapping[str, Tables]) -> Iterator[Finding]:
@@ -44,9 +29,11 @@ def check_components(bsdf: Bsdf, tables: Mapping[str, Tables]) -> Iterator[Findi
         effect = "daylight cannot be computed from this file"
         yield Finding("missing", "warning", 0.0, what, "file", effect)
     for channel, known in tables.items():
-        for name, words, severity, effect in _EFFECTS:
+        for name, effect in _EFFECTS.items():
             if not bsdf.has(name, channel=channel):
-                what = f"no {words}"
+                passes = name in OTHER_SIDE
+                severity: Severity = "warning" if passes else "info"
+                what = "no transmission" if passes else f"no {name.replace('_', ' ')}"
                 yield Finding("missing", severity, 0.0, what, channel, effect)
         yield from _empty(channel, known)
         yield from _copied_sides(channel, known)
@@ -60,16 +47,13 @@ def _empty(channel: str, tables: Tables) -> Iterator[Finding]:
             continue
         # If only one of front and back transmission is zero, reciprocity is violated
         matters = OTHER_SIDE.get(name) in full
-        yield Finding(
-            "empty",
-            "error" if matters else "info",
-            0.0,
-            f"all values are zero{', those of the other side are not' * matters}",
-            f"{channel} {name.replace('_', ' ')}",
-            "programs that use this side treat the layer as opaque"
-            if name in OTHER_SIDE
-            else "the layer reflects nothing on this side",
-        )
+        severity: Severity = "error" if matters else "info"
+        what = f"all values are zero{', those of the other side are not' * matters}"
+        effect = "the layer reflects nothing on this side"
+        if name in OTHER_SIDE:
+            effect = "programs that use this side treat the layer as opaque"
+        where = f"{channel} {name.replace('_', ' ')}"
+        yield Finding("empty", severity, 0.0, what, where, effect)
 
 
 def _copied_sides(channel: str, tables: Tables) -> Iterator[Finding]:
@@ -82,18 +66,14 @@ def _copied_sides(channel: str, tables: Tables) -> Iterator[Finding]:
             continue
         if not np.array_equal(one.values, other.values):
             continue
-        asymmetric = doubt > _ASYMMETRIC
-        yield Finding(
-            "copy",
-            "warning" if asymmetric else "info",
-            doubt,
-            "the values of back and front are identical"
-            + f", but the sides of the layer differ by {doubt:.1%}" * asymmetric,
-            f"{channel} {pair[0].removesuffix('_front')}",
-            "the values of one side are wrong"
-            if asymmetric
-            else "none if both sides of the layer are equal",
-        )
+        severity: Severity = "info"
+        what = "the values of back and front are identical"
+        effect = "none if both sides of the layer are equal"
+        if doubt > _ASYMMETRIC:
+            severity, effect = "warning", "the values of one side are wrong"
+            what += f", but the sides of the layer differ by {doubt:.1%}"
+        where = f"{channel} {pair[0].removesuffix('_front')}"
+        yield Finding("copy", severity, doubt, what, where, effect)
 
 
 def mismatch_of_sides(tables: Tables) -> tuple[float, float]:

@@ -46,12 +46,6 @@ def combine(operation: Callable[..., Values], *trees: ScatteringTree) -> Scatter
 
     Each cell of the result is as small as the smallest cell of any tree there.
     `operation`: function of one array of values per tree; returns non-negative values.
-
-    >>> def constant(value):
-    ...     slots = np.array([value], dtype=np.float32).view(np.int32)
-    ...     return ScatteringTree(slots, 4, 0)
-    >>> combine(np.add, constant(1.0), constant(2.0)).extrema()
-    (3.0, 3.0)
     """
     rank = trees[0].rank
     regions = level_slots(_combined(operation, trees), rank)

@@ -13,8 +13,7 @@ from jaxtyping import Float, Float32, Int, Int32, Int64
 
 from clerestory.array_types import Indices, Slots
 
-# The dense table of upper tree levels has at most 2^16 cells.
-_TOP_BITS = 16
+_TOP_BITS = 16  # the dense table of upper tree levels has at most 2^16 cells
 
 
 class Cells(NamedTuple):

@@ -16,11 +16,8 @@ from clerestory.array_types import Indices, Slots
 from clerestory.bsdf.tree_scanner import TreeFault, TreeScan, position_of, scan_tree
 from clerestory.errors import InputError
 
-# Largest number of tree levels: 2¹⁵ cells along each dimension.
-MAX_DEPTH = 15
-
-# Largest number of values that are reordered together.
-_TOGETHER = 1 << 22
+MAX_DEPTH = 15  # largest number of tree levels: 2¹⁵ cells along each dimension
+_TOGETHER = 1 << 22  # largest number of values that are reordered together
 
 
 @dataclass(frozen=True, eq=False)

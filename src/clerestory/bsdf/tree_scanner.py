@@ -8,10 +8,9 @@ import warnings
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float32, Int8, Int32, UInt8
+from jaxtyping import Float, Float32, Int8, Int32, UInt8
 
-# Chunk size [bytes].
-_CHUNK = 1 << 22
+_CHUNK = 1 << 22  # chunk size [bytes]
 
 _SPACE, _WORD, _OPEN, _CLOSE = range(4)
 _KIND = np.full(256, _WORD, dtype=np.uint8)
@@ -105,16 +104,23 @@ def _numbers(chunk: bytes, count: int, offset: int) -> Float32[np.ndarray, " val
     if not count:
         return np.empty(0, dtype=np.float32)
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error", DeprecationWarning)
-            values = np.fromstring(plain.decode("ascii"), sep=" ")
         with np.errstate(over="ignore"):
-            single = values.astype(np.float32)
-    except (DeprecationWarning, ValueError) as error:
+            single = parse_numbers(plain.decode("ascii")).astype(np.float32)
+    except ValueError as error:
         raise _bad_word(plain, offset) from error
     if len(single) != count or not np.all(np.isfinite(single)):
         raise _bad_word(plain, offset)
     return single
+
+
+def parse_numbers(text: str) -> Float[np.ndarray, " numbers"]:
+    """Numbers separated by white space; raise ValueError for other words."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", DeprecationWarning)
+            return np.fromstring(text, sep=" ")
+    except DeprecationWarning as error:
+        raise ValueError(str(error)) from error
 
 
 def _bad_word(plain: bytes, offset: int) -> TreeFault:

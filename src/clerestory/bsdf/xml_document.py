@@ -5,7 +5,6 @@ every text that starts with a brace is therefore replaced by an index, such as {
 """
 
 import re
-import warnings
 from bisect import bisect_left
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -15,6 +14,7 @@ import numpy as np
 from lxml import etree
 
 from clerestory.array_types import Values
+from clerestory.bsdf.tree_scanner import parse_numbers
 from clerestory.errors import InputError
 from clerestory.files import read_bytes
 
@@ -164,10 +164,8 @@ def read_numbers(element: etree._Element, document: Document) -> Values:
     """Finite numbers of an element, separated by white space or commas."""
     text = (element.text or "").replace(",", " ")
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error", DeprecationWarning)
-            values = np.fromstring(text, sep=" ")
-    except (DeprecationWarning, ValueError) as error:
+        values = parse_numbers(text)
+    except ValueError as error:
         word = next((word for word in text.split() if not is_number(word)), "")
         message = f"{word[:40]!r} in {_name(element)}; numbers expected"
         raise document.error(element, message) from error

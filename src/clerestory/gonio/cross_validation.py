@@ -42,8 +42,7 @@ from clerestory.progress import Progress
 # grid on which lobes are rasterized.
 _HALVINGS, _DRAWN = 4, 6
 
-# Cells with less than this fraction of the total flux are ignored.
-_LEAST = 1e-6
+_LEAST = 1e-6  # cells with less than this fraction of the total flux are ignored
 
 
 def earth_movers_distance(one: Lobes, other: Lobes) -> float:
@@ -51,11 +50,6 @@ def earth_movers_distance(one: Lobes, other: Lobes) -> float:
 
     Distributions are normalized and sampled on cells of equal projected solid angle, 7°
     wide at the normal. The result is NaN if either distribution has no flux.
-
-    >>> a = Lobes(np.array([[0, 0, 1.0]]), np.array([0.1]), np.array([0.5]))
-    >>> b = Lobes(np.array([[0, 0.6, 0.8]]), np.array([0.1]), np.array([0.2]))
-    >>> abs(earth_movers_distance(a, b) - float(np.arccos(0.8))) < 0.02
-    True
     """
     if not (one.total > 0 and other.total > 0):
         return float("nan")
@@ -88,13 +82,7 @@ _BEAM_HALVINGS, _FEWEST_CELLS = 6, 8
 
 
 def beam_direction(lobes: Lobes, *, near: Vector | None = None) -> Vector:
-    """Direction of the strongest beam, or of the local maximum near a direction.
-
-    >>> centre = np.array([[0, 0.6, 0.8]])
-    >>> spot = Lobes(centre, np.array([0.2]), np.array([0.5]))
-    >>> bool(angle_between(beam_direction(spot), centre[0]) < 0.01)
-    True
-    """
+    """Direction of the strongest beam, or of the local maximum near a direction."""
     peak = lobes.strongest() if near is None else lobes.climb(near)
     grid = Raster.of(_BEAM_HALVINGS).directions[-1]
     grid = grid[angle_between(grid, peak) < _REACH]
@@ -142,12 +130,7 @@ class CrossValidation:
     smoothing: float  # smoothing factor of the lobe fits
 
     def median(self, name: str, *, inside: bool = True) -> float:
-        """Median magnitude of a `LeftOut` attribute over inter- or extrapolated scans.
-
-        >>> one = LeftOut(30, 0, True, 0.5, 0.49, 1.0, 2.0, 0.1, 0.02)
-        >>> round(CrossValidation((one,), 1.0).median("flux_error"), 3)
-        0.01
-        """
+        """Median magnitude of a `LeftOut` attribute of inter- or extrapolated scans."""
         errors = [abs(getattr(s, name)) for s in self.scans if s.inside == inside]
         known = [error for error in errors if np.isfinite(error)]
         return float(np.median(known)) if known else float("nan")

@@ -25,7 +25,7 @@ from jaxtyping import Bool, Float, Int
 
 from clerestory.array_types import Indices, Values, Vector
 from clerestory.gonio.angles import directions_over_disc
-from clerestory.gonio.lobes import Lobes
+from clerestory.gonio.lobes import Lobes, joined
 from clerestory.gonio.optimal_transport import Plan
 
 # Fraction of the flux of the smallest particles that is dropped and redistributed.
@@ -47,7 +47,7 @@ class Particles:
 def edge_particles(plan: Plan) -> Particles:
     """Particles of an edge, from the transport plan from A to B."""
     fading, rising = np.flatnonzero(plan.fading), np.flatnonzero(plan.rising)
-    return _joined(
+    return joined(
         [
             _particles(
                 (plan.source, plan.target, None), {0: plan.sent, 1: plan.received}
@@ -64,7 +64,7 @@ def triangle_particles(a_to_b: Plan, a_to_c: Plan, b_to_c: Plan) -> Particles:
     i, j, _ = edge.corner.T
     of_a, of_b = np.flatnonzero(edge.flux[:, 0]), np.flatnonzero(edge.flux[:, 1])
     return _without_change(
-        _joined(
+        joined(
             [
                 *_onwards(i[of_a], j[of_a], edge.flux[of_a, 0], a_to_c, own=0),
                 *_onwards(j[of_b], i[of_b], edge.flux[of_b, 1], b_to_c, own=1),
@@ -135,13 +135,6 @@ def _particles(corners: tuple[Indices | None, ...], flux: _Light) -> Particles:
     return Particles(corner, table)
 
 
-def _joined(parts: list[Particles]) -> Particles:
-    return Particles(
-        np.concatenate([part.corner for part in parts]),
-        np.concatenate([part.flux for part in parts]),
-    )
-
-
 def _without_change(particles: Particles) -> Particles:
     # Merge particles of equal lobes; drop the smallest and rescale all other particles
     corner, which = np.unique(particles.corner, axis=0, return_inverse=True)
@@ -165,8 +158,7 @@ def _without_change(particles: Particles) -> Particles:
 # Newton's method in `with_total`: largest |power|, largest number of steps, tolerance.
 _STEEPEST, _STEPS, _STEP_ENDS = 60.0, 20, 1e-9
 
-# Sum of corner weights below which equal weights are used instead.
-_NOTHING = 1e-9
+_NOTHING = 1e-9  # sum of corner weights below which equal weights are used instead
 
 
 def displace(

@@ -39,17 +39,13 @@ _COORDINATES: tuple[Coordinates, ...] = ("profile", "sideways", "disc")
 _REACHES = (0.12, 0.25, 0.5, 1.0, 2.0, 8.0)
 _FIRST = 3
 
-# Candidate ratios of noise variance to process variance.
-_NOISES = (1e-6, 1e-4, 1e-3)
-
-# Smallest z from which a profile angle is calculated.
-_LEAST_HEIGHT = 0.02
+_NOISES = (1e-6, 1e-4, 1e-3)  # candidate ratios of noise variance to process variance
+_LEAST_HEIGHT = 0.02  # smallest z from which a profile angle is calculated
 
 # Largest number of sweeps over the length scales and the noise ratio.
 _SWEEPS = 4
 
-# Directions with a smaller 1 − cos θ count as normal incidence.
-_AT_NORMAL = 1e-9
+_AT_NORMAL = 1e-9  # directions with a smaller 1 − cos θ count as normal incidence
 
 # Directions count as equal if they agree to this number of decimal places.
 _DIGITS = 7

@@ -21,11 +21,8 @@ from clerestory.gonio.angles import angle_between, from_degrees
 # Smallest barycentric coordinate of directions that count as inside a triangle.
 _INSIDE = -1e-9
 
-# Corners at both ends of each side of a triangle.
-_SIDES = ((0, 1), (0, 2), (1, 2))
-
-# Triangles are removed if their corner vectors span a smaller volume.
-_THINNEST = 1e-6
+_SIDES = ((0, 1), (0, 2), (1, 2))  # corners at both ends of each side of a triangle
+_THINNEST = 1e-6  # triangles are removed if their corner vectors span a smaller volume
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,11 +84,7 @@ def triangulate(vertices: Directions) -> Mesh:
 
 
 def arc_mesh(theta: Values) -> Mesh:
-    """Return the mesh of an isotropic layer: an arc of ascending polar angles [rad].
-
-    >>> arc_mesh(np.radians([0.0, 30.0, 60.0])).edges.tolist()
-    [[0, 1], [1, 2]]
-    """
+    """Return the mesh of an isotropic layer: an arc of ascending polar angles [rad]."""
     vertices = from_degrees(np.degrees(theta), 0.0)
     number = np.arange(len(theta) - 1)
     edges = np.stack([number, number + 1], axis=-1)

@@ -30,8 +30,7 @@ from clerestory.gonio.parallel import IN_SERIES, Workers
 from clerestory.gonio.quadtree import Quadtree
 from clerestory.gonio.scattering_measurement import Scan, integration_weights
 
-# Largest number of averaged measurement points in a fit.
-_MOST_BINS = 2000
+_MOST_BINS = 2000  # largest number of averaged measurement points in a fit
 
 # Lower limit of the projected solid angle of a point, relative to the mean.
 _LEAST_WEIGHT = 1e-6
@@ -46,14 +45,9 @@ _RADIUS_OVER_WIDTH = 0.6
 # Fraction of misplaced flux above which the number of lobes is doubled.
 _MISPLACED = 0.05
 
-# Largest flux of a dark scan, as a fraction of the brightest scan's flux.
-_DARK = 1e-3
-
-# Weight of the regularization, relative to the least-squares terms.
-_PRIOR = 1e-2
-
-# Quantile of the BSDF values that is taken as the uniform background.
-_EVEN = 0.05
+_DARK = 1e-3  # largest flux of a dark scan, as a fraction of the brightest scan's flux
+_PRIOR = 1e-2  # weight of the regularization, relative to the least-squares terms
+_EVEN = 0.05  # quantile of the BSDF values that is taken as the uniform background
 
 # Lower limit of the BSDF in statistical weights, as a fraction of the mean BSDF.
 _FLOOR = 1e-2
@@ -224,10 +218,6 @@ def non_negative(
     """Return x ≥ 0 that minimizes xᵀ·gram·x/2 − targetᵀ·x.
 
     `gram`: symmetric and positive definite.
-
-    >>> gram = np.array([[2.0, 1.0], [1.0, 2.0]])
-    >>> non_negative(gram, np.array([2.0, -1.0])).round(9).tolist()
-    [1.0, 0.0]
     """
     # Scale the unknowns so that the diagonal of the matrix is 1
     scale = 1 / np.sqrt(np.diag(gram))

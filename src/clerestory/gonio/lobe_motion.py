@@ -22,8 +22,7 @@ _ALIKE = 3.0
 # Weight of the mean motion of all lobes, relative to the typical squared displacement.
 _PRIOR = 0.05
 
-# The motion of lobes with larger radii [rad] is ignored.
-_WIDE = 0.5
+_WIDE = 0.5  # the motion of lobes with larger radii [rad] is ignored
 
 
 def mean_motion(network: Network) -> float:

@@ -11,6 +11,7 @@ common practice", Workshop on Material Appearance Modeling, 2014.
 import functools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 from jaxtyping import Float
@@ -39,8 +40,10 @@ _CANDIDATES, _MOST_STEPS, _STEP_ENDS = 64, 200, 1e-5
 _ELEVATIONS, _RADII, _QUADRATURE = 65, 33, 200
 _FLAT_RADIUS = 0.02
 
-# Number of cached tables of angles between lobes.
-_KEPT = 32
+_KEPT = 32  # number of cached tables of angles between lobes
+
+
+_Arrays = TypeVar("_Arrays")
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,13 +128,10 @@ class Lobes:
         return np.asarray(np.exp((leaving @ self.centre.T - 1) / self.radius**2))
 
 
-def joined(parts: Sequence[Lobes]) -> Lobes:
-    """Lobes of several distributions in one."""
-    return Lobes(
-        np.concatenate([part.centre for part in parts]),
-        np.concatenate([part.radius for part in parts]),
-        np.concatenate([part.flux for part in parts]),
-    )
+def joined(parts: Sequence[_Arrays]) -> _Arrays:
+    """Join values whose attributes are arrays, such as lobes, one after another."""
+    columns = zip(*(vars(part).values() for part in parts), strict=True)
+    return type(parts[0])(*map(np.concatenate, columns))
 
 
 @functools.lru_cache(maxsize=_KEPT)

@@ -23,14 +23,6 @@ def recommended_directions(
 
     Directions lie in the measured part of the hemisphere and do not exceed the largest
     measured polar angle.
-
-    >>> from clerestory.gonio.cross_validation import LeftOut
-    >>> scans = [LeftOut(t, 0, True, 0.5, 0.5, 1.0, 1.0, m, 0.01)
-    ...          for t, m in ((0, 0.05), (20, 0.05), (40, 0.6), (60, 0.6))]
-    >>> best = recommended_directions(
-    ...     CrossValidation(tuple(scans), 1.0), symmetry="isotropic", count=1)
-    >>> float(np.degrees(np.arccos(best[0, 2])).round())
-    50.0
     """
     scans = validation.scans
     angles = [(scan.theta_deg, scan.phi_deg) for scan in scans]

@@ -25,18 +25,15 @@ from clerestory.gonio.angles import angle_table, undeviated
 from clerestory.gonio.incident_mesh import Mesh
 from clerestory.gonio.lobes import Lobes, angles_among
 
-# Reach of a lobe per angle between incident directions: tilted mirrors and prisms
-# deviate light by up to twice the angle by which they are rotated …
-_REACH_PER_ANGLE = 1.5
-
-# … plus this many radii.
-_REACH_PER_RADIUS = 1.0
+# Reach of a lobe: this multiple of the angle between incident directions (tilted mirrors
+# and prisms deviate light by up to twice the angle by which they are rotated), plus this
+# multiple of the radius of the lobe.
+_REACH_PER_ANGLE, _REACH_PER_RADIUS = 1.5, 1.0
 
 # Largest angle between lobes of one peak, as a multiple of the sum of their radii.
 _TOUCHING = 1.5
 
-# Ratio of radii above which lobes belong to different peaks.
-_WIDER = 3.0
+_WIDER = 3.0  # ratio of radii above which lobes belong to different peaks
 
 # The weight of a neighbouring lobe is 1 / (1 + d^n) for a distance of d reaches, with
 # n = 2^(1 + steepness).

@@ -14,8 +14,7 @@ from threadpoolctl import ThreadpoolController
 
 from clerestory.progress import Progress
 
-# Smallest number of values for which parallel processes are started.
-_FEWEST = 16
+_FEWEST = 16  # smallest number of values for which parallel processes are started
 
 _Result = TypeVar("_Result")
 

@@ -59,6 +59,17 @@ _IMAGES: dict[Symmetry, tuple[tuple[int, int], ...]] = {
 }
 
 
+# Axes along which the measured part of the hemisphere ends at the normal.
+_BOUNDED: dict[Symmetry, list[int]] = {
+    "isotropic": [],
+    "quadrilateral": [0, 1],
+    "bilateral-x": [0],
+    "bilateral-y": [1],
+    "rotational": [1],
+    "none": [],
+}
+
+
 def images(symmetry: Symmetry) -> Directions:
     """Factors of x, y and z for each image of a direction, the identity first."""
     return np.array([(*signs, 1) for signs in _IMAGES[symmetry]], dtype=float)
@@ -118,13 +129,11 @@ def fold(
         folded = np.stack([radius, 0 * radius, z], axis=-1)
         return folded, rotation_about_normal(np.arctan2(y, x))
     factor = np.ones_like(incident)
-    if symmetry in ("quadrilateral", "bilateral-x"):
-        factor[..., 0] = np.where(incident[..., 0] * quadrant[0] < 0, -1, 1)
-    if symmetry in ("quadrilateral", "bilateral-y"):
-        factor[..., 1] = np.where(incident[..., 1] * quadrant[1] < 0, -1, 1)
+    outside = np.where(incident[:, :2] * quadrant < 0, -1, 1)
+    for axis in _BOUNDED[symmetry]:
+        factor[:, axis] = outside[:, axis]
     if symmetry == "rotational":
-        behind = incident[..., 1] * quadrant[1] < 0
-        factor[..., :2] = np.where(behind[..., None], -1, 1)
+        factor[:, 0] = factor[:, 1]
     return incident * factor, factor[:, None] * np.eye(3)
 
 
@@ -139,11 +148,4 @@ def within(
 ) -> Bool[np.ndarray, " triangles"]:
     """Mask of the triangles that overlap the measured part of the hemisphere."""
     reach = np.max(triangles[:, :, :2] * quadrant, axis=1) > 1e-6
-    x, y = reach.T
-    if symmetry == "quadrilateral":
-        return np.asarray(x & y)
-    if symmetry == "bilateral-x":
-        return np.asarray(x)
-    if symmetry in ("bilateral-y", "rotational"):
-        return np.asarray(y)
-    return np.ones(len(triangles), dtype=bool)
+    return np.asarray(reach[:, _BOUNDED[symmetry]].all(axis=1))

@@ -30,8 +30,7 @@ _BLOCK = 3
 # Largest number of tree levels by rank, limited by time and memory.
 _DEEPEST: dict[int, int] = {4: 7, 3: 8}
 
-# Constant added to the mean BSDF that divides differences [1/sr].
-_FLOOR = 0.01
+_FLOOR = 0.01  # constant added to the mean BSDF that divides differences [1/sr]
 
 
 class Source(Protocol):

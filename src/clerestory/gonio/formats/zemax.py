@@ -42,8 +42,7 @@ _SYMMETRIES = ("planesymmetrical", "asymmetrical", "asymmetrical4d")
 # Largest number of values in a file; a larger number indicates a damaged file.
 _MOST_VALUES = 50_000_000
 
-# Angle below which directions count as equal [rad].
-_SAME = 1e-6
+_SAME = 1e-6  # angle below which directions count as equal [rad]
 
 
 # Line number and words of each header line, by the first word
