@@ -25,8 +25,8 @@ from clerestory.gonio.angles import angle_table, undeviated
 from clerestory.gonio.incident_mesh import Mesh
 from clerestory.gonio.lobes import Lobes, angles_among
 
-# Reach of a lobe: this multiple of the angle between incident directions (tilted mirrors
-# and prisms deviate light by up to twice the angle by which they are rotated), plus this
+# Reach of a lobe: a multiple of the angle between incident directions (tilted mirrors
+# and prisms deviate light by up to twice the angle by which they are rotated), plus a
 # multiple of the radius of the lobe.
 _REACH_PER_ANGLE, _REACH_PER_RADIUS = 1.5, 1.0
 
