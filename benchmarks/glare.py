@@ -30,7 +30,7 @@ from clerestory.glare.annual_glare import annual_glare
 from clerestory.glare.evaluate import evaluate_glare
 from clerestory.glare.glare_view import GlareView, _glare_view, glare_view
 from clerestory.glare.imageless import imageless_dgp
-from clerestory.glare.result import Glare
+from clerestory.glare.indices import Glare
 from clerestory.image.picture import Picture
 from clerestory.image.picture_files import read_picture, write_picture
 from clerestory.scene.view import View

@@ -3,8 +3,8 @@
     python benchmarks/illum.py [--bsdf FILE] [--samples 256] [--write FILE]
 
 The illuminance of the tutorial room's sensors behind a BSDF, under sun and sky, with
-the window as it is and as a lamp. The gain is time × variance of the former over the
-latter; the time of the tables is told beside it.
+the window as it is and as a precomputed emitter. The gain is time × variance without,
+divided by that with the emitter; the time to compute its tables is listed separately.
 """
 
 import argparse

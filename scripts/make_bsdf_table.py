@@ -40,7 +40,7 @@ def main() -> None:
     """Print the table."""
     folder = Path(sys.argv[1])
     warnings.simplefilter("ignore")
-    sys.stdout.write("| file | what is in it |\n| --- | --- |\n")
+    sys.stdout.write("| file | contents |\n| --- | --- |\n")
     files = (file for file in folder.rglob("*") if file.suffix.lower() == ".xml")
     for file in sorted(files):
         sys.stdout.write(row(file, folder) + "\n")

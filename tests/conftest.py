@@ -21,6 +21,12 @@ def shared_data() -> Path:
 def pytest_addoption(parser):
     parser.addoption("--all", action="store_true", help="run the slow tests too")
     parser.addoption(
+        "--mutants",
+        type=int,
+        default=100,
+        help="number of damaged files that each reader is given",
+    )
+    parser.addoption(
         "--slow-minutes",
         type=float,
         default=0.0,

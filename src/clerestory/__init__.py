@@ -77,7 +77,7 @@ _HOME = {
     "evaluate_glare": "glare.evaluate",
     "annual_glare": "glare.annual_glare",
     "compare_series": "comparison.series_comparison",
-    "simulated_series": "comparison.simulated_series",
+    "simulated_series": "comparison.series",
     "read_measured_series": "comparison.mapping",
     "read_study": "study.config",
     "run_study": "study.study_run",

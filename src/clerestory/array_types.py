@@ -20,6 +20,20 @@ Mask = Bool[np.ndarray, "*batch"]
 Vector = Float[np.ndarray, "3"]
 Vector2 = Float[np.ndarray, "2"]
 
+# One value per time step, and one per pixel of a picture
+Series = Float[np.ndarray, " time"]
+Image = Float[np.ndarray, "row column"]
+ImageMask = Bool[np.ndarray, "row column"]
+
+# Vertices of a polygon or mesh in space and in a plane, and vertex indices of triangles
+Vertices = Float[np.ndarray, "vertices 3"]
+Vertices2 = Float[np.ndarray, "vertices 2"]
+Faces = Int[np.ndarray, "triangles 3"]
+
+# One vector per ray, and one number per ray
+RayVectors = Float[np.ndarray, "rays 3"]
+RayValues = Float[np.ndarray, " rays"]
+
 # Matrix of a BSDF: exit patches by incident patches
 ExitIncident = Float[np.ndarray, "exit incident"]
 

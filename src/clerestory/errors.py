@@ -13,6 +13,23 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+# Number of characters of a message, and of one of its words
+_LONGEST_MESSAGE, _LONGEST_WORD = 400, 80
+
+
+def one_line(text: str) -> str:
+    r"""Return a text as one line of printable characters, with long words cut.
+
+    Examples
+    --------
+    >>> one_line("value 'a\nb'; " + 100 * "9" + " expected")[:60]
+    "value 'a b'; 9999999999999999999999999999999999999999999999"
+    """
+    words = "".join(c if c.isprintable() else " " for c in text).split()
+    cut = (w if len(w) <= _LONGEST_WORD else f"{w[:_LONGEST_WORD]}…" for w in words)
+    line = " ".join(cut)
+    return line if len(line) <= _LONGEST_MESSAGE else f"{line[:_LONGEST_MESSAGE]}…"
+
 
 class ClerestoryError(Exception):
     """Base class of the errors of this package."""
@@ -39,6 +56,7 @@ class InputError(ClerestoryError):
     def __init__(
         self, message: str, *, file: str | Path | None = None, line: int | None = None
     ) -> None:
+        message = one_line(message)
         self.message, self.file, self.line = message, file, line
         place = "" if file is None else f"{file}:"
         place += "" if line is None else f"{line}:"

@@ -6,10 +6,11 @@ options. Types shared by several commands are `Annotated` with an `Option`; all 
 fields are declared by `option`.
 """
 
-from dataclasses import MISSING, Field, dataclass, field, fields
-from typing import Any, get_args
+from dataclasses import MISSING, Field, dataclass, field
+from typing import Any, TypeVar, dataclass_transform, get_args
 
 _KEY = "option"
+_Class = TypeVar("_Class", bound=type)
 
 
 class Option:
@@ -46,6 +47,13 @@ class Argument:
     metavar: str | None = None
 
 
+@dataclass_transform(frozen_default=True, kw_only_default=True)
+def options(group: _Class) -> _Class:
+    """Make a class of options a frozen dataclass with keyword arguments."""
+    dataclass(frozen=True, kw_only=True)(group)
+    return group
+
+
 def option(default: object, help: str, *names: str, **details: Any) -> Any:
     """Return a dataclass field that is an option with a default; see `Option`."""
     described = Option(help, *names, **details)
@@ -68,12 +76,3 @@ def description(each: "Field[Any]", hint: Any) -> tuple[Any, Option | Argument]:
         return hint, each.metadata[_KEY]
     kind, described = get_args(hint)
     return kind, described
-
-
-def keywords(group: object) -> dict[str, Any]:
-    """Return the fields of a dataclass as keyword arguments.
-
-    >>> keywords(Argument("The study.", "STUDY"))
-    {'help': 'The study.', 'metavar': 'STUDY'}
-    """
-    return {each.name: getattr(group, each.name) for each in fields(group)}  # type: ignore[arg-type]

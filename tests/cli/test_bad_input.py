@@ -107,27 +107,27 @@ BAD = {
     "sun of another size": (
         nothing,
         "sky matrix two_days.wea -o S.smx --sun-size 40",
-        "sun of diameter 40",
+        "diameter of the sun is 40",
     ),
     "one factor": (
         nothing,
         "multiply diffuser.xml -o E.mtx",
-        "1 matrices in a product; two to five",
+        "number of matrices in a product is 1; a number from 2 to 5",
     ),
     "six factors": (
         nothing,
         "multiply " + "diffuser.xml " * 6 + "-o E.mtx",
-        "6 matrices in a product; two to five expected",
+        "number of matrices in a product is 6; a number from 2 to 5",
     ),
     "sum without a second product": (
         nothing,
         "multiply diffuser.xml diffuser.xml + -o E.mtx",
-        "0 matrices in a product; two to five expected",
+        "number of matrices in a product is 0; a number from 2 to 5",
     ),
     "pictures in a sum": (
         nothing,
         "multiply V_%03d.hdr diffuser.xml + V_%03d.hdr diffuser.xml -o I_%03d.hdr",
-        "set of pictures in a sum",
+        "set of pictures is a factor in a sum",
     ),
     "factor is no matrix": (
         nothing,

@@ -223,7 +223,7 @@ def test_a_layer_is_packaged_for_a_scene(call, room, slats):
     [
         (["diffuser.xml", "-o", "x.rad"], "diffuser.xml: the BSDF file has no width"),
         (["ball.xml", "--xform", "-t 0"], "3 number(s) expected"),
-        (["ball.xml", "--xform", "spin"], "an option of xform expected"),
+        (["ball.xml", "--xform", "spin"], "options of xform expected"),
     ],
 )
 def test_what_cannot_be_packaged_is_told(call, slats, words, message):

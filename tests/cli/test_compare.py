@@ -85,7 +85,7 @@ def test_two_simulations_stand_side_by_side(call, room, run):
     [
         (
             ["measured.csv"],
-            "no simulation; argument SIMULATED",
+            "no simulation is given",
         ),
         (["measured.csv", "run", "--name", "a", "--name", "b"], "2 names for 1"),
         (["missing.csv", "run"], "cannot be read"),
@@ -134,4 +134,4 @@ def test_an_unknown_ending_is_refused(call, room):
     (room / "a.dwg").write_text("")
     outcome = call("import", "a.dwg", "-o", "out")
     assert outcome.status == 2
-    assert 'extension ".dwg"; one of .hbjson' in outcome.err
+    assert "extension is '.dwg'; one of .hbjson" in outcome.err

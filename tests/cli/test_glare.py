@@ -116,7 +116,7 @@ def test_a_check_picture_shows_the_sources(call, desk):
     assert shown[-21, 45, 0] < 0.05 < shown[-21, 45, 2]
     outcome = call("glare", desk, desk, "-c", "check.hdr")
     assert outcome.status == 2
-    assert "--check with 2 pictures" in outcome.err
+    assert "--check is given with 2 pictures" in outcome.err
 
 
 def test_a_mask_marks_the_window(call, desk):
@@ -151,7 +151,7 @@ def test_pictures_become_a_year(call, desk):
         (("blind.hdr", "--view", "-vtl -vh 2 -vv 2"), "a parallel view"),
         (("torn.hdr",), "torn.hdr"),
         (("desk.hdr", "-t", "500", "1", "0.1"), "a pixel of the picture expected"),
-        (("desk.hdr", "-r", "0"), "merge angle 0.0; above 0"),
+        (("desk.hdr", "-r", "0"), "merging angle is 0 rad; a positive number"),
     ],
 )
 def test_bad_input_is_told_in_one_line(call, desk, words, message):

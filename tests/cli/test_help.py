@@ -117,7 +117,7 @@ def test_help_loads_neither_numpy_nor_the_packages_of_a_command():
         ("common:Encoding", "matrix.radiance_format:Encoding"),
         ("common:Function", "bsdf.scattering_function:Function"),
         ("gonio:Symmetry", "gonio.symmetry:Symmetry"),
-        ("photograph:Mapping", "image.fisheye_lens:Mapping"),
+        ("picture:Mapping", "image.fisheye_lens:Mapping"),
     ],
 )
 def test_choices_are_those_of_the_packages(ours, theirs):

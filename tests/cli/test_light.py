@@ -78,8 +78,11 @@ def test_window_emitters_are_written_to_a_file(call, room):
     ("words", "complaint"),
     [
         (("--sky", "genbox a b 1 1 1"), "gensky or gendaylit expected"),
-        (("--sky", SKY, "--time", "2023-06-21T12:00"), "either --sky, or --time"),
-        (("--time", "noon", "--weather", "two_days.wea"), "--time noon; a date"),
+        (
+            ("--sky", SKY, "--time", "2023-06-21T12:00"),
+            "--sky, or --time with --weather",
+        ),
+        (("--time", "noon", "--weather", "two_days.wea"), "--time is noon; a time"),
         (
             ("--time", "2023-06-21T00:30", "--weather", "two_days.wea"),
             "no light from the sky",

@@ -90,15 +90,18 @@ def test_convert_keeps_values(call, pictures):
     [
         ("info nothing.hdr", "nothing.hdr: cannot be read"),
         ("info room.rad", "room.rad: not a picture"),
-        ("tonemap ramp.hdr -o a.gif", '"a.gif"; a name ending in .png'),
+        ("tonemap ramp.hdr -o a.gif", "extension of a.gif is '.gif'; one of .png"),
         ("tonemap ramp.hdr --white 5 -o a.png", "filmic or linear expected"),
         ("falsecolour ramp.hdr --palette rainbows -o a.png", 'palette "rainbows"'),
-        ("falsecolour ramp.hdr --log 2 --from 3 -o a.png", "--from with --log"),
+        (
+            "falsecolour ramp.hdr --log 2 --from 3 -o a.png",
+            "--from is given with --log",
+        ),
         ("sum ramp.hdr flat.exr --weight 1 -o a.hdr", "1 weights for 2 pictures"),
-        ("reduce ramp.hdr -o a.hdr", "either --factor or --size"),
+        ("reduce ramp.hdr -o a.hdr", "one of --factor and --size"),
         ("crop ramp.hdr --corner 0 0 --size 99 9 -o a.hdr", "within 40 × 30"),
-        ("convert ramp.hdr --half -o a.hdr", "--half is for .exr"),
-        ("convert ramp.hdr -o a.tif", ".hdr, .pic or .exr expected"),
+        ("convert ramp.hdr --half -o a.hdr", "--half needs an .exr file"),
+        ("convert ramp.hdr -o a.tif", ".hdr, .pic, .exr expected"),
     ],
 )
 def test_errors_are_one_line_and_tell_what_was_expected(call, pictures, words, message):

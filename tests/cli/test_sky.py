@@ -206,7 +206,10 @@ def test_a_description_tells_repairs_and_doubts(call):
 BAD = {
     "two parts": (f"{MATRIX} --sun-only --no-direct", "both --sun-only and"),
     "luminance of heat": (f"{MATRIX} --luminance --solar", "both --luminance and"),
-    "time and days": (f"{MATRIX} --time 06-21T12:00 --from 01-01", "both --time and"),
+    "time and days": (
+        f"{MATRIX} --time 06-21T12:00 --from 01-01",
+        "--time is given with --from",
+    ),
     "no such day": (f"{MATRIX} --from 02-01 --to 02-02", "no weather from"),
     "not a day": (f"{MATRIX} --from 2-1", "MM-DD expected"),
     "no such moment": (f"{MATRIX} --time 02-01T12:00", "no weather at"),
@@ -225,7 +228,7 @@ BAD = {
     "unknown sky": ("sky vector foggy --sun 40 0 -o S.vec", "unknown sky 'foggy'"),
     "perez without sun": (
         "sky vector perez --sun 40 0 --diffuse 9 -o S.vec",
-        "both options expected",
+        "is missing; both expected",
     ),
     "general sky without level": ("sky vector 3 --sun 40 0 -o S.vec", "sky 3 without"),
 }

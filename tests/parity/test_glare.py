@@ -10,15 +10,17 @@ from radiance import run
 
 from clerestory.glare.brs import brs_glare_index
 from clerestory.glare.cgi import cgi
-from clerestory.glare.cropped_picture import SeenRows
 from clerestory.glare.detection_criteria import SourceRules, Zone
 from clerestory.glare.dgi import dgi
-from clerestory.glare.evaluate import evaluate_glare, eye_of
-from clerestory.glare.field_luminance import field_luminances
+from clerestory.glare.evaluate import SeenRows, evaluate_glare, eye_of
 from clerestory.glare.glarendx import weighted_solid_angle
 from clerestory.glare.imageless import position_of
+from clerestory.glare.luminance_statistics import (
+    band,
+    field_luminances,
+    region_statistics,
+)
 from clerestory.glare.pgsv import contrast_pgsv, pgsv, saturation_pgsv
-from clerestory.glare.region_statistics import band, region_statistics
 from clerestory.glare.source_table import GlareSources
 from clerestory.glare.ugr import ugr
 from clerestory.glare.vcp import dgr, vcp

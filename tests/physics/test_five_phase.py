@@ -305,13 +305,13 @@ def test_skies_of_other_times_are_refused(device):
     frosted = lambertian(0.6, klems("full"))
     parts, sky, suns = phases(scene, south, frosted, points, noon, device, samples=64)
     later = sky_matrix(one, subdivision=4, include="sun")
-    with pytest.raises(MatrixError, match="same steps expected"):
+    with pytest.raises(MatrixError, match="equal steps expected"):
         five_phase([parts], sky, later, suns)
 
 
 def test_window_that_is_not_there_is_refused():
     scene, south = box(4, 5, 3, 0.5)
-    with pytest.raises(InputError, match="no window 'north'; one of south expected"):
+    with pytest.raises(InputError, match="window is 'north'; one of south expected"):
         sun_coefficients(
             scene, [south], "north", clear_air(),
             sensors=sensor((2, 2, 1), (0, 0, 1)), suns=towards(180, 45)[None],

@@ -20,7 +20,7 @@ from clerestory.phases.matrix_equation import (
     WindowMatrices,
     window_chain,
 )
-from clerestory.phases.methods import METHODS, five_phase, three_phase_sum, two_phase
+from clerestory.phases.methods import METHODS, five_phase, three_phase
 from clerestory.phases.sun_coefficients import blackened, sun_coefficients
 from clerestory.phases.unscattered_light import (
     unscattered_coefficients,
@@ -83,7 +83,9 @@ def test_the_sun_patch_of_an_open_window_is_sharp(device):
     edge = 3 * -sun[1] / sun[2]
     sunny = sensors.position[:, 1] < edge
     assert sunny.tolist() == [True, True, False, False]
-    sky = two_phase(C, sky_matrix(weather, include="sky"))
+    terms = METHODS["2-phase"].terms(corrected=False)
+    skies = Skies(sky_matrix(weather, include="sky"))
+    sky = illuminance([WindowMatrices(MatrixChain((C,)))], terms, skies)
     beam = suns.direct_normal.max() * 179 * sun[2]
     expected = sky["illuminance"].values[:, 0] + beam * sunny
     error = found["standard_error"].values[:, 0]
@@ -220,7 +222,7 @@ def test_a_study_of_four_phases_is_the_python_route(facade_study, tmp_path):
     assert data["state"].values.tolist() == [states[0].tolist()]
     whole = python_route(file.parent, direct=False, device="cpu")
     sky = sky_matrix(weather, subdivision=1)
-    expected = three_phase_sum([WindowMatrices(whole)], sky, states)
+    expected = three_phase([WindowMatrices(whole)], sky, states)
     agree(data, expected)
     shaded = expected["illuminance"].values[:, 12:14].mean(axis=0)
     assert np.all(shaded > 0)

@@ -11,7 +11,8 @@ import pytest
 from clerestory.bsdf.analytic import lambertian
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.hemisphere.klems import klems
-from clerestory.sky.solar_position import sun_position
+from clerestory.sky.solar_position import sun_at
+from clerestory.sky.weather import Site
 from clerestory.study.config import read_study
 from clerestory.study.inputs import read_inputs
 from clerestory.study.sunlight_exposure import sunlight
@@ -82,7 +83,7 @@ def declination(day):
     """Declination of the sun, from its greatest altitude at 48°, 42° + δ."""
     minutes = np.arange(600, 840).astype("timedelta64[m]")
     times = (np.datetime64(f"2023-{day}") + minutes).astype("datetime64[s]")
-    sun = sun_position(times, latitude_deg=48, longitude_deg=15, utc_offset_hours=1)
+    sun = sun_at(Site(48, 15, 1), times)
     return float(sun.altitude.max() + LATITUDE - np.pi / 2)
 
 

@@ -5,6 +5,7 @@ angles of the overlaps of incident and of exit patches. This conserves flux.
 """
 
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Float
@@ -96,17 +97,17 @@ def reciprocal_mean(bsdf: Bsdf) -> Bsdf:
 
 
 def full_tree(
-    value: Float[np.ndarray, "incident leaving"], halvings: int
+    value: Float[np.ndarray, "..."], halvings: int, *, rank: Literal[3, 4] = 4
 ) -> ScatteringTree:
-    """Convert a full grid of cells to a rank 4 tensor tree.
+    """Convert a full grid of cells to a tensor tree.
 
     `value`: BSDF [1/sr] of the smallest cells, in row-major order; incident cells are
     indexed by the direction of propagation.
     """
     # Store the branches of all levels, then the values in Morton order
-    upper = level_slots(full_levels(4, halvings), 4)
-    leaves = float_bits(value.ravel()[morton_order(4, halvings)])
-    return ScatteringTree(np.concatenate([*upper, leaves]), 4, halvings)
+    upper = level_slots(full_levels(rank, halvings), rank)
+    leaves = float_bits(value.ravel()[morton_order(rank, halvings)])
+    return ScatteringTree(np.concatenate([*upper, leaves]), rank, halvings)
 
 
 def _tristimulus(bsdf: Bsdf) -> dict[tuple[str, Function], ScatteringFunction]:

@@ -58,13 +58,12 @@ class BlockEstimate:
 
     Attributes
     ----------
-    transmission, reflection : estimates of the two scattering functions
+    parts : transmission and reflection
     paths : number of traced paths
     reached : whether the target error was reached
     """
 
-    transmission: FunctionEstimate
-    reflection: FunctionEstimate
+    parts: list[FunctionEstimate]
     paths: int
     reached: bool
 
@@ -76,9 +75,8 @@ class BlockEstimator:
     Attributes
     ----------
     engine : module of the ray-tracing kernel
-    slab : geometry in the sample area, for the kernel
-    grid : angular grid of the block
-    block : index of the block
+    slab : geometry in the sample area, as lowered by the kernel
+    grid : angular grid of the tree, divided into blocks
     back : whether light is incident from the room
     weights : weight of each channel in the luminance
     """
@@ -118,7 +116,7 @@ class BlockEstimator:
             extra = _shared(risk * spent, more)
             short = not done and spent.max() >= _MOST
             if done or short or not extra.any():
-                return BlockEstimate(parts[0], parts[1], int(spent.sum()), not short)
+                return BlockEstimate(parts, int(spent.sum()), not short)
             self._trace(extra, effort)
 
     def _trace(self, extra: Indices, effort: Effort) -> None:

@@ -5,17 +5,21 @@ of bands. The three bands red, green and blue can also hold other reflectances, 
 the visible and the solar reflectance of grey materials.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Vector
 from clerestory.bands import RGB, Bands
+from clerestory.checks import require, within
 from clerestory.colorimetry import RADIANCE
-from clerestory.errors import InputError
 
 Weights = tuple[float, ...]
+
+# Reflectance or transmittance: one value for grey, or three for red, green and blue.
+Share = float | Sequence[float]
 
 # Weights of red, green and blue in the luminance.
 VISIBLE: Mapping[str, Weights] = MappingProxyType(
@@ -31,6 +35,31 @@ VISIBLE_AND_SOLAR: Mapping[str, Weights] = MappingProxyType(
 _WHITE_UV = 4 / 19, 9 / 19
 
 
+def channel_values(name: str, value: Share, solar: float | None = None) -> Vector:
+    """Return a reflectance or transmittance in the three traced channels.
+
+    With a solar value, the channels are visible, solar and solar.
+
+    >>> channel_values("reflectance", 0.5, solar=0.4).tolist()
+    [0.5, 0.4, 0.4]
+    """
+    channels = np.atleast_1d(np.asarray(value, dtype=float))
+    within(channels, name, least=0, most=1)
+    counts = (1, 3) if solar is None else (1,)
+    numbers = " or ".join(map(str, counts))
+    valid = channels.ndim == 1 and len(channels) in counts
+    require(valid, f"{name} has {channels.size} values; {numbers} expected")
+    if solar is None:
+        return np.broadcast_to(channels, 3).copy()
+    within(solar, f"solar {name}", least=0, most=1)
+    return np.array([channels[0], solar, solar])
+
+
+def system_bands(solar: float | None) -> Mapping[str, Weights]:
+    """BSDF channels that match the traced channels of `channel_values`."""
+    return dict(VISIBLE if solar is None else VISIBLE_AND_SOLAR)
+
+
 def default_weights(bands: Bands) -> Mapping[str, Weights]:
     """Default BSDF channels: "visible" and, except for RGB scenes, each scene band."""
     if bands == RGB:
@@ -44,14 +73,13 @@ def default_weights(bands: Bands) -> Mapping[str, Weights]:
 
 def check_bands(bands: Mapping[str, Weights], count: int) -> None:
     """Raise InputError unless each channel has `count` weights ≥ 0, not all zero."""
+    require(bands, 'no band; at least one band such as "visible" expected')
     for name, weights in bands.items():
-        if len(weights) != count or min(weights) < 0 or not sum(weights) > 0:
-            raise InputError(
-                f"weights {tuple(weights)} of band {name!r}; {count} non-negative"
-                " numbers, not all zero, expected"
-            )
-    if not bands:
-        raise InputError('no band; at least one band such as "visible" expected')
+        require(
+            len(weights) == count and min(weights) >= 0 and sum(weights) > 0,
+            f"weights {tuple(weights)} of band {name!r}; {count} non-negative"
+            " numbers, not all zero, expected",
+        )
 
 
 def tristimulus(

@@ -15,13 +15,8 @@ _STRIP = np.radians(3.0)
 def arc(width: float, rise: float) -> Points2:
     """Points (along, above) of a slat profile from edge to edge, with centre (0, 0).
 
-    Parameters
-    ----------
-    width : chord of the slat
-    rise : height of the middle of the slat above the chord; negative if below
+    `width` is the chord, `rise` the height of the middle above the chord.
 
-    Examples
-    --------
     >>> arc(2.0, 0.0).tolist()
     [[-1.0, 0.0], [1.0, 0.0]]
     """
@@ -47,10 +42,7 @@ def extruded(
 
     The normal of a strip has positive y where the cross-section runs towards −z.
 
-    Parameters
-    ----------
-    ends : range of x [m]
-    closed : whether to connect the last point to the first
+    `ends`: range of x [m]. `closed`: whether to connect the last point to the first.
     """
     points = [*section, section[0]] if closed else list(section)
     ring = ends[0], ends[1], ends[1], ends[0]

@@ -9,10 +9,10 @@ import math
 import numpy as np
 
 from clerestory.bsdf.product_data import Product
-from clerestory.bsdfgen.screen_geometry import sheet_with_holes, unit_cell
+from clerestory.bsdfgen.channel_weights import Share, channel_values
+from clerestory.bsdfgen.screen_geometry import sheet_with_holes
 from clerestory.bsdfgen.shading_system import System
-from clerestory.bsdfgen.system_parameters import Share, bands, channel_values
-from clerestory.errors import InputError
+from clerestory.checks import require, within
 from clerestory.scene.model import Plastic, Trans
 
 # Distance between hole centres [m]; only its ratio to the thickness affects the BSDF.
@@ -43,26 +43,19 @@ def fabric(
     >>> cloth.product.name
     'Fabric, 5.0% open'
     """
-    if not 0 <= openness < 1:
-        raise InputError(f"openness = {openness}; 0 ≤ openness < 1 expected")
-    if not 0 <= thickness <= 10:
-        raise InputError(
-            f"thickness = {thickness}; 0 to 10 times the thread distance expected"
-        )
+    require(0 <= openness < 1, f"openness is {openness}; 0 ≤ openness < 1 expected")
+    within(thickness, "thickness in thread distances", least=0, most=10)
     reflected = channel_values("reflectance", reflectance)
     passed = channel_values("diffuse_transmittance", diffuse_transmittance)
     cloth = diffuse_material("cloth", reflected, passed)
     hole = max(math.sqrt(openness), 1e-4) * _PITCH
     depth = thickness * _PITCH
-    scene = sheet_with_holes(
+    scene, area = sheet_with_holes(
         cloth, pitch=_PITCH, hole=hole, shape="square", thickness=depth, faces=1
     )
-    return System(
-        scene,
-        unit_cell(_PITCH, depth),
-        bands(solar=False),
-        Product(name=f"Fabric, {openness:.1%} open", device_type="Roller Shade"),
-    )
+    name = f"Fabric, {openness:.1%} open"
+    product = Product(name=name, device_type="Roller Shade")
+    return System(scene, area, product=product)
 
 
 def diffuse_material(
@@ -70,18 +63,12 @@ def diffuse_material(
 ) -> Plastic | Trans:
     """Return a diffuse material of given reflectance and transmittance."""
     both = reflected + passed
-    if np.any(both > 1):
-        raise InputError(
-            f"reflectance {reflected.tolist()} and transmittance {passed.tolist()};"
-            " a sum of at most 1 expected"
-        )
+    given = f"reflectance {reflected.tolist()} and transmittance {passed.tolist()}"
+    require(np.all(both <= 1), f"{given}; a sum of at most 1 expected")
     if not passed.any():
         return Plastic(name, reflected)
     part = np.divide(passed, both, out=np.full(3, -1.0), where=both > 0)
     known = part[part >= 0]
-    if np.ptp(known) > 1e-6:
-        raise InputError(
-            f"reflectance {reflected.tolist()} and transmittance {passed.tolist()}"
-            " differ in colour; the same ratio in each channel expected"
-        )
+    alike = np.ptp(known) <= 1e-6
+    require(alike, f"{given} differ in colour; equal ratios in all channels expected")
     return Trans(name, both, transmission=float(known[0]))

@@ -1,19 +1,17 @@
 """Geometry of daylighting films: prisms and mirrored channels."""
 
 import math
+from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
+from clerestory.array_types import Points2
 from clerestory.bsdf.product_data import Product
+from clerestory.bsdfgen.channel_weights import Share, channel_values
 from clerestory.bsdfgen.extrusion import extruded
-from clerestory.bsdfgen.shading_system import SampleArea, System
-from clerestory.bsdfgen.system_parameters import (
-    Share,
-    channel_values,
-    check_not_negative,
-    check_positive,
-)
-from clerestory.errors import InputError
+from clerestory.bsdfgen.shading_system import System, unit_cell
+from clerestory.checks import not_negative, positive, require, within
 from clerestory.scene.model import Dielectric, Material, Metal, Polygon, Scene
 
 # Smallest ratio of the unit cell's width and height to the thickness of the film.
@@ -46,52 +44,28 @@ def prismatic(
     >>> round(film.area.thickness * 1e3, 6)
     1.0
     """
-    check_positive(pitch=pitch)
-    check_not_negative(base=base)
+    positive(pitch, "pitch", unit="m")
+    not_negative(base, "base", unit="m")
     angles = upper_angle_deg, lower_angle_deg
-    if not (all(0 < angle <= 90 for angle in angles) and sum(angles) < 180):
-        raise InputError(
-            f"prism angles of {angles}°; angles above 0 and up to 90°, with a sum below"
-            " 180°, expected"
-        )
-    if not (index > 1 and 0 <= transmissivity <= 1):
-        raise InputError(
-            f"index = {index}, transmissivity = {transmissivity}; an index above 1"
-            " and a transmissivity from 0 to 1 expected"
-        )
+    require(
+        all(0 < angle <= 90 for angle in angles) and sum(angles) < 180,
+        f"prism angles are {angles}°; angles above 0 and up to 90°, with a sum below"
+        " 180°, expected",
+    )
     # Height of the prisms, and distance in y from groove to ridge
     up, down = (1 / math.tan(math.radians(a)) if a < 90 else 0.0 for a in angles)
     height = pitch / (up + down)
     ridge = height * down
-    depth = base + height
-    count = math.ceil(_SLENDER * depth / pitch)
-    across = count * pitch
-    ends = -0.01 * across, 1.01 * across
-    high, low = (count + 1) * pitch, -pitch
+    film = _Film(pitch, base + height, index, transmissivity)
     teeth = [
         (number * pitch + y, z)
-        for number in range(count, -2, -1)
-        for y, z in ((ridge, -depth), (0.0, -base))
+        for number in range(film.count, -2, -1)
+        for y, z in ((ridge, -film.depth), (0.0, -base))
     ]
-    saw = np.array([(high, -base), *teeth])
-    surfaces: list[Polygon] = [
-        *extruded(saw, ends=ends, material="film", name="prism"),
-        *extruded(
-            np.array([(low, 0.0), (high, 0.0)]),
-            ends=ends,
-            material="film",
-            name="sheet",
-        ),
-    ]
-    film = Dielectric("film", np.full(3, transmissivity), index)
-    corners = np.array([[0, 0, -depth], [across, across, 0]])
-    return System(
-        Scene({"film": film}, tuple(surfaces)),
-        SampleArea(corners, periodic=True),
-        product=Product(
-            name=f"Prismatic film, prisms of {angles[0]:g} and {angles[1]:g} degrees"
-        ),
-    )
+    saw = np.array([((film.count + 1) * pitch, -base), *teeth])
+    surfaces = [*film.strips(saw, "film", "prism"), *film.face("film", "sheet")]
+    name = f"Prismatic film, prisms of {angles[0]:g} and {angles[1]:g} degrees"
+    return film.system({"film": film.dielectric("film")}, surfaces, name)
 
 
 # Smallest distance from mirrors to sheet faces, as a fraction of the sheet thickness.
@@ -123,42 +97,63 @@ def mirrored_channels(
     >>> mirrored_channels().area.thickness
     0.001
     """
-    check_positive(pitch=pitch, thickness=thickness, mirror_depth=mirror_depth)
-    if mirror_depth > thickness:
-        raise InputError(
-            f"mirror_depth = {mirror_depth}; at most the thickness {thickness} expected"
-        )
-    if not (index > 1 and 0 <= transmissivity <= 1):
-        raise InputError(
-            f"index = {index}, transmissivity = {transmissivity}; an index above 1"
-            " and a transmissivity from 0 to 1 expected"
-        )
-    count = math.ceil(_SLENDER * thickness / pitch)
-    across = count * pitch
-    ends = -0.01 * across, 1.01 * across
-    high, low = across + pitch, -pitch
-    faces = (
-        np.array([(low, 0.0), (high, 0.0)]),
-        np.array([(high, -thickness), (low, -thickness)]),
+    positive([pitch, mirror_depth], "pitch or mirror_depth", unit="m")
+    shallow = mirror_depth <= thickness
+    require(
+        shallow, f"mirror_depth is {mirror_depth} m; at most the thickness expected"
     )
-    surfaces: list[Polygon] = []
-    for number, face in enumerate(faces):
-        surfaces += extruded(face, ends=ends, material="sheet", name=f"sheet{number}")
+    film = _Film(pitch, thickness, index, transmissivity)
+    high, low = (film.count + 1) * pitch, -pitch
+    back = np.array([(high, -thickness), (low, -thickness)])
+    surfaces = [*film.face("sheet", "sheet0"), *film.strips(back, "sheet", "sheet1")]
     half = min(mirror_depth, thickness * (1 - 2 * _INSET)) / 2
-    for number in range(count):
+    for number in range(film.count):
         y = (number + 0.5) * pitch
         line = np.array([(y, half - thickness / 2), (y, -half - thickness / 2)])
-        surfaces += extruded(line, ends=ends, material="mirror", name=f"mirror{number}")
-    materials: dict[str, Material] = {
-        "sheet": Dielectric("sheet", np.full(3, transmissivity), index),
-        "mirror": Metal("mirror", channel_values("reflectance", reflectance), 1.0, 0.0),
-    }
-    corners = np.array([[0, 0, -thickness], [across, across, 0]])
-    return System(
-        Scene(materials, tuple(surfaces)),
-        SampleArea(corners, periodic=True),
-        product=Product(
-            name=f"Mirrored channels of {mirror_depth * 1e3:g} mm"
-            f" every {pitch * 1e3:g} mm"
-        ),
-    )
+        surfaces += film.strips(line, "mirror", f"mirror{number}")
+    mirror = Metal("mirror", channel_values("reflectance", reflectance), 1.0, 0.0)
+    materials = {"sheet": film.dielectric("sheet"), "mirror": mirror}
+    name = f"Mirrored channels of {mirror_depth * 1e3:g} mm every {pitch * 1e3:g} mm"
+    return film.system(materials, surfaces, name)
+
+
+@dataclass(frozen=True)
+class _Film:
+    # A film with horizontal structures; lengths in metres
+    pitch: float
+    depth: float
+    index: float
+    transmissivity: float
+
+    def __post_init__(self) -> None:
+        require(self.index > 1, f"index is {self.index}; an index above 1 expected")
+        within(self.transmissivity, "transmissivity", least=0, most=1)
+
+    @property
+    def count(self) -> int:
+        """Number of structures in the unit cell."""
+        return math.ceil(_SLENDER * self.depth / self.pitch)
+
+    def strips(self, section: Points2, material: str, name: str) -> Iterator[Polygon]:
+        """Extrude a cross-section slightly beyond the unit cell."""
+        across = self.count * self.pitch
+        ends = -0.01 * across, 1.01 * across
+        return extruded(section, ends=ends, material=material, name=name)
+
+    def face(self, material: str, name: str) -> Iterator[Polygon]:
+        """The face at z = 0."""
+        high, low = (self.count + 1) * self.pitch, -self.pitch
+        return self.strips(np.array([(low, 0.0), (high, 0.0)]), material, name)
+
+    def dielectric(self, name: str) -> Dielectric:
+        """The material of the film."""
+        return Dielectric(name, np.full(3, self.transmissivity), self.index)
+
+    def system(
+        self, materials: dict[str, Material], surfaces: list[Polygon], name: str
+    ) -> System:
+        """The film as a system."""
+        side = self.count * self.pitch
+        scene = Scene(materials, tuple(surfaces))
+        area = unit_cell(side, side, self.depth)
+        return System(scene, area, product=Product(name=name))

@@ -3,10 +3,10 @@
 import numpy as np
 
 from clerestory.bsdf.product_data import Product
+from clerestory.bsdfgen.channel_weights import Share, channel_values
 from clerestory.bsdfgen.fabric import diffuse_material
-from clerestory.bsdfgen.shading_system import SampleArea, System
-from clerestory.bsdfgen.system_parameters import Share, channel_values
-from clerestory.errors import InputError
+from clerestory.bsdfgen.shading_system import System, unit_cell
+from clerestory.checks import require
 from clerestory.scene.model import Glass, Material, Polygon, Scene
 
 
@@ -38,15 +38,12 @@ def clear_pane(*, transmissivity: Share = 0.96, index: float = 1.52) -> System:
     >>> clear_pane().scene.surfaces[0].name
     'pane'
     """
-    if not index >= 1:
-        raise InputError(f"index = {index}; a refractive index of 1 or more expected")
+    require(index >= 1, f"index is {index}; a refractive index of 1 or more expected")
     glass = Glass("pane", channel_values("transmissivity", transmissivity), index)
     return _sheet(glass, "Clear pane")
 
 
 def _sheet(material: Material, name: str) -> System:
     corners = np.array([[-0.1, -0.1, 0], [1.1, -0.1, 0], [1.1, 1.1, 0], [-0.1, 1.1, 0]])
-    box = np.array([[0.0, 0, 0], [1, 1, 0]])
     scene = Scene({"pane": material}, (Polygon(corners, "pane", "pane"),))
-    area = SampleArea(box, periodic=True)
-    return System(scene, area, product=Product(name=name))
+    return System(scene, unit_cell(1.0, 1.0, 0.0), product=Product(name=name))

@@ -51,10 +51,7 @@ class HemisphericalFlux:
     """Hemispherical transmittance or reflectance of incident cells, or of exit cells
     with incident and exit directions exchanged.
 
-    Attributes
-    ----------
-    share : luminous transmittance or reflectance, 0…1
-    variance : variance of `share`
+    `share` is the luminous transmittance or reflectance, 0…1.
     """
 
     share: Float[np.ndarray, " incident"]
@@ -77,11 +74,8 @@ def preserve_flux(
     pieces : subcells by their height above the smallest cells, up to the root
     luminous : luminous BSDF of each cell [1/sr]
     light : estimated hemispherical transmittance or reflectance
-    by_leaving : whether `light` has one value per exit cell (rank 4 only) instead of
-        one value per incident cell
+    by_leaving : whether `light` has one value per exit cell (rank 4 only)
 
-    Examples
-    --------
     One cell merged from 2 × 2 incident and 2 × 2 exit cells:
 
     >>> from clerestory.bsdfgen.subcells import whole_cells
@@ -119,16 +113,8 @@ def preserve_flux_on_both_sides(
 ) -> list[Subcells]:
     """Subdivide rank 4 cells so that the flux of incident and exit cells is preserved.
 
-    Parameters
-    ----------
-    pieces : subcells by their height above the smallest cells, up to the root
-    luminous : luminous BSDF of each cell [1/sr]
-    incident, leaving : hemispherical transmittance or reflectance of incident and of
-        exit cells
-
-    Examples
-    --------
-    One cell merged from exit cells of different brightness:
+    See `preserve_flux`; `incident` and `leaving` have the transmittance or reflectance
+    of incident and of exit cells. One cell merged from exit cells of different BSDF:
 
     >>> from clerestory.bsdfgen.subcells import whole_cells
     >>> one = whole_cells(np.array([0]), np.array([1]), depth=1)

@@ -25,10 +25,11 @@ from clerestory.bsdfgen.shading_system import SampleArea, System, area_of
 from clerestory.bsdfgen.trace_matrices import trace_matrices
 from clerestory.bsdfgen.trace_request import TraceRequest
 from clerestory.bsdfgen.trace_trees import trace_trees
+from clerestory.checks import one_of, require, within
 from clerestory.engine import device as devices
 from clerestory.engine.effort import EffortKeywords, effort_of
 from clerestory.engine.work_units import Goal
-from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.errors import ClerestoryWarning
 from clerestory.hemisphere.klems import klems
 from clerestory.scene.model import Scene
 
@@ -125,29 +126,26 @@ def generate_bsdf(
     )
     system = _system(scene, area, periodic, bands, name)
     check_bands(system.bands, len(system.scene.bands))
-    if colour and system.scene.bands != RGB:
-        raise InputError(
-            f"colour requested for a scene in {system.scene.bands}; a scene in {RGB}"
-            " expected"
-        )
-    if not 2 <= halvings <= _DEEPEST:
-        raise InputError(f"{halvings} halvings; 2 to {_DEEPEST} expected")
-    if sides not in _BACKS:
-        raise InputError(f"sides {sides!r}; both, front or back expected")
-    if not 0 <= reduction < 100:
-        raise InputError(f"reduction by {reduction} %; 0 ≤ reduction < 100 % expected")
+    require(
+        not colour or system.scene.bands == RGB,
+        f"colour requested for a scene in {system.scene.bands}; a scene in {RGB}"
+        " expected",
+    )
+    within(halvings, "halvings", least=2, most=_DEEPEST)
+    one_of(sides, "sides", choices=_BACKS)
+    require(
+        0 <= reduction < 100,
+        f"reduction is {reduction} %; 0 ≤ reduction < 100 expected",
+    )
     for doubt in check_system(system.scene, system.area):
         warnings.warn(doubt, ClerestoryWarning, stacklevel=2)
     product = _product(system, geometry)
-    request = TraceRequest(
-        system.area, _BACKS[sides], system.bands, colour, effort, symmetry
-    )
+    request = TraceRequest(system, _BACKS[sides], colour, effort, symmetry)
     if basis in ("tree3", "tree4"):
         engine = devices.load(effort.device, "sample_area_tree")
-        rank = int(basis[-1])
-        traced = trace_trees(engine, system.scene, request, rank=rank, depth=halvings)
+        traced = trace_trees(request, engine, rank=int(basis[-1]), depth=halvings)
     else:
-        traced = trace_matrices(system.scene, klems(basis), request)
+        traced = trace_matrices(request, klems(basis))
     if not traced.reached:
         warnings.warn(
             f"the relative error {effort.relative_error} was not reached after"
@@ -155,7 +153,7 @@ def generate_bsdf(
             ClerestoryWarning,
             stacklevel=2,
         )
-    functions = dict(traced.functions)
+    functions = traced.functions
     if reciprocal:
         functions = reciprocal_with_errors(functions)
     if basis == "tree4":

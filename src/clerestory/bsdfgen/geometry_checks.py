@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from clerestory.bsdfgen.shading_system import SampleArea
-from clerestory.errors import InputError
+from clerestory.checks import require
 from clerestory.scene.model import Dielectric, Interface, Scene, Surface
 from clerestory.scene.surface import extent
 from clerestory.scene.tessellate import Mesh, meshes
@@ -42,11 +42,11 @@ def check_system(scene: Scene, area: SampleArea) -> tuple[str, ...]:
     if not scene.surfaces:
         return ()
     low, high = scene.bounds()
-    if low[2] >= 0 and high[2] > _IN_ROOM:
-        raise InputError(
-            f"all surfaces lie in the room, at z ≥ {low[2]:.4g} m; a system at z ≤ 0,"
-            " with z pointing into the room, expected"
-        )
+    require(
+        low[2] < 0 or high[2] <= _IN_ROOM,
+        f"all surfaces lie in the room, at z ≥ {low[2]:.4g} m; a system at z ≤ 0,"
+        " with z pointing into the room, expected",
+    )
     return (
         *_units(scene),
         *_in_room(scene),
@@ -193,15 +193,12 @@ def _overlap(
 def surface_label(surface: Surface) -> str:
     """File, line, type and name of a surface as text.
 
-    >>> import numpy as np
     >>> from clerestory.scene.model import Sphere
     >>> surface_label(Sphere(np.zeros(3), 1.0, False, "grey", "ball"))
     'sphere "ball"'
     """
-    kind = type(surface).__name__.lower()
-    place = ""
-    if surface.source is not None and surface.source.file:
-        place = f"{surface.source.file}:{surface.source.line}: "
+    kind, source = type(surface).__name__.lower(), surface.source
+    place = f"{source.file}:{source.line}: " if source and source.file else ""
     return f'{place}{kind} "{surface.name}"'
 
 
@@ -238,11 +235,7 @@ def _welded(
     place = np.round(mesh.vertices / max(distance, 1e-12)).astype(np.int64)
     _, first, which = np.unique(place, axis=0, return_index=True, return_inverse=True)
     faces = which.ravel()[mesh.faces]
-    solid = (
-        (faces[:, 0] != faces[:, 1])
-        & (faces[:, 1] != faces[:, 2])
-        & (faces[:, 2] != faces[:, 0])
-    )
+    solid = np.all(faces != np.roll(faces, 1, axis=1), axis=1)
     return mesh.vertices[first], np.where(solid[:, None], faces, 0)
 
 

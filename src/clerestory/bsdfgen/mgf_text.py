@@ -13,7 +13,7 @@ from clerestory.array_types import Values
 from clerestory.bsdfgen.shading_system import SampleArea
 from clerestory.colorimetry import RADIANCE
 from clerestory.scene.material import error_at
-from clerestory.scene.materials.highlight import Roughness
+from clerestory.scene.materials.plastic import Roughness
 from clerestory.scene.model import (
     Cone,
     Dielectric,

@@ -74,10 +74,8 @@ def mirror_flips(scene: Scene, area: SampleArea) -> tuple[Flip, ...]:
 class Orbits:
     """Groups of patches that are mirror images of each other.
 
-    Attributes
-    ----------
-    chosen : index of the traced patch of each group
-    flips : index of the mirror image of each patch, for each mirror operation
+    `chosen` are the traced patches, one of each group; `flips` the index of the mirror
+    image of each patch, for each mirror operation.
     """
 
     chosen: Int[np.ndarray, " kind"]
@@ -138,11 +136,8 @@ def _key(
     if isinstance(surface, Cone):
         ends = grid(np.stack([surface.base, surface.top]))
         radii = surface.base_radius, surface.top_radius
-        return (
-            surface.material,
-            surface.inward,
-            *sorted(zip(ends, radii, strict=True)),
-        )
+        rims = sorted(zip(ends, radii, strict=True))
+        return surface.material, surface.inward, *rims
     corners = grid(surface.vertices)
     if flip[0] * flip[1] < 0:
         corners.reverse()

@@ -54,12 +54,9 @@ def _matrix_error(
 def _tree_error(
     part: ScatteringFunction, other: ScatteringFunction | None
 ) -> ScatteringTree | None:
-    one = part.standard_error if isinstance(part, ScatteringTree) else None
-    two = other.standard_error if isinstance(other, ScatteringTree) else None
-    if one is None or two is None:
-        return None
-    back = two.reciprocal()
-    if not isinstance(back, ScatteringTree):
+    one, two = (getattr(of, "standard_error", None) for of in (part, other))
+    back = two.reciprocal() if isinstance(two, ScatteringTree) else None
+    if not (isinstance(one, ScatteringTree) and isinstance(back, ScatteringTree)):
         return None
     return combine(lambda a, b: np.hypot(a, b) / 2, one, back)
 
@@ -93,17 +90,15 @@ def error_functions(
     """Return the standard errors of functions, on the same patches or cells."""
     found: Functions = {}
     for (channel, name), part in functions.items():
+        error = getattr(part, "standard_error", None)
         if channel in ("cie-u", "cie-v"):
             continue
-        if isinstance(part, ScatteringMatrix) and part.standard_error is not None:
-            found[channel, name] = ScatteringMatrix(
-                part.standard_error, part.exits, part.incidents
-            )
-        elif isinstance(part, ScatteringTree) and part.standard_error is not None:
-            found[channel, name] = part.standard_error
-        else:
+        if error is None:
             raise InputError(
                 f"{channel} {name.replace('_', ' ')} has no standard errors;"
                 " a traced function without reduction expected"
             )
+        if isinstance(part, ScatteringMatrix):
+            error = ScatteringMatrix(error, part.exits, part.incidents)
+        found[channel, name] = error
     return found

@@ -1,22 +1,16 @@
 """Geometry of perforated sheets and woven screens."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Literal
 
 import numpy as np
 
 from clerestory.array_types import Points2, Vector2
 from clerestory.bsdf.product_data import Product
-from clerestory.bsdfgen.shading_system import SampleArea, System
-from clerestory.bsdfgen.system_parameters import (
-    Share,
-    bands,
-    channel_values,
-    check_not_negative,
-    check_positive,
-)
-from clerestory.errors import InputError
+from clerestory.bsdfgen.channel_weights import Share, channel_values, system_bands
+from clerestory.bsdfgen.shading_system import SampleArea, System, unit_cell
+from clerestory.checks import not_negative, one_of, positive, require
 from clerestory.scene.model import Cone, Material, Plastic, Polygon, Scene
 
 # Number of corners of the polygon of equal area that replaces a round hole.
@@ -52,19 +46,13 @@ def perforated(
     >>> screen.area.thickness
     0.0005
     """
-    paint = Plastic(
-        "sheet", channel_values("reflectance", reflectance, solar_reflectance)
+    rho = channel_values("reflectance", reflectance, solar_reflectance)
+    scene, area = sheet_with_holes(
+        Plastic("sheet", rho), pitch=pitch, hole=hole, shape=shape, thickness=thickness
     )
-    scene = sheet_with_holes(
-        paint, pitch=pitch, hole=hole, shape=shape, thickness=thickness
-    )
-    area = (hole / pitch) ** 2 * (math.pi / 4 if shape == "round" else 1)
-    return System(
-        scene,
-        unit_cell(pitch, thickness),
-        bands(solar=solar_reflectance is not None),
-        Product(name=f"Perforated screen, {area:.1%} open", device_type="Other"),
-    )
+    share = (hole / pitch) ** 2 * (math.pi / 4 if shape == "round" else 1)
+    product = Product(name=f"Perforated screen, {share:.1%} open", device_type="Other")
+    return System(scene, area, system_bands(solar_reflectance), product)
 
 
 def woven(
@@ -89,12 +77,9 @@ def woven(
     >>> round(woven(spacing=1e-3, thread=0.25e-3).area.thickness * 1e3, 6)
     0.5025
     """
-    check_positive(spacing=spacing, thread=thread)
-    if thread >= spacing:
-        raise InputError(f"thread = {thread}; less than the spacing {spacing} expected")
-    paint = Plastic(
-        "thread", channel_values("reflectance", reflectance, solar_reflectance)
-    )
+    positive(thread, "thread", unit="m")
+    require(thread < spacing, f"thread is {thread} m; less than the spacing expected")
+    rho = channel_values("reflectance", reflectance, solar_reflectance)
     side, radius = _COUNT * spacing, thread / 2
     layers = -1.01 * radius, -3.02 * radius
     threads = []
@@ -105,19 +90,14 @@ def woven(
             base[axis], top[axis] = -0.01 * side, 1.01 * side
             name = f"{'weft' if axis == 0 else 'warp'}{number}"
             threads.append(Cone(base, top, radius, radius, False, "thread", name))
-    open_share = (1 - thread / spacing) ** 2
+    share = (1 - thread / spacing) ** 2
+    depth = layers[0] + radius - (layers[1] - radius) + 0.01 * radius
     return System(
-        Scene({"thread": paint}, tuple(threads)),
-        unit_cell(spacing, layers[0] + radius - (layers[1] - radius) + 0.01 * radius),
-        bands(solar=solar_reflectance is not None),
-        Product(name=f"Woven screen, {open_share:.1%} open", device_type="Other"),
+        Scene({"thread": Plastic("thread", rho)}, tuple(threads)),
+        unit_cell(side, side, depth),
+        system_bands(solar_reflectance),
+        Product(name=f"Woven screen, {share:.1%} open", device_type="Other"),
     )
-
-
-def unit_cell(pitch: float, thickness: float) -> SampleArea:
-    """Return a unit cell with four holes or threads along each side."""
-    side = _COUNT * pitch
-    return SampleArea(np.array([[0, 0, -thickness], [side, side, 0]]), periodic=True)
 
 
 def sheet_with_holes(
@@ -128,17 +108,15 @@ def sheet_with_holes(
     shape: Literal["round", "square"],
     thickness: float,
     faces: Literal[1, 2] = 2,
-) -> Scene:
-    """Return a perforated sheet of one material, including the walls of the holes.
+) -> tuple[Scene, SampleArea]:
+    """Return a perforated sheet with the walls of its holes, and its unit cell.
 
     `faces`: 2 (front and back of a thick sheet), or 1 for transmitting materials.
     """
-    check_positive(pitch=pitch, hole=hole)
-    check_not_negative(thickness=thickness)
-    if hole >= pitch:
-        raise InputError(f"hole = {hole}; less than the pitch {pitch} expected")
-    if shape not in ("round", "square"):
-        raise InputError(f"shape = {shape!r}; round or square expected")
+    positive([pitch, hole], "pitch or hole", unit="m")
+    not_negative(thickness, "thickness", unit="m")
+    require(hole < pitch, f"hole is {hole} m; less than the pitch {pitch} m expected")
+    one_of(shape, "shape", choices=("round", "square"))
     rim = _rim(shape, hole)
     sides = (0.0, -thickness) if thickness > 0 and faces == 2 else (0.0,)
     surfaces: list[Polygon] = []
@@ -149,7 +127,8 @@ def sheet_with_holes(
                 surfaces += _around(middle, rim, pitch, z, number, material.name)
             if thickness > 0:
                 surfaces += _wall(middle, rim, thickness, material.name)
-    return Scene({material.name: material}, tuple(surfaces))
+    area = unit_cell(_COUNT * pitch, _COUNT * pitch, thickness)
+    return Scene({material.name: material}, tuple(surfaces)), area
 
 
 def _rim(shape: str, hole: float) -> Points2:
@@ -168,12 +147,8 @@ def _around(
     outer = pitch / 2 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
     quarter = len(rim) // 4
     for number in range(4):
-        inner = np.take(
-            rim,
-            range(number * quarter, (number + 1) * quarter + 1),
-            axis=0,
-            mode="wrap",
-        )
+        arc = range(number * quarter, (number + 1) * quarter + 1)
+        inner = np.take(rim, arc, axis=0, mode="wrap")
         flat = np.concatenate([[outer[number], outer[(number + 1) % 4]], inner[::-1]])
         flat = flat[::-1] if side else flat
         corners = np.column_stack([flat + middle, np.full(len(flat), z)])
@@ -184,10 +159,6 @@ def _wall(
     middle: Vector2, rim: Points2, thickness: float, material: str
 ) -> Iterator[Polygon]:
     for number, (a, b) in enumerate(zip(rim, np.roll(rim, -1, axis=0), strict=True)):
-        corners: Sequence[tuple[float, ...]] = [
-            (*(a + middle), 0.0),
-            (*(b + middle), 0.0),
-            (*(b + middle), -thickness),
-            (*(a + middle), -thickness),
-        ]
-        yield Polygon(np.array(corners), material, f"wall.{number}")
+        around = np.array([a, b, b, a]) + middle
+        corners = np.column_stack([around, np.array([0, 0, -1, -1]) * thickness])
+        yield Polygon(corners, material, f"wall.{number}")

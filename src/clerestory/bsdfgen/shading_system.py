@@ -13,7 +13,7 @@ from jaxtyping import Float
 from clerestory.array_types import Vector
 from clerestory.bsdf.product_data import Product
 from clerestory.bsdfgen.channel_weights import VISIBLE, Weights
-from clerestory.errors import InputError
+from clerestory.checks import require
 from clerestory.scene.model import Scene
 
 # Distance between box faces and system, relative to the size of the system.
@@ -24,19 +24,10 @@ _CLEARANCE = 1e-5
 class SampleArea:
     """A box around a shading system; rays enter and leave through its z faces.
 
-    Attributes
-    ----------
-    bounds : lower and upper corner [m]
-    periodic : whether the box is the unit cell of an infinite periodic system: rays
-        that leave through a side re-enter through the opposite side instead of being
-        lost
+    The bounds are the lower and the upper corner [m]. A periodic box is the unit cell
+    of an infinite system: rays that leave through a side re-enter through the opposite
+    side.
 
-    Raises
-    ------
-    InputError : the width or height is zero, or the depth negative
-
-    Examples
-    --------
     >>> SampleArea(np.array([[0, 0, -0.08], [1, 0.72, 0]])).thickness
     0.08
     """
@@ -48,11 +39,11 @@ class SampleArea:
         bounds = np.asarray(self.bounds, dtype=float)
         object.__setattr__(self, "bounds", bounds)
         size = bounds[1] - bounds[0]
-        if not np.all(np.isfinite(bounds)) or not (size[:2] > 0).all() or size[2] < 0:
-            raise InputError(
-                f"sample area from {bounds[0].tolist()} to {bounds[1].tolist()};"
-                " a box with positive width and height expected"
-            )
+        require(
+            np.all(np.isfinite(bounds)) and (size[:2] > 0).all() and size[2] >= 0,
+            f"sample area from {bounds[0].tolist()} to {bounds[1].tolist()};"
+            " a box with positive width and height expected",
+        )
 
     @property
     def thickness(self) -> float:
@@ -74,21 +65,24 @@ def area_from_dimensions(
     dimensions: Sequence[float], *, periodic: bool = False
 ) -> SampleArea:
     """Return the box from genBSDF's option `-dim xmin xmax ymin ymax zmin zmax`."""
-    if len(dimensions) != 6:
-        raise InputError(
-            f"{len(dimensions)} dimensions; xmin xmax ymin ymax zmin zmax expected"
-        )
+    numbers = f"{len(dimensions)} dimensions"
+    require(len(dimensions) == 6, f"{numbers}; xmin xmax ymin ymax zmin zmax expected")
     return SampleArea(np.reshape(dimensions, (3, 2)).T.astype(float), periodic)
 
 
 def area_of(scene: Scene, *, periodic: bool = False) -> SampleArea:
     """Return the bounding box of a system."""
-    if not scene.surfaces:
-        raise InputError(
-            "the scene has no surfaces; surfaces, or the dimensions of the sample area,"
-            " expected"
-        )
+    require(
+        scene.surfaces,
+        "the scene has no surfaces; surfaces, or the dimensions of the sample area,"
+        " expected",
+    )
     return SampleArea(scene.bounds(), periodic)
+
+
+def unit_cell(width: float, height: float, depth: float) -> SampleArea:
+    """Return a periodic box behind the origin."""
+    return SampleArea(np.array([[0, 0, -depth], [width, height, 0]]), periodic=True)
 
 
 @dataclass(frozen=True, eq=False)

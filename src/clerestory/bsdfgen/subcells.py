@@ -15,14 +15,7 @@ from clerestory.array_types import Indices, Mask
 
 @dataclass(frozen=True, eq=False)
 class Subcells:
-    """Subcells of one size.
-
-    Attributes
-    ----------
-    place : Morton code of each subcell on its tree level
-    cell : index of the cell that contains each subcell
-    factor : ratio of the BSDF of the subcell to the BSDF of the cell
-    """
+    """Subcells of one size: Morton code, index of the cell, ratio of BSDFs."""
 
     place: Int32[np.ndarray, " piece"]
     cell: Int32[np.ndarray, " piece"]

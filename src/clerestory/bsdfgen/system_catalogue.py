@@ -2,7 +2,6 @@
 
 import inspect
 import math
-import tomllib
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType
@@ -14,6 +13,7 @@ from clerestory.bsdfgen.flat_panes import clear_pane, diffuse_pane
 from clerestory.bsdfgen.screen_geometry import perforated, woven
 from clerestory.bsdfgen.shading_system import System
 from clerestory.bsdfgen.venetian_geometry import microlouvre, venetian
+from clerestory.documents import toml_tables
 from clerestory.errors import InputError
 from clerestory.files import read_text
 
@@ -121,12 +121,7 @@ def read_system(path: str | Path) -> System:
     >>> system.area.thickness
     0.08
     """
-    try:
-        values = tomllib.loads(read_text(path))
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError(
-            f"not TOML: {error}; a TOML file expected", file=path
-        ) from error
+    values = toml_tables(read_text(path), file=path)
     kind = values.pop("kind", None)
     if not isinstance(kind, str):
         raise InputError(

@@ -11,29 +11,27 @@ from clerestory.bsdfgen.channel_weights import tristimulus
 from clerestory.bsdfgen.mirror_symmetry import NO_MIRROR, Orbits, mirror_flips
 from clerestory.bsdfgen.trace_request import Functions, Traced, TraceRequest
 from clerestory.engine.controller import estimate
-from clerestory.engine.sample_area_jobs import SlabJob
+from clerestory.engine.matrix_jobs import SlabJob
 from clerestory.hemisphere.partition import RingPartition
-from clerestory.scene.model import Scene
 
 # Number of independent batches. Longer low-discrepancy sequences converge faster: for a
 # blind, time × variance is 1.7 times smaller with 8 batches than with 16.
 _BATCHES = 8
 
 
-def trace_matrices(
-    scene: Scene, partition: RingPartition, request: TraceRequest
-) -> Traced:
+def trace_matrices(request: TraceRequest, partition: RingPartition) -> Traced:
     """Return matrices of transmission and reflection for the requested incident sides.
 
     Only one of several mirror-image incident patches is traced.
     """
-    flips = mirror_flips(scene, request.area) if request.symmetry else NO_MIRROR
+    scene, area = request.system.scene, request.system.area
+    flips = mirror_flips(scene, area) if request.symmetry else NO_MIRROR
     orbits = Orbits.of(partition, flips)
     job = SlabJob(
         scene=scene,
-        box=request.area.slab(),
+        box=area.slab(),
         partition=partition,
-        periodic=request.area.periodic,
+        periodic=area.periodic,
         sides=request.backs,
         incidents=orbits.chosen,
         stands_for=np.bincount(orbits.kind),
@@ -55,7 +53,7 @@ def trace_matrices(
             spread = orbits.unfolded(
                 np.moveaxis(traced.components[:, :, incident, exits], 0, 1)
             )
-            for band, weights in request.bands.items():
+            for band, weights in request.system.bands.items():
                 value, error = (
                     weighted_sum(of, np.array(weights), axis=0) for of in (part, spread)
                 )
@@ -63,8 +61,7 @@ def trace_matrices(
             if request.colour:
                 xyz, errors = tristimulus(part), tristimulus(spread)
                 for band, axis in (("cie-x", 0), ("cie-z", 2)):
-                    matrix = _matrix(xyz[axis], errors[axis], partition)
-                    functions[band, name] = matrix
+                    functions[band, name] = _matrix(xyz[axis], errors[axis], partition)
     return Traced(functions, traced.paths, traced.reached)
 
 

@@ -25,16 +25,13 @@ from clerestory.bsdfgen.tree_pruning import (
     pruned_levels,
     selected_cells,
 )
-from clerestory.scene.model import Scene
 
 # Largest number of sums in a block of a rank 4 tree: smallest cells × functions ×
 # channels.
 _MOST_SUMS = 1 << 24
 
 
-def trace_trees(
-    engine: Any, scene: Scene, request: TraceRequest, *, rank: int, depth: int
-) -> Traced:
+def trace_trees(request: TraceRequest, engine: Any, *, rank: int, depth: int) -> Traced:
     """Return trees of transmission and reflection for the requested incident sides.
 
     Parameters
@@ -43,7 +40,8 @@ def trace_trees(
     rank : 3 for isotropic systems, 4 otherwise
     depth : number of tree levels below the root
     """
-    area, effort = request.area, request.effort
+    area, effort = request.system.area, request.effort
+    scene = request.system.scene
     slab = engine.lower_slab(scene, area.slab(), periodic=area.periodic)
     weights = np.array([1.0]) if slab.grey else RGB.shares
     grid = engine.Grid(rank, depth, _block(rank, depth, len(weights) + 1))
@@ -59,14 +57,10 @@ def trace_trees(
             found.append(counter.count(effort))
             paths, reached = paths + found[-1].paths, reached and found[-1].reached
         side = "back" if back else "front"
-        parts = {
-            "transmission": [counted.transmission for counted in found],
-            "reflection": [counted.reflection for counted in found],
-        }
-        del found
-        for kind in list(parts):
+        for kind in ("transmission", "reflection"):
             # Release estimates as soon as their trees are built
-            made = _trees(*_pieces(parts.pop(kind), weights, grid), grid, request)
+            blocks = [counted.parts.pop(0) for counted in found]
+            made = _trees(*_pieces(blocks, weights, grid), grid, request)
             name: Any = f"{kind}_{side}"
             functions |= {(band, name): tree for band, tree in made.items()}
     if effort.progress is not None:
@@ -149,7 +143,7 @@ def _trees(
         return ScatteringTree(held, grid.rank, grid.depth, error)
 
     made = {}
-    for band, of in request.bands.items():
+    for band, of in request.system.bands.items():
         value = weighted_sum(channels, np.array(of), axis=0).astype(np.float32)
         error = (value * relative).astype(np.float32)
         made[band] = tree(value[cell] * factor, tree(error[cell] * factor, None))

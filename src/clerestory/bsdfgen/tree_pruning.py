@@ -44,13 +44,7 @@ class NodeValues:
 
 @dataclass(frozen=True, eq=False)
 class Level:
-    """Nodes of one tree level, with flags of the nodes to split.
-
-    Attributes
-    ----------
-    light : BSDF of the nodes
-    split : whether each node is split into its children
-    """
+    """Nodes of one tree level, and whether each is split into its children."""
 
     light: NodeValues
     split: Bool[np.ndarray, " node"]
@@ -61,10 +55,7 @@ def pruned_levels(
 ) -> list[Level]:
     """Select the nodes to split, on each level from the roots to the smallest cells.
 
-    Parameters
-    ----------
-    finest : BSDF of the smallest cells
-    weights : weight of each channel in the luminance
+    `weights`: weight of each channel in the luminance.
     """
     cost = _cost(finest.mean @ weights, finest.noise, 1)
     found = [Level(finest, np.zeros(len(cost), dtype=bool))]
@@ -102,10 +93,10 @@ class Cells:
 
     Attributes
     ----------
-    value : BSDF of each cell and channel [1/sr]
-    noise : luminance variance of each cell
-    place : Morton code of each cell on its tree level
-    height : number of levels from the smallest cells up to each cell
+    value : BSDF [1/sr]
+    noise : variance of the luminous BSDF
+    place : Morton code on the tree level of the cell
+    height : number of levels above the smallest cells
     """
 
     value: Float[np.ndarray, "cell channel"]

@@ -14,16 +14,10 @@ import numpy as np
 
 from clerestory.array_types import Points2
 from clerestory.bsdf.product_data import Product
+from clerestory.bsdfgen.channel_weights import Share, channel_values, system_bands
 from clerestory.bsdfgen.extrusion import arc, extruded, rotated
 from clerestory.bsdfgen.shading_system import SampleArea, System
-from clerestory.bsdfgen.system_parameters import (
-    Share,
-    bands,
-    channel_values,
-    check_not_negative,
-    check_positive,
-)
-from clerestory.errors import InputError
+from clerestory.checks import not_negative, positive, require, within
 from clerestory.scene.model import Plastic, Polygon, Scene
 
 # Default ratio of thickness to width for slats with two different reflectances.
@@ -79,21 +73,15 @@ def venetian(
     >>> round(blind.area.thickness, 6), blind.area.periodic
     (0.056569, True)
     """
-    check_positive(slat_width=slat_width, spacing=spacing)
-    check_not_negative(thickness=thickness)
-    if not -90 <= tilt_deg <= 90:
-        raise InputError(f"tilt_deg = {tilt_deg}; -90 to 90 expected")
-    if abs(rise) > slat_width / 2:
-        raise InputError(
-            f"rise = {rise}; at most half the slat width, {slat_width / 2}, expected"
-        )
+    positive([slat_width, spacing], "slat_width or spacing", unit="m")
+    not_negative(thickness, "thickness", unit="m")
+    within(tilt_deg, "tilt_deg", least=-90, most=90)
+    within(rise, "rise", least=-slat_width / 2, most=slat_width / 2, unit="m")
     below = reflectance if reflectance_below is None else reflectance_below
     solar = solar_reflectance
     solar_below = solar if solar_reflectance_below is None else solar_reflectance_below
-    if solar is None and solar_below is not None:
-        raise InputError(
-            "solar_reflectance_below without solar_reflectance; both expected"
-        )
+    known = solar is not None or solar_below is None
+    require(known, "solar_reflectance_below without solar_reflectance; both expected")
     upper, lower = (
         Plastic(name, channel_values(what, value, band), specularity, roughness)
         for name, what, value, band in (
@@ -127,18 +115,20 @@ def venetian(
         surfaces += rotated(strips) if vertical else strips
     if not alike:
         surfaces = [_painted(s, len(section) // 2) for s in surfaces]
-    size = layout.slats * spacing, layout.across
+    name = (
+        f"{'Vertical' if vertical else 'Horizontal'} blind, slats of"
+        f" {slat_width * 1e3:g} mm every {spacing * 1e3:g} mm at {tilt_deg:g} degrees"
+    )
+    materials = {"upper": upper} if alike else {"upper": upper, "lower": lower}
+    corner = np.array([layout.across, layout.slats * spacing, 0.0])
+    low = np.array([0, 0, -depth])
+    if vertical:
+        low, corner = low - [0, corner[0], 0], corner[[1, 2, 2]]
     return System(
-        Scene(
-            {"upper": upper} if alike else {"upper": upper, "lower": lower},
-            tuple(surfaces),
-        ),
-        _area(*size, depth, vertical=vertical, periodic=slats is None),
-        bands(solar=solar is not None),
-        Product(
-            name=_name(slat_width, spacing, tilt_deg, vertical=vertical),
-            device_type="Venetian Blinds",
-        ),
+        Scene(materials, tuple(surfaces)),
+        SampleArea(np.stack([low, corner]), periodic=slats is None),
+        system_bands(solar),
+        Product(name=name, device_type="Venetian Blinds"),
     )
 
 
@@ -159,12 +149,10 @@ def _cell(spacing: float, depth: float, reach: float) -> _Layout:
 
 
 def _sample(spacing: float, slats: int, length: float | None) -> _Layout:
-    if not (float(slats).is_integer() and 1 <= slats <= _MOST_SLATS):
-        raise InputError(
-            f"slats = {slats}; a whole number from 1 to {_MOST_SLATS} expected"
-        )
+    whole = float(slats).is_integer() and 1 <= slats <= _MOST_SLATS
+    require(whole, f"slats is {slats}; a whole number from 1 to {_MOST_SLATS} expected")
     across = slats * spacing if length is None else length
-    check_positive(length=across)
+    positive(across, "length", unit="m")
     return _Layout(int(slats), 0, across, (0.0, across))
 
 
@@ -186,23 +174,6 @@ def _painted(strip: Polygon, half: int) -> Polygon:
     number = int(strip.name.rpartition(".")[2])
     lower = number >= half
     return Polygon(strip.vertices, "lower" if lower else "upper", strip.name)
-
-
-def _area(
-    high: float, wide: float, depth: float, *, vertical: bool, periodic: bool
-) -> SampleArea:
-    low, far = np.array([0, 0, -depth]), np.array([wide, high, 0.0])
-    if vertical:
-        low, far = np.array([0, -wide, -depth]), np.array([high, 0, 0.0])
-    return SampleArea(np.stack([low, far]), periodic)
-
-
-def _name(width: float, spacing: float, tilt_deg: float, *, vertical: bool) -> str:
-    kind = "Vertical" if vertical else "Horizontal"
-    return (
-        f"{kind} blind, slats of {width * 1e3:g} mm every {spacing * 1e3:g} mm"
-        f" at {tilt_deg:g} degrees"
-    )
 
 
 def microlouvre(
@@ -230,15 +201,18 @@ def microlouvre(
     >>> round(louvre.area.thickness * 1e3, 3)
     1.25
     """
-    check_positive(depth=depth, thickness=thickness)
-    if not (0 < cutoff_deg < 90 and abs(tilt_deg) < 90):
-        raise InputError(
-            f"cutoff_deg = {cutoff_deg}, tilt_deg = {tilt_deg}; a cut-off angle"
-            " between 0 and 90° and a tilt between -90 and 90° expected"
-        )
+    require(
+        0 < cutoff_deg < 90 and abs(tilt_deg) < 90,
+        f"cutoff_deg is {cutoff_deg} and tilt_deg {tilt_deg}; a cut-off angle between"
+        " 0 and 90° and a tilt between -90 and 90° expected",
+    )
+    # At the cut-off angle the projections of adjacent bars along the ray just touch
+    cutoff = math.radians(cutoff_deg)
+    turn = cutoff + math.radians(tilt_deg)
+    across = depth * abs(math.sin(turn)) + thickness * abs(math.cos(turn))
     louvre = venetian(
         slat_width=depth,
-        spacing=_spacing(depth, thickness, math.radians(cutoff_deg), tilt_deg),
+        spacing=across / math.cos(cutoff),
         tilt_deg=tilt_deg,
         thickness=thickness,
         reflectance=reflectance,
@@ -249,10 +223,3 @@ def microlouvre(
         f" cut-off {cutoff_deg:g} degrees"
     )
     return replace(louvre, product=Product(name=name))
-
-
-def _spacing(depth: float, thickness: float, cutoff: float, tilt_deg: float) -> float:
-    # At the cut-off angle the projections of adjacent bars along the ray just touch
-    turn = cutoff + math.radians(tilt_deg)
-    across = depth * abs(math.sin(turn)) + thickness * abs(math.cos(turn))
-    return across / math.cos(cutoff)

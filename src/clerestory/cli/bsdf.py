@@ -1,5 +1,6 @@
 """`clerestory bsdf`: descriptions, quality checks and figures of BSDF files."""
 
+from functools import partial
 from pathlib import Path
 
 import typer
@@ -9,6 +10,7 @@ from clerestory.bsdf.quality_checks import check as check_bsdf
 from clerestory.bsdf.quality_finding import Finding
 from clerestory.bsdf.xml_insertion import insert_blocks
 from clerestory.bsdf.xml_reader import read_bsdf
+from clerestory.checks import require
 from clerestory.cli.angle_pair import angle_pair
 from clerestory.cli.bsdf_report import (
     comparison_lines,
@@ -16,6 +18,7 @@ from clerestory.cli.bsdf_report import (
     findings_json,
     info_lines,
 )
+from clerestory.cli.progress import say
 from clerestory.cli.requests import bsdf as requests
 from clerestory.errors import InputError
 from clerestory.report.bsdf_plot import (
@@ -32,8 +35,7 @@ _UNREADABLE = 2
 
 def info(request: requests.BsdfInfo) -> None:
     """Print a description of a BSDF file."""
-    for line in info_lines(read_bsdf(request.file)):
-        typer.echo(line)
+    say(*info_lines(read_bsdf(request.file)))
 
 
 def check(request: requests.CheckBsdf) -> int:
@@ -50,8 +52,7 @@ def check(request: requests.CheckBsdf) -> int:
         if reason:
             typer.echo(" ".join(reason.split()), err=True)
         elif not request.as_json:
-            for line in finding_lines(file, findings, all_of_them=request.every):
-                typer.echo(line)
+            say(*finding_lines(file, findings, all_of_them=request.every))
     if any(reason for _, _, reason in reports):
         return _UNREADABLE
     return int(any(f.matters for _, findings, _ in reports for f in findings))
@@ -65,15 +66,13 @@ def plot(request: requests.PlotBsdf) -> None:
 def compare(request: requests.CompareBsdfs) -> None:
     """Print the differences of BSDFs from the first, and draw all BSDFs."""
     files, drawing = request.files, request.drawing
-    if len(files) < 2:
-        raise InputError("one BSDF file; two or more expected")
+    require(len(files) > 1, "one BSDF file is given; two or more expected")
     bsdfs = [read_bsdf(file) for file in files]
     for file, bsdf in zip(files[1:], bsdfs[1:], strict=True):
         result = compare_bsdfs(
             bsdfs[0], bsdf, function=drawing.function, channel=drawing.channel
         )
-        for line in comparison_lines(result, (str(files[0]), str(file))):
-            typer.echo(line)
+        say(*comparison_lines(result, (str(files[0]), str(file))))
     if request.output is not None:
         _draw(files, request.output, drawing)
 
@@ -81,45 +80,42 @@ def compare(request: requests.CompareBsdfs) -> None:
 def view(request: requests.ViewBsdf) -> None:
     """Write an interactive view of a BSDF."""
     write_view(read_bsdf(request.file), request.output)
-    size = request.output.stat().st_size / 1e6
-    typer.echo(f"{request.output}: {size:.1f} MB")
+    say(f"{request.output}: {request.output.stat().st_size / 1e6:.1f} MB")
 
 
 def insert(request: requests.InsertBsdf) -> None:
     """Insert BSDF data into a template file, and check that the result can be read."""
     source, template, output = request.source, request.template, request.output
     wanted = [name.strip() for name in request.channels.split(",") if name.strip()]
+    channel = request.source_channel
     result = insert_blocks(
-        source,
-        template,
-        output,
-        channels=wanted,
-        source_channel=request.source_channel,
+        source, template, output, channels=wanted, source_channel=channel
     )
     read_bsdf(output)
-    typer.echo(f"{output}: {', '.join(result.blocks)} from {source}")
+    say(f"{output}: {', '.join(result.blocks)} from {source}")
     if result.kept:
-        typer.echo(f"{output}: {', '.join(result.kept)} as in {template}")
+        say(f"{output}: {', '.join(result.kept)} as in {template}")
 
 
 def _draw(files: list[Path], output: Path, drawing: requests.Drawing) -> None:
     figure_format(output)
-    function, channel = drawing.function, drawing.channel
+    function = drawing.function
     directions = [patch_direction(k, function) for k in drawing.patch or []]
     directions += [
         direction_from_angles(*angle_pair(text), function)
         for text in drawing.source or []
     ]
-    bsdfs = [read_bsdf(file) for file in files]
-    names = [file.stem for file in files]
-    if drawing.curve:
-        figure = share_figure(bsdfs, function=function, channel=channel, names=names)
-    else:
-        figure = lobe_figure(
-            bsdfs,
-            directions or [patch_direction(0, function)],
-            function=function,
-            channel=channel,
-            names=names,
+    draw = (
+        share_figure
+        if drawing.curve
+        else partial(
+            lobe_figure, directions=directions or [patch_direction(0, function)]
         )
+    )
+    figure = draw(
+        [read_bsdf(file) for file in files],
+        function=function,
+        channel=drawing.channel,
+        names=[file.stem for file in files],
+    )
     write_figure(figure, output)

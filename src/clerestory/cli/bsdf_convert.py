@@ -11,6 +11,7 @@ from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.bsdf.tree_reduction import reduce_tree
 from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
+from clerestory.cli.bsdf_report import function_title
 from clerestory.cli.requests.bsdf import ConvertBsdf, ReduceBsdf
 from clerestory.errors import InputError
 from clerestory.hemisphere.klems import klems
@@ -43,15 +44,15 @@ def reduce(request: ReduceBsdf) -> None:
     for (channel, name), part in bsdf.functions.items():
         if not isinstance(part, ScatteringTree):
             raise InputError(
-                "BSDF matrix; a tensor tree expected (convert with --to tree)",
+                "contains a BSDF matrix; a tensor tree, as written by bsdf convert --to"
+                " tree, expected",
                 file=request.file,
             )
         result = reduce_tree(part, request.percent)
         functions[channel, name] = result.tree
-        title = f"{channel} {name.replace('_', ' ')}"
         typer.echo(
-            f"{title:34}{result.cells_before} cells to {result.cells_after};"
-            f" {result.moved:.2%} of diffuse light redistributed,"
+            f"{function_title(channel, name):34}{result.cells_before} cells to"
+            f" {result.cells_after}; {result.moved:.2%} of diffuse light redistributed,"
             f" direct-hemispherical values change by up to"
             f" {result.hemispherical_error:.1e}"
         )
@@ -66,5 +67,5 @@ def reduce(request: ReduceBsdf) -> None:
 def _change(before: Bsdf, after: Bsdf, channel: str, name: Function) -> str:
     # Diffuse transmittance or reflectance, which a conversion must conserve
     one, other = (bsdf.diffuse(name, channel=channel) for bsdf in (before, after))
-    title = f"{channel} {name.replace('_', ' ')}"
+    title = function_title(channel, name)
     return f"{title:34}diffuse {one:.5f} before, {other:.5f} after"

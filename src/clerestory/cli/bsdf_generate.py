@@ -2,8 +2,6 @@
 
 import time
 
-import typer
-
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.bsdfgen.channel_weights import Weights
@@ -15,11 +13,11 @@ from clerestory.bsdfgen.system_catalogue import (
     parse_parameters,
     read_system,
 )
-from clerestory.cli.progress import progress_display
-from clerestory.cli.requests.bsdf_generate import GenerateBsdf
-from clerestory.errors import InputError
+from clerestory.checks import require
+from clerestory.cli.bsdf_report import function_title
+from clerestory.cli.progress import progress_display, say
+from clerestory.cli.requests.bsdf import GenerateBsdf
 from clerestory.files import write_text
-from clerestory.options import keywords
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.rad_writer import format_rad
 
@@ -38,7 +36,7 @@ def generate(request: GenerateBsdf) -> None:
             system,
             bands=_bands(request.band),
             progress=display("BSDF"),
-            **keywords(request.tracing),
+            **vars(request.tracing),
         )
     tracing, output = request.tracing, request.output
     comment = f"clerestory bsdf generate, {tracing.basis}, seed {tracing.seed}"
@@ -50,29 +48,30 @@ def generate(request: GenerateBsdf) -> None:
             digits=4,
             comment=f"standard errors of the values in {output.name}",
         )
-    if not request.quiet:
-        for line in _summary(bsdf):
-            typer.echo(f"{output}: {line}")
-        typer.echo(f"done in {time.perf_counter() - begin:.1f} s")
+    lines = [f"{output}: {line}" for line in _summary(bsdf)]
+    seconds = time.perf_counter() - begin
+    say(*lines, f"done in {seconds:.1f} s", quiet=request.quiet)
 
 
 def _system(request: GenerateBsdf) -> System:
     # Shading system of the only geometry option given, with its sample area
-    files, dimensions = request.files or [], request.dimensions
-    periodic = request.periodic
-    kinds = keywords(request.kinds)
-    named = {kind: text for kind, text in kinds.items() if text is not None}
-    if bool(files) + (request.system is not None) + len(named) > 1:
-        raise InputError("several systems given; scene files or one system expected")
+    files, periodic = request.files or [], request.periodic
+    dimensions = request.dimensions
+    kinds = vars(request.kinds).items()
+    named = {kind: text for kind, text in kinds if text is not None}
+    require(
+        bool(files) + (request.system is not None) + len(named) <= 1,
+        "several systems are given; scene files or one system expected",
+    )
     if request.system is not None:
         return read_system(request.system)
     for kind, text in named.items():
         return make_system(kind, {} if text == _DEFAULTS else parse_parameters(text))
-    if not files and dimensions is None:
-        raise InputError(
-            "no system; Radiance files or an option such as --venetian"
-            " slat_width=0.08,spacing=0.072 expected"
-        )
+    require(
+        files or dimensions is not None,
+        "no system is given; Radiance files or an option such as --venetian"
+        " slat_width=0.08,spacing=0.072 expected",
+    )
     scene = read_rad(*files)
     if dimensions is None:
         return System(scene, area_of(scene, periodic=periodic))
@@ -84,12 +83,11 @@ def _bands(texts: list[str] | None) -> dict[str, Weights] | None:
     for text in texts or []:
         for name, weights in parse_parameters(text).items():
             numbers = weights if isinstance(weights, list) else [weights]
-            if len(numbers) != 3 or not all(
-                isinstance(n, int | float) for n in numbers
-            ):
-                raise InputError(
-                    f"band {text!r}; a text such as solar=0.3/0.4/0.3 expected"
-                )
+            valid = [isinstance(each, int | float) for each in numbers]
+            require(
+                valid == [True] * 3,
+                f"band is {text!r}; a text such as solar=0.3/0.4/0.3 expected",
+            )
             found[name.lower()] = tuple(map(float, numbers))
     return found or None
 
@@ -99,6 +97,5 @@ def _summary(bsdf: Bsdf) -> list[str]:
     for channel, name in bsdf.functions:
         if not channel.startswith("cie-"):
             share = bsdf.diffuse(name, channel=channel)
-            title = f"{channel} {name.replace('_', ' ')}"
-            lines.append(f"{title:28}diffuse {share:.4f}")
+            lines.append(f"{function_title(channel, name):28}diffuse {share:.4f}")
     return lines

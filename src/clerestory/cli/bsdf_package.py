@@ -21,7 +21,9 @@ def package(request: PackageBsdf) -> None:
     words = request.xform.split()
     transform, taken = parse_transform(words)
     if taken < len(words):
-        raise InputError(f"--xform {words[taken]!r}; an option of xform expected")
+        raise InputError(
+            f"--xform contains {words[taken]!r}; options of xform expected"
+        )
     bsdf = read_bsdf(file)
     name = "".join(c if c.isalnum() or c in "._-" else "_" for c in file.stem)
     scene = package_bsdf(bsdf, name, transform=transform)

@@ -15,21 +15,22 @@ from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.hemisphere.klems import klems
 
 
+def function_title(channel: str, function: Function) -> str:
+    """Return channel and name of a scattering function in words."""
+    return f"{channel} {function.replace('_', ' ')}"
+
+
 def info_lines(bsdf: Bsdf) -> Iterator[str]:
     """Yield a description of a BSDF: product, bases, transmittances, reflectances."""
     product = bsdf.product
-    rows = {
-        "name": product.name,
-        "manufacturer": product.manufacturer,
-        "device type": product.device_type,
-        "channels": ", ".join(bsdf.channels),
-    }
-    for name, value in rows.items():
-        yield f"{name:22}{value or '-'}"
+    yield f"{'name':22}{product.name or '-'}"
+    yield f"{'manufacturer':22}{product.manufacturer or '-'}"
+    yield f"{'device type':22}{product.device_type or '-'}"
+    yield f"{'channels':22}{', '.join(bsdf.channels) or '-'}"
     for channel in bsdf.channels:
         for function in FUNCTIONS:
             if (channel, function) in bsdf.functions:
-                title = f"{channel} {function.replace('_', ' ')}"
+                title = function_title(channel, function)
                 yield f"{title:34}{_summary(bsdf, channel, function)}"
     for note in bsdf.notes:
         yield f"{'note':22}{note}"

@@ -1,4 +1,4 @@
-"""Commands defined by requests: a dataclass of options and a handler function.
+"""Commands declared by requests: a dataclass of options with the decorator `command`.
 
 The module of the handler is imported when the command is called, so that printing help
 imports only the requests.
@@ -8,11 +8,15 @@ import importlib
 import inspect
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, Field, dataclass, fields, is_dataclass
-from typing import Annotated, Any, get_type_hints
+from types import ModuleType
+from typing import Annotated, Any, TypeVar, dataclass_transform, get_type_hints
 
 import typer
 
-from clerestory.options import Argument, Option, description
+from clerestory.options import Argument, Option, description, options
+
+_KEY = "command"
+_Request = TypeVar("_Request", bound=type)
 
 
 @dataclass(frozen=True)
@@ -25,19 +29,23 @@ class Command:
     served_by : handler "module:function" in `clerestory.cli`, which takes the request
         and returns the exit status or None
     example : example of the arguments
+    alias : second name, which the help does not list
     """
 
     request: type
     served_by: str
-    example: str = ""
-    hidden: bool = False
+    example: str
+    name: str
+    alias: str
 
-    def add_to(self, app: typer.Typer, name: str, *, group: str = "") -> None:
+    def add_to(self, app: typer.Typer, *, group: str = "") -> None:
         """Add the command to a Typer application."""
-        words = " ".join(filter(None, ("clerestory", group, name, self.example)))
-        app.command(name, epilog=f"Example: {words}", hidden=self.hidden)(
-            self._function()
-        )
+        words = " ".join(filter(None, ("clerestory", group, self.name, self.example)))
+        for name in filter(None, (self.name, self.alias)):
+            added = app.command(
+                name, epilog=f"Example: {words}", hidden=name == self.alias
+            )
+            added(self._function())
 
     def _function(self) -> Callable[..., int | None]:
         # Typer derives the options from the signature
@@ -45,32 +53,45 @@ class Command:
             module, _, function = self.served_by.partition(":")
             served_by = importlib.import_module(f"clerestory.cli.{module}")
             status: int | None = getattr(served_by, function)(
-                assemble(self.request, given)
+                _assemble(self.request, given)
             )
             return status
 
-        parameters = list(option_parameters(self.request))
+        parameters = list(_parameters(self.request))
         call.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
         call.__annotations__ = {p.name: p.annotation for p in parameters}
         call.__doc__ = self.request.__doc__
         return call
 
 
-def option_parameters(request: Any) -> Iterator[inspect.Parameter]:
-    """Yield a parameter with Typer annotation per field, nested requests expanded.
+@dataclass_transform(frozen_default=True, kw_only_default=True)
+def command(
+    served_by: str, example: str = "", *, name: str = "", alias: str = ""
+) -> Callable[[_Request], _Request]:
+    """Make a class of options the request of a command; see `Command`.
 
-    Examples
-    --------
-    >>> from clerestory.options import option
-    >>> @dataclass(frozen=True)
-    ... class Sun:
-    ...     size: float = option(0.533, "Diameter [°].", metavar="DEG")
-    >>> [(p.name, p.default) for p in option_parameters(Sun)]
-    [('size', 0.533)]
+    The command has the name of the function that serves it, unless `name` is given.
     """
+
+    def declare(group: _Request) -> _Request:
+        title = name or served_by.partition(":")[2]
+        setattr(group, _KEY, Command(group, served_by, example, title, alias))
+        return options(group)
+
+    return declare
+
+
+def commands_of(requests: ModuleType) -> dict[str, Command]:
+    """Commands by name whose requests a module declares, in order of declaration."""
+    kept = (getattr(each, _KEY, None) for each in vars(requests).values())
+    return {each.name: each for each in kept if isinstance(each, Command)}
+
+
+def _parameters(request: Any) -> Iterator[inspect.Parameter]:
+    # A parameter with Typer annotation for each field, with groups expanded
     for each, hint in _fields(request):
         if is_dataclass(hint):
-            yield from option_parameters(hint)
+            yield from _parameters(hint)
             continue
         kind, described = description(each, hint)
         required = each.default is MISSING
@@ -82,12 +103,11 @@ def option_parameters(request: Any) -> Iterator[inspect.Parameter]:
         )
 
 
-def assemble(request: Any, given: Mapping[str, object]) -> Any:
-    """Return a request with the given values by name, including nested requests."""
+def _assemble(request: Any, given: Mapping[str, object]) -> Any:
+    # A request with the given values by name, groups included
     values = {
-        each.name: assemble(hint, given) if is_dataclass(hint) else given[each.name]
+        each.name: _assemble(hint, given) if is_dataclass(hint) else given[each.name]
         for each, hint in _fields(request)
-        if is_dataclass(hint) or each.name in given
     }
     return request(**values)
 

@@ -3,27 +3,29 @@
 from pathlib import Path
 
 import numpy as np
-import typer
 from rich.console import Console
 from rich.table import Table
 
+from clerestory.checks import require, same_length
+from clerestory.cli.progress import say
 from clerestory.cli.requests.study import Compare
-from clerestory.comparison.comparison_notes import comparison_notes
-from clerestory.comparison.comparison_tables import shares_table, write_tables
+from clerestory.comparison.comparison_output import (
+    comparison_notes,
+    shares_table,
+    write_tables,
+)
 from clerestory.comparison.logger_files import read_plain
 from clerestory.comparison.mapping import (
     read_mapping,
     read_measured_series,
     write_layout_sensors,
 )
-from clerestory.comparison.series import Series
+from clerestory.comparison.series import Series, simulated_series
 from clerestory.comparison.series_comparison import (
     Comparison,
     Rules,
     compare_series,
 )
-from clerestory.comparison.simulated_series import simulated_series
-from clerestory.errors import InputError
 from clerestory.files import make_folder
 from clerestory.report.comparison_page import write_comparison
 from clerestory.study.results import read_results
@@ -31,36 +33,30 @@ from clerestory.study.results import read_results
 
 def compare(request: Compare) -> None:
     """Compare simulations with measurements; write tables, figures and a page."""
-    measured, simulated, name = request.measured, request.simulated, request.name
-    sensors, output, quiet = request.sensors, request.output, request.quiet
+    measured, sensors, quiet = request.measured, request.sensors, request.quiet
     if sensors is not None:
         count = write_layout_sensors(sensors, read_mapping(measured))
-        if not quiet:
-            typer.echo(f"sensors: {sensors} ({count})")
+        say(f"sensors: {sensors} ({count})", quiet=quiet)
         return
-    if not simulated:
-        raise InputError(
-            "no simulation; argument SIMULATED (results or CSV files) expected"
-        )
-    if name and len(name) != len(simulated):
-        raise InputError(
-            f"{len(name)} names for {len(simulated)} simulations; one each expected"
-        )
+    simulated = request.simulated or []
+    names = request.name or [_label(path, simulated) for path in simulated]
+    require(simulated, "no simulation is given; results or CSV files expected")
+    same_length(names, simulated, "names", "simulations")
     rules = Rules(request.above, request.shift, request.coverage)
     found: list[Comparison] = []
     places: dict[str, np.ndarray] = {}
-    for number, path in enumerate(simulated):
+    for path, name in zip(simulated, names, strict=True):
         ours = _simulated(path)
         theirs = read_measured_series(measured, near=ours)
-        label = name[number] if name else _label(path, simulated)
-        found.append(compare_series(theirs, ours, name=label, rules=rules))
+        found.append(compare_series(theirs, ours, name=name, rules=rules))
         if ours.position is not None:
             places |= dict(zip(ours.names, ours.position, strict=True))
-    write_tables(found, make_folder(output))
+    output = make_folder(request.output)
+    write_tables(found, output)
     page = write_comparison(output, found, title=_title(measured), places=places)
     if not quiet:
         _tell(found)
-        typer.echo(f"page: {page.resolve().as_uri()}")
+        say(f"page: {page.resolve().as_uri()}")
 
 
 def _title(measured: Path) -> str:
@@ -78,14 +74,15 @@ def _label(path: Path, all_paths: list[Path]) -> str:
     # Name of the method if it is unique, otherwise name of the folder
     if path.suffix.lower() == ".csv":
         return path.stem
-    methods = [
-        str(read_results(each).data.attrs.get("method", ""))
-        for each in all_paths
-        if each.suffix.lower() != ".csv"
-    ]
-    own = str(read_results(path).data.attrs.get("method", ""))
+    runs = [each for each in all_paths if each.suffix.lower() != ".csv"]
+    methods = [_method(each) for each in runs]
+    own = _method(path)
     folder = path.parent.name if path.suffix == ".nc" else path.name
     return own if own and methods.count(own) == 1 else folder
+
+
+def _method(path: Path) -> str:
+    return str(read_results(path).data.attrs.get("method", ""))
 
 
 def _tell(found: list[Comparison]) -> None:
@@ -101,10 +98,9 @@ def _tell(found: list[Comparison]) -> None:
             correlation = (
                 "" if np.isnan(one.correlation) else f", r {one.correlation:.3f}"
             )
-            typer.echo(
+            say(
                 f"{comparison.name}, {group} {quantity}: bias"
                 f" {100 * one.relative_bias:+.1f} %, CV(RMSE)"
                 f" {100 * one.variation:.1f} %{correlation}, {one.count} pairs"
             )
-        for note in comparison_notes(comparison):
-            typer.echo(f"  {note}")
+        say(*(f"  {note}" for note in comparison_notes(comparison)))

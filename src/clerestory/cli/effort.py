@@ -1,21 +1,22 @@
-"""Sampling effort of a command from its options."""
+"""Sampling effort of a command from its options, with executor and progress display."""
 
-from clerestory.cli.requests.common import EffortOptions
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from clerestory.cli.progress import progress_display
+from clerestory.cli.requests.common import EffortOptions, SunEffort
+from clerestory.cluster.cluster import executor_at
 from clerestory.engine.effort import Effort
-from clerestory.engine.work_units import Executor
-from clerestory.progress import Progress
 
 
-def effort_of(
-    options: EffortOptions, executor: Executor, progress: Progress | None
-) -> Effort:
-    """Return the sampling effort set by options, with executor and progress report."""
-    return Effort(
-        samples=options.samples,
-        relative_error=options.relative_error,
-        bounces=options.bounces,
-        seed=options.seed,
-        device=options.device,
-        executor=executor,
-        progress=progress,
-    )
+@contextmanager
+def tracing(
+    options: EffortOptions | SunEffort, *, quiet: bool
+) -> Iterator[Callable[[str], Effort]]:
+    """Yield a function from the title of a job to its effort with progress display."""
+    given = dict(vars(options))
+    with (
+        executor_at(given.pop("cluster")) as executor,
+        progress_display(quiet=quiet) as display,
+    ):
+        yield lambda title: Effort(executor=executor, progress=display(title), **given)

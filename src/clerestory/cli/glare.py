@@ -3,13 +3,13 @@
 import csv
 import io
 import json
-from collections.abc import Mapping
 from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
 import typer
 
+from clerestory.checks import one_of, require
 from clerestory.cli.glare_text import (
     long_line,
     region_line,
@@ -17,17 +17,13 @@ from clerestory.cli.glare_text import (
     source_lines,
     source_rows,
 )
-from clerestory.cli.progress import progress_display
+from clerestory.cli.progress import progress_display, say
 from clerestory.cli.requests.glare import GlareRequest
-from clerestory.errors import InputError
 from clerestory.files import replace_file, write_text
 from clerestory.glare.evalglare_options import EvalglareOptions
-from clerestory.glare.field_luminance import field_luminances
-from clerestory.glare.picture_evaluation import (
-    Evaluation,
-    annual_glare_of_files,
-    evaluate_file,
-)
+from clerestory.glare.evaluate import Evaluation
+from clerestory.glare.luminance_statistics import field_luminances
+from clerestory.glare.picture_evaluation import annual_glare_of_files, evaluate_file
 from clerestory.image.picture_files import write_picture
 
 
@@ -35,10 +31,14 @@ def glare(request: GlareRequest) -> None:
     """Evaluate pictures, and print or write their glare."""
     options = _options(request)
     indices, files = options.indices, request.files
-    if indices.fill is not None and indices.illuminance is not None:
-        raise InputError("both --illuminance and --fill; one of them expected")
-    if request.check is not None and len(files) > 1:
-        raise InputError(f"--check with {len(files)} pictures; one picture expected")
+    require(
+        indices.fill is None or indices.illuminance is None,
+        "both --illuminance and --fill are given; one of them expected",
+    )
+    require(
+        request.check is None or len(files) == 1,
+        f"--check is given with {len(files)} pictures; one picture expected",
+    )
     if request.annual is not None:
         _write_annual(files, request.annual, options, quiet=request.quiet)
         return
@@ -52,12 +52,11 @@ def glare(request: GlareRequest) -> None:
                 shown = found.check_picture(colour=request.colour, show_task=show_task)
                 write_picture(shown, request.check)
             if request.form == "text":
-                for line in _text(found, request):
-                    typer.echo(line)
+                say(*_text(found, request))
             records.append({"picture": str(file), **_record(found)})
             progress((done + 1) / len(files), str(file))
     if request.form == "json":
-        typer.echo(json.dumps(records, indent=2))
+        say(json.dumps(records, indent=2))
     elif request.form == "csv":
         typer.echo(_csv(records), nl=False)
 
@@ -100,22 +99,18 @@ def _record(found: Evaluation) -> dict[str, object]:
 
 def _csv(records: list[dict[str, object]]) -> str:
     # One line per picture, without nested tables
-    flat: list[Mapping[str, object]] = [
-        {name: x for name, x in record.items() if not isinstance(x, list | dict)}
-        for record in records
-    ]
+    names = [name for name, x in records[0].items() if not isinstance(x, list | dict)]
     text = io.StringIO()
-    writer = csv.DictWriter(text, fieldnames=list(flat[0]), lineterminator="\n")
+    writer = csv.DictWriter(text, names, extrasaction="ignore", lineterminator="\n")
     writer.writeheader()
-    writer.writerows(flat)
+    writer.writerows(records)
     return text.getvalue()
 
 
 def _write_annual(
     files: list[Path], out: Path, options: EvalglareOptions, *, quiet: bool
 ) -> None:
-    if out.suffix not in (".nc", ".csv"):
-        raise InputError(f'annual file "{out}"; .nc or .csv expected')
+    one_of(out.suffix, "extension of --annual", choices=(".nc", ".csv"))
     with progress_display(quiet=quiet) as display:
         data = annual_glare_of_files(files, options, progress=display("glare"))
     if out.suffix == ".csv":
@@ -123,5 +118,4 @@ def _write_annual(
     else:
         with replace_file(out) as stream:
             stream.write(bytes(data.to_netcdf(engine="h5netcdf")))
-    if not quiet:
-        typer.echo(f"{out}: glare of {len(files)} pictures")
+    say(f"{out}: glare of {len(files)} pictures", quiet=quiet)

@@ -5,12 +5,11 @@ from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
-import typer
 
-from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.scattering_function import FUNCTIONS
 from clerestory.bsdf.xml_writer import write_bsdf
-from clerestory.cli.progress import progress_display
+from clerestory.checks import require
+from clerestory.cli.progress import progress_display, say
 from clerestory.cli.requests.glazing import GlazingInfo, StackLayers
 from clerestory.errors import InputError
 from clerestory.glazing.glazing_system import (
@@ -59,10 +58,10 @@ def stack(request: StackLayers) -> None:
                 report=display("random walk"),
             ).bsdf
     if request.output is not None:
-        _write(request.output, bsdf, system)
-    if not request.quiet:
-        for line in _figures(stacked):
-            typer.echo(line)
+        names = " | ".join(layer.name for layer in system.layers).replace("--", "-")
+        comment = f"clerestory glazing stack of {names}"
+        write_bsdf(request.output, bsdf, digits=_DIGITS, comment=comment)
+    say(*_figures(stacked), quiet=request.quiet)
     if request.thermal:
         scattering = any(not isinstance(one, Glass) for one in system.layers)
         figures = thermal_figures(
@@ -70,8 +69,7 @@ def stack(request: StackLayers) -> None:
             system.gaps,
             wavelengths="condensed" if scattering else "full",
         )
-        for line in _heat(figures):
-            typer.echo(line)
+        say(*_heat(figures))
 
 
 def info(request: GlazingInfo) -> None:
@@ -81,19 +79,18 @@ def info(request: GlazingInfo) -> None:
             for entry in read_catalogue(path):
                 number = "-" if entry.nfrc_id is None else str(entry.nfrc_id)
                 note = f"  {entry.problem}" if entry.problem else ""
-                typer.echo(f"{number:>7}  {entry.name:40}  {entry.path.name}{note}")
+                say(f"{number:>7}  {entry.name:40}  {entry.path.name}{note}")
             continue
         layer = read_layer(path)
-        for line in _about(layer):
-            typer.echo(line)
-        for line in _figures(stack_layers([layer], partition=klems("quarter"))):
-            typer.echo(line)
+        stacked = stack_layers([layer], partition=klems("quarter"))
+        say(*_about(layer), *_figures(stacked))
 
 
 def _system(files: list[Path], gap: float, gas: str) -> GlazingSystem:
     if any(path.suffix.lower() == ".toml" for path in files):
-        if len(files) > 1:
-            raise InputError("TOML file with other files; one file expected")
+        require(
+            len(files) == 1, "a TOML file is given with other files; one file expected"
+        )
         return read_system(files[0])
     layers = [read_layer(path) for path in files]
     return system_with_equal_gaps(layers, gap=Gap(gap * _MILLIMETRE, _gases(gas)))
@@ -108,16 +105,9 @@ def _gases(text: str) -> dict[str, float]:
             shares[name.strip()] = float(share) if share else 1.0
         except ValueError as error:
             raise InputError(
-                f"gas {part.strip()!r}; name and fraction such as argon=0.9 expected"
+                f"gas is {part.strip()!r}; name and fraction such as argon=0.9 expected"
             ) from error
     return shares
-
-
-def _write(path: Path, bsdf: Bsdf, system: GlazingSystem) -> None:
-    names = " | ".join(layer.name for layer in system.layers).replace("--", "-")
-    write_bsdf(
-        path, bsdf, digits=_DIGITS, comment=f"clerestory glazing stack of {names}"
-    )
 
 
 def _about(layer: Layer) -> Iterator[str]:

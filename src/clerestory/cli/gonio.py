@@ -1,19 +1,21 @@
 """`clerestory gonio`: BSDFs from goniophotometer measurements, with their errors."""
 
-import typer
+from collections.abc import Sequence
 
 from clerestory.array_types import Directions
 from clerestory.bsdf.quality_checks import check as check_bsdf
 from clerestory.bsdf.resample import reciprocal_mean
 from clerestory.bsdf.xml_writer import write_bsdf
+from clerestory.checks import require, within
 from clerestory.cli.angle_pair import angle_pair
+from clerestory.cli.bsdf_report import function_title
 from clerestory.cli.gonio_text import (
     direction_lines,
     fit_lines,
     measurement_lines,
     validation_lines,
 )
-from clerestory.cli.progress import progress_display
+from clerestory.cli.progress import progress_display, say
 from clerestory.cli.requests import gonio as requests
 from clerestory.errors import InputError
 from clerestory.gonio.angles import from_degrees
@@ -42,41 +44,26 @@ def info(request: requests.MeasurementInfo) -> int:
     for measurement in _read(request.measurement):
         coverage = measure_coverage(measurement)
         findings += len(coverage.doubts())
-        for line in measurement_lines(measurement, coverage):
-            typer.echo(line)
+        say(*measurement_lines(measurement, coverage))
     return int(findings > 0)
 
 
 def fit(request: requests.FitMeasurement) -> None:
     """Fit lobes and transport plans."""
-    with progress_display(quiet=request.quiet) as progress:
-        fits = [
-            fit_measurement(
-                measurement,
-                symmetry=request.fit.symmetry,
-                options=FitOptions(
-                    lobes=request.fit.lobes, smoothing=request.fit.smoothing
-                ),
-                processes=request.fit.processes,
-                progress=progress,
-            )
-            for measurement in _read(request.measurement)
-        ]
+    fits = _fitted(_read(request.measurement), request.fit, quiet=request.quiet)
     write_fits(request.output, fits)
-    if not request.quiet:
-        for line in fit_lines(fits):
-            typer.echo(line)
+    say(*fit_lines(fits), quiet=request.quiet)
 
 
 def check(request: requests.CrossValidation) -> None:
     """Print the errors of a cross-validation, and map them over incident directions."""
-    output = request.output
+    output, measurements = request.output, _read(request.measurement)
     if output is not None:
         figure_format(output)
-    measurements = _read(request.measurement)
-    if output is not None and len(measurements) > 1:
-        raise InputError(
-            f"files of {len(measurements)} functions; one function per figure expected"
+        require(
+            len(measurements) == 1,
+            f"the files contain {len(measurements)} functions; one function per figure"
+            " expected",
         )
     for measurement in measurements:
         with progress_display(quiet=request.quiet) as progress:
@@ -91,15 +78,13 @@ def check(request: requests.CrossValidation) -> None:
                 for smoothing in request.smoothing or [1.0]
             ]
         for result in results:
-            for line in validation_lines(result):
-                typer.echo(line)
+            say(*validation_lines(result))
         if request.more:
             symmetry = request.symmetry or measurement.symmetry
             found = recommended_directions(
                 results[0], symmetry=symmetry, count=request.more
             )
-            for line in direction_lines(found):
-                typer.echo(line)
+            say(*direction_lines(found))
         if output is not None:
             write_figure(error_figure(results[0]), output)
 
@@ -131,7 +116,7 @@ def export(request: requests.ExportBsdf) -> None:
         for channel, name in bsdf.functions:
             before, after = (b.diffuse(name, channel=channel) for b in (bsdf, mean))
             said.append(
-                f"{channel} {name.replace('_', ' ')}: diffuse {before:.5f}"
+                f"{function_title(channel, name)}: diffuse {before:.5f}"
                 f" before averaging with the reverse function, {after:.5f} after"
             )
         bsdf = mean
@@ -139,9 +124,7 @@ def export(request: requests.ExportBsdf) -> None:
     write_bsdf(request.output, bsdf, digits=_DIGITS, comment=comment)
     if not request.quiet:
         said += [str(finding) for finding in check_bsdf(bsdf) if finding.matters]
-        for line in said:
-            typer.echo(line)
-        typer.echo(f"{request.output}: {request.output.stat().st_size / 1e6:.1f} MB")
+        say(*said, f"{request.output}: {request.output.stat().st_size / 1e6:.1f} MB")
 
 
 def plot(request: requests.PlotMeasurement) -> None:
@@ -149,20 +132,12 @@ def plot(request: requests.PlotMeasurement) -> None:
     figure_format(request.output)
     scan, between = request.scan, request.between
     measurement = _read(request.measurement)[0]
-    if scan >= len(measurement.scans):
-        raise InputError(f"scan {scan}; 0 to {len(measurement.scans) - 1} expected")
-    if between and len(between) != 2:
-        raise InputError(f"option --between given {len(between)} times; twice expected")
-    with progress_display(quiet=request.quiet) as progress:
-        fitted = fit_measurement(
-            measurement,
-            symmetry=request.fit.symmetry,
-            options=FitOptions(
-                lobes=request.fit.lobes, smoothing=request.fit.smoothing
-            ),
-            processes=request.fit.processes,
-            progress=progress,
-        )
+    within(scan, "scan", least=0, most=len(measurement.scans) - 1)
+    require(
+        not between or len(between) == 2,
+        f"--between is given {len(between or [])} times; twice expected",
+    )
+    (fitted,) = _fitted([measurement], request.fit, quiet=request.quiet)
     if between:
         start, end = (_direction(text) for text in between)
         figure = between_figure(fitted.interpolant, start, end)
@@ -172,18 +147,29 @@ def plot(request: requests.PlotMeasurement) -> None:
 
 
 def _read(files: requests.MeasurementFiles) -> tuple[Measurement, ...]:
-    return read_measurement(
-        *files.files,
-        form=files.form,
-        function=files.function,
-        facing=files.facing,
-        blank=files.blank,
-        merge=files.merge,
-    )
+    how = dict(vars(files))
+    return read_measurement(*how.pop("files"), **how)
+
+
+def _fitted(
+    measurements: Sequence[Measurement], options: requests.Fit, *, quiet: bool
+) -> list[Fitted]:
+    fitted = FitOptions(lobes=options.lobes, smoothing=options.smoothing)
+    with progress_display(quiet=quiet) as progress:
+        return [
+            fit_measurement(
+                measurement,
+                symmetry=options.symmetry,
+                options=fitted,
+                processes=options.processes,
+                progress=progress,
+            )
+            for measurement in measurements
+        ]
 
 
 def _direction(text: str) -> Directions:
     theta, phi = angle_pair(text)
     if not 0 <= theta < 90:
-        raise InputError(f"direction {text!r}; θ from 0 to below 90° expected")
+        raise InputError(f"direction is {text!r}; θ from 0 to below 90° expected")
     return from_degrees(theta, phi)

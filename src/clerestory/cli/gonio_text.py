@@ -5,19 +5,32 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.cli.bsdf_report import function_title
 from clerestory.gonio.coverage import Coverage
 from clerestory.gonio.cross_validation import CrossValidation
 from clerestory.gonio.fitted_measurement import Fitted
 from clerestory.gonio.scattering_measurement import Measurement
 
-_TABLE = "{:>7}{:>7}{:>8}{:>7}{:>8}{:>9}{:>7}{:>8}"
-_ERRORS = "{:>7}{:>7}{:>9}{:>9}{:>10}{:>8}{:>8}{:>11}{:>9}"
+# Headings of the tables, and the same columns with the values of a scan
+_TABLE = "  θ [°]  φ [°]  points   to θ    gaps negative  noise    flux"
+_SCAN = (
+    "{0.scan.theta_deg:7.1f}{0.scan.phi_deg:7.1f}{0.scan.values.size:8}"
+    "{0.reach_deg:7.0f}{0.gap:8.1%}{0.negative:9.1%}{0.noise:7.0%}{0.flux:8.4f}"
+)
+_ERRORS = (
+    "  θ [°]  φ [°]     flux    error  peak [°] EMD [°]   place  elsewhere  own fit"
+)
+_PREDICTION = (
+    "{0.theta_deg:7.1f}{0.phi_deg:7.1f}{0.measured:9.4f}{0.flux_error:+9.4f}"
+    "{0.peak_deg:10.1f}{0.earth_mover_deg:8.2f}{1:>8}{0.misplaced:11.1%}"
+    "{0.fitted:9.1%}"
+)
 
 
 def measurement_lines(measurement: Measurement, coverage: Coverage) -> Iterator[str]:
     """Yield a description of a measurement and its coverage."""
-    title = measurement.function.replace("_", " ")
-    yield f"{measurement.name or 'sample'}: {measurement.channel} {title}"
+    title = function_title(measurement.channel, measurement.function)
+    yield f"{measurement.name or 'sample'}: {title}"
     yield f"  {len(coverage.scans)} incident directions, symmetry " + (
         coverage.claimed or coverage.implied or "not clear"
     )
@@ -25,22 +38,9 @@ def measurement_lines(measurement: Measurement, coverage: Coverage) -> Iterator[
         yield f"  {share:.1%} of the light differs between images if {symmetry}"
     for note in measurement.notes:
         yield f"  note: {note}"
-    yield _TABLE.format(
-        "θ [°]", "φ [°]", "points", "to θ", "gaps", "negative", "noise", "flux"
-    )
-    for report in coverage.scans:
-        yield _TABLE.format(
-            f"{report.scan.theta_deg:.1f}",
-            f"{report.scan.phi_deg:.1f}",
-            len(report.scan.values),
-            f"{report.reach_deg:.0f}",
-            f"{report.gap:.1%}",
-            f"{report.negative:.1%}",
-            f"{report.noise:.0%}",
-            f"{report.flux:.4f}",
-        )
-    for finding in coverage.doubts():
-        yield f"  finding: {finding}"
+    yield _TABLE
+    yield from (_SCAN.format(scan) for scan in coverage.scans)
+    yield from (f"  finding: {finding}" for finding in coverage.doubts())
 
 
 def fit_lines(fits: Sequence[Fitted]) -> Iterator[str]:
@@ -48,7 +48,7 @@ def fit_lines(fits: Sequence[Fitted]) -> Iterator[str]:
     for fit in fits:
         network = fit.interpolant.network
         count = [len(lobes) for lobes in network.lobes]
-        title = f"{fit.channel} {fit.function.replace('_', ' ')}"
+        title = function_title(fit.channel, fit.function)
         yield (
             f"{fit.name or 'sample'}: {title}, {fit.interpolant.symmetry},"
             f" {len(count)} directions of {min(count)} to {max(count)} lobes,"
@@ -59,30 +59,10 @@ def fit_lines(fits: Sequence[Fitted]) -> Iterator[str]:
 
 def validation_lines(validation: CrossValidation) -> Iterator[str]:
     """Yield the errors of every scan, and their medians."""
-    yield f"smoothing {validation.smoothing:g}: each scan as the others predict it"
-    yield _ERRORS.format(
-        "θ [°]",
-        "φ [°]",
-        "flux",
-        "error",
-        "peak [°]",
-        "EMD [°]",
-        "place",
-        "elsewhere",
-        "own fit",
-    )
+    yield f"smoothing {validation.smoothing:g}: each scan predicted from the others"
+    yield _ERRORS
     for scan in validation.scans:
-        yield _ERRORS.format(
-            f"{scan.theta_deg:.1f}",
-            f"{scan.phi_deg:.1f}",
-            f"{scan.measured:.4f}",
-            f"{scan.flux_error:+.4f}",
-            f"{scan.peak_deg:.1f}",
-            f"{scan.earth_mover_deg:.2f}",
-            "inside" if scan.inside else "beyond",
-            f"{scan.misplaced:.1%}",
-            f"{scan.fitted:.1%}",
-        )
+        yield _PREDICTION.format(scan, "inside" if scan.inside else "beyond")
     for inside, words in ((True, "among the others"), (False, "beyond the others")):
         count = sum(scan.inside == inside for scan in validation.scans)
         if count:
@@ -99,7 +79,7 @@ def validation_lines(validation: CrossValidation) -> Iterator[str]:
 def direction_lines(directions: Float[np.ndarray, "directions 3"]) -> Iterator[str]:
     """Yield incident directions recommended for further scans."""
     yield "directions recommended for scans, the most useful first:"
-    yield _TABLE.format("θ [°]", "φ [°]", *[""] * 6).rstrip()
+    yield _TABLE[:14]
     for x, y, z in directions:
         theta, phi = np.degrees([np.arctan2(np.hypot(x, y), z), np.arctan2(y, x)])
-        yield _TABLE.format(f"{theta:.1f}", f"{phi % 360:.1f}", *[""] * 6).rstrip()
+        yield f"{theta:7.1f}{phi % 360:7.1f}"

@@ -3,14 +3,11 @@
 import time
 from pathlib import Path
 
-import typer
-
-from clerestory.cli.effort import effort_of
-from clerestory.cli.progress import progress_display
+from clerestory.checks import require
+from clerestory.cli.effort import tracing
+from clerestory.cli.progress import say
 from clerestory.cli.render import sky_of
 from clerestory.cli.requests.render import Illum
-from clerestory.cluster.cluster import executor_at
-from clerestory.errors import InputError
 from clerestory.phases.window_emitters import precompute_illums
 from clerestory.radiance.illum_table import write_illums
 from clerestory.radiance.rad_reader import read_rad
@@ -22,34 +19,31 @@ def illum(request: Illum) -> None:
     begin = time.perf_counter()
     room = read_rad(*request.scene)
     panes = _panes(room, read_rad(*request.scene, request.panes), request.panes)
-    with (
-        executor_at(request.effort.cluster) as executor,
-        progress_display(quiet=request.quiet) as display,
-    ):
+    with tracing(request.effort, quiet=request.quiet) as effort:
         made = precompute_illums(
             room + sky_of(request.sky),
             panes,
             zone=request.zone,
             rings=request.rings,
-            effort=effort_of(request.effort, executor, display("illum")),
+            effort=effort("illum"),
         )
     files = write_illums(made, request.output)
-    if not request.quiet:
-        typer.echo(
-            f"{request.output}: {len(made.surfaces)} window emitters,"
-            f" {len(files) - 1} data files, {time.perf_counter() - begin:.1f} s"
-        )
+    say(
+        f"{request.output}: {len(made.surfaces)} window emitters,"
+        f" {len(files) - 1} data files, {time.perf_counter() - begin:.1f} s",
+        quiet=request.quiet,
+    )
 
 
 def _panes(room: Scene, both: Scene, file: Path) -> Scene:
     # Surfaces of the pane file; all their materials must be defined in the scene
     found = both.surfaces[len(room.surfaces) :]
     for surface in found:
-        if surface.material not in room.materials:
-            raise InputError(
-                f'pane "{surface.name}" has the material "{surface.material}", which is'
-                " not defined in the scene; a material of a --scene file expected",
-                file=file,
-                line=surface.source.line if surface.source else None,
-            )
+        require(
+            surface.material in room.materials,
+            f'pane "{surface.name}" has the material "{surface.material}", which is not'
+            " defined in the scene; a material of a --scene file expected",
+            file=file,
+            line=surface.source.line if surface.source else None,
+        )
     return Scene(both.materials, found)

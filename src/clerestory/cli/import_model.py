@@ -1,11 +1,13 @@
 """`clerestory import`: conversion of models of other programs to scenes and studies."""
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
-import typer
-
+from clerestory.checks import one_of, require
+from clerestory.cli.progress import say
 from clerestory.cli.requests.study import ImportModel
-from clerestory.errors import InputError
+from clerestory.errors import located
 from clerestory.formats.gltf import read_gltf
 from clerestory.formats.hbjson import read_hbjson
 from clerestory.formats.obj import read_obj
@@ -18,48 +20,39 @@ _HONEYBEE, _MESHES = (".hbjson", ".json"), (".obj", ".gltf", ".glb")
 
 def import_model(request: ImportModel) -> None:
     """Convert a model, and print the written files and the omitted objects."""
-    model, output, quiet = request.model, request.output, request.quiet
-    weather, materials = request.weather, request.materials
+    model, weather, quiet = request.model, request.weather, request.quiet
     kind = model.suffix.lower()
+    with located(file=model):
+        one_of(kind, "extension", choices=(*_HONEYBEE, *_MESHES))
     if kind in _HONEYBEE:
         read = read_hbjson(model)
-        if weather is not None and not weather.is_file():
-            raise InputError("no such file; a weather file expected", file=weather)
-        _tell(write_honeybee_model(read, output, weather=weather), quiet)
-        for left_out in () if quiet else read.unsupported:
-            typer.echo(f"left out: {left_out}")
-        return
-    if kind not in _MESHES:
-        known = ", ".join((*_HONEYBEE, *_MESHES))
-        raise InputError(f'extension "{kind}"; one of {known} expected', file=model)
-    given = MaterialMap({}) if materials is None else read_material_map(materials)
-    scene = _mesh_scene(model, kind, given, colours=materials is None)
-    _tell(write_scene(scene, output), quiet)
-
-
-def _mesh_scene(model: Path, kind: str, given: MaterialMap, *, colours: bool) -> Scene:
-    # Without a material map, the colours of the file become diffuse plastics
-    if kind == ".obj":
-        if given.up == "y":
-            raise InputError(
-                'key "up" applies only to glTF; OBJ files have z up', file=model
-            )
-        return read_obj(
-            model, materials=given.materials, colours=colours, scale=given.scale
+        require(
+            weather is None or weather.is_file(),
+            "does not exist; a weather file expected",
+            file=weather,
         )
-    return read_gltf(
-        model,
-        materials=given.materials,
-        colours=colours,
-        scale=given.scale,
-        up=given.up or "y",
-    )
+        _tell(write_honeybee_model(read, request.output, weather=weather), quiet)
+        say(*(f"left out: {each}" for each in read.unsupported), quiet=quiet)
+    else:
+        _tell(write_scene(_mesh_scene(model, request.materials), request.output), quiet)
+
+
+def _mesh_scene(model: Path, materials: Path | None) -> Scene:
+    # Without a material map, the colours of the file become diffuse plastics
+    given = MaterialMap({}) if materials is None else read_material_map(materials)
+    read: Callable[..., Scene] = partial(read_gltf, up=given.up or "y")
+    if model.suffix.lower() == ".obj":
+        require(
+            given.up != "y",
+            'key "up" is "y", but OBJ files have z up; no key expected',
+            file=materials,
+        )
+        read = read_obj
+    colours = materials is None
+    return read(model, materials=given.materials, colours=colours, scale=given.scale)
 
 
 def _tell(written: Written, quiet: bool) -> None:
-    if quiet:
-        return
-    for file in written.files:
-        typer.echo(f"wrote {file}")
+    say(*(f"wrote {file}" for file in written.files), quiet=quiet)
     if written.study is not None:
-        typer.echo(f"next: clerestory run {written.study}")
+        say(f"next: clerestory run {written.study}", quiet=quiet)

@@ -2,8 +2,7 @@
 
 from pathlib import Path
 
-import typer
-
+from clerestory.cli.progress import say
 from clerestory.cli.requests.luminaire import LuminaireInfo, PlotLuminaire
 from clerestory.formats.photometry.luminaire import Luminaire
 from clerestory.formats.photometry.read import read_luminaire
@@ -17,8 +16,7 @@ _SHOWN = {"MANUFAC": "manufacturer", "LUMINAIRE": "luminaire", "LAMP": "lamp"}
 def info(request: LuminaireInfo) -> None:
     """Print a description of photometric files."""
     for file in request.files:
-        for line in _lines(file, read_luminaire(file)):
-            typer.echo(line)
+        say(*_lines(file, read_luminaire(file)))
 
 
 def plot(request: PlotLuminaire) -> None:
@@ -31,9 +29,10 @@ def plot(request: PlotLuminaire) -> None:
 def _lines(file: Path, luminaire: Luminaire) -> list[str]:
     shape, flux = luminaire.shape, luminaire.flux()
     lines = [f"{file}: {luminaire.name}"]
-    for keyword, word in _SHOWN.items():
-        if luminaire.keywords.get(keyword):
-            lines.append(f"  {word}: {luminaire.keywords[keyword]}")
+    given = luminaire.keywords
+    lines += [
+        f"  {word}: {given[key]}" for key, word in _SHOWN.items() if given.get(key)
+    ]
     light = f"  flux: {flux:.0f} lm"
     if luminaire.lamp_lumens:
         share = flux / luminaire.lamp_lumens
@@ -41,13 +40,11 @@ def _lines(file: Path, luminaire: Luminaire) -> list[str]:
     if luminaire.watts > 0:
         light += f"; {luminaire.watts:g} W, {flux / luminaire.watts:.0f} lm/W"
     horizontal, vertical = luminaire.intensity.shape
-    lines.append(light)
-    lines.append(
+    return [
+        *lines,
+        light,
         f"  intensity: type {luminaire.photometry}, up to"
         f" {luminaire.intensity.max():.0f} cd; {horizontal} horizontal × {vertical}"
-        " vertical angles"
-    )
-    lines.append(
-        f"  luminous body: {shape.kind} {shape.x:g} × {shape.y:g} × {shape.z:g} m"
-    )
-    return lines
+        " vertical angles",
+        f"  luminous body: {shape.kind} {shape.x:g} × {shape.y:g} × {shape.z:g} m",
+    ]

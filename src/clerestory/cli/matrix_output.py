@@ -35,13 +35,3 @@ def write_sky(path: Path, sky: SkyMatrix, *, encoding: Encoding, command: str) -
         return
     shape = (len(sky.partition), len(sky.times), len(sky.bands))
     write_rows(path, sky.row_blocks(), shape=shape, encoding=encoding, command=command)
-
-
-def write_sky_luminance(
-    path: Path, sky: SkyMatrix, *, encoding: Encoding, command: str
-) -> None:
-    """Write the luminance of the patches of a sky matrix, with one component."""
-    if path.suffix.lower() == ".nc":
-        write_any_matrix(path, sky.luminance(), encoding=encoding, command=command)
-        return
-    write_matrix(path, sky.luminance(), encoding=encoding, command=command)

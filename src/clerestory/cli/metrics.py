@@ -3,16 +3,15 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
-import typer
 import xarray as xr
 
+from clerestory.checks import require
+from clerestory.cli.progress import say
 from clerestory.cli.requests.study import Metrics
 from clerestory.control.lm83_blinds import operate_by_direct_sun
 from clerestory.control.schedule import read_schedule
-from clerestory.errors import InputError
 from clerestory.files import write_text
 from clerestory.metrics.climate_based_metrics import (
     USEFUL_RANGES,
@@ -60,35 +59,21 @@ class _Grid:
 
 def metrics(request: Metrics) -> None:
     """Print the metrics of each grid, and write tables of sensors."""
-    results, grid, quiet = request.results, request.grid, request.quiet
-    from_hour, to_hour, target = request.from_hour, request.to_hour, request.target
-    grids = [
-        one
-        for one in _grids(results, request.states, request.operate)
-        if not grid or one.name in grid
-    ]
-    if not grids:
-        raise InputError(
-            f"no grid called {' or '.join(grid or [])} in the results", file=results
-        )
-    hours = occupied_hours(
-        grids[0].lux["time"].values, from_hour=from_hour, to_hour=to_hour
-    )
-    half = (
-        None
-        if request.weather is None
-        else _brightest_half(request.weather, grids[0].lux)
-    )
+    results, names, quiet = request.results, request.grid or [], request.quiet
+    found = _grids(results, request.states, request.operate)
+    grids = [grid for grid in found if not names or grid.name in names]
+    require(grids, f"no grid called {' or '.join(names)} in the results", file=results)
+    times = grids[0].lux["time"].values
+    hours = occupied_hours(times, from_hour=request.from_hour, to_hour=request.to_hour)
+    half = None
+    if request.weather is not None:
+        half = _brightest_half(request.weather, grids[0].lux)
     rows: list[str] = []
-    for one in grids:
-        lines = list(_room(one, hours, half, target, request.leed))
-        rows += _sensors(one, hours, target)
-        if not quiet:
-            typer.echo(f"{one.name}: {one.lux.sizes['sensor']} sensors")
-            for line in lines:
-                typer.echo(f"  {line}")
-    for line in () if quiet else _rest(results, from_hour, to_hour):
-        typer.echo(line)
+    for grid in grids:
+        say(f"{grid.name}: {grid.lux.sizes['sensor']} sensors", quiet=quiet)
+        say(*(f"  {line}" for line in _room(grid, hours, half, request)), quiet=quiet)
+        rows += _sensors(grid, hours, request.target)
+    say(*_room_and_views(request), quiet=quiet)
     if request.output is not None:
         write_text(request.output, "\n".join([_HEAD, *rows]) + "\n")
     if request.honeybee is not None:
@@ -96,7 +81,7 @@ def metrics(request: Metrics) -> None:
         write_honeybee(
             request.honeybee,
             {g.name: g.lux.values.astype(float) for g in grids},
-            grids[0].lux["time"].values,
+            times,
             direct=direct,
         )
 
@@ -116,11 +101,12 @@ def _grids(path: Path, states: Path | None, operate: bool) -> Iterator[_Grid]:
             lux = folder.illuminance(name, states=chosen)
             yield _Grid(name, lux, None, folder.illuminance(name, light="direct"))
         return
-    if states is not None or operate:
-        raise InputError(
-            "--states or --lm83 with results of a run; a honeybee folder expected",
-            file=path,
-        )
+    require(
+        states is None and not operate,
+        "--states or --lm83 is given with the results of a run; a honeybee results"
+        " folder expected",
+        file=path,
+    )
     found = read_results(path)
     for name in found.grids():
         part = found.data.isel(sensor=np.flatnonzero(found.data["grid"] == name))
@@ -130,8 +116,9 @@ def _grids(path: Path, states: Path | None, operate: bool) -> Iterator[_Grid]:
         yield _Grid(name, part["illuminance"], part["standard_error"], direct, step)
 
 
-def _rest(path: Path, from_hour: float, to_hour: float) -> Iterator[str]:
+def _room_and_views(request: Metrics) -> Iterator[str]:
     # Metrics of the room and of the views of a run
+    path = request.results
     if path.is_dir() and (path / "grids_info.json").is_file():
         return
     data = read_results(path).data
@@ -141,16 +128,12 @@ def _rest(path: Path, from_hour: float, to_hour: float) -> Iterator[str]:
         level = LEVELS[sunlight_level(hours)]
         yield "room"
         yield f"  {'EN 17037 sunlight':28}{level} ({hours:.1f} h of sun on {day})"
-    if "glare_dgp" in data:
-        yield from _views(data, from_hour, to_hour)
-
-
-def _views(data: xr.Dataset, from_hour: float, to_hour: float) -> Iterator[str]:
-    # Glare protection level of each view
-    hours = occupied_hours(data["time"].values, from_hour=from_hour, to_hour=to_hour)
-    for view in data["view"].values:
+    occupied = occupied_hours(
+        data["time"].values, from_hour=request.from_hour, to_hour=request.to_hour
+    )
+    for view in data["view"].values if "glare_dgp" in data else ():
         dgp = data["glare_dgp"].sel(view=view).values
-        valid = hours & ~np.isnan(dgp)
+        valid = occupied & ~np.isnan(dgp)
         if not np.any(valid):
             continue
         level = LEVELS[glare_level(dgp, valid)]
@@ -163,11 +146,11 @@ def _scheduled(path: Path | None) -> dict[str, np.ndarray]:
     if path is None:
         return {}
     schedule = read_schedule(path)
-    if len(schedule.times) != _HOURS_A_YEAR:
-        raise InputError(
-            f"{len(schedule.times)} time steps; {_HOURS_A_YEAR} hourly steps expected",
-            file=path,
-        )
+    require(
+        len(schedule.times) == _HOURS_A_YEAR,
+        f"has {len(schedule.times)} time steps; {_HOURS_A_YEAR} hourly steps expected",
+        file=path,
+    )
     return dict(schedule.states)
 
 
@@ -185,22 +168,19 @@ def _operated(folder: HoneybeeFolder, name: str) -> dict[str, np.ndarray]:
 
 def _brightest_half(path: Path, lux: xr.DataArray) -> np.ndarray:
     diffuse = read_weather(path).diffuse_horizontal
-    if len(diffuse) != lux.sizes["time"]:
-        raise InputError(
-            f"{len(diffuse)} time steps, but {lux.sizes['time']} in the results; the"
-            " weather file of the run expected",
-            file=path,
-        )
+    require(
+        len(diffuse) == lux.sizes["time"],
+        f"has {len(diffuse)} time steps, but the results have {lux.sizes['time']}; the"
+        " weather file of the run expected",
+        file=path,
+    )
     return daylight_hours(diffuse)
 
 
 def _room(
-    grid: _Grid,
-    hours: np.ndarray,
-    half: np.ndarray | None,
-    target: float,
-    leed: Literal["v4", "v4.1"],
+    grid: _Grid, hours: np.ndarray, half: np.ndarray | None, request: Metrics
 ) -> Iterator[str]:
+    target, leed = request.target, request.leed
     autonomy = daylight_autonomy(grid.lux, hours, target_lux=target)
     continuous = continuous_autonomy(grid.lux, hours, target_lux=target)
     bands = useful_illuminance(grid.lux, hours).mean("sensor").values
@@ -209,14 +189,12 @@ def _room(
     yield f"{'useful, 100 to 3000 lux':28}{_percent(float(bands[1:3].sum()))}"
     reached = spatial_autonomy(grid.lux, hours, standard_error=grid.error)
     yield f"{'sDA300/50':28}{_share(reached)}"
-    exposure = 0.0
     if grid.direct is not None:
         found = sunlight_exposure(grid.direct, hours, step_hours=grid.step_hours)
-        exposure = found.value
         most = float(hours_above(grid.direct, hours, step_hours=grid.step_hours).max())
         part = _part_of_year(grid)
         yield f"{'ASE1000,250':28}{_share(found)}, {most:.0f} h at most{part}"
-        credit = simulated_daylight(reached.value, exposure, version=leed)
+        credit = simulated_daylight(reached.value, found.value, version=leed)
         note = f" ({credit.note})" if credit.note else ""
         yield f"{'LEED ' + leed + ' option 1':28}{credit.points} points{note}"
     else:
@@ -239,13 +217,14 @@ def _part_of_year(grid: _Grid) -> str:
 
 
 def _sensors(grid: _Grid, hours: np.ndarray, target: float) -> Iterator[str]:
-    columns = [
-        100 * daylight_autonomy(grid.lux, hours, target_lux=target).values,
-        100 * continuous_autonomy(grid.lux, hours, target_lux=target).values,
-        *(100 * useful_illuminance(grid.lux, hours).values),
-        light_exposure(grid.lux, np.ones(grid.lux.sizes["time"], bool)).values,
+    shares = [
+        daylight_autonomy(grid.lux, hours, target_lux=target).values,
+        continuous_autonomy(grid.lux, hours, target_lux=target).values,
+        *useful_illuminance(grid.lux, hours).values,
     ]
-    for number, row in enumerate(np.stack(columns, axis=1), start=1):
+    exposure = light_exposure(grid.lux, np.ones(grid.lux.sizes["time"], bool)).values
+    columns = np.stack([*(100 * share for share in shares), exposure], axis=1)
+    for number, row in enumerate(columns, start=1):
         yield f"{grid.name},{number}," + ",".join(f"{value:.6g}" for value in row)
 
 

@@ -6,13 +6,12 @@ from itertools import pairwise
 from operator import matmul
 from pathlib import Path
 
-import typer
-
 from clerestory.bsdf.xml_reader import read_bsdf
+from clerestory.checks import require, within
 from clerestory.cli.matrix_output import write_any_matrix
-from clerestory.cli.progress import progress_display
+from clerestory.cli.progress import progress_display, say
 from clerestory.cli.requests.render import Multiply
-from clerestory.errors import InputError, MatrixError
+from clerestory.errors import MatrixError
 from clerestory.image.picture_sets import (
     is_picture_set,
     read_picture_set,
@@ -45,9 +44,8 @@ def multiply(request: Multiply) -> None:
                 request.output, product, encoding=request.encoding, command=_COMMAND
             )
         progress(1.0, "done")
-    if not request.quiet:
-        size = f"{product.rows.describe()} by {product.columns.describe()}"
-        typer.echo(f"{request.output}: {size}")
+    size = f"{product.rows.describe()} by {product.columns.describe()}"
+    say(f"{request.output}: {size}", quiet=request.quiet)
 
 
 def read_any_matrix(path: Path) -> TransferMatrix:
@@ -70,12 +68,11 @@ def _terms(factors: list[Path]) -> list[list[Path]]:
         else:
             terms[-1].append(factor)
     for term in terms:
-        if not 2 <= len(term) <= 5:
-            raise InputError(f"{len(term)} matrices in a product; two to five expected")
-    if len(terms) > 1 and any(is_picture_set(factor) for factor in factors):
-        raise InputError(
-            "set of pictures in a sum of products; a single product expected"
-        )
+        within(len(term), "number of matrices in a product", least=2, most=5)
+    require(
+        len(terms) == 1 or not any(is_picture_set(factor) for factor in factors),
+        "a set of pictures is a factor in a sum; a single product expected",
+    )
     return terms
 
 
@@ -83,12 +80,13 @@ def _sum(terms: list[list[Path]]) -> TransferMatrix:
     products = [_product([read_any_matrix(f) for f in term], term) for term in terms]
     first, *others = products
     for term, other in zip(terms[1:], others, strict=True):
-        if not (first.rows.fits(other.rows) and first.columns.fits(other.columns)):
-            raise MatrixError(
-                f"the product from {term[0]} has {other.rows.describe()} by"
-                f" {other.columns.describe()}; {first.rows.describe()} by"
-                f" {first.columns.describe()} expected, as for the first product"
-            )
+        require(
+            first.rows.fits(other.rows) and first.columns.fits(other.columns),
+            f"the product that begins with {term[0]} has {other.rows.describe()} by"
+            f" {other.columns.describe()}; {first.rows.describe()} by"
+            f" {first.columns.describe()}, as in the first product, expected",
+            error=MatrixError,
+        )
     return joint_sum(products)
 
 
@@ -96,11 +94,12 @@ def _product(matrices: list[TransferMatrix], files: list[Path]) -> TransferMatri
     # Keep the precision of the last factor, usually a large annual sky matrix
     *first, last = matrices
     for (one, left), (other, right) in pairwise(zip(files, matrices, strict=True)):
-        if not left.columns.fits(right.rows):
-            raise MatrixError(
-                f"{one} has {left.columns.describe()} as columns, {other} has"
-                f" {right.rows.describe()} as rows; equal axes expected"
-            )
+        require(
+            left.columns.fits(right.rows),
+            f"{one} has {left.columns.describe()} as columns, {other} has"
+            f" {right.rows.describe()} as rows; equal axes expected",
+            error=MatrixError,
+        )
     product = reduce(matmul, first)
     if last.values.dtype != product.values.dtype:
         product = replace(product, values=product.values.astype(last.values.dtype))

@@ -1,9 +1,7 @@
 """`clerestory picture merge|reproject|calibrate`: pictures from photographs."""
 
-import typer
-
-from clerestory.cli.progress import progress_display
-from clerestory.cli.requests import photograph as requests
+from clerestory.cli.progress import progress_display, say
+from clerestory.cli.requests import picture as requests
 from clerestory.image.arithmetic import reduce
 from clerestory.image.camera_response import write_response
 from clerestory.image.exposure_bracket import merge_photographs
@@ -28,13 +26,13 @@ def merge(request: requests.MergePhotographs) -> None:
         write_picture(merged.picture, request.output)
     if request.save_response is not None:
         write_response(curve, request.save_response)
-    if not request.quiet:
-        over, under = merged.overflow.mean(), merged.underflow.mean()
-        typer.echo(
-            f"{request.output}: {len(request.files)} photographs; {over:.3%} of the"
-            f" pixels too bright for the shortest exposure, {under:.3%} too dark for"
-            " the longest"
-        )
+    over, under = merged.overflow.mean(), merged.underflow.mean()
+    say(
+        f"{request.output}: {len(request.files)} photographs; {over:.3%} of the pixels"
+        f" are too bright for the shortest exposure, {under:.3%} too dark for the"
+        " longest",
+        quiet=request.quiet,
+    )
 
 
 def reproject(request: requests.ReprojectPhotograph) -> None:
@@ -64,19 +62,16 @@ def reproject(request: requests.ReprojectPhotograph) -> None:
 
 def calibrate(request: requests.CalibratePicture) -> None:
     """Scale a picture to measured illuminance."""
-    before, after, columns = request.before, request.after, request.resolution
-    result = calibrate_picture(
-        read_picture(request.file),
-        before=before,
-        after=before if after is None else after,
-    )
+    before, columns = request.before, request.resolution
+    after = before if request.after is None else request.after
+    result = calibrate_picture(read_picture(request.file), before=before, after=after)
     picture = result.picture
     if columns is not None:
         rows = max(round(columns * picture.rows / picture.columns), 1)
         picture = reduce(picture, columns=columns, rows=rows)
     write_picture(picture, request.output)
-    if not request.quiet:
-        typer.echo(
-            f"{request.output}: factor {result.factor:.5g} for"
-            f" {result.illuminance:g} lux; illuminance changed by {result.drift:.1%}"
-        )
+    say(
+        f"{request.output}: factor {result.factor:.5g} for {result.illuminance:g} lux;"
+        f" illuminance changed by {result.drift:.1%}",
+        quiet=request.quiet,
+    )

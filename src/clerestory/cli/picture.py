@@ -1,14 +1,13 @@
 """`clerestory picture`: pictures described, displayed, combined and converted."""
 
+from functools import partial
 from pathlib import Path
 
-import typer
-
-from clerestory.cli.progress import progress_display
+from clerestory.checks import require
+from clerestory.cli.progress import progress_display, say
 from clerestory.cli.requests import picture as requests
-from clerestory.errors import InputError
 from clerestory.image import arithmetic
-from clerestory.image.colour_scale import ColourScale, linear_scale, logarithmic_scale
+from clerestory.image.colour_scale import linear_scale, logarithmic_scale
 from clerestory.image.denoise import denoise as denoise_picture
 from clerestory.image.exr import write_exr
 from clerestory.image.false_colour import false_colour
@@ -27,31 +26,22 @@ def info(request: requests.PictureInfo) -> None:
     """Print size, view and luminance of pictures."""
     for file in request.files:
         picture = read_picture(file)
-        typer.echo(
-            f"{file}: {picture.columns} × {picture.rows} pixels of {picture.quantity}"
-        )
+        say(f"{file}: {picture.columns} × {picture.rows} pixels of {picture.quantity}")
         if picture.view is not None:
-            typer.echo(f"  view  {format_view(picture.view)}")
+            say(f"  view  {format_view(picture.view)}")
         if picture.pixel_aspect != 1:
-            typer.echo(f"  pixel aspect  {picture.pixel_aspect:g}")
-        for line in _statistics_lines(picture):
-            typer.echo(f"  {line}")
-        for line in picture.header if request.header else ():
-            typer.echo(f"  | {line}")
+            say(f"  pixel aspect  {picture.pixel_aspect:g}")
+        say(*_statistics_lines(picture))
+        say(*(f"  | {line}" for line in picture.header), quiet=not request.header)
 
 
 def _statistics_lines(picture: Picture) -> list[str]:
     found = statistics(picture, arithmetic.within_view(picture))
     name = "luminance" if picture.quantity == "radiance" else "illuminance"
-    ends = (
-        ("smallest", found.smallest),
-        ("mean", found.mean),
-        ("median", found.median),
-        ("largest", found.largest),
-    )
-    words = ", ".join(f"{word} {value_word(value)}" for word, value in ends)
+    ends = ("smallest", "mean", "median", "largest")
+    words = ", ".join(f"{end} {value_word(getattr(found, end))}" for end in ends)
     shares = ", ".join(f"{p:g} % {value_word(x)}" for p, x in found.percentile)
-    return [f"{name} [{found.unit}]  {words}", f"below  {shares}"]
+    return [f"  {name} [{found.unit}]  {words}", f"  below  {shares}"]
 
 
 def denoise(request: requests.DenoisePicture) -> None:
@@ -62,10 +52,10 @@ def denoise(request: requests.DenoisePicture) -> None:
 def tonemap(request: requests.ToneMap) -> None:
     """Tone-map a picture."""
     method, white = request.method, request.white
-    if white is not None and method == "human":
-        raise InputError(
-            "--white with --method human; method filmic or linear expected"
-        )
+    require(
+        white is None or method != "human",
+        "--white is given with --method human; method filmic or linear expected",
+    )
     picture = read_picture(request.file)
     with progress_display(quiet=request.quiet) as display:
         progress = display("tone mapping")
@@ -84,24 +74,18 @@ def tonemap(request: requests.ToneMap) -> None:
 def falsecolour(request: requests.FalseColour) -> None:
     """Write a false-colour image."""
     picture = read_picture(request.file)
-    decades, palette = request.decades, request.palette
-    if decades is not None and request.start:
-        raise InputError(
-            "--from with --log; the number of decades sets the smallest value"
-        )
-    scale: ColourScale = (
-        linear_scale(
-            picture,
-            smallest=request.start,
-            largest=request.to,
-            divisions=request.divisions,
-            palette=palette,
-        )
-        if decades is None
-        else logarithmic_scale(
-            picture, largest=request.to, decades=decades, palette=palette
-        )
+    decades = request.decades
+    require(
+        decades is None or not request.start,
+        "--from is given with --log, whose decades set the smallest value; one of them"
+        " expected",
     )
+    make = (
+        partial(linear_scale, smallest=request.start, divisions=request.divisions)
+        if decades is None
+        else partial(logarithmic_scale, decades=decades)
+    )
+    scale = make(picture, largest=request.to, palette=request.palette)
     pixels = false_colour(
         picture,
         scale,
@@ -123,8 +107,7 @@ def add(request: requests.SumPictures) -> None:
 def reduce(request: requests.ReducePicture) -> None:
     """Reduce the resolution of a picture."""
     factor, size = request.factor, request.size
-    if (factor is None) == (size is None):
-        raise InputError("either --factor or --size expected")
+    require((factor is None) != (size is None), "one of --factor and --size expected")
     picture = read_picture(request.file)
     shares = (picture.columns / (factor or 1), picture.rows / (factor or 1))
     columns, rows = size or (max(round(share), 1) for share in shares)
@@ -146,13 +129,12 @@ def convert(request: requests.ConvertPicture) -> None:
     output, exposure, xyz = request.output, request.exposure, request.xyz
     picture = arithmetic.scale(read_picture(request.file), request.factor)
     is_exr = output.suffix.lower() == ".exr"
-    if is_exr and (xyz or exposure != 1):
-        raise InputError("--xyz and --exposure are for .hdr files only")
-    if request.half and not is_exr:
-        raise InputError("--half is for .exr files only")
+    only_hdr = xyz or exposure != 1
+    require(not (is_exr and only_hdr), "--xyz and --exposure need a .hdr file")
+    require(is_exr or not request.half, "--half needs an .exr file")
     if request.half:
         write_exr(picture, output, half=True)
-    elif xyz or exposure != 1:
+    elif only_hdr:
         write_radiance(picture, output, exposure=exposure, xyz=xyz)
     else:
         write_picture(picture, output)
@@ -165,5 +147,4 @@ def _write(picture: Picture, output: Path, *, quiet: bool) -> None:
 
 
 def _say_written(output: Path, *, quiet: bool) -> None:
-    if not quiet:
-        typer.echo(f"{output}: written")
+    say(f"{output}: written", quiet=quiet)

@@ -1,13 +1,13 @@
 """Commands and groups of `clerestory`, loaded on demand."""
 
 import importlib
-from collections.abc import Mapping
+from types import ModuleType
 from typing import Annotated
 
 import typer
 
 from clerestory import __version__
-from clerestory.cli.command import Command
+from clerestory.cli.command import commands_of
 
 # Request module of each command without group, in the order of the help
 _TOP = {
@@ -48,7 +48,7 @@ def program(words: list[str] | None = None) -> typer.Typer:
     alone = first in _TOP or first in _GROUPS
     for name, module in _TOP.items():
         if name == first or not alone:
-            _commands(module)[name].add_to(app, name)
+            commands_of(_requests(module))[name].add_to(app)
     for group in _GROUPS:
         if group == first or not alone:
             _add_group(app, group, empty=words is not None and not alone)
@@ -56,18 +56,15 @@ def program(words: list[str] | None = None) -> typer.Typer:
 
 
 def _add_group(app: typer.Typer, name: str, *, empty: bool) -> None:
-    requests = importlib.import_module(f"clerestory.cli.requests.{name}")
+    requests = _requests(name)
     group = typer.Typer(no_args_is_help=True, help=requests.HELP)
-    for each, command in {} if empty else _commands(name).items():
-        command.add_to(group, each, group=name)
+    for command in () if empty else commands_of(requests).values():
+        command.add_to(group, group=name)
     app.add_typer(group, name=name)
 
 
-def _commands(module: str) -> Mapping[str, Command]:
-    found: Mapping[str, Command] = importlib.import_module(
-        f"clerestory.cli.requests.{module}"
-    ).COMMANDS
-    return found
+def _requests(module: str) -> ModuleType:
+    return importlib.import_module(f"clerestory.cli.requests.{module}")
 
 
 def _show_version(wanted: bool | None) -> None:

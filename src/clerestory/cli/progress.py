@@ -1,4 +1,7 @@
-"""Progress display: a bar on a terminal, otherwise one line every ten seconds."""
+"""Progress display, and printed lines.
+
+On a terminal, progress is a bar, otherwise one line every ten seconds.
+"""
 
 import importlib
 import sys
@@ -17,6 +20,12 @@ _PATIENCE = 2.0
 
 # Interval between lines in a log [s]
 _LINE_EVERY = 10.0
+
+
+def say(*lines: str, quiet: bool = False) -> None:
+    """Print lines, unless the command is quiet."""
+    for line in () if quiet else lines:
+        typer.echo(line)
 
 
 @contextmanager

@@ -5,13 +5,12 @@ from dataclasses import replace
 from datetime import datetime
 
 import numpy as np
-import typer
 
-from clerestory.cli.effort import effort_of
-from clerestory.cli.progress import progress_display
+from clerestory.checks import require
+from clerestory.cli.effort import tracing
+from clerestory.cli.progress import say
 from clerestory.cli.requests.common import SkyChoice
 from clerestory.cli.requests.render import Render
-from clerestory.cluster.cluster import executor_at
 from clerestory.errors import InputError
 from clerestory.image.denoise import denoise
 from clerestory.image.picture import photometric, photometric_unit
@@ -32,34 +31,32 @@ def render(request: Render) -> None:
     view = view_of(request.view)
     columns, rows = view.size_for(request.resolution)
     trace = render_irradiance if request.illuminance else render_picture
-    with (
-        executor_at(request.effort.cluster) as executor,
-        progress_display(quiet=request.quiet) as display,
-    ):
-        effort = effort_of(request.effort, executor, display("picture"))
-        made = trace(room, view, columns=columns, rows=rows, effort=effort)
+    with tracing(request.effort, quiet=request.quiet) as effort:
+        made = trace(room, view, columns=columns, rows=rows, effort=effort("picture"))
     write_picture(
         denoise(made.picture) if request.denoise else made.picture, request.output
     )
     if request.error is not None:
         radiance = made.error.astype(np.float32)
         write_picture(replace(made.picture, radiance=radiance), request.error)
-    if not request.quiet:
-        seconds = time.perf_counter() - begin
-        typer.echo(f"{request.output}: {_summary(made)}, {seconds:.1f} s")
+    seconds = time.perf_counter() - begin
+    say(f"{request.output}: {_summary(made)}, {seconds:.1f} s", quiet=request.quiet)
 
 
 def sky_of(chosen: SkyChoice) -> Scene:
     """Return the scene of the sky; empty if no sky is chosen."""
     sky, time_text, weather = chosen.sky, chosen.time, chosen.weather
-    if (time_text is None) != (weather is None) or (sky and time_text):
-        raise InputError("either --sky, or --time with --weather, or neither expected")
+    require(
+        (time_text is None) == (weather is None) and not (sky and time_text),
+        "--sky, --time and --weather do not match; --sky, or --time with --weather,"
+        " or none of them expected",
+    )
     if time_text is not None and weather is not None:
         try:
             instant = datetime.fromisoformat(time_text)
         except ValueError:
             raise InputError(
-                f"--time {time_text}; a date and time such as 2026-09-21T12:00 expected"
+                f"--time is {time_text}; a time such as 2026-09-21T12:00 expected"
             ) from None
         return sky_at(read_weather(weather), instant)
     if sky is None:

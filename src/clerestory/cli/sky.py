@@ -1,23 +1,25 @@
 """`clerestory sky`: sky matrices, sun positions and weather files."""
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
-import typer
 
-from clerestory.cli.matrix_output import write_sky, write_sky_luminance
-from clerestory.cli.progress import progress_display
+from clerestory.checks import require
+from clerestory.cli.matrix_output import write_any_matrix, write_sky
+from clerestory.cli.progress import progress_display, say
 from clerestory.cli.requests import sky as requests
 from clerestory.errors import InputError
 from clerestory.files import write_text
 from clerestory.sky.gensky import CieSky, cie_sky
-from clerestory.sky.point_sky import perez_moment, sky_vector
+from clerestory.sky.point_sky import PointSky, perez_moment, sky_vector
 from clerestory.sky.quality_checks import describe_weather, warn_of_clock
 from clerestory.sky.sky_conditions import daylight_steps
 from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.sky.solar_radiance import SUN_DIAMETER_DEG, SunPlacement
-from clerestory.sky.sun_matrix import patch_suns, sun_matrix
+from clerestory.sky.sun_matrix import SunMatrix, patch_suns, sun_matrix
 from clerestory.sky.sun_tables import sun_path_table, suns_table
 from clerestory.sky.weather import Weather
 from clerestory.sky.weather_formats import read_weather
@@ -26,8 +28,8 @@ from clerestory.sky.weather_selection import select_days, select_moment
 
 def matrix(request: requests.SkyMatrixRequest) -> None:
     """Compute the sky matrix of a weather file."""
-    _exclude(request, "luminance", "solar")
-    _exclude(request, "sun_only", "no_direct")
+    _exclude(luminance=request.luminance, solar=request.solar)
+    _exclude(sun_only=request.sun_only, no_direct=request.no_direct)
     include: Literal["all", "sky", "sun"] = "sun" if request.sun_only else "all"
     include = "sky" if request.no_direct else include
     placement, diameter = _placement(request.sun_size)
@@ -51,13 +53,15 @@ def matrix(request: requests.SkyMatrixRequest) -> None:
         )
         progress(0.2, "writing")
         sky = sky.mean() if request.average else sky
-        write = write_sky_luminance if request.luminance else write_sky
-        command = "clerestory sky matrix"
-        write(request.output, sky, encoding=request.encoding, command=command)
+        command, encoding = "clerestory sky matrix", request.encoding
+        if request.luminance:
+            matrix = sky.luminance()
+            write_any_matrix(request.output, matrix, encoding=encoding, command=command)
+        else:
+            write_sky(request.output, sky, encoding=encoding, command=command)
         progress(1.0, "done")
-    if not request.quiet:
-        size = f"{sky.rows.describe()} by {sky.columns.describe()}"
-        typer.echo(f"{request.output}: {size}")
+    size = f"{sky.rows.describe()} by {sky.columns.describe()}"
+    say(f"{request.output}: {size}", quiet=request.quiet)
 
 
 def vector(request: requests.SkyVectorRequest) -> None:
@@ -66,74 +70,52 @@ def vector(request: requests.SkyVectorRequest) -> None:
     if request.kind == "perez":
         if request.diffuse is None or request.direct is None:
             raise InputError(
-                "sky perez without --diffuse or --direct; both options expected"
+                "the sky is perez, but --diffuse or --direct is missing; both expected"
             )
-        sky = perez_moment(
-            sun_altitude=altitude,
-            sun_azimuth=azimuth,
-            diffuse_horizontal=request.diffuse,
-            direct_normal=request.direct,
-            with_sun=not request.no_direct,
-            ground_reflectance=request.ground_reflectance,
-        )
+        make: Callable[..., PointSky] = perez_moment
     else:
-        sky = cie_sky(
-            _sky_kind(request.kind),
-            sun_altitude=altitude,
-            sun_azimuth=azimuth,
-            with_sun=not request.no_direct,
-            turbidity=request.turbidity,
-            diffuse_horizontal=request.diffuse,
-            direct_normal=request.direct,
-            ground_reflectance=request.ground_reflectance,
-        )
+        make = partial(cie_sky, _sky_kind(request.kind), turbidity=request.turbidity)
+    sky = make(
+        sun_altitude=altitude,
+        sun_azimuth=azimuth,
+        diffuse_horizontal=request.diffuse,
+        direct_normal=request.direct,
+        with_sun=not request.no_direct,
+        ground_reflectance=request.ground_reflectance,
+    )
     placement, diameter = _placement(request.sun_size)
     column = sky_vector(
         sky, subdivision=request.subdivision, sun=placement, sun_diameter_deg=diameter
     )
     command = "clerestory sky vector"
     write_sky(request.output, column, encoding=request.encoding, command=command)
-    if not request.quiet:
-        typer.echo(f"{request.output}: {column.rows.describe()}")
+    say(f"{request.output}: {column.rows.describe()}", quiet=request.quiet)
 
 
 def sun(request: requests.SunTable) -> None:
     """Write a table of sun positions."""
-    if request.occurring and request.reinhart is not None:
-        raise InputError("both --occurring and --reinhart; one of them expected")
+    _exclude(occurring=request.occurring, reinhart=request.reinhart)
     data = selected_weather(request.weather, request.days, None)
-    rotation, formula = request.rotation, request.sun_formula
+    make: Callable[..., SunMatrix | str] = sun_path_table
     if request.reinhart is not None:
-        suns = patch_suns(
-            data,
-            subdivision=request.reinhart,
-            rotation_deg=rotation,
-            sun_formula=formula,
-        )
-        text = suns_table(suns, step_minutes=data.step_minutes)
+        make = partial(patch_suns, subdivision=request.reinhart)
     elif request.occurring:
-        suns = sun_matrix(
-            data,
-            tolerance_deg=request.tolerance,
-            rotation_deg=rotation,
-            sun_formula=formula,
-        )
-        text = suns_table(suns, step_minutes=data.step_minutes)
-    else:
-        text = sun_path_table(data, rotation_deg=rotation, sun_formula=formula)
-    write_text(request.output, text)
+        make = partial(sun_matrix, tolerance_deg=request.tolerance)
+    made = make(data, rotation_deg=request.rotation, sun_formula=request.sun_formula)
+    if isinstance(made, SunMatrix):
+        made = suns_table(made, step_minutes=data.step_minutes)
+    write_text(request.output, made)
 
 
 def describe(request: requests.WeatherDescription) -> None:
     """Print a description of a weather file."""
-    for name, value in describe_weather(read_weather(request.weather)):
-        typer.echo(f"{name:20}{value}")
+    found = describe_weather(read_weather(request.weather))
+    say(*(f"{name:20}{value}" for name, value in found))
 
 
-def _exclude(request: requests.SkyMatrixRequest, *names: str) -> None:
-    if all(getattr(request, name) for name in names):
-        both = " and ".join(f"--{name.replace('_', '-')}" for name in names)
-        raise InputError(f"both {both}; one of them expected")
+def _exclude(**options: object) -> None:
+    both = " and ".join(f"--{name.replace('_', '-')}" for name in options)
+    require(not all(options.values()), f"both {both} are given; one of them expected")
 
 
 def _placement(size: float | None) -> tuple[SunPlacement, float]:
@@ -148,8 +130,10 @@ def selected_weather(file: Path, days: requests.Days, moment: str | None) -> Wea
     warn_of_clock(weather)
     first, last = days.first_day, days.last_day
     if moment is not None:
-        if first or last:
-            raise InputError("both --time and --from or --to; one of them expected")
+        require(
+            not (first or last),
+            "--time is given with --from or --to; one time step or days expected",
+        )
         return select_moment(weather, moment)
     if first is None and last is None:
         return weather
@@ -162,8 +146,7 @@ def _numbers(option: str, text: str) -> tuple[float, float, float]:
         values = [float(word) for word in text.split(",")]
     except ValueError:
         values = []
-    if len(values) not in (1, 3):
-        raise InputError(f"{option} {text}; one number or R,G,B expected")
+    require(len(values) in (1, 3), f"{option} is {text}; one number or R,G,B expected")
     red, green, blue = values * (3 // len(values))
     return red, green, blue
 

@@ -2,13 +2,12 @@
 
 from pathlib import Path
 
-import typer
 import xarray as xr
 from rich.console import Console
 from rich.table import Table
 
 from clerestory.cli.plan_text import plan_table
-from clerestory.cli.progress import progress_display
+from clerestory.cli.progress import progress_display, say
 from clerestory.cli.requests import study as requests
 from clerestory.metrics.sensor_metrics import error_of_group_mean
 from clerestory.report.page import REPORT_FILE, picture_folder, write_report
@@ -32,11 +31,12 @@ def new(request: requests.NewStudy) -> None:
         spacing=request.spacing,
         height=request.height,
     )
-    if not request.quiet:
-        for name in begun.turned:
-            typer.echo(f'window "{name}" reversed: its front must face the room')
-        typer.echo(f"{begun.study}: {begun.sensors} sensors")
-        typer.echo(f"next: clerestory run {begun.study}")
+    say(
+        *(f'window "{n}" reversed: its front must face the room' for n in begun.turned),
+        f"{begun.study}: {begun.sensors} sensors",
+        f"next: clerestory run {begun.study}",
+        quiet=request.quiet,
+    )
 
 
 def run(request: requests.RunStudy) -> None:
@@ -65,8 +65,7 @@ def report(request: requests.WriteReport) -> None:
     page = request.output or folder / REPORT_FILE
     results = read_results(path)
     write_report(results, page, pictures=picture_folder(folder, results))
-    if not request.quiet:
-        typer.echo(f"report: {page}")
+    say(f"report: {page}", quiet=request.quiet)
 
 
 def _run(study: Study, folder: Path, *, quiet: bool) -> None:
@@ -76,8 +75,7 @@ def _run(study: Study, folder: Path, *, quiet: bool) -> None:
     write_report(results, page, pictures=picture_folder(folder, results))
     if not quiet:
         Console().print(_summary(results))
-        typer.echo(f"results: {folder}")
-        typer.echo(f"report:  {page.resolve().as_uri()}")
+        say(f"results: {folder}", f"report:  {page.resolve().as_uri()}")
 
 
 def _summary(results: Results) -> Table:
@@ -85,14 +83,9 @@ def _summary(results: Results) -> Table:
     data = results.data
     table = Table(title=results.title, title_justify="left")
     target = f"{data.attrs['target_lux']:g}"
-    for heading in (
-        "grid",
-        "sensors",
-        "mean [lux]",
-        f"hours ≥ {target} lux [%]",
-        "useful [%]",
-    ):
-        table.add_column(heading, justify="left" if heading == "grid" else "right")
+    table.add_column("grid")
+    for heading in ("sensors", "mean [lux]", f"hours ≥ {target} lux [%]", "useful [%]"):
+        table.add_column(heading, justify="right")
     for grid in results.grids():
         part = data.isel(sensor=(data["grid"] == grid).values)
         table.add_row(

@@ -5,19 +5,17 @@ import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
-import typer
 
-from clerestory.cli.effort import effort_of
+from clerestory.cli.effort import tracing
 from clerestory.cli.matrix_output import write_any_matrix
-from clerestory.cli.progress import progress_display
+from clerestory.cli.progress import say
 from clerestory.cli.requests import common
 from clerestory.cli.requests import trace as requests
-from clerestory.cluster.cluster import executor_at
 from clerestory.engine.effort import Effort
-from clerestory.engine.work_units import Executor
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.gonio.layer_file import read_layer
 from clerestory.image.picture_files import write_picture
@@ -35,7 +33,6 @@ from clerestory.phases.traced_matrices import (
     daylight_matrices,
     view_matrices,
 )
-from clerestory.progress import Progress
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.view_text import view_of
 from clerestory.radiance.window_reader import read_windows
@@ -52,8 +49,8 @@ def view(request: requests.ViewMatrix) -> None:
     room, windows = read_rad(*request.scene), read_windows(*request.window)
     receiver = _receiver(request.receiver)
     _warn_of_scene(room, windows, receiver)
-    with _run("view", request.file, request.effort.cluster) as run:
-        effort = run.effort(request.effort, "view matrix")
+    with _run("view", request.file, request.effort) as run:
+        effort = run.effort("view matrix")
         if isinstance(receiver, Camera):
             traced = picture_view_matrices(
                 room, windows, receiver, direct=request.direct, effort=effort
@@ -69,8 +66,8 @@ def daylight(request: requests.DaylightMatrix) -> None:
     """Trace daylight matrices."""
     room, windows = read_rad(*request.scene), read_windows(*request.window)
     _warn_of_scene(room, windows)
-    with _run("daylight", request.file, request.effort.cluster) as run:
-        effort = run.effort(request.effort, "daylight matrix")
+    with _run("daylight", request.file, request.effort) as run:
+        effort = run.effort("daylight matrix")
         run.write(
             daylight_matrices(
                 room, windows, subdivision=request.subdivision, effort=effort
@@ -82,8 +79,8 @@ def coefficients(request: requests.DaylightCoefficients) -> None:
     """Trace daylight coefficients."""
     room, points = read_rad(*request.scene), read_sensors(request.sensors)
     _warn_of_scene(room, (), points)
-    with _run("coefficients", request.file, request.effort.cluster) as run:
-        effort = run.effort(request.effort, "daylight coefficients")
+    with _run("coefficients", request.file, request.effort) as run:
+        effort = run.effort("daylight coefficients")
         found = daylight_coefficients(
             room, sensors=points, subdivision=request.subdivision, effort=effort
         )
@@ -96,10 +93,10 @@ def facade(request: requests.FacadeMatrix) -> None:
     ports = read_windows(*request.port)
     _warn_of_scene(room, windows)
     traced: dict[str, TransferMatrix] = {}
-    with _run("facade", request.file, request.effort.cluster) as run:
+    with _run("facade", request.file, request.effort) as run:
         for number, each in enumerate(windows):
-            effort = run.effort(request.effort, f"façade matrix of {each.name}")
-            effort = replace(effort, seed=request.effort.seed + number)
+            effort = run.effort(f"façade matrix of {each.name}")
+            effort = replace(effort, seed=effort.seed + number)
             found = facade_matrices(room, each, ports, effort=effort)
             prefix = f"{each.name}-" if len(windows) > 1 else ""
             traced |= {prefix + name: matrix for name, matrix in found.items()}
@@ -113,36 +110,27 @@ def sun(request: requests.SunCoefficients) -> None:
     _warn_of_scene(room, windows, receiver)
     weather = read_weather(request.weather)
     suns = sun_matrix(weather, tolerance_deg=request.tolerance).directions
-    effort = Effort(samples=request.samples, seed=request.seed, device=request.device)
     traced = {}
-    with _run("sun", request.file, request.cluster) as run:
+    with _run("sun", request.file, request.effort) as run:
         for each in windows:
-            progress = run.progress(f"direct sun through {each.name}")
-            own = replace(effort, executor=run.executor, progress=progress)
+            effort = run.effort(f"direct sun through {each.name}")
             common = room, windows, each.name, layer
-            if isinstance(receiver, Camera):
-                traced[each.name] = picture_sun_coefficients(
-                    *common, receiver, suns=suns, peak=request.peak, effort=own
-                )
-            else:
-                traced[each.name] = sun_coefficients(
-                    *common, sensors=receiver, suns=suns, peak=request.peak, effort=own
-                )
+            trace = (
+                partial(picture_sun_coefficients, *common, receiver)
+                if isinstance(receiver, Camera)
+                else partial(sun_coefficients, *common, sensors=receiver)
+            )
+            traced[each.name] = trace(suns=suns, peak=request.peak, effort=effort)
         run.write(traced, receiver)
 
 
 @dataclass(frozen=True)
 class _Run:
-    # Execution context of a tracing command: executor, progress display, output
+    # Execution context of a tracing command: effort of a matrix by its title, output
     kind: str
     file: common.MatrixFile
-    executor: Executor
-    progress: Callable[[str], Progress]
+    effort: Callable[[str], Effort]
     begin: float
-
-    def effort(self, options: common.EffortOptions, title: str) -> Effort:
-        """Return the sampling effort of a matrix, with a separate progress display."""
-        return effort_of(options, self.executor, self.progress(title))
 
     def write(
         self,
@@ -152,28 +140,25 @@ class _Run:
         """Write each matrix to a file, and print a summary."""
         output, command = self.file.output, f"clerestory trace {self.kind}"
         for name, matrix in traced.items():
-            path = output
-            if len(traced) > 1:
-                path = output.with_name(f"{output.stem}-{name}{output.suffix}")
+            stem = f"{output.stem}-{name}" if len(traced) > 1 else output.stem
+            path = output.with_stem(stem)
             if isinstance(receiver, Camera) and "%" in path.name:
                 _write_pictures(path, matrix, receiver)
             else:
                 encoding = self.file.encoding
                 write_any_matrix(path, matrix, encoding=encoding, command=command)
-            if not self.file.quiet:
-                typer.echo(f"{path}: {_summary(matrix)}")
-        if not self.file.quiet:
-            typer.echo(f"done in {time.perf_counter() - self.begin:.1f} s")
+            say(f"{path}: {_summary(matrix)}", quiet=self.file.quiet)
+        seconds = time.perf_counter() - self.begin
+        say(f"done in {seconds:.1f} s", quiet=self.file.quiet)
 
 
 @contextmanager
-def _run(kind: str, file: common.MatrixFile, cluster: str | None) -> Iterator[_Run]:
+def _run(
+    kind: str, file: common.MatrixFile, options: common.EffortOptions | common.SunEffort
+) -> Iterator[_Run]:
     begin = time.perf_counter()
-    with (
-        executor_at(cluster) as executor,
-        progress_display(quiet=file.quiet) as display,
-    ):
-        yield _Run(kind, file, executor, display, begin)
+    with tracing(options, quiet=file.quiet) as effort:
+        yield _Run(kind, file, effort, begin)
 
 
 def _receiver(chosen: common.SensorsOrView) -> Camera | Sensors:

@@ -4,7 +4,6 @@ A layout defines the measuring points of the columns and rows of the table; each
 is compared with the sensor of the study at the same point.
 """
 
-import csv
 from datetime import datetime
 from pathlib import Path
 from typing import Literal
@@ -14,13 +13,14 @@ from jaxtyping import Float
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
+from clerestory.checks import require, same_length
+from clerestory.comparison.logger_files import CsvFormat
 from clerestory.comparison.series import Series
+from clerestory.documents import Table
 from clerestory.errors import InputError
-from clerestory.files import read_text
-from clerestory.sky.station_file import Table
 
 
-class GridLayout(Table):
+class GridLayout(CsvFormat):
     """Measuring points of a grid scan.
 
     Attributes
@@ -31,9 +31,6 @@ class GridLayout(Table):
         along the other horizontal axis [m]
     height : z coordinate of the points [m]
     grid : name of the sensor grid of the study; if empty, all grids are searched
-    separator : character between cells
-    skip_lines : number of lines before the header
-    factor : factor from readings to lux, 1000 for kilolux
     tolerance : largest distance between a point and a sensor of the study [m]
     """
 
@@ -43,9 +40,6 @@ class GridLayout(Table):
     row_at: list[float] = Field(min_length=1, description="a place [m] for each row")
     height: float = Field(description="the height of the sensors [m]")
     grid: str = ""
-    separator: str = Field(",", min_length=1, max_length=1)
-    skip_lines: int = Field(0, ge=0)
-    factor: float = 1.0
     tolerance: float = Field(0.05, gt=0)
 
     @model_validator(mode="after")
@@ -88,27 +82,20 @@ def read_scan(
 ) -> list[Series]:
     """Return the readings of a scan as one `Series` per time of measurement."""
     path = folder / scan.file
-    readings = layout.factor * _cells(path, layout)
+    table = layout.read(path)
+    readings = layout.values(table, layout.columns).T
+    same_length(readings, layout.row_at, "rows of readings", "measuring points")
     names = sensors_at(layout, near)
     places = names[::-1] if scan.backwards else names
     start = np.datetime64(scan.at.replace(tzinfo=None), "s")
-    moments = [
-        start + np.timedelta64(round(number * scan.row_minutes * 60), "s")
-        for number in range(len(places))
-    ]
+    seconds = np.rint(np.arange(len(places)) * scan.row_minutes * 60).astype(int)
     found = []
-    for moment in dict.fromkeys(moments):
-        rows = [i for i, each in enumerate(moments) if each == moment]
-        found.append(
-            Series(
-                tuple(name for i in rows for name in places[i]),
-                np.array([moment]),
-                readings[rows].reshape(-1, 1),
-                0.0,
-                near.utc_offset_hours,
-                source=str(path),
-            )
-        )
+    for second in np.unique(seconds):
+        rows = np.flatnonzero(seconds == second)
+        sensors = tuple(name for i in rows for name in places[i])
+        at, values = start + np.array([second], "m8[s]"), readings[rows].reshape(-1, 1)
+        offset = near.utc_offset_hours
+        found.append(Series(sensors, at, values, 0.0, offset, source=str(path)))
     return found
 
 
@@ -125,49 +112,19 @@ def sensors_at(layout: GridLayout, near: Series) -> list[list[str]]:
         if not layout.grid or name.rpartition(".")[0] == layout.grid
     ]
     places = near.position[ours]
-    if not ours or np.all(np.isnan(places)):
-        raise InputError(f'no sensors in grid "{layout.grid}"', file=near.source)
+    message = f'no sensors in grid "{layout.grid}"'
+    require(ours and not np.all(np.isnan(places)), message, file=near.source)
     found = []
     for row in layout.positions():
         away = np.linalg.norm(row[:, None] - places[None], axis=-1)
         best = np.nanargmin(away, axis=1)
         far = away[np.arange(len(row)), best]
-        if np.any(far > layout.tolerance):
-            x, y, z = row[int(np.argmax(far))]
-            raise InputError(
-                f"no sensor within {layout.tolerance:g} m of ({x:g} {y:g} {z:g});"
-                f" the nearest sensor is {far.max():.3g} m away",
-                file=near.source,
-            )
+        x, y, z = row[int(np.argmax(far))]
+        require(
+            np.all(far <= layout.tolerance),
+            f"no sensor within {layout.tolerance:g} m of ({x:g} {y:g} {z:g}); the"
+            f" nearest sensor is {far.max():.3g} m away",
+            file=near.source,
+        )
         found.append([near.names[ours[i]] for i in best])
     return found
-
-
-def _cells(path: str | Path, layout: GridLayout) -> np.ndarray:
-    lines = read_text(path).splitlines()[layout.skip_lines :]
-    table = [row for row in csv.reader(lines, delimiter=layout.separator) if any(row)]
-    head = [name.strip() for name in table[0]] if table else []
-    missing = next((name for name in layout.columns if name not in head), None)
-    if missing is not None:
-        raise InputError(
-            f'no column "{missing}"; one of {", ".join(head) or "a header"} expected',
-            file=path,
-            line=layout.skip_lines + 1,
-        )
-    if len(table) - 1 != len(layout.row_at):
-        raise InputError(
-            f"{len(table) - 1} rows of readings; {len(layout.row_at)} expected",
-            file=path,
-        )
-    picked = [head.index(name) for name in layout.columns]
-    return np.array([[_number(row, i, path) for i in picked] for row in table[1:]])
-
-
-def _number(row: list[str], place: int, path: str | Path) -> float:
-    # Empty cells are missing readings, NaN
-    text = row[place].strip() if place < len(row) else ""
-    try:
-        value = float(text) if text else float("nan")
-    except ValueError:
-        raise InputError(f'"{text}"; a number expected', file=path) from None
-    return value if np.isfinite(value) else float("nan")

@@ -1,22 +1,49 @@
 """CSV files of data loggers, with a column of times and one column per series."""
 
 import csv
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
+from jaxtyping import Float
 from pydantic import Field
 
+from clerestory.checks import require
 from clerestory.comparison.series import Series
-from clerestory.errors import InputError
+from clerestory.documents import Table
 from clerestory.files import read_text
-from clerestory.sky.csv_measurements import local_times, read_table
-from clerestory.sky.station_file import OneOrSeveral, Table
-from clerestory.sky.time_steps import centres, require_increasing, typical_step
+from clerestory.sky.csv_measurements import LoggerTable, local_times, read_table
+from clerestory.sky.station_file import OneOrSeveral
+from clerestory.sky.time_steps import step_centres
 
 
-class LoggerFile(Table):
+class CsvFormat(Table):
+    """Format of a CSV file of measurements.
+
+    Attributes
+    ----------
+    separator : character between cells
+    skip_lines : number of lines before the header
+    factor : factor from the values in the file to those of the series
+    """
+
+    separator: str = Field(",", min_length=1, max_length=1)
+    skip_lines: int = Field(0, ge=0)
+    factor: float = 1.0
+
+    def read(self, path: Path) -> LoggerTable:
+        """Return the cells of a file."""
+        return read_table(path, self.separator, self.skip_lines)
+
+    def values(
+        self, table: LoggerTable, columns: Iterable[str]
+    ) -> Float[np.ndarray, "column row"]:
+        """Return columns of numbers times the factor; NaN if missing."""
+        return self.factor * np.stack([table.numbers(name) for name in columns])
+
+
+class LoggerFile(CsvFormat):
     """Description of a CSV file of a data logger.
 
     Attributes
@@ -27,9 +54,6 @@ class LoggerFile(Table):
     time_format : format for `datetime.strptime`; default: ISO 8601
     stands_for : whether times are the "start", "centre" or "end" of the steps; "moment"
         for instantaneous readings
-    separator : character between cells
-    skip_lines : number of lines before the header
-    factor : factor on the values, 1000 for kilolux
     """
 
     file: str = Field(min_length=1, description="the name of a file in quotes")
@@ -39,9 +63,6 @@ class LoggerFile(Table):
     )
     time_format: str | None = None
     stands_for: Literal["start", "centre", "end", "moment"] = "centre"
-    separator: str = Field(",", min_length=1, max_length=1)
-    skip_lines: int = Field(0, ge=0)
-    factor: float = 1.0
 
 
 def read_logger(
@@ -53,30 +74,19 @@ def read_logger(
 ) -> Series:
     """Return the series in a CSV file of a data logger.
 
-    Parameters
-    ----------
-    utc_offset_hours : local standard time minus UTC [h]
-    clock : time zone of civil time, such as "Europe/Berlin", with its daylight saving
-        time; None for local standard time
+    `clock` is the time zone of civil time, such as "Europe/Berlin", with its daylight
+    saving time; None for local standard time.
     """
     path = folder / logger.file
-    table = read_table(path, logger.separator, logger.skip_lines)
+    table = logger.read(path)
     columns = tuple(logger.time)
     times = local_times(table, columns, logger.time_format, clock, utc_offset_hours)
-    require_increasing(times, rows=table)
-    step = 0.0
-    if logger.stands_for != "moment":
-        step = typical_step(times)
-        times = centres(times, step, logger.stands_for)
-    values = [logger.factor * table.numbers(name) for name in logger.columns.values()]
-    return Series(
-        tuple(logger.columns),
-        times,
-        np.array(values).reshape(len(values), len(times)),
-        step,
-        utc_offset_hours,
-        source=str(path),
-    )
+    if logger.stands_for == "moment":
+        times, step = step_centres(times, "centre", rows=table)[0], 0.0
+    else:
+        times, step = step_centres(times, logger.stands_for, rows=table)
+    names, values = tuple(logger.columns), logger.values(table, logger.columns.values())
+    return Series(names, times, values, step, utc_offset_hours, source=str(path))
 
 
 def read_plain(path: str | Path, *, utc_offset_hours: float) -> Series:
@@ -95,10 +105,10 @@ def read_plain(path: str | Path, *, utc_offset_hours: float) -> Series:
 def _header(path: Path) -> Sequence[str]:
     rows = csv.reader(read_text(path).splitlines()[:1])
     names = [name.strip() for row in rows for name in row]
-    if len(names) < 2 or not all(names) or len(set(names)) < len(names):
-        raise InputError(
-            "a header with a column of times and unique names of series expected",
-            file=path,
-            line=1,
-        )
+    require(
+        len(names) > 1 and all(names) and len(set(names)) == len(names),
+        "a header with a column of times and unique names of series expected",
+        file=path,
+        line=1,
+    )
     return names

@@ -26,16 +26,15 @@ File names are relative to the folder of the mapping file.
 from pathlib import Path
 
 import numpy as np
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
+from clerestory.checks import require
 from clerestory.comparison.grid_scan import GridLayout, GridScan, read_scan
 from clerestory.comparison.logger_files import LoggerFile, read_logger, read_plain
 from clerestory.comparison.series import Series
-from clerestory.errors import InputError
-from clerestory.files import read_text, write_text
-from clerestory.sky.station_file import Table
-from clerestory.study.config_errors import input_error, parse_toml
+from clerestory.documents import Table, read_toml
+from clerestory.files import write_text
 
 
 class Mapping(Table):
@@ -66,12 +65,7 @@ class Mapping(Table):
 
 def read_mapping(path: str | Path) -> Mapping:
     """Return the mapping in a TOML file."""
-    path = Path(path)
-    text = read_text(path)
-    try:
-        return Mapping.model_validate(parse_toml(text, file=path))
-    except ValidationError as error:
-        raise input_error(error, model=Mapping, text=text, file=path) from error
+    return read_toml(path, Mapping)
 
 
 def read_measured_series(path: str | Path, *, near: Series) -> list[Series]:
@@ -106,8 +100,7 @@ def read_measured_series(path: str | Path, *, near: Series) -> list[Series]:
 def write_layout_sensors(path: str | Path, mapping: Mapping) -> int:
     """Write the points of all layouts as upward sensors; return their number."""
     places = [one.positions().reshape(-1, 3) for one in mapping.layout.values()]
-    if not places:
-        raise InputError("no table [layout.NAME]; at least one expected")
+    require(places, "no table [layout.NAME]; at least one expected")
     points = np.unique(np.concatenate(places).round(6), axis=0)
     lines = [f"{x:.6g} {y:.6g} {z:.6g} 0 0 1" for x, y, z in points]
     write_text(path, "\n".join(lines) + "\n")

@@ -6,14 +6,19 @@ The quantity of a series is the part of the name after the last dot if this is a
 `UNITS`, otherwise illuminance.
 """
 
+from collections import Counter
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import final
 
 import numpy as np
+import xarray as xr
 from jaxtyping import Float
 
-from clerestory.errors import InputError
+from clerestory.checks import require
+from clerestory.errors import InputError, located
 from clerestory.glare.indices import INDICES
+from clerestory.study.results import read_results
 
 ILLUMINANCE = "illuminance"
 GLARE = tuple(index.name for index in INDICES)
@@ -72,18 +77,20 @@ class Series:
     source: str = ""
 
     def __post_init__(self) -> None:
-        twice = next((n for n in self.names if self.names.count(n) > 1), None)
-        if twice is not None:
-            raise InputError(f'two series "{twice}"; one expected', file=self.source)
-        if self.values.shape != (len(self.names), len(self.times)):
-            raise InputError(
+        with located(file=self.source):
+            twice = [name for name, n in Counter(self.names).items() if n > 1]
+            require(
+                not twice,
+                f"several series are named {', '.join(twice)}; unique names expected",
+            )
+            require(
+                self.values.shape == (len(self.names), len(self.times)),
                 f"values of shape {self.values.shape}; ({len(self.names)} series,"
                 f" {len(self.times)} steps) expected",
-                file=self.source,
             )
-        if np.any(np.diff(self.times) <= np.timedelta64(0)):
-            raise InputError(
-                "times do not increase; increasing times expected", file=self.source
+            require(
+                np.all(np.diff(self.times) > np.timedelta64(0)),
+                "times do not increase; increasing times expected",
             )
 
     def on_clock(self, utc_offset_hours: float) -> "Series":
@@ -107,3 +114,50 @@ class Series:
             error=None if self.error is None else self.error[rows],
             position=None if self.position is None else self.position[rows],
         )
+
+
+def simulated_series(path: str | Path) -> Series:
+    """Return the series of a run, given its folder or its `results.nc`.
+
+    The series of sensors have the names of the sensors; the series of views are
+    `VIEW.dgp`, `VIEW.dgi` … and `VIEW.illuminance`, the vertical illuminance at the eye
+    [lux].
+
+    Raises
+    ------
+    InputError : the file contains no results, or no UTC offset (older versions)
+    """
+    data = read_results(path).data
+    if "utc_offset_hours" not in data.attrs:
+        raise InputError("results without UTC offset; run the study again", file=path)
+    names = [str(name) for name in data["sensor"].values]
+    values = [np.asarray(data["illuminance"].transpose("sensor", "time").values)]
+    errors = [np.asarray(data["standard_error"].transpose("sensor", "time").values)]
+    places = [np.asarray(data["position"].values, dtype=float)]
+    for name, view in _views(data):
+        names.append(name)
+        values.append(view[None])
+        errors.append(np.full((1, view.size), np.nan))
+        places.append(np.full((1, 3), np.nan))
+    return Series(
+        tuple(names),
+        data["time"].values.astype("datetime64[s]"),
+        np.concatenate(values).astype(float),
+        float(data.attrs["step_minutes"]),
+        float(data.attrs["utc_offset_hours"]),
+        np.concatenate(errors).astype(float),
+        np.concatenate(places),
+        str(path),
+    )
+
+
+def _views(data: xr.Dataset) -> list[tuple[str, np.ndarray]]:
+    if "view" not in data.dims:
+        return []
+    kinds = [*GLARE, "illuminance"]
+    return [
+        (f"{view}.{kind}", data[f"glare_{kind}"].sel(view=view).values)
+        for view in data["view"].values
+        for kind in kinds
+        if f"glare_{kind}" in data
+    ]

@@ -1,13 +1,18 @@
-"""Comparison of measured and simulated series."""
+"""Comparison of measured and simulated series.
 
-from collections.abc import Sequence
+The clock offset between measurement and simulation is the shift of smallest CV(RMSE).
+It is reported but not applied.
+"""
+
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TypeVar, final
 
 import numpy as np
 
+from clerestory.checks import not_negative, require
 from clerestory.comparison.agreement import Agreement, agreement
-from clerestory.comparison.clock_offset import Offset, search_offset
 from clerestory.comparison.series import (
     ILLUMINANCE,
     Series,
@@ -23,6 +28,12 @@ from clerestory.comparison.time_alignment import (
 from clerestory.errors import InputError
 
 ABOVE_LUX = 100.0
+
+# Largest time shift and step of the search for the clock offset [min]
+_LARGEST, _STEP = 120, 5
+
+# Smallest number of distinct times required for the search
+_FEWEST = 8
 
 Label = TypeVar("Label", str, tuple[str, str])
 
@@ -44,10 +55,32 @@ class Rules:
     coverage: float = COVERAGE
 
     def __post_init__(self) -> None:
-        if not self.above_lux >= 0:
-            raise InputError(f"limit of {self.above_lux} lux; 0 or more expected")
-        if not 0 < self.coverage <= 1:
-            raise InputError(f"coverage {self.coverage}; above 0 to 1 expected")
+        not_negative(self.above_lux, "limit of illuminance", unit="lux")
+        require(
+            0 < self.coverage <= 1,
+            f"coverage is {self.coverage}; above 0 and at most 1 expected",
+        )
+
+
+@final
+@dataclass(frozen=True)
+class Offset:
+    """Shift of the measured times with the best agreement.
+
+    Attributes
+    ----------
+    minutes : time shift added to the measured times [min]
+    rmse, rmse_unmoved : CV(RMSE) with and without the time shift
+    """
+
+    minutes: int
+    rmse: float
+    rmse_unmoved: float
+
+    @property
+    def matters(self) -> bool:
+        """Whether the time shift reduces CV(RMSE) by more than a tenth."""
+        return self.minutes != 0 and self.rmse < 0.9 * self.rmse_unmoved
 
 
 @final
@@ -84,6 +117,15 @@ class Comparison:
     def series(self) -> dict[str, Agreement]:
         """Return the agreement of each series that has pairs."""
         return self._agreements(list(self.pairs.names))
+
+    def excluded(self, name: str) -> dict[str, int]:
+        """Return the numbers of excluded values of a series, by reason."""
+        row, pairs = self.pairs.names.index(name), self.pairs
+        return {
+            "gaps": int(pairs.gaps[row]),
+            "not_simulated": int(pairs.outside[row]),
+            "too_dark": int(self.below[row]),
+        }
 
     def _agreements(self, labels: list[Label]) -> dict[Label, Agreement]:
         # Agreement of all series with the same label; `labels` has one label per series
@@ -129,11 +171,8 @@ def compare_series(
     rules = rules or Rules()
     known = [s.select([n for n in s.names if n in simulated.names]) for s in measured]
     known = [series for series in known if series.names]
-    if not known:
-        raise InputError(
-            "no series in common; measured names such as"
-            f' "{simulated.names[0]}" expected'
-        )
+    example = f'measured names such as "{simulated.names[0]}" expected'
+    require(known, f"no series in common; {example}")
     moved, ignored = _in_the_same_years(known, simulated)
     pairs = _pairs(moved, simulated, rules, rules.shift_minutes)
     counts = _counts(pairs, rules)
@@ -157,13 +196,10 @@ def compare_series(
 def _pairs(
     measured: Sequence[Series], simulated: Series, rules: Rules, minutes: float
 ) -> Pairs:
-    parts = []
-    for series in measured:
-        same = simulated.select(list(series.names))
-        parts.append(
-            pair_series(series.shifted(minutes), same, coverage=rules.coverage)
-        )
-    return join_pairs(parts)
+    shifted = [series.shifted(minutes) for series in measured]
+    same = [simulated.select(list(series.names)) for series in measured]
+    pair = partial(pair_series, coverage=rules.coverage)
+    return join_pairs(list(map(pair, shifted, same)))
 
 
 def _counts(pairs: Pairs, rules: Rules) -> np.ndarray:
@@ -194,10 +230,29 @@ def _offsets(
             pairs = _pairs(parts, simulated, rules, rules.shift_minutes + minutes)
             return pairs.where(_counts(pairs, rules))
 
-        best = search_offset(at)
+        best = _search_offset(at)
         if best is not None:
             found[kind] = best
     return found
+
+
+def _search_offset(pairs_at: Callable[[int], Pairs]) -> Offset | None:
+    # Best time shift up to two hours; None if there are too few pairs
+    unmoved = pairs_at(0)
+    if len(np.unique(unmoved.times)) < _FEWEST:
+        return None
+    found = {0: _variation(unmoved)}
+    for minutes in range(-_LARGEST, _LARGEST + 1, _STEP):
+        pairs = pairs_at(minutes)
+        if pairs.measured.size >= 0.8 * unmoved.measured.size:
+            found[minutes] = _variation(pairs)
+    # Among time shifts of equal CV(RMSE), choose the smallest
+    best = min(found, key=lambda minutes: (found[minutes], abs(minutes)))
+    return Offset(best, found[best], found[0])
+
+
+def _variation(pairs: Pairs) -> float:
+    return agreement(pairs.measured, pairs.simulated).variation
 
 
 def _in_the_same_years(

@@ -3,7 +3,7 @@
 The series with shorter steps is averaged over the steps of the other series, if enough
 of the step is covered. If both have steps of the same length, or measurements are
 instantaneous, simulated values are interpolated between the centres of the steps. Clock
-offsets are not corrected; see `clock_offset`.
+offsets are not corrected.
 """
 
 from dataclasses import dataclass, replace
@@ -16,6 +16,10 @@ from clerestory.comparison.series import Series
 
 COVERAGE = 0.75
 _SAME = 1.0  # largest difference of step lengths regarded as equal [s]
+
+
+# Attributes of `Pairs` with one value per pair
+_OF_PAIRS = ("series", "times", "measured", "simulated", "error")
 
 
 @final
@@ -45,14 +49,7 @@ class Pairs:
 
     def where(self, chosen: np.ndarray) -> "Pairs":
         """Return the pairs in a mask or index array; `names` are unchanged."""
-        return replace(
-            self,
-            series=self.series[chosen],
-            times=self.times[chosen],
-            measured=self.measured[chosen],
-            simulated=self.simulated[chosen],
-            error=self.error[chosen],
-        )
+        return replace(self, **{n: getattr(self, n)[chosen] for n in _OF_PAIRS})
 
     def of(self, name: str) -> "Pairs":
         """Return the pairs of one series, ordered by time."""
@@ -66,10 +63,8 @@ def pair_series(
 ) -> Pairs:
     """Return the pairs of two series with the same names in the same order.
 
-    Parameters
-    ----------
-    measured, simulated : series with the same UTC offset
-    coverage : fraction of a coarse step that values of finer steps must cover, 0…1
+    Both have the same UTC offset. `coverage` is the fraction of a coarse step that
+    values of finer steps must cover.
     """
     coarse = (measured.step_minutes - simulated.step_minutes) * 60
     if measured.step_minutes > 0 and coarse < -_SAME:
@@ -107,22 +102,14 @@ def join_pairs(parts: list[Pairs]) -> Pairs:
     names = tuple(dict.fromkeys(name for part in parts for name in part.names))
     place = {name: number for number, name in enumerate(names)}
     gaps, outside = np.zeros(len(names), int), np.zeros(len(names), int)
-    rows = []
+    moved = []
     for part in parts:
         to = np.array([place[name] for name in part.names], dtype=int)
         np.add.at(gaps, to, part.gaps)
         np.add.at(outside, to, part.outside)
-        rows.append(to[part.series])
-    return Pairs(
-        names,
-        np.concatenate(rows),
-        np.concatenate([part.times for part in parts]),
-        np.concatenate([part.measured for part in parts]),
-        np.concatenate([part.simulated for part in parts]),
-        np.concatenate([part.error for part in parts]),
-        gaps,
-        outside,
-    )
+        moved.append(replace(part, series=to[part.series]))
+    joined = {n: np.concatenate([getattr(p, n) for p in moved]) for n in _OF_PAIRS}
+    return Pairs(names, **joined, gaps=gaps, outside=outside)
 
 
 def _seconds(times: np.ndarray) -> np.ndarray:
@@ -138,17 +125,14 @@ def _averaged(
     half = coarse.step_minutes * 30
     bin_of = np.searchsorted(middles - half, moments, side="right") - 1
     inside = (bin_of >= 0) & (moments < middles[np.maximum(bin_of, 0)] + half)
-    to, shape = bin_of[inside], (values.shape[0], len(middles))
-    total, count = np.zeros(shape), np.zeros(shape)
     chosen = values[:, inside]
     there = ~np.isnan(chosen)
-    for row in range(shape[0]):
-        total[row] = np.bincount(
-            to, np.where(there[row], chosen[row], 0), minlength=shape[1]
-        )
-        count[row] = np.bincount(to, there[row], minlength=shape[1])
+    total, count = (
+        np.array([np.bincount(bin_of[inside], row, len(middles)) for row in part])
+        for part in (np.where(there, chosen, 0), there)
+    )
     enough = count >= coverage * coarse.step_minutes / fine.step_minutes - 1e-9
-    means = np.full(shape, np.nan)
+    means = np.full(total.shape, np.nan)
     np.divide(total, count, out=means, where=(count > 0) & enough)
     return means, (~there).sum(axis=1)
 

@@ -13,6 +13,7 @@ from typing import final
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from clerestory.checks import require, within
 from clerestory.errors import InputError
 
 
@@ -39,15 +40,12 @@ class Situation:
     )
 
     def __post_init__(self) -> None:
-        steps = len(self.times)
-        shapes: dict[str, tuple[tuple[int, ...], tuple[int, ...]]] = {
-            "occupied": (self.occupied.shape, (steps,))
-        }
-        shapes |= {n: (a.shape, (steps,)) for n, a in self.signals.items()}
-        shapes |= {n: (a.shape, (self.states, steps)) for n, a in self.by_state.items()}
-        for name, (found, expected) in shapes.items():
-            if found != expected:
-                raise InputError(f"{name} has shape {found}; {expected} expected")
+        over_time = {"occupied": self.occupied, **self.signals}
+        shape: tuple[int, ...] = (len(self.times),)
+        for values in (over_time, self.by_state):
+            for name, array in values.items():
+                _require_shape(array, shape, name)
+            shape = self.states, *shape
 
 
 Rule = Callable[[Situation], Int[np.ndarray, " time"]]
@@ -63,22 +61,18 @@ def apply_rule(rule: Rule, situation: Situation) -> Int[np.ndarray, " time"]:
     [0, 1]
     """
     states = np.asarray(rule(situation))
-    name = getattr(rule, "__name__", "rule")
-    if states.shape != (len(situation.times),):
-        raise InputError(
-            f"{name} returns states of shape {states.shape}; ({len(situation.times)},)"
-            " expected"
-        )
-    if not np.issubdtype(states.dtype, np.integer):
-        raise InputError(
-            f"{name} returns {states.dtype} values; whole numbers expected"
-        )
-    if len(states) and not 0 <= states.min() <= states.max() < situation.states:
-        raise InputError(
-            f"{name} returns states from {states.min()} to {states.max()}; 0 to"
-            f" {situation.states - 1} expected"
-        )
+    what = f"the result of {getattr(rule, '__name__', 'the rule')}"
+    _require_shape(states, (len(situation.times),), what)
+    require(
+        np.issubdtype(states.dtype, np.integer),
+        f"{what} has {states.dtype} values; whole numbers expected",
+    )
+    within(states, f"a state in {what}", least=0, most=situation.states - 1)
     return states
+
+
+def _require_shape(array: np.ndarray, shape: tuple[int, ...], what: str) -> None:
+    require(array.shape == shape, f"{what} has shape {array.shape}; {shape} expected")
 
 
 def load_rule(path: str | Path, name: str) -> Rule:
@@ -95,20 +89,17 @@ def load_rule(path: str | Path, name: str) -> Rule:
     path = Path(path)
     spec = importlib.util.spec_from_file_location(f"rules_of_{path.stem}", path)
     if spec is None or spec.loader is None:
-        raise InputError("is not a Python file; one expected", file=path)
+        raise InputError(
+            "not a Python file; a name that ends in .py expected", file=path
+        )
     module = importlib.util.module_from_spec(spec)
     try:
         spec.loader.exec_module(module)
     except Exception as error:  # user code may raise any exception
-        raise InputError(
-            f"{_message(error)}; a file that runs expected", file=path
-        ) from (error)
-    found = getattr(module, name, None)
+        text = " ".join(f"{type(error).__name__}: {error}".split())[:200]
+        message = f"{text}; a file without errors expected"
+        raise InputError(message, file=path) from error
+    found: Rule | None = getattr(module, name, None)
     if not callable(found):
-        raise InputError(f'has no function "{name}"; one expected', file=path)
-    return found  # type: ignore[no-any-return]
-
-
-def _message(error: BaseException) -> str:
-    text = " ".join(str(error).split())[:200]
-    return f"{type(error).__name__}: {text}" if text else type(error).__name__
+        raise InputError(f'no function "{name}" in the file', file=path)
+    return found

@@ -9,13 +9,14 @@ annual sunlight exposure (blinds operation).
 """
 
 import itertools
+import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from clerestory.errors import InputError
+from clerestory.checks import require
 
 SUN_LUX = 1000.0
 MOST_SENSORS = 0.02
@@ -65,16 +66,16 @@ def operate_by_direct_sun(
     >>> operate_by_direct_sun({"south": sun}).states["south"].tolist()
     [1, 0]
     """
-    if not direct:
-        raise InputError("no window group with blinds; at least one expected")
+    require(direct, "no window group with blinds; at least one expected")
     shapes = {values.shape[1:] for values in direct.values()}
-    if len(shapes) > 1 or (static is not None and {static.shape} != shapes):
-        raise InputError(
-            f"direct illuminance over {shapes}; equal (sensor, time) expected"
-        )
     base = np.zeros(next(iter(shapes))) if static is None else static
+    require(
+        {base.shape} == shapes,
+        f"direct illuminance of shapes {shapes | {base.shape}}; equal numbers of"
+        " sensors and time steps expected",
+    )
     counts = [len(values) for values in direct.values()]
-    if np.prod([float(count) for count in counts]) > _MOST_COMBINATIONS:
+    if math.prod(counts) > _MOST_COMBINATIONS:
         return _one_by_one(direct, base, sun_lux, most_sensors)
 
     # Try combinations from all open to all closed
@@ -99,25 +100,17 @@ def _one_by_one(
     sun_lux: float,
     most_sensors: float,
 ) -> Operation:
-    groups = list(direct)
     steps = np.arange(base.shape[1])
-    states = {group: np.zeros(len(steps), dtype=int) for group in groups}
+    states = {group: np.zeros(len(steps), dtype=int) for group in direct}
     last = {group: len(values) - 1 for group, values in direct.items()}
-    total = base + sum(values[0] for values in direct.values())
-    for _ in range(sum(last.values())):
-        bad = (total >= sun_lux).mean(axis=0) > most_sensors
-        share = np.stack(
-            [
-                (direct[g][states[g], :, steps].T * (total >= sun_lux)).sum(axis=0)
-                * (states[g] < last[g])
-                - (states[g] == last[g])
-                for g in groups
-            ]
-        )
-        worst = share.argmax(axis=0)
-        for column, group in enumerate(groups):
-            close = bad & (worst == column) & (states[group] < last[group])
-            states[group] = states[group] + close
-        total = base + sum(direct[g][states[g], :, steps].T for g in groups)
-    kept = (total >= sun_lux).mean(axis=0) <= most_sensors
-    return Operation(states, np.asarray(kept))
+    while True:
+        lux = {g: values[states[g], :, steps].T for g, values in direct.items()}
+        sunny = base + sum(lux.values()) >= sun_lux
+        kept = sunny.mean(axis=0) <= most_sensors
+        closable = np.stack([states[group] < last[group] for group in direct])
+        if not np.any(~kept & closable):
+            return Operation(states, np.asarray(kept))
+        added = np.stack([(each * sunny).sum(axis=0) for each in lux.values()])
+        worst = np.where(closable, added, -1).argmax(axis=0)
+        for column, group in enumerate(direct):
+            states[group] += ~kept & closable[column] & (worst == column)

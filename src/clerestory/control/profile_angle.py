@@ -10,8 +10,8 @@ Reference: ISO 15099:2003, 7.3 (direct transmittance of flat slats), solved for 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from clerestory.checks import positive
 from clerestory.directions import Frame
-from clerestory.errors import InputError
 
 
 def profile_angle(
@@ -52,11 +52,8 @@ def cut_off_tilt(
     >>> np.degrees(wide).round(6).tolist()  # sin β = s/w
     [30.0]
     """
-    if not (width > 0 and spacing > 0):
-        raise InputError(
-            f"slats of width {width:g} m and spacing {spacing:g} m; both above 0"
-            " expected"
-        )
+    positive(width, "slat width", unit="m")
+    positive(spacing, "slat spacing", unit="m")
     sine = np.minimum(spacing / width * np.cos(profile), 1)
     return np.asarray(np.clip(np.arcsin(sine) - profile, 0, np.pi / 2))
 

@@ -12,8 +12,12 @@ from typing import final
 import numpy as np
 from jaxtyping import Float, Int
 
+from clerestory.checks import not_negative, require, same_length, within
 from clerestory.errors import InputError
 from clerestory.files import read_text, write_text
+
+# Largest state number in a file
+_MOST_STATES = 10_000
 
 
 @final
@@ -43,16 +47,8 @@ class StateSchedule:
 
     def __post_init__(self) -> None:
         for group, state in self.states.items():
-            if len(state) != len(self.times):
-                raise InputError(
-                    f"group {group!r} has {len(state)} states for {len(self.times)}"
-                    " steps; one state per step expected"
-                )
-            if len(state) and int(np.min(state)) < 0:
-                raise InputError(
-                    f"group {group!r} is in state {int(np.min(state))}; 0 or more"
-                    " expected"
-                )
+            same_length(state, self.times, f"states of group {group!r}", "time steps")
+            not_negative(state, f"state of group {group!r}")
 
     def hours_in_state(self, group: str, *, count: int) -> Int[np.ndarray, " state"]:
         """Number of time steps of a window group in each state."""
@@ -73,13 +69,12 @@ class StateSchedule:
         """
         parts = [] if static is None else [static]
         for group, state in self.states.items():
-            if group not in by_state:
-                raise InputError(
-                    f"group {group!r} has no results; results in every state expected"
-                )
+            require(
+                group in by_state,
+                f"no results of window group {group!r}; results in each state expected",
+            )
             parts.append(select_states(by_state[group], state))
-        if not parts:
-            raise InputError("a schedule without groups; at least one expected")
+        require(parts, "a schedule without window groups; at least one expected")
         return np.asarray(np.sum(parts, axis=0))
 
 
@@ -92,18 +87,10 @@ def select_states(
     >>> select_states(values, np.array([0, 1])).tolist()
     [10.0, 2.0]
     """
-    steps = by_state.shape[-1]
-    if len(state) != steps:
-        raise InputError(
-            f"{len(state)} states for {steps} steps; one state per step expected"
-        )
-    if steps and not 0 <= state.min() <= state.max() < len(by_state):
-        raise InputError(
-            f"state {int(state.max())} of {len(by_state)} states; numbers from 0"
-            " expected"
-        )
-    by_time = np.moveaxis(by_state, -1, 0)[np.arange(steps), state]
-    return np.asarray(np.moveaxis(by_time, 0, -1))
+    by_time = np.moveaxis(by_state, -1, 0)
+    same_length(state, by_time, "states", "time steps")
+    within(state, "state", least=0, most=len(by_state) - 1)
+    return np.asarray(np.moveaxis(by_time[np.arange(len(state)), state], 0, -1))
 
 
 def states_at(
@@ -120,8 +107,7 @@ def states_at(
     >>> states_at(schedule, day)["south"].tolist()
     [0, 1]
     """
-    if len(schedule.times) == 0:
-        raise InputError("a schedule without lines; at least one expected")
+    require(len(schedule.times), "a schedule without lines; at least one expected")
     lines, steps = _of_the_year(schedule.times), _of_the_year(times)
     order = np.argsort(lines, kind="stable")
     at = order[np.searchsorted(lines[order], steps, side="right") - 1]
@@ -132,37 +118,25 @@ def read_schedule(path: str | Path) -> StateSchedule:
     """Read a schedule from a CSV file of times and states with header `time,GROUP…`."""
     lines = read_text(path).splitlines()
     groups = [word.strip() for word in lines[0].split(",")][1:] if lines else []
-    if not groups:
-        raise InputError("no header time,GROUP… in the first line", file=path, line=1)
+    message = "no header time,GROUP… in the first line"
+    require(groups, message, file=path, line=1)
     times, rows = [], []
     for number, line in enumerate(lines[1:], start=2):
         if not line.strip():
             continue
         words = [word.strip() for word in line.split(",")]
+        message = f"{line.strip()[:60]!r}; a time, and a state from 0 to {_MOST_STATES}"
+        message += f" for each of {', '.join(groups)}, expected"
         try:
-            moment, row = (
-                np.datetime64(words[0], "s"),
-                [int(word) for word in words[1:]],
-            )
+            moment = np.datetime64(words[0], "s")
+            row = [int(word) for word in words[1:]]
         except ValueError as error:
-            raise InputError(
-                f"{line.strip()[:60]!r}; a time and integers expected",
-                file=path,
-                line=number,
-            ) from error
-        if len(row) != len(groups) or min(row) < 0 or np.isnat(moment):
-            raise InputError(
-                f"{len(row)} states for {len(groups)} groups; one state of 0 or"
-                " more for each group"
-                " expected",
-                file=path,
-                line=number,
-            )
+            raise InputError(message, file=path, line=number) from error
+        valid = len(row) == len(groups) and 0 <= min(row) <= max(row) <= _MOST_STATES
+        require(valid and not np.isnat(moment), message, file=path, line=number)
         times.append(moment)
         rows.append(row)
     table = np.array(rows, dtype=int).reshape(-1, len(groups))
-    if max(map(int, table.ravel()), default=0) > 10_000:
-        raise InputError("a state above 10000; a state number expected", file=path)
     return StateSchedule(
         np.array(times, dtype="datetime64[s]"),
         {group: table[:, column] for column, group in enumerate(groups)},

@@ -7,7 +7,7 @@ from typing import Literal, final
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from clerestory.errors import InputError
+from clerestory.checks import require
 
 
 @final
@@ -27,10 +27,8 @@ class Limit:
     side: Literal["below", "above"] = "below"
 
     def __post_init__(self) -> None:
-        if self.values.ndim != 2:
-            raise InputError(
-                f"values of shape {self.values.shape}; (state, time) expected"
-            )
+        shape = self.values.shape
+        require(len(shape) == 2, f"values of shape {shape}; (state, time) expected")
 
     def excess(self) -> Float[np.ndarray, "state time"]:
         """Absolute difference of values from the limit; 0 for permitted values."""
@@ -74,15 +72,14 @@ def best_states(
     if not limits:
         return np.asarray(score.argmax(axis=0))
     excess = _worst(limits)
-    if excess.shape != score.shape:
-        raise InputError(
-            f"scores of shape {score.shape} and limits of shape {excess.shape}; equal"
-            " shapes expected"
-        )
+    require(
+        excess.shape == score.shape,
+        f"scores of shape {score.shape} and limits of shape {excess.shape}; equal"
+        " shapes expected",
+    )
     good = excess <= 0
     best = np.where(good, score, -np.inf).argmax(axis=0)
-    least = excess.argmin(axis=0)
-    return np.asarray(np.where(good.any(axis=0), best, least))
+    return np.asarray(np.where(good.any(axis=0), best, excess.argmin(axis=0)))
 
 
 def when_occupied(
@@ -101,9 +98,9 @@ def when_occupied(
 
 def _worst(limits: Sequence[Limit]) -> Float[np.ndarray, "state time"]:
     # Largest relative excess over all limits
-    if not limits:
-        raise InputError("no limits; at least one expected")
-    if len({limit.values.shape for limit in limits}) > 1:
-        raise InputError("limits of different shapes; equal (state, time) expected")
+    require(
+        len({limit.values.shape for limit in limits}) == 1,
+        "no limits, or limits of different shapes; equal (state, time) expected",
+    )
     shares = [limit.excess() / max(abs(limit.bound), 1e-12) for limit in limits]
     return np.asarray(np.max(shares, axis=0))

@@ -5,10 +5,12 @@ number of consecutive steps, and opens after it is below the lower threshold. De
 reduce the number of movements under partly cloudy skies.
 """
 
+from functools import partial
+
 import numpy as np
 from jaxtyping import Float, Int
 
-from clerestory.errors import InputError
+from clerestory.checks import require
 
 
 def threshold_states(
@@ -39,16 +41,15 @@ def threshold_states(
     [0, 0, 0, 0, 0, 0]
     """
     low = close_above if open_below is None else open_below
-    if low > close_above:
-        raise InputError(
-            f"threshold {low:g} to open and {close_above:g} to close; the threshold to"
-            " open at or below the threshold to close expected"
-        )
-    if min(close_after, open_after) < 1 or start not in (0, 1):
-        raise InputError(
-            f"delays of {close_after} and {open_after} steps from state {start}; 1 or"
-            " more steps, and state 0 or 1, expected"
-        )
+    require(
+        low <= close_above,
+        f"open_below is {low:g}; at most close_above = {close_above:g} expected",
+    )
+    require(
+        min(close_after, open_after) >= 1 and start in (0, 1),
+        f"delays of {close_after} and {open_after} steps from state {start}; 1 or more"
+        " steps, and state 0 or 1, expected",
+    )
     states = np.empty(len(quantity), dtype=int)
     closed, run = bool(start), 0
     above, below = quantity > close_above, quantity < low
@@ -79,18 +80,16 @@ def staged_states(
     [0, 1, 2, 0]
     """
     low = close_above if open_below is None else open_below
-    if len(low) != len(close_above) or np.any(np.diff(close_above) <= 0):
-        raise InputError(
-            f"thresholds {close_above} and {low}; increasing, two per stage, expected"
-        )
+    require(
+        len(low) == len(close_above) and np.all(np.diff(close_above) > 0),
+        f"thresholds are {close_above} and {low}; two increasing numbers per stage"
+        " expected",
+    )
+    stage = partial(
+        threshold_states, quantity, close_after=close_after, open_after=open_after
+    )
     stages = [
-        threshold_states(
-            quantity,
-            close_above=float(upper),
-            open_below=float(lower),
-            close_after=close_after,
-            open_after=open_after,
-        )
+        stage(close_above=float(upper), open_below=float(lower))
         for upper, lower in zip(close_above, low, strict=True)
     ]
     return np.asarray(np.sum(stages, axis=0))

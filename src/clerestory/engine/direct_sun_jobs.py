@@ -84,23 +84,28 @@ class _DirectSensorJob(_DirectJob, EstimatedJob):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class SunJob(_DirectSensorJob):
-    """Irradiance of sensors per direct normal irradiance of suns behind a window.
+class SunlightJob(_DirectJob):
+    """Light of suns transmitted by one of several windows.
 
     Attributes
     ----------
     number : index of the transmitting window among all windows
     peak : whether unscattered light keeps the angular diameter of the sun
-    samples : paths per sensor and sun
+    samples : paths per receiver and sun
     """
-
-    tracer: ClassVar[tuple[str, str]] = ("direct_sun_tracer", "prepare_sun")
 
     windows: tuple[Window, ...]
     number: int
     bsdf: Bsdf
     suns: Float[np.ndarray, "sun 3"]
     peak: bool
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SunJob(SunlightJob, _DirectSensorJob):
+    """Irradiance of sensors per direct normal irradiance of suns behind a window."""
+
+    tracer: ClassVar[tuple[str, str]] = ("direct_sun_tracer", "prepare_sun")
 
     @property
     def shape(self) -> tuple[int, int, int, int]:
@@ -119,10 +124,8 @@ class SunJob(_DirectSensorJob):
 class UnscatteredJob(_DirectSensorJob):
     """Irradiance of sensors from distant sources, unobstructed or through glass.
 
-    Attributes
-    ----------
-    directions : unit vectors to the sample points of each column's source, batch by
-        batch
+    `directions` are unit vectors to the sample points of each column's source, batch by
+    batch.
     """
 
     tracer: ClassVar[tuple[str, str]] = ("direct_visibility", "prepare_unscattered")
@@ -142,24 +145,11 @@ class UnscatteredJob(_DirectSensorJob):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class PixelSunJob(_DirectJob):
-    """Radiance of a view's pixels per direct normal irradiance of suns.
-
-    Attributes
-    ----------
-    number : index of the transmitting window among all windows
-    columns, rows : size of the picture
-    peak : see `SunJob`
-    samples : paths per pixel and sun
-    """
+class PixelSunJob(SunlightJob):
+    """Radiance of a view's pixels (columns × rows) per direct normal irradiance."""
 
     tracer: ClassVar[tuple[str, str]] = ("direct_sun_tracer", "prepare_pixel_sun")
 
-    windows: tuple[Window, ...]
-    number: int
-    bsdf: Bsdf
-    suns: Float[np.ndarray, "sun 3"]
-    peak: bool
     view: View
     columns: int
     rows: int
@@ -175,11 +165,9 @@ def trace_pixel_sun(
 ) -> Float[np.ndarray, "band pixel sun"]:
     """Radiance of pixels per direct normal irradiance of each sun [1/sr].
 
-    Parameters
-    ----------
-    numbers : indices of the suns of the job, which seed their random numbers
-    effort : effort with the same executor for all calls with one job, so that the scene
-        is built once
+    `numbers` are the indices of the suns of the job, which seed their random numbers.
+    The efforts of all calls with one job have the same executor, so that the scene is
+    built once.
     """
     pixels, _, _, bands = job.shape
     count = len(numbers)

@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.engine.camera_rays import CameraRays
-from clerestory.engine.direct_sun_jobs import PixelSunJob, SunJob
+from clerestory.engine.direct_sun_jobs import PixelSunJob, SunJob, SunlightJob
 from clerestory.engine.path_tracer import PathTracer
 from clerestory.engine.sampler import (
     CONNECT_U,
@@ -43,10 +43,8 @@ def _tracer(window: SunlitWindow) -> PathTracer:
 def irradiance_of(window: SunlitWindow, sequence, position, normal, middle, seed):
     """Irradiance of sensors per direct normal irradiance of a sun behind the window.
 
-    Parameters
-    ----------
-    middle : unit vector to the centre of the sun
-    seed : seed of the paths of each sensor and sun
+    `middle` is the unit vector to the centre of the sun, by sensor and sun, `seed` the
+    seed of their paths.
     """
     light = mi.Color3f(0)
     index = mi.UInt32(0)
@@ -127,7 +125,7 @@ def prepare_pixel_sun(job: PixelSunJob) -> Tracer:
     return trace
 
 
-def _pairs(job: SunJob | PixelSunJob, unit: Unit, pair: mi.UInt32):
+def _pairs(job: SunlightJob, unit: Unit, pair: mi.UInt32):
     # For each pair of row and sun: the row, the random stream, and the sun's centre
     suns = dr.opaque(mi.UInt32, len(unit.columns))
     row = pair // suns + dr.opaque(mi.UInt32, int(unit.rows[0]))

@@ -8,7 +8,7 @@ from jaxtyping import Float
 from clerestory.engine.direct_sun_jobs import UnscatteredJob
 from clerestory.engine.lower import lower
 from clerestory.engine.upload import launching, vectors
-from clerestory.engine.visibility import transmittance
+from clerestory.engine.visibility import along, transmittance
 from clerestory.engine.work_units import Tracer, Unit
 from clerestory.scene.model import Scene
 
@@ -18,22 +18,14 @@ def direct_transmittance(
     points: Float[np.ndarray, "point 3"],
     directions: Float[np.ndarray, "sun 3"],
 ) -> Float[np.ndarray, "point sun"]:
-    """Return the unscattered transmittance from distant sources to each point.
-
-    Parameters
-    ----------
-    points : points of the scene [m]
-    directions : unit vectors to the sources
-    """
+    """Return the unscattered transmittance from distant sources to each point."""
     origin = points.mean(axis=0)
     count = len(directions)
     with launching():
         model = lower(scene, origin=origin)
         start = vectors(mi.Point3f, np.repeat(points - origin, count, axis=0))
         towards = vectors(mi.Vector3f, np.tile(directions, (len(points), 1)))
-        share = transmittance(
-            model, start, lambda origin: mi.Ray3f(origin, towards), mi.Bool(True)
-        )
+        share = transmittance(model, start, along(towards), mi.Bool(True))
         found = np.asarray(dr.mean(share))
     return np.broadcast_to(found, len(points) * count).reshape(-1, count).astype(float)
 
@@ -53,9 +45,7 @@ def prepare_unscattered(job: UnscatteredJob) -> Tracer:
         with launching():
             start = vectors(mi.Point3f, point)
             towards = vectors(mi.Vector3f, np.tile(flat, (rows, 1)))
-            share = transmittance(
-                model, start, lambda origin: mi.Ray3f(origin, towards), mi.Bool(True)
-            )
+            share = transmittance(model, start, along(towards), mi.Bool(True))
             dr.eval(share)
             found = share.numpy()
         share = np.broadcast_to(found, (3, rows * len(flat))).reshape(3, rows, -1)

@@ -6,8 +6,6 @@ and the disc to a square by Shirley and Chiu's map. All cells have equal solid a
 across the horizon.
 """
 
-from collections.abc import Callable
-
 import drjit as dr
 import mitsuba as mi
 import numpy as np
@@ -15,16 +13,15 @@ from jaxtyping import Float
 
 from clerestory.engine.square import square_from_disc
 from clerestory.engine.upload import on_device
-from clerestory.hemisphere.shirley_chiu import disc_from_square
-
-Radiance = Callable[[Float[np.ndarray, "n 3"]], Float[np.ndarray, "n 3"]]
+from clerestory.hemisphere.shirley_chiu import cell_centres, disc_from_square
 
 
 def map_directions(edge: int) -> Float[np.ndarray, "n 3"]:
-    """Unit vectors through the cell centres, in the order of the tables."""
-    middle = (np.arange(edge) + 0.5) / edge
-    a, b = (grid.ravel() for grid in np.meshgrid(middle, middle, indexing="ij"))
-    x, y = disc_from_square(a, b)
+    """Unit vectors through the cell centres, in the order of the tables.
+
+    The edge of a table is a power of two.
+    """
+    x, y = disc_from_square(*cell_centres(edge.bit_length() - 1))
     height = 1 - (x * x + y * y)
     scale = np.sqrt(1 + height)
     up = np.stack([x * scale, y * scale, height], axis=-1)
@@ -34,10 +31,7 @@ def map_directions(edge: int) -> Float[np.ndarray, "n 3"]:
 class DirectionalMap:
     """One or several tables of radiance over all directions.
 
-    Parameters
-    ----------
-    values : RGB radiance of each table, for each of `map_directions(edge)`
-    edge : number of cells along the edge of a square
+    The values are the RGB radiance of each table, for each of `map_directions(edge)`.
     """
 
     def __init__(self, values: Float[np.ndarray, "table n 3"], edge: int):

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.engine.directional_map import DirectionalMap, map_directions
-from clerestory.engine.sampler import choose, probability
+from clerestory.engine.sampler import Distribution
 from clerestory.engine.upload import on_device, vectors
 from clerestory.scene.model import DistantSource, Scene
 
@@ -31,10 +31,9 @@ class DistantEmitters:
     Attributes
     ----------
     dome : radiance of all distant sources with a large solid angle
-    suns : number of narrow sources
-    direction, radiance : direction and radiance of each narrow source
-    one_minus_cos : 1 − cos of the angular radius of each narrow source
-    cumulative : cumulative fraction of the irradiance of the narrow sources
+    suns : number of narrow sources; the other arrays are theirs
+    one_minus_cos : 1 − cos of the angular radius
+    chosen : distribution by irradiance
     """
 
     dome: DirectionalMap | None
@@ -42,7 +41,7 @@ class DistantEmitters:
     direction: mi.Vector3f
     radiance: mi.Color3f
     one_minus_cos: mi.Float
-    cumulative: mi.Float
+    chosen: Distribution
 
     @classmethod
     def of(cls, scene: Scene) -> "DistantEmitters":
@@ -55,22 +54,14 @@ class DistantEmitters:
         half = np.radians([s.angle_deg / 2 for s in narrow] or [0.5])
         depth = 2 * np.sin(half / 2) ** 2
         power = radiance.mean(axis=1) * depth
-        total = power.sum()
-        share = power / total if total > 0 else np.full(len(power), 1.0)
-        cumulative = np.cumsum(share)
-        cumulative[-1] = 1
-        light = cls(
+        return cls(
             dome=_dome(scene, wide) if wide else None,
             suns=len(narrow),
             direction=vectors(mi.Vector3f, direction),
             radiance=vectors(mi.Color3f, radiance),
             one_minus_cos=on_device(mi.Float, depth),
-            cumulative=on_device(mi.Float, cumulative),
+            chosen=Distribution.of(power if power.any() else np.ones(len(power))),
         )
-        dr.make_opaque(
-            light.direction, light.radiance, light.one_minus_cos, light.cumulative
-        )
-        return light
 
     def environment_radiance(self, direction):
         """Return the radiance of the wide sources in a direction."""
@@ -91,15 +82,14 @@ class DistantEmitters:
             inside = apart <= depth
             radiance = dr.gather(mi.Color3f, self.radiance, number)
             found += dr.select(inside, radiance, 0)
-            pdf += dr.select(
-                inside, probability(self.cumulative, number) / (2 * dr.pi * depth), 0
-            )
+            density = self.chosen.probability(number) / (2 * dr.pi * depth)
+            pdf += dr.select(inside, density, 0)
             number += 1
         return found, pdf
 
     def sample_sun(self, pick, u, v):
         """Sample a direction to a narrow source; return it, its pdf and radiance."""
-        number, chance, _ = choose(self.cumulative, self.suns, pick)
+        number, chance, _ = self.chosen.sample(pick)
         depth = dr.gather(mi.Float, self.one_minus_cos, number)
         axis = dr.gather(mi.Vector3f, self.direction, number)
         height = u * depth

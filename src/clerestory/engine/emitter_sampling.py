@@ -70,8 +70,6 @@ class SurfaceEmitters(Source):
             radiance = emitters.emitted(number, -direction, active)
             lit = active & (dr.max(radiance) > 0)
             start = vertex.leave(direction, lit)
-            return radiance * transmittance(
-                self.model, start, lambda origin: towards(origin, point), lit
-            )
+            return radiance * transmittance(self.model, start, towards(point), lit)
 
         yield LightSample(direction, pdf, cosine > 1e-6, arriving, luminaire=True)

@@ -13,7 +13,8 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.engine.directional_map import DirectionalMap, map_directions
-from clerestory.engine.sampler import choose
+from clerestory.engine.sampler import Distribution
+from clerestory.engine.spherical_rectangle import Parallelograms, fold
 from clerestory.engine.upload import on_device, vectors
 from clerestory.errors import InputError
 from clerestory.scene.model import Emitter, Glow, Illum, Spotlight
@@ -46,16 +47,13 @@ class Emitters:
     Attributes
     ----------
     count : number of sampled triangles
-    radiance : radiance of each emitter
     table : 1 + index of the pattern of each emitter, or 0
     view_only : whether an emitter is visible but does not illuminate (glow of negative
         radius)
     illum : whether camera rays see the alternate material of an illum instead
     patterns : directional tables of all patterns
-    corner, edge_u, edge_v, normal : geometry of the sampled triangles [m]
-    emitter : emitter of each triangle
-    chance : probability of each triangle divided by its area [1/m²]
-    cumulative : cumulative probability of the triangles
+    triangles, emitter : sampled triangles, and the emitter of each
+    chosen : distribution of the triangles by power
     density : probability of each emitter divided by its area [1/m²]; 0 if not sampled
     """
 
@@ -65,58 +63,48 @@ class Emitters:
     view_only: mi.Bool
     illum: mi.Bool
     patterns: DirectionalMap | None
-    corner: mi.Point3f
-    edge_u: mi.Vector3f
-    edge_v: mi.Vector3f
+    triangles: Parallelograms
     emitter: mi.UInt32
-    cumulative: mi.Float
+    chosen: Distribution
     density: mi.Float
 
     @classmethod
     def of(cls, shining: list[Mesh], origin: Float[np.ndarray, "3"]) -> "Emitters":
         """Return the tables of emitting meshes; emitter i is mesh i."""
         radiance = np.array([m.material.radiance for m in shining]).reshape(-1, 3)
-        tables, number = [], []
-        for mesh in shining:
-            table = _pattern(mesh)
-            tables += [] if table is None else [table]
-            number.append(0 if table is None else len(tables))
+        found = [_pattern(mesh) for mesh in shining]
+        tables = [table for table in found if table is not None]
+        number = np.cumsum([table is not None for table in found], dtype=int)
+        number = np.where([table is None for table in found], 0, number)
         mean = radiance.mean(axis=1)
-        for index, which in enumerate(number):
-            mean[index] *= 1 if which == 0 else tables[which - 1].mean()
+        mean *= [1 if table is None else table.mean() for table in found]
 
         # Sampled triangles, by power
-        corners, emitter = [], []
-        for index, mesh in enumerate(shining):
-            if is_sampled(mesh.material) and mean[index] > 0:
-                corners.append(mesh.vertices[mesh.faces] - origin)
-                emitter.append(np.full(len(mesh.faces), index))
+        emitting = np.array([is_sampled(m.material) for m in shining], dtype=bool)
+        sampled = np.flatnonzero(emitting & (mean > 0))
+        meshes = [shining[index] for index in sampled]
+        corners = [mesh.vertices[mesh.faces] - origin for mesh in meshes]
         corner = np.concatenate([np.zeros((0, 3, 3)), *corners])
-        owner = np.concatenate([np.zeros(0, dtype=int), *emitter])
+        faces = np.array([len(mesh.faces) for mesh in meshes], dtype=int)
+        owner = np.repeat(sampled, faces)
         u, v = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
         area = 0.5 * np.linalg.norm(np.cross(u, v), axis=1)
         power = area * mean[owner]
-        cumulative = np.cumsum(power) / power.sum() if len(power) else power
         aimed = np.zeros(len(shining))
         if len(power):
-            cumulative[-1] = 1
             aimed[np.unique(owner)] = mean[np.unique(owner)] / power.sum()
-        made = cls(
+        return cls(
             count=len(owner),
             radiance=vectors(mi.Color3f, radiance),
             table=on_device(mi.UInt32, number),
             view_only=on_device(mi.Bool, [_is_view_only(m.material) for m in shining]),
             illum=on_device(mi.Bool, [isinstance(m.material, Illum) for m in shining]),
             patterns=DirectionalMap(np.array(tables), _EDGE) if tables else None,
-            corner=vectors(mi.Point3f, corner[:, 0]),
-            edge_u=vectors(mi.Vector3f, u),
-            edge_v=vectors(mi.Vector3f, v),
+            triangles=Parallelograms.of(corner[:, 0], u, v),
             emitter=on_device(mi.UInt32, owner),
-            cumulative=on_device(mi.Float, cumulative),
+            chosen=Distribution.of(power),
             density=on_device(mi.Float, aimed),
         )
-        dr.make_opaque(made.radiance, made.table, made.cumulative, made.density)
-        return made
 
     def emitted(self, emitter, direction, active):
         """Return the radiance emitted by an emitter along a direction."""
@@ -134,25 +122,17 @@ class Emitters:
 
     def sample_direction(self, origin, pick, u, v):
         """Sample an emitter; return point, direction, cosine, pdf and emitter."""
-        number, _, _ = choose(self.cumulative, self.count, pick)
-        fold = u + v > 1
-        u, v = dr.select(fold, 1 - u, u), dr.select(fold, 1 - v, v)
-        edge_u = dr.gather(mi.Vector3f, self.edge_u, number)
-        edge_v = dr.gather(mi.Vector3f, self.edge_v, number)
-        point = dr.gather(mi.Point3f, self.corner, number) + edge_u * u + edge_v * v
+        number, _, _ = self.chosen.sample(pick)
+        triangle = self.triangles.take(number)
+        point = triangle.point(*fold(u, v))
         across = point - origin
         distance2 = dr.squared_norm(across)
         direction = across * dr.rsqrt(distance2)
-        normal = dr.normalize(dr.cross(edge_u, edge_v))
+        normal = dr.normalize(dr.cross(triangle.edge_u, triangle.edge_v))
         cosine = -dr.dot(normal, direction)
         emitter = dr.gather(mi.UInt32, self.emitter, number)
-        return (
-            point,
-            direction,
-            cosine,
-            self.pdf(emitter, distance2, cosine, True),
-            emitter,
-        )
+        pdf = self.pdf(emitter, distance2, cosine, True)
+        return point, direction, cosine, pdf, emitter
 
 
 def _is_view_only(material: Emitter) -> bool:
@@ -174,10 +154,8 @@ def _pattern(mesh: Mesh) -> Float[np.ndarray, "n 3"] | None:
         point = np.broadcast_to(middle, direction.shape)
         value = value * pattern.value(direction, normal, point)
     if isinstance(material, Spotlight):
-        inside = direction @ material.direction >= np.cos(
-            np.radians(material.angle_deg / 2)
-        )
-        value = value * inside[:, None]
+        limit = np.cos(np.radians(material.angle_deg / 2))
+        value = value * (direction @ material.direction >= limit)[:, None]
     return value
 
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from clerestory.engine.function_library import FUNCTIONS, Value, either_bad, where
 from clerestory.errors import InputError
-from clerestory.radiance.cal.library import PRELUDE
+from clerestory.radiance.cal.library import START_FILE
 from clerestory.radiance.cal.program import Program
 from clerestory.radiance.cal.run import Frame
 from clerestory.radiance.cal.syntax import (
@@ -28,46 +28,11 @@ from clerestory.radiance.cal.syntax import (
     Node,
     Number,
     Power,
-    parse_definitions,
 )
 
 # Largest depth of calls, and number of nodes of an expression with all its calls
 _DEEPEST = 60
 _MOST_NODES = 20_000
-
-# Functions of rayinit.cal that are not built into the calculator
-_START = parse_definitions(
-    PRELUDE
-    + """
-    PI : 3.14159265358979323846; DEGREE : PI/180; FTINY : 1e-7;
-    D(i) : select(i, Dx, Dy, Dz); N(i) : select(i, Nx, Ny, Nz);
-    P(i) : select(i, Px, Py, Pz);
-    level : Nx*Nx + Ny*Ny;
-    U : if(level - 1e-7, (Py*Nx - Px*Ny)/level, Px);
-    V : if(level - 1e-7, Pz - Nz*(Px*Nx + Py*Ny)/level, Py);
-    bound(a, x, b) : max(a, min(x, b));
-    Acos(x) : acos(bound(-1, x, 1)); Asin(x) : asin(bound(-1, x, 1));
-    Atan2(y, x) : atan2(y, x); Exp(x) : exp(max(x, -100));
-    Sqrt(x) : sqrt(max(x, 0));
-    and(a, b) : if(a, b, a); or(a, b) : if(a, a, b); not(a) : if(a, -1, 1);
-    xor(a, b) : if(a, if(b, -1, 1), b);
-    abs(x) : max(x, -x); sgn(x) : if(x, 1, if(-x, -1, 0)); sq(x) : x*x;
-    inside(a, x, b) : if(x - a, b - x, x - a);
-    frac(x) : x - floor(x); mod(n, d) : n - floor(n/d)*d;
-    tri(n, d) : abs(d - mod(n - d, 2*d));
-    linterp(t, p, q) : (1 - t)*p + t*q;
-    hermite(p, q, r, s, t) : p*(1 + 2*t)*sq(1 - t) + q*t*t*(3 - 2*t)
-        + r*t*sq(1 - t) - s*t*t*(1 - t);
-    bezier(a, b, c, d, t) : a*(1 - t)^3 + 3*t*(1 - t)*(b*(1 - t) + c*t) + d*t^3;
-    bspline(p, a, b, n, t) : (p*(1 - t)^3 + n*t^3 + a*(4 + t*t*(3*t - 6))
-        + b*(1 + 3*t*(1 + t*(1 - t))))/6;
-    noop(v) : v; clip(v) : bound(0, v, 1); noneg(v) : max(v, 0);
-    red(r, g, b) : noneg(r); green(r, g, b) : noneg(g); blue(r, g, b) : noneg(b);
-    grey(r, g, b) : noneg(.265074126*r + .670114631*g + .064811243*b);
-    clip_r(r, g, b) : clip(r); clip_g(r, g, b) : clip(g); clip_b(r, g, b) : clip(b);
-    clipgrey(r, g, b) : min(grey(r, g, b), 1);
-    """
-)
 
 
 @dataclass(eq=False)
@@ -111,7 +76,7 @@ class FunctionCode:
         return FUNCTIONS[name][0] if name in FUNCTIONS else 0
 
     def _definition(self, name: str) -> Definition | None:
-        return self.program.definitions.get(name) or _START.get(name)
+        return self.program.definitions.get(name) or START_FILE.get(name)
 
     def _node(self, node: Node, frame: Frame | None) -> Value:
         self._depth, self._nodes = self._depth + 1, self._nodes + 1

@@ -4,20 +4,23 @@
     D  exterior patches × sky                     DaylightJob
     F  exterior patches × exterior patches of ports     FacadeJob
     C  sensors × sky                              CoefficientsJob
+    T  patches × patches of a sample area         SlabJob
 
 Jobs are plain values and need no compute device; `matrix_tracers` traces them.
 """
 
+from abc import abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from clerestory.engine.channels import channels_of
 from clerestory.engine.controller import EstimatedJob
 from clerestory.engine.sums import Sums, variance
+from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.reinhart import SkyPartition
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View
@@ -28,9 +31,25 @@ _DARK = 0.01
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class _SensorJob(EstimatedJob):
-    # Rows of sensors; each is traced until the irradiance from windows or a sky of
-    # uniform radiance reaches the relative error
+class MatrixJob(EstimatedJob):
+    """A job whose rows are receivers, and whose columns are patches."""
+
+    @property
+    @abstractmethod
+    def size(self) -> tuple[int, int]:
+        """Numbers of rows and columns."""
+
+    @cached_property
+    def shape(self) -> tuple[int, int, int, int]:
+        """Numbers of rows, batches, columns and channels."""
+        rows, columns = self.size
+        return rows, self.batches, columns, channels_of(self.scene)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _SensorJob(MatrixJob):
+    # Each sensor is traced until its irradiance from windows or a sky of uniform
+    # radiance reaches the relative error
     together: ClassVar[bool] = False
 
     sensors: Sensors
@@ -48,11 +67,10 @@ class ViewJob(_SensorJob):
 
     windows: tuple[Window, ...]
 
-    @cached_property
-    def shape(self) -> tuple[int, int, int, int]:
-        """Rows, batches, columns and channels."""
-        rows, columns = len(self.sensors), patches_of(self.windows)
-        return rows, self.batches, columns, channels_of(self.scene)
+    @property
+    def size(self) -> tuple[int, int]:
+        """Numbers of sensors and patches."""
+        return len(self.sensors), patches_of(self.windows)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -63,15 +81,14 @@ class CoefficientsJob(_SensorJob):
 
     sky: SkyPartition
 
-    @cached_property
-    def shape(self) -> tuple[int, int, int, int]:
-        """Rows, batches, columns and channels."""
-        rows, columns = len(self.sensors), len(self.sky)
-        return rows, self.batches, columns, channels_of(self.scene)
+    @property
+    def size(self) -> tuple[int, int]:
+        """Numbers of sensors and patches."""
+        return len(self.sensors), len(self.sky)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class _WindowJob(EstimatedJob):
+class _WindowJob(MatrixJob):
     # Rows of a window's patches on the outer side
     together: ClassVar[bool] = True
 
@@ -96,11 +113,10 @@ class DaylightJob(_WindowJob):
 
     sky: SkyPartition
 
-    @cached_property
-    def shape(self) -> tuple[int, int, int, int]:
-        """Rows, batches, columns and channels."""
-        rows, columns = len(self.window.partition), len(self.sky)
-        return rows, self.batches, columns, channels_of(self.scene)
+    @property
+    def size(self) -> tuple[int, int]:
+        """Numbers of patches of the window and of the sky."""
+        return len(self.window.partition), len(self.sky)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -114,21 +130,17 @@ class FacadeJob(_WindowJob):
 
     ports: tuple[Window, ...]
 
-    @cached_property
-    def shape(self) -> tuple[int, int, int, int]:
-        """Rows, batches, columns and channels."""
-        rows, columns = len(self.window.partition), patches_of(self.ports)
-        return rows, self.batches, columns, channels_of(self.scene)
+    @property
+    def size(self) -> tuple[int, int]:
+        """Numbers of patches of the window and of the ports."""
+        return len(self.window.partition), patches_of(self.ports)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class PixelViewJob(EstimatedJob):
-    """From the pixels of a view to the patches of windows.
+class PixelViewJob(MatrixJob):
+    """From the pixels of a view (columns × rows) to the patches of windows.
 
-    Attributes
-    ----------
-    columns, rows : size of the picture
-    direct : whether paths end at the first surface
+    If `direct`, paths end at the first surface.
     """
 
     tracer: ClassVar[tuple[str, str]] = ("matrix_tracers", "prepare_pixel_view")
@@ -140,15 +152,57 @@ class PixelViewJob(EstimatedJob):
     rows: int
     direct: bool
 
-    @cached_property
-    def shape(self) -> tuple[int, int, int, int]:
-        """Pixels, batches, columns and channels."""
-        pixels, columns = self.columns * self.rows, patches_of(self.windows)
-        return pixels, self.batches, columns, channels_of(self.scene)
+    @property
+    def size(self) -> tuple[int, int]:
+        """Numbers of pixels and patches."""
+        return self.columns * self.rows, patches_of(self.windows)
 
     def error(self, sums: Sums) -> float:
         """Relative error of the mean pixel under windows of uniform radiance."""
         return mean_error(sums.collected(), axis=1)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SlabJob(MatrixJob):
+    """Flux fractions of a sample area, from incident patches to leaving patches.
+
+    The rows are the incident patches of the first side, then of the second. The columns
+    are the patches of transmission, then of reflection. Patches refer to the direction
+    of travel, with its z component taken as positive. A value is a fraction of the
+    incident flux; a row sums to one minus the absorptance.
+
+    Attributes
+    ----------
+    box : lower and upper corner of the slab; paths start on its end planes [m]
+    sides : for each side in order, whether it is the back (facing the room)
+    incidents : indices of the incident patches
+    stands_for : number of equivalent patches that each incident patch represents
+    """
+
+    tracer: ClassVar[tuple[str, str]] = ("sample_area_matrix", "prepare_slab")
+    together: ClassVar[bool] = True
+
+    box: Float[np.ndarray, "2 3"]
+    partition: RingPartition
+    periodic: bool
+    sides: tuple[bool, ...]
+    incidents: Int[np.ndarray, " incident"]
+    stands_for: Int[np.ndarray, " incident"]
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Numbers of incident patches and of leaving patches."""
+        return len(self.sides) * len(self.incidents), 2 * len(self.partition)
+
+    def error(self, sums: Sums) -> float:
+        """RMS error of the BSDF over all pairs of patches, relative to its mean."""
+        alike = self.stands_for / self.stands_for.mean()
+        weight = np.tile(alike, len(self.sides))[:, None, None]
+        measure = np.tile(self.partition.projected_solid_angles(), 2)
+        values = sums.means() / measure[:, None]
+        error = float(np.sqrt(np.mean(weight * variance(values, axis=1))))
+        mean = float(np.mean(weight[..., None] * values))
+        return error / mean if mean > 0 else 0.0
 
 
 def patches_of(windows: tuple[Window, ...]) -> int:
@@ -159,9 +213,7 @@ def patches_of(windows: tuple[Window, ...]) -> int:
 def mean_error(values: np.ndarray, *, axis: int) -> float:
     """Return the ratio of the root mean square of standard errors to the mean value.
 
-    Parameters
-    ----------
-    axis : index of the batch axis
+    `axis` is the index of the batch axis.
     """
     mean = float(values.mean())
     error = float(np.sqrt(np.mean(variance(values, axis=axis))))

@@ -19,10 +19,7 @@ from clerestory.engine.upload import on_device
 class MatrixTable:
     """Scattering matrices of one layer, on common partitions.
 
-    Parameters
-    ----------
-    functions : by index of the function, three matrices (colour) or one; None if the
-        layer has no such function
+    Each function has three matrices (colour) or one, or is None if the layer lacks it.
     """
 
     def __init__(self, functions: Sequence[tuple[ScatteringMatrix, ...] | None]):
@@ -43,10 +40,8 @@ class MatrixTable:
         running = np.cumsum(flux, axis=-1) / np.where(total > 0, total, 1)
         running = running / np.where(total > 0, running[..., -1:], 1)
         density = proposal / np.where(total > 0, total, 1)
-        self.exit, self.incident = (
-            PatchTable.of(first.exits),
-            PatchTable.of(first.incidents),
-        )
+        self.exit = PatchTable.of(first.exits)
+        self.incident = PatchTable.of(first.incidents)
         self.exits, self.incidents = exits, incidents
         self.values = on_device(mi.Float, values)
         self.density = on_device(mi.Float, density)
@@ -64,9 +59,8 @@ class MatrixTable:
     def evaluate(self, function, incident, leaving):
         """Return the BSDF [1/sr], and the pdf per projected solid angle [1/sr]."""
         through = mi.Vector3f(-incident.x, -incident.y, incident.z)
-        cell = self.known(function, leaving) * self.incidents + self.incident.find(
-            through
-        )
+        cell = self.known(function, leaving) * self.incidents
+        cell += self.incident.find(through)
         return self._value(cell), dr.gather(mi.Float, self.density, cell)
 
     def sample(self, function, leaving, u, v):
@@ -94,6 +88,4 @@ class MatrixTable:
     def _value(self, cell):
         if self.colours == 1:
             return mi.Color3f(dr.gather(mi.Float, self.values, cell))
-        return mi.Color3f(
-            *[dr.gather(mi.Float, self.values, cell * 3 + i) for i in range(3)]
-        )
+        return dr.gather(mi.Color3f, self.values, cell)

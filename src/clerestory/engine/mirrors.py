@@ -13,9 +13,9 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.engine.lower import LoweredScene
-from clerestory.engine.sampler import choose
-from clerestory.engine.upload import on_device, vectors
-from clerestory.engine.visibility import first_opaque, offset
+from clerestory.engine.sampler import Distribution
+from clerestory.engine.upload import vectors
+from clerestory.engine.visibility import along, first_opaque, interaction, offset
 from clerestory.scene.model import Mirror, Polygon, Ring, Scene
 
 # Largest number of mirror orientations (curved mirrors have many); reflections in the
@@ -28,18 +28,11 @@ _SAME = 1e-6
 
 @dataclass
 class Mirrors:
-    """Device arrays of the orientations of plane mirrors.
-
-    Attributes
-    ----------
-    count : number of orientations
-    normal : unit normal of each orientation
-    cumulative : cumulative fraction of the mirror area
-    """
+    """Unit normals of plane mirrors, and their distribution by area."""
 
     count: int
     normal: mi.Vector3f
-    cumulative: mi.Float
+    chosen: Distribution
 
     @classmethod
     def of(cls, scene: Scene) -> "Mirrors":
@@ -56,19 +49,11 @@ class Mirrors:
         # Kernels need non-empty tables: add an unused entry if there are no mirrors
         kept = np.array([normals[i] for i in order] or [[0.0, 0.0, 1.0]])
         share = np.array([areas[i] for i in order] or [1.0])
-        cumulative = np.cumsum(share) / share.sum()
-        cumulative[-1] = 1
-        made = cls(
-            len(order),
-            vectors(mi.Vector3f, kept),
-            on_device(mi.Float, cumulative),
-        )
-        dr.make_opaque(made.normal, made.cumulative)
-        return made
+        return cls(len(order), vectors(mi.Vector3f, kept), Distribution.of(share))
 
     def choose(self, pick):
         """Return the normal of a sampled mirror orientation, and its probability."""
-        number, chance, _ = choose(self.cumulative, self.count, pick)
+        number, chance, _ = self.chosen.sample(pick)
         return dr.gather(mi.Vector3f, self.normal, number), chance
 
     @dr.syntax
@@ -96,19 +81,12 @@ def is_same(normal, other):
 def reflected(model: LoweredScene, start, direction, normal, active: mi.Bool):
     """Find a mirror of a given normal in a direction, through panes.
 
-    Returns
-    -------
-    share : transmittance to the mirror times its reflectance; zero if there is no
-        such mirror
-    point : point on the mirror, offset from its front [m]
+    Return the transmittance to the mirror times its reflectance, zero if there is no
+    such mirror, and the point on the mirror, offset from its front [m].
     """
-    share, ray, hit = first_opaque(
-        model, start, lambda origin: mi.Ray3f(origin, direction), active
-    )
+    share, ray, hit = first_opaque(model, start, along(direction), active)
     met = active & hit.is_valid()
-    si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, met)
-    si.sh_frame = mi.Frame3f(si.n)
-    si.wi = si.to_local(-ray.d)
+    si = interaction(hit, ray, met)
     bsdf = si.bsdf()
     found = met & is_mirror(bsdf) & is_same(si.n, normal)
     _, colour = bsdf.sample(

@@ -56,8 +56,8 @@ class PatchTable:
             first=on_device(mi.UInt32, first),
             low=on_device(mi.Float, near),
             high=on_device(mi.Float, far),
-            phi=mi.Float(
-                ((np.arange(len(ring)) - partition.first[ring]) * width).astype("f4")
+            phi=on_device(
+                mi.Float, (np.arange(len(ring)) - partition.first[ring]) * width
             ),
             width=on_device(mi.Float, width),
             compass=partition.azimuth == "compass",
@@ -75,18 +75,12 @@ class PatchTable:
         along, across = direction.x, direction.y
         if self.compass:
             along, across = across, along
-        turn = dr.atan2(across, along) * (0.5 * dr.inv_pi)
-        within = mi.Int32(dr.floor(turn * mi.Float(count) + 0.5))
-        within = dr.select(within < 0, within + mi.Int32(count), within)
-        within = dr.select(within >= mi.Int32(count), 0, within)
-        return first + mi.UInt32(within)
+        return first + _sector(across, along, count)
 
     def sample(self, patch, u, v):
         """Return a cosine-distributed direction within a patch."""
-        low, high = (
-            dr.gather(mi.Float, self.low, patch),
-            dr.gather(mi.Float, self.high, patch),
-        )
+        low = dr.gather(mi.Float, self.low, patch)
+        high = dr.gather(mi.Float, self.high, patch)
         sin2 = low + (high - low) * u
         phi = dr.gather(mi.Float, self.phi, patch)
         phi += (v - 0.5) * dr.gather(mi.Float, self.width, patch)
@@ -102,18 +96,13 @@ class PatchTable:
 class SkyTable:
     """Device arrays of sky patches, with the ground as patch 0.
 
-    Attributes
-    ----------
-    rows : number of rows of patches, including the zenith
-    count, first : number of patches in each row and index of its first patch, from the
-        horizon
-    size : number of patches, including the ground
+    The rows, which include the zenith, are ordered from the horizon; each has a number
+    of patches and the index of its first patch.
     """
 
     rows: int
     count: "mi.UInt32"
     first: "mi.UInt32"
-    size: int
 
     @classmethod
     def of(cls, partition) -> "SkyTable":
@@ -123,7 +112,6 @@ class SkyTable:
             rows=len(dome.count),
             count=on_device(mi.UInt32, dome.count),
             first=on_device(mi.UInt32, dome.first + 1),
-            size=len(partition),
         )
 
     def find(self, direction):
@@ -133,9 +121,14 @@ class SkyTable:
         row = mi.Int32(dr.floor(altitude * ((2 * self.rows - 1) / dr.pi)))
         row = mi.UInt32(dr.clip(row, 0, self.rows - 1))
         count = dr.gather(mi.UInt32, self.count, row)
-        turn = dr.atan2(direction.x, direction.y) * (0.5 * dr.inv_pi)
-        within = mi.Int32(dr.floor(turn * mi.Float(count) + 0.5))
-        within = dr.select(within < 0, within + mi.Int32(count), within)
-        within = dr.select(within >= mi.Int32(count), 0, within)
-        patch = dr.gather(mi.UInt32, self.first, row) + mi.UInt32(within)
+        patch = dr.gather(mi.UInt32, self.first, row)
+        patch += _sector(direction.x, direction.y, count)
         return dr.select(direction.z > 0, patch, 0)
+
+
+def _sector(across, along, count):
+    # Number of the azimuth sector; sector 0 is centred on `along`
+    turn = dr.atan2(across, along) * (0.5 * dr.inv_pi)
+    within = mi.Int32(dr.floor(turn * mi.Float(count) + 0.5))
+    within = dr.select(within < 0, within + mi.Int32(count), within)
+    return mi.UInt32(dr.select(within >= mi.Int32(count), 0, within))

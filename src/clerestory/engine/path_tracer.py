@@ -32,7 +32,7 @@ from clerestory.engine.vertices import (
     sensor_vertex,
     surface_vertex,
 )
-from clerestory.engine.visibility import passes_proxy
+from clerestory.engine.visibility import interaction, passes_proxy
 
 # Safety limit for unlimited bounces, never reached in physical scenes.
 _MOST_VERTICES = 1000
@@ -47,11 +47,8 @@ _UNLIMITED = 1 << 30
 def segments_of(bounces: int | None, *, first: int = 1) -> int:
     """Return the largest number of segments between diffuse reflections.
 
-    Parameters
-    ----------
-    bounces : number of bounces, as Radiance's -ab; None for no limit
-    first : 1 if the first segment is not a bounce (camera ray); 0 if it is a bounce
-        (ray from a sensor)
+    `bounces` is Radiance's -ab, or None for no limit; `first` is 1 if the first segment
+    is not a bounce (camera ray), and 0 if it is one (ray from a sensor).
     """
     return _UNLIMITED if bounces is None else bounces + first
 
@@ -142,10 +139,8 @@ class PathTracer:
     ):
         """Trace paths to their ends; return the sum including their contributions.
 
-        Parameters
-        ----------
-        start : sample numbers of the paths' first vertex
-        segments : largest number of segments between diffuse reflections
+        `start` holds the sample numbers of the paths' first vertex; `segments` is the
+        largest number of segments between diffuse reflections.
         """
         model, scene = self.model, self.model.scene
 
@@ -161,9 +156,7 @@ class PathTracer:
                 found = source.escaped(path, active & ~met)
                 total = _collect(sink, total, path, found)
 
-            si = hit.compute_surface_interaction(path.ray, mi.RayFlags.Minimal, met)
-            si.sh_frame = mi.Frame3f(si.n)
-            si.wi = si.to_local(-path.ray.d)
+            si = interaction(hit, path.ray, met)
             shape = dr.reinterpret_array(mi.UInt32, si.shape)
             active = mi.Bool(met)
             for source in self.sources:

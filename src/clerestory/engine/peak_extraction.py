@@ -19,9 +19,9 @@ from clerestory.bsdf.scattering_function import Function, ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.colorimetry import rgb_from_xyz
-from clerestory.engine.square import square_from_disc
+from clerestory.engine.square import cell_of_disc
 from clerestory.engine.upload import on_device
-from clerestory.hemisphere.shirley_chiu import disc_from_square
+from clerestory.hemisphere.shirley_chiu import cell_centres, directions_from_square
 
 # Number of cells along an edge of the look-up grid of directions.
 _GRID = 128
@@ -50,30 +50,18 @@ class PeakTable:
     """
 
     def __init__(self, bsdf: Bsdf):
-        found = [_peaks(bsdf, side) for side in _SIDES]
-        passed = np.concatenate([part[0] for part in found])
-        self.passed = on_device(mi.Float, passed)
-        self.surround = mi.Float(
-            np.concatenate([part[1] for part in found]).astype(np.float32)
+        found = zip(*(_peaks(bsdf, side) for side in _SIDES), strict=True)
+        self.passed, self.surround, self.limit, self.radius2 = (
+            on_device(mi.Float, np.stack(parts)) for parts in found
         )
-        self.limit = mi.Float(
-            np.concatenate([part[2] for part in found]).astype(np.float32)
-        )
-        self.radius2 = on_device(mi.Float, [part[3] for part in found])
 
     def _cell(self, wi):
-        place = square_from_disc(wi.x, wi.y) * _GRID
-        row = dr.clip(mi.Int32(place.x), 0, _GRID - 1)
-        column = dr.clip(mi.Int32(place.y), 0, _GRID - 1)
         outside = dr.select(wi.z > 0, mi.UInt32(0), mi.UInt32(_GRID * _GRID))
-        return outside + mi.UInt32(row * _GRID + column)
+        return outside + cell_of_disc(wi, _GRID)
 
     def transmittance(self, wi):
         """Return the direct transmittance towards an exiting direction."""
-        cell = self._cell(wi) * 3
-        return mi.Color3f(
-            *[dr.gather(mi.Float, self.passed, cell + i) for i in range(3)]
-        )
+        return dr.gather(mi.Color3f, self.passed, self._cell(wi))
 
     def without(self, value, wi, wo):
         """Return a BTDF value of the data without the peak [1/sr]."""
@@ -87,13 +75,9 @@ class PeakTable:
 
 def _peaks(
     bsdf: Bsdf, side: Function
-) -> tuple[
-    Float[np.ndarray, "cell 3"],
-    Float[np.ndarray, " cell"],
-    Float[np.ndarray, " cell"],
-    float,
-]:
-    # Direct transmittance, surrounding BTDF, least BTDF and squared radius of the peak
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+    # By cell: direct transmittance in RGB, surrounding BTDF and least BTDF of the peak;
+    # squared radius of the peak
     cells = _GRID * _GRID
     none = np.zeros((cells, 3)), np.zeros(cells), np.full(cells, np.inf), 0.0
     if not bsdf.has(side):
@@ -140,10 +124,7 @@ def _smallest(part: ScatteringFunction) -> float | None:
 
 def _around(edge: float):
     # Centre of each grid cell, and directions around that of direct transmission
-    middle = (np.arange(_GRID) + 0.5) / _GRID
-    a, b = (grid.ravel() for grid in np.meshgrid(middle, middle, indexing="ij"))
-    x, y = disc_from_square(a, b)
-    leaving = np.stack([x, y, np.sqrt(np.maximum(1 - x * x - y * y, 0))], axis=-1)
+    leaving = directions_from_square(*cell_centres(_GRID.bit_length() - 1))
     disc = -leaving[:, None, :2] + _STEPS * (_STEP * edge)
     radius2 = np.sum(disc**2, axis=-1)
     inside = radius2 < 1

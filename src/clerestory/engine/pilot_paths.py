@@ -12,11 +12,10 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.engine import sampler
 from clerestory.engine.lower import LoweredScene
-from clerestory.engine.sampler import points
+from clerestory.engine.sampler import DIRECTION_U, DIRECTION_V, PathNumbers, points
 from clerestory.engine.upload import launching
-from clerestory.engine.visibility import offset
+from clerestory.engine.visibility import offset, only_reflects
 
 # Number of pilot paths, and of vertices per path.
 PILOT_PATHS = 1 << 13
@@ -27,10 +26,8 @@ _VERTICES = 4
 class SurfacePoints:
     """Points on the surfaces of a room.
 
-    Attributes
-    ----------
-    point, start : point on the surface, and point offset from the surface [m]
-    normal : normal on the side of the arriving path
+    `start` is the point offset from the surface [m], `normal` is on the side of the
+    arriving path.
     """
 
     point: Float[np.ndarray, "n 3"]
@@ -43,8 +40,8 @@ class SurfacePoints:
 
 def sample_surfaces(model: LoweredScene, ray: mi.Ray3f) -> SurfacePoints:
     """Trace pilot paths from their first segments; return their vertices."""
-    sequence = points(0, dr.width(ray.d))
     index, seed = dr.arange(mi.UInt32, dr.width(ray.d)), mi.UInt32(0)
+    numbers = PathNumbers(points(0, dr.width(ray.d)), seed, index, mi.UInt32(0))
     active = mi.Bool(True)
     found = []
     for vertex in range(_VERTICES):
@@ -52,15 +49,11 @@ def sample_surfaces(model: LoweredScene, ray: mi.Ray3f) -> SurfacePoints:
         active &= hit.is_valid()
         shape = dr.reinterpret_array(mi.UInt32, hit.shape)
         flags = dr.gather(mi.UInt32, model.flags_of_shape, shape, active)
-        active &= mi.has_flag(flags, mi.BSDFFlags.Smooth)
-        active &= ~mi.has_flag(flags, mi.BSDFFlags.Null)
-        active &= ~mi.has_flag(flags, mi.BSDFFlags.Transmission)
+        active &= mi.has_flag(flags, mi.BSDFFlags.Smooth) & only_reflects(flags)
         si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, active)
         normal = dr.mulsign(si.n, -dr.dot(si.n, ray.d))
-        u, v = (
-            sampler.coordinate(sequence, seed, index, mi.UInt32(vertex), purpose)
-            for purpose in (sampler.DIRECTION_U, sampler.DIRECTION_V)
-        )
+        here = numbers.at(mi.UInt32(vertex))
+        u, v = here.sobol(DIRECTION_U), here.sobol(DIRECTION_V)
         local = mi.warp.square_to_cosine_hemisphere(mi.Point2f(u, v))
         direction = mi.Frame3f(normal).to_world(local)
         ray = mi.Ray3f(offset(model, si, direction, active), direction)

@@ -18,7 +18,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from clerestory.engine.guiding_cells import GuidingCells
-from clerestory.engine.spherical_rectangle import SphericalRectangle
+from clerestory.engine.spherical_rectangle import Parallelograms
 from clerestory.engine.upload import on_device, vectors
 from clerestory.scene.model import BsdfSurface, Glass, Illum, Polygon, Scene, Trans
 
@@ -40,12 +40,7 @@ _TRANSMITTING = (Glass, BsdfSurface, Illum, Trans)
 
 @dataclass
 class Rectangles:
-    """Rectangles as NumPy arrays.
-
-    Attributes
-    ----------
-    corner, edge_u, edge_v : a corner of each rectangle and the edges from it [m]
-    """
+    """Rectangles as NumPy arrays: a corner of each and the edges from it [m]."""
 
     corner: Float[np.ndarray, "n 3"]
     edge_u: Float[np.ndarray, "n 3"]
@@ -74,12 +69,9 @@ class Portals:
 
     Attributes
     ----------
-    count : number of rectangles
     slots : number of rectangle slots in kernels; surplus slots are empty
-    corner, edge_u, edge_v : a corner of each rectangle and the edges from it [m]
     facing : normal times area, edge_u × edge_v [m²]
     across, upwards : edges divided by their squared lengths [1/m]
-    cells : guiding cells of the room
     share : probability of each rectangle for continued paths, by cell
     sunlit : probability of each rectangle for rays towards sunlit surfaces, by cell
     chance : probability that a path continues towards any rectangle
@@ -88,9 +80,7 @@ class Portals:
 
     count: int
     slots: int
-    corner: mi.Point3f
-    edge_u: mi.Vector3f
-    edge_v: mi.Vector3f
+    rectangles: Parallelograms
     facing: mi.Vector3f
     across: mi.Vector3f
     upwards: mi.Vector3f
@@ -117,9 +107,7 @@ class Portals:
         return cls(
             count,
             slots,
-            vectors(mi.Point3f, every.corner),
-            vectors(mi.Vector3f, every.edge_u),
-            vectors(mi.Vector3f, every.edge_v),
+            Parallelograms.of(*astuple(every)),
             vectors(mi.Vector3f, np.cross(every.edge_u, every.edge_v)),
             vectors(mi.Vector3f, _inverse(every.edge_u)),
             vectors(mi.Vector3f, _inverse(every.edge_v)),
@@ -136,37 +124,28 @@ class Portals:
         if len(rectangles) == 0:
             return None
         cells = GuidingCells.around(np.zeros((0, 3)))
-        count = len(rectangles)
-        even = np.full((cells.count, count), 1 / count)
-        return cls.of(
-            rectangles, cells, even, even, np.full(cells.count, _UNIFORM_CHANCE)
-        )
-
-    def _view(self, number, origin) -> SphericalRectangle:
-        corner = dr.gather(mi.Point3f, self.corner, number) - origin
-        edge_u = dr.gather(mi.Vector3f, self.edge_u, number)
-        edge_v = dr.gather(mi.Vector3f, self.edge_v, number)
-        return SphericalRectangle.of(corner, edge_u, edge_v, mi.Bool(True))
+        even = np.full((cells.count, len(rectangles)), 1 / len(rectangles))
+        chance = np.full(cells.count, _UNIFORM_CHANCE)
+        return cls.of(rectangles, cells, even, even, chance)
 
     def towards(self, number, origin, u, v):
         """Sample a direction to a point of a rectangle."""
-        view = self._view(number, origin)
+        rectangle = self.rectangles.take(number)
+        view = rectangle.seen_from(origin, mi.Bool(True))
         x, y = view.sample(u, v)
         wide = view.right * x + view.up * y + view.axis * view.depth
-        edge_u = dr.gather(mi.Vector3f, self.edge_u, number)
-        edge_v = dr.gather(mi.Vector3f, self.edge_v, number)
-        corner = dr.gather(mi.Point3f, self.corner, number)
-        flat = corner + edge_u * u + edge_v * v - origin
+        flat = rectangle.point(u, v) - origin
         return dr.normalize(dr.select(view.usable, wide, flat))
 
     def density(self, number, origin, direction):
         """Return the density of `towards` for a ray that hits the rectangle [1/sr]."""
-        corner = dr.gather(mi.Point3f, self.corner, number) - origin
+        rectangle = self.rectangles.take(number)
         facing = dr.gather(mi.Vector3f, self.facing, number)
         along = dr.dot(facing, direction)
-        distance = dr.dot(facing, corner) / dr.select(along == 0, 1, along)
+        distance = dr.dot(facing, rectangle.corner - origin)
+        distance /= dr.select(along == 0, 1, along)
         by_area = dr.square(distance) / dr.maximum(dr.abs(along), 1e-20)
-        view = self._view(number, origin)
+        view = rectangle.seen_from(origin, mi.Bool(True))
         return dr.select(view.usable, 1 / view.solid_angle, by_area)
 
     def met(self, origin, direction):
@@ -178,7 +157,7 @@ class Portals:
                 dr.gather(mi.Vector3f, table, one)
                 for table in (self.across, self.upwards, self.facing)
             )
-            corner = dr.gather(mi.Point3f, self.corner, one) - origin
+            corner = dr.gather(mi.Point3f, self.rectangles.corner, one) - origin
             along = dr.dot(facing, direction)
             distance = dr.dot(facing, corner) / dr.select(along == 0, 1, along)
             place = direction * distance - corner
@@ -191,13 +170,8 @@ class Portals:
     def sample(self, shares, origin, cell, u, v):
         """Sample a direction towards a portal by the probabilities of a cell.
 
-        Parameters
-        ----------
-        shares : `share` or `sunlit`
-
-        Returns
-        -------
-        direction, and a mask that is false if all probabilities of the cell are zero
+        `shares` is `share` or `sunlit`. Also return a mask that is false if all
+        probabilities of the cell are zero.
         """
         target, before = mi.Float(u), mi.Float(0)
         chosen, valid = mi.UInt32(0), mi.Bool(False)
@@ -212,12 +186,10 @@ class Portals:
 
     @dr.syntax
     def pdf(self, origin, cell, direction, active):
-        """Return densities of sampling a direction [1/sr].
+        """Return the densities of a direction [1/sr].
 
-        Returns
-        -------
-        onward, sunlit : densities of continued paths, and of rays towards sunlit
-            surfaces
+        The first is that of continued paths, the second that of rays towards sunlit
+        surfaces.
         """
         onward, sunlit = mi.Float(0), mi.Float(0)
         left = self.met(origin, direction)

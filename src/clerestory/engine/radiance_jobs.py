@@ -25,14 +25,9 @@ PICTURE_BATCHES = 8
 
 @dataclass(frozen=True, eq=False)
 class RadianceEstimate:
-    """Estimated radiance or irradiance.
+    """Estimated radiance or irradiance, with the standard error of each value.
 
-    Attributes
-    ----------
-    value : radiance of pixels or irradiance of sensors
-    error : standard error of each value
-    paths : total number of paths
-    reached : whether the target relative error was reached
+    `reached` tells whether the target relative error was reached.
     """
 
     value: Float[np.ndarray, "row band"]
@@ -48,6 +43,11 @@ class RadianceJob(EstimatedJob):
     together: ClassVar[bool] = True
     growth: ClassVar[Growth] = Growth(pilot=8, longest=1 << 20, most=16)
     cut: ClassVar[UnitSize | None] = UnitSize(paths=1 << 21, sums=1 << 40)
+
+    @property
+    def shape(self) -> tuple[int, int, int, int]:
+        """Numbers of rows, batches, columns (one) and bands."""
+        return self.receivers, self.batches, 1, len(self.scene.bands)
 
     def empty_sums(self, rows: int) -> Sums:
         """Return floating-point sums."""
@@ -70,12 +70,9 @@ class RadianceJob(EstimatedJob):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PictureJob(RadianceJob):
-    """Radiance of a view's pixels, row by row from the top.
+    """Radiance of a view's pixels, or irradiance of the visible surfaces.
 
-    Attributes
-    ----------
-    columns, rows : size of the picture
-    quantity : radiance, or irradiance of the visible surface
+    The pixels are ordered row by row from the top.
     """
 
     tracer: ClassVar[tuple[str, str]] = ("radiance_tracers", "prepare_picture")
@@ -86,9 +83,9 @@ class PictureJob(RadianceJob):
     quantity: Literal["radiance", "irradiance"] = "radiance"
 
     @property
-    def shape(self) -> tuple[int, int, int, int]:
-        """Pixels, batches, one column, bands."""
-        return self.columns * self.rows, self.batches, 1, len(self.scene.bands)
+    def receivers(self) -> int:
+        """Number of pixels."""
+        return self.columns * self.rows
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -100,9 +97,9 @@ class IrradianceJob(RadianceJob):
     sensors: Sensors
 
     @property
-    def shape(self) -> tuple[int, int, int, int]:
-        """Sensors, batches, one column, bands."""
-        return len(self.sensors), self.batches, 1, len(self.scene.bands)
+    def receivers(self) -> int:
+        """Number of sensors."""
+        return len(self.sensors)
 
     def error(self, sums: Sums) -> float:
         """Relative error of the worst sensor."""
@@ -141,10 +138,9 @@ class ExitingRadianceJob(RadianceJob):
     sectors: int
 
     @property
-    def shape(self) -> tuple[int, int, int, int]:
-        """Directions of all patches, batches, one column, bands."""
-        directions = len(self.patches.frame) * self.rings * self.sectors
-        return directions, self.batches, 1, len(self.scene.bands)
+    def receivers(self) -> int:
+        """Number of directions of all patches."""
+        return len(self.patches.frame) * self.rings * self.sectors
 
 
 def estimate_radiance(job: RadianceJob, effort: Effort) -> RadianceEstimate:

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import drjit as dr
 import mitsuba as mi
 
+from clerestory.engine.matrix_jobs import SlabJob
 from clerestory.engine.matrix_tracers import matrix_tracer
 from clerestory.engine.patches import PatchTable
 from clerestory.engine.path_tracer import segments_of
 from clerestory.engine.primary_rays import Lanes
 from clerestory.engine.sample_area import follow, lower_slab, start
-from clerestory.engine.sample_area_jobs import SlabJob
 from clerestory.engine.sampler import PathNumbers
 from clerestory.engine.sinks import MatrixSink
 from clerestory.engine.upload import on_device
@@ -24,11 +24,8 @@ _SALT = 0x5BD1E995
 class Patches:
     """Receiver that scores paths by the patch of their leaving direction.
 
-    Attributes
-    ----------
-    sink : sums of transmission, then of reflection
-    table, count : partition of the leaving directions, and its number of patches
-    back : whether each path started on the side of the room
+    `count` is the number of patches of transmission, `back` is true of paths that
+    started on the side of the room.
     """
 
     sink: MatrixSink

@@ -32,13 +32,8 @@ VERTICES = 8
 class Points:
     """A range of the sequence, bit-reversed, dimension-major.
 
-    Attributes
-    ----------
-    table : (dimensions * count,) coordinates as 32-bit integers, bits reversed
-    count : number of points
-    stride : stride of the table (equal to count), stored in memory so that one kernel
-        serves any range
-    first : index of the first point in the sequence, which seeds the hashed numbers
+    `stride` is `count` in device memory, so that one kernel serves any range; `first`
+    is the index of the first point in the sequence, which seeds the hashed numbers.
     """
 
     table: mi.UInt32
@@ -79,15 +74,7 @@ def random_number(seed, index, dimension):
 
 
 def coordinate(sequence: Points, seed, index, vertex, purpose: int):
-    """Return one coordinate, scrambled for its row and batch, in [0, 1).
-
-    Parameters
-    ----------
-    seed : seed of the row and batch
-    index : index of the path's point in the table
-    vertex : number of the vertex on the path
-    purpose : one of CONNECT_U … DIRECTION_V
-    """
+    """Return one coordinate, scrambled for its row and batch, in [0, 1)."""
     dimension = vertex * PER_VERTEX + purpose
     low = vertex < VERTICES
     entry = dimension * sequence.stride + index
@@ -106,44 +93,44 @@ def coordinate(sequence: Points, seed, index, vertex, purpose: int):
     )
 
 
-def choose(cumulative: mi.Float, count: int, pick):
-    """Choose an item by a random number in [0, 1).
+@dataclass
+class Distribution:
+    """Discrete distribution of the numbers from 0 to `count` - 1."""
 
-    Parameters
-    ----------
-    cumulative : cumulative probabilities
+    cumulative: mi.Float
+    count: int
 
-    Returns
-    -------
-    number, probability : index and probability of the chosen item
-    rest : random number rescaled to [0, 1) for further use
-    """
-    number = mi.UInt32(
-        dr.binary_search(
-            0, count - 1, lambda i: dr.gather(mi.Float, cumulative, i) <= pick
+    @classmethod
+    def of(cls, weights: np.ndarray) -> "Distribution":
+        """Return the distribution with probabilities proportional to weights."""
+        cumulative = np.cumsum(weights) / weights.sum() if len(weights) else weights
+        cumulative[-1:] = 1
+        return cls(on_device(mi.Float, cumulative), len(weights))
+
+    def sample(self, pick):
+        """Return a number, its probability, and `pick` rescaled to [0, 1)."""
+        number = mi.UInt32(
+            dr.binary_search(
+                0,
+                self.count - 1,
+                lambda i: dr.gather(mi.Float, self.cumulative, i) <= pick,
+            )
         )
-    )
-    low = dr.gather(mi.Float, cumulative, number - 1, number > 0)
-    chance = probability(cumulative, number)
-    return number, chance, (pick - low) / chance
+        low = dr.gather(mi.Float, self.cumulative, number - 1, number > 0)
+        chance = self.probability(number)
+        return number, chance, (pick - low) / chance
 
-
-def probability(cumulative: mi.Float, number):
-    """Return the probability of an item; see `choose`."""
-    low = dr.gather(mi.Float, cumulative, number - 1, number > 0)
-    return dr.gather(mi.Float, cumulative, number) - low
+    def probability(self, number):
+        """Return the probability of a number."""
+        low = dr.gather(mi.Float, self.cumulative, number - 1, number > 0)
+        return dr.gather(mi.Float, self.cumulative, number) - low
 
 
 @dataclass
 class PathNumbers:
     """Sample numbers of a path at one of its vertices.
 
-    Attributes
-    ----------
-    points : points of the sequence
-    seed : seed of the row and batch
-    index : index of the path's point in the table
-    vertex : number of the vertex on the path
+    `seed` is the seed of the row and batch, `index` that of the path's sample point.
     """
 
     points: Points

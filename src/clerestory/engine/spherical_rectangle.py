@@ -1,4 +1,4 @@
-"""Spherical rectangles: sampling of a rectangle by the solid angle it subtends.
+"""Parallelograms and triangles on the device, and rectangles sampled by solid angle.
 
 Reference: C. Ureña, M. Fajardo, A. King, "An area-preserving parametrization for
 spherical rectangles", Computer Graphics Forum 32 (4), 2013.
@@ -8,9 +8,60 @@ from dataclasses import dataclass
 
 import drjit as dr
 import mitsuba as mi
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.engine.upload import vectors
 
 # Rectangles that subtend a smaller solid angle [sr] are sampled by area.
 _SMALL = 0.02
+
+
+@dataclass
+class Parallelograms:
+    """Parallelograms, each spanned by two edges from a corner [m]."""
+
+    corner: mi.Point3f
+    edge_u: mi.Vector3f
+    edge_v: mi.Vector3f
+
+    @classmethod
+    def of(
+        cls,
+        corner: Float[np.ndarray, "n 3"],
+        edge_u: Float[np.ndarray, "n 3"],
+        edge_v: Float[np.ndarray, "n 3"],
+    ) -> "Parallelograms":
+        """Return the device arrays of parallelograms."""
+        return cls(
+            vectors(mi.Point3f, corner),
+            vectors(mi.Vector3f, edge_u),
+            vectors(mi.Vector3f, edge_v),
+        )
+
+    def take(self, number) -> "Parallelograms":
+        """Return the parallelograms with the given numbers."""
+        return Parallelograms(
+            dr.gather(mi.Point3f, self.corner, number),
+            dr.gather(mi.Vector3f, self.edge_u, number),
+            dr.gather(mi.Vector3f, self.edge_v, number),
+        )
+
+    def point(self, u, v) -> mi.Point3f:
+        """Return the points with the given coordinates along the edges, 0…1."""
+        return self.corner + self.edge_u * u + self.edge_v * v
+
+    def seen_from(self, origin, rectangle) -> "SphericalRectangle":
+        """Return them as spherical rectangles; see `SphericalRectangle.of`."""
+        return SphericalRectangle.of(
+            self.corner - origin, self.edge_u, self.edge_v, rectangle
+        )
+
+
+def fold(u, v, triangle=True):
+    """Map a uniform point of the unit square to the triangle u + v < 1."""
+    outside = triangle & (u + v > 1)
+    return dr.select(outside, 1 - u, u), dr.select(outside, 1 - v, v)
 
 
 @dataclass
@@ -44,13 +95,10 @@ class SphericalRectangle:
 
     @classmethod
     def of(cls, corner, edge_u, edge_v, rectangle) -> "SphericalRectangle":
-        """Return the spherical rectangle.
+        """Return the spherical rectangle of a corner and two edges [m].
 
-        Parameters
-        ----------
-        corner : vector from the reference point to a corner [m]
-        edge_u, edge_v : edges from that corner [m]
-        rectangle : whether the element is a rectangle
+        The corner is relative to the reference point. Unless `rectangle`, the element
+        is a triangle or an oblique parallelogram, sampled by area.
         """
         width, height = dr.norm(edge_u), dr.norm(edge_v)
         right, up = edge_u / width, edge_v / height

@@ -19,6 +19,14 @@ def square_from_disc(x, y):
     )
 
 
+def cell_of_disc(direction, edge: int):
+    """Return the cell of a direction's disc point in a grid of edge² cells."""
+    place = square_from_disc(direction.x, direction.y) * edge
+    row = dr.clip(mi.Int32(place.x), 0, edge - 1)
+    column = dr.clip(mi.Int32(place.y), 0, edge - 1)
+    return mi.UInt32(row * edge + column)
+
+
 def disc_from_square(a, b):
     """Map a point of the square [0, 1]² to the unit disc."""
     a, b = 2 * a - 1, 2 * b - 1

@@ -16,10 +16,10 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bsdf.scattering_function import Function
-from clerestory.engine import sampler
 from clerestory.engine.distant_emitters import is_sun
 from clerestory.engine.materials.bsdf_file import Table, forward_table
-from clerestory.engine.sampler import points
+from clerestory.engine.sampler import DIRECTION_U, DIRECTION_V, PathNumbers, points
+from clerestory.engine.upload import vectors
 from clerestory.scene.model import BsdfSurface, Material, Polygon, Scene
 from clerestory.scene.surface import area_vectors
 
@@ -72,17 +72,12 @@ class Lobes:
         """Return the greatest ratio of lobe density to cosine-weighted density."""
         normal = np.array(self.frame.n).ravel()
         shining = suns[(suns @ normal) * self.side < 0]
-        point = points(0, _TRIED)
-        u, v = (
-            sampler.coordinate(
-                point, mi.UInt32(0), dr.arange(mi.UInt32, _TRIED), mi.UInt32(0), purpose
-            )
-            for purpose in (sampler.DIRECTION_U, sampler.DIRECTION_V)
-        )
+        zero, index = mi.UInt32(0), dr.arange(mi.UInt32, _TRIED)
+        numbers = PathNumbers(points(0, _TRIED), zero, index, zero)
+        u, v = numbers.sobol(DIRECTION_U), numbers.sobol(DIRECTION_V)
         found = 0.0
         for direction in shining[:MOST]:
-            sun = mi.Vector3f(*[float(c) for c in direction])
-            dr.make_opaque(sun)
+            sun = vectors(mi.Vector3f, direction[None])
             along = self.sample(sun, u, v)
             cosine = dr.maximum(dr.abs(dr.dot(along, self.frame.n)), 1e-6)
             density = dr.mean(self.pdf(along, sun) / cosine) * dr.pi
@@ -100,9 +95,8 @@ class SunLobes:
     def of(cls, scene: Scene) -> "SunLobes":
         """Return the narrow lobes of the largest windows that a sun can light."""
         found: dict[tuple, float] = {}
-        suns = np.array([s.direction for s in scene.distant if is_sun(s)]).reshape(
-            -1, 3
-        )
+        shining = [source.direction for source in scene.distant if is_sun(source)]
+        suns = np.array(shining).reshape(-1, 3)
         for surface in scene.surfaces:
             material = scene.materials[surface.material]
             if isinstance(surface, Polygon) and is_layer(material):
@@ -148,11 +142,10 @@ def is_layer(material: Material) -> bool:
 
 def _lobes(scene: Scene, name: str, side: int, normal: tuple) -> Lobes:
     material = scene.materials[name]
-    up = mi.Vector3f(*[float(c) for c in material.up @ material.transform])
-    facing = dr.normalize(mi.Vector3f(*[float(c) for c in normal]))
+    up = vectors(mi.Vector3f, (material.up @ material.transform)[None])
+    facing = dr.normalize(vectors(mi.Vector3f, [normal]))
     right = dr.cross(up, facing)
     length = dr.norm(right)
     right *= dr.select(length > _UPRIGHT, 1 / length, 0)
     frame = mi.Frame3f(right, dr.cross(facing, right), facing)
-    dr.make_opaque(frame)
     return Lobes(forward_table(material.bsdf, _SIDES[side]), frame, side, 1.0)

@@ -17,7 +17,7 @@ from clerestory.engine.illumination import Illumination
 from clerestory.engine.pilot_paths import SurfacePoints
 from clerestory.engine.portals import MOST, Rectangles
 from clerestory.engine.upload import launching, vectors
-from clerestory.engine.visibility import offset, transmittance
+from clerestory.engine.visibility import along, offset, transmittance
 
 # Number of rays from the sun, and greatest number of panes that a ray passes.
 _SUNBEAMS = 1 << 18
@@ -58,12 +58,10 @@ def _sunlit_share(scene: Illumination, places: SurfacePoints) -> float:
         sampler.random_number(seed, index, mi.UInt32(number)) for number in range(3)
     )
     sun, _, _ = scene.distant.sample_sun(pick, u, v)
-    start = vectors(mi.Point3f, places.start)
+    start, ray = vectors(mi.Point3f, places.start), along(sun)
     shone = dr.dot(sun, vectors(mi.Vector3f, places.normal)) > 0
     with launching():
-        seen = transmittance(
-            scene.model, start, lambda o: mi.Ray3f(o, sun), shone, through_illums=True
-        )
+        seen = transmittance(scene.model, start, ray, shone, through_illums=True)
         return float((shone & (dr.max(seen) > 0)).numpy().mean())
 
 
@@ -83,8 +81,7 @@ def _sunbeams(scene: Illumination, places: SurfacePoints):
     disc *= dr.opaque(mi.Float, radius)
     box = model.scene.bbox()
     far = dr.opaque(mi.Float, 2 * float(dr.norm(box.max - box.min)) + radius)
-    centre = mi.Point3f(*map(float, middle))
-    dr.make_opaque(centre)
+    centre = vectors(mi.Point3f, middle[None])
     start = centre + frame.s * disc.x + frame.t * disc.y
     ray = mi.Ray3f(start + sun * far, -sun)
     travelling, found = mi.Bool(True), mi.Bool(False)

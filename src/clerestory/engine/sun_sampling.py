@@ -31,7 +31,12 @@ from clerestory.engine.portals import Portals
 from clerestory.engine.sampler import CONNECT_U, CONNECT_V, PathNumbers
 from clerestory.engine.sun_lobes import SunLobes
 from clerestory.engine.vertices import surface_vertex
-from clerestory.engine.visibility import transmittance
+from clerestory.engine.visibility import (
+    along,
+    interaction,
+    only_reflects,
+    transmittance,
+)
 
 # Probability that a ray to sunlit surfaces is sampled along a window's lobe.
 _LOBES = 0.5
@@ -95,9 +100,8 @@ class Suns(Source):
         """
         radiance, pdf = self.distant.sun_radiance(path.ray.d, active)
         mirrors, _ = path.memory[self.name]
-        return Emission(
-            radiance, active & (mirrors != 1), pdf, heuristic=power_heuristic
-        )
+        shown = active & (mirrors != 1)
+        return Emission(radiance, shown, pdf, heuristic=power_heuristic)
 
     def sample(self, pick, u, v) -> SunSample:
         """Return a direction to one of the suns."""
@@ -131,23 +135,17 @@ class Suns(Source):
     def _direct(self, sun: SunSample, share) -> LightSample:
         def arriving(vertex: Vertex, active):
             start = vertex.leave(sun.direction, active)
-            seen = transmittance(
-                self.model,
-                start,
-                lambda origin: mi.Ray3f(origin, sun.direction),
-                active,
-                through_illums=True,
-            )
-            return sun.radiance * seen * share
+            return sun.radiance * self._seen(start, sun, active) * share
 
+        always = mi.Bool(True)
         return LightSample(
-            sun.direction,
-            sun.pdf,
-            mi.Bool(True),
-            arriving,
-            heuristic=power_heuristic,
-            luminaire=True,
+            sun.direction, sun.pdf, always, arriving, None, power_heuristic, True
         )
+
+    def _seen(self, start: mi.Point3f, sun: SunSample, active):
+        # Transmittance from a point to the sun
+        ray = along(sun.direction)
+        return transmittance(self.model, start, ray, active, through_illums=True)
 
     def _on_surfaces(
         self, vertex: Vertex, sun: SunSample, numbers: PathNumbers
@@ -183,11 +181,9 @@ class Suns(Source):
         """
         hit = self.model.scene.ray_intersect_preliminary(ray, active=active)
         active = active & hit.is_valid()
-        si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, active)
+        si = interaction(hit, ray, active)
         shape = dr.reinterpret_array(mi.UInt32, si.shape)
         active &= _is_sought(self.model, shape, active)
-        si.sh_frame = mi.Frame3f(si.n)
-        si.wi = si.to_local(-ray.d)
         vertex = surface_vertex(self.model, None, si, shape, active, mi.Bool(False))
         light, lit = self._direct(sun, mi.Float(1)).estimate(vertex, active)
         return dr.select(lit, light, 0)
@@ -211,23 +207,11 @@ class Suns(Source):
             start = vertex.leave(direction, active)
             share, point = reflected(self.model, start, direction, normal, active)
             lit = active & (dr.max(share) > 0)
-            seen = transmittance(
-                self.model,
-                point,
-                lambda origin: mi.Ray3f(origin, sun.direction),
-                lit,
-                through_illums=True,
-            )
-            return dr.select(lit, sun.radiance * share * seen, 0)
+            light = sun.radiance * share * self._seen(point, sun, lit)
+            return dr.select(lit, light, 0)
 
-        return LightSample(
-            direction,
-            sun.pdf * chance,
-            cosine > 0,
-            arriving,
-            heuristic=None,
-            luminaire=True,
-        )
+        pdf = sun.pdf * chance
+        return LightSample(direction, pdf, cosine > 0, arriving, None, None, True)
 
 
 def _is_sought(model: LoweredScene, shape, active):
@@ -235,9 +219,7 @@ def _is_sought(model: LoweredScene, shape, active):
     # BSDF layers
     flags = dr.gather(mi.UInt32, model.flags_of_shape, shape, active)
     depth = dr.gather(mi.Float, model.thickness_of_shape, shape, active)
-    matt = mi.has_flag(flags, mi.BSDFFlags.Smooth)
-    matt &= ~mi.has_flag(flags, mi.BSDFFlags.Null)
-    matt &= ~mi.has_flag(flags, mi.BSDFFlags.Transmission)
+    matt = mi.has_flag(flags, mi.BSDFFlags.Smooth) & only_reflects(flags)
     layer = dr.gather(mi.Bool, model.layer_of_shape, shape, active)
     emitter = dr.gather(mi.UInt32, model.emitter_of_shape, shape, active)
     return active & (depth == 0) & (emitter == 0) & (matt | layer)

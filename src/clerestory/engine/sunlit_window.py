@@ -15,7 +15,7 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.engine.direct_sun_jobs import PixelSunJob, SunJob
+from clerestory.engine.direct_sun_jobs import SunlightJob
 from clerestory.engine.lower import LoweredScene, lower
 from clerestory.engine.materials.bsdf_file import forward_table
 from clerestory.engine.next_event_estimation import (
@@ -36,6 +36,7 @@ from clerestory.engine.sampler import (
 from clerestory.engine.sun_lobes import Lobes
 from clerestory.engine.visibility import (
     ROUNDING,
+    along,
     first_opaque,
     towards,
     transmittance,
@@ -72,9 +73,7 @@ class SunlitWindow(Source):
     sun: mi.Vector3f | None = None
 
     @classmethod
-    def of(
-        cls, job: SunJob | PixelSunJob, origin: Float[np.ndarray, "3"]
-    ) -> "SunlitWindow":
+    def of(cls, job: SunlightJob, origin: Float[np.ndarray, "3"]) -> "SunlitWindow":
         """Return the window of a job, without a sun."""
         own, _ = window_shapes((job.windows[job.number],), origin)
         frame = mi.Frame3f(own.right, own.up, own.normal)
@@ -88,12 +87,9 @@ class SunlitWindow(Source):
         )
 
     def lit_by(self, middle: mi.Vector3f, a: mi.Float, b: mi.Float) -> "SunlitWindow":
-        """Return the window lit by suns.
+        """Return the window lit by suns around the unit vectors `middle`.
 
-        Parameters
-        ----------
-        middle : unit vector to the centre of the solar disc, by path
-        a, b : random numbers that choose a point of the disc
+        The random numbers a and b choose a point of the solar disc.
         """
         height = a * _DEPTH
         flat = dr.sqrt(height * (2 - height))
@@ -147,12 +143,8 @@ class SunlitWindow(Source):
         normal = self.lobes.frame.n
         reach = dr.maximum(dr.max(dr.abs(point)), 0.05)
         lit = active & (dr.dot(normal, self.sun) < 0)
-        seen = transmittance(
-            self.outside,
-            point - normal * (ROUNDING * reach),
-            lambda origin: mi.Ray3f(origin, self.sun),
-            lit,
-        )
+        start = point - normal * (ROUNDING * reach)
+        seen = transmittance(self.outside, start, along(self.sun), lit)
         return dr.select(lit, seen, 0)
 
     def _to_window(self, vertex: Vertex, u, v) -> LightSample:
@@ -161,9 +153,7 @@ class SunlitWindow(Source):
 
         def arriving(vertex: Vertex, active):
             start = vertex.leave(direction, active)
-            seen = transmittance(
-                self.inside, start, lambda o: towards(o, point), active
-            )
+            seen = transmittance(self.inside, start, towards(point), active)
             active = active & (dr.max(seen) > 0)
             return value * seen * self._outside(point, active)
 
@@ -199,11 +189,8 @@ class SunlitWindow(Source):
 
     def _from_window(self, vertex: Vertex, direction, active):
         # Transmittance from the vertex to the window and on to the sun; window hit
-        inside = self.inside
-        start = vertex.leave(direction, active)
-        share, ray, hit = first_opaque(
-            inside, start, lambda origin: mi.Ray3f(origin, direction), active
-        )
+        inside, start = self.inside, vertex.leave(direction, active)
+        share, ray, hit = first_opaque(inside, start, along(direction), active)
         active = active & hit.is_valid()
         si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, active)
         shape = dr.reinterpret_array(mi.UInt32, si.shape)

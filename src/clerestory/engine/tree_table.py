@@ -17,11 +17,16 @@ import mitsuba as mi
 import numpy as np
 from scipy.ndimage import maximum_filter
 
+from clerestory.bsdf.resample import full_tree
 from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.colorimetry import RADIANCE
-from clerestory.engine.square import disc_from_square, square_from_disc
+from clerestory.engine.square import (
+    cell_of_disc,
+    disc_from_square,
+    square_from_disc,
+)
 from clerestory.engine.upload import on_device
-from clerestory.hemisphere import shirley_chiu
+from clerestory.hemisphere.shirley_chiu import cell_centres, directions_from_square
 
 # Edge of the grid of directions on which hemispherical reflectance or transmittance
 # is tabulated.
@@ -41,12 +46,9 @@ _DEFENSIVE = 0.05
 class TreeTable:
     """Tensor trees of one layer, all of one rank.
 
-    Parameters
-    ----------
-    functions : for each function, the trees of X, Y and Z, or one tree; None where the
-        layer has no such function
-    other : for each function, the number of the function equal to it by reciprocity,
-        with directions exchanged; used where the function itself is missing
+    Each function has trees of X, Y and Z, or one tree; it is None if the layer has no
+    such function. `other` holds, for each function, the number of the function equal to
+    it by reciprocity, used where the function itself is missing.
     """
 
     def __init__(
@@ -81,6 +83,7 @@ class TreeTable:
         self.share = on_device(mi.Float, np.concatenate(shares))
 
     def _tabulate(self, trees: list[ScatteringTree | None]) -> None:
+        # Concatenate the trees
         zero = np.zeros(1, dtype=np.int32)
         slots = [zero if tree is None else tree.slots for tree in trees]
         means = [zero.view("f4") if tree is None else _means(tree) for tree in trees]
@@ -95,21 +98,14 @@ class TreeTable:
         # Hemispherical reflectance or transmittance over a grid of leaving directions
         if read is None:
             return np.zeros(_GRID * _GRID)
-        middle = (np.arange(_GRID) + 0.5) / _GRID
-        a, b = (grid.ravel() for grid in np.meshgrid(middle, middle, indexing="ij"))
-        x, y = shirley_chiu.disc_from_square(a, b)
-        height = np.sqrt(np.maximum(1 - x * x - y * y, 0))
-        direction = np.stack([x, y, height], axis=-1)
         tree = read[self.middle]
         exact = tree.reciprocal() if own is not None and self.rank == 4 else tree
+        direction = directions_from_square(*cell_centres(_GRID.bit_length() - 1))
         return np.maximum(exact.hemispherical(direction), _LEAST)
 
     def gathered(self, function, leaving):
         """Return the approximate reflectance or transmittance of uniform light."""
-        place = square_from_disc(leaving.x, leaving.y) * _GRID
-        row = dr.clip(mi.Int32(place.x), 0, _GRID - 1)
-        column = dr.clip(mi.Int32(place.y), 0, _GRID - 1)
-        cell = function * (_GRID * _GRID) + mi.UInt32(row * _GRID + column)
+        cell = function * (_GRID * _GRID) + cell_of_disc(leaving, _GRID)
         return dr.gather(mi.Float, self.share, cell)
 
     def evaluate(self, function, incident, leaving):
@@ -139,12 +135,11 @@ class TreeTable:
         luminous, density = self._descend(number, place, fixed)
         if self.colours == 1:
             return mi.Color3f(luminous), density
-        outer = []
-        for channel in (0, 2):
-            number = function * 3 + channel
-            place = self._places(number, incident, leaving)
-            outer.append(self._descend(number, place, ())[0])
-        return mi.Color3f(outer[0], luminous, outer[1]), density
+        x, z = (
+            self._descend(number, self._places(number, incident, leaving), ())[0]
+            for number in (function * 3, function * 3 + 2)
+        )
+        return mi.Color3f(x, luminous, z), density
 
     def sample(self, function, leaving, u, v):
         """Sample an incident direction; return its disc point, BSDF value and pdf."""
@@ -161,10 +156,8 @@ class TreeTable:
             radial = self._radial(number, leaving)
             point = self._draw(number, {0: radial}, (1, 2), rest, v)
             turned = disc_from_square(point.x, point.y)
-            cosine, sine = _azimuth(leaving)
-            disc = mi.Point2f(
-                cosine * turned.x - sine * turned.y, sine * turned.x + cosine * turned.y
-            )
+            c, s = _azimuth(leaving)
+            disc = mi.Point2f(c * turned.x - s * turned.y, s * turned.x + c * turned.y)
             disc = dr.select(everywhere, disc_from_square(u / _DEFENSIVE, v), disc)
         height = dr.safe_sqrt(1 - dr.squared_norm(disc))
         incident = mi.Vector3f(disc.x, disc.y, height)
@@ -177,11 +170,9 @@ class TreeTable:
             one = self._place(number, square_from_disc(-incident.x, -incident.y))
             other = self._place(number, square_from_disc(leaving.x, leaving.y))
             return {0: one[0], 1: one[1], 2: other[0], 3: other[1]}
-        cosine, sine = _azimuth(incident)
-        turned = mi.Point2f(
-            cosine * leaving.x + sine * leaving.y, cosine * leaving.y - sine * leaving.x
-        )
-        other = self._place(number, square_from_disc(turned.x, turned.y))
+        c, s = _azimuth(incident)
+        x, y = c * leaving.x + s * leaving.y, c * leaving.y - s * leaving.x
+        other = self._place(number, square_from_disc(x, y))
         return {0: self._radial(number, incident), 1: other[0], 2: other[1]}
 
     def _place(self, number, point):
@@ -309,8 +300,7 @@ def _exchanged(tree: ScatteringTree) -> ScatteringTree:
     radial = (np.arange(edge // 2)[:, None] + grid).ravel() / edge
     square_axis = (np.arange(edge)[:, None] + grid).ravel() / edge
     a, b = np.meshgrid(square_axis, square_axis, indexing="ij")
-    x, y = shirley_chiu.disc_from_square(a.ravel(), b.ravel())
-    other = np.stack([x, y, np.sqrt(np.maximum(1 - x * x - y * y, 0))], axis=-1)
+    other = directions_from_square(a.ravel(), b.ravel())
     value = np.zeros((edge, edge, edge))
     for step, inwards in enumerate(radial):
         # A given direction with a direct-transmission azimuth of zero
@@ -323,26 +313,4 @@ def _exchanged(tree: ScatteringTree) -> ScatteringTree:
     # Cells before and after the exchange overlap only partly: spread to neighbours
     value += _SPILL * maximum_filter(value, size=3, mode="nearest")
     value[edge // 2 :] = 0
-    return ScatteringTree(_full_slots(value), 3, tree.depth)
-
-
-def _full_slots(value: np.ndarray) -> np.ndarray:
-    # Slots of a tree fully subdivided to its finest cells, level by level
-    rank, depth = value.ndim, value.shape[0].bit_length() - 1
-    place = np.arange(1 << depth)
-    order = np.zeros(value.shape, dtype=np.int64)
-    for dimension in range(rank):
-        apart = np.zeros_like(place)
-        for bit in range(depth):
-            apart |= ((place >> bit) & 1) << (rank * bit + dimension)
-        shape = [-1 if axis == dimension else 1 for axis in range(rank)]
-        order |= apart.reshape(shape)
-    leaves = np.empty(value.size, dtype=np.float32)
-    leaves[order.ravel()] = value.ravel()
-    levels, first = [], 0
-    for level in range(depth):
-        count = 1 << rank * level
-        first += count
-        block = first + (np.arange(count) << rank)
-        levels.append(~block.astype(np.int32))
-    return np.concatenate([*levels, leaves.view(np.int32)])
+    return full_tree(value, tree.depth, rank=3)

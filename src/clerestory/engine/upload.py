@@ -23,7 +23,7 @@ _ALIGNED = 64
 
 
 def on_device(kind: type, values: ArrayLike):
-    """Return a one-dimensional device array of the values.
+    """Return a one-dimensional device array of the values, opaque to the compiler.
 
     An empty array becomes a single zero, because kernels accept no empty arrays. CPU
     arrays share their memory with NumPy; the memory is aligned, because kernels for
@@ -36,7 +36,9 @@ def on_device(kind: type, values: ArrayLike):
     start = -memory.ctypes.data % _ALIGNED
     laid = memory[start : start + size].view(number)
     laid[: len(row)] = row
-    return kind(laid)
+    made = kind(laid)
+    dr.make_opaque(made)
+    return made
 
 
 def vectors(kind: type, values: Float[np.ndarray, "n 3"]):
@@ -46,12 +48,7 @@ def vectors(kind: type, values: Float[np.ndarray, "n 3"]):
 
 @contextmanager
 def launching() -> Iterator[None]:
-    """Convert errors of Dr.Jit and Mitsuba to a `DeviceError` of one line.
-
-    Raises
-    ------
-    DeviceError : the compilation or the execution of a kernel failed
-    """
+    """Convert errors of Dr.Jit and Mitsuba to a `DeviceError` of one line."""
     try:
         yield
     except RuntimeError as error:

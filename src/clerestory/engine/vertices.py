@@ -15,7 +15,7 @@ from clerestory.engine.lower import LoweredScene
 from clerestory.engine.next_event_estimation import Densities, Scattering, Vertex
 from clerestory.engine.portals import Portals
 from clerestory.engine.sampler import DIRECTION_U, DIRECTION_V, LOBE, PathNumbers
-from clerestory.engine.visibility import offset
+from clerestory.engine.visibility import offset, only_reflects
 
 # Factor on the guiding probability at surfaces without a diffuse component.
 _GLOSSY = 0.4
@@ -62,8 +62,7 @@ def surface_vertex(
     contexts = {False: mi.BSDFContext(), True: materials.lamp_context()}
     flags = dr.gather(mi.UInt32, model.flags_of_shape, shape, active)
     smooth = mi.has_flag(flags, mi.BSDFFlags.Smooth)
-    opaque = ~mi.has_flag(flags, mi.BSDFFlags.Null)
-    opaque &= ~mi.has_flag(flags, mi.BSDFFlags.Transmission)
+    opaque = only_reflects(flags)
     diffuse = mi.has_flag(flags, mi.BSDFFlags.Diffuse)
     share = dr.select(diffuse, mi.Float(1), _GLOSSY)
     share = dr.select(active & smooth & opaque, share, 0)

@@ -34,22 +34,44 @@ def offset(model: LoweredScene, si, direction, active):
     return si.p + si.n * dr.mulsign(step, dr.dot(si.n, direction))
 
 
-def towards(origin, point) -> mi.Ray3f:
-    """Return a ray that ends just before a point, even from an offset origin."""
-    across = point - origin
-    distance = dr.norm(across)
-    ray = mi.Ray3f(origin, across / distance)
-    ray.maxt = distance * (1 - 1e-5) - 1e-5
-    return ray
+def interaction(hit: mi.PreliminaryIntersection3f, ray: mi.Ray3f, active):
+    """Return the surface interaction of a hit, in the frame of its geometric normal."""
+    si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, active)
+    si.sh_frame = mi.Frame3f(si.n)
+    si.wi = si.to_local(-ray.d)
+    return si
+
+
+def only_reflects(flags: mi.UInt32) -> mi.Bool:
+    """Whether BSDF flags are those of an opaque material."""
+    passes = mi.has_flag(flags, mi.BSDFFlags.Null)
+    return ~(passes | mi.has_flag(flags, mi.BSDFFlags.Transmission))
+
+
+def along(direction: mi.Vector3f) -> ShadowRay:
+    """Return a function from origins to rays in a direction."""
+    return lambda origin: mi.Ray3f(origin, direction)
+
+
+def towards(point: mi.Point3f) -> ShadowRay:
+    """Return a function from origins, even offset ones, to rays that end at a point."""
+
+    def ray_from(origin):
+        across = point - origin
+        distance = dr.norm(across)
+        ray = mi.Ray3f(origin, across / distance)
+        # End just before the point
+        ray.maxt = distance * (1 - 1e-5) - 1e-5
+        return ray
+
+    return ray_from
 
 
 def passes_proxy(thickness, cosine):
     """Whether an indirect ray passes a surface: a proxy, hit on its inactive side.
 
-    Parameters
-    ----------
-    thickness : thickness of the surface's BSDF, nonzero for proxies only [m]
-    cosine : cosine of the angle between the normal and the reversed ray
+    The thickness of a surface is nonzero for proxies only [m]; `cosine` is that of the
+    angle between the normal and the reversed ray.
     """
     return (thickness != 0) & ((thickness > 0) != (cosine > 0))
 
@@ -67,7 +89,7 @@ def transmittance(
 
     Parameters
     ----------
-    shadow_ray : function that returns the ray from a point to the light source
+    shadow_ray : function from a point to the ray towards the light source
     direct : whether the rays pass proxies, as direct rays do; indirect rays are
         blocked by proxies that scatter them
     through_illums : whether illums transmit like their alternate material; True for
@@ -76,14 +98,29 @@ def transmittance(
     if not model.panes:
         blocked = model.scene.ray_test(shadow_ray(origin), active)
         return dr.select(active & blocked, mi.Color3f(0), 1)
-    share, _, hit = first_opaque(
+    share, _, hit = _through_panes(
         model, origin, shadow_ray, active, direct=direct, through_illums=through_illums
     )
     return dr.select(active & hit.is_valid(), 0, share)
 
 
-@dr.syntax
 def first_opaque(
+    model: LoweredScene, origin: mi.Point3f, shadow_ray: ShadowRay, active: mi.Bool
+):
+    """Trace shadow rays to the first surface that blocks them; see `transmittance`.
+
+    Return the transmittance up to that surface, the ray's last segment, and its hit.
+    """
+    if not model.panes:
+        # A loop over panes would cost time
+        ray = shadow_ray(origin)
+        hit = model.scene.ray_intersect_preliminary(ray, active=active)
+        return mi.Color3f(1), ray, hit
+    return _through_panes(model, origin, shadow_ray, active)
+
+
+@dr.syntax
+def _through_panes(
     model: LoweredScene,
     origin: mi.Point3f,
     shadow_ray: ShadowRay,
@@ -91,13 +128,7 @@ def first_opaque(
     direct: bool = True,
     through_illums: bool = False,
 ):
-    """Trace shadow rays to the first surface that blocks them; see `transmittance`.
-
-    Returns
-    -------
-    share : unscattered transmittance up to that surface, by channel
-    ray, hit : last segment of the shadow ray, and its intersection
-    """
+    # As `first_opaque`, for a scene with panes
     ray = shadow_ray(origin)
     share = mi.Color3f(1)
     looking = mi.Bool(active)
@@ -116,11 +147,9 @@ def first_opaque(
         if dr.hint(model.proxies, mode="scalar"):
             depth = dr.gather(mi.Float, model.thickness_of_shape, shape, met)
             proxy = met & (depth != 0)
-        si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, pane | proxy)
+        si = interaction(hit, ray, pane | proxy)
         if dr.hint(model.proxies and not direct, mode="scalar"):
             proxy &= passes_proxy(depth, -dr.dot(si.n, ray.d))
-        si.sh_frame = mi.Frame3f(si.n)
-        si.wi = si.to_local(-ray.d)
         pane &= ~proxy
         through = si.bsdf().eval_null_transmission(si, pane)
         share = dr.select(pane, share * through, share)

@@ -42,9 +42,7 @@ class SkyPatches(Source):
 class WindowPatches(Source):
     """Patches of the windows of a scene, sampled by solid angle or area.
 
-    Attributes
-    ----------
-    direct : whether light from the windows counts as direct and passes proxies
+    If `direct`, light from the windows counts as direct and passes proxies.
     """
 
     name: ClassVar[str] = "windows"
@@ -76,20 +74,15 @@ class WindowPatches(Source):
             yield self._sample(vertex, u - dr.floor(u), v - dr.floor(v))
 
     def _sample(self, vertex: Vertex, u, v) -> LightSample:
-        windows = self.model.windows
+        model, windows = self.model, self.model.windows
         point, direction, window, cosine, pdf = windows.sample_direction(
             vertex.point, u, v
         )
 
         def arriving(vertex: Vertex, active):
-            start = vertex.leave(direction, active)
+            start, ray = vertex.leave(direction, active), towards(point)
             return transmittance(
-                self.model,
-                start,
-                lambda origin: towards(origin, point),
-                active,
-                direct=self.direct,
-                through_illums=True,
+                model, start, ray, active, direct=self.direct, through_illums=True
             )
 
         return LightSample(

@@ -15,8 +15,12 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.engine.patches import PatchTable
-from clerestory.engine.sampler import choose, probability
-from clerestory.engine.spherical_rectangle import SphericalRectangle
+from clerestory.engine.sampler import Distribution
+from clerestory.engine.spherical_rectangle import (
+    Parallelograms,
+    SphericalRectangle,
+    fold,
+)
 from clerestory.engine.upload import on_device, vectors
 from clerestory.scene.triangulate import triangulate
 from clerestory.scene.window import Window
@@ -24,27 +28,22 @@ from clerestory.scene.window import Window
 
 @dataclass
 class WindowTable:
-    """Device arrays of the windows.
+    """Device arrays of the windows, and of their elements.
 
     Attributes
     ----------
-    corner, edge_u, edge_v : a corner of each element and the edges from it [m]
-    rectangle : whether an element is a rectangle, or the triangle u + v < 1
-    cumulative : cumulative area fraction of the elements
-    area : total area of all elements [m²]
+    elements, rectangle : rectangles, and triangles u + v < 1
+    chosen, area : distribution of the elements by area, and their total area [m²]
     window : number of each element's window
     first_element : number of each window's first element; an element has two faces
     right, up, normal : unit vectors of each window's frame
-    first : column of each window's first patch
-    tables : partition of each window
+    first, tables : column of each window's first patch, and its partition
     columns : number of patches of all windows
     """
 
-    corner: mi.Point3f
-    edge_u: mi.Vector3f
-    edge_v: mi.Vector3f
+    elements: Parallelograms
     rectangle: mi.Bool
-    cumulative: mi.Float
+    chosen: Distribution
     area: mi.Float
     window: mi.UInt32
     first_element: mi.UInt32
@@ -80,21 +79,11 @@ class WindowTable:
             + dr.gather(mi.Vector3f, self.normal, window) * local.z
         )
 
-    def choose(self, u):
-        """Sample an element by area; return it, its probability, and u rescaled."""
-        return choose(self.cumulative, dr.width(self.cumulative), u)
-
     def sample_point(self, u, v):
         """Sample a point uniformly by area on all windows; return it and its window."""
-        element, _, u = self.choose(u)
+        element, _, u = self.chosen.sample(u)
         triangle = ~dr.gather(mi.Bool, self.rectangle, element)
-        fold = triangle & (u + v > 1)
-        u, v = dr.select(fold, 1 - u, u), dr.select(fold, 1 - v, v)
-        point = (
-            dr.gather(mi.Point3f, self.corner, element)
-            + dr.gather(mi.Vector3f, self.edge_u, element) * u
-            + dr.gather(mi.Vector3f, self.edge_v, element) * v
-        )
+        point = self.elements.take(element).point(*fold(u, v, triangle))
         return point, dr.gather(mi.UInt32, self.window, element)
 
     def sample_direction(self, origin, u, v):
@@ -107,7 +96,7 @@ class WindowTable:
         cosine : cosine of the angle between window normal and reversed direction
         pdf : probability density of the direction [1/sr]
         """
-        element, _, rest = self.choose(u)
+        element, _, rest = self.chosen.sample(u)
         by_area, window = self.sample_point(u, v)
         view = self._view(origin, element)
         x, y = view.sample(rest, v)
@@ -121,24 +110,19 @@ class WindowTable:
     def pdf(self, origin, element, point, cosine):
         """Return the density of sampling the direction to a point of an element [1/sr].
 
-        Parameters
-        ----------
-        cosine : cosine of the angle between window normal and reversed direction
+        `cosine` is that of the angle between window normal and reversed direction.
         """
         view = self._view(origin, element)
         return self._pdf(element, view, dr.squared_norm(point - origin), cosine)
 
-    def _pdf(self, element, view: "SphericalRectangle", distance2, cosine):
-        share = probability(self.cumulative, element)
+    def _pdf(self, element, view: SphericalRectangle, distance2, cosine):
+        share = self.chosen.probability(element)
         by_area = distance2 / (dr.maximum(cosine, 1e-6) * self.area)
         return dr.select(view.usable, share / view.solid_angle, by_area)
 
-    def _view(self, origin, element) -> "SphericalRectangle":
-        corner = dr.gather(mi.Point3f, self.corner, element) - origin
-        edge_u = dr.gather(mi.Vector3f, self.edge_u, element)
-        edge_v = dr.gather(mi.Vector3f, self.edge_v, element)
+    def _view(self, origin, element) -> SphericalRectangle:
         rectangle = dr.gather(mi.Bool, self.rectangle, element)
-        return SphericalRectangle.of(corner, edge_u, edge_v, rectangle)
+        return self.elements.take(element).seen_from(origin, rectangle)
 
 
 @dataclass
@@ -167,12 +151,11 @@ def window_shapes(
     if not windows:
         return None, []
     elements = [_elements(window) for window in windows]
-    shapes = []
-    for of_window in elements:
-        corners = np.concatenate([e.faces() for e in of_window]) - origin
-        shapes.append(
-            (corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3))
-        )
+    faces = [np.concatenate([e.faces() for e in own]) - origin for own in elements]
+    shapes = [
+        (corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3))
+        for corners in faces
+    ]
     return _table(windows, elements, origin), shapes
 
 
@@ -201,16 +184,15 @@ def _table(
     elements: list[list[_Element]],
     origin: Float[np.ndarray, "3"],
 ) -> WindowTable:
-    flat = [element for of_window in elements for element in of_window]
-    edge_u = np.array([e.edge_u for e in flat])
-    edge_v = np.array([e.edge_v for e in flat])
-    rectangle = np.array([e.rectangle for e in flat])
-    area = np.linalg.norm(np.cross(edge_u, edge_v), axis=1) * np.where(
-        rectangle, 1, 0.5
+    flat = [element for own in elements for element in own]
+    corner, edge_u, edge_v = (
+        np.array([getattr(e, name) for e in flat])
+        for name in ("corner", "edge_u", "edge_v")
     )
-    cumulative = np.cumsum(area) / area.sum()
-    cumulative[-1] = 1
-    per_window = np.array([len(of_window) for of_window in elements])
+    rectangle = np.array([e.rectangle for e in flat])
+    area = np.linalg.norm(np.cross(edge_u, edge_v), axis=1)
+    area = area * np.where(rectangle, 1, 0.5)
+    per_window = np.array([len(own) for own in elements])
     count = np.array([len(w.partition) for w in windows])
 
     # Windows with equal partitions share a table
@@ -220,16 +202,12 @@ def _table(
             k for k in range(number) if windows[k].partition.matches(window.partition)
         ]
         tables.append(tables[like[0]] if like else PatchTable.of(window.partition))
-    table = WindowTable(
-        corner=vectors(mi.Point3f, np.array([e.corner for e in flat]) - origin),
-        edge_u=vectors(mi.Vector3f, edge_u),
-        edge_v=vectors(mi.Vector3f, edge_v),
-        rectangle=mi.Bool(rectangle),
-        cumulative=on_device(mi.Float, cumulative),
-        area=mi.Float(float(area.sum())),
-        window=mi.UInt32(
-            np.repeat(np.arange(len(windows)), per_window).astype(np.uint32)
-        ),
+    return WindowTable(
+        elements=Parallelograms.of(corner - origin, edge_u, edge_v),
+        rectangle=on_device(mi.Bool, rectangle),
+        chosen=Distribution.of(area),
+        area=on_device(mi.Float, area.sum()),
+        window=on_device(mi.UInt32, np.repeat(np.arange(len(windows)), per_window)),
         first_element=on_device(mi.UInt32, np.cumsum(per_window) - per_window),
         right=vectors(mi.Vector3f, np.array([w.frame.right for w in windows])),
         up=vectors(mi.Vector3f, np.array([w.frame.up for w in windows])),
@@ -238,7 +216,3 @@ def _table(
         tables=tables,
         columns=int(count.sum()),
     )
-    dr.make_opaque(
-        table.area, table.cumulative, table.corner, table.edge_u, table.edge_v
-    )
-    return table

@@ -8,19 +8,20 @@ Reference: Khronos Group, glTF 2.0 specification, 2021.
 
 import base64
 import binascii
-import json
 import struct
 import warnings
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Annotated, TypeVar
 
 import numpy as np
+from pydantic import Field
+from scipy.spatial.transform import Rotation
 
-from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.checks import require
+from clerestory.documents import Item, Number, parse_json
+from clerestory.errors import ClerestoryWarning, InputError, located
 from clerestory.files import read_bytes
-from clerestory.formats.json_item import Item
 from clerestory.scene.model import (
     Material,
     Plastic,
@@ -29,30 +30,92 @@ from clerestory.scene.model import (
     insert_material,
 )
 
-_MAGIC, _JSON, _BIN = 0x46546C67, 0x4E4F534A, 0x004E4942
+_JSON, _BIN = 0x4E4F534A, 0x004E4942
 _TYPES = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _COUNTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
-_DEEPEST = 64
+_DEEPEST, _MOST_MESHES = 64, 1_000_000
 
 # Rotation from y up to z up
 _TURN = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
 
+_Size = Annotated[int, Field(ge=0)]
+_Four = tuple[Number, Number, Number, Number]
+_Three = tuple[Number, Number, Number]
+_Element = TypeVar("_Element")
 
-@dataclass(frozen=True, eq=False)
-class _Document:
-    root: Item
-    buffers: list[bytes]
 
-    def element(self, key: str, index: Any) -> Item:
-        """Return an element of one of the document's lists."""
-        elements = list(self.root.items(key))
-        if type(index) is not int or not 0 <= index < len(elements):
-            raise InputError(
-                f"{key}: number {index!r}; one of {len(elements)} expected",
-                file=self.root.file,
-            )
-        return elements[index]
+class _View(Item):
+    buffer: _Size
+    byteOffset: _Size = 0
+    byteStride: _Size = 0
+
+
+class _Accessor(Item):
+    bufferView: _Size | None = None
+    byteOffset: _Size = 0
+    componentType: int
+    count: Annotated[int, Field(ge=1)]
+    type: str
+    sparse: object = None
+
+
+class _Primitive(Item):
+    attributes: dict[str, _Size]
+    indices: _Size | None = None
+    material: _Size | None = None
+    mode: int = _TRIANGLES
+
+
+class _Mesh(Item):
+    name: str = "mesh"
+    primitives: list[_Primitive]
+
+
+class _Colour(Item):
+    baseColorFactor: _Four = (1.0, 1.0, 1.0, 1.0)
+
+
+class _Material(Item):
+    name: str = ""
+    pbrMetallicRoughness: _Colour = _Colour()
+
+
+class _Node(Item):
+    name: str = ""
+    mesh: _Size | None = None
+    children: tuple[_Size, ...] = ()
+    matrix: Annotated[list[Number], Field(min_length=16, max_length=16)] | None = None
+    rotation: _Four = (0.0, 0.0, 0.0, 1.0)
+    scale: _Three = (1.0, 1.0, 1.0)
+    translation: _Three = (0.0, 0.0, 0.0)
+
+    def transform(self) -> np.ndarray:
+        """Matrix from the coordinates of the node to those of its parent."""
+        if self.matrix is not None:
+            return np.array(self.matrix).reshape(4, 4).T
+        require(any(self.rotation), "a rotation by four zeros; a quaternion expected")
+        place = np.eye(4)
+        place[:3, :3] = Rotation.from_quat(self.rotation).as_matrix() * self.scale
+        place[:3, 3] = self.translation
+        return place
+
+
+class _Scene(Item):
+    nodes: tuple[_Size, ...] = ()
+
+
+class _Document(Item):
+    asset: dict[str, object]
+    extensionsRequired: tuple[str, ...] = ()
+    scene: _Size = 0
+    scenes: tuple[_Scene, ...] = ()
+    nodes: tuple[_Node, ...] = ()
+    meshes: tuple[_Mesh, ...] = ()
+    materials: tuple[_Material, ...] = ()
+    accessors: tuple[_Accessor, ...] = ()
+    bufferViews: tuple[_View, ...] = ()
+    buffers: tuple[dict[str, object], ...] = ()
 
 
 def read_gltf(
@@ -70,68 +133,55 @@ def read_gltf(
     materials : materials by name in the file; "*" for all other names
     colours : whether materials that are not in `materials` are diffuse, with the base
         colour in the file
-    scale : metres per unit of the file; 1 by the glTF standard
+    scale : metres per unit of the file
     up : axis of the file that points up, "y" or "z"
 
     Raises
     ------
     InputError : the file is malformed, or has a material that is not in `materials`
     """
-    document = _read(path)
-    root = document.root
     used: dict[str, Material] = {}
     surfaces: list[TriangleMesh] = []
     turn = _TURN if up == "y" else np.eye(3)
-    for node, place in _nodes(document):
-        mesh = document.element("meshes", node.value["mesh"])
-        name = node.text("name", "") or mesh.text("name", "mesh")
-        for primitive in mesh.items("primitives"):
-            faces, vertices = _triangles(document, primitive)
-            if not len(faces):
-                continue
-            material = _material(document, primitive, materials, colours)
-            moved = vertices @ place[:3, :3].T + place[:3, 3]
-            if np.linalg.det(place[:3, :3]) < 0:
-                faces = faces[:, ::-1]
-            key = insert_material(used, material)
-            surfaces.append(
-                TriangleMesh(scale * moved @ turn.T, faces, key, _word(name))
-            )
-    if not surfaces:
-        raise InputError("no triangles; a mesh expected", file=root.file)
+    with located(file=path):
+        document, buffers = _read(Path(path))
+        for node, number, place in _nodes(document):
+            mesh = _element(document.meshes, "meshes", number)
+            for primitive in mesh.primitives:
+                faces, vertices = _triangles(document, buffers, primitive)
+                if not len(faces):
+                    continue
+                material = _material(document, primitive, materials, colours)
+                moved = vertices @ place[:3, :3].T + place[:3, 3]
+                if np.linalg.det(place[:3, :3]) < 0:
+                    faces = faces[:, ::-1]
+                key = insert_material(used, material)
+                name = _word(node.name or mesh.name)
+                surfaces.append(TriangleMesh(scale * moved @ turn.T, faces, key, name))
+        require(surfaces, "no triangles; a mesh expected")
     return Scene(used, tuple(surfaces))
 
 
-def _read(path: str | Path) -> _Document:
+def _read(path: Path) -> tuple[_Document, list[bytes]]:
     data = read_bytes(path)
-    binary: bytes | None = None
-    if data[:4] == b"glTF":
-        text, binary = _chunks(data, path)
-    else:
-        text = data
-    try:
-        value = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise InputError("not glTF: no JSON in it", file=path) from error
-    if not isinstance(value, dict):
-        raise InputError("not glTF: an object expected", file=path)
-    root = Item(value, "", str(path))
-    version = root.item("asset").text("version", "")
-    if not version.startswith("2"):
-        raise InputError(f'glTF version "{version}"; 2.0 expected', file=path)
-    for name in root.value.get("extensionsRequired") or []:
-        raise InputError(f"needs the extension {name}; plain glTF expected", file=path)
-    buffers = [_buffer(item, binary, Path(path)) for item in root.items("buffers")]
-    return _Document(root, buffers)
+    text, binary = _chunks(data) if data[:4] == b"glTF" else (data, None)
+    document = parse_json(text, _Document, file=path)
+    version, needed = str(document.asset.get("version")), document.extensionsRequired
+    require(version.startswith("2"), f'glTF version "{version}"; 2.0 expected')
+    names = ", ".join(needed)
+    require(
+        not needed, f"the file requires {names}; a file without extensions expected"
+    )
+    uris = [str(buffer.get("uri") or "") for buffer in document.buffers]
+    return document, [_buffer(uri, binary, path) for uri in uris]
 
 
-def _chunks(data: bytes, path: str | Path) -> tuple[bytes, bytes | None]:
+def _chunks(data: bytes) -> tuple[bytes, bytes | None]:
     text, binary, at = b"", None, 12
     while at + 8 <= len(data):
         length, kind = struct.unpack_from("<II", data, at)
         chunk = data[at + 8 : at + 8 + length]
-        if len(chunk) < length:
-            raise InputError("the file ends within a chunk", file=path)
+        require(len(chunk) == length, "the file ends within a chunk")
         if kind == _JSON:
             text = chunk
         elif kind == _BIN:
@@ -140,171 +190,111 @@ def _chunks(data: bytes, path: str | Path) -> tuple[bytes, bytes | None]:
     return text, binary
 
 
-def _buffer(item: Item, binary: bytes | None, path: Path) -> bytes:
-    uri = item.text("uri", "")
-    if not uri:
-        if binary is None:
-            raise item.wrong("uri", "the name of a file")
+def _buffer(uri: str, binary: bytes | None, path: Path) -> bytes:
+    if not uri and binary is not None:
         return binary
     if uri.startswith("data:"):
         try:
             return base64.b64decode(uri.partition(",")[2], validate=True)
         except binascii.Error as error:
-            raise item.wrong("uri", "base64") from error
-    if "/" in uri or "\\" in uri or uri in (".", ".."):
-        raise item.wrong("uri", "the name of a file beside this one")
+            raise InputError("a buffer is not base64") from error
+    inside = uri not in ("", ".", "..") and "/" not in uri and "\\" not in uri
+    shown = f'the buffer "{uri[:60]}"'
+    require(inside, f"{shown} is outside the folder; a file beside this one expected")
     return read_bytes(path.parent / uri)
 
 
-def _nodes(document: _Document) -> list[tuple[Item, np.ndarray]]:
+def _element(elements: Sequence[_Element], what: str, index: int | None) -> _Element:
+    # Element of one of the lists of the document
+    known = index is not None and index < len(elements)
+    require(known, f"{what}[{index}] is missing; one of {len(elements)} expected")
+    return elements[index or 0]
+
+
+def _nodes(document: _Document) -> list[tuple[_Node, int, np.ndarray]]:
     # Nodes with a mesh, and transforms from their meshes to the scene
-    root = document.root
-    scenes = list(root.items("scenes"))
-    if scenes:
-        chosen = document.element("scenes", root.value.get("scene", 0))
-        start = chosen.value.get("nodes") or []
-    else:
-        start = list(range(len(list(root.items("nodes")))))
-    found: list[tuple[Item, np.ndarray]] = []
-    waiting = [(number, np.eye(4), 0) for number in _numbers(start, root)]
+    start = tuple(range(len(document.nodes)))
+    if document.scenes:
+        start = _element(document.scenes, "scenes", document.scene).nodes
+    found: list[tuple[_Node, int, np.ndarray]] = []
+    waiting = [(number, np.eye(4), 0) for number in start]
     while waiting:
         number, place, depth = waiting.pop()
-        node = document.element("nodes", number)
-        if depth > _DEEPEST or len(found) > 1_000_000:
-            raise InputError(f"{node.where}: cyclic nodes", file=root.file)
-        place = place @ _transform(node)
-        if "mesh" in node.value:
-            found.append((node, place))
-        children = _numbers(node.value.get("children") or [], node)
-        waiting += [(child, place, depth + 1) for child in children]
+        node = _element(document.nodes, "nodes", number)
+        cyclic = depth > _DEEPEST or len(found) > _MOST_MESHES
+        require(not cyclic, f"nodes[{number}] contains itself; a tree expected")
+        place = place @ node.transform()
+        if node.mesh is not None:
+            found.append((node, node.mesh, place))
+        waiting += [(child, place, depth + 1) for child in node.children]
     return found
 
 
-def _numbers(value: Any, item: Item) -> list[int]:
-    if not isinstance(value, list) or not all(type(one) is int for one in value):
-        raise InputError(f"{item.where}: a list of numbers expected", file=item.file)
-    return value
-
-
-def _transform(node: Item) -> np.ndarray:
-    if node.value.get("matrix") is not None:
-        return _floats(node, "matrix", 16).reshape(4, 4).T
-    place = np.eye(4)
-    place[:3, :3] = _rotation(_floats(node, "rotation", 4, (0, 0, 0, 1)))
-    place[:3, :3] *= _floats(node, "scale", 3, (1, 1, 1))
-    place[:3, 3] = _floats(node, "translation", 3, (0, 0, 0))
-    return place
-
-
-def _rotation(quaternion: np.ndarray) -> np.ndarray:
-    x, y, z, w = quaternion / max(float(np.linalg.norm(quaternion)), 1e-12)
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
-
-
-def _floats(
-    item: Item, key: str, count: int, default: tuple[float, ...] | None = None
-) -> np.ndarray:
-    value = item.value.get(key)
-    if value is None and default is not None:
-        return np.array(default, dtype=float)
-    good = isinstance(value, list) and len(value) == count
-    if not good or not all(type(x) in (int, float) for x in value or []):
-        raise item.wrong(key, f"{count} numbers")
-    try:
-        numbers = np.array(value, dtype=float)
-    except OverflowError as error:
-        raise item.wrong(key, f"{count} numbers") from error
-    if not np.all(np.isfinite(numbers)):
-        raise item.wrong(key, f"{count} finite numbers")
-    return numbers
-
-
-def _triangles(document: _Document, primitive: Item) -> tuple[np.ndarray, np.ndarray]:
-    mode = primitive.value.get("mode", _TRIANGLES)
-    none = np.zeros((0, 3), int), np.zeros((0, 3))
+def _triangles(
+    document: _Document, buffers: list[bytes], primitive: _Primitive
+) -> tuple[np.ndarray, np.ndarray]:
+    mode, none = primitive.mode, (np.zeros((0, 3), int), np.zeros((0, 3)))
     if mode not in (_TRIANGLES, _STRIP, _FAN):
-        warnings.warn(
-            f"{primitive.file}: {primitive.where}: points and lines are ignored",
-            ClerestoryWarning,
-            stacklevel=2,
-        )
+        message = "points and lines of a glTF file are ignored"
+        warnings.warn(message, ClerestoryWarning, stacklevel=2)
         return none
-    attributes = primitive.item("attributes").value
-    vertices = _accessor(document, attributes.get("POSITION"), 3).astype(float)
-    if primitive.value.get("indices") is None:
-        index = np.arange(len(vertices))
-    else:
-        index = _accessor(document, primitive.value["indices"], 1)[:, 0].astype(int)
-    if len(index) and not 0 <= index.min() <= index.max() < len(vertices):
-        raise primitive.wrong("indices", f"numbers below {len(vertices)}")
+    vertices = _values(document, buffers, primitive.attributes.get("POSITION"), 3)
+    index = np.arange(len(vertices))
+    if primitive.indices is not None:
+        index = _values(document, buffers, primitive.indices, 1)[:, 0].astype(int)
+    last = index.max(initial=-1)
+    known = last < len(vertices) and index.min(initial=0) >= 0
+    require(known, f"a face has vertex {last}; numbers below {len(vertices)} expected")
     if mode == _TRIANGLES:
-        return index[: len(index) // 3 * 3].reshape(-1, 3), vertices
+        return index[: len(index) // 3 * 3].reshape(-1, 3), vertices.astype(float)
     if len(index) < 3:
         return none
     first = index[:-2] if mode == _STRIP else np.full(len(index) - 2, index[0])
     faces = np.stack([first, index[1:-1], index[2:]], axis=1)
     if mode == _STRIP:
         faces[1::2] = faces[1::2, [1, 0, 2]]
-    return faces, vertices
+    return faces, vertices.astype(float)
 
 
-def _accessor(document: _Document, number: Any, width: int) -> np.ndarray:
-    accessor = document.element("accessors", number)
-    kind = _TYPES.get(int(accessor.number("componentType")))
-    if kind is None or _COUNTS.get(accessor.text("type")) != width:
-        raise accessor.wrong("type", f"numbers in groups of {width}")
-    if accessor.value.get("sparse") is not None:
-        raise accessor.wrong("sparse", "plain accessors")
-    count = int(accessor.number("count"))
-    view = document.element("bufferViews", accessor.value.get("bufferView"))
-    buffer = view.value.get("buffer")
-    if type(buffer) is not int or not 0 <= buffer < len(document.buffers):
-        raise view.wrong("buffer", "the number of a buffer")
-    size = np.dtype(kind).itemsize * width
-    stride = int(view.number("byteStride", 0.0)) or size
-    start = int(view.number("byteOffset", 0.0) + accessor.number("byteOffset", 0.0))
-    data = document.buffers[buffer]
-    if count < 1 or start < 0 or stride < size:
-        raise accessor.wrong("count", "a layout inside the buffer")
-    if start + (count - 1) * stride + size > len(data):
-        raise accessor.wrong("count", "no more than the buffer holds")
-    layout = np.ndarray(
-        (count, width), kind, data, start, (stride, np.dtype(kind).itemsize)
-    )
-    if layout.dtype.kind == "f" and not np.all(np.isfinite(layout)):
-        raise accessor.wrong("bufferView", "finite numbers")
+def _values(
+    document: _Document, buffers: list[bytes], number: int | None, width: int
+) -> np.ndarray:
+    # Values of an accessor, in groups of `width`
+    accessor = _element(document.accessors, "accessors", number)
+    where, kind = f"accessors[{number}]", _TYPES.get(accessor.componentType)
+    plain = _COUNTS.get(accessor.type) == width and accessor.sparse is None
+    if kind is None or not plain:
+        raise InputError(f"{where}: numbers in groups of {width} expected, not sparse")
+    view = _element(document.bufferViews, "bufferViews", accessor.bufferView)
+    data = _element(buffers, "buffers", view.buffer)
+    item = np.dtype(kind).itemsize
+    stride = view.byteStride or item * width
+    start = view.byteOffset + accessor.byteOffset
+    last = start + (accessor.count - 1) * stride + item * width
+    inside = stride >= item * width and last <= len(data)
+    require(inside, f"{where} exceeds its buffer; at most {len(data)} bytes expected")
+    layout = np.ndarray((accessor.count, width), kind, data, start, (stride, item))
+    require(np.isfinite(layout).all(), f"{where} has values that are not finite")
     return layout
 
 
 def _material(
     document: _Document,
-    primitive: Item,
+    primitive: _Primitive,
     given: Mapping[str, Material],
     colours: bool,
 ) -> Material:
-    number = primitive.value.get("material")
-    item = None if number is None else document.element("materials", number)
-    name = "" if item is None else item.text("name", "")
-    if name in given:
-        return given[name]
+    item = _Material()
+    if primitive.material is not None:
+        item = _element(document.materials, "materials", primitive.material)
+    if item.name in given:
+        return given[item.name]
     if colours:
-        factor = np.ones(4)
-        if item is not None:
-            pbr = item.item("pbrMetallicRoughness")
-            factor = _floats(pbr, "baseColorFactor", 4, (1, 1, 1, 1))
-        colour = np.clip(factor[:3], 0, 1)
-        return Plastic(_word(name) or "unnamed", colour)
+        colour = np.clip(item.pbrMetallicRoughness.baseColorFactor[:3], 0, 1)
+        return Plastic(_word(item.name) or "unnamed", colour)
     if "*" in given:
         return given["*"]
-    raise InputError(
-        f'material "{name}" is not given; it or "*" expected', file=primitive.file
-    )
+    raise InputError(f'material "{item.name}" is not given; it or "*" expected')
 
 
 def _word(name: str) -> str:

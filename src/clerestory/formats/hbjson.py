@@ -7,6 +7,8 @@ Reference: ladybug-tools, honeybee-schema, the JSON schema of honeybee models.
 """
 
 import warnings
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import final
@@ -14,22 +16,18 @@ from typing import final
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.errors import ClerestoryWarning
-from clerestory.formats.hbjson_geometry import plane_of, read_grids, read_views, seamed
-from clerestory.formats.hbjson_modifiers import (
-    BsdfModifier,
-    Modifier,
-    Modifiers,
-    read_modifiers,
+from clerestory.documents import read_json
+from clerestory.errors import ClerestoryWarning, InputError, located
+from clerestory.formats.hbjson_geometry import (
+    plain_name,
+    plane_of,
+    read_grids,
+    read_views,
+    seamed,
 )
-from clerestory.formats.json_item import Item, read_json
-from clerestory.scene.model import (
-    Material,
-    Polygon,
-    Scene,
-    Surface,
-    insert_material,
-)
+from clerestory.formats.hbjson_modifiers import BsdfModifier, Modifier, read_modifiers
+from clerestory.formats.hbjson_schema import Model, Part, Room, ShadeMesh
+from clerestory.scene.model import Material, Polygon, Scene, Surface, insert_material
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View
 
@@ -84,25 +82,181 @@ class HoneybeeModel:
     unsupported: tuple[str, ...]
 
 
-@dataclass
-class _Model:
-    # Part of the model that has been read so far
-    modifiers: Modifiers
-    scale: float
-    # Whether all exterior glazing becomes window groups; true if any aperture does
-    all_windows: bool = False
-    materials: dict[str, Material] = field(default_factory=dict)
-    surfaces: list[Surface] = field(default_factory=list)
-    groups: dict[tuple[object, ...], list[np.ndarray]] = field(default_factory=dict)
-    states: dict[tuple[object, ...], tuple[tuple[str, Modifier], ...]] = field(
-        default_factory=dict
-    )
-    seen: set[str] = field(default_factory=set)
+def read_hbjson(path: str | Path) -> HoneybeeModel:
+    """Read a honeybee model from an HBJSON file.
 
-    def outline(self, geometry: Item) -> np.ndarray:
-        """Return the boundary of a Face3D with its holes [m]."""
-        loops = [geometry.points("boundary", 3), *geometry.loops("holes")]
-        return seamed([loop * self.scale for loop in loops])
+    Warns if the largest dimension of the model is less than 1 m or more than 10 km.
+
+    Raises
+    ------
+    InputError : the file is not JSON, or not a honeybee model
+    """
+    root = read_json(path, Model)
+    with located(file=path):
+        reading = _Reading(root, path, all_windows=False)
+        if reading.groups:
+            reading = _Reading(root, path, all_windows=True)
+        scene = Scene(reading.materials, tuple(reading.surfaces))
+        _warn_of_size(scene, root.units, path)
+        return HoneybeeModel(
+            root.display_name or root.identifier,
+            scene,
+            tuple(_windows(list(reading.groups.values()))),
+            read_grids(root.radiance, reading.scale),
+            read_views(root.radiance, reading.scale),
+            tuple(dict.fromkeys(reading.modifiers.unsupported)),
+        )
+
+
+def _warn_of_size(scene: Scene, units: str, path: str | Path) -> None:
+    size = float(np.ptp(scene.bounds(), axis=0).max()) if scene.surfaces else 1.0
+    if not 1 <= size <= 10_000:
+        warnings.warn(
+            f"{path}: the model is {size:.3g} m wide in its units, {units}: are they"
+            " right?",
+            ClerestoryWarning,
+            stacklevel=3,
+        )
+
+
+@dataclass
+class _Group:
+    # Coplanar apertures with the same modifiers
+    name: str
+    states: list[Modifier]
+    polygons: list[np.ndarray] = field(default_factory=list)
+
+
+class _Reading:
+    # Surfaces and window groups of a model. With `all_windows`, all exterior glazing
+    # becomes window groups.
+    def __init__(self, root: Model, path: str | Path, *, all_windows: bool) -> None:
+        self.modifiers = read_modifiers(root.radiance, path)
+        self.scale, self.all_windows = _METRES[root.units], all_windows
+        self.materials: dict[str, Material] = {}
+        self.surfaces: list[Surface] = []
+        self.groups: dict[tuple[object, ...], _Group] = {}
+        self.seen: set[str] = set()
+        for room in root.rooms:
+            own = room.modifier_set or ""
+            for face in room.faces:
+                self.face(face, own)
+            self.shades(room, own)
+        for face in root.orphaned_faces:
+            self.face(face, "")
+        for aperture in root.orphaned_apertures:
+            self.aperture(aperture, "", outdoors=True)
+        for door in root.orphaned_doors:
+            self.door(door, "")
+        for shade in root.orphaned_shades:
+            self.shade(shade, "", "context_modifier")
+        for mesh in root.shade_meshes:
+            self.shade_mesh(mesh)
+
+    def face(self, face: Part, room_set: str) -> None:
+        """Add a face with its openings and shades."""
+        if self.is_twin(face):
+            return
+        for aperture in face.apertures:
+            roof = face.face_type == "RoofCeiling"
+            self.aperture(
+                aperture, room_set, outdoors=face.exposure == "Outdoors", roof=roof
+            )
+        for door in face.doors:
+            self.door(door, room_set)
+        self.shades(face, room_set)
+        if face.face_type == "AirBoundary":
+            return
+        side = "exterior" if face.exposure == "Outdoors" else "interior"
+        place = f"{_SETS[face.face_type]}.{side}_modifier"
+        modifier = self.modifiers.of(face.modifier, place, room_set)
+        openings = (*face.apertures, *face.doors)
+        holes = [opening.loops()[0] for opening in openings]
+        outline = seamed([*face.loops(), *holes]) * self.scale
+        self.put(outline, modifier, face.identifier)
+
+    def aperture(
+        self, aperture: Part, room_set: str, *, outdoors: bool, roof: bool = False
+    ) -> None:
+        """Add an aperture to the scene or to a window group."""
+        if self.is_twin(aperture):
+            return
+        self.shades(aperture, room_set)
+        key = ("skylight" if roof else "window") if outdoors else "interior"
+        key = "operable" if outdoors and aperture.is_operable else key
+        own, place = aperture.modifier, f"aperture_set.{key}_modifier"
+        modifier = self.modifiers.of(own, place, room_set)
+        states = self.states(aperture)
+        plain = not (states or self.all_windows or isinstance(modifier, BsdfModifier))
+        if outdoors and not plain:
+            self.window(aperture, states or [modifier])
+            return
+        name = aperture.identifier
+        if states:
+            self.modifiers.unsupported.append(f'the states of inner aperture "{name}"')
+        self.put(self.outline(aperture), states[0] if states else modifier, name)
+
+    def window(self, opening: Part, states: list[Modifier]) -> None:
+        """Add an opening to its window group."""
+        outline = self.outline(opening)[::-1]
+        name = opening.group or states[0].name
+        group = self.groups.setdefault((name, *plane_of(outline)), _Group(name, states))
+        group.polygons.append(outline)
+
+    def states(self, part: Part) -> list[Modifier]:
+        """Return the modifiers of the states of an aperture or a shade."""
+        states = part.states or ()
+        if any(state.shades for state in states):
+            self.modifiers.unsupported.append(
+                f'the shades of states of "{part.identifier}"'
+            )
+        return [self.modifiers.of(s.modifier, "") for s in states if s.modifier]
+
+    def door(self, door: Part, room_set: str) -> None:
+        """Add a door to the scene or to a window group."""
+        if self.is_twin(door):
+            return
+        self.shades(door, room_set)
+        side = "exterior" if door.exposure == "Outdoors" else "interior"
+        place = f"door_set.{side}{'_glass' if door.is_glass else ''}_modifier"
+        modifier = self.modifiers.of(door.modifier, place, room_set)
+        if door.exposure == "Outdoors" and door.is_glass and self.all_windows:
+            self.window(door, [modifier])
+        else:
+            self.put(self.outline(door), modifier, door.identifier)
+
+    def shades(self, owner: Part | Room, room_set: str) -> None:
+        """Add the shades of a room, face or opening."""
+        for shade in owner.outdoor_shades:
+            self.shade(shade, room_set, "shade_set.exterior_modifier")
+        for shade in owner.indoor_shades:
+            self.shade(shade, room_set, "shade_set.interior_modifier")
+
+    def shade(self, shade: Part, room_set: str, place: str) -> None:
+        """Add a shade in its first state."""
+        modifier = self.modifiers.of(shade.modifier, place, room_set)
+        states, name = self.states(shade), shade.identifier
+        if states:
+            self.modifiers.unsupported.append(
+                f'the states of shade "{name}": the first is used'
+            )
+        self.put(self.outline(shade), states[0] if states else modifier, name)
+
+    def shade_mesh(self, mesh: ShadeMesh) -> None:
+        """Add the faces of a mesh."""
+        vertices = np.array(mesh.vertices) * self.scale
+        modifier = self.modifiers.of(mesh.modifier, "context_modifier")
+        for face in mesh.faces:
+            if max(face) >= len(vertices):
+                raise InputError(
+                    f'a face of mesh "{mesh.identifier}" has vertex {max(face)};'
+                    f" numbers below {len(vertices)} expected"
+                )
+            self.put(vertices[list(face)], modifier, mesh.identifier)
+
+    def outline(self, part: Part) -> np.ndarray:
+        """Return the boundary of a part with its holes [m]."""
+        return seamed(part.loops()) * self.scale
 
     def put(self, vertices: np.ndarray, modifier: Modifier, name: str) -> None:
         """Add a surface; if its modifier is a BSDF, omit and report it."""
@@ -115,235 +269,25 @@ class _Model:
         key = insert_material(self.materials, modifier)
         self.surfaces.append(Polygon(vertices, key, name))
 
-
-def read_hbjson(path: str | Path) -> HoneybeeModel:
-    """Read a honeybee model from an HBJSON file.
-
-    Warns if the largest dimension of the model is less than 1 m or more than 10 km.
-
-    Raises
-    ------
-    InputError : the file is not JSON, or not a honeybee model
-    """
-    root = read_json(path)
-    if root.text("type", "Model") != "Model":
-        raise root.wrong("type", '"Model"')
-    units = root.text("units", "Meters")
-    if units not in _METRES:
-        raise root.wrong("units", f"one of {', '.join(_METRES)}")
-    model = _collect(root, _METRES[units], all_windows=False)
-    if model.groups:
-        model = _collect(root, _METRES[units], all_windows=True)
-    radiance = root.item("properties").item("radiance")
-    scene = Scene(model.materials, tuple(model.surfaces))
-    _warn_of_size(scene, units, path)
-    return HoneybeeModel(
-        root.text("display_name", "") or root.text("identifier", "model"),
-        scene,
-        _windows(model),
-        dict(read_grids(radiance, model.scale)),
-        dict(read_views(radiance, model.scale)),
-        tuple(dict.fromkeys(model.modifiers.unsupported)),
-    )
+    def is_twin(self, part: Part) -> bool:
+        """Whether the face or opening on the other side has already been read."""
+        if part.exposure != "Surface":
+            return False
+        self.seen.add(part.identifier)
+        return bool(part.twins and part.twins[0] in self.seen)
 
 
-def _collect(root: Item, scale: float, *, all_windows: bool) -> _Model:
-    radiance = root.item("properties").item("radiance")
-    model = _Model(read_modifiers(radiance), scale, all_windows)
-    for room in root.items("rooms"):
-        _room(room, model)
-    for face in root.items("orphaned_faces"):
-        _face(face, model, "")
-    for aperture in root.items("orphaned_apertures"):
-        _aperture(aperture, model, "", outdoors=True)
-    for door in root.items("orphaned_doors"):
-        _door(door, model, "")
-    for shade in root.items("orphaned_shades"):
-        _shade(shade, model, "", "context")
-    for mesh in root.items("shade_meshes"):
-        _shade_mesh(mesh, model)
-    return model
-
-
-def _warn_of_size(scene: Scene, units: str, path: str | Path) -> None:
-    if not scene.surfaces:
-        return
-    low, high = scene.bounds()
-    size = float(np.max(high - low))
-    if not 1 <= size <= 10_000:
-        warnings.warn(
-            f"{path}: the model is {size:.3g} m wide in its units, {units}: are they"
-            " right?",
-            ClerestoryWarning,
-            stacklevel=3,
+def _windows(groups: Sequence[_Group]) -> Iterator[ApertureGroup]:
+    # Groups of equal name in different planes are numbered
+    total = Counter(group.name for group in groups)
+    number: Counter[str] = Counter()
+    for group in groups:
+        number[group.name] += 1
+        suffix = f".{number[group.name]}" if total[group.name] > 1 else ""
+        bsdfs = (m.up for m in group.states if isinstance(m, BsdfModifier))
+        yield ApertureGroup(
+            plain_name(group.name + suffix),
+            tuple(group.polygons),
+            next(bsdfs, None),
+            tuple((modifier.name, modifier) for modifier in group.states),
         )
-
-
-def _room(room: Item, model: _Model) -> None:
-    own = room.item("properties").item("radiance").text("modifier_set", "")
-    for face in room.items("faces"):
-        _face(face, model, own)
-    _shades(room, model, own)
-
-
-def _face(face: Item, model: _Model, room_set: str) -> None:
-    if _twin_seen(face, model):
-        return
-    kind = face.text("face_type", "Wall")
-    outdoors = face.item("boundary_condition").text("type", "Outdoors") == "Outdoors"
-    holes = []
-    for aperture in face.items("apertures"):
-        holes.append(aperture.item("geometry").points("boundary", 3) * model.scale)
-        _aperture(aperture, model, room_set, outdoors=outdoors, on=kind)
-    for door in face.items("doors"):
-        holes.append(door.item("geometry").points("boundary", 3) * model.scale)
-        _door(door, model, room_set)
-    _shades(face, model, room_set)
-    if kind == "AirBoundary":
-        return
-    if kind not in _SETS:
-        raise face.wrong("face_type", "Wall, Floor, RoofCeiling or AirBoundary")
-    side = "exterior" if outdoors else "interior"
-    place = f"{_SETS[kind]}.{side}_modifier"
-    modifier = model.modifiers.of(_radiance(face), place, room_set)
-    geometry = face.item("geometry")
-    loops = [geometry.points("boundary", 3), *geometry.loops("holes")]
-    outline = seamed([loop * model.scale for loop in loops] + holes)
-    model.put(outline, modifier, face.text("identifier"))
-
-
-def _aperture(
-    aperture: Item, model: _Model, room_set: str, *, outdoors: bool, on: str = "Wall"
-) -> None:
-    if _twin_seen(aperture, model):
-        return
-    _shades(aperture, model, room_set)
-    key = "skylight" if on == "RoofCeiling" else "window"
-    place = f"aperture_set.{key if outdoors else 'interior'}_modifier"
-    if outdoors and aperture.value.get("is_operable") is True:
-        place = "aperture_set.operable_modifier"
-    own = _radiance(aperture)
-    modifier = model.modifiers.of(own, place, room_set)
-    name = aperture.text("identifier")
-    states = _states(own, model, name)
-    plain = not (states or model.all_windows or isinstance(modifier, BsdfModifier))
-    if not outdoors or plain:
-        if states:
-            model.modifiers.unsupported.append(f'the states of inner aperture "{name}"')
-            modifier = states[0][1]
-        model.put(model.outline(aperture.item("geometry")), modifier, name)
-        return
-
-    _window(aperture, model, modifier, states)
-
-
-def _window(
-    opening: Item,
-    model: _Model,
-    modifier: Modifier,
-    states: tuple[tuple[str, Modifier], ...] = (),
-) -> None:
-    # Coplanar apertures with the same modifiers form a window group
-    outline = model.outline(opening.item("geometry"))[::-1]
-    own = _radiance(opening).text("dynamic_group_identifier", "")
-    group = (own or modifier_name(modifier), *plane_of(outline))
-    model.groups.setdefault(group, []).append(outline)
-    model.states.setdefault(group, states or ((modifier_name(modifier), modifier),))
-
-
-def _states(own: Item, model: _Model, name: str) -> tuple[tuple[str, Modifier], ...]:
-    found = []
-    for state in own.items("states"):
-        if state.value.get("shades"):
-            model.modifiers.unsupported.append(f'the shades of states of "{name}"')
-        if not state.text("modifier", ""):
-            continue
-        modifier = model.modifiers.called(state.text("modifier"), state)
-        found.append((modifier_name(modifier), modifier))
-    return tuple(found)
-
-
-def _door(door: Item, model: _Model, room_set: str) -> None:
-    if _twin_seen(door, model):
-        return
-    _shades(door, model, room_set)
-    outdoors = door.item("boundary_condition").text("type", "Outdoors") == "Outdoors"
-    side = "exterior" if outdoors else "interior"
-    glass = "_glass" if door.value.get("is_glass") is True else ""
-    place = f"door_set.{side}{glass}_modifier"
-    modifier = model.modifiers.of(_radiance(door), place, room_set)
-    if outdoors and glass and model.all_windows:
-        _window(door, model, modifier)
-        return
-    name = door.text("identifier")
-    model.put(model.outline(door.item("geometry")), modifier, name)
-
-
-def _shades(owner: Item, model: _Model, room_set: str) -> None:
-    for side in ("outdoor", "indoor"):
-        inner = "interior" if side == "indoor" else "exterior"
-        for shade in owner.items(f"{side}_shades"):
-            _shade(shade, model, room_set, f"shade_set.{inner}_modifier")
-
-
-def _shade(shade: Item, model: _Model, room_set: str, place: str) -> None:
-    own, name = _radiance(shade), shade.text("identifier")
-    modifier = model.modifiers.of(own, place, room_set)
-    states = _states(own, model, name)
-    if states:
-        model.modifiers.unsupported.append(
-            f'the states of shade "{name}": the first is used'
-        )
-        modifier = states[0][1]
-    model.put(model.outline(shade.item("geometry")), modifier, name)
-
-
-def _shade_mesh(mesh: Item, model: _Model) -> None:
-    geometry = mesh.item("geometry")
-    vertices = geometry.points("vertices", 3) * model.scale
-    faces = geometry.value.get("faces")
-    if not isinstance(faces, list):
-        raise geometry.wrong("faces", "a list of lists of vertices")
-    modifier = model.modifiers.of(_radiance(mesh), "context")
-    for face in faces:
-        known = isinstance(face, list) and len(face) >= 3
-        if not known or not all(
-            type(i) is int and 0 <= i < len(vertices) for i in face
-        ):
-            raise geometry.wrong("faces", "three or more numbers of vertices each")
-        model.put(vertices[face], modifier, mesh.text("identifier"))
-
-
-def _twin_seen(item: Item, model: _Model) -> bool:
-    # Of two faces or openings that share a surface, the first is used
-    name = item.text("identifier")
-    boundary = item.item("boundary_condition")
-    if boundary.text("type", "Outdoors") != "Surface":
-        return False
-    others = boundary.value.get("boundary_condition_objects")
-    twin = others[0] if isinstance(others, list) and others else None
-    model.seen.add(name)
-    return isinstance(twin, str) and twin in model.seen
-
-
-def _radiance(item: Item) -> Item:
-    return item.item("properties").item("radiance")
-
-
-def modifier_name(modifier: Modifier) -> str:
-    """Return the name of a modifier."""
-    return str(modifier.name)
-
-
-def _windows(model: _Model) -> tuple[ApertureGroup, ...]:
-    names = [str(group[0]) for group in model.groups]
-    found, count = [], dict.fromkeys(names, 0)
-    for group, polygons in model.groups.items():
-        name = str(group[0])
-        count[name] += 1
-        label = name if names.count(name) == 1 else f"{name}.{count[name]}"
-        states = model.states[group]
-        up = next((m.up for _, m in states if isinstance(m, BsdfModifier)), None)
-        plain = "".join(c if c.isalnum() or c in " .-_" else "-" for c in label)
-        found.append(ApertureGroup(plain, tuple(polygons), up, states))
-    return tuple(found)

@@ -1,67 +1,61 @@
 """Outlines, sensor grids and views of honeybee models."""
 
+from collections.abc import Container
+from itertools import count
+
 import numpy as np
 from jaxtyping import Float
 
 from clerestory.errors import located
-from clerestory.formats.json_item import Item
+from clerestory.formats.hbjson_schema import Radiance
 from clerestory.scene.projection import LETTERS
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.surface import area_vector
 from clerestory.scene.view import View
 
 
-def read_grids(radiance: Item, scale: float) -> list[tuple[str, Sensors]]:
+def read_grids(radiance: Radiance, scale: float) -> dict[str, Sensors]:
     """Return the sensor grids by name, in metres; empty grids are omitted."""
-    found: list[tuple[str, Sensors]] = []
-    for grid in radiance.items("sensor_grids"):
-        sensors = list(grid.items("sensors"))
-        if not sensors:
-            continue
-        places = np.array([s.vector("pos") for s in sensors]) * scale
-        facing = np.array([s.vector("dir") for s in sensors])
-        name = grid.text("display_name", "") or grid.text("identifier")
-        found.append((_unique(name, found), _sensors(places, facing, grid)))
+    found: dict[str, Sensors] = {}
+    for grid in radiance.sensor_grids:
+        if grid.sensors:
+            places = np.array([sensor.pos for sensor in grid.sensors]) * scale
+            facing = np.array([sensor.dir for sensor in grid.sensors])
+            with located(file=None, subject=f'sensor grid "{grid.identifier}"'):
+                sensors = Sensors(places, facing)
+            found[_unique(grid.display_name or grid.identifier, found)] = sensors
     return found
 
 
-def _sensors(places: np.ndarray, facing: np.ndarray, grid: Item) -> Sensors:
-    length = np.linalg.norm(facing, axis=1, keepdims=True)
-    if np.any(length == 0):
-        raise grid.wrong("sensors", "directions that are not zero")
-    return Sensors(places, facing / length)
-
-
-def read_views(radiance: Item, scale: float) -> list[tuple[str, View]]:
+def read_views(radiance: Radiance, scale: float) -> dict[str, View]:
     """Return the views by name, in metres."""
-    found: list[tuple[str, View]] = []
-    for item in radiance.items("views"):
-        kind = LETTERS.get(item.text("view_type", "v"))
-        if kind is None:
-            raise item.wrong("view_type", f"one of {', '.join(LETTERS)}")
-        with located(file=item.file, subject=item.where):
+    found: dict[str, View] = {}
+    for item in radiance.views:
+        with located(file=None, subject=f'view "{item.identifier}"'):
             view = View(
-                kind=kind,
-                position=item.vector("position") * scale,
-                direction=item.vector("direction"),
-                up=item.vector("up_vector", (0.0, 0.0, 1.0)),
-                horizontal=item.number("h_size", 60.0),
-                vertical=item.number("v_size", 60.0),
-                shift=item.number("shift", 0.0),
-                lift=item.number("lift", 0.0),
+                kind=LETTERS[item.view_type],
+                position=np.array(item.position) * scale,
+                direction=np.array(item.direction),
+                up=np.array(item.up_vector),
+                horizontal=item.h_size,
+                vertical=item.v_size,
+                shift=item.shift,
+                lift=item.lift,
             )
-        name = item.text("display_name", "") or item.text("identifier")
-        found.append((_unique(name, found), view))
+        found[_unique(item.display_name or item.identifier, found)] = view
     return found
 
 
-def _unique(
-    name: str, found: list[tuple[str, Sensors]] | list[tuple[str, View]]
-) -> str:
-    plain = "".join(c if c.isalnum() or c in " .-_" else "-" for c in name) or "grid"
-    taken, number, label = {one for one, _ in found}, 1, plain
-    while label in taken:
-        number += 1
+def plain_name(name: str) -> str:
+    """Return a name with a hyphen for each special character."""
+    return "".join(c if c.isalnum() or c in " .-_" else "-" for c in name)
+
+
+def _unique(name: str, taken: Container[str]) -> str:
+    label = plain = plain_name(name) or "grid"
+    for number in count(2):
+        if label not in taken:
+            break
         label = f"{plain} {number}"
     return label
 

@@ -4,12 +4,13 @@ The defaults are honeybee-radiance's generic modifier set.
 """
 
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import final
 
 import numpy as np
 
-from clerestory.errors import located
-from clerestory.formats.json_item import Item
+from clerestory.errors import InputError, located
+from clerestory.formats.hbjson_schema import ModifierItem, ModifierSet, Radiance
 from clerestory.scene.materials.emitters import Glow, Light
 from clerestory.scene.model import Glass, Material, Metal, Mirror, Plastic, Trans
 
@@ -21,7 +22,7 @@ _GENERIC_GREY = {
     "door_set": 0.5,
     "shade_set.exterior_modifier": 0.35,
     "shade_set.interior_modifier": 0.5,
-    "context": 0.2,
+    "context_modifier": 0.2,
 }
 _GENERIC_GLASS = {
     "aperture_set.window_modifier": 0.6975761815384331,
@@ -57,50 +58,45 @@ Modifier = Material | BsdfModifier
 class Modifiers:
     """Modifiers and modifier sets of a model, and descriptions of unsupported ones."""
 
+    file: str | Path
     named: dict[str, Modifier] = field(default_factory=dict)
-    sets: dict[str, Item] = field(default_factory=dict)
-    standard: Item | None = None
+    sets: dict[str, ModifierSet] = field(default_factory=dict)
+    standard: ModifierSet = field(default_factory=ModifierSet)
     unsupported: list[str] = field(default_factory=list)
 
-    def of(self, own: Item, place: str, room_set: str = "") -> Modifier:
+    def of(self, name: str | None, place: str, room_set: str = "") -> Modifier:
         """Return the modifier of an object: its own, its room's, or the default.
 
         Parameters
         ----------
-        own : radiance properties of the object
+        name : name of the object's own modifier, if it has one
         place : key in a modifier set, such as `wall_set.exterior_modifier`
         room_set : name of the room's modifier set; empty if it has none
         """
-        name = own.text("modifier", "")
         if name:
-            return self.called(name, own)
+            known = self.named.get(name)
+            if known is None:
+                raise InputError(f'no modifier "{name}" in the model', file=self.file)
+            return known
         for chosen in (self.sets.get(room_set), self.standard):
-            if chosen is None:
-                continue
-            table, _, key = place.partition(".")
-            found = chosen.item(table).text(key, "") if key else chosen.text(table, "")
-            if found and found in self.named:
+            found: object = chosen.model_extra if chosen else None
+            for key in place.split("."):
+                found = found.get(key) if isinstance(found, dict) else None
+            if isinstance(found, str) and found in self.named:
                 return self.named[found]
         return _generic(place)
 
-    def called(self, name: str, item: Item) -> Modifier:
-        """Return the modifier with a given name."""
-        if name not in self.named:
-            raise item.wrong("modifier", "the identifier of a modifier of the model")
-        return self.named[name]
 
-
-def read_modifiers(radiance: Item) -> Modifiers:
+def read_modifiers(radiance: Radiance, file: str | Path) -> Modifiers:
     """Return the modifiers in the radiance properties of a model."""
-    found = Modifiers()
-    standard = radiance.item("global_modifier_set")
-    for item in (*standard.items("modifiers"), *radiance.items("modifiers")):
-        modifier = _modifier(item, found.unsupported)
+    standard = radiance.global_modifier_set
+    sets = {one.identifier: one for one in radiance.modifier_sets}
+    found = Modifiers(file, sets=sets, standard=standard)
+    for item in (*standard.modifiers, *radiance.modifiers):
+        with located(file=file, subject=f'modifier "{item.identifier}"'):
+            modifier = _modifier(item, found.unsupported)
         if modifier is not None:
-            found.named[item.text("identifier")] = modifier
-    for item in radiance.items("modifier_sets"):
-        found.sets[item.text("identifier")] = item
-    found.standard = standard if standard.value else None
+            found.named[item.identifier] = modifier
     return found
 
 
@@ -112,64 +108,39 @@ def _generic(place: str) -> Material:
     return Plastic(f"generic_{grey:.2f}", np.full(3, grey))
 
 
-def _modifier(item: Item, unsupported: list[str]) -> Modifier | None:
-    name, kind = item.text("identifier"), item.text("type")
-    if item.value.get("modifier") not in (None, "void") and not _is_void(item):
-        unsupported.append(f'the pattern or texture under modifier "{name}"')
-    plain = _name(name)
-    with located(file=item.file, subject=item.where):
-        match kind:
-            case "Plastic":
-                return Plastic(plain, _colour(item, "reflectance"), *_gloss(item))
-            case "Metal":
-                return Metal(plain, _colour(item, "reflectance"), *_gloss(item))
-            case "Glass":
-                index = item.number("refraction_index", 1.52)
-                return Glass(plain, _colour(item, "transmissivity"), index)
-            case "Trans":
-                return _trans(plain, item)
-            case "Mirror":
-                return Mirror(plain, _colour(item, "reflectance"))
-            case "Light":
-                return Light(plain, _colour(item, "emittance"))
-            case "Glow":
-                radius = item.number("max_radius", 0.0)
-                return Glow(plain, _colour(item, "emittance"), radius)
-            case "BSDF":
-                return _bsdf(plain, item, unsupported)
-    unsupported.append(f'modifier "{name}" of type {kind}')
+def _modifier(item: ModifierItem, unsupported: list[str]) -> Modifier | None:
+    void = isinstance(item.modifier, dict) and item.modifier.get("type") == "Void"
+    if item.modifier not in (None, "void") and not void:
+        unsupported.append(f'the pattern or texture under modifier "{item.identifier}"')
+    # Names in Radiance contain no spaces
+    name = "_".join(item.identifier.split()) or "modifier"
+    gloss = item.specularity, item.roughness
+    match item.type:
+        case "Plastic":
+            return Plastic(name, item.colour("reflectance"), *gloss)
+        case "Metal":
+            return Metal(name, item.colour("reflectance"), *gloss)
+        case "Glass":
+            return Glass(name, item.colour("transmissivity"), item.refraction_index)
+        case "Trans":
+            # Transmitted fractions: arguments 6 and 7 of Radiance's trans
+            shares = item.transmitted_diff, item.transmitted_spec
+            return Trans(name, item.colour("reflectance"), *gloss, *shares)
+        case "Mirror":
+            return Mirror(name, item.colour("reflectance"))
+        case "Light":
+            return Light(name, item.colour("emittance"))
+        case "Glow":
+            return Glow(name, item.colour("emittance"), item.max_radius)
+        case "BSDF":
+            return _bsdf(name, item, unsupported)
+    unsupported.append(f'modifier "{item.identifier}" of type {item.type}')
     return None
 
 
-def _is_void(item: Item) -> bool:
-    value = item.value.get("modifier")
-    return isinstance(value, dict) and value.get("type") == "Void"
-
-
-def _name(identifier: str) -> str:
-    # Names in Radiance contain no spaces
-    return "_".join(identifier.split()) or "modifier"
-
-
-def _colour(item: Item, word: str) -> np.ndarray:
-    return np.array([item.number(f"{channel}_{word}", 0.0) for channel in "rgb"])
-
-
-def _gloss(item: Item) -> tuple[float, float]:
-    return item.number("specularity", 0.0), item.number("roughness", 0.0)
-
-
-def _trans(name: str, item: Item) -> Trans:
-    # Diffuse and specular transmitted fractions: arguments 6 and 7 of Radiance's trans
-    share = item.number("transmitted_diff", 0.0)
-    straight = item.number("transmitted_spec", 0.0)
-    return Trans(name, _colour(item, "reflectance"), *_gloss(item), share, straight)
-
-
-def _bsdf(name: str, item: Item, unsupported: list[str]) -> BsdfModifier:
-    if item.number("thickness", 0.0) != 0:
+def _bsdf(name: str, item: ModifierItem, unsupported: list[str]) -> BsdfModifier:
+    if item.thickness != 0:
         unsupported.append(f'the thickness of BSDF "{name}": it is a flat sheet')
-    if item.value.get("transform") is not None:
+    if item.transform is not None:
         unsupported.append(f'the transform of BSDF "{name}"')
-    up = item.vector("up_orientation", (0.0, 0.0, 1.0))
-    return BsdfModifier(name, item.text("bsdf_data"), up)
+    return BsdfModifier(name, item.bsdf_data, np.array(item.up_orientation))

@@ -6,19 +6,24 @@ the view alone, such as solid angles and position indices, are computed once.
 
 import importlib
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.errors import InputError
+from clerestory.array_types import Image
+from clerestory.checks import require, same_length
 from clerestory.glare.detection_criteria import SourceRules
-from clerestory.glare.dgp import EVALGLARE, DgpCoefficients
 from clerestory.glare.evaluate import summarise
 from clerestory.glare.glare_view import GlareView, glare_view
-from clerestory.glare.index import Background
+from clerestory.glare.index_settings import (
+    EVALGLARE,
+    Background,
+    DgpCoefficients,
+    IndexSettings,
+)
 from clerestory.glare.indices import REPORTED
-from clerestory.glare.result import Glare
 from clerestory.glare.sources import find_sources
 from clerestory.scene.view import View
 
@@ -29,7 +34,7 @@ _UNITS = {quantity.name: quantity.unit for quantity in REPORTED}
 
 
 def annual_glare(
-    luminance: Iterable[Float[np.ndarray, "row column"]],
+    luminance: Iterable[Image],
     view: View,
     *,
     times: np.ndarray | None = None,
@@ -49,8 +54,8 @@ def annual_glare(
     view : common view of all pictures
     times : time of each picture, the coordinate "time" of the result; default: a
         coordinate "step" of picture numbers
-    illuminance : measured vertical illuminance at each step, used for DGP [lux];
-        default: from the pictures
+    illuminance : measured vertical illuminance at each step, for DGP [lux]; default:
+        from the pictures
     rules, background, low_light, coefficients : see `evaluate_glare`
     progress : callback with the number of completed pictures
 
@@ -72,19 +77,15 @@ def annual_glare(
     [0.18, 0.47, 0.18]
     """
     rules = rules or SourceRules()
+    settings = IndexSettings(background, None, low_light, None, coefficients)
     results = []
     for step, (picture, eye) in enumerate(_checked(luminance, view)):
-        given = None if illuminance is None else _at(illuminance, step)
-        found = find_sources(picture, eye, rules)
         result = summarise(
             picture,
             eye,
-            found,
-            rules=rules,
-            given_illuminance=given,
-            background=background,
-            low_light=low_light,
-            coefficients=coefficients,
+            find_sources(picture, eye, rules),
+            rules,
+            replace(settings, given_illuminance=_at(illuminance, step)),
         )
         results.append(result.values())
         if progress is not None:
@@ -101,27 +102,26 @@ def _checked(
         if eye is None:
             rows, columns = picture.shape
             eye = glare_view(view, columns, rows)
-        if picture.shape != eye.shape:
-            raise InputError(
-                f"picture {step} has {picture.shape[1]} × {picture.shape[0]} pixels;"
-                f" {eye.shape[1]} × {eye.shape[0]} expected, as in the first picture"
-            )
-        lowest = float(picture.min())
-        if not (lowest >= 0 and np.isfinite(picture.max())):
-            raise InputError(
-                f"picture {step} has negative or non-finite luminances; finite"
-                " numbers of"
-                " 0 or more expected"
-            )
+        require(
+            picture.shape == eye.shape,
+            f"picture {step} has {picture.shape[1]} × {picture.shape[0]} pixels;"
+            f" {eye.shape[1]} × {eye.shape[0]} expected, as in the first picture",
+        )
+        require(
+            picture.min() >= 0 and np.isfinite(picture.max()),
+            f"picture {step} has negative or non-finite luminances; finite numbers of 0"
+            " or more expected",
+        )
         yield picture, eye
 
 
-def _at(illuminance: np.ndarray, step: int) -> float:
-    if step >= len(illuminance):
-        raise InputError(
-            f"{len(illuminance)} illuminances for more pictures; one per picture"
-            " expected"
-        )
+def _at(illuminance: np.ndarray | None, step: int) -> float | None:
+    if illuminance is None:
+        return None
+    require(
+        step < len(illuminance),
+        f"{len(illuminance)} illuminances for more pictures; one per picture expected",
+    )
     return float(illuminance[step])
 
 
@@ -130,40 +130,19 @@ def _dataset(
     times: np.ndarray | None,
     illuminance: np.ndarray | None,
 ) -> "xr.Dataset":
-    count = len(results)
     for name, given in (("times", times), ("illuminances", illuminance)):
-        if given is not None and len(given) != count:
-            raise InputError(
-                f"{len(given)} {name} for {count} pictures; one per picture expected"
-            )
-    if not results:
-        raise InputError("no pictures; at least one expected")
+        if given is not None:
+            same_length(given, results, name, "pictures")
+    require(results, "no pictures; at least one expected")
     axis = "step" if times is None else "time"
     variables = {
         name: (axis, [result[name] for result in results], {"units": unit})
         for name, unit in _UNITS.items()
     }
-    steps = np.arange(count) if times is None else times
+    steps = np.arange(len(results)) if times is None else times
 
     # Imported here, since xarray loads slowly
     labelled: xr.Dataset = importlib.import_module("xarray").Dataset(
         variables, coords={axis: steps}
     )
     return labelled
-
-
-def glare_of_steps(
-    luminance: Iterable[Float[np.ndarray, "row column"]],
-    view: View,
-    *,
-    rules: SourceRules | None = None,
-) -> Iterator[Glare]:
-    """Yield the glare sources and indices of each picture.
-
-    >>> eye = View(kind="angular", horizontal=180, vertical=180)
-    >>> next(glare_of_steps(np.full((1, 160, 160), 100.0), eye)).sources.count
-    0
-    """
-    rules = rules or SourceRules()
-    for picture, eye in _checked(luminance, view):
-        yield summarise(picture, eye, find_sources(picture, eye, rules), rules=rules)

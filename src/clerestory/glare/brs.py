@@ -10,11 +10,7 @@ def brs_glare_index(sources: GlareSources, *, background: float) -> float:
     """BRS glare index: 10 just imperceptible, 16 acceptable, 22 uncomfortable.
 
     The index was derived for small luminaires. It is 0 without sources and NaN for a
-    background luminance of 0.
-
-    Parameters
-    ----------
-    background : background luminance [cd/m²]
+    background luminance of 0 cd/m².
 
     Reference: Petherbridge, P., Hopkinson, R. G. (1950): Discomfort glare and the
     lighting of buildings. Transactions of the Illuminating Engineering Society 15(2).

@@ -9,10 +9,8 @@ from clerestory.glare.source_table import GlareSources
 def cgi(sources: GlareSources, *, illuminance: float, direct: float) -> float:
     """CIE glare index; 0 without sources.
 
-    Parameters
-    ----------
-    illuminance : vertical illuminance at the eye [lux]
-    direct : vertical illuminance at the eye from the glare sources [lux]
+    Both illuminances are vertical, at the eye [lux]; `direct` is from the sources
+    alone.
 
     Reference: Einhorn, H. D. (1979): Discomfort glare: a formula to bridge differences.
     Lighting Research and Technology 11(2).
@@ -37,5 +35,4 @@ CGI = GlareIndex(
     reference="Einhorn 1979; thresholds: Jakubiec and Reinhart 2012",
     thresholds=(13.0, 22.0, 28.0),
     column="cgi",
-    in_short_line=True,
 )

@@ -6,11 +6,11 @@ The luminances of the pixels are preserved.
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Bool, Float
 
+from clerestory.array_types import ImageMask, Vector
 from clerestory.bands import RGB
+from clerestory.checks import require
 from clerestory.constants import LUMINOUS_EFFICACY
-from clerestory.errors import InputError
 from clerestory.glare.sources import Members
 from clerestory.image.picture import Picture
 
@@ -34,15 +34,11 @@ def check_picture(
     members: Members,
     *,
     colour: Colour | None = None,
-    task: Bool[np.ndarray, "row column"] | None = None,
+    task: ImageMask | None = None,
 ) -> Picture:
-    """Return the picture in grey with coloured glare sources.
+    """Return the picture in grey, with coloured glare sources and a blue task zone.
 
-    Parameters
-    ----------
-    members : pixels of the glare sources
-    colour : colour of all sources; default: successive colours of `PALETTE`
-    task : pixels of the task zone, shown in blue
+    Without `colour`, successive sources have the colours of `PALETTE`.
 
     >>> grey = Picture(np.ones((30, 30, 3), dtype=np.float32))
     >>> one = Members(np.array([1]), np.array([4]), np.array([7]))
@@ -61,10 +57,12 @@ def check_picture(
     return replace(picture, radiance=shown.astype(np.float32), bands=RGB)
 
 
-def _primaries(colour: Colour) -> Float[np.ndarray, "3"]:
+def _primaries(colour: Colour) -> Vector:
     # RGB radiance of the colour at a weighted sum (luminance / 179 lm/W) of one
     shares = np.asarray(colour, dtype=float)
-    if not (shares.min() >= 0 and 0 < shares.sum() < np.inf):
-        raise InputError(f"colour {colour}; numbers of 0 or more, not all 0, expected")
+    require(
+        shares.min() >= 0 and 0 < shares.sum() < np.inf,
+        f"colour {colour}; numbers of 0 or more, not all 0, expected",
+    )
     primaries: np.ndarray = shares / shares.sum() / RGB.shares
     return primaries

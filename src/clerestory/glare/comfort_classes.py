@@ -5,7 +5,8 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.errors import InputError
+from clerestory.array_types import Values
+from clerestory.checks import require, within
 from clerestory.glare.dgp import DGP
 
 # DGP from which glare is perceptible, disturbing and intolerable
@@ -25,18 +26,16 @@ _DIFFUSE = (0.02, 0.04, 0.08)
 
 
 def exceeded_dgp(
-    dgp: Float[np.ndarray, "*shape time"], share: float = EXCEEDANCE
-) -> Float[np.ndarray, "*shape"]:
+    dgp: Float[np.ndarray, "*batch time"], share: float = EXCEEDANCE
+) -> Values:
     """DGP that is exceeded in at most the fraction `share` of the steps.
 
     >>> float(exceeded_dgp(np.linspace(0, 1, 101)).round(3))
     0.95
     """
     steps = dgp.shape[-1]
-    if not steps:
-        raise InputError("no occupied steps; at least one expected")
-    if not 0 <= share < 1:
-        raise InputError(f"fraction {share:g}; 0 to 1 expected")
+    require(steps, "no occupied steps; at least one expected")
+    require(0 <= share < 1, f"fraction of steps is {share:g}; 0 to below 1 expected")
     above = int(np.floor(share * steps + 1e-9))
     return np.asarray(np.sort(dgp, axis=-1)[..., steps - 1 - above])
 
@@ -44,9 +43,7 @@ def exceeded_dgp(
 def protection_level(exceeded: float) -> Protection:
     """Level of protection from glare after EN 17037:2018, annex E.
 
-    Parameters
-    ----------
-    exceeded : DGP that is exceeded in at most 5 % of the occupied time
+    `exceeded` is the DGP that is exceeded in at most 5 % of the occupied time.
 
     >>> protection_level(0.38), protection_level(0.5)
     ('medium', 'none')
@@ -56,8 +53,8 @@ def protection_level(exceeded: float) -> Protection:
 
 
 def glare_autonomy(
-    dgp: Float[np.ndarray, "*shape time"], limit: float = LIMITS[1]
-) -> Float[np.ndarray, "*shape"]:
+    dgp: Float[np.ndarray, "*batch time"], limit: float = LIMITS[1]
+) -> Values:
     """Glare autonomy: fraction of the occupied steps with DGP below a limit.
 
     Reference: Jones, N. L. (2019), as in `imageless`.
@@ -72,19 +69,13 @@ def glare_control_class(*, normal_normal: float, normal_diffuse: float) -> int:
     """Glare control class of a shading fabric after EN 14501:2005, 0 to 4.
 
     The class table was taken from publications of fabric manufacturers and not compared
-    with the standard. The finer table of the 2021 edition is not implemented.
-
-    Parameters
-    ----------
-    normal_normal, normal_diffuse : normal-normal and normal-diffuse visible
-        transmittance, 0…1
+    with the standard. The finer table of the 2021 edition is not implemented. Both
+    arguments are visible transmittances.
 
     >>> glare_control_class(normal_normal=0.03, normal_diffuse=0.05)
     1
     """
-    for value in (normal_normal, normal_diffuse):
-        if not 0 <= value <= 1:
-            raise InputError(f"transmittance {value:g}; 0 to 1 expected")
+    within((normal_normal, normal_diffuse), "transmittance", least=0, most=1)
     row = int(np.searchsorted(_DIRECT, normal_normal, side="left"))
     column = int(np.searchsorted(_DIFFUSE, normal_diffuse, side="right"))
     return _EN14501[row][column]

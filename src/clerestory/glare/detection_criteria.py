@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from clerestory.errors import InputError
+from clerestory.checks import not_negative, positive, require, within
 from clerestory.glare.field_of_view import FieldOfView
 
 Threshold = Literal["luminance", "times_mean", "times_task"]
@@ -15,12 +15,9 @@ LARGEST_FACTOR = 100.0
 
 @dataclass(frozen=True)
 class Zone:
-    """A circular zone of the field of view.
+    """A circular zone: row, from the top, and column of its centre, and opening [rad].
 
-    Attributes
-    ----------
-    row, column : row, from the top, and column of the central pixel
-    opening : full opening angle [rad]
+    The opening is the full opening angle.
     """
 
     row: int
@@ -28,8 +25,8 @@ class Zone:
     opening: float
 
     def __post_init__(self) -> None:
-        if not 0 <= self.opening <= 2 * math.pi:
-            raise InputError(f"opening angle {self.opening:g}; 0 to 2π rad expected")
+        most = 2 * math.pi
+        within(self.opening, "opening angle", least=0, most=most, unit="rad")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,17 +62,14 @@ class SourceRules:
     field_of_view: FieldOfView | None = None
 
     def __post_init__(self) -> None:
-        for name in ("threshold", "merge_angle"):
-            if not 0 < getattr(self, name) < math.inf:
-                raise InputError(
-                    f"{name.replace('_', ' ')} {getattr(self, name)}; above 0 expected"
-                )
-        if self.peak_luminance is not None and not self.peak_luminance > 0:
-            raise InputError(f"peak luminance {self.peak_luminance}; above 0 expected")
-        if not 0 <= self.smallest < math.inf:
-            raise InputError(f"smallest source {self.smallest} sr; 0 or more expected")
-        if self.threshold_kind == "times_task" and self.task is None:
-            raise InputError(
-                "a threshold relative to the task without a task zone; a task"
-                " zone expected"
-            )
+        positive(self.threshold, "threshold")
+        positive(self.merge_angle, "merging angle", unit="rad")
+        if self.peak_luminance is not None:
+            least = self.peak_luminance
+            require(least > 0, f"peak luminance is {least:g} cd/m²; above 0 expected")
+        not_negative(self.smallest, "smallest source", unit="sr")
+        require(
+            self.task is not None or self.threshold_kind != "times_task",
+            "a threshold relative to the task without a task zone; a task zone"
+            " expected",
+        )

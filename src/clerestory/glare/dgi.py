@@ -17,12 +17,8 @@ def dgi(
 ) -> float:
     """Daylight glare index: 16 just perceptible, 24 just uncomfortable, 28 intolerable.
 
-    The index is 0 without sources.
-
-    Parameters
-    ----------
-    background : background luminance [cd/m²]
-    weighted : position-weighted solid angle of each source [sr]; default: ω/P²
+    The index is 0 without sources. The background luminance is in cd/m²; `weighted` is
+    the position-weighted solid angle of each source [sr], by default ω/P².
 
     Reference: Hopkinson, R. G. (1972): Glare from daylighting in buildings. Applied
     Ergonomics 3(4). Chauvel, P. et al. (1982): Glare from windows: current views of
@@ -32,15 +28,19 @@ def dgi(
     >>> round(dgi(window, background=300.0), 1)
     21.4
     """
-    return _index(sources, background, weighted)
+    if not sources.count:
+        return 0.0
+    omega = sources.guth_solid_angle() if weighted is None else weighted
+    below = background + 0.07 * sources.solid_angle**0.5 * sources.luminance
+    terms = sources.luminance**1.6 * omega**0.8 / below
+    total = 0.478 * float(terms.sum())
+    return 10 * math.log10(total) if total > 0 else math.nan
 
 
 def modified_dgi(sources: GlareSources, *, average: float) -> float:
     """DGI with an adaptation luminance in place of the background luminance.
 
-    Parameters
-    ----------
-    average : mean luminance of the field of view, Ev/π [cd/m²]
+    The adaptation luminance is a power of the mean luminance Ev/π [cd/m²].
 
     Reference: Fisekis, K. et al. (2003): Prediction of discomfort glare from windows.
     Lighting Research and Technology 35(4), equation 11.
@@ -49,21 +49,7 @@ def modified_dgi(sources: GlareSources, *, average: float) -> float:
     >>> round(modified_dgi(window, average=800.0), 1)
     21.4
     """
-    return _index(sources, average**0.85 if average > 0 else average)
-
-
-def _index(
-    sources: GlareSources,
-    adaptation: float,
-    weighted: Float[np.ndarray, " source"] | None = None,
-) -> float:
-    if not sources.count:
-        return 0.0
-    omega = sources.guth_solid_angle() if weighted is None else weighted
-    below = adaptation + 0.07 * sources.solid_angle**0.5 * sources.luminance
-    terms = sources.luminance**1.6 * omega**0.8 / below
-    total = 0.478 * float(terms.sum())
-    return 10 * math.log10(total) if total > 0 else math.nan
+    return dgi(sources, background=average**0.85 if average > 0 else average)
 
 
 DGI = GlareIndex(
@@ -73,7 +59,6 @@ DGI = GlareIndex(
     reference="Hopkinson 1972; thresholds: Jakubiec and Reinhart 2012",
     thresholds=(18.0, 24.0, 31.0),
     column="dgi",
-    in_short_line=True,
 )
 MODIFIED_DGI = GlareIndex(
     name="modified_dgi",

@@ -1,39 +1,14 @@
 """Daylight glare probability (DGP), corrections of DGP, and simplified DGP (DGPs)."""
 
-from dataclasses import dataclass
-
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import Values
 from clerestory.glare.index import GlareIndex
+from clerestory.glare.index_settings import EVALGLARE, DgpCoefficients
 from clerestory.glare.source_table import GlareSources
-
-_Values = Float[np.ndarray, "*shape"]
 
 # Illuminance from which the low-light correction factor is 1 [lux]
 _BRIGHT = 1000.0
-
-
-@dataclass(frozen=True)
-class DgpCoefficients:
-    """Coefficients of the DGP equation.
-
-    DGP = c1·Ev^a5 + c2·log10(1 + Σ L^a1·ω^a2 / (Ev^a3·P^a4)) + c3. The defaults are
-    those of evalglare; the published values are c1 = 5.87e-5, c2 = 0.0918, c3 = 0.16.
-    """
-
-    c1: float = 5.87e-5
-    c2: float = 0.092
-    c3: float = 0.159
-    a1: float = 2.0
-    a2: float = 1.0
-    a3: float = 1.87
-    a4: float = 2.0
-    a5: float = 1.0
-
-
-EVALGLARE = DgpCoefficients()
-PUBLISHED = DgpCoefficients(c2=0.0918, c3=0.16)
 
 
 def dgp(
@@ -45,11 +20,8 @@ def dgp(
     """Daylight glare probability: probability that a person is disturbed, at most 1.
 
     Valid for vertical illuminances above 380 lux and DGP above 0.2. With sources from a
-    picture of the direct sun alone, the result is the enhanced simplified DGP.
-
-    Parameters
-    ----------
-    illuminance : vertical illuminance at the eye [lux]
+    picture of the direct sun alone, the result is the enhanced simplified DGP. The
+    vertical illuminance at the eye is in lux.
 
     Reference: Wienold, J. and Christoffersen, J. (2006): Evaluation methods and
     development of a new glare prediction model for daylight environments with the use
@@ -62,18 +34,13 @@ def dgp(
     k = coefficients
     if illuminance <= 0:
         return float(min(k.c3, 1.0))
-    total = float(
-        (
-            sources.luminance**k.a1
-            / sources.position_index**k.a4
-            * sources.solid_angle**k.a2
-        ).sum()
-    )
+    by_position = sources.luminance**k.a1 / sources.position_index**k.a4
+    total = float((by_position * sources.solid_angle**k.a2).sum())
     glare = k.c2 * np.log10(1 + total / illuminance**k.a3)
     return float(min(k.c1 * illuminance**k.a5 + k.c3 + glare, 1.0))
 
 
-def simplified_dgp(illuminance: _Values) -> _Values:
+def simplified_dgp(illuminance: Values) -> Values:
     """Simplified DGP (DGPs), from the vertical illuminance at the eye [lux] alone.
 
     Valid only if neither the sun nor its specular reflection is visible.
@@ -88,7 +55,7 @@ def simplified_dgp(illuminance: _Values) -> _Values:
     return np.asarray(np.minimum(plain, 1.0))
 
 
-def low_light_correction(illuminance: _Values) -> _Values:
+def low_light_correction(illuminance: Values) -> Values:
     """Correction factor of DGP at low vertical illuminance [lux]; 1 from 1000 lux.
 
     Reference: Wienold, J. (2012): New features of evalglare. 11th International
@@ -122,7 +89,6 @@ DGP = GlareIndex(
     reference="Wienold and Christoffersen 2006; thresholds: Wienold 2009",
     thresholds=(0.35, 0.40, 0.45),
     column="dgp",
-    in_short_line=True,
 )
 SIMPLIFIED_DGP = GlareIndex(
     name="simplified_dgp",

@@ -100,11 +100,7 @@ class RegionOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class EvalglareOptions:
-    """All options of a glare evaluation.
-
-    >>> EvalglareOptions(sources=SourceOptions(threshold=3000)).sources.merge_angle
-    0.2
-    """
+    """All options of a glare evaluation."""
 
     sources: SourceOptions = SourceOptions()
     indices: IndexOptions = IndexOptions()

@@ -1,20 +1,31 @@
 """Glare evaluation of a picture, as in evalglare."""
 
-import numpy as np
-from jaxtyping import Float
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
+import numpy as np
+
+from clerestory.array_types import Image
+from clerestory.checks import require
 from clerestory.errors import InputError
-from clerestory.glare.cropped_picture import SeenRows, fill_cut
+from clerestory.glare.check_picture import Colour, check_picture
 from clerestory.glare.detection_criteria import SourceRules
-from clerestory.glare.dgp import EVALGLARE, DgpCoefficients
 from clerestory.glare.glare_view import GlareView, glare_view
-from clerestory.glare.index import Background
+from clerestory.glare.index_settings import (
+    EVALGLARE,
+    Background,
+    DgpCoefficients,
+    IndexSettings,
+)
+from clerestory.glare.indices import Glare
+from clerestory.glare.luminance_statistics import RegionStatistics
+from clerestory.glare.pgsv import contrast_pgsv, pgsv, saturation_pgsv
 from clerestory.glare.picture_checks import check_photometry
 from clerestory.glare.position_index import PositionModel
-from clerestory.glare.result import Glare
 from clerestory.glare.sources import (
     Members,
     find_sources,
+    in_zone,
     reference_luminance,
     tabulate,
 )
@@ -22,7 +33,65 @@ from clerestory.glare.zones import Zones, cut_along
 from clerestory.image.picture import Picture
 from clerestory.scene.view import View
 
-_Luminance = Float[np.ndarray, "row column"]
+
+@dataclass(frozen=True)
+class SeenRows:
+    """First and last captured row of a cropped picture, counted from the top."""
+
+    first: int
+    last: int
+
+    def __post_init__(self) -> None:
+        require(
+            0 <= self.first <= self.last,
+            f"captured rows {self.first} to {self.last}; increasing numbers expected",
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluation:
+    """Glare evaluation of one picture.
+
+    Attributes
+    ----------
+    luminance : luminance of the pixels [cd/m²]
+    eye : pixel quantities of the view
+    members : pixels of the glare sources
+    regions : luminance statistics of the requested regions, by name
+    """
+
+    picture: Picture
+    rules: SourceRules
+    luminance: Image
+    eye: GlareView
+    members: Members
+    result: Glare
+    regions: Mapping[str, RegionStatistics] = field(default_factory=dict)
+
+    def check_picture(
+        self, *, colour: Colour | None = None, show_task: bool = False
+    ) -> Picture:
+        """Return the picture with coloured sources and optionally a blue task zone."""
+        task = self.rules.task if show_task else None
+        blue = None if task is None else in_zone(self.eye, task)
+        return check_picture(self.picture, self.members, colour=colour, task=blue)
+
+    def window_votes(self) -> dict[str, float]:
+        """Return the predicted glare sensation votes of the window in the mask."""
+        if "mask" not in self.regions:
+            return {}
+        window = self.regions["mask"]
+        common = {
+            "window": window.average,
+            "window_solid_angle": window.solid_angle,
+            "average": self.result.average,
+        }
+        level = self.result.illuminance
+        return {
+            "pgsv_con": contrast_pgsv(**common),
+            "pgsv_sat": saturation_pgsv(level),
+            "pgsv": pgsv(**common, illuminance=level, task=self.result.reference),
+        }
 
 
 def evaluate_glare(
@@ -47,9 +116,12 @@ def evaluate_glare(
     rules : criteria of glare source detection
     view : view of the picture; default: from the picture's header
     given_illuminance : measured vertical illuminance, used for DGP [lux]
-    background : definition of the background luminance, see `EyePhotometry`
+    background : definition of the background luminance: "cie": (Ev − Edir)/π;
+        "average": mean luminance outside of the sources; "illuminance": Ev/π
     zones : zones along whose borders sources are divided
-    low_light, age, coefficients : corrections and coefficients of DGP, see `Glare`
+    low_light : whether DGP is corrected for low vertical illuminance
+    age : age of the observer for the correction of DGP [years]; None for no correction
+    coefficients : coefficients of DGP
     position_model : model of the position index
     seen : captured rows of a cropped picture; the missing rows are extrapolated
     trust : whether to omit the checks of projection and photometric scale
@@ -68,24 +140,35 @@ def evaluate_glare(
     >>> round(result.illuminance), round(result.dgp, 3), result.sources.count
     (1462, 0.263, 1)
     """
-    rules = rules or SourceRules()
-    eye = eye_of(picture, view=view, position_model=position_model, trust=trust)
+    settings = IndexSettings(
+        background, given_illuminance, low_light, age, coefficients
+    )
+    return evaluate_picture(
+        picture,
+        rules or SourceRules(),
+        settings,
+        eye_of(picture, view=view, position_model=position_model, trust=trust),
+        zones=zones,
+        seen=seen,
+    ).result
+
+
+def evaluate_picture(
+    picture: Picture,
+    rules: SourceRules,
+    settings: IndexSettings,
+    eye: GlareView,
+    *,
+    zones: Zones | None = None,
+    seen: SeenRows | None = None,
+) -> Evaluation:
+    """Return the glare evaluation of a picture whose view is checked."""
     luminance = picture.luminance()
     if seen is not None:
         luminance = fill_cut(luminance, eye, seen)
     members = find_sources(luminance, eye, rules)
-    return summarise(
-        luminance,
-        eye,
-        members,
-        rules=rules,
-        zones=zones,
-        given_illuminance=given_illuminance,
-        background=background,
-        low_light=low_light,
-        age=age,
-        coefficients=coefficients,
-    )
+    result = summarise(luminance, eye, members, rules, settings, zones=zones)
+    return Evaluation(picture, rules, luminance, eye, members, result)
 
 
 def eye_of(
@@ -107,18 +190,31 @@ def eye_of(
     return eye
 
 
+def fill_cut(luminance: Image, eye: GlareView, seen: SeenRows) -> Image:
+    """Return the luminance [cd/m²], with missing rows set to the nearest captured row.
+
+    As in evalglare -I, a column is extrapolated upwards only if the pixel of its first
+    captured row is within the field of view.
+    """
+    require(
+        seen.last < len(luminance),
+        f"last captured row {seen.last} in a picture of {len(luminance)} rows; a"
+        " smaller number expected",
+    )
+    filled = luminance.copy()
+    filled[: seen.first] = luminance[seen.first] * eye.valid[seen.first]
+    filled[seen.last + 1 :] = luminance[seen.last]
+    return filled
+
+
 def summarise(
-    luminance: _Luminance,
+    luminance: Image,
     eye: GlareView,
     members: Members,
-    *,
     rules: SourceRules,
+    settings: IndexSettings,
+    *,
     zones: Zones | None = None,
-    given_illuminance: float | None = None,
-    background: Background = "cie",
-    low_light: bool = False,
-    age: float | None = None,
-    coefficients: DgpCoefficients = EVALGLARE,
 ) -> Glare:
     """Return the glare of a picture whose glare source pixels are `members`."""
     zone_of = None
@@ -127,18 +223,13 @@ def summarise(
     sources = tabulate(members, luminance, eye, zone=zone_of)
     values = np.ascontiguousarray(luminance, dtype=float).ravel()
     average = float(eye.solid_angle.ravel() @ values) / eye.total_solid_angle
+    task = rules.task
     return Glare(
         sources=sources.larger_than(rules.smallest),
         illuminance=float(eye.eye_weight.ravel() @ values),
-        given_illuminance=given_illuminance,
         average=average,
-        reference=(
-            reference_luminance(luminance, eye, rules.task) if rules.task else average
-        ),
+        reference=reference_luminance(luminance, eye, task) if task else average,
         brightest=float((luminance * eye.valid).max()),
         solid_angle=eye.total_solid_angle,
-        background_kind=background,
-        low_light=low_light,
-        age=age,
-        coefficients=coefficients,
+        settings=settings,
     )

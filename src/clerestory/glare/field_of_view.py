@@ -7,11 +7,10 @@ of sight.
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Bool, Float
+
+from clerestory.array_types import Mask, Values
 
 FieldOfView = Literal["total", "binocular"]
-
-_Angles = Float[np.ndarray, "*shape"]
 
 # Upper limit of the binocular field of view [rad]
 _BROW = np.radians(60)
@@ -20,20 +19,16 @@ _CHEEK = np.radians(135)
 
 
 def in_field(
-    sigma: _Angles,
-    tau: _Angles,
-    below: Bool[np.ndarray, "*shape"],
+    sigma: Values,
+    tau: Values,
+    below: Mask,
     *,
     field: FieldOfView,
-) -> Bool[np.ndarray, "*shape"]:
-    """Whether directions lie in the field of view.
+) -> Mask:
+    """Whether directions lie in the field of view of one eye ("total") or both eyes.
 
-    Parameters
-    ----------
-    sigma : angle from the line of sight [rad]
-    tau : azimuth around the line of sight, from the upward vertical [rad]
-    below : whether the direction is below the line of sight
-    field : "total": visible to at least one eye; "binocular": visible to both eyes
+    Directions are given by their angle sigma from the line of sight, and their azimuth
+    tau around it from the upward vertical [rad].
 
     Reference: Guth, S. K. (1958): Light and comfort. Industrial Medicine and Surgery
     27. The fitted curves are those of evalglare 3.06 (options -g and -G).
@@ -48,26 +43,22 @@ def in_field(
     from_below = 180 - around
     if field == "binocular":
         limit = np.where(below, np.radians(_lower_binocular(from_below)), _BROW)
-        seen: np.ndarray = sigma <= limit
-        return seen
+        return np.asarray(sigma <= limit)
     upper = np.radians(_upper_total(around))
     lower = np.where(tau > _CHEEK, np.radians(_lower_total(from_below)), np.inf)
-    inside: np.ndarray = np.less_equal(sigma, np.where(below, lower, upper))
-    return inside
+    return np.asarray(sigma <= np.where(below, lower, upper))
 
 
 def _upper_total(tau: np.ndarray) -> np.ndarray:
     root = np.polyval([8.5572726e-6, -0.00021746318, 0.00057407915, 7.7458218], tau)
-    square: np.ndarray = root**2
-    return square
+    return np.asarray(root**2)
 
 
 def _lower_total(tau: np.ndarray) -> np.ndarray:
     # Valid for τ up to 45° from the downward vertical, where the fit has no pole
     tau = np.minimum(tau, 45)
     inverse = np.polyval([5.1539687e-8, -4.6898068e-6, 1.5541106e-5, 0.014699242], tau)
-    result: np.ndarray = 1 / inverse
-    return result
+    return np.asarray(1 / inverse)
 
 
 def _lower_binocular(tau: np.ndarray) -> np.ndarray:

@@ -4,31 +4,37 @@ They are computed once for all pictures of a view. Only pixels in the hemisphere
 front of the eye are valid.
 """
 
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 
-from clerestory.errors import InputError
+from clerestory.array_types import Image, ImageMask
+from clerestory.checks import require
 from clerestory.glare.field_of_view import FieldOfView, in_field
-from clerestory.glare.pixel_rays import pixel_rays
-from clerestory.glare.pixel_solid_angle import quadrilaterals
+from clerestory.glare.pixel_rays import pixel_rays, quadrilaterals
 from clerestory.glare.position_index import PositionModel, position_index
-from clerestory.glare.row_blocks import by_rows
 from clerestory.scene.projection import Kind
 from clerestory.scene.view import View
 
 # Smallest width and height of a picture [pixels], required for the angle per pixel
 _SMALLEST = 21
 
+# Pixels per block, so that several arrays fit in the cache of a processor core
+_PIXELS = 24_000
+_MOST_THREADS = 8
+
 
 class Pitch(NamedTuple):
     """Smallest and largest angle per pixel over all directions in the picture [rad]."""
 
-    least: Float[np.ndarray, "row column"]
-    most: Float[np.ndarray, "row column"]
+    least: Image
+    most: Image
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +43,6 @@ class GlareView:
 
     Attributes
     ----------
-    view : view of the picture
     direction : unit vectors of the pixel centres
     solid_angle : solid angle of valid pixels; zero for other pixels [sr]
     cosine : cosine of the angle from the line of sight; zero for other pixels
@@ -48,11 +53,11 @@ class GlareView:
 
     view: View
     direction: Float[np.ndarray, "row column 3"]
-    solid_angle: Float[np.ndarray, "row column"]
-    cosine: Float[np.ndarray, "row column"]
-    position_index: Float[np.ndarray, "row column"]
-    sigma: Float[np.ndarray, "row column"]
-    tau: Float[np.ndarray, "row column"]
+    solid_angle: Image
+    cosine: Image
+    position_index: Image
+    sigma: Image
+    tau: Image
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -61,7 +66,7 @@ class GlareView:
         return rows, columns
 
     @cached_property
-    def valid(self) -> Bool[np.ndarray, "row column"]:
+    def valid(self) -> ImageMask:
         """Whether a pixel is in the hemisphere in front of the eye."""
         return self.solid_angle > 0
 
@@ -71,17 +76,16 @@ class GlareView:
         return float(self.solid_angle.sum())
 
     @cached_property
-    def eye_weight(self) -> Float[np.ndarray, "row column"]:
+    def eye_weight(self) -> Image:
         """Vertical illuminance from each pixel per unit of its luminance [sr]."""
-        weight: np.ndarray = self.solid_angle * self.cosine
-        return weight
+        return np.asarray(self.solid_angle * self.cosine)
 
-    def in_field(self, field: FieldOfView) -> Bool[np.ndarray, "row column"]:
+    def in_field(self, field: FieldOfView) -> ImageMask:
         """Whether pixels lie in Guth's field of view."""
         up = np.cross(np.cross(self.view.direction, self.view.up), self.view.direction)
         return in_field(self.sigma, self.tau, self.direction @ up < 0, field=field)
 
-    def angle_from(self, row: int, column: int) -> Float[np.ndarray, "row column"]:
+    def angle_from(self, row: int, column: int) -> Image:
         """Angle between every pixel and the given pixel [rad]."""
         cosine = self.direction @ self.direction[row, column]
         angle: np.ndarray = np.arccos(np.clip(cosine, -1, 1))
@@ -104,11 +108,10 @@ class GlareView:
         reach = 1.25 * angle / self._least_pitch
         return int(min(np.ceil(reach) + 1, max(self.shape)))
 
-    def surely_within(self, angle: float) -> Float[np.ndarray, "row column"]:
+    def surely_within(self, angle: float) -> Image:
         """Distance in pixels up to which other pixels are within an angle [rad]."""
         with np.errstate(divide="ignore"):
-            reach: np.ndarray = angle / self._pitch.most
-        return reach
+            return np.asarray(angle / self._pitch.most)
 
     def pixel_angle(self) -> float:
         """Angle per pixel [rad], averaged over ten pixels along the central diagonal.
@@ -131,47 +134,37 @@ def glare_view(
 ) -> GlareView:
     """Return the pixel quantities of a view; the last results are cached.
 
-    Parameters
-    ----------
-    columns, rows : size of the picture [pixels]
-    model : model of the position index
-
     >>> eye = glare_view(View(kind="angular", horizontal=180, vertical=180), 64, 64)
     >>> round(float(eye.eye_weight.sum() / np.pi), 3)
     1.0
     """
-    if view.kind == "parallel":
-        raise InputError(
-            "pixels of a parallel view have no solid angles; a fisheye view (-vta,"
-            " -vth) expected"
-        )
-    if min(columns, rows) < _SMALLEST:
-        raise InputError(
-            f"a picture of {columns} × {rows} pixels; at least {_SMALLEST} pixels per"
-            " side expected"
-        )
-    key = _Key(
-        view.kind,
-        tuple(view.direction.tolist()),
-        tuple(view.up.tolist()),
-        (view.horizontal, view.vertical, view.shift, view.lift),
+    require(
+        view.kind != "parallel",
+        "pixels of a parallel view have no solid angles; a fisheye view (-vta, -vth)"
+        " expected",
     )
-    return _glare_view(key, columns, rows, model)
-
-
-class _Key(NamedTuple):
-    # View parameters on which the directions depend, as a hashable value
-    kind: Kind
-    direction: tuple[float, ...]
-    up: tuple[float, ...]
-    size: tuple[float, float, float, float]
+    require(
+        min(columns, rows) >= _SMALLEST,
+        f"a picture of {columns} × {rows} pixels; at least {_SMALLEST} pixels per side"
+        " expected",
+    )
+    axes = tuple(view.direction.tolist()), tuple(view.up.tolist())
+    size = view.horizontal, view.vertical, view.shift, view.lift
+    return _glare_view(view.kind, axes, size, (rows, columns), model)
 
 
 @lru_cache(maxsize=8)
-def _glare_view(key: _Key, columns: int, rows: int, model: PositionModel) -> GlareView:
-    view = View(
-        key.kind, np.zeros(3), np.array(key.direction), np.array(key.up), *key.size
-    )
+def _glare_view(
+    kind: Kind,
+    axes: tuple[tuple[float, ...], tuple[float, ...]],
+    size: tuple[float, float, float, float],
+    shape: tuple[int, int],
+    model: PositionModel,
+) -> GlareView:
+    # The arguments are hashable: the view parameters on which the directions depend
+    direction, up = map(np.array, axes)
+    view = View(kind, np.zeros(3), direction, up, *size)
+    rows, columns = shape
     direction = np.empty((rows, columns, 3))
     parts = {
         name: np.empty((rows, columns))
@@ -192,8 +185,16 @@ def _glare_view(key: _Key, columns: int, rows: int, model: PositionModel) -> Gla
         )
         parts["sigma"][some], parts["tau"][some] = sigma, tau
 
-    by_rows(fill, rows, columns)
+    _by_rows(fill, rows, columns)
     return GlareView(view=view, direction=direction, **parts)
+
+
+def _by_rows(work: Callable[[slice], None], rows: int, columns: int) -> None:
+    # Call `work` in parallel with slices that cover all rows
+    size = max(1, _PIXELS // columns)
+    blocks = [slice(at, min(at + size, rows)) for at in range(0, rows, size)]
+    with ThreadPoolExecutor(min(os.cpu_count() or 1, _MOST_THREADS)) as pool:
+        list(pool.map(work, blocks))
 
 
 def _tau(view: View, direction: np.ndarray, cosine: np.ndarray) -> np.ndarray:
@@ -233,5 +234,5 @@ def pixel_pitch(direction: Float[np.ndarray, "row column 3"]) -> Pitch:
         pitch.least[some] = np.sqrt(np.maximum(middle - spread, 0))
         pitch.most[some] = np.sqrt(middle + spread)
 
-    by_rows(fill, rows, columns)
+    _by_rows(fill, rows, columns)
     return pitch

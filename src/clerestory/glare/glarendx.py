@@ -9,7 +9,7 @@ the line of sight.
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.errors import InputError
+from clerestory.checks import require
 from clerestory.glare.imageless import position_of
 from clerestory.glare.position_index import PositionModel
 from clerestory.scene.view import View
@@ -27,22 +27,16 @@ def weighted_solid_angle(
 ) -> Float[np.ndarray, " source"]:
     """Return solid angles weighted by 1/P² as in glarendx [sr]; 0 behind the eye.
 
-    Parameters
-    ----------
-    direction : unit vectors to the centres of the sources
-    solid_angle : solid angle of the sources [sr], less than a hemisphere
-    view : view with perpendicular direction and up vector
-    model : model of the position index
+    Directions are unit vectors to the centres of the sources. The up vector of the view
+    is perpendicular to its direction.
 
     >>> eye = View(direction=np.array([0.0, 1.0, 0.0]))
     >>> ahead = np.array([[0.0, 1.0, 0.0]])
     >>> float(weighted_solid_angle(ahead, np.array([0.01]), eye).round(4)[0])
     0.01
     """
-    if np.any(solid_angle >= 2 * np.pi):
-        raise InputError(
-            f"a source of {float(solid_angle.max()):g} sr; less than 2π expected"
-        )
+    largest = float(np.max(solid_angle, initial=0))
+    require(largest < 2 * np.pi, f"a source of {largest:g} sr; less than 2π expected")
     cosine = 1 - solid_angle / (2 * np.pi)
     sine = np.sqrt(1 - cosine**2)
     across = np.cross(direction, view.up)

@@ -9,33 +9,28 @@ and sources by reflection in the room, are neglected.
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.errors import InputError
-from clerestory.glare.dgp import EVALGLARE, DgpCoefficients
+from clerestory.array_types import Directions, Series, Values
+from clerestory.checks import require
+from clerestory.glare.index_settings import EVALGLARE, DgpCoefficients
 from clerestory.glare.position_index import PositionModel, position_index
 from clerestory.scene.view import View
 
 
 def imageless_dgp(
-    illuminance: Float[np.ndarray, " time"],
+    illuminance: Series,
     *,
     luminance: Float[np.ndarray, "direction time"],
     solid_angle: Float[np.ndarray, "direction columns"],
     index: Float[np.ndarray, "direction columns"],
     threshold: float = 2000.0,
     coefficients: DgpCoefficients = EVALGLARE,
-) -> Float[np.ndarray, " time"]:
-    """Daylight glare probability at each step.
+) -> Series:
+    """Daylight glare probability at each step from vertical illuminance [lux].
 
-    Parameters
-    ----------
-    illuminance : vertical illuminance at the eye [lux]
-    luminance : luminance in each direction, through the window [cd/m²]; 0 for the sun
-        if it is not visible
-    solid_angle : solid angle of the part of each patch, or of the sun, that is visible
-        through the windows [sr]; one column, or one per step
-    index : position index of each direction, infinite behind the eye; one column, or
-        one per step
-    threshold : luminance above which directions are glare sources [cd/m²]
+    Luminances [cd/m²] are those through the window, and 0 for a hidden sun; directions
+    with luminance above `threshold` are glare sources. Solid angles [sr] of the visible
+    part of each patch, or of the sun, and position indices, infinite behind the eye,
+    have one column, or one per step.
 
     Reference: Jones, N. L. (2019): Fast climate-based glare analysis and spatial
     mapping. Building Simulation, Rome. Wasilewski, S. et al. (2022): Efficient
@@ -51,28 +46,26 @@ def imageless_dgp(
     >>> dgp.round(3).tolist()
     [0.384]
     """
-    if luminance.shape != (len(solid_angle), len(illuminance)):
-        raise InputError(
-            f"luminances of shape {luminance.shape}; ({len(solid_angle)} directions,"
-            f" {len(illuminance)} steps) expected"
-        )
+    require(
+        luminance.shape == (len(solid_angle), len(illuminance)),
+        f"luminances of shape {luminance.shape}; ({len(solid_angle)} directions,"
+        f" {len(illuminance)} steps) expected",
+    )
     k = coefficients
     weight = solid_angle**k.a2 / index**k.a4
     bright = np.where(luminance > threshold, luminance, 0.0) ** k.a1
     total = weight[:, 0] @ bright if weight.shape[1] == 1 else (weight * bright).sum(0)
     level = np.maximum(np.asarray(illuminance, dtype=float), 1e-9)
     contrast = k.c2 * np.log10(1 + total / level**k.a3)
-    dgp: np.ndarray = k.c1 * level**k.a5 + k.c3 + contrast
-    limited: np.ndarray = np.minimum(dgp, 1.0)
-    return limited
+    return np.asarray(np.minimum(k.c1 * level**k.a5 + k.c3 + contrast, 1.0))
 
 
 def position_of(
-    direction: Float[np.ndarray, "*shape 3"],
+    direction: Directions,
     view: View,
     *,
     model: PositionModel = "guth",
-) -> Float[np.ndarray, "*shape"]:
+) -> Values:
     """Position index of directions from the eye; infinite behind the eye.
 
     The vertical is the up vector of the view, projected to the plane across the line of

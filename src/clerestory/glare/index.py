@@ -8,14 +8,12 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
 
 import numpy as np
-from jaxtyping import Float, Int
 
+from clerestory.array_types import Indices, Values
+from clerestory.glare.index_settings import IndexSettings
 from clerestory.glare.source_table import GlareSources
-
-Background = Literal["cie", "average", "illuminance"]
 
 CATEGORIES = ("imperceptible", "perceptible", "disturbing", "intolerable")
 
@@ -26,25 +24,20 @@ class EyePhotometry:
 
     Attributes
     ----------
-    sources : glare sources
     illuminance : vertical illuminance at the eye, from the picture [lux]
-    given_illuminance : measured vertical illuminance, used for DGP [lux]
     average : mean luminance of the picture, weighted by solid angle [cd/m²]
     reference : mean luminance of the task, or of the picture without a task [cd/m²]
     brightest : largest luminance of a pixel [cd/m²]
     solid_angle : solid angle of all pixels in view [sr]
-    background_kind : definition of the background luminance: "cie": (Ev − Edir)/π;
-        "average": mean luminance outside of the sources; "illuminance": Ev/π
     """
 
     sources: GlareSources
     illuminance: float
-    given_illuminance: float | None = None
     average: float
     reference: float
     brightest: float
     solid_angle: float
-    background_kind: Background = "cie"
+    settings: IndexSettings
 
     @cached_property
     def direct_illuminance(self) -> float:
@@ -58,10 +51,10 @@ class EyePhotometry:
 
     @cached_property
     def background(self) -> float:
-        """Background luminance as defined by `background_kind` [cd/m²]."""
-        if self.background_kind == "cie":
+        """Background luminance as defined by the settings [cd/m²]."""
+        if self.settings.background == "cie":
             return self.cie_background
-        if self.background_kind == "illuminance":
+        if self.settings.background == "illuminance":
             return self.illuminance / math.pi
         omega = float(self.sources.solid_angle.sum())
         flux = float(self.sources.luminance @ self.sources.solid_angle)
@@ -71,7 +64,7 @@ class EyePhotometry:
     @cached_property
     def eye_illuminance(self) -> float:
         """Vertical illuminance at the eye, measured or from the picture [lux]."""
-        given = self.given_illuminance
+        given = self.settings.given_illuminance
         return self.illuminance if given is None else given
 
 
@@ -79,15 +72,8 @@ class EyePhotometry:
 class Quantity:
     """A quantity reported for every picture.
 
-    Attributes
-    ----------
-    name : name in results; `VIEW.name` in comparisons
-    title : full name
-    formula : function of the photometric quantities of a field of view
-    unit : unit of the value
-    column : name in the output of evalglare; None if evalglare does not print the
-        quantity
-    in_short_line : whether evalglare prints the quantity also without option -d
+    `column` is its name in the output of evalglare; None if evalglare does not print
+    it.
     """
 
     name: str
@@ -95,7 +81,6 @@ class Quantity:
     formula: Callable[[EyePhotometry], float]
     unit: str = "1"
     column: str | None = None
-    in_short_line: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,12 +99,8 @@ class GlareIndex(Quantity):
     thresholds: tuple[float, ...] = ()
     glare_increases: bool = True
 
-    def category(
-        self, values: Float[np.ndarray, "*shape"]
-    ) -> Int[np.ndarray, "*shape"]:
-        """Glare category, from 0 (imperceptible) to 3 (intolerable); see
-        `CATEGORIES`.
-        """
+    def category(self, values: Values) -> Indices:
+        """Index of the glare category in `CATEGORIES`."""
         sign = 1 if self.glare_increases else -1
         limits = sign * np.asarray(self.thresholds)
         return np.searchsorted(limits, sign * values, side="left")

@@ -1,12 +1,23 @@
-"""List of the glare indices and photometric quantities reported for a picture.
+"""Result of a glare evaluation, and list of the indices and quantities that it reports.
 
 To add an index, write a module with the formula and add a line here.
 """
 
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
 from clerestory.glare.cgi import CGI
 from clerestory.glare.dgi import DGI, MODIFIED_DGI
-from clerestory.glare.dgp import DGP, SIMPLIFIED_DGP
-from clerestory.glare.index import GlareIndex, Quantity
+from clerestory.glare.dgp import (
+    DGP,
+    SIMPLIFIED_DGP,
+    age_correction,
+    dgp,
+    low_light_correction,
+)
+from clerestory.glare.index import EyePhotometry, GlareIndex, Quantity
 from clerestory.glare.ugp import LOGISTIC_UGP, UGP
 from clerestory.glare.ugr import EXPERIMENTAL_UGR, UGR
 from clerestory.glare.vcp import DGR, VCP
@@ -72,3 +83,24 @@ REPORTED: tuple[Quantity, ...] = (
 )
 
 INDICES = tuple(one for one in REPORTED if isinstance(one, GlareIndex))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Glare(EyePhotometry):
+    """Glare sources, photometric quantities and glare indices of one picture."""
+
+    @cached_property
+    def dgp(self) -> float:
+        """Daylight glare probability, with the corrections for low light and age."""
+        level, settings = self.eye_illuminance, self.settings
+        value = dgp(self.sources, illuminance=level, coefficients=settings.coefficients)
+        if settings.low_light:
+            value *= float(low_light_correction(np.array(level)))
+        if settings.age is not None:
+            value *= age_correction(settings.age)
+        return min(value, 1.0)
+
+    def values(self) -> dict[str, float]:
+        """Return all indices and photometric quantities by name."""
+        found = {one.name: one.formula(self) for one in REPORTED}
+        return found | {"dgp": self.dgp}

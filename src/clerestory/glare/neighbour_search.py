@@ -12,19 +12,17 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Int
 
+from clerestory.array_types import Indices, Mask
 from clerestory.glare.glare_view import GlareView
 
 _Labels = Int[np.ndarray, "row column"]
 
 
 class Window(NamedTuple):
-    """Rectangular window of pixels around a central pixel.
+    """Rectangular window around a central pixel, with its upper left pixel.
 
-    Attributes
-    ----------
-    top, left : row and column of the upper left pixel
-    near : whether a pixel is within the search angle of the central pixel
-    blind : whether the row of the central pixel is not searched, due to rounding
+    `near` tells whether a pixel is within the search angle of the central pixel,
+    `blind` whether the row of the central pixel is not searched, due to rounding.
     """
 
     top: int
@@ -34,12 +32,10 @@ class Window(NamedTuple):
 
 
 class Neighbourhood:
-    """Pixels within a search angle of a pixel.
+    """Pixels within a search angle [rad] of a pixel.
 
     Attributes
     ----------
-    direction : unit vectors of all pixels
-    angle : search angle [rad]
     chord : distance between unit vectors at this angle
     reach : search radius: upper limit of the distance, in rows or columns, of pixels
         within the search angle
@@ -63,20 +59,16 @@ class Neighbourhood:
         right = min(column + self.reach + 1, columns)
         here = self.direction[row, column]
         near = self.direction[top:bottom, left:right] @ here >= self._cosine
-        return Window(
-            top, left, near, bool(self.blind(np.array([row]), np.array([column]))[0])
-        )
+        blind = self.blind(np.array([row]), np.array([column]))[0]
+        return Window(top, left, near, bool(blind))
 
-    def blind(
-        self, row: Int[np.ndarray, "*shape"], column: Int[np.ndarray, "*shape"]
-    ) -> Bool[np.ndarray, "*shape"]:
+    def blind(self, row: Indices, column: Indices) -> Mask:
         """Whether rounding makes the squared length of a direction exceed one.
 
         In evalglare, the angle is then NaN and the row of the pixel is not searched.
         """
         x, y, z = np.moveaxis(self.direction[row, column], -1, 0)
-        over: np.ndarray = x * x + y * y + z * z > 1
-        return over
+        return np.asarray(x * x + y * y + z * z > 1)
 
 
 def first_found(
@@ -91,14 +83,8 @@ def first_found(
 ) -> int:
     """Return the first wanted source label above or below a pixel; 0 if none.
 
-    Parameters
-    ----------
-    labels : source label of each pixel of the picture; 0 for pixels without source
-    wanted : whether the search ends at this label, for each label
-    row, column : row and column of the central pixel
-    upwards : whether to search the rows above the central pixel, instead of its row and
-        the rows below
-    last_column : last column to be searched
+    Pixels without source have the label 0. The search is `upwards` from the row above
+    the central pixel, or downwards from its row, in columns up to `last_column`.
     """
     top, left, near, blind = window
     height, width = near.shape

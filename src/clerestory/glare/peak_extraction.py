@@ -5,8 +5,9 @@ averaged with that of a bright sky.
 """
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Int
 
+from clerestory.array_types import Image
 from clerestory.glare.neighbour_search import Neighbourhood
 from clerestory.glare.pixel_scan import ScannedPixels, islands
 from clerestory.glare.source_merging import merge_sources
@@ -17,16 +18,13 @@ _BEFORE = ((1, 0), (1, -1), (0, -1), (-1, -1))
 
 def split_peaks(
     peaks: ScannedPixels,
-    solid_angle: Float[np.ndarray, "row column"],
+    solid_angle: Image,
     near: Neighbourhood,
     nearer: Neighbourhood,
 ) -> Int[np.ndarray, " pixel"]:
     """Group the peak pixels of one source; return a label per pixel, from 1.
 
-    Parameters
-    ----------
-    peaks : peak pixels of the source, in the order of the scan
-    near, nearer : pixels within half and a quarter of the merging angle
+    The search angles `near` and `nearer` are half and a quarter of the merging angle.
     """
     place = np.full(solid_angle.shape, -1, dtype=np.int64)
     row, column = peaks.row, peaks.column

@@ -2,17 +2,14 @@
 
 import math
 
-from clerestory.errors import InputError
+from clerestory.checks import require
 
 
 def contrast_pgsv(*, window: float, window_solid_angle: float, average: float) -> float:
     """PGSV from the contrast between a window and its surround.
 
-    Parameters
-    ----------
-    window : mean luminance of the window [cd/m²]
-    window_solid_angle : solid angle of the window [sr]
-    average : mean luminance of the field of view of 2π sr [cd/m²]
+    `window` is the mean luminance of the window, `average` that of the field of view of
+    2π sr [cd/m²].
 
     Reference: Tokura, M., Iwata, T. and Shukuya, M. (1996): Experimental study on
     discomfort glare caused by windows. Journal of Architecture, Planning and
@@ -40,14 +37,13 @@ def surround_luminance(
 ) -> float:
     """Mean luminance of the field of view outside of a window [cd/m²]."""
     sphere = 2 * math.pi
-    rest = (sphere * average - window * window_solid_angle) / (
-        sphere - window_solid_angle
+    total = sphere * average
+    rest = (total - window * window_solid_angle) / (sphere - window_solid_angle)
+    require(
+        rest > 0,
+        f"a window of {window:g} cd/m² without light in its surround; less than"
+        f" {total / window_solid_angle:g} cd/m² expected",
     )
-    if not rest > 0:
-        raise InputError(
-            f"a window of {window:g} cd/m² without light in its surround; less than"
-            f" {sphere * average / window_solid_angle:g} cd/m² expected"
-        )
     return rest
 
 
@@ -73,13 +69,7 @@ def pgsv(
     """PGSV from contrast or from saturation.
 
     Contrast applies if the ratio of window to surround luminance exceeds the ratio of
-    mean luminance Ev/π to task luminance.
-
-    Parameters
-    ----------
-    window, window_solid_angle, average : as in `contrast_pgsv`
-    illuminance : vertical illuminance at the eye [lux]
-    task : luminance of the task [cd/m²]
+    mean luminance Ev/π to the luminance of the task [cd/m²].
 
     >>> window = {"window": 3000.0, "window_solid_angle": 0.5, "average": 600.0}
     >>> round(pgsv(**window, illuminance=1900.0, task=200.0), 2)

@@ -2,8 +2,10 @@
 
 import numpy as np
 
+from clerestory.checks import require
 from clerestory.constants import LUMINOUS_EFFICACY
 from clerestory.errors import InputError
+from clerestory.image.denoise import is_denoised
 from clerestory.image.picture import Picture
 from clerestory.scene.view import View
 
@@ -25,28 +27,26 @@ _CLIPPED, _WHITE = 1e-3, 5e-3
 def check_photometry(picture: Picture, view: View, *, trust: bool) -> None:
     """Raise `InputError` for a picture that cannot be evaluated.
 
-    With `trust`, projection and photometric scale are not checked.
+    With `trust`, projection, photometric scale and denoising are not checked.
     """
-    if picture.quantity != "radiance":
-        raise InputError(
-            f"a picture of {picture.quantity}; a picture of radiance expected"
-        )
-    lowest = float(picture.radiance.min())
-    if lowest < 0:
-        row, column = np.argwhere(picture.radiance == lowest)[0][:2]
-        raise InputError(
-            f"the pixel in row {row}, column {column} has the negative radiance"
-            f" {lowest:g}; 0 or more expected"
-        )
-    highest = float(picture.radiance.max())
-    if highest > _LARGEST:
-        row, column = np.argwhere(picture.radiance == highest)[0][:2]
-        raise InputError(
-            f"the pixel in row {row}, column {column} has the radiance {highest:g};"
-            f" less than {_LARGEST:g} expected (the sun has 1e7)"
-        )
+    require(
+        picture.quantity == "radiance",
+        f"a picture of {picture.quantity}; a picture of radiance expected",
+    )
+    lowest, highest = float(picture.radiance.min()), float(picture.radiance.max())
+    for value, valid in ((lowest, lowest >= 0), (highest, highest <= _LARGEST)):
+        if not valid:
+            row, column = np.argwhere(picture.radiance == value)[0][:2]
+            raise InputError(
+                f"the pixel in row {row}, column {column} has the radiance {value:g}; 0"
+                f" to {_LARGEST:g} W/(m²·sr) expected (the sun has 1e7)"
+            )
     if trust:
         return
+    require(
+        not is_denoised(picture),
+        "the picture is denoised, with unknown errors; the traced picture expected",
+    )
     _check_shape(picture, view)
     luminance = picture.luminance()
     _check_corners(luminance, view)
@@ -54,18 +54,18 @@ def check_photometry(picture: Picture, view: View, *, trust: bool) -> None:
 
 
 def _check_shape(picture: Picture, view: View) -> None:
-    if abs(picture.pixel_aspect - 1) > _ASPECT:
-        raise InputError(
-            f"pixels {picture.pixel_aspect:g} times as high as wide; square pixels"
-            " expected"
-        )
+    require(
+        abs(picture.pixel_aspect - 1) <= _ASPECT,
+        f"pixels are {picture.pixel_aspect:g} times as high as wide; square pixels"
+        " expected",
+    )
     expected = view.aspect() * picture.columns
-    if abs(picture.rows / expected - 1) > max(_ASPECT, 1.5 / expected):
-        raise InputError(
-            f"{picture.columns} × {picture.rows} pixels for a {view.kind} view of"
-            f" {view.horizontal:g}° × {view.vertical:g}°;"
-            f" {expected:.0f} rows or another view expected"
-        )
+    require(
+        abs(picture.rows / expected - 1) <= max(_ASPECT, 1.5 / expected),
+        f"{picture.columns} × {picture.rows} pixels for the {view.kind} view of"
+        f" {view.horizontal:g}° × {view.vertical:g}°; {expected:.0f} rows or another"
+        " view expected",
+    )
 
 
 def _check_corners(luminance: np.ndarray, view: View) -> None:
@@ -88,8 +88,8 @@ def _check_scale(luminance: np.ndarray) -> None:
     top = float(luminance.max())
     clipped = float((luminance >= top * (1 - 1e-6)).mean())
     white = abs(top / LUMINOUS_EFFICACY - 1) < _WHITE
-    if white and _CLIPPED < clipped < 1 - _CLIPPED:
-        raise InputError(
-            f"{clipped:.1%} of the pixels have the largest value of {top:.4g} cd/m²: a"
-            " photograph without photometric scale; luminances expected"
-        )
+    require(
+        not (white and _CLIPPED < clipped < 1 - _CLIPPED),
+        f"{clipped:.1%} of the pixels have the largest value of {top:.4g} cd/m²: a"
+        " photograph without photometric scale; luminances expected",
+    )

@@ -1,23 +1,20 @@
 """Glare evaluation of picture files, with the options of evalglare."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from clerestory.errors import InputError
+from clerestory.checks import require
 from clerestory.glare.annual_glare import annual_glare
-from clerestory.glare.check_picture import Colour, check_picture
-from clerestory.glare.cropped_picture import SeenRows, fill_cut
 from clerestory.glare.detection_criteria import (
     LARGEST_FACTOR,
     SourceRules,
     Threshold,
     Zone,
 )
-from clerestory.glare.dgp import EVALGLARE, DgpCoefficients
 from clerestory.glare.evalglare_options import (
     Circle,
     EvalglareOptions,
@@ -25,20 +22,18 @@ from clerestory.glare.evalglare_options import (
     RegionOptions,
     SourceOptions,
 )
-from clerestory.glare.evaluate import eye_of, summarise
+from clerestory.glare.evaluate import Evaluation, SeenRows, evaluate_picture, eye_of
 from clerestory.glare.field_of_view import FieldOfView
 from clerestory.glare.glare_view import GlareView
-from clerestory.glare.pgsv import contrast_pgsv, pgsv, saturation_pgsv
-from clerestory.glare.region_statistics import (
+from clerestory.glare.index_settings import EVALGLARE, DgpCoefficients, IndexSettings
+from clerestory.glare.luminance_statistics import (
     MASK_LUMINANCE,
     RegionStatistics,
     band,
     region_statistics,
 )
-from clerestory.glare.result import Glare
-from clerestory.glare.sources import Members, find_sources, in_zone
+from clerestory.glare.position_index import PositionModel
 from clerestory.glare.zones import Zones
-from clerestory.image.picture import Picture
 from clerestory.image.picture_files import read_picture
 from clerestory.progress import Progress
 from clerestory.radiance.view_text import parse_view, read_view
@@ -58,83 +53,26 @@ _FIELDS: dict[str | None, FieldOfView | None] = {
 }
 
 
-@dataclass(frozen=True, eq=False)
-class Evaluation:
-    """Glare evaluation of one picture.
-
-    Attributes
-    ----------
-    picture : evaluated picture
-    luminance : luminance of the pixels [cd/m²]
-    eye : pixel quantities of the view
-    members : pixels of the glare sources
-    result : glare sources and indices
-    regions : luminance statistics of the requested regions, by name
-    task : task zone
-    """
-
-    picture: Picture
-    luminance: np.ndarray
-    eye: GlareView
-    members: Members
-    result: Glare
-    regions: dict[str, RegionStatistics]
-    task: Zone | None
-
-    def check_picture(
-        self, *, colour: Colour | None = None, show_task: bool = False
-    ) -> Picture:
-        """Return the picture with coloured sources and optionally a blue task zone."""
-        blue = in_zone(self.eye, self.task) if show_task and self.task else None
-        return check_picture(self.picture, self.members, colour=colour, task=blue)
-
-    def window_votes(self) -> dict[str, float]:
-        """Return the predicted glare sensation votes of the window in the mask."""
-        if "mask" not in self.regions:
-            return {}
-        window = self.regions["mask"]
-        common = {
-            "window": window.average,
-            "window_solid_angle": window.solid_angle,
-            "average": self.result.average,
-        }
-        level = self.result.illuminance
-        return {
-            "pgsv_con": contrast_pgsv(**common),
-            "pgsv_sat": saturation_pgsv(level),
-            "pgsv": pgsv(**common, illuminance=level, task=self.result.reference),
-        }
-
-
 def evaluate_file(
     file: str | Path, options: EvalglareOptions | None = None
 ) -> Evaluation:
     """Return the glare evaluation of a picture file."""
     options = options or EvalglareOptions()
     picture = read_picture(file)
-    eye = eye_of(
-        picture,
-        view=_view(options),
-        position_model="kim" if options.indices.position == "1" else "guth",
-        trust=options.trust,
-    )
-    luminance = picture.luminance()
-    rows = _rows_in_picture(options.indices, picture.rows)
-    if rows is not None:
-        luminance = fill_cut(luminance, eye, rows)
-    rules = _rules(options.sources, picture.rows)
+    model: PositionModel = "kim" if options.indices.position == "1" else "guth"
+    view = _view(options)
+    eye = eye_of(picture, view=view, position_model=model, trust=options.trust)
     zones = _zones(options.regions, picture.rows)
-    members = find_sources(luminance, eye, rules)
-    result = summarise(
-        luminance,
+    found = evaluate_picture(
+        picture,
+        _rules(options.sources, picture.rows),
+        _settings(options.indices),
         eye,
-        members,
-        rules=rules,
         zones=zones,
-        **_index_keywords(options.indices),
+        seen=_rows_in_picture(options.indices, picture.rows),
     )
-    regions = _regions(luminance, eye, options.regions, zones)
-    return Evaluation(picture, luminance, eye, members, result, regions, rules.task)
+    regions = _regions(found.luminance, eye, options.regions, zones)
+    return replace(found, regions=regions)
 
 
 def annual_glare_of_files(
@@ -143,19 +81,13 @@ def annual_glare_of_files(
     *,
     progress: Progress | None = None,
 ) -> "xr.Dataset":
-    """Return the glare indices of picture files of one view, one file per time step.
-
-    Raises
-    ------
-    InputError : an option applies to single pictures only, or pictures differ in size
-    """
+    """Return the glare indices of picture files of one view, one file per time step."""
     options = options or EvalglareOptions()
-    keywords = _index_keywords(options.indices)
-    given, age = keywords.pop("given_illuminance"), keywords.pop("age")
-    if age is not None or given is not None:
-        raise InputError(
-            "--age or --illuminance with several pictures; a single picture expected"
-        )
+    settings = _settings(options.indices)
+    require(
+        settings.age is None and settings.given_illuminance is None,
+        "--age or --illuminance with several pictures; a single picture expected",
+    )
     first = read_picture(files[0])
     view = eye_of(first, view=_view(options), trust=options.trust).view
 
@@ -165,8 +97,14 @@ def annual_glare_of_files(
             if progress is not None:
                 progress((done + 1) / len(files), str(file))
 
-    rules = _rules(options.sources, first.rows)
-    return annual_glare(luminances(), view, rules=rules, **keywords)
+    return annual_glare(
+        luminances(),
+        view,
+        rules=_rules(options.sources, first.rows),
+        background=settings.background,
+        low_light=settings.low_light,
+        coefficients=settings.coefficients,
+    )
 
 
 def _view(options: EvalglareOptions) -> View | None:
@@ -205,30 +143,26 @@ def _rows_in_picture(options: IndexOptions, rows: int) -> SeenRows | None:
     if options.fill is None:
         return None
     _, above, below = options.fill
-    if not -1 < below < above - 1 < rows:
-        raise InputError(
-            f"extrapolated above row {above} and below row {below}, of {rows} rows;"
-            " captured rows between them expected"
-        )
+    require(
+        -1 < below < above - 1 < rows,
+        f"extrapolated above row {above} and below row {below}, of {rows} rows;"
+        " captured rows between them expected",
+    )
     return SeenRows(first=rows - above, last=rows - 2 - below)
 
 
-def _index_keywords(options: IndexOptions) -> dict[str, Any]:
-    # Keyword arguments of `summarise`
-    return {
-        "given_illuminance": options.fill[0] if options.fill else options.illuminance,
-        "background": options.background,
-        "low_light": options.correction == "l+",
-        "age": options.age,
-        "coefficients": _coefficients(options),
-    }
-
-
-def _coefficients(options: IndexOptions) -> DgpCoefficients:
-    if options.weights is None:
-        return EVALGLARE
-    a1, a2, a3, a4, a5, c1, c2, c3 = options.weights
-    return DgpCoefficients(c1=c1, c2=c2, c3=c3, a1=a1, a2=a2, a3=a3, a4=a4, a5=a5)
+def _settings(options: IndexOptions) -> IndexSettings:
+    weights = EVALGLARE
+    if options.weights is not None:
+        *powers, c1, c2, c3 = options.weights
+        weights = DgpCoefficients(c1, c2, c3, *powers)
+    return IndexSettings(
+        options.background,
+        options.fill[0] if options.fill else options.illuminance,
+        low_light=options.correction == "l+",
+        age=options.age,
+        coefficients=weights,
+    )
 
 
 def _zone(circle: Circle, rows: int) -> Zone:
@@ -266,11 +200,10 @@ def _regions(
 
 def _mask(file: Path, eye: GlareView) -> np.ndarray:
     bright = read_picture(file).luminance()
-    if bright.shape != eye.shape:
-        raise InputError(
-            f"a mask of {bright.shape[1]} × {bright.shape[0]} pixels; the size of the"
-            f" picture, {eye.shape[1]} × {eye.shape[0]}, expected",
-            file=file,
-        )
-    marked: np.ndarray = bright > MASK_LUMINANCE
-    return marked
+    require(
+        bright.shape == eye.shape,
+        f"a mask of {bright.shape[1]} × {bright.shape[0]} pixels; the size of the"
+        f" picture, {eye.shape[1]} × {eye.shape[0]}, expected",
+        file=file,
+    )
+    return np.asarray(bright > MASK_LUMINANCE)

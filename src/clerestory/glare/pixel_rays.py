@@ -1,45 +1,43 @@
-"""Pixel directions with the rounding of Radiance.
+"""Directions and solid angles of pixels, with the rounding of Radiance and evalglare.
 
 `View.rays` gives the same directions with different rounding. Rounding matters because
 evalglare does not search the row of a pixel whose direction has a squared length above
-one. The projections are those of image.c, in the order of operations of the compiled
-Radiance programs.
+one, and merges sources by exact comparison of solid angles. The projections are those
+of image.c, in the order of operations of the compiled Radiance programs.
+
+Pixel corners are joined by great circles, and a pixel with a corner outside of the
+projection has zero solid angle; exact solid angles are in `scene.view.solid_angles`.
 """
 
 import math
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 
+from clerestory.array_types import Image, ImageMask
 from clerestory.scene.projection import TINY, Kind
 from clerestory.scene.view import View
 
+_Vectors = tuple[np.ndarray, np.ndarray, np.ndarray]
+
 
 class PixelRays(NamedTuple):
-    """Directions of pixel centres or of other points in a picture.
+    """Unit vectors towards points of a picture; zero outside of the projection.
 
-    Attributes
-    ----------
-    direction : unit vectors; zero outside of the projection
-    covered : whether points are within the projection
-    up : vertical coordinate, positive above the line of sight
+    `covered` tells whether points are within the projection; `up` is the vertical
+    coordinate, positive above the line of sight.
     """
 
     direction: Float[np.ndarray, "row column 3"]
-    covered: Bool[np.ndarray, "row column"]
-    up: Float[np.ndarray, "row column"]
+    covered: ImageMask
+    up: Image
 
 
 def pixel_rays(
     view: View, columns: int, rows: int, some: slice | None = None
 ) -> PixelRays:
-    """Return the directions of pixel centres.
-
-    Parameters
-    ----------
-    columns, rows : size of the picture [pixels]
-    some : slice of rows, from the top; default: all rows
+    """Return the directions of the pixel centres in some rows, or in all.
 
     >>> rays = pixel_rays(View(kind="angular", horizontal=180, vertical=180), 3, 3)
     >>> rays.direction[1, 1].tolist()
@@ -53,12 +51,7 @@ def pixel_rays(
 def directions(
     view: View, x: Float[np.ndarray, " column"], y: Float[np.ndarray, " row"]
 ) -> PixelRays:
-    """Return the directions of a grid of points in the picture.
-
-    Parameters
-    ----------
-    x, y : picture coordinates, 0 to 1 from the left and from below
-    """
+    """Return the directions of a grid of points, from 0 to 1 across the picture."""
     across, high = np.meshgrid(x - 0.5 + view.shift, y - 0.5 + view.lift)
     right, up = _screen(view)
     size = view.horizontal, view.vertical
@@ -79,8 +72,7 @@ def directions(
 
 def _square(direction: np.ndarray) -> np.ndarray:
     x, y, z = np.moveaxis(direction, -1, 0)
-    square: np.ndarray = x * x + (z * z + y * y)
-    return square
+    return np.asarray(x * x + (z * z + y * y))
 
 
 def _inverse_length(square: np.ndarray) -> np.ndarray:
@@ -89,21 +81,11 @@ def _inverse_length(square: np.ndarray) -> np.ndarray:
     return np.where(near, 2 - (0.5 + 0.5 * square), 1 / np.sqrt(square))
 
 
-def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    return np.array(
-        [
-            a[1] * b[2] - a[2] * b[1],
-            a[2] * b[0] - a[0] * b[2],
-            a[0] * b[1] - a[1] * b[0],
-        ]
-    )
-
-
 def _screen(view: View) -> tuple[np.ndarray, np.ndarray]:
     # Vectors along the width and the height of the picture
-    right = _cross(view.direction, view.up)
+    right = np.cross(view.direction, view.up)
     right = right * _inverse_length(_square(right))
-    up = _cross(right, view.direction)
+    up = np.cross(right, view.direction)
     width, height = _sizes(view.kind, view.horizontal, view.vertical)
     return right * width, up * height
 
@@ -156,3 +138,62 @@ def _plane(
 def _planisphere_size(angle: float) -> float:
     half = angle * (math.pi / 360)
     return 2 * math.sin(half) / (1 + math.cos(half))
+
+
+def quadrilaterals(
+    view: View, columns: int, rows: int, some: slice | None = None
+) -> Image:
+    """Return the solid angles of the pixels of a picture [sr].
+
+    >>> view = View(kind="angular", horizontal=180, vertical=180)
+    >>> float(quadrilaterals(view, 100, 100)[50, 50].round(8))
+    0.00098696
+    """
+    left, right = _sides(columns)
+    under, over = _sides(rows)
+    # evalglare mirrors the picture vertically, which affects rounding only
+    mirrored = view.lift == 0
+    low, high = (under, over) if mirrored else (under[::-1], over[::-1])
+    if some is not None:
+        low, high = low[some], high[some]
+    x, columns_of = np.unique(np.concatenate([left, right]), return_inverse=True)
+    y, rows_of = np.unique(np.concatenate([low, high]), return_inverse=True)
+    grid = directions(view, x, y)
+    return _angles(grid, rows_of.reshape(2, -1), columns_of.reshape(2, -1))
+
+
+def _angles(grid: PixelRays, rows_of: np.ndarray, columns_of: np.ndarray) -> np.ndarray:
+    corners, whole = [], np.ones((rows_of.shape[1], columns_of.shape[1]), dtype=bool)
+    planes = np.ascontiguousarray(np.moveaxis(grid.direction, -1, 0))
+    for row, column in ((0, 0), (1, 0), (1, 1), (0, 1)):
+        x, y, z = planes[:, rows_of[row]].take(columns_of[column], axis=2)
+        corners.append((x, y, z))
+        whole &= grid.covered[rows_of[row]].take(columns_of[column], axis=1)
+    sides = [_great_circle(corners[i], corners[(i + 1) % 4]) for i in range(4)]
+    turns = [
+        np.arccos(np.clip(_dot(sides[i], sides[(i + 1) % 4]), -1, 1)) for i in range(4)
+    ]
+    angle = ((4 * np.pi - (turns[1] + turns[0])) - (turns[3] + turns[2])) - 2 * np.pi
+    return np.where(whole & (angle > 0), angle, 0)
+
+
+def _sides(count: int) -> tuple[np.ndarray, np.ndarray]:
+    # Lower and upper edge of each pixel, 0 to 1 over the picture
+    half = 0.5 / count
+    begin = (np.arange(count) + 0.5) / count - half
+    return begin, begin + 2 * half
+
+
+def _great_circle(a: _Vectors, b: _Vectors) -> _Vectors:
+    # Unit normal of the great circle through two corners
+    x, y, z = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+    normal = a[1] * z - a[2] * y, a[2] * x - a[0] * z, a[0] * y - a[1] * x
+    square = normal[0] * normal[0] + (normal[2] * normal[2] + normal[1] * normal[1])
+    with np.errstate(divide="ignore"):
+        scale = _inverse_length(square)
+    scale[square == 0] = 0  # coincident corners
+    return normal[0] * scale, normal[1] * scale, normal[2] * scale
+
+
+def _dot(a: _Vectors, b: _Vectors) -> np.ndarray:
+    return np.asarray((a[0] * b[0] + a[1] * b[1]) + a[2] * b[2])

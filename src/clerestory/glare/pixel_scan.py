@@ -9,14 +9,14 @@ source, the run is added to that source; otherwise it begins a new source.
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Int
+from jaxtyping import Int
 from scipy import ndimage
 
+from clerestory.array_types import ImageMask
 from clerestory.glare.neighbour_search import Neighbourhood, first_found
 
 # Fraction of the search radius within which the search always finds a previous pixel
 _SURE = 0.6
-
 
 _AROUND = np.ones((3, 3), dtype=bool)
 
@@ -25,24 +25,14 @@ _CELLS = 4
 
 
 class ScannedPixels(NamedTuple):
-    """Glare pixels in the order of the scan.
-
-    Attributes
-    ----------
-    row, column : row and column of each pixel
-    island : index of the island of each pixel, see `islands`
-    """
+    """Glare pixels in the order of the scan, with the index of their island."""
 
     row: Int[np.ndarray, " pixel"]
     column: Int[np.ndarray, " pixel"]
     island: Int[np.ndarray, " pixel"]
 
-    def take(self, index: np.ndarray) -> "ScannedPixels":
-        """Return the pixels with the given indices."""
-        return ScannedPixels(*(part[index] for part in self))
 
-
-def scan_order(mask: Bool[np.ndarray, "row column"], reach: int) -> ScannedPixels:
+def scan_order(mask: ImageMask, reach: int) -> ScannedPixels:
     """Return the pixels of a mask column by column, each column from the bottom up."""
     # Restrict the scan to the bounding box of the mask
     used_rows = np.flatnonzero(mask.any(axis=1))
@@ -57,9 +47,7 @@ def scan_order(mask: Bool[np.ndarray, "row column"], reach: int) -> ScannedPixel
     return ScannedPixels(bottom - 1 - up, across + left, islands(turned, reach))
 
 
-def islands(
-    mask: Bool[np.ndarray, "row column"], reach: int
-) -> Int[np.ndarray, " pixel"]:
+def islands(mask: ImageMask, reach: int) -> Int[np.ndarray, " pixel"]:
     """Index, from 0, of the island of each pixel of the mask, in row-major order.
 
     Islands are groups of pixels more than `reach` rows or columns apart, and are
@@ -80,13 +68,12 @@ def islands(
     grown = np.pad(cells, grow)
     grown = ndimage.maximum_filter(grown, size=2 * grow + 1)
     labels, _ = ndimage.label(grown, structure=_AROUND)
-    island: np.ndarray = labels[row + grow, column + grow] - 1
-    return island
+    return np.asarray(labels[row + grow, column + grow] - 1)
 
 
 def first_scan(
     pixels: ScannedPixels,
-    mask: Bool[np.ndarray, "row column"],
+    mask: ImageMask,
     near: Neighbourhood,
     *,
     single: bool,
@@ -104,7 +91,7 @@ def first_scan(
     alone = _may_be_first(row[start], column[start], mask, near)
 
     # An island in which at most one run can begin a source is one source
-    labels = np.zeros((mask.shape[0], mask.shape[1]), dtype=np.int64)
+    labels = np.zeros(mask.shape, dtype=np.int64)
     tips = np.bincount(island[start], weights=alone, minlength=island.max() + 1)
     birth = np.zeros(start.size, dtype=np.int64)  # first run of the source of each run
     for here in np.flatnonzero(tips > 1):
@@ -118,8 +105,7 @@ def first_scan(
     birth[simple] = first_run[island[start][simple]]
 
     _, number = np.unique(birth, return_inverse=True)
-    label: np.ndarray = number[run] + 1
-    return label
+    return np.asarray(number[run] + 1)
 
 
 def _may_be_first(
@@ -135,19 +121,13 @@ def _may_be_first(
 
     def count(top: np.ndarray, bottom: np.ndarray, right: np.ndarray) -> np.ndarray:
         # Number of glare pixels in rows top…bottom − 1 and columns left…right − 1
-        inside: np.ndarray = (
-            total[bottom, right]
-            - total[top, right]
-            - total[bottom, left]
-            + total[top, left]
-        )
-        return inside
+        strip = total[bottom, right] - total[top, right]
+        return np.asarray(strip - total[bottom, left] + total[top, left])
 
     left = np.maximum(column - side, 0)
     above = count(np.maximum(row - side, 0), row, column)
     under = count(row + 1, np.minimum(row + 1 + side, last), column + 1)
-    alone: np.ndarray = (side < 1) | ((above == 0) & (under == 0))
-    return alone
+    return np.asarray((side < 1) | ((above == 0) & (under == 0)))
 
 
 def _scan_runs(

@@ -9,31 +9,27 @@ limit.
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Bool, Float
+
+from clerestory.array_types import Mask, Values
 
 PositionModel = Literal["guth", "kim", "levin"]
 
 # Upper limit of the position index (evalglare)
 LARGEST = 16.0
 
-_Angles = Float[np.ndarray, "*shape"]
-
 
 def position_index(
-    sigma: _Angles,
-    tau: _Angles,
-    below: Bool[np.ndarray, "*shape"],
+    sigma: Values,
+    tau: Values,
+    below: Mask,
     *,
     model: PositionModel = "guth",
-) -> Float[np.ndarray, "*shape"]:
+) -> Values:
     """Position index of directions; 1 on the line of sight, except Kim's.
 
-    Parameters
-    ----------
-    sigma : angle of the source from the line of sight [rad]
-    tau : azimuth of the source around the line of sight, from the upward vertical [rad]
-    below : whether the source is below the line of sight
-    model : "guth" as in evalglare, "kim", or "levin" as in Radiance's glarendx
+    Directions are given by their angle sigma from the line of sight, and their azimuth
+    tau around it from the upward vertical [rad]. Models are "guth" as in evalglare,
+    "kim", and "levin" as in Radiance's glarendx.
 
     Reference: Guth, S. K. (1963): A method for the evaluation of discomfort glare.
     Illuminating Engineering 57. Levin, R. E. (1975): Position index in VCP
@@ -63,8 +59,7 @@ def _guth(sigma: np.ndarray, tau: np.ndarray) -> np.ndarray:
     # Levin's fit, as in the IESNA Lighting Handbook; both angles in degrees
     slope = (35.2 - 0.31889 * tau - 1.22 * np.exp(-2 * tau / 9)) * 1e-3
     bend = (21 + 0.26667 * tau - 0.002963 * tau * tau) * 1e-5
-    result: np.ndarray = np.exp(sigma * (slope + sigma * bend))
-    return result
+    return np.asarray(np.exp(sigma * (slope + sigma * bend)))
 
 
 def _iwata(sigma: np.ndarray, tau: np.ndarray) -> np.ndarray:
@@ -72,13 +67,11 @@ def _iwata(sigma: np.ndarray, tau: np.ndarray) -> np.ndarray:
     # the tangent
     wide = np.sqrt(1 + 0.3225 * np.cos(tau) ** 2)
     beta = np.degrees(np.arctan(np.tan(sigma) * wide))
-    result: np.ndarray = np.exp(6.49e-3 * beta + 21e-5 * beta * beta)
-    return result
+    return np.asarray(np.exp(6.49e-3 * beta + 21e-5 * beta * beta))
 
 
 def _kim(sigma: np.ndarray, tau: np.ndarray) -> np.ndarray:
     cubic = -0.000009 * tau**3
     middle = cubic + 0.0014 * tau**2 + 0.0866 * tau + 21.633
     spread = cubic + 0.0013 * tau**2 + 0.0853 * tau + 8.772
-    result: np.ndarray = np.exp((sigma - middle) / spread)
-    return result
+    return np.asarray(np.exp((sigma - middle) / spread))

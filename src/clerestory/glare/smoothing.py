@@ -1,28 +1,25 @@
 """Smoothing of glare sources: dark pixels surrounded by a source are added to it."""
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Int
 from scipy import fft
+
+from clerestory.array_types import Image, ImageMask
 
 # A dark pixel is added if a larger fraction of the disc around it belongs to the source
 _SHARE = 0.2
 
 
 def surrounded(
-    mine: Bool[np.ndarray, "row column"],
-    solid_angle: Float[np.ndarray, "row column"],
+    mine: ImageMask,
+    solid_angle: Image,
     radius: float,
-) -> Bool[np.ndarray, "row column"]:
+) -> ImageMask:
     """Whether more than a fifth of the disc around each pixel belongs to a source.
 
-    Fractions are of solid angle. As in evalglare, discs that cross the right or upper
-    edge of the picture exclude the rightmost column or the top row.
-
-    Parameters
-    ----------
-    mine : pixels of the source
-    solid_angle : solid angle of each pixel [sr]
-    radius : radius of the disc [pixels]
+    `mine` are the pixels of the source; the radius of the disc is in pixels. Fractions
+    are of solid angle. As in evalglare, discs that cross the right or upper edge of the
+    picture exclude the rightmost column or the top row.
     """
     rows, columns = mine.shape
     reach = int(np.ceil(radius)) + 1
@@ -31,7 +28,6 @@ def surrounded(
     wide_left, wide_right = max(left - reach, 0), min(right + reach, columns)
     wide = np.s_[wide_top:wide_bottom, wide_left:wide_right]
 
-    # Discs that cross the right or upper edge exclude the outermost column or row
     over_right = np.arange(columns) + np.floor(radius) > columns - 1
     over_top = np.arange(rows) - np.floor(radius) < 0
     inside = np.zeros(mine.shape, dtype=bool)
@@ -58,7 +54,7 @@ def _around(weight: np.ndarray, disc: np.ndarray) -> np.ndarray:
     reach = disc.shape[0] // 2
     size = [fft.next_fast_len(n + 2 * reach, real=True) for n in weight.shape]
     product = fft.rfft2(weight, size) * fft.rfft2(disc, size)
-    total: np.ndarray = fft.irfft2(product, size)
+    total = np.asarray(fft.irfft2(product, size))
     return total[reach : reach + rows, reach : reach + columns]
 
 
@@ -76,5 +72,4 @@ def _box(mine: np.ndarray, reach: int) -> tuple[int, int, int, int]:
 def _disc(radius: float) -> Int[np.ndarray, "height width"]:
     reach = int(np.floor(radius))
     line = np.arange(-reach, reach + 1)
-    disc: np.ndarray = (np.hypot(*np.meshgrid(line, line)) <= radius).astype(int)
-    return disc
+    return np.asarray(np.hypot(*np.meshgrid(line, line)) <= radius, dtype=int)

@@ -9,9 +9,10 @@ angle are not merged.
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Int
 from scipy.spatial import cKDTree
 
+from clerestory.array_types import Image
 from clerestory.glare.neighbour_search import Neighbourhood, first_found
 from clerestory.glare.pixel_scan import ScannedPixels
 
@@ -24,7 +25,7 @@ _EDGE = 2
 def merge_sources(
     pixels: ScannedPixels,
     labels: Int[np.ndarray, " pixel"],
-    solid_angle: Float[np.ndarray, "row column"],
+    solid_angle: Image,
     near: Neighbourhood,
     *,
     skip_inner: bool,
@@ -42,10 +43,11 @@ def merge_sources(
     np.maximum.at(highest, pixels.island, labels)
     for island in np.flatnonzero(lowest != highest):
         index = np.flatnonzero(pixels.island == island)
-        some = pixels.take(index)
+        some = ScannedPixels(*(part[index] for part in pixels))
         picture[some.row, some.column] = labels[index]
         state = _Merging(some, labels[index], picture, solid_angle, near, skip_inner)
-        state.run()
+        while state.scan():
+            pass
         merged[index] = picture[some.row, some.column]
     return merged
 
@@ -110,12 +112,8 @@ class _Merging:
             outer |= beside != own
         return outer
 
-    def run(self) -> None:
-        """Repeat scans until no sources are merged."""
-        while self._scan():
-            pass
-
-    def _scan(self) -> bool:
+    def scan(self) -> bool:
+        """Merge sources in the order of the scan; return whether any was merged."""
         changed, last = False, -1
         while True:
             own = self.current[self.labels[self.pixel]]

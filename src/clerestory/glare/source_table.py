@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy.typing import ArrayLike
 
-from clerestory.errors import InputError
+from clerestory.checks import require
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,11 +44,11 @@ class GlareSources:
 
     def __post_init__(self) -> None:
         lengths = {len(getattr(self, field.name)) for field in fields(self)}
-        if len(lengths) > 1:
-            raise InputError(
-                f"columns of glare sources with {sorted(lengths)} values; equal"
-                " numbers expected"
-            )
+        require(
+            len(lengths) == 1,
+            f"columns of glare sources with {sorted(lengths)} values; equal numbers"
+            " expected",
+        )
 
     @classmethod
     def of(
@@ -69,7 +69,7 @@ class GlareSources:
             for values in (luminance, solid_angle, position_index)
         )
         angle = np.zeros(bright.shape) if sigma is None else np.asarray(sigma, float)
-        nothing = np.zeros(bright.size)
+        nothing, none = np.zeros(bright.size), np.zeros(bright.size, dtype=np.int64)
         return cls(
             luminance=bright,
             solid_angle=omega,
@@ -77,10 +77,10 @@ class GlareSources:
             sigma=angle,
             direction=np.zeros((bright.size, 3)),
             illuminance=bright * omega * np.maximum(np.cos(angle), 0),
-            pixels=np.zeros(bright.size, dtype=np.int64),
+            pixels=none,
             row=nothing,
             column=nothing,
-            zone=np.zeros(bright.size, dtype=np.int64),
+            zone=none,
         )
 
     @property
@@ -90,15 +90,12 @@ class GlareSources:
 
     def weight(self) -> Float[np.ndarray, " source"]:
         """L²ω/P² of each source, as summed in UGR, CGI and UGP [cd²/m⁴·sr]."""
-        weight: np.ndarray = (
-            self.luminance / self.position_index
-        ) ** 2 * self.solid_angle
-        return weight
+        apparent = self.luminance / self.position_index
+        return np.asarray(apparent**2 * self.solid_angle)
 
     def guth_solid_angle(self) -> Float[np.ndarray, " source"]:
         """Solid angle of each source divided by squared position index, ω/P² [sr]."""
-        angle: np.ndarray = self.solid_angle / self.position_index**2
-        return angle
+        return np.asarray(self.solid_angle / self.position_index**2)
 
     def average_luminance(self) -> float:
         """Mean luminance of all sources, weighted by solid angle [cd/m²]; 0 if none."""

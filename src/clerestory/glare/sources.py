@@ -9,9 +9,11 @@ import warnings
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Int
 
-from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.array_types import Image
+from clerestory.checks import require
+from clerestory.errors import ClerestoryWarning
 from clerestory.glare.detection_criteria import SourceRules, Zone
 from clerestory.glare.glare_view import GlareView
 from clerestory.glare.neighbour_search import Neighbourhood
@@ -21,8 +23,6 @@ from clerestory.glare.smoothing import surrounded
 from clerestory.glare.source_merging import merge_sources
 from clerestory.glare.source_table import GlareSources
 
-_Luminance = Float[np.ndarray, "row column"]
-
 # Ratio of half the merging angle to the smoothing radius (evalglare)
 _SMOOTHING = 1.75
 
@@ -31,62 +31,47 @@ _FEW_PIXELS = 3.0
 
 
 class Members(NamedTuple):
-    """Pixels of glare sources.
+    """Pixels of glare sources, with the label of their source.
 
-    A pixel that smoothing adds to several sources is listed once per source.
-
-    Attributes
-    ----------
-    label : label of the source of each pixel, from 1; labels of merged sources are
-        unused
-    row, column : row and column of each pixel
+    Labels start at 1; labels of merged sources are unused. A pixel that smoothing adds
+    to several sources is listed once per source.
     """
 
     label: Int[np.ndarray, " member"]
     row: Int[np.ndarray, " member"]
     column: Int[np.ndarray, " member"]
 
-    def __add__(self, other: "Members") -> "Members":  # type: ignore[override]
-        """Concatenate two lists of pixels."""
-        return Members(*(np.concatenate(p) for p in zip(self, other, strict=True)))
 
-
-def threshold_luminance(
-    luminance: _Luminance, eye: GlareView, rules: SourceRules
-) -> float:
+def threshold_luminance(luminance: Image, eye: GlareView, rules: SourceRules) -> float:
     """Luminance above which pixels are glare pixels [cd/m²]."""
     if rules.threshold_kind == "luminance":
         return rules.threshold
     return rules.threshold * reference_luminance(luminance, eye, rules.task)
 
 
-def reference_luminance(
-    luminance: _Luminance, eye: GlareView, task: Zone | None
-) -> float:
+def reference_luminance(luminance: Image, eye: GlareView, task: Zone | None) -> float:
     """Mean luminance of the task, or of the picture without a task [cd/m²]."""
     weight = eye.solid_angle
     if task is not None:
         weight = weight * in_zone(eye, task)
     total = float(weight.sum())
-    if not total > 0:
-        raise InputError("the task has no pixel in view; a larger opening expected")
+    require(total > 0, "the task has no pixel in view; a larger opening expected")
     return float(np.vdot(weight, luminance)) / total
 
 
 def in_zone(eye: GlareView, zone: Zone) -> np.ndarray:
     """Whether each pixel is in a zone."""
     rows, columns = eye.shape
-    if not (0 <= zone.row < rows and 0 <= zone.column < columns):
-        raise InputError(
-            f"zone centre at row {zone.row}, column {zone.column} of a picture of"
-            f" {columns} × {rows} pixels; a pixel of the picture expected"
-        )
-    inside: np.ndarray = 2 * eye.angle_from(zone.row, zone.column) <= zone.opening
-    return inside
+    require(
+        0 <= zone.row < rows and 0 <= zone.column < columns,
+        f"zone centre at row {zone.row}, column {zone.column} of a picture of"
+        f" {columns} × {rows} pixels; a pixel of the picture expected",
+    )
+    return np.asarray(2 * eye.angle_from(zone.row, zone.column) <= zone.opening)
 
 
 def find_sources(
-    luminance: _Luminance,
+    luminance: Image,
     eye: GlareView,
     rules: SourceRules | None = None,
 ) -> Members:
@@ -103,7 +88,6 @@ def find_sources(
     rules = rules or SourceRules()
     level = threshold_luminance(luminance, eye, rules)
     scale = rules.merge_angle / 2 / eye.pixel_angle()
-    coarse = scale < 1
     if scale < _FEW_PIXELS:
         warnings.warn(
             f"merging angle of {scale:.1f} pixels; {_FEW_PIXELS:g} or more pixels"
@@ -122,7 +106,7 @@ def find_sources(
         if scale > 1:
             label = merge_sources(pixels, label, eye.solid_angle, near, skip_inner=True)
     members = Members(label, pixels.row, pixels.column)
-    if coarse:
+    if scale < 1:
         return members
     if rules.smooth:
         members = _smooth(members, mask, eye, scale / _SMOOTHING)
@@ -135,14 +119,14 @@ def _smooth(
     members: Members, mask: np.ndarray, eye: GlareView, radius: float
 ) -> Members:
     dark = eye.valid & ~mask
-    result = members
+    parts = [members]
     for label in np.unique(members.label):
         mine = np.zeros(eye.shape, dtype=bool)
         one = members.label == label
         mine[members.row[one], members.column[one]] = True
         row, column = np.nonzero(surrounded(mine, eye.solid_angle, radius) & dark)
-        result = result + Members(np.full(row.size, label), row, column)
-    return result
+        parts.append(Members(np.full(row.size, label), row, column))
+    return Members(*map(np.concatenate, zip(*parts, strict=True)))
 
 
 def _split(
@@ -172,7 +156,7 @@ def _split(
 
 def tabulate(
     members: Members,
-    luminance: Float[np.ndarray, "row column"],
+    luminance: Image,
     eye: GlareView,
     *,
     zone: Int[np.ndarray, " label"] | None = None,
@@ -187,8 +171,7 @@ def tabulate(
     used = np.flatnonzero(pixels)
 
     def total(values: np.ndarray) -> np.ndarray:
-        sums: np.ndarray = np.bincount(label, weights=values)[used].astype(float)
-        return sums
+        return np.asarray(np.bincount(label, weights=values)[used], dtype=float)
 
     solid_angle, power = total(omega), total(flux)
     # Centre of each source, weighted by luminance; the pixel at the centre defines

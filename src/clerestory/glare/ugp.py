@@ -9,10 +9,6 @@ from clerestory.glare.source_table import GlareSources
 def ugp(sources: GlareSources, *, background: float) -> float:
     """Unified glare probability: fraction of disturbed occupants; 0 without sources.
 
-    Parameters
-    ----------
-    background : background luminance [cd/m²]
-
     Reference: Hirning, M. B., Isoardi, G. L. and Cowling, I. (2014): Discomfort glare
     in open plan green buildings. Energy and Buildings 70.
 

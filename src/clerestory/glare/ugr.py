@@ -9,11 +9,7 @@ from clerestory.glare.source_table import GlareSources
 def ugr(sources: GlareSources, *, background: float) -> float:
     """Unified glare rating: 10 imperceptible, 19 limit for offices, 28 intolerable.
 
-    The rating is 0 without sources and NaN for a background luminance of 0.
-
-    Parameters
-    ----------
-    background : background luminance [cd/m²]
+    The rating is 0 without sources and NaN for a background luminance of 0 cd/m².
 
     Reference: CIE 117-1995: Discomfort glare in interior lighting.
 
@@ -30,12 +26,7 @@ def ugr(sources: GlareSources, *, background: float) -> float:
 def experimental_ugr(
     sources: GlareSources, *, average: float, background: float
 ) -> float:
-    """UGR with L² of each source replaced by L times the mean luminance Ev/π.
-
-    Parameters
-    ----------
-    average : mean luminance of the field of view, Ev/π [cd/m²]
-    background : background luminance [cd/m²]
+    """UGR with L² of each source replaced by L times the mean luminance Ev/π [cd/m²].
 
     Reference: Fisekis, K. et al. (2003): Prediction of discomfort glare from windows.
     Lighting Research and Technology 35(4).
@@ -58,7 +49,6 @@ UGR = GlareIndex(
     reference="CIE 117-1995; thresholds: Jakubiec and Reinhart 2012",
     thresholds=(13.0, 22.0, 28.0),
     column="ugr",
-    in_short_line=True,
 )
 EXPERIMENTAL_UGR = GlareIndex(
     name="experimental_ugr",

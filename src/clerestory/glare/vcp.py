@@ -12,9 +12,7 @@ _LARGEST_RATING, _SMALLEST_RATING = 750.0, 20.0
 def dgr(sources: GlareSources, *, average: float) -> float:
     """Guth's discomfort glare rating; 0 without sources.
 
-    Parameters
-    ----------
-    average : mean luminance of the field of view [cd/m²]
+    `average` is the mean luminance of the field of view [cd/m²].
 
     Reference: Guth, S. K. (1963): A method for the evaluation of discomfort glare.
     Illuminating Engineering 57. IESNA Lighting Handbook, 9th edition, chapter 9.
@@ -64,5 +62,4 @@ VCP = GlareIndex(
     glare_increases=False,
     unit="%",
     column="vcp",
-    in_short_line=True,
 )

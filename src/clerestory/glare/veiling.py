@@ -28,8 +28,7 @@ def veiling_luminance(sources: GlareSources) -> Float[np.ndarray, " source"]:
     [9.85]
     """
     degrees = np.degrees(sources.sigma)
-    veil: np.ndarray = 10 * sources.illuminance / (degrees**2 + _TINY)
-    return veil
+    return np.asarray(10 * sources.illuminance / (degrees**2 + _TINY))
 
 
 def poynter_veiling_luminance(sources: GlareSources) -> float:
@@ -52,7 +51,6 @@ POYNTER_VEILING_LUMINANCE = Quantity(
     formula=lambda eye: poynter_veiling_luminance(eye.sources),
     unit="cd/m2",
     column="Lveil",
-    in_short_line=True,
 )
 CIE_VEILING_LUMINANCE = Quantity(
     name="cie_veiling_luminance",

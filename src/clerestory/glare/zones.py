@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Int
 
-from clerestory.errors import InputError
+from clerestory.checks import require
 from clerestory.glare.detection_criteria import Zone
 from clerestory.glare.glare_view import GlareView
 from clerestory.glare.sources import Members, in_zone
@@ -13,26 +13,21 @@ from clerestory.glare.sources import Members, in_zone
 
 @dataclass(frozen=True)
 class Zones:
-    """Zones within one circle or two concentric circles.
+    """Zone 1 within a circle, and zone 2, the ring up to an outer opening angle [rad].
 
-    Attributes
-    ----------
-    inner : zone 1, the inner circle
-    outer_opening : outer opening angle of zone 2, the ring around zone 1 [rad]; None
-        for a single circle
+    Without `outer_opening` there is a single zone.
     """
 
     inner: Zone
     outer_opening: float | None = None
 
     def __post_init__(self) -> None:
-        outer = self.outer_opening
-        if outer is not None and not outer > self.inner.opening:
-            raise InputError(
-                f"outer opening angle {outer:g} rad; more than the inner opening"
-                " angle of"
-                f" {self.inner.opening:g} rad expected"
-            )
+        inner, outer = self.inner.opening, self.outer_opening
+        require(
+            outer is None or outer > inner,
+            f"the outer opening angle is {outer} rad; more than the inner one of"
+            f" {inner:g} rad expected",
+        )
 
     def of_pixels(self, eye: GlareView) -> Int[np.ndarray, "row column"]:
         """Zone number of each pixel: 1 inner circle, 2 ring, 0 elsewhere."""
@@ -50,11 +45,8 @@ def cut_along(
     """Divide glare sources along the borders of zones.
 
     The part of a source in a zone becomes a new source. New labels follow all existing
-    labels, in the order of the scan.
-
-    Returns
-    -------
-    source pixels with new labels, and zone number of each label
+    labels, in the order of the scan. The second result is the zone number of each
+    label.
     """
     label, row, column = members
     where = zone[row, column]

@@ -23,23 +23,23 @@ Layers and gaps are listed from outdoors to indoors. File paths are relative to 
 TOML file.
 """
 
-import math
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Literal, final
+from typing import Annotated, final
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field
 
-from clerestory.errors import InputError
-from clerestory.files import read_text
+from clerestory.documents import Positive, read_toml
+from clerestory.errors import InputError, located
 from clerestory.glazing.layer import Diffuser, Layer
 from clerestory.glazing.layer_files import read_layer, read_pane
-from clerestory.glazing.pane import Pane
-from clerestory.glazing.screen import PerforatedScreen, WovenShade
-from clerestory.glazing.slat_cell import SlatGeometry
-from clerestory.glazing.venetian import VenetianBlind
+from clerestory.glazing.shade_parameters import (
+    GlazingTable,
+    HoleParameters,
+    SlatParameters,
+    ThreadParameters,
+)
 
 GASES = ("air", "argon", "krypton", "xenon")
 
@@ -139,150 +139,52 @@ def read_system(path: str | Path) -> GlazingSystem:
     ------
     InputError : not TOML, unknown or missing keys, files that cannot be read
     """
-    try:
-        plan = _Plan.model_validate(tomllib.loads(read_text(path)))
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError(f"not TOML: {error}", file=path) from error
-    except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(
-            str(part + 1) if isinstance(part, int) else part for part in first["loc"]
-        )
-        what = (
-            "unknown key"
-            if first["type"] == "extra_forbidden"
-            else first["msg"][0].lower() + first["msg"][1:]
-        )
-        raise InputError(f"{where}: {what}", file=path) from error
-    folder = Path(path).parent
-    layers = [
-        _layer(row, folder, path, number) for number, row in enumerate(plan.layer, 1)
-    ]
-    try:
-        gaps = tuple(
+    plan = read_toml(path, _Plan)
+    folder, layers = Path(path).parent, []
+    for number, row in enumerate(plan.layer, 1):
+        with located(file=path, subject=f"layer {number}"):
+            layers.append(_layer(row, folder))
+    with located(file=path):
+        gaps = [
             Gap(row.thickness_mm * _MILLIMETRE, row.gases, row.pressure_pa)
             for row in plan.gap
-        )
-        if not gaps and len(layers) > 1:
-            gaps = (Gap(_DEFAULT_GAP),) * (len(layers) - 1)
-        return GlazingSystem(plan.name or Path(path).stem, tuple(layers), gaps)
-    except InputError as error:
-        raise InputError(error.message, file=path) from error
+        ] or [Gap(_DEFAULT_GAP)] * (len(layers) - 1)
+        return GlazingSystem(plan.name or Path(path).stem, tuple(layers), tuple(gaps))
 
 
-_Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-
-
-class _Strict(BaseModel):
-    model_config = ConfigDict(extra="forbid")
-
-
-class _Slats(_Strict):
-    material: Path
-    width_mm: _Positive
-    spacing_mm: _Positive
-    tilt_deg: Annotated[float, Field(ge=-90, le=90)] = 0.0
-    curvature_radius_mm: Annotated[float, Field(allow_inf_nan=False)] = 0.0
-    segments: int = 5
-    vertical: bool = False
-    distribution: Literal["directional", "uniform"] = "directional"
-
-
-class _Woven(_Strict):
-    material: Path
-    thread_diameter_mm: _Positive
-    thread_spacing_mm: _Positive
-
-
-class _Perforated(_Strict):
-    material: Path
-    shape: Literal["circular", "rectangular"] = "circular"
-    spacing_mm: tuple[_Positive, _Positive]
-    radius_mm: _Positive | None = None
-    size_mm: tuple[_Positive, _Positive] | None = None
-
-
-class _Row(_Strict):
+class _Row(GlazingTable):
     file: Path | None = None
-    venetian: _Slats | None = None
-    woven: _Woven | None = None
-    perforated: _Perforated | None = None
+    venetian: SlatParameters | None = None
+    woven: ThreadParameters | None = None
+    perforated: HoleParameters | None = None
     diffuser: Path | None = None
     flipped: bool = False
 
 
-class _Space(_Strict):
-    thickness_mm: _Positive
-    gases: dict[str, float] = {"air": 1.0}
-    pressure_pa: _Positive = ATMOSPHERE
+class _Space(GlazingTable):
+    thickness_mm: Positive
+    gases: dict[str, float] = Field(default_factory=lambda: {"air": 1.0})
+    pressure_pa: Positive = ATMOSPHERE
 
 
-class _Plan(_Strict):
+class _Plan(GlazingTable):
     name: str = ""
     layer: Annotated[list[_Row], Field(min_length=1)]
-    gap: list[_Space] = []
+    gap: tuple[_Space, ...] = ()
 
 
-def _layer(row: _Row, folder: Path, path: str | Path, number: int) -> Layer:
-    kinds = [
-        k
-        for k in ("file", "venetian", "woven", "perforated", "diffuser")
-        if getattr(row, k)
-    ]
+def _layer(row: _Row, folder: Path) -> Layer:
+    kinds = row.model_fields_set - {"flipped"}
     if len(kinds) != 1:
         raise InputError(
-            f"layer {number} is {' and '.join(kinds) or 'undefined'}; one of file,"
-            " venetian, woven, perforated or diffuser expected",
-            file=path,
+            f"{' and '.join(sorted(kinds)) or 'nothing'} defined; one of file,"
+            " venetian, woven, perforated or diffuser expected"
         )
-    try:
-        layer = _made(row, folder)
-    except InputError as error:
-        if error.file is not None:
-            raise
-        raise InputError(f"layer {number}: {error.message}", file=path) from error
+    shade = row.venetian or row.woven or row.perforated
+    if shade is not None:
+        layer = shade.layer(read_pane(folder / shade.material))
+    elif row.diffuser is not None:
+        layer = Diffuser(read_pane(folder / row.diffuser))
+    else:
+        layer = read_layer(folder / (row.file or ""))
     return layer.flipped() if row.flipped else layer
-
-
-def _made(row: _Row, folder: Path) -> Layer:
-    if row.file is not None:
-        return read_layer(folder / row.file)
-    if row.diffuser is not None:
-        return Diffuser(read_pane(folder / row.diffuser))
-    if row.venetian is not None:
-        plan = row.venetian
-        slats = SlatGeometry(
-            width=plan.width_mm * _MILLIMETRE,
-            spacing=plan.spacing_mm * _MILLIMETRE,
-            tilt=math.radians(plan.tilt_deg),
-            curvature_radius=plan.curvature_radius_mm * _MILLIMETRE,
-            segments=plan.segments,
-        )
-        return VenetianBlind(
-            read_pane(folder / plan.material),
-            slats,
-            distribution=plan.distribution,
-            vertical=plan.vertical,
-        )
-    if row.woven is not None:
-        return WovenShade(
-            read_pane(folder / row.woven.material),
-            thread_diameter=row.woven.thread_diameter_mm * _MILLIMETRE,
-            thread_spacing=row.woven.thread_spacing_mm * _MILLIMETRE,
-        )
-    assert row.perforated is not None  # checked by the caller
-    return _screen(row.perforated, read_pane(folder / row.perforated.material))
-
-
-def _screen(plan: _Perforated, material: Pane) -> PerforatedScreen:
-    wanted = plan.radius_mm if plan.shape == "circular" else plan.size_mm
-    if wanted is None:
-        key = "radius_mm" if plan.shape == "circular" else "size_mm"
-        raise InputError(f"{plan.shape} perforations require the key {key}")
-    size = (wanted, wanted) if isinstance(wanted, float) else wanted
-    return PerforatedScreen(
-        material,
-        plan.shape,
-        (plan.spacing_mm[0] * _MILLIMETRE, plan.spacing_mm[1] * _MILLIMETRE),
-        (size[0] * _MILLIMETRE, size[1] * _MILLIMETRE),
-    )

@@ -12,9 +12,8 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.errors import InputError
+from clerestory.errors import InputError, located
 from clerestory.files import read_text
-from clerestory.glazing.igsdb import warn_of_excess
 from clerestory.glazing.optics import Optics
 from clerestory.glazing.pane import GLASS_CONDUCTIVITY, GLASS_EMISSIVITY, Pane
 from clerestory.spectra import wavelength_unit_nm
@@ -40,13 +39,8 @@ def read_optics_file(path: str | Path) -> Pane:
             "no rows of wavelength and optical properties; at least one expected",
             file=path,
         )
-    table = np.array(rows)
-    try:
-        pane = _pane(table, header, path)
-    except InputError as error:
-        raise InputError(error.message, file=path) from error
-    warn_of_excess(pane)
-    return pane
+    with located(file=path):
+        return _pane(np.array(rows), header, path)
 
 
 def _note(inside: str, after: str, header: dict[str, str]) -> None:

@@ -17,7 +17,7 @@ documentation, angle bases.
 import numpy as np
 from jaxtyping import Float, Int
 
-from clerestory.errors import InputError
+from clerestory.checks import one_of
 from clerestory.hemisphere.partition import RingPartition
 
 _RINGS: dict[str, tuple[tuple[float, ...], tuple[int, ...]]] = {
@@ -43,16 +43,10 @@ def klems(basis: str = "full") -> RingPartition:
     >>> lam.size, round(float(lam.sum()), 12)
     (145, 3.14159265359)
     """
-    if basis not in _RINGS:
-        raise InputError(
-            f"unknown Klems basis {basis!r}; one of {', '.join(_RINGS)} expected"
-        )
-    limits_deg, count = _RINGS[basis]
-    return from_rings(
-        f"LBNL/Klems {basis.capitalize()}",
-        limits_deg=np.array(limits_deg, dtype=float),
-        count=np.array(count),
-    )
+    one_of(basis, "Klems basis", choices=_RINGS)
+    limits_deg, count = map(np.array, _RINGS[basis])
+    name = f"LBNL/Klems {basis.capitalize()}"
+    return from_rings(name, limits_deg=limits_deg.astype(float), count=count)
 
 
 def from_rings(

@@ -17,7 +17,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.array_types import Directions, Indices, Points2, Values
-from clerestory.errors import InputError
+from clerestory.checks import require
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,28 +45,25 @@ class RingPartition:
     azimuth: Literal["compass", "polar"] = "compass"
 
     def __post_init__(self) -> None:
-        step = np.diff(self.theta)
-        if len(self.theta) != len(self.count) + 1 or np.any(self.count < 1):
-            raise InputError(
-                f"{self.name}: {len(self.count)} rings with {len(self.theta)} limits;"
-                " one limit more than rings, and patches in each ring, expected"
-            )
-        if not (np.all(step > 0) or np.all(step < 0)):
-            raise InputError(
-                f"{self.name}: ring limits {np.degrees(self.theta)}° are not monotonic"
-            )
-        ends = sorted((float(self.theta[0]), float(self.theta[-1])))
-        if abs(ends[0]) > 1e-6 or abs(ends[1] - np.pi / 2) > 1e-6:
-            raise InputError(
-                f"{self.name}: rings span {np.degrees(ends)}°; 0 to 90° expected"
-            )
+        require(
+            len(self.theta) == len(self.count) + 1 and np.all(self.count >= 1),
+            f"{self.name}: {len(self.count)} rings with {len(self.theta)} limits;"
+            " one limit more than rings, and patches in each ring, expected",
+        )
+        step, ends = np.diff(self.theta), np.sort(self.theta[[0, -1]])
+        require(
+            (np.all(step > 0) or np.all(step < 0))
+            and np.allclose(ends, [0, np.pi / 2], rtol=0, atol=1e-6),
+            f"{self.name}: ring limits {np.degrees(self.theta).tolist()}°; monotonic"
+            " limits from 0 to 90° expected",
+        )
 
     def __len__(self) -> int:
         return int(self.count.sum())
 
     @property
     def first(self) -> Indices:
-        """Number of the first patch of each ring."""
+        """Index of the first patch of each ring."""
         return np.asarray(np.cumsum(self.count) - self.count)
 
     def matches(self, other: "RingPartition") -> bool:
@@ -92,7 +89,7 @@ class RingPartition:
         return np.repeat(ring / self.count, self.count)
 
     def find(self, direction: Directions) -> Indices:
-        """Number of the patch that contains each direction; -1 if z is not positive."""
+        """Index of the patch that contains each direction; -1 if z is not positive."""
         x, y, z = np.moveaxis(np.asarray(direction, dtype=float), -1, 0)
         theta = np.arctan2(np.hypot(x, y), z)
 
@@ -116,14 +113,15 @@ class RingPartition:
         middle = np.where(
             (self.count == 1) & (self.theta[:-1] * self.theta[1:] == 0), 0, middle
         )
-        return self._directions(np.repeat(middle, self.count), np.zeros(len(self)))
+        every = np.arange(len(self))
+        return self._directions(np.repeat(middle, self.count), 0.0 * every, every)
 
     def sample(self, patch: Indices, u: Points2) -> Directions:
         """Cosine-distributed directions within the given patches.
 
         Parameters
         ----------
-        patch : number of the patch of each direction
+        patch : index of the patch of each direction
         u : random points in the unit square, one per direction
         """
         ring = np.repeat(np.arange(len(self.count)), self.count)[patch]
@@ -131,12 +129,8 @@ class RingPartition:
         theta = np.arcsin(np.sqrt(low + (high - low) * u[..., 0]))
         return self._directions(theta, u[..., 1] - 0.5, patch)
 
-    def _directions(
-        self, theta: Values, offset: Values, patch: Indices | None = None
-    ) -> Directions:
+    def _directions(self, theta: Values, offset: Values, patch: Indices) -> Directions:
         # `offset`: azimuth from the patch centre, in patch widths
-        if patch is None:
-            patch = np.arange(len(self))
         ring = np.repeat(np.arange(len(self.count)), self.count)[patch]
         phi = 2 * np.pi * (patch - self.first[ring] + offset) / self.count[ring]
         along, across = np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi)

@@ -1,8 +1,8 @@
-"""Lookup table of patch numbers for large numbers of directions.
+"""Lookup table of patch indices for large numbers of directions.
 
-A fine grid over the projected hemisphere stores the patch number of every cell that no
-patch boundary crosses. Directions in the remaining few per cent of cells are looked up
-in the partition, so that results equal those of `RingPartition.find`.
+A fine grid over the projected hemisphere stores the patch of every cell that no patch
+boundary crosses. Directions in the remaining few per cent of cells are looked up in the
+partition, so that results equal those of `RingPartition.find`.
 """
 
 from dataclasses import dataclass
@@ -32,19 +32,16 @@ _FEW = 1 << 11
 
 @dataclass(frozen=True, eq=False)
 class PatchTable:
-    """Patch numbers on a grid over the unit disc.
+    """Patch index of each cell, x-major, of a grid over the unit disc.
 
-    Attributes
-    ----------
-    partition : partition of the hemisphere
-    patch : patch number of each cell, x-major; -1 if a boundary crosses the cell
+    The index is -1 if a patch boundary crosses the cell.
     """
 
     partition: RingPartition
     patch: Int16[np.ndarray, " cells"]
 
     def find(self, x: Values, y: Values, z: Values) -> Indices:
-        """Patch number of each direction; downward directions are mirrored upwards."""
+        """Patch index of each direction; downward directions are mirrored upwards."""
         length = x * x + y * y + z * z
         length -= 1
         if np.abs(length, out=length).max(initial=0) > _NOT_UNIT:
@@ -60,7 +57,7 @@ class PatchTable:
 
 
 def find_patches(partition: RingPartition, direction: Directions) -> Indices:
-    """Patch number of each unit vector; downward vectors are mirrored upwards.
+    """Patch index of each unit vector; downward vectors are mirrored upwards.
 
     >>> from clerestory.hemisphere.klems import klems
     >>> find_patches(klems("full"), np.array([[0.6, 0.0, -0.8]])).tolist()
@@ -69,13 +66,8 @@ def find_patches(partition: RingPartition, direction: Directions) -> Indices:
     x, y, z = direction.T
     if len(x) < _FEW or len(partition) > np.iinfo(np.int16).max:
         return _find(partition, x, y, z)
-    return patch_table(partition).find(x, y, z)
-
-
-def patch_table(partition: RingPartition) -> PatchTable:
-    """Return the cached table of a partition."""
     theta, count = np.asarray(partition.theta, float), np.asarray(partition.count, int)
-    return _table(partition.azimuth, theta.tobytes(), count.tobytes())
+    return _table(partition.azimuth, theta.tobytes(), count.tobytes()).find(x, y, z)
 
 
 @lru_cache(maxsize=8)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from clerestory.array_types import Directions, Indices, Values
-from clerestory.errors import InputError
+from clerestory.checks import require
 from clerestory.hemisphere.partition import RingPartition
 
 _TREGENZA_COUNT = (30, 30, 24, 24, 18, 12, 6)
@@ -44,12 +44,8 @@ class SkyPartition:
         """Name in files and messages."""
         return f"Reinhart MF:{self.subdivision} with ground"
 
-    def matches(self, other: "SkyPartition") -> bool:
-        """Whether both have the same subdivision."""
-        return self.subdivision == other.subdivision
-
     def find(self, direction: Directions) -> Indices:
-        """Patch number of each direction; 0 at and below the horizon."""
+        """Patch index of each direction; 0 at and below the horizon."""
         return self.dome.find(direction) + 1
 
     def solid_angles(self) -> Values:
@@ -69,10 +65,10 @@ def reinhart(subdivision: int) -> SkyPartition:
     ------
     InputError : the subdivision is not 1…6
     """
-    if subdivision not in range(1, 7):
-        raise InputError(
-            f"sky subdivision {subdivision!r}; a whole number from 1 to 6 expected"
-        )
+    require(
+        subdivision in range(1, 7),
+        f"sky subdivision is {subdivision!r}; a whole number from 1 to 6 expected",
+    )
     rows = 7 * subdivision
     altitude = np.append(np.arange(rows + 1) * np.pi / (2 * rows + 1), np.pi / 2)
     count = subdivision * np.repeat(np.array(_TREGENZA_COUNT), subdivision)

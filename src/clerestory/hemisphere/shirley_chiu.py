@@ -81,13 +81,13 @@ def cells_from_disc(
 
     # Recompute points near a boundary in double precision
     near = np.float32(_NEAR_BORDER * (1 << halvings))
-    doubt = np.abs(a - np.rint(a)) < near
-    doubt |= np.abs(b - np.rint(b)) < near
+    close = np.abs(a - np.rint(a)) < near
+    close |= np.abs(b - np.rint(b)) < near
     cells = a.astype(np.int32), b.astype(np.int32)
-    doubtful = np.flatnonzero(doubt)
-    exact = square_from_disc(x[doubtful], y[doubtful])
+    border = np.flatnonzero(close)
+    exact = square_from_disc(x[border], y[border])
     for cell, coordinate in zip(cells, exact, strict=True):
-        cell[doubtful] = (coordinate * (1 << halvings)).astype(np.int32)
+        cell[border] = (coordinate * (1 << halvings)).astype(np.int32)
         np.clip(cell, 0, (1 << halvings) - 1, out=cell)
     return cells
 

@@ -9,8 +9,8 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Bool, Float
 
-from clerestory.errors import InputError
-from clerestory.image.picture import Picture
+from clerestory.checks import finite, require, same_length
+from clerestory.image.picture import Picture, same_size
 from clerestory.scene.projection import PROJECTIONS
 from clerestory.scene.view import View
 
@@ -19,10 +19,8 @@ Colour = tuple[float, float, float]
 
 def scale(picture: Picture, factor: float | Colour) -> Picture:
     """Return a picture multiplied by one factor, or one per channel."""
-    values = np.asarray(factor, dtype=np.float32)
-    if not np.isfinite(values).all():
-        raise InputError(f"factor {factor}; finite numbers expected")
-    return replace(picture, radiance=picture.radiance * values)
+    finite(factor, "factor")
+    return replace(picture, radiance=picture.radiance * np.asarray(factor, np.float32))
 
 
 def weighted_sum(
@@ -30,16 +28,8 @@ def weighted_sum(
 ) -> Picture:
     """Return Σ weight · picture, with the view and header of the first picture.
 
-    Sums are computed in double precision.
-
-    Parameters
-    ----------
-    pictures : pictures of equal size and quantity
-    weights : one weight per picture; default: 1
-
-    Raises
-    ------
-    InputError : no pictures, different sizes or quantities, or missing weights
+    All pictures must have one size and quantity. The default weight is 1. Sums are
+    computed in double precision.
 
     Examples
     --------
@@ -47,24 +37,18 @@ def weighted_sum(
     >>> weighted_sum([grey, grey], [2, -0.5]).radiance.tolist()
     [[[1.5, 1.5, 1.5]]]
     """
-    if not pictures:
-        raise InputError("no pictures to add; one or more expected")
-    factors = [1.0] * len(pictures) if weights is None else list(weights)
-    if len(factors) != len(pictures):
-        raise InputError(f"{len(factors)} weights for {len(pictures)} pictures")
+    require(pictures, "no pictures to add; one or more expected")
+    factors = [1.0] * len(pictures) if weights is None else weights
+    same_length(factors, pictures, "weights", "pictures")
     first = pictures[0]
     total = np.zeros(first.radiance.shape)
     for i, (picture, factor) in enumerate(zip(pictures, factors, strict=True), start=1):
-        if picture.radiance.shape != first.radiance.shape:
-            raise InputError(
-                f"picture {i} has {picture.columns} × {picture.rows} pixels;"
-                f" {first.columns} × {first.rows} expected, as in the first picture"
-            )
-        if picture.quantity != first.quantity:
-            raise InputError(
-                f"picture {i} contains {picture.quantity}; {first.quantity} expected,"
-                " as in the first picture"
-            )
+        same_size(picture.radiance, first.radiance, f"picture {i}")
+        require(
+            picture.quantity == first.quantity,
+            f"picture {i} contains {picture.quantity}; {first.quantity} expected,"
+            " as in the first picture",
+        )
         total += factor * picture.radiance
     return replace(first, radiance=total.astype(np.float32))
 
@@ -75,17 +59,8 @@ def masked(
     *,
     fill: Colour = (0.0, 0.0, 0.0),
 ) -> Picture:
-    """Return a picture with the value `fill` where the mask is false.
-
-    Raises
-    ------
-    InputError : mask and picture differ in size
-    """
-    if mask.shape != picture.radiance.shape[:2]:
-        raise InputError(
-            f"mask of shape {mask.shape}; ({picture.rows}, {picture.columns}) expected,"
-            " as the picture"
-        )
+    """Return a picture with the value `fill` where the mask is false."""
+    same_size(mask, picture.radiance, "the mask")
     kept = np.where(mask[..., None], picture.radiance, np.asarray(fill, np.float32))
     return replace(picture, radiance=kept)
 
@@ -100,33 +75,24 @@ def within_view(picture: Picture) -> Bool[np.ndarray, "row column"]:
 def crop(picture: Picture, *, left: int, top: int, columns: int, rows: int) -> Picture:
     """Return the `columns` × `rows` pixels from row `top` and column `left`.
 
-    The view is reduced accordingly, so that the directions and solid angles of the
-    pixels are unchanged.
-
-    Raises
-    ------
-    InputError : the part is empty or exceeds the picture
+    The view is reduced as well: the directions of the pixels are unchanged.
     """
     inside = 0 <= left < left + columns <= picture.columns
-    if not (inside and 0 <= top < top + rows <= picture.rows):
-        raise InputError(
-            f"crop of {columns} × {rows} pixels from column {left}, row {top};"
-            f" an area within {picture.columns} × {picture.rows} pixels expected"
-        )
-    view = picture.view
-    if view is not None:
-        bottom = picture.rows - top - rows
-        view = _part(
-            view,
-            (left / picture.columns, bottom / picture.rows),
-            (columns / picture.columns, rows / picture.rows),
-        )
+    require(
+        inside and 0 <= top < top + rows <= picture.rows,
+        f"crop of {columns} × {rows} pixels from column {left}, row {top};"
+        f" an area within {picture.columns} × {picture.rows} pixels expected",
+    )
+    bottom, size = picture.rows - top - rows, (picture.columns, picture.rows)
+    start, share = np.divide((left, bottom), size), np.divide((columns, rows), size)
+    view = picture.view and _part(picture.view, start.tolist(), share.tolist())
     part = picture.radiance[top : top + rows, left : left + columns]
     return replace(picture, radiance=part.copy(), view=view)
 
 
-def _part(view: View, start: tuple[float, float], share: tuple[float, float]) -> View:
-    # `start`: bottom left corner, `share`: size, as fractions of width and height
+def _part(view: View, start: Sequence[float], share: Sequence[float]) -> View:
+    # Part of a view with its bottom left corner at the fractions `start` of width and
+    # height, and with the fractions `share` of width and height
     projection = PROJECTIONS[view.kind]
     half = projection.extent(view.horizontal, view.vertical)
     horizontal, vertical = projection.angles(half[0] * share[0], half[1] * share[1])
@@ -145,30 +111,25 @@ def reduce(picture: Picture, *, columns: int, rows: int) -> Picture:
     The integral over the picture area is conserved. Pixels that overlap several new
     pixels contribute to each of them in proportion to the overlap.
 
-    Raises
-    ------
-    InputError : the size is zero or larger than the picture
-
     Examples
     --------
     >>> ramp = np.arange(4, dtype=np.float32)[None, :, None] * np.ones(3, np.float32)
     >>> reduce(Picture(ramp), columns=2, rows=1).radiance[0, :, 0].tolist()
     [0.5, 2.5]
     """
-    if not (0 < columns <= picture.columns and 0 < rows <= picture.rows):
-        raise InputError(
-            f"size of {columns} × {rows} pixels; 1 × 1 to"
-            f" {picture.columns} × {picture.rows} expected"
-        )
-    lines = _average(picture.radiance.reshape(picture.rows, -1), rows)
-    turned = lines.reshape(rows, picture.columns, -1).transpose(1, 0, 2)
-    small = _average(turned.reshape(picture.columns, -1), columns)
+    require(
+        0 < columns <= picture.columns and 0 < rows <= picture.rows,
+        f"size of {columns} × {rows} pixels; 1 × 1 to"
+        f" {picture.columns} × {picture.rows} expected",
+    )
+    small = picture.radiance
+    for count in (rows, columns):
+        averages = _average(small.reshape(len(small), -1), count)
+        small = averages.reshape(count, *small.shape[1:]).swapaxes(0, 1)
     aspect = picture.rows / rows * columns / picture.columns
     return replace(
         picture,
-        radiance=np.ascontiguousarray(
-            small.reshape(columns, rows, -1).transpose(1, 0, 2)
-        ).astype(np.float32),
+        radiance=np.ascontiguousarray(small, dtype=np.float32),
         pixel_aspect=picture.pixel_aspect * aspect,
     )
 
@@ -182,5 +143,4 @@ def _average(
     border = np.linspace(0, lines.shape[0], count + 1)
     below = np.minimum(border.astype(int), lines.shape[0] - 1)
     at = integral[below] + (border - below)[:, None] * lines[below]
-    averages: np.ndarray = np.diff(at, axis=0) * (count / lines.shape[0])
-    return averages
+    return np.asarray(np.diff(at, axis=0) * (count / lines.shape[0]))

@@ -12,10 +12,12 @@ from typing import Literal, get_args
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.checks import require, same_length
 from clerestory.errors import InputError
 from clerestory.files import read_text, write_text
 from clerestory.image.opencv import opencv
 from clerestory.image.photograph import Exposure, Photograph
+from clerestory.image.picture import same_size
 
 Method = Literal["debevec", "robertson"]
 
@@ -33,10 +35,6 @@ class ResponseCurve:
     ----------
     exposure : relative exposure at the pixel values 0…255, normalised to 1 at 128
 
-    Raises
-    ------
-    InputError : wrong shape, or values not finite, or not positive at value 128
-
     Examples
     --------
     >>> curve = srgb_response()
@@ -48,28 +46,29 @@ class ResponseCurve:
 
     def __post_init__(self) -> None:
         curve = np.asarray(self.exposure, dtype=float)
-        if curve.shape != (LEVELS, 3):
-            raise InputError(f"response of shape {curve.shape}; (256, 3) expected")
-        if not np.isfinite(curve).all() or (curve[_MIDDLE] <= 0).any():
-            raise InputError("response not finite, or not positive at value 128")
+        shape = curve.shape
+        require(shape == (LEVELS, 3), f"response of shape {shape}; (256, 3) expected")
+        require(
+            np.isfinite(curve).all() and (curve[_MIDDLE] > 0).all(),
+            "the camera response is not finite, or not positive at value 128",
+        )
         object.__setattr__(self, "exposure", curve / curve[_MIDDLE])
 
     def monotonic(self) -> "ResponseCurve":
         """Return the lowest non-decreasing curve that is nowhere below this curve."""
-        rising = np.maximum.accumulate(np.maximum(self.exposure, 0), axis=0)
-        return ResponseCurve(rising)
+        return ResponseCurve(np.maximum.accumulate(np.maximum(self.exposure, 0)))
 
 
 def srgb_response() -> ResponseCurve:
     """Return the sRGB curve (IEC 61966-2-1), which approximates most cameras."""
     value = np.arange(LEVELS) / (LEVELS - 1)
     linear = np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
-    return ResponseCurve(np.repeat(linear[:, None], 3, axis=1))
+    return ResponseCurve(np.stack([linear] * 3, axis=1))
 
 
 def linear_response() -> ResponseCurve:
     """Return the linear curve, for raw photographs developed without a tone curve."""
-    return ResponseCurve(np.repeat(np.arange(LEVELS, dtype=float)[:, None], 3, axis=1))
+    return ResponseCurve(np.stack([np.arange(LEVELS, dtype=float)] * 3, axis=1))
 
 
 def response_named(
@@ -100,17 +99,13 @@ def recover_response(
     from photographs. SIGGRAPH. Robertson, M. A. et al. (2003): Estimation-theoretic
     approach to dynamic range enhancement using multiple exposures. Journal of
     Electronic Imaging 12(2). Both as in OpenCV.
-
-    Raises
-    ------
-    InputError : fewer than two photographs, or exposures less than one stop apart
     """
     check_bracket(photographs, exposures)
     times = np.array([exposure.relative() for exposure in exposures], dtype=np.float32)
-    if np.ptp(np.log2(times)) < 1:
-        raise InputError(
-            "exposures less than one stop apart; at least one stop expected"
-        )
+    require(
+        np.ptp(np.log2(times)) >= 1,
+        "the exposures are less than one stop apart; one stop or more expected",
+    )
     cv2 = opencv()
     # The default of 70 sample points gives noisy curves
     solver = (
@@ -126,32 +121,17 @@ def check_bracket(
     photographs: Sequence[Photograph], exposures: Sequence[Exposure]
 ) -> None:
     """Check that photographs and exposures of a bracket agree in number and size."""
-    if len(photographs) < 2:
-        raise InputError(
-            f"number of photographs: {len(photographs)}; two or more expected"
-        )
-    if len(photographs) != len(exposures):
-        raise InputError(
-            f"{len(exposures)} exposures for {len(photographs)} photographs; one each"
-            " expected"
-        )
-    first = photographs[0].shape
-    for number, photograph in enumerate(photographs):
-        if photograph.shape != first:
-            raise InputError(
-                f"photograph {number + 1} has {photograph.shape[1]} ×"
-                f" {photograph.shape[0]} pixels; {first[1]} × {first[0]}, as the first,"
-                " expected"
-            )
+    require(
+        len(photographs) >= 2,
+        f"number of photographs: {len(photographs)}; two or more expected",
+    )
+    same_length(exposures, photographs, "exposures", "photographs")
+    for number, photograph in enumerate(photographs, start=1):
+        same_size(photograph, photographs[0], f"photograph {number}")
 
 
 def write_response(curve: ResponseCurve, path: str | Path) -> None:
-    """Write a response curve as a table with columns value, red, green and blue.
-
-    Raises
-    ------
-    OutputError : the file cannot be written
-    """
+    """Write a response curve as a table with columns value, red, green and blue."""
     rows = (
         f"{value},{red:.9g},{green:.9g},{blue:.9g}"
         for value, (red, green, blue) in enumerate(curve.exposure.tolist())
@@ -160,12 +140,7 @@ def write_response(curve: ResponseCurve, path: str | Path) -> None:
 
 
 def read_response(path: str | Path) -> ResponseCurve:
-    """Read a response curve: a table by `write_response`, or an .rsp file of hdrgen.
-
-    Raises
-    ------
-    InputError : the file is missing or of another format
-    """
+    """Read a response curve: a table by `write_response`, or an .rsp file of hdrgen."""
     lines = [line for line in read_text(path).splitlines() if line.strip()]
     try:
         if lines and lines[0].replace(" ", "").lower() == "value,red,green,blue":
@@ -188,9 +163,9 @@ def _polynomials(lines: list[np.ndarray]) -> ResponseCurve:
     value = np.arange(LEVELS) / (LEVELS - 1)
     curves = []
     for numbers in lines:
-        if numbers.size < 2 or numbers.size != int(numbers[0]) + 2:
-            raise InputError(
-                f"{numbers.size} numbers in a polynomial; degree + 2 expected"
-            )
+        require(
+            2 <= numbers.size == int(numbers[0]) + 2,
+            f"{numbers.size} numbers in a polynomial; degree + 2 expected",
+        )
         curves.append(np.polyval(numbers[1:], value))
     return ResponseCurve(np.stack(curves, axis=1)).monotonic()

@@ -1,6 +1,5 @@
 """Colour scales of false-colour pictures: range, palette, levels."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import matplotlib as mpl
@@ -8,9 +7,9 @@ import numpy as np
 from jaxtyping import Float, UInt8
 from matplotlib.ticker import MaxNLocator
 
-from clerestory.errors import InputError
+from clerestory.checks import positive, require
 from clerestory.image.arithmetic import within_view
-from clerestory.image.picture import Picture, photometric
+from clerestory.image.picture import Picture, photometric, photometric_unit
 
 # Percentile of the pixel values at the upper limit of an automatic scale
 _COVERED = 99.5
@@ -27,12 +26,11 @@ class ColourScale:
     ----------
     smallest, largest : values shown in the first and the last colour [cd/m² or lux]
     levels : increasing values that are labelled in the legend and drawn as contours
+    unit : unit of the values in the legend
     logarithmic : whether the scale is logarithmic instead of linear
     palette : name of a matplotlib colour map; "gnuplot" resembles Radiance's pm3d
-
-    Raises
-    ------
-    InputError : empty range, unknown palette, or levels not increasing
+    ends : positions in the palette of the first and the last colour, 0…1
+    steps : number of colours
 
     Examples
     --------
@@ -44,23 +42,28 @@ class ColourScale:
     smallest: float
     largest: float
     levels: tuple[float, ...]
+    unit: str = ""
     logarithmic: bool = False
     palette: str = "turbo"
+    ends: tuple[float, float] = (0.0, 1.0)
+    steps: int = 1024
 
     def __post_init__(self) -> None:
         least = 0.0 if self.logarithmic else -np.inf
-        if not least < self.smallest < self.largest < np.inf:
-            raise InputError(
-                f"scale from {self.smallest:g} to {self.largest:g};"
-                f" a growing{' positive' if self.logarithmic else ''} range expected"
-            )
-        if self.palette not in mpl.colormaps:
-            raise InputError(
-                f'palette "{self.palette}"; a colour map of matplotlib expected,'
-                " such as turbo, viridis, inferno or gnuplot"
-            )
-        if len(self.levels) < 2 or np.any(np.diff(self.levels) <= 0):
-            raise InputError("two or more increasing levels expected")
+        require(
+            least < self.smallest < self.largest < np.inf,
+            f"scale from {self.smallest:g} to {self.largest:g};"
+            f" a growing{' positive' if self.logarithmic else ''} range expected",
+        )
+        require(
+            self.palette in mpl.colormaps,
+            f'palette "{self.palette}"; a colour map of matplotlib expected,'
+            " such as turbo, viridis, inferno or gnuplot",
+        )
+        require(
+            len(self.levels) >= 2 and np.all(np.diff(self.levels) > 0),
+            f"levels {self.levels}; two or more increasing numbers expected",
+        )
 
     def place(self, values: Float[np.ndarray, "*batch"]) -> Float[np.ndarray, "*batch"]:
         """Positions of values on the scale, from 0 (`smallest`) to 1 (`largest`)."""
@@ -73,10 +76,13 @@ class ColourScale:
 
     def colours(self, place: Float[np.ndarray, "*batch"]) -> UInt8[np.ndarray, "..."]:
         """Colours (sRGB) at positions 0…1 of the scale."""
-        table = mpl.colormaps[self.palette](np.linspace(0, 1, 1024))[:, :3]
-        codes = np.round(255 * table).astype(np.uint8)
-        found: np.ndarray = codes[np.round(np.asarray(place) * 1023).astype(int)]
-        return found
+        step = np.round(np.asarray(place) * (self.steps - 1)).astype(int)
+        return np.asarray(self.table()[step])
+
+    def table(self) -> UInt8[np.ndarray, "step 3"]:
+        """Colours (sRGB) from `smallest` to `largest`."""
+        colours = mpl.colormaps[self.palette](np.linspace(*self.ends, self.steps))
+        return np.round(255 * colours[:, :3]).astype(np.uint8)
 
 
 def linear_scale(
@@ -98,18 +104,16 @@ def linear_scale(
         the range is automatic
     palette : name of a matplotlib colour map
     """
-    if divisions < 1:
-        raise InputError(f"{divisions} divisions; at least 1 expected")
+    require(divisions >= 1, f"{divisions} divisions; 1 or more expected")
     if largest is None:
         covered = max(_covered(picture), smallest + 1e-9)
-        levels = MaxNLocator(divisions, steps=[1, 2, 2.5, 5, 10]).tick_values(
-            smallest, covered
-        )
-        largest = float(levels[-1])
-        inner = [float(x) for x in levels if x > smallest]
-        return ColourScale(smallest, largest, (smallest, *inner), palette=palette)
-    even = np.linspace(smallest, largest, divisions + 1)
-    return ColourScale(smallest, largest, tuple(even.tolist()), palette=palette)
+        locator = MaxNLocator(divisions, steps=[1, 2, 2.5, 5, 10])
+        round_levels = np.asarray(locator.tick_values(smallest, covered))
+        levels = (smallest, *round_levels[round_levels > smallest].tolist())
+    else:
+        levels = tuple(np.linspace(smallest, largest, divisions + 1).tolist())
+    unit = photometric_unit(picture)
+    return ColourScale(smallest, levels[-1], levels, unit, palette=palette)
 
 
 def logarithmic_scale(
@@ -128,23 +132,23 @@ def logarithmic_scale(
     decades : number of decades that the scale spans
     palette : name of a matplotlib colour map
     """
-    if not 0 < decades <= 30:
-        raise InputError(f"scale of {decades:g} decades; above 0, at most 30 expected")
+    require(
+        0 < decades <= 30,
+        f"scale of {decades:g} decades; above 0, at most 30 expected",
+    )
     if largest is None:
         largest = round_up(_covered(picture))
-    if not 0 < largest < np.inf:
-        raise InputError(f"scale up to {largest:g}; a positive number expected")
+    positive(largest, "largest value of the scale")
     smallest = largest / 10**decades
-    powers = range(
-        int(np.floor(np.log10(smallest))) - 1, int(np.ceil(np.log10(largest))) + 1
-    )
-    numbers = [m * 10.0**p for p in powers for m in _DECADE]
-    inner = [x for x in numbers if smallest * 1.001 < x < largest * 0.999]
-    levels = (smallest, *inner, largest)
-    return ColourScale(smallest, largest, levels, logarithmic=True, palette=palette)
+    first, last = np.floor(np.log10(smallest)), np.ceil(np.log10(largest))
+    numbers = np.outer(10.0 ** np.arange(first - 1, last + 1), _DECADE).ravel()
+    inner = numbers[(numbers > smallest * 1.001) & (numbers < largest * 0.999)]
+    levels = (smallest, *inner.tolist(), largest)
+    unit = photometric_unit(picture)
+    return ColourScale(smallest, largest, levels, unit, True, palette)
 
 
-def round_up(value: float, steps: Sequence[float] = (*_DECADE, 10.0)) -> float:
+def round_up(value: float) -> float:
     """Return the next 1, 2 or 5 times a power of ten not below a value; 1 if ≤ 0.
 
     >>> round_up(321.0), round_up(0.0)
@@ -152,8 +156,8 @@ def round_up(value: float, steps: Sequence[float] = (*_DECADE, 10.0)) -> float:
     """
     if value <= 0:
         return 1.0
-    power = 10.0 ** np.floor(np.log10(value))
-    return float(next(m * power for m in steps if m * power >= value * (1 - 1e-9)))
+    steps = 10.0 ** np.floor(np.log10(value)) * np.array([*_DECADE, 10])
+    return float(steps[steps >= value * (1 - 1e-9)][0])
 
 
 def _covered(picture: Picture) -> float:

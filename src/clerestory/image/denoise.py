@@ -1,7 +1,8 @@
 """Denoising of ray-traced pictures by a neural network (Intel Open Image Denoise).
 
 A denoised picture is for display, not for photometry: its errors are unknown, and
-radiances may be biased near edges. Its header records the denoising.
+radiances may be biased near edges. Its header records the denoising, and glare is not
+evaluated from it.
 
 Reference: A. Áfra, Intel Open Image Denoise, 2019–2026, openimagedenoise.org.
 """

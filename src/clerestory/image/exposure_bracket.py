@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool
 
-from clerestory.errors import InputError
+from clerestory.checks import require, same_length
 from clerestory.image.camera_response import (
     LEVELS,
     ResponseCurve,
@@ -57,28 +57,16 @@ def merge_photographs(
 ) -> tuple[Merged, ResponseCurve]:
     """Return the merged picture of photographs in files, and the camera response.
 
-    Parameters
-    ----------
-    times : exposure time of each photograph [s]; default: from the EXIF data
-    response : name or file of the camera response, see `response_named`
-    align_first : whether to align the photographs before merging, if the camera moved
-    progress : function called with the completed fraction and a note
-
-    Raises
-    ------
-    InputError : a file is not a photograph, or the number of times is wrong
+    The default exposure `times` [s] are those in the EXIF data. `response` is a name or
+    a file, see `response_named`.
     """
     report = progress or (lambda _share, _note: None)
     photographs = [read_photograph(file) for file in files]
-    if not times:
-        exposures = [read_exposure(file) for file in files]
-    elif len(times) != len(files):
-        raise InputError(
-            f"{len(times)} exposure times for {len(files)} photographs; one each"
-            " expected"
-        )
-    else:
+    if times:
+        same_length(times, files, "exposure times", "photographs")
         exposures = [Exposure(time=time) for time in times]
+    else:
+        exposures = [read_exposure(file) for file in files]
     if align_first:
         report(0.2, "aligning")
         photographs = align(photographs)
@@ -99,10 +87,6 @@ def merge_bracket(
 
     The weight of a pixel value is the smaller of its distances from 0 and 255, times
     the exposure, because relative noise decreases with exposure.
-
-    Raises
-    ------
-    InputError : photographs and exposures differ in number, or photographs in size
 
     Examples
     --------
@@ -125,22 +109,18 @@ def merge_bracket(
     total = np.zeros(photographs[0].shape)
     weight = np.zeros(photographs[0].shape)
     for i in order:
-        light = exposures[i].relative()
         for channel in range(3):
             pixels = photographs[i][..., channel]
-            counts = (trust * light)[pixels]
-            total[..., channel] += (
-                counts * (response.exposure[:, channel] / light)[pixels]
-            )
-            weight[..., channel] += counts
+            total[..., channel] += (trust * response.exposure[:, channel])[pixels]
+            weight[..., channel] += (trust * exposures[i].relative())[pixels]
 
     # Pixels without a reliable value: use the shortest or the longest exposure
-    shortest, longest = photographs[order[0]], photographs[order[-1]]
-    least, most = (
-        _radiance(photographs[i], exposures[i], response) for i in (order[-1], order[0])
+    first, last = order[0], order[-1]
+    bright = (photographs[first] > _BRIGHTEST) & (weight == 0)
+    dark = (photographs[last] < _DARKEST) & (weight == 0)
+    most, least = (
+        _radiance(photographs[i], exposures[i], response) for i in (first, last)
     )
-    bright = (shortest > _BRIGHTEST) & (weight == 0)
-    dark = (longest < _DARKEST) & (weight == 0)
     with np.errstate(invalid="ignore", divide="ignore"):
         radiance = np.where(weight > 0, total / weight, np.where(bright, most, least))
     return Merged(
@@ -152,8 +132,7 @@ def _radiance(
     photograph: Photograph, exposure: Exposure, response: ResponseCurve
 ) -> np.ndarray:
     channels = [response.exposure[photograph[..., c], c] for c in range(3)]
-    radiance: np.ndarray = np.stack(channels, axis=-1) / exposure.relative()
-    return radiance
+    return np.asarray(np.stack(channels, axis=-1) / exposure.relative())
 
 
 def align(photographs: Sequence[Photograph]) -> list[Photograph]:
@@ -164,8 +143,7 @@ def align(photographs: Sequence[Photograph]) -> list[Photograph]:
     Ward, G. (2003): Fast, robust image registration for compositing high dynamic range
     photographs from hand-held exposures. Journal of Graphics Tools 8(2). As in OpenCV.
     """
-    if not photographs:
-        raise InputError("no photographs; two or more expected")
+    require(photographs, "no photographs; two or more expected")
     images = [np.ascontiguousarray(photograph) for photograph in photographs]
     opencv().createAlignMTB().process(images, images)
     return images

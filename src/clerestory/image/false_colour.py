@@ -10,7 +10,7 @@ from PIL import Image, ImageDraw
 from clerestory.image.arithmetic import within_view
 from clerestory.image.colour_scale import ColourScale
 from clerestory.image.legend import font, legend, text_size, value_word
-from clerestory.image.picture import Picture, photometric, photometric_unit
+from clerestory.image.picture import Picture, photometric
 from clerestory.image.srgb_display import to_srgb
 from clerestory.image.visibility_matching import human_vision
 
@@ -51,27 +51,22 @@ def false_colour(
     >>> false_colour(picture, linear_scale(picture), with_legend=False).shape
     (60, 90, 3)
     """
-    values, seen = photometric(picture), within_view(picture)
+    values, seen = photometric(picture).astype(float), within_view(picture)
     if style == "fill":
-        pixels = scale.colours(scale.place(values.astype(float)))
+        pixels = scale.colours(scale.place(values))
     elif style == "steps":
-        pixels = _steps(values.astype(float), scale)
+        pixels = _steps(values, scale)
     else:
         draw = _with_lines if style == "lines" else _with_bands
-        pixels = draw(to_srgb(human_vision(picture)), values.astype(float), scale)
+        pixels = draw(to_srgb(human_vision(picture)), values, scale)
     pixels = np.where(seen[..., None], pixels, np.uint8(0))
     if extremes:
         pixels = _with_extremes(pixels, values, seen)
     if not with_legend:
         return pixels
-    side = legend(scale, photometric_unit(picture), height=len(pixels))
-    tall = max(len(side), len(pixels))
-    return np.hstack([_padded(side, tall), _padded(pixels, tall)])
-
-
-def _padded(pixels: Pixels, height: int) -> UInt8[np.ndarray, "height column 3"]:
-    below = height - len(pixels)
-    return np.pad(pixels, ((0, below), (0, 0), (0, 0)))
+    parts = (legend(scale, height=len(pixels)), pixels)
+    tall = max(map(len, parts))
+    return np.hstack([np.pad(p, ((0, tall - len(p)), (0, 0), (0, 0))) for p in parts])
 
 
 def _steps(values: np.ndarray, scale: ColourScale) -> Pixels:
@@ -79,8 +74,7 @@ def _steps(values: np.ndarray, scale: ColourScale) -> Pixels:
     ends = scale.place(np.array(scale.levels))
     step = np.searchsorted(scale.levels, values, side="right") - 1
     step = np.clip(step, 0, len(ends) - 2)
-    pixels: np.ndarray = scale.colours((ends[step] + ends[step + 1]) / 2)
-    return pixels
+    return scale.colours((ends[step] + ends[step + 1]) / 2)
 
 
 def _with_bands(background: Pixels, values: np.ndarray, scale: ColourScale) -> Pixels:
@@ -90,10 +84,7 @@ def _with_bands(background: Pixels, values: np.ndarray, scale: ColourScale) -> P
     inside = np.abs(place - ends[nearest]) < _BAND * np.diff(ends).min() / 2
     # Draw no bands at values beyond the first or last level
     inside &= (values > scale.levels[0]) & (values < scale.levels[-1])
-    pixels: np.ndarray = np.where(
-        inside[..., None], scale.colours(ends[nearest]), background
-    )
-    return pixels
+    return np.where(inside[..., None], scale.colours(ends[nearest]), background)
 
 
 def _with_lines(background: Pixels, values: np.ndarray, scale: ColourScale) -> Pixels:
@@ -105,7 +96,9 @@ def _with_lines(background: Pixels, values: np.ndarray, scale: ColourScale) -> P
     large = Image.fromarray(background).resize(size, Image.Resampling.BILINEAR)
     draw = ImageDraw.Draw(large)
     # On a logarithmic scale, contours are interpolated in the logarithm of the values
-    generator = contour_generator(z=_for_contours(values, scale))
+    if scale.logarithmic:
+        values = np.log(np.maximum(values, scale.smallest / 10))
+    generator = contour_generator(z=values)
     for level in scale.levels:
         at = float(np.log(level) if scale.logarithmic else level)
         colour = tuple(scale.colours(scale.place(np.array(level))).tolist())
@@ -113,13 +106,6 @@ def _with_lines(background: Pixels, values: np.ndarray, scale: ColourScale) -> P
             points = (np.asarray(line) + 0.5) * _FINER
             draw.line([tuple(point) for point in points.tolist()], colour, width)
     return np.asarray(large.resize((columns, rows), Image.Resampling.BOX))
-
-
-def _for_contours(values: np.ndarray, scale: ColourScale) -> np.ndarray:
-    if not scale.logarithmic:
-        return values
-    logarithm: np.ndarray = np.log(np.maximum(values, scale.smallest / 10))
-    return logarithm
 
 
 def _with_extremes(

@@ -4,13 +4,16 @@ A lens is described by the image radius as a function of the angle from the axis
 relative to the radius at 90°. Pictures are reprojected to a Radiance view, e.g. -vta.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Literal
+from itertools import product
+from typing import Any, Literal, get_args
 
 import numpy as np
 from jaxtyping import Float
+from numpy.polynomial import Polynomial
 
-from clerestory.errors import InputError
+from clerestory.checks import one_of, positive, require
 from clerestory.image.opencv import opencv
 from clerestory.image.picture import Picture
 from clerestory.scene.view import View
@@ -33,11 +36,6 @@ class Lens:
         ("stereographic"), or a polynomial of θ
     coefficients : polynomial coefficients of θ, θ², … [1/rad, 1/rad², …], to any scale
 
-    Raises
-    ------
-    InputError : unknown mapping, polynomial without coefficients, or radius that does
-        not increase up to 90°
-
     Examples
     --------
     >>> Lens("equisolid").radius(np.radians([45.0, 90.0])).round(4).tolist()
@@ -48,38 +46,29 @@ class Lens:
     coefficients: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
-        known = Mapping.__args__  # type: ignore[attr-defined]
-        if self.mapping not in known:
-            raise InputError(
-                f'lens "{self.mapping}"; one of {", ".join(known)} expected'
-            )
-        if (self.mapping == "polynomial") != bool(self.coefficients):
-            raise InputError(
-                "coefficients required for a polynomial lens, and only for it"
-            )
+        one_of(self.mapping, "lens", choices=get_args(Mapping))
+        require(
+            (self.mapping == "polynomial") == bool(self.coefficients),
+            "coefficients are required for a polynomial lens, and only for it",
+        )
         steps = self.radius(np.linspace(0, np.pi / 2, 91))
-        if not (np.isfinite(steps).all() and (np.diff(steps) > 0).all()):
-            raise InputError(
-                f"lens coefficients {self.coefficients}; a radius that increases from 0"
-                " to 90° expected"
-            )
+        require(
+            np.isfinite(steps).all() and (np.diff(steps) > 0).all(),
+            f"lens coefficients {self.coefficients}; a radius that increases from 0"
+            " to 90° expected",
+        )
 
     def radius(self, theta: _Angles) -> _Angles:
         """Image radius at angles from the axis [rad], relative to the radius at 90°."""
-        plain = self._plain(np.asarray(theta, float))
-        radius: np.ndarray = plain / self._plain(np.array(np.pi / 2))
-        return radius
-
-    def _plain(self, theta: np.ndarray) -> np.ndarray:
-        if self.mapping == "equisolid":
-            return np.asarray(np.sin(theta / 2))
-        if self.mapping == "orthographic":
-            return np.asarray(np.sin(np.minimum(theta, np.pi / 2)))
-        if self.mapping == "stereographic":
-            return np.asarray(np.tan(theta / 2))
-        if self.mapping == "polynomial":
-            return np.asarray(np.polyval([*self.coefficients[::-1], 0.0], theta))
-        return theta
+        profiles: dict[str, Callable[[Any], Any]] = {
+            "equidistant": lambda angle: angle,
+            "equisolid": lambda angle: np.sin(angle / 2),
+            "orthographic": lambda angle: np.sin(np.minimum(angle, np.pi / 2)),
+            "stereographic": lambda angle: np.tan(angle / 2),
+            "polynomial": Polynomial([0.0, *self.coefficients]),
+        }
+        radius = profiles[self.mapping]
+        return np.asarray(radius(np.asarray(theta, float)) / radius(np.pi / 2))
 
 
 @dataclass(frozen=True)
@@ -97,10 +86,7 @@ class ImageCircle:
     radius: float
 
     def __post_init__(self) -> None:
-        if not 0 < self.radius < np.inf:
-            raise InputError(
-                f"image circle of radius {self.radius:g}; above 0 expected"
-            )
+        positive(self.radius, "radius of the image circle", unit="pixels")
 
 
 def largest_circle(picture: Picture) -> ImageCircle:
@@ -120,20 +106,10 @@ def reproject(
 ) -> Picture:
     """Return the picture reprojected to a view; black outside the field of the lens.
 
-    Each pixel is the mean of n × n samples, where n is about the number of photograph
-    pixels across the pixel. Flux is approximately conserved, so that the illuminance
-    computed from the new view is correct.
-
-    Parameters
-    ----------
-    lens, circle : lens and image circle of the photograph; the top of the photograph
-        is the up direction of the view
-    view : target view; its position and direction are not changed
-    columns, rows : size of the result in pixels
-
-    Raises
-    ------
-    InputError : the centre of the image circle lies outside the photograph
+    The top of the photograph is the up direction of the view. Each pixel is the mean of
+    n × n samples, where n is about the number of photograph pixels across the pixel.
+    Flux is approximately conserved, so that the illuminance computed from the new view
+    is correct.
 
     Examples
     --------
@@ -150,18 +126,17 @@ def reproject(
     >>> seen.radiance[15, 15].tolist(), seen.radiance[0, 0].tolist()
     ([1.0, 1.0, 1.0], [0.0, 0.0, 0.0])
     """
-    if not (0 <= circle.row <= picture.rows and 0 <= circle.column <= picture.columns):
-        raise InputError(
-            f"image circle centred at row {circle.row:g}, column {circle.column:g}; a"
-            f" centre within {picture.columns} × {picture.rows} pixels expected"
-        )
+    require(
+        0 <= circle.row <= picture.rows and 0 <= circle.column <= picture.columns,
+        f"image circle centred at row {circle.row:g}, column {circle.column:g}; a"
+        f" centre within {picture.columns} × {picture.rows} pixels expected",
+    )
     samples = int(np.clip(np.ceil(2 * circle.radius / min(columns, rows)), 1, 8))
     total = np.zeros((rows, columns, 3))
     offsets = (np.arange(samples) + 0.5) / samples
-    for up in offsets:
-        for right in offsets:
-            jitter = np.broadcast_to([right, up], (rows, columns, 2))
-            total += _sampled(picture, lens, circle, view, np.array(jitter))
+    for up, right in product(offsets, offsets):
+        jitter = np.full((rows, columns, 2), [right, up])
+        total += _sampled(picture, lens, circle, view, jitter)
     radiance = (total / samples**2).astype(np.float32)
     return replace(picture, radiance=radiance, view=view, pixel_aspect=1.0)
 
@@ -193,5 +168,4 @@ def _sampled(
     inside = valid & (theta <= np.pi / 2 + 1e-6)
     inside &= (column > -1) & (column < picture.columns)
     inside &= (row > -1) & (row < picture.rows)
-    seen_inside: np.ndarray = np.where(inside[..., None], seen, 0)
-    return seen_inside
+    return np.where(inside[..., None], seen, 0)

@@ -31,27 +31,22 @@ def text_size(text: str, letters: ImageFont.FreeTypeFont) -> tuple[int, int]:
     return int(np.ceil(right - left)), ascent + descent
 
 
-def legend(
-    scale: ColourScale, unit: str, *, height: int
-) -> UInt8[np.ndarray, "rows columns 3"]:
-    """Return the colour bar of a scale with its values, white on black.
+def legend(scale: ColourScale, *, height: int) -> UInt8[np.ndarray, "row column 3"]:
+    """Return the colour bar of a scale with its unit and values, white on black.
 
-    Parameters
-    ----------
-    scale : colour scale; labels that would overlap are left out
-    unit : unit of the values, shown at the top
-    height : minimum height [pixels]; the legend is higher if the text requires it
+    Labels that would overlap are left out. The legend is higher than `height` [pixels]
+    if the text requires it.
     """
     letters = font(int(np.clip(height * _LETTERS, _SMALLEST, _LARGEST)))
     line = text_size("0", letters)[1]
     height = max(height, _LINES * line)
-    words = level_words(scale.levels)
+    words = [value_word(level) for level in scale.levels]
     gap = line // 2
     bar = 2 * line
-    widest = max(text_size(word, letters)[0] for word in (*words, unit))
+    widest = max(text_size(word, letters)[0] for word in (*words, scale.unit))
     image = Image.new("RGB", (bar + widest + 4 * gap, height))
     draw = ImageDraw.Draw(image)
-    draw.text((gap, gap), unit, "white", letters)
+    draw.text((gap, gap), scale.unit, "white", letters)
     top, bottom = gap + 2 * line, height - line
     # Colour bar with the largest value at the top
     colours = scale.colours(np.linspace(1, 0, bottom - top))
@@ -59,7 +54,8 @@ def legend(
     image.paste(Image.fromarray(colours), (gap, top))
     # Labels from the bottom upwards, where there is space
     free = float(height)
-    for place, word in _in_order(scale, words):
+    places = scale.place(np.array(scale.levels, dtype=float)).tolist()
+    for place, word in zip(places, words, strict=True):
         y = bottom - place * (bottom - top)
         close = free - y < line and place > 0
         if close and place < 1:
@@ -74,25 +70,13 @@ def legend(
     return np.asarray(image)
 
 
-def _in_order(scale: ColourScale, words: tuple[str, ...]) -> list[tuple[float, str]]:
-    places = scale.place(np.array(scale.levels, dtype=float)).tolist()
-    return list(zip(places, words, strict=True))
-
-
-def level_words(levels: tuple[float, ...]) -> tuple[str, ...]:
-    """Return the labels of a legend, with thin spaces as thousands separators.
-
-    >>> level_words((0, 0.5, 20, 250))
-    ('0', '0.5', '20', '250')
-    """
-    return tuple(value_word(level) for level in levels)
-
-
 def value_word(value: float) -> str:
     """Return a number with at least three significant digits, without trailing zeros.
 
-    >>> value_word(0.012345), value_word(5.2e8)
-    ('0.0123', '5.2e8')
+    Thousands are separated by thin spaces.
+
+    >>> value_word(0.012345), value_word(5.2e8), value_word(20)
+    ('0.0123', '5.2e8', '20')
     """
     if value and not 1e-4 <= abs(value) < 1e7:
         mantissa, exponent = f"{value:.2e}".split("e")

@@ -4,7 +4,6 @@ The exposure follows from exposure time, sensitivity and aperture, which are giv
 read from the EXIF data.
 """
 
-import math
 import struct
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +13,7 @@ import numpy as np
 from jaxtyping import UInt8
 from PIL import ExifTags, Image
 
+from clerestory.checks import positive, require
 from clerestory.errors import InputError
 
 # Exceptions that Pillow raises on damaged files
@@ -42,10 +42,6 @@ class Exposure:
     aperture : f-number
     sensitivity : ISO speed
 
-    Raises
-    ------
-    InputError : a setting that is not positive and finite
-
     Examples
     --------
     >>> round(Exposure(time=1 / 60, aperture=4.0).relative(), 7)
@@ -57,11 +53,9 @@ class Exposure:
     sensitivity: float = 100.0
 
     def __post_init__(self) -> None:
-        for name in ("time", "aperture", "sensitivity"):
-            if not 0 < getattr(self, name) < math.inf:
-                raise InputError(
-                    f"exposure {name} {getattr(self, name)}; a number above 0 expected"
-                )
+        positive(self.time, "exposure time", unit="s")
+        positive(self.aperture, "aperture")
+        positive(self.sensitivity, "sensitivity")
 
     def relative(self) -> float:
         """Equivalent exposure time at f/1 and ISO 100 [s]."""
@@ -69,32 +63,21 @@ class Exposure:
 
 
 def read_photograph(path: str | Path) -> Photograph:
-    """Return the pixels of a JPEG, PNG or TIFF photograph, row 0 at the top.
-
-    Raises
-    ------
-    InputError : the file is missing, or not a photograph of 8 bits per channel
-    """
+    """Return the pixels of a JPEG, PNG or TIFF photograph, row 0 at the top."""
     try:
         with Image.open(path) as image:
-            if image.mode not in ("RGB", "RGBA", "L", "P"):
-                raise InputError(
-                    f"pixels of mode {image.mode}; red, green and blue of 8 bits"
-                    " expected",
-                    file=path,
-                )
+            require(
+                image.mode in ("RGB", "RGBA", "L", "P"),
+                f"pixels of mode {image.mode}; red, green and blue of 8 bits expected",
+                file=path,
+            )
             return np.asarray(image.convert("RGB"))
     except _BROKEN as error:
         raise InputError(f"not a photograph: {error}", file=path) from error
 
 
 def read_exposure(path: str | Path) -> Exposure:
-    """Return the exposure in the EXIF data of a photograph.
-
-    Raises
-    ------
-    InputError : the file is missing, or its EXIF data lack a setting
-    """
+    """Return the exposure in the EXIF data of a photograph."""
     try:
         with Image.open(path) as image:
             data = image.getexif().get_ifd(ExifTags.IFD.Exif)

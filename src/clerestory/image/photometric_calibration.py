@@ -1,10 +1,13 @@
 """Photometric calibration of pictures by the illuminance measured at the camera."""
 
 import warnings
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+from jaxtyping import Float
 
+from clerestory.checks import positive, require
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.image.arithmetic import scale
 from clerestory.image.picture import Picture
@@ -37,10 +40,6 @@ class Calibration(NamedTuple):
 def eye_illuminance(picture: Picture) -> float:
     """Illuminance on the plane perpendicular to the view direction [lux].
 
-    Raises
-    ------
-    InputError : the picture has no view
-
     Examples
     --------
     >>> from clerestory.scene.view import View
@@ -49,36 +48,28 @@ def eye_illuminance(picture: Picture) -> float:
     >>> round(eye_illuminance(flat), 2)
     3.14
     """
+    return float((picture.luminance() * _projected_solid_angles(picture)).sum())
+
+
+def _projected_solid_angles(picture: Picture) -> Float[np.ndarray, "row column"]:
+    # Solid angle of each pixel times the cosine to the view direction [sr]
     view = picture.view
     if view is None:
-        raise InputError("picture without a view; a hemispherical view expected")
+        raise InputError("the picture has no view; a hemispherical view expected")
     size = picture.columns, picture.rows
     cosine = np.maximum(view.rays(*size).direction @ view.direction, 0)
-    return float((picture.luminance() * solid_angles(view, *size) * cosine).sum())
+    return np.asarray(solid_angles(view, *size) * cosine)
 
 
 def calibrate(picture: Picture, *, before: float, after: float) -> Calibration:
-    """Return the picture scaled to the measured illuminance.
+    """Return the picture of a hemisphere scaled to the measured illuminance.
 
-    Parameters
-    ----------
-    picture : picture of a whole hemisphere, corrected for vignetting
-    before, after : illuminance measured at the lens before and after the bracket [lux]
-
-    Raises
-    ------
-    InputError : an illuminance is not positive, or the picture is black
-
-    Warns
-    -----
-    ClerestoryWarning : the illuminance changed by more than 10 % during the bracket
+    `before` and `after` are the illuminances at the lens before and after the bracket
+    [lux]. A change by more than 10 % gives a warning.
     """
-    for value in (before, after):
-        if not 0 < value < np.inf:
-            raise InputError(f"measured illuminance {value:g} lux; above 0 expected")
+    positive([before, after], "measured illuminance", unit="lux")
     found = eye_illuminance(picture)
-    if not found > 0:
-        raise InputError("black picture; a picture of a lit scene expected")
+    require(found > 0, "the picture is black; a picture of a lit scene expected")
     measured = (before + after) / 2
     drift = abs(after - before) / measured
     if drift > _DRIFT:
@@ -95,24 +86,11 @@ def calibrate(picture: Picture, *, before: float, after: float) -> Calibration:
 def overflow(picture: Picture, illuminance: float) -> float:
     """Fraction of the measured illuminance that is missing in a calibrated picture.
 
-    The picture must have been calibrated independently of this illuminance, such as by
-    a luminance meter. A large fraction indicates that the sun, or its mirror image, is
-    clipped.
-
-    Parameters
-    ----------
-    illuminance : illuminance measured at the camera [lux]
-
-    Raises
-    ------
-    InputError : the illuminance is not positive
-
-    Warns
-    -----
-    ClerestoryWarning : more than a fifth of the illuminance is missing
+    The picture must have been calibrated independently of this illuminance [lux], such
+    as by a luminance meter. A large fraction indicates that the sun, or its mirror
+    image, is clipped; more than a fifth gives a warning.
     """
-    if not 0 < illuminance < np.inf:
-        raise InputError(f"measured illuminance {illuminance:g} lux; above 0 expected")
+    positive(illuminance, "measured illuminance", unit="lux")
     held = eye_illuminance(picture)
     missing = 1 - held / illuminance
     if held < _COMPLETE * illuminance:
@@ -129,42 +107,27 @@ def overflow(picture: Picture, illuminance: float) -> float:
 def replace_overflow(
     picture: Picture, illuminance: float, *, brightest: float
 ) -> Picture:
-    """Return the picture with clipped pixels raised to the measured illuminance.
+    """Return the picture with clipped pixels raised to the measured illuminance [lux].
 
-    All pixels at or above a given luminance are set to one common luminance. The result
-    has the correct illuminance but not the correct luminance distribution; use it only
-    if a shorter exposure is not available.
-
-    Parameters
-    ----------
-    illuminance : illuminance measured at the camera [lux]
-    brightest : luminance from which pixels are considered clipped [cd/m²]
-
-    Raises
-    ------
-    InputError : no pixel is that bright, or the illuminance already matches
+    All pixels of the luminance `brightest` [cd/m²] or more are set to one common
+    luminance. The result has the correct illuminance but not the correct luminance
+    distribution; use it only if a shorter exposure is not available.
     """
-    view = picture.view
     held = eye_illuminance(picture)
     luminance = picture.luminance()
     clipped = luminance >= brightest
-    if view is None or not clipped.any():
-        raise InputError(
-            f"no pixel of {brightest:g} cd/m² or more; the brightest has"
-            f" {float(luminance.max()):g} cd/m²"
-        )
-    size = picture.columns, picture.rows
-    cosine = np.maximum(view.rays(*size).direction @ view.direction, 0)
-    weight = (solid_angles(view, *size) * cosine)[clipped]
+    require(
+        clipped.any(),
+        f"no pixel of {brightest:g} cd/m² or more; the brightest has"
+        f" {float(luminance.max()):g} cd/m²",
+    )
+    weight = _projected_solid_angles(picture)[clipped]
     now = float((weight * luminance[clipped]).sum())
     level = (illuminance - held + now) / float(weight.sum())
-    if not level > float(luminance[clipped].min()):
-        raise InputError(
-            f"the picture yields {held:.0f} of {illuminance:g} lux measured; less"
-            " expected"
-        )
+    require(
+        level > float(luminance[clipped].min()),
+        f"the picture yields {held:.0f} of {illuminance:g} lux measured; less expected",
+    )
     radiance = picture.radiance.copy()
     radiance[clipped] *= (level / luminance[clipped])[:, None].astype(np.float32)
-    return Picture(
-        radiance, view, picture.header, picture.pixel_aspect, picture.quantity
-    )
+    return replace(picture, radiance=radiance)

@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Float32
 
 from clerestory.bands import RGB, Bands
+from clerestory.checks import positive, require
 from clerestory.errors import InputError
 from clerestory.scene.view import View
 
@@ -52,20 +53,17 @@ class Picture:
     def __post_init__(self) -> None:
         values = np.asarray(self.radiance, dtype=np.float32)
         bands = len(self.bands)
-        if values.ndim != 3 or values.shape[2] != bands or values.size == 0:
-            raise InputError(
-                f"pixels of shape {values.shape}; (rows, columns, {bands}) expected"
-            )
+        require(
+            values.ndim == 3 and values.shape[2] == bands and values.size > 0,
+            f"pixels of shape {values.shape}; (rows, columns, {bands}) expected",
+        )
         if not np.isfinite(values).all():
             row, column, _ = np.argwhere(~np.isfinite(values))[0]
             raise InputError(
                 f"the pixel in row {row}, column {column} is not finite;"
                 " finite numbers expected"
             )
-        if not 0 < self.pixel_aspect < np.inf:
-            raise InputError(
-                f"pixel aspect {self.pixel_aspect}; a positive number expected"
-            )
+        positive(self.pixel_aspect, "pixel aspect")
         object.__setattr__(self, "radiance", values)
 
     @property
@@ -81,20 +79,23 @@ class Picture:
     @property
     def rgb(self) -> Float32[np.ndarray, "row column 3"]:
         """Values in red, green and blue."""
-        if self.bands != RGB:
-            raise InputError(f"picture in the bands {self.bands}; {RGB} expected")
+        require(self.bands == RGB, f"picture in the bands {self.bands}; {RGB} expected")
         return self.radiance
 
     def luminance(self) -> Float32[np.ndarray, "row column"]:
         """Luminance of every pixel [cd/m²]."""
-        if self.quantity != "radiance":
-            raise InputError("an irradiance picture has no luminance; use illuminance")
+        require(
+            self.quantity == "radiance",
+            "an irradiance picture has no luminance; use illuminance",
+        )
         return photometric(self)
 
     def illuminance(self) -> Float32[np.ndarray, "row column"]:
         """Illuminance of the surface visible in every pixel [lux]."""
-        if self.quantity != "irradiance":
-            raise InputError("a radiance picture has no illuminance; use luminance")
+        require(
+            self.quantity == "irradiance",
+            "a radiance picture has no illuminance; use luminance",
+        )
         return photometric(self)
 
 
@@ -106,3 +107,12 @@ def photometric(picture: Picture) -> Float32[np.ndarray, "row column"]:
 def photometric_unit(picture: Picture) -> str:
     """Return the unit of `photometric`: cd/m² or lux."""
     return "cd/m²" if picture.quantity == "radiance" else "lux"
+
+
+def same_size(pixels: np.ndarray, like: np.ndarray, what: str) -> None:
+    """Require as many rows and columns in `pixels` as in `like`."""
+    (rows, columns), size = pixels.shape[:2], like.shape[:2]
+    require(
+        (rows, columns) == size,
+        f"{what} has {columns} × {rows} pixels; {size[1]} × {size[0]} expected",
+    )

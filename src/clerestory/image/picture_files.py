@@ -5,12 +5,14 @@ Readers detect the format from the first bytes; writers choose it by the extensi
 
 from pathlib import Path
 
+from clerestory.checks import one_of
 from clerestory.errors import InputError
 from clerestory.files import read_bytes
 from clerestory.image.exr import read_exr, write_exr
 from clerestory.image.picture import Picture
 from clerestory.image.radiance_hdr import read_radiance, write_radiance
 
+SUFFIXES = (".hdr", ".pic", ".exr")
 _EXR = b"\x76\x2f\x31\x01"
 
 
@@ -40,10 +42,7 @@ def write_picture(picture: Picture, path: str | Path) -> None:
     InputError : unknown extension
     OutputError : the file cannot be written
     """
-    ending = Path(path).suffix.lower()
-    if ending in (".hdr", ".pic"):
-        write_radiance(picture, path)
-    elif ending == ".exr":
-        write_exr(picture, path)
-    else:
-        raise InputError(f'picture file "{path}"; .hdr, .pic or .exr expected')
+    suffix = Path(path).suffix.lower()
+    one_of(suffix, f"extension of {path}", choices=SUFFIXES)
+    write = write_exr if suffix == ".exr" else write_radiance
+    write(picture, path)

@@ -4,18 +4,19 @@ Examples are view matrices of images, V_%03d.hdr, with one picture per window pa
 their products with sky matrices, with one picture per time step.
 """
 
-from itertools import count
+from itertools import count, takewhile
 from pathlib import Path
 
 import numpy as np
 
-from clerestory.errors import InputError
-from clerestory.image.picture import Picture
-from clerestory.image.picture_files import read_picture, write_picture
+from clerestory.checks import require
+from clerestory.errors import InputError, located
+from clerestory.image.picture import Picture, same_size
+from clerestory.image.picture_files import SUFFIXES, read_picture, write_picture
 from clerestory.matrix.axis import pixel_axis, unknown_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
 
-_ENDINGS = (".hdr", ".pic", ".exr")
+_NO_NUMBER = "the name has no number; one number such as in V_%03d.hdr expected"
 
 
 def is_picture_set(path: Path) -> bool:
@@ -24,7 +25,7 @@ def is_picture_set(path: Path) -> bool:
     >>> is_picture_set(Path("V_%03d.hdr")), is_picture_set(Path("V.mtx"))
     (True, False)
     """
-    return "%" in path.name and path.suffix.lower() in _ENDINGS
+    return "%" in path.name and path.suffix.lower() in SUFFIXES
 
 
 def numbered(path: Path, number: int) -> Path:
@@ -36,30 +37,19 @@ def numbered(path: Path, number: int) -> Path:
     try:
         return path.with_name(path.name % number)
     except (TypeError, ValueError):
-        raise InputError(
-            "a name with one number such as V_%03d.hdr expected", file=path
-        ) from None
+        raise InputError(_NO_NUMBER, file=path) from None
 
 
 def read_picture_set(path: Path) -> tuple[TransferMatrix, Picture]:
     """Return pictures numbered from 0 as a matrix, and the first picture."""
-    if numbered(path, 0) == numbered(path, 1):
-        raise InputError(
-            "a name with one number such as V_%03d.hdr expected", file=path
-        )
+    require(numbered(path, 0) != numbered(path, 1), _NO_NUMBER, file=path)
     first = read_picture(numbered(path, 0))
     columns = [first.radiance]
-    for file in (numbered(path, number) for number in count(1)):
-        if not file.is_file():
-            break
-        picture = read_picture(file)
-        if picture.radiance.shape != first.radiance.shape:
-            raise InputError(
-                f"{picture.columns} × {picture.rows} pixels;"
-                f" {first.columns} × {first.rows} as the first picture expected",
-                file=file,
-            )
-        columns.append(picture.radiance)
+    files = (numbered(path, number) for number in count(1))
+    for file in takewhile(Path.is_file, files):
+        columns.append(read_picture(file).radiance)
+        with located(file=file):
+            same_size(columns[-1], first.radiance, "the picture")
     pixels = first.rows * first.columns
     values = np.stack(columns, axis=-1).reshape(pixels, 3, len(columns))
     matrix = TransferMatrix(
@@ -77,15 +67,11 @@ def write_picture_set(
 
     For a single column the file name needs no number format.
     """
-    columns = matrix.columns.size
-    if "%" not in path.name and columns > 1:
-        raise InputError(
-            f"{columns} pictures; a name with one number such as I_%04d.hdr expected",
-            file=path,
-        )
-    names = [numbered(path, k) if "%" in path.name else path for k in range(columns)]
+    columns, many = matrix.columns.size, "%" in path.name
+    require(many or columns == 1, _NO_NUMBER, file=path)
+    names = [numbered(path, k) if many else path for k in range(columns)]
+    shape = len(matrix.bands), like.rows, like.columns
     for k, name in enumerate(names):
-        shape = len(matrix.bands), like.rows, like.columns
         values = np.broadcast_to(matrix.values[:, :, k].reshape(-1, *shape[1:]), shape)
         radiance = np.moveaxis(values, 0, -1).astype(np.float32)
         shown = Picture(radiance, view=like.view, header=(command,), bands=matrix.bands)

@@ -5,8 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool
 
-from clerestory.errors import InputError
-from clerestory.image.picture import Picture, photometric, photometric_unit
+from clerestory.checks import require
+from clerestory.image.picture import (
+    Picture,
+    photometric,
+    photometric_unit,
+    same_size,
+)
 
 
 @dataclass(frozen=True)
@@ -42,10 +47,6 @@ def statistics(
 ) -> Statistics:
     """Return the statistics of the pixels of a picture where the mask is true.
 
-    Raises
-    ------
-    InputError : the mask differs in size, or selects no pixel
-
     Examples
     --------
     >>> ramp = np.arange(3, dtype=np.float32)[None, :, None] * np.ones(3, np.float32)
@@ -54,11 +55,9 @@ def statistics(
     """
     values = photometric(picture)
     if mask is not None:
-        if mask.shape != values.shape:
-            raise InputError(f"mask of shape {mask.shape}; {values.shape} expected")
+        same_size(mask, values, "the mask")
         values = values[mask]
-    if not values.size:
-        raise InputError("the mask selects no pixel; at least one expected")
+    require(values.size, "the mask selects no pixel; at least one expected")
     wanted = tuple(sorted({*percentages, 50.0}))
     found = np.percentile(values, wanted)
     return Statistics(

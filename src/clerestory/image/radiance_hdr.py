@@ -11,7 +11,7 @@ from jaxtyping import Float32, UInt8
 
 from clerestory.colorimetry import RADIANCE, conversion, xyz_to_rgb
 from clerestory.constants import LUMINOUS_EFFICACY
-from clerestory.errors import InputError
+from clerestory.errors import located
 from clerestory.files import read_bytes, replace_file
 from clerestory.image.picture import Picture
 from clerestory.image.radiance_header import (
@@ -20,7 +20,7 @@ from clerestory.image.radiance_header import (
     parse_resolution,
     split_header,
 )
-from clerestory.image.run_length import RunLengthError, decode, encode
+from clerestory.image.run_length import decode, encode
 from clerestory.radiance.view_text import format_view, opens_view
 
 # Offset of the exponent byte (color.h: COLXS)
@@ -31,24 +31,15 @@ _BLACK = 1e-32
 
 
 def read_radiance(path: str | Path) -> Picture:
-    """Return a picture in Radiance format, divided by its exposure.
-
-    Raises
-    ------
-    InputError : another format, a damaged header, or missing pixels
-    """
+    """Return a picture in Radiance format, divided by its exposure."""
     data = read_bytes(path)
-    try:
+    with located(file=path):
         lines, resolution_line, start = split_header(data)
         header = parse_header(lines)
         resolution = parse_resolution(resolution_line)
         rows, width = resolution.scanlines
         pixels = np.frombuffer(data, dtype=np.uint8)[start:]
         quads = decode(pixels, rows=rows, width=width)
-    except RunLengthError as error:
-        raise InputError(f"damaged pixel data: {error}", file=path) from error
-    except InputError as error:
-        raise InputError(error.message, file=path, line=error.line) from error
     values = _physical(_floats(resolution.upright(quads)), header)
     return Picture(
         values,
@@ -63,8 +54,7 @@ def _floats(
     quads: UInt8[np.ndarray, "row column 4"],
 ) -> Float32[np.ndarray, "row column 3"]:
     # Centre of the interval of each mantissa; exponent 0 is black
-    exponent = np.arange(256)
-    unit = np.ldexp(np.float32(1), exponent - _EXCESS - 8)
+    unit = np.ldexp(np.float32(1), np.arange(256) - _EXCESS - 8)
     unit[0] = 0
     values = quads[..., :3].astype(np.float32)
     values += np.float32(0.5)
@@ -92,17 +82,9 @@ def write_radiance(
     """Write a picture in Radiance format.
 
     Precision is 1/256 of the largest component of each pixel. Negative values become 0,
-    values above 10³⁸ the largest value of the format.
-
-    Parameters
-    ----------
-    picture, path : picture to write, and path of the file
-    exposure : factor applied to the pixel values and recorded in the header
-    xyz : whether to write CIE XYZ instead of red, green and blue
-
-    Raises
-    ------
-    OutputError : the file cannot be written
+    values above 10³⁸ the largest value of the format. The values are multiplied by the
+    exposure, which is recorded in the header. With `xyz`, CIE XYZ is written instead of
+    red, green and blue.
     """
     values = picture.rgb
     scale = exposure
@@ -117,9 +99,13 @@ def write_radiance(
 
 
 def _header(picture: Picture, scale: float, *, xyz: bool) -> str:
-    lines = ["#?RADIANCE", *_kept_lines(picture)]
+    lines = [" ".join(line.splitlines()) for line in picture.header if line.strip()]
     if picture.view is not None:
         lines.append(f"VIEW= {format_view(picture.view)}")
+    else:
+        # A leading tab hides "VIEW=" lines from programs
+        lines = ["\t" + line if opens_view(line) else line for line in lines]
+    lines.insert(0, "#?RADIANCE")
     if picture.quantity != parse_header(lines).quantity:
         lines.append(f"QUANTITY={picture.quantity}")
     if scale != 1:
@@ -129,14 +115,6 @@ def _header(picture: Picture, scale: float, *, xyz: bool) -> str:
     lines.append(f"FORMAT=32-bit_rle_{'xyze' if xyz else 'rgbe'}")
     size = f"-Y {picture.rows} +X {picture.columns}"
     return "\n".join([*lines, "", size, ""])
-
-
-def _kept_lines(picture: Picture) -> list[str]:
-    # A leading tab hides "VIEW=" lines from programs if the picture has no view
-    lines = [" ".join(line.splitlines()) for line in picture.header if line.strip()]
-    if picture.view is not None:
-        return lines
-    return ["\t" + line if opens_view(line) else line for line in lines]
 
 
 def _quads(

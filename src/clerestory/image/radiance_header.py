@@ -4,7 +4,6 @@ Each program that processes a picture adds a line. Lines of the source pictures 
 with a tab and are ignored.
 """
 
-import math
 import re
 import warnings
 from dataclasses import dataclass, field
@@ -12,8 +11,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from jaxtyping import Float, UInt8
 
+from clerestory.checks import one_of, require
 from clerestory.colorimetry import RADIANCE, Primaries
-from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.errors import ClerestoryWarning, InputError, located
 from clerestory.image.picture import Quantity
 from clerestory.radiance.view_text import opens_view, parse_view
 from clerestory.scene.transform import number
@@ -111,17 +111,22 @@ def parse_resolution(line: str) -> Resolution:
         )
     sign = {match[2]: match[1], match[5]: match[4]}
     size = {match[2]: int(match[3]), match[5]: int(match[6])}
-    if not 0 < size["X"] * size["Y"] <= _MOST_PIXELS:
-        raise InputError(
-            f"picture of {size['X']} × {size['Y']} pixels;"
-            f" 1 to {_MOST_PIXELS / 1e6:.0f} million expected"
-        )
+    check_size(size["X"], size["Y"])
     return Resolution(
         columns=size["X"],
         rows=size["Y"],
         by_column=match[2] == "X",
         upward=sign["Y"] == "+",
         leftward=sign["X"] == "-",
+    )
+
+
+def check_size(columns: int, rows: int) -> None:
+    """Refuse pictures without pixels, or too large for the memory."""
+    require(
+        min(columns, rows) > 0 and columns * rows <= _MOST_PIXELS,
+        f"picture of {columns} × {rows} pixels;"
+        f" 1 to {_MOST_PIXELS / 1e6:.0f} million expected",
     )
 
 
@@ -134,29 +139,28 @@ def parse_header(lines: list[str]) -> Header:
     header = Header()
     kept = []
     for i, line in enumerate(lines, start=2):
-        try:
+        with located(file=None, line=i):
             if not _take(line, header):
                 kept.append(line)
-        except InputError as error:
-            raise InputError(error.message, line=i) from error
     header.lines = tuple(kept)
     return header
 
 
 def _take(line: str, header: Header) -> bool:
     # Whether the fields of the header contain all information of the line
-    name, equals, value = line.partition("=")
-    if equals and name == "FORMAT":
-        header.encoding = _encoding(value.strip())
-    elif equals and name == "EXPOSURE":
+    name, _, value = line.partition("=")
+    if line.startswith("FORMAT="):
+        one_of(value.strip(), "format", choices=_FORMATS)
+        header.encoding = _FORMATS[value.strip()]
+    elif line.startswith("EXPOSURE="):
         header.scale = header.scale * _positive(value, name)
-    elif equals and name == "PIXASPECT":
+    elif line.startswith("PIXASPECT="):
         header.pixel_aspect *= _positive(value, name)
-    elif equals and name == "COLORCORR":
+    elif line.startswith("COLORCORR="):
         header.scale = header.scale * [_positive(x, name) for x in _words(value, 3)]
-    elif equals and name == "PRIMARIES":
+    elif line.startswith("PRIMARIES="):
         header.primaries = _primaries(value)
-    elif equals and name == "QUANTITY" and value.strip() in ("radiance", "irradiance"):
+    elif name == "QUANTITY" and value.strip() in ("radiance", "irradiance"):
         header.quantity = "irradiance" if "irr" in value else "radiance"
     elif opens_view(line) and "-v" in line:
         _take_view(line, header)
@@ -186,31 +190,25 @@ def _take_quantity(line: str, header: Header) -> None:
                 header.quantity = "radiance" if word == "-i-" else "irradiance"
 
 
-def _encoding(name: str) -> str:
-    if name not in _FORMATS:
-        raise InputError(f'format "{name}"; one of {", ".join(_FORMATS)} expected')
-    return _FORMATS[name]
-
-
 def _positive(word: str, name: str) -> float:
     value = number(word.strip())
-    if value is None or not 1e-30 < value < 1e30 or not math.isfinite(value):
+    if value is None or not 1e-30 < value < 1e30:
         raise InputError(f'{name} "{word.strip()[:30]}"; a positive number expected')
     return value
 
 
 def _words(value: str, count: int) -> list[str]:
     words = value.split()
-    if len(words) != count:
-        raise InputError(
-            f"{len(words)} words in {value.strip()[:40]!r}; {count} expected"
-        )
+    require(
+        len(words) == count,
+        f"{len(words)} words in {value.strip()[:40]!r}; {count} expected",
+    )
     return words
 
 
 def _primaries(value: str) -> Primaries:
     numbers = [number(word) for word in _words(value, 8)]
     xy = [x for x in numbers if x is not None]
-    if len(xy) != 8:
-        raise InputError(f"PRIMARIES {value.strip()[:60]!r}; 8 numbers expected")
-    return Primaries((xy[0], xy[1]), (xy[2], xy[3]), (xy[4], xy[5]), (xy[6], xy[7]))
+    found = value.strip()[:60]
+    require(len(xy) == 8, f"PRIMARIES are {found!r}; 8 numbers expected")
+    return Primaries(*zip(xy[::2], xy[1::2], strict=True))

@@ -10,6 +10,8 @@ repetitions give the bytes of the count, lowest first.
 import numpy as np
 from jaxtyping import Bool, Int, UInt8
 
+from clerestory.checks import require
+
 # Lengths of scanlines written in the new format (color.c: MINELEN, MAXELEN)
 SHORTEST, LONGEST = 8, 0x7FFF
 
@@ -17,11 +19,10 @@ SHORTEST, LONGEST = 8, 0x7FFF
 _SHORTEST_RUN, _LONGEST_RUN, _LONGEST_LITERAL = 4, 127, 128
 _RUN = 128
 
+_TRUNCATED = "damaged pixel data: the file ends within a scanline"
+_TOO_LONG = "damaged pixel data: a run exceeds its scanline"
+
 _Bytes = UInt8[np.ndarray, " bytes"]
-
-
-class RunLengthError(ValueError):
-    """The bytes are not scanlines of the expected size."""
 
 
 def decode(
@@ -53,8 +54,12 @@ def _is_new(data: _Bytes, start: int, width: int) -> bool:
         return False
     if head[0] != 2 or head[1] != 2 or head[2] > 127:
         return False
-    if (int(head[2]) << 8) + int(head[3]) != width:
-        raise RunLengthError("a scanline states a length that differs from the header")
+    length = (int(head[2]) << 8) + int(head[3])
+    require(
+        length == width,
+        f"damaged pixel data: a scanline of {length} pixels; {width} expected, as in"
+        " the header",
+    )
     return True
 
 
@@ -62,12 +67,9 @@ def _find_codes(
     data: _Bytes, start: int, most: int, width: int
 ) -> tuple[Int[np.ndarray, " codes"], Int[np.ndarray, " rows"], int]:
     # Positions of codes and scanlines from `start` on, and end of the scanlines
-    found = _find_together(data, start, most, width)
-    if found is None:
-        found = _find_in_order(data, start, most, width)
-    codes, starts, end = found
-    if end > data.size:
-        raise RunLengthError("the data end within a scanline")
+    arguments = data, start, most, width
+    codes, starts, end = _find_together(*arguments) or _find_in_order(*arguments)
+    require(end <= data.size, _TRUNCATED)
     return codes, starts, end
 
 
@@ -162,8 +164,7 @@ def _expand(
     ends = np.cumsum(count)
     borders = width * np.arange(1, 4 * starts.size + 1)
     at = np.searchsorted(ends, borders)
-    if at[-1] >= ends.size or (ends[at] != borders).any():
-        raise RunLengthError("a run exceeds its scanline")
+    require(at[-1] < ends.size and (ends[at] == borders).all(), _TOO_LONG)
     plain = np.repeat(data, times).reshape(starts.size, 4, width)
     return plain.transpose(0, 2, 1)
 
@@ -180,10 +181,8 @@ def _decode_old(data: _Bytes, start: int, width: int) -> tuple[np.ndarray, int]:
     count = np.where(repeat, quads[:, 3].astype(np.int64) << np.maximum(shift, 0), 1)
     ends = np.cumsum(np.minimum(count, width + 1))
     last = int(np.searchsorted(ends, width))
-    if last == len(quads):
-        raise RunLengthError("the data end within a scanline")
-    if ends[last] != width or repeat[0]:
-        raise RunLengthError("a run exceeds its scanline")
+    require(last < len(quads), _TRUNCATED)
+    require(ends[last] == width and not repeat[0], _TOO_LONG)
     source = np.maximum.accumulate(np.where(repeat, -1, index))[: last + 1]
     row = np.repeat(quads[source], count[: last + 1], axis=0)
     return row[None], start + 4 * (last + 1)

@@ -11,8 +11,8 @@ import numpy as np
 from jaxtyping import Float, UInt8
 from PIL import Image
 
+from clerestory.checks import one_of
 from clerestory.colorimetry import RADIANCE, SRGB, conversion
-from clerestory.errors import InputError
 from clerestory.files import replace_file
 
 # File extensions, and the names of the formats in Pillow
@@ -42,20 +42,13 @@ def to_srgb(
     curved = np.where(
         linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055
     )
-    codes: np.ndarray = np.round(255 * curved).astype(np.uint8)
-    return codes
+    return np.asarray(np.round(255 * curved), dtype=np.uint8)
 
 
 def write_display(pixels: UInt8[np.ndarray, "row column 3"], path: str | Path) -> None:
-    """Write sRGB code values as .png or .jpg.
-
-    Raises
-    ------
-    InputError : unknown extension
-    OutputError : the file cannot be written
-    """
-    kind = _FORMATS.get(Path(path).suffix.lower())
-    if kind is None:
-        raise InputError(f'"{path}"; a name ending in {", ".join(_FORMATS)} expected')
+    """Write sRGB code values as .png or .jpg."""
+    suffix = Path(path).suffix.lower()
+    one_of(suffix, f"extension of {path}", choices=_FORMATS)
+    kind = _FORMATS[suffix]
     with replace_file(path) as stream:
         Image.fromarray(pixels).save(stream, format=kind, quality=92, optimize=True)

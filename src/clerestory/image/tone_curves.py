@@ -7,7 +7,7 @@ The module `visibility_matching` contains the tone mapping that preserves visibi
 import numpy as np
 from jaxtyping import Float32
 
-from clerestory.errors import InputError
+from clerestory.checks import positive
 from clerestory.image.picture import Picture, photometric
 
 Display = Float32[np.ndarray, "row column 3"]
@@ -42,32 +42,29 @@ def key_luminance(picture: Picture) -> float:
 def linear(picture: Picture, *, white: float | None = None) -> Display:
     """Display values proportional to radiance.
 
-    Parameters
-    ----------
-    picture : picture to map
-    white : luminance [cd/m²] or illuminance [lux] mapped to white; brighter pixels are
-        clipped on display. Default: `key_luminance`
+    `white` is the luminance [cd/m²] or illuminance [lux] shown as 1; the default is
+    `key_luminance`.
     """
-    return _exposed(picture, white)
+    level = key_luminance(picture) if white is None else white
+    positive(level, "luminance of white", unit="cd/m²")
+    # Luminance of the radiance 1 W/(m²·sr) in each channel
+    one = photometric(Picture(np.ones((1, 1, 3), dtype=np.float32)))[0, 0]
+    return picture.rgb * np.float32(one / level)
 
 
 def filmic(picture: Picture, *, white: float | None = None) -> Display:
     """Display values by a film response curve, with compressed shadows and highlights.
 
-    Parameters
-    ----------
-    picture : picture to map
-    white : luminance that a linear mapping would show as white [cd/m²]; the curve
-        reaches white at about five times this value. Default: `key_luminance`
+    `white` is the luminance that a linear mapping would show as white [cd/m²]; the
+    curve reaches white at about five times this value. The default is `key_luminance`.
 
     References
     ----------
     J. Hable, "Uncharted 2: HDR lighting", Game Developers Conference 2010
     """
-    shown: np.ndarray = _curve(_BIAS * np.maximum(_exposed(picture, white), 0)) / (
-        _curve(np.array(_WHITE))
-    )
-    return shown.astype(np.float32)
+    exposed = _BIAS * np.maximum(linear(picture, white=white), 0)
+    shown = _curve(exposed) / _curve(np.array(_WHITE))
+    return np.asarray(shown, dtype=np.float32)
 
 
 def _curve(x: np.ndarray) -> np.ndarray:
@@ -76,12 +73,3 @@ def _curve(x: np.ndarray) -> np.ndarray:
     top = x * (_A * x + _C * _B) + _D * _E
     shown: np.ndarray = top / (x * (_A * x + _B) + _D * _F) - _E / _F
     return shown
-
-
-def _exposed(picture: Picture, white: float | None) -> Display:
-    if white is not None and not 0 < white < np.inf:
-        raise InputError(f"white at {white:g} cd/m²; a positive luminance expected")
-    level = key_luminance(picture) if white is None else white
-    # Luminance of the radiance 1 W/(m²·sr) in each channel
-    one = photometric(Picture(np.ones((1, 1, 3), dtype=np.float32)))[0, 0]
-    return picture.rgb * np.float32(one / level)

@@ -81,17 +81,14 @@ def with_veil(picture: Picture) -> Picture:
     veil = _scatter(direction.astype(np.float32), samples.reshape(rows * columns, -1))
     veil = veil.reshape(samples.shape)
     # Linear interpolation between samples, constant beyond the outermost samples
-    row = (np.arange(picture.rows) + 0.5) / picture.rows * rows - 0.5
-    column = (np.arange(picture.columns) + 0.5) / picture.columns * columns - 0.5
-    place = np.stack(np.meshgrid(row, column, indexing="ij"))
-    fine = np.stack(
-        [
-            map_coordinates(band, place, order=1, mode="nearest")
-            for band in np.moveaxis(veil, -1, 0)
-        ],
-        axis=-1,
-    )
-    seen = (1 - _SCATTERED) * picture.radiance + _SCATTERED * fine
+    axes = [
+        (np.arange(fine) + 0.5) / fine * coarse - 0.5
+        for fine, coarse in ((picture.rows, rows), (picture.columns, columns))
+    ]
+    place = np.stack(np.meshgrid(*axes, indexing="ij"))
+    bands = np.moveaxis(veil, -1, 0)
+    fine = [map_coordinates(band, place, order=1, mode="nearest") for band in bands]
+    seen = (1 - _SCATTERED) * picture.radiance + _SCATTERED * np.stack(fine, axis=-1)
     return replace(picture, radiance=seen.astype(np.float32))
 
 

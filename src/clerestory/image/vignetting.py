@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.checks import positive, require
 from clerestory.errors import InputError
 from clerestory.image.picture import Picture
 
@@ -20,10 +21,6 @@ class Vignetting:
     ----------
     coefficients : coefficients c₁, c₂, … [1/rad², …] of 1 + c₁ θ² + c₂ θ⁴ + …
 
-    Raises
-    ------
-    InputError : the transmission falls below 2 % within 90°
-
     Examples
     --------
     >>> Vignetting((-0.1,)).passed(np.array([0.0, 1.0])).tolist()
@@ -34,11 +31,11 @@ class Vignetting:
 
     def __post_init__(self) -> None:
         lowest = float(self.passed(np.linspace(0, np.pi / 2, 91)).min())
-        if not lowest >= _LEAST:
-            raise InputError(
-                f"vignetting with a relative transmission of {lowest:.3f}; {_LEAST} or"
-                " more expected"
-            )
+        require(
+            lowest >= _LEAST,
+            f"vignetting with a relative transmission of {lowest:.3f}; {_LEAST} or"
+            " more expected",
+        )
 
     def passed(self, theta: Float[np.ndarray, "*shape"]) -> Float[np.ndarray, "*shape"]:
         """Relative transmission at angles from the axis [rad]."""
@@ -54,15 +51,8 @@ def fit_vignetting(
 ) -> Vignetting:
     """Fit the vignetting to photographs of a constant target at several angles.
 
-    Parameters
-    ----------
-    theta : angles between target and axis [rad]
-    luminance : luminance of the target in the photographs, to any scale
-    terms : number of even powers of θ
-
-    Raises
-    ------
-    InputError : fewer than `terms` + 2 angles, or luminances that are not positive
+    `theta` are the angles between target and axis [rad], `luminance` is that of the
+    target in the photographs, to any scale, and `terms` the number of even powers of θ.
 
     Examples
     --------
@@ -71,24 +61,16 @@ def fit_vignetting(
     >>> round(fitted.coefficients[0], 3)
     -0.2
     """
-    if theta.size < terms + 2:
-        raise InputError(f"{theta.size} angles; {terms + 2} or more expected")
-    if not (np.isfinite(luminance).all() and (luminance > 0).all()):
-        raise InputError(
-            "luminances of the target not positive; positive numbers expected"
-        )
+    least = terms + 2
+    require(theta.size >= least, f"{theta.size} angles; {least} or more expected")
+    positive(luminance, "luminance of the target")
     powers = theta[:, None] ** (2 * np.arange(terms + 1))
     fitted, *_ = np.linalg.lstsq(powers / luminance[:, None], np.ones(theta.size))
     return Vignetting(tuple((fitted[1:] / fitted[0]).tolist()))
 
 
 def correct_vignetting(picture: Picture, vignetting: Vignetting) -> Picture:
-    """Return the picture divided by the relative transmission of the lens.
-
-    Raises
-    ------
-    InputError : the picture has no view
-    """
+    """Return the picture divided by the relative transmission of the lens."""
     if picture.view is None:
         raise InputError("picture without a view; a reprojected picture expected")
     rays = picture.view.rays(picture.columns, picture.rows)

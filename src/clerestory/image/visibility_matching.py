@@ -13,12 +13,13 @@ Graphics 3 (1997) 291–306; pcond of Radiance. Loss of acuity is not modelled.
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Float32
 
+from clerestory.checks import require
 from clerestory.constants import LUMINOUS_EFFICACY
-from clerestory.errors import InputError
 from clerestory.image.arithmetic import reduce
 from clerestory.image.picture import Picture, photometric
 from clerestory.image.veiling_glare import foveal_view, with_veil
@@ -33,8 +34,7 @@ _TOLERANCE = 0.025
 # Upper limit of scotopic and lower limit of photopic vision [cd/m²] (pcond.h)
 _RODS_ONLY, _CONES_ONLY = 5.62e-3, 5.62
 
-# Ratio of scotopic to photopic luminance of white; weights of red, green and blue
-_SCOTOPIC_WHITE = 2.26
+# Weights of red, green and blue in scotopic luminance (pcond.h)
 _SCOTOPIC_WEIGHTS = (0.062, 0.608, 0.330)
 
 
@@ -46,21 +46,17 @@ class Screen:
     ----------
     white : largest luminance [cd/m²]
     contrast : ratio of largest to smallest luminance
-
-    Raises
-    ------
-    InputError : the luminance is not positive, or the contrast not above 1
     """
 
     white: float = 100.0
     contrast: float = 100.0
 
     def __post_init__(self) -> None:
-        if not (0 < self.white < np.inf and 1 < self.contrast < np.inf):
-            raise InputError(
-                f"screen of {self.white:g} cd/m² and contrast {self.contrast:g};"
-                " a positive luminance and a contrast above 1 expected"
-            )
+        require(
+            0 < self.white < np.inf and 1 < self.contrast < np.inf,
+            f"screen of {self.white:g} cd/m² and contrast {self.contrast:g};"
+            " a positive luminance and a contrast above 1 expected",
+        )
 
     @property
     def black(self) -> float:
@@ -107,25 +103,15 @@ def human_vision(
     ratio = LUMINOUS_EFFICACY * np.divide(
         shown, luminance, out=np.zeros_like(luminance), where=luminance > _DARKEST
     )
-    mapped: np.ndarray = values * ratio[..., None].astype(np.float32)
-    return mapped
+    return np.asarray(values * ratio[..., None].astype(np.float32))
 
 
-@dataclass(frozen=True)
-class _Histogram:
-    # Weights of bins of equal width in the logarithm of luminance, from `low` to
-    # `high`, and mean logarithm
+class _Histogram(NamedTuple):
+    # Weights of bins of equal width, limits of the bins and mean, of the logarithm of
+    # luminance
     weight: Float[np.ndarray, " bins"]
-    low: float
-    high: float
+    borders: Float[np.ndarray, " bins+1"]
     mean: float
-
-    @property
-    def step(self) -> float:
-        return (self.high - self.low) / _BINS
-
-    def middles(self) -> Float[np.ndarray, " bins"]:
-        return self.low + (np.arange(_BINS) + 0.5) * self.step
 
 
 def _histogram(picture: Picture) -> _Histogram | None:
@@ -138,11 +124,8 @@ def _histogram(picture: Picture) -> _Histogram | None:
     top = np.log(high)
     # Add one bin below the darkest luminance
     lit = low >= _DARKEST
-    bottom = (
-        top - (top - np.log(low)) * _BINS / (_BINS - 1) if lit else np.log(_DARKEST)
-    )
-    if top - bottom < 1e-9:
-        bottom = top - 1e-9
+    span = top - np.log(low if lit else _DARKEST)
+    bottom = top - max(span * _BINS / (_BINS - 1) if lit else span, 1e-9)
     weight, total = np.zeros(_BINS), 0.0
     for samples, share in ((fovea, 1.0), (pixels, fovea.size / pixels.size)):
         inside = samples[(samples > np.exp(bottom)) & (samples < high)].astype(float)
@@ -156,7 +139,7 @@ def _histogram(picture: Picture) -> _Histogram | None:
     if lit:
         weight[1] *= 0.5
         weight[0] += weight[1]
-    return _Histogram(weight, float(bottom), float(top), float(mean))
+    return _Histogram(weight, np.linspace(bottom, top, _BINS + 1), float(mean))
 
 
 def foveal_samples(picture: Picture) -> Picture:
@@ -176,18 +159,16 @@ def _shown(
     # Displayed value of each luminance, relative to display white
     low, high = np.log(screen.black), np.log(screen.white)
     cumulative = None
-    if histogram.high - histogram.low > high - low:
+    if np.ptp(histogram.borders) > high - low:
         cumulative = _cumulative(histogram, screen, sensitive=sensitive)
     if cumulative is None:
         # The scene's range fits the display: linear mapping of mean to mid-luminance
         middle, mean = np.exp((low + high) / 2), np.exp(histogram.mean)
         factor = threshold(middle) / threshold(mean) if sensitive else middle / mean
-        straight: np.ndarray = luminance * (factor / screen.white)
-        return straight
-    borders = np.linspace(histogram.low, histogram.high, _BINS + 1)
+        return np.asarray(luminance * (factor / screen.white))
     brightness = np.log(np.maximum(luminance, _DARKEST))
-    place = np.interp(brightness, borders, cumulative)
-    shown: np.ndarray = np.exp(low + place * (high - low)) - screen.black
+    place = np.interp(brightness, histogram.borders, cumulative)
+    shown = np.exp(low + place * (high - low)) - screen.black
     return np.where(luminance >= _DARKEST, shown / (screen.white - screen.black), 0)
 
 
@@ -197,8 +178,8 @@ def _cumulative(
     # Truncate the histogram where the mapping would exaggerate contrast. As truncation
     # changes the mapping, iterate. None if nothing remains to compress
     range_shown = np.log(screen.contrast)
-    middles = histogram.middles()
-    scene = np.exp(middles)
+    scene = np.exp((histogram.borders[:-1] + histogram.borders[1:]) / 2)
+    step = histogram.borders[1] - histogram.borders[0]
     weight = histogram.weight.copy()
     while True:
         total = weight.sum()
@@ -209,7 +190,7 @@ def _cumulative(
         shown = np.exp(np.log(screen.black) + place * range_shown)
         limit = threshold(shown) / threshold(scene) if sensitive else shown / scene
         # Eq. 7 of the paper: slope that preserves just noticeable differences
-        ceiling = total * histogram.step * limit * scene / (shown * range_shown)
+        ceiling = total * step * limit * scene / (shown * range_shown)
         cut = np.maximum(weight - ceiling, 0)
         if cut.sum() <= total * _TOLERANCE:
             return borders
@@ -248,7 +229,5 @@ def _with_colour_loss(picture: Picture) -> Float32[np.ndarray, "row column 3"]:
         return picture.rgb
     colour = np.clip((luminance - _RODS_ONLY) / (_CONES_ONLY - _RODS_ONLY), 0, 1)
     grey = picture.rgb @ np.array(_SCOTOPIC_WEIGHTS, dtype=np.float32)
-    mixed: np.ndarray = (
-        colour[..., None] * picture.rgb + ((1 - colour) * grey)[..., None]
-    )
-    return mixed.astype(np.float32)
+    mixed = colour[..., None] * picture.rgb + ((1 - colour) * grey)[..., None]
+    return np.asarray(mixed, dtype=np.float32)

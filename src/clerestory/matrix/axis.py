@@ -58,19 +58,16 @@ class Axis:
 
     def fits(self, other: "Axis") -> bool:
         """Whether the columns `self` and the rows `other` have the same meaning."""
-        if self.size != other.size:
-            return False
-        if "unknown" in (self.kind, other.kind):
-            return True
-        if self.kind != other.kind:
-            return False
-        if self.window and other.window and self.window != other.window:
+        if self.size != other.size or "unknown" in (self.kind, other.kind):
+            return self.size == other.size
+        windows = {self.window, other.window} - {None, ""}
+        if self.kind != other.kind or len(windows) > 1:
             return False
         mine, yours = self.partition, other.partition
         if isinstance(mine, RingPartition) and isinstance(yours, RingPartition):
             return mine.matches(yours)
         if isinstance(mine, SkyPartition) and isinstance(yours, SkyPartition):
-            return mine.matches(yours)
+            return mine.subdivision == yours.subdivision
         return True
 
     def at_window(self, window: str | None) -> "Axis":

@@ -22,6 +22,7 @@ import h5py
 import numpy as np
 
 from clerestory.bands import RGB, Bands
+from clerestory.checks import one_of, require
 from clerestory.errors import InputError, located
 from clerestory.files import read_bytes, replace_file
 from clerestory.hemisphere.partition import RingPartition
@@ -82,10 +83,10 @@ def read_netcdf(path: str | Path) -> TransferMatrix:
     """
     data = read_bytes(path)
     with located(file=path):
-        if data[-SEAL_LENGTH:] != seal(memoryview(data)[:-SEAL_LENGTH]):
-            raise InputError(
-                "damaged, or not written by Clerestory; a complete matrix file expected"
-            )
+        require(
+            data[-SEAL_LENGTH:] == seal(memoryview(data)[:-SEAL_LENGTH]),
+            "damaged, or not written by Clerestory; a complete matrix file expected",
+        )
         try:
             return _read(data)
         except InputError:
@@ -99,18 +100,14 @@ def read_netcdf(path: str | Path) -> TransferMatrix:
 
 def _read(data: bytes) -> TransferMatrix:
     with h5py.File(io.BytesIO(data), "r") as file:
-        if file.attrs.get("format") != _FORMAT:
-            raise InputError(f"file format unknown; {_FORMAT!r} expected")
-        values = _read_floats(file, "values", len(data))
-        components = (
-            _read_floats(file, "components", len(data))
-            if "components" in file
-            else None
-        )
-        rows, columns = _read_axis(file, "row"), _read_axis(file, "column")
-        return TransferMatrix(
-            values, rows, columns, components, _read_bands(file["values"])
-        )
+        found = file.attrs.get("format")
+        require(found == _FORMAT, f"file format unknown; {_FORMAT!r} expected")
+        size, components = len(data), None
+        if "components" in file:
+            components = _read_floats(file, "components", size)
+        values = _read_floats(file, "values", size)
+        axes = _read_axis(file, "row"), _read_axis(file, "column")
+        return TransferMatrix(values, *axes, components, _read_bands(file["values"]))
 
 
 def seal(data: memoryview) -> bytes:
@@ -178,13 +175,16 @@ def _write_axis(file: h5netcdf.File, side: str, axis: Axis) -> None:
 def _read_floats(file: h5py.File, name: str, length: int) -> np.ndarray:
     # The data are not compressed, so they cannot be longer than the file
     variable = file[name]
-    if variable.dtype.kind != "f" or variable.dtype.itemsize > 8:
-        raise InputError(f"{name} of type {variable.dtype}; floating point expected")
-    size = math.prod(variable.shape) * variable.dtype.itemsize
-    if size > length:
-        raise InputError(
-            f"{name} of {size} bytes in a file of {length}; a complete file expected"
-        )
+    kind, item = variable.dtype.kind, variable.dtype.itemsize
+    require(
+        kind == "f" and item <= 8,
+        f"{name} of type {variable.dtype}; floating point expected",
+    )
+    size = math.prod(variable.shape) * item
+    require(
+        size <= length,
+        f"{name} of {size} bytes in a file of {length}; a complete file expected",
+    )
     data: np.ndarray = variable[...]
     return data
 
@@ -193,8 +193,7 @@ def _read_axis(file: h5py.File, side: str) -> Axis:
     variable = file[f"{side}s"]
     attributes = variable.attrs
     kind: Kind = attributes["kind"]
-    if kind not in get_args(Kind):
-        raise InputError(f"{side}s of kind {kind!r}; one of {get_args(Kind)} expected")
+    one_of(kind, f"kind of the {side}s", choices=get_args(Kind))
     partition: Any = None
     if "ring_count" in attributes:
         partition = RingPartition(
@@ -206,8 +205,10 @@ def _read_axis(file: h5py.File, side: str) -> Axis:
     elif "sky_subdivision" in attributes:
         partition = reinhart(int(np.ravel(attributes["sky_subdivision"])[0]))
     size = int(variable.shape[0])
-    if partition is not None and len(partition) != size:
-        raise InputError(f"{size} {side}s of a partition with {len(partition)} patches")
+    require(
+        partition is None or len(partition) == size,
+        f"{size} {side}s of a partition with {partition and len(partition)} patches",
+    )
     times, names = file.get(f"{side}_times"), file.get(f"{side}_names")
     return Axis(
         kind,

@@ -18,6 +18,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bands import RGB, Bands, unnamed_bands
+from clerestory.checks import one_of, require
 from clerestory.errors import InputError, located
 from clerestory.files import read_bytes, replace_file
 from clerestory.matrix.axis import Axis, unknown_axis
@@ -39,16 +40,16 @@ class _Header:
     big_endian: bool
     length: int  # bytes of the header with its empty line
 
-    def require(self, found: int, what: str, size: int) -> None:
+    def require_size(self, found: int, what: str, size: int) -> None:
         # Compare the data with the size in the header, or with whole rows
         row = self.columns * self.channels * size
         expected = (self.rows or found // row or 1) * row
-        if found != expected:
-            raise InputError(
-                f"{found} {what}; {expected} expected for {self.rows or 'whole'} rows"
-                f" of {self.columns} columns and {self.channels} components in"
-                f" {self.encoding}"
-            )
+        require(
+            found == expected,
+            f"{found} {what}; {expected} expected for {self.rows or 'whole'} rows of"
+            f" {self.columns} columns and {self.channels} components in"
+            f" {self.encoding}",
+        )
 
 
 def read_matrix(
@@ -90,17 +91,17 @@ def read_matrix(
         _require_finite(table)
         rows = rows or unknown_axis(table.shape[0])
         columns = columns or unknown_axis(table.shape[1])
-        if (rows.size, columns.size) != table.shape[:2]:
-            raise InputError(
-                f"{table.shape[0]} rows and {table.shape[1]} columns;"
-                f" {rows.describe()} by {columns.describe()} expected"
-            )
+        require(
+            (rows.size, columns.size) == table.shape[:2],
+            f"{table.shape[0]} rows and {table.shape[1]} columns; {rows.describe()} by"
+            f" {columns.describe()} expected",
+        )
         bands = bands or unnamed_bands(header.channels)
-        if header.channels not in (1, len(bands)):
-            raise InputError(
-                f"{header.channels} components; one, or one for each of the"
-                f" {len(bands)} bands expected"
-            )
+        require(
+            header.channels in (1, len(bands)),
+            f"{header.channels} components; one, or one for each of the {len(bands)}"
+            " bands, expected",
+        )
     values = np.ascontiguousarray(np.moveaxis(table, -1, 0))
     return TransferMatrix(values, rows, columns, bands=bands)
 
@@ -146,17 +147,9 @@ def write_rows(
 ) -> None:
     """Write a matrix given as blocks of rows, with one block in memory at a time.
 
-    Parameters
-    ----------
-    blocks : successive rows
-    shape : numbers of rows, columns and channels of the matrix
-
-    See `write_matrix` for the remaining parameters and the errors.
+    `shape` are the numbers of rows, columns and channels of the matrix.
     """
-    if encoding not in ("ascii", *_ITEM):
-        raise InputError(
-            f"unknown matrix encoding {encoding!r}; ascii, float or double expected"
-        )
+    one_of(encoding, "matrix encoding", choices=("ascii", *_ITEM))
     rows, columns, channels = shape
     lines = ["#?RADIANCE"]
     lines += [f"\t{' '.join(command.split())}"] if command else []
@@ -181,11 +174,11 @@ def _format_row(row: Float[np.ndarray, "column channel"]) -> str:
 
 def _read_header(data: bytes) -> _Header:
     # Read the variables before the empty line
-    if not data.startswith(b"#?"):
-        raise InputError(
-            "does not start with #?RADIANCE; a Radiance matrix with header expected",
-            line=1,
-        )
+    require(
+        data.startswith(b"#?"),
+        "does not start with #?RADIANCE; a Radiance matrix with header expected",
+        line=1,
+    )
     end = re.compile(rb"\r?\n\r?\n").search(data, 0, _LONGEST_HEADER)
     if end is None:
         raise InputError(
@@ -201,15 +194,19 @@ def _read_header(data: bytes) -> _Header:
         if name not in variables:
             return None
         text, line = variables[name]
-        if not re.fullmatch(r"0*[1-9]\d{0,11}", text):
-            message = f"{name}={text[:40]}; a positive whole number expected"
-            raise InputError(message, line=line)
+        require(
+            re.fullmatch(r"0*[1-9]\d{0,11}", text),
+            f"{name}={text[:40]}; a positive whole number expected",
+            line=line,
+        )
         return int(text)
 
     encoding, at = variables.get("FORMAT", ("ascii", 1))
-    if encoding not in ("ascii", "float", "double"):
-        message = f"format {encoding!r}; a matrix in ascii, float or double expected"
-        raise InputError(message, line=at)
+    require(
+        encoding in ("ascii", *_ITEM),
+        f"format is {encoding!r}; ascii, float or double expected",
+        line=at,
+    )
     columns = count("NCOLS")
     if columns is None:
         raise InputError("no NCOLS in the header; the number of columns expected")
@@ -221,7 +218,7 @@ def _read_header(data: bytes) -> _Header:
 def _read_binary(body: memoryview, header: _Header) -> np.ndarray:
     # Check the size before memory is allocated
     item = np.dtype((">" if header.big_endian else "<") + _ITEM[header.encoding])
-    header.require(len(body), "bytes of data", item.itemsize)
+    header.require_size(len(body), "bytes of data", item.itemsize)
     return np.frombuffer(body, item).astype(item.newbyteorder("="), copy=False)
 
 
@@ -234,7 +231,7 @@ def _read_ascii(body: memoryview, header: _Header) -> np.ndarray:
             flat = np.fromstring(text, dtype=float, sep=" ")
     except (DeprecationWarning, ValueError) as error:
         raise _bad_number(text) from error
-    header.require(len(flat), "values", 1)
+    header.require_size(len(flat), "values", 1)
     return flat
 
 
@@ -243,10 +240,8 @@ def _bad_number(text: str) -> InputError:
         try:
             float(word)
         except ValueError:
-            return InputError(f"{word[:40]!r} among the values; a number expected")
-    return InputError(
-        "the values are not separated by spaces; numbers separated by spaces expected"
-    )
+            return InputError(f"one value is {word[:40]!r}; a number expected")
+    return InputError("values with other separators; numbers and spaces expected")
 
 
 def _require_finite(table: Float[np.ndarray, "row column channel"]) -> None:
@@ -258,6 +253,7 @@ def _require_finite(table: Float[np.ndarray, "row column channel"]) -> None:
     if len(bad):
         row, column, channel = bad[0]
         raise InputError(
-            f"row {row + 1}, column {column + 1} holds {table[row, column, channel]}"
-            f" ({len(bad)} such values); finite numbers expected"
+            f"the value in row {row + 1}, column {column + 1} is"
+            f" {table[row, column, channel]} ({len(bad)} such values); finite numbers"
+            " expected"
         )

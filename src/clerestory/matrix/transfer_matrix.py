@@ -11,23 +11,33 @@ error of V·T·D·S contains all correlations between coefficients:
 import importlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Float
 
 from clerestory.bands import GREY, RGB, Bands, common_bands, weighted_sum
+from clerestory.checks import require
 from clerestory.errors import MatrixError
 from clerestory.matrix.axis import Axis
 
 if TYPE_CHECKING:
     import xarray as xr
 
+# Coefficients of a range of rows, and their error components
+Entries = tuple[
+    Float[np.ndarray, "channel row column"],
+    Float[np.ndarray, "component channel row column"] | None,
+]
+
+# Raise a MatrixError unless a condition is true
+require_matrix = partial(require, error=MatrixError)
+
 
 @dataclass(frozen=True, eq=False)
 class TransferMatrix:
-    """Transfer coefficients: quantity received by each row per unit sent by each
-    column.
+    """Coefficients: quantity received by each row per unit sent by each column.
 
     Attributes
     ----------
@@ -48,29 +58,27 @@ class TransferMatrix:
     bands: Bands = RGB
 
     def __post_init__(self) -> None:
-        bands = len(self.bands)
-        if self.values.ndim != 3 or self.values.shape[0] not in (1, bands):
-            raise MatrixError(
-                f"matrix of shape {self.values.shape};"
-                f" (1 or {bands} channels, rows, columns) expected"
+        shape, bands = self.values.shape, len(self.bands)
+        parts = self.components
+        require_matrix(
+            len(shape) == 3 and shape[0] in (1, bands),
+            f"matrix of shape {shape}; (1 or {bands} channels, rows, columns) expected",
+        )
+        require_matrix(
+            shape[1:] == (self.rows.size, self.columns.size),
+            f"matrix of {' x '.join(map(str, shape[1:]))} coefficients;"
+            f" {self.rows.describe()} by {self.columns.describe()} expected",
+        )
+        if parts is not None:
+            require_matrix(
+                parts.shape[1:] == shape,
+                f"error components of shape {parts.shape};"
+                f" (n, {', '.join(map(str, shape))}) expected",
             )
-        if self.values.shape[1:] != (self.rows.size, self.columns.size):
-            raise MatrixError(
-                f"matrix of {' x '.join(map(str, self.values.shape[1:]))} coefficients;"
-                f" {self.rows.describe()} by {self.columns.describe()} expected"
-            )
-        if (
-            self.components is not None
-            and self.components.shape[1:] != self.values.shape
-        ):
-            raise MatrixError(
-                f"error components of shape {self.components.shape};"
-                f" (n, {', '.join(map(str, self.values.shape))}) expected"
-            )
-        if not np.all(np.isfinite(self.values)):
-            raise MatrixError(
-                "the matrix holds values that are not finite; numbers expected"
-            )
+        require_matrix(
+            np.all(np.isfinite(self.values)),
+            "the matrix has values that are not finite; finite numbers expected",
+        )
 
     @property
     def standard_error(self) -> Float[np.ndarray, "channel row column"]:
@@ -110,11 +118,11 @@ class TransferMatrix:
         """Return the sum of two statistically independent matrices."""
         if not isinstance(other, TransferMatrix):
             return NotImplemented
-        if not (self.rows.fits(other.rows) and self.columns.fits(other.columns)):
-            raise MatrixError(
-                f"cannot add {other.rows.describe()} by {other.columns.describe()} to"
-                f" {self.rows.describe()} by {self.columns.describe()}"
-            )
+        require_matrix(
+            self.rows.fits(other.rows) and self.columns.fits(other.columns),
+            f"cannot add {other.rows.describe()} by {other.columns.describe()} to"
+            f" {self.rows.describe()} by {self.columns.describe()}",
+        )
         bands = self._common_bands(other)
         values = self.values + other.values
         parts = [m.components for m in (self, other) if m.components is not None]
@@ -125,14 +133,17 @@ class TransferMatrix:
     def _common_bands(self, other: "TransferMatrix") -> Bands:
         return common_bands((m.bands, len(m.values)) for m in (self, other))
 
+    def read(self, rows: slice) -> Entries:
+        """Return a range of rows and their error components."""
+        parts = self.components
+        return self.values[:, rows], None if parts is None else parts[:, :, rows]
+
     def select_rows(self, rows: slice) -> "TransferMatrix":
-        """Return a block of rows."""
+        """Return a range of rows as a matrix."""
         names = self.rows.names[rows] if self.rows.names else None
         axis = replace(self.rows, size=len(range(self.rows.size)[rows]), names=names)
-        components = None if self.components is None else self.components[:, :, rows]
-        return replace(
-            self, values=self.values[:, rows], rows=axis, components=components
-        )
+        values, components = self.read(rows)
+        return replace(self, values=values, rows=axis, components=components)
 
     def weighted(
         self, weights: Sequence[float] | Float[np.ndarray, " band"]
@@ -151,18 +162,18 @@ class TransferMatrix:
     def illuminance(self) -> "xr.Dataset":
         """Illuminance [lux] of the sensors at each time step, with its standard error.
 
-        The matrix must hold irradiance [W/m²] in bands of known luminous efficacy; in
-        RGB illuminance is 179 lm/W times 0.265 R + 0.670 G + 0.065 B.
+        The coefficients must be irradiance [W/m²] in bands of known luminous efficacy.
+        In RGB, illuminance is 179 lm/W times 0.265 R + 0.670 G + 0.065 B.
 
         Raises
         ------
         MatrixError : columns are not time steps
         InputError : the luminous efficacy of the bands is unknown
         """
-        if self.columns.kind not in ("time", "unknown"):
-            raise MatrixError(
-                f"columns are {self.columns.describe()}; multiply by a sky matrix first"
-            )
+        require_matrix(
+            self.columns.kind in ("time", "unknown"),
+            f"columns are {self.columns.describe()}; multiply by a sky matrix first",
+        )
         lux = self.weighted(self.bands.weights)
         return illuminance_dataset(
             lux.values[0], lux.standard_error[0], sensors=self.rows, times=self.columns
@@ -177,20 +188,13 @@ def _concatenated(
 
 
 def require_fit(columns: Axis, rows: Axis) -> None:
-    """Require that the inner axes of a product have the same meaning.
-
-    Raises
-    ------
-    MatrixError : the inner axes are incompatible
-    """
-    if columns.fits(rows):
-        return
-    hint = ""
-    if (columns.kind, rows.kind) == ("interior", "exterior"):
-        hint = "; put the transmission matrix of a BSDF between them"
-    raise MatrixError(
+    """Require that the inner axes of a product have the same meaning."""
+    hint = "; put the transmission matrix of a BSDF between them"
+    unscattered = (columns.kind, rows.kind) == ("interior", "exterior")
+    require_matrix(
+        columns.fits(rows),
         f"the left matrix has columns of {columns.describe()}, the right matrix has"
-        f" rows of {rows.describe()}; equal axes expected{hint}"
+        f" rows of {rows.describe()}; equal axes expected{hint * unscattered}",
     )
 
 
@@ -206,14 +210,12 @@ def illuminance_dataset(
     moments = times.times if times.times is not None else np.arange(times.size)
 
     # Import here: loading xarray takes longer than most products
+    axes, long_name = ("sensor", "time"), "standard error of the illuminance"
+    error = axes, standard_error, {"units": "lux", "long_name": long_name}
     labelled: xr.Dataset = importlib.import_module("xarray").Dataset(
         {
-            "illuminance": (("sensor", "time"), illuminance, {"units": "lux"}),
-            "standard_error": (
-                ("sensor", "time"),
-                standard_error,
-                {"units": "lux", "long_name": "standard error of the illuminance"},
-            ),
+            "illuminance": (axes, illuminance, {"units": "lux"}),
+            "standard_error": error,
         },
         coords={"sensor": names, "time": moments},
         attrs={"quantity": "illuminance", "units": "lux"},

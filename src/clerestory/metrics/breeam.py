@@ -19,14 +19,7 @@ from clerestory.metrics.daylight_factor import room_factors
 
 
 class IlluminanceCriterion(NamedTuple):
-    """Result of the illuminance criterion.
-
-    Attributes
-    ----------
-    mean_hours, worst_hours : hours in which the mean illuminance and the illuminance at
-        the darkest point reach their limits [h]
-    passed : whether both numbers of hours reach the required hours
-    """
+    """Hours [h] in which the mean and the lowest illuminance reach their limits."""
 
     mean_hours: float
     worst_hours: float
@@ -41,11 +34,11 @@ def illuminance_criterion(
     hours: float = 2000.0,
     step_hours: float = 1.0,
 ) -> IlluminanceCriterion:
-    """Return the result of the illuminance criterion.
+    """Return the result of the illuminance criterion for one room.
 
     Parameters
     ----------
-    illuminance : illuminance of one room at all hours [lux], over (sensor, time)
+    illuminance : illuminance of all hours [lux], over (sensor, time)
     mean_lux, worst_lux : limits of the mean and of the lowest illuminance [lux]
     hours : required hours [h]
     step_hours : length of a time step [h]
@@ -55,11 +48,12 @@ def illuminance_criterion(
     True
     """
     mean, worst = illuminance.mean("sensor"), illuminance.min("sensor")
-    mean_hours = float((mean >= mean_lux).sum()) * step_hours
-    worst_hours = float((worst >= worst_lux).sum()) * step_hours
-    return IlluminanceCriterion(
-        mean_hours, worst_hours, min(mean_hours, worst_hours) >= hours
+    mean_hours, worst_hours = (
+        float((lux >= limit).sum()) * step_hours
+        for lux, limit in ((mean, mean_lux), (worst, worst_lux))
     )
+    passed = min(mean_hours, worst_hours) >= hours
+    return IlluminanceCriterion(mean_hours, worst_hours, passed)
 
 
 def factor_criterion(

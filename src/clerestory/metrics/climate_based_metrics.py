@@ -10,11 +10,13 @@ autonomy); A. Nabil, J. Mardaljevic, Lighting Research and Technology 37 (1), 20
 papers); CIE 157:2004, table 3.4 (light exposure).
 """
 
+from typing import Literal
+
 import numpy as np
 import xarray as xr
 from jaxtyping import Bool
 
-from clerestory.errors import InputError
+from clerestory.checks import require
 from clerestory.metrics.occupied_hours import within_hours
 
 TARGET_LUX = 300.0
@@ -26,29 +28,23 @@ USEFUL_RANGES = ("fell short", "supplementary", "autonomous", "exceeded")
 EXPOSURE_LIMITS = {"high": 15_000.0, "medium": 150_000.0, "low": 600_000.0}
 
 
-def annual_mean(data: xr.DataArray, hours: Bool[np.ndarray, " time"]) -> xr.DataArray:
-    """Mean of each sensor over the selected hours, in the unit of the data.
+def annual_statistic(
+    data: xr.DataArray,
+    hours: Bool[np.ndarray, " time"],
+    statistic: Literal["mean", "median", "max"],
+) -> xr.DataArray:
+    """Mean, median or maximum of each sensor over the selected hours.
 
-    Applied to standard errors, the result is an upper limit of the standard error of
-    the mean, since errors of all hours are correlated by the same traced matrices.
+    The mean of standard errors is an upper limit of the standard error of the mean,
+    since errors of all hours are correlated by the same traced matrices.
 
     >>> lux = xr.DataArray([[100.0, 300.0, 999.0]], dims=("sensor", "time"))
-    >>> float(annual_mean(lux, np.array([True, True, False]))[0])
+    >>> float(annual_statistic(lux, np.array([True, True, False]), "mean")[0])
     200.0
     """
-    return within_hours(data, hours).astype(float).mean("time", keep_attrs=True)
-
-
-def annual_median(data: xr.DataArray, hours: Bool[np.ndarray, " time"]) -> xr.DataArray:
-    """Median of each sensor over the selected hours, in the unit of the data."""
-    return within_hours(data, hours).astype(float).median("time", keep_attrs=True)
-
-
-def annual_maximum(
-    data: xr.DataArray, hours: Bool[np.ndarray, " time"]
-) -> xr.DataArray:
-    """Maximum of each sensor over the selected hours, in the unit of the data."""
-    return within_hours(data, hours).astype(float).max("time", keep_attrs=True)
+    reduce = getattr(within_hours(data, hours).astype(float), statistic)
+    found: xr.DataArray = reduce("time", keep_attrs=True)
+    return found
 
 
 def daylight_autonomy(
@@ -95,17 +91,16 @@ def useful_illuminance(
 
     Ranges include the lower but not the upper limit; the four fractions sum to 1. Most
     standards define the useful range as the two middle ranges.
-
-    Returns
-    -------
-    fractions 0…1, on the dimensions `band` (range) and `sensor`
+    The dimensions of the result are `band` (range) and `sensor`.
 
     >>> lux = xr.DataArray([[50.0, 100.0, 300.0, 4000.0]], dims=("sensor", "time"))
     >>> useful_illuminance(lux, np.ones(4, bool)).sel(sensor=0).values.tolist()
     [0.25, 0.25, 0.25, 0.25]
     """
-    if not 0 < limits_lux[0] < limits_lux[1] < limits_lux[2]:
-        raise InputError(f"limits {limits_lux} lux; three increasing numbers expected")
+    require(
+        0 < limits_lux[0] < limits_lux[1] < limits_lux[2],
+        f"limits are {limits_lux} lux; three increasing numbers expected",
+    )
     counted = within_hours(illuminance, hours)
     low, middle, high = ((counted >= limit).mean("time") for limit in limits_lux)
     shares = [1 - low, low - middle, middle - high, high]

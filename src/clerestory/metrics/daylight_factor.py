@@ -5,18 +5,11 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.errors import InputError
+from clerestory.checks import positive
 
 
 class DaylightFactors(NamedTuple):
-    """Daylight factors of a room.
-
-    Attributes
-    ----------
-    mean, median, minimum : mean, median and minimum over the sensors, as fractions
-        (0.02 is 2 %)
-    uniformity : ratio of minimum to mean; 0 if the mean is 0
-    """
+    """Daylight factors of a room, as fractions; uniformity is minimum over mean."""
 
     mean: float
     median: float
@@ -37,10 +30,7 @@ def daylight_factor(
     >>> daylight_factor(np.array([200.0]), outdoor_lux=10_000.0).tolist()
     [0.02]
     """
-    if not outdoor_lux > 0:
-        raise InputError(
-            f"outdoor illuminance {outdoor_lux:g} lux; more than 0 expected"
-        )
+    positive(outdoor_lux, "outdoor illuminance", unit="lux")
     return np.asarray(illuminance / outdoor_lux)
 
 

@@ -15,9 +15,10 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Bool, Float
 
+from clerestory.checks import positive, require
 from clerestory.directions import unit
-from clerestory.errors import InputError
-from clerestory.metrics.spatial_metrics import RoomShare, area_share, with_error
+from clerestory.metrics.occupied_hours import within_hours
+from clerestory.metrics.spatial_metrics import RoomShare, spatial_autonomy
 
 LEVELS = ("none", "minimum", "medium", "high")
 
@@ -102,21 +103,19 @@ def daylight_provision(
     >>> provision.target_level, provision.minimum_level
     (2, 2)
     """
-    if len(hours) != illuminance.sizes["time"] or not np.any(hours):
-        raise InputError(
-            f"a mask of {len(hours)} hours for {illuminance.sizes['time']} steps;"
-            " one value per"
-            " step, at least one of them true, expected"
-        )
-    chosen = np.flatnonzero(hours)
-    data = illuminance.isel(time=chosen)
-    error = None if standard_error is None else standard_error.isel(time=chosen)
+    data = within_hours(illuminance, hours)
+    error = None if standard_error is None else within_hours(standard_error, hours)
+    share = partial(
+        spatial_autonomy,
+        data,
+        np.ones(data.sizes["time"], bool),
+        standard_error=error,
+        area=area,
+        share_of_hours=SHARE_OF_HOURS,
+    )
 
     def shares(lux: tuple[float, ...]) -> tuple[RoomShare, RoomShare, RoomShare]:
-        first, second, third = (
-            with_error(partial(_share, limit=limit, area=area), data, error)
-            for limit in lux
-        )
+        first, second, third = (share(target_lux=limit) for limit in lux)
         return first, second, third
 
     target, minimum = shares(TARGET_LUX), shares(MINIMUM_LUX)
@@ -193,8 +192,7 @@ def hours_of_sun(
     >>> each.tolist(), room
     ([1.5, 2.0], 3.0)
     """
-    if not step_minutes > 0:
-        raise InputError(f"steps of {step_minutes:g} minutes; more than 0 expected")
+    positive(step_minutes, "time step", unit="min")
     share = step_minutes / 60
     return reached.sum(axis=1) * share, float(reached.any(axis=0).sum() * share)
 
@@ -208,8 +206,7 @@ def glare_level(
     >>> glare_level(dgp, np.ones(100, bool))
     2
     """
-    if not np.any(occupied):
-        raise InputError("no occupied time steps; at least one expected")
+    require(np.any(occupied), "no occupied time steps; at least one expected")
     shares = [float(np.mean(dgp[occupied] > limit)) for limit in GLARE_LIMITS]
     return sum(share <= GLARE_SHARE for share in shares)
 
@@ -222,25 +219,13 @@ def target_factors(
     >>> [round(100 * d, 2) for d in target_factors(14_900.0)[0]]
     [2.01, 3.36, 5.03]
     """
-    if not median_diffuse_lux > 0:
-        raise InputError(f"{median_diffuse_lux:g} lux outdoors; more than 0 expected")
+    positive(median_diffuse_lux, "median diffuse illuminance", unit="lux")
     a, b, c = (lux / median_diffuse_lux for lux in TARGET_LUX)
     d, e, f = (lux / median_diffuse_lux for lux in MINIMUM_LUX)
     return (a, b, c), (d, e, f)
 
 
-def _share(
-    lux: xr.DataArray, *, limit: float, area: Float[np.ndarray, " sensor"] | None
-) -> float:
-    often = (lux >= limit).mean("time").values
-    return area_share(often >= SHARE_OF_HOURS - 1e-12, area)
-
-
 def _level(shares: tuple[RoomShare, ...], wanted: float) -> int:
     # Highest level for which all lower levels are also reached
-    level = 0
-    for share in shares:
-        if share.value < wanted - 1e-12:
-            break
-        level += 1
-    return level
+    reached = [share.value >= wanted - 1e-12 for share in shares]
+    return [*reached, False].index(False)

@@ -8,8 +8,10 @@ hour).
 """
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any, Literal, final
 
@@ -17,7 +19,9 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float, Int
 
-from clerestory.errors import InputError
+from clerestory.checks import one_of, require, within
+from clerestory.documents import json_value
+from clerestory.errors import InputError, located
 from clerestory.files import make_folder, read_text, replace_file, write_text
 
 STATIC = "__static_apertures__"
@@ -62,11 +66,8 @@ class HoneybeeFolder:
             the year; −1 excludes the path. Unlisted paths are in state 0.
         light : "total" illuminance, or "direct" illuminance from the sun alone
         """
-        if grid not in self.paths:
-            raise InputError(
-                f"no grid {grid!r}; one of {', '.join(self.paths)} expected",
-                file=self.folder,
-            )
+        with located(file=self.folder):
+            one_of(grid, "grid", choices=self.paths)
         hours = self.sun_up_hours.astype(int)
         total = np.zeros((self.counts[grid], len(hours)), dtype=np.float32)
         for path in self.paths[grid]:
@@ -78,24 +79,15 @@ class HoneybeeFolder:
                     total += np.where(per_hour == state, array, np.float32(0))
         year = np.zeros((len(total), _HOURS_A_YEAR), dtype=np.float32)
         year[:, hours] = total
-        times = _YEAR + (np.arange(_HOURS_A_YEAR) * 3600 + 1800).astype(
-            "timedelta64[s]"
-        )
-        return xr.DataArray(
-            year,
-            dims=("sensor", "time"),
-            coords={"time": times.astype("datetime64[ns]")},
-            attrs={"units": "lux"},
-        )
+        minutes = np.arange(30, 60 * _HOURS_A_YEAR, 60)
+        times = (_YEAR + minutes.astype("timedelta64[m]")).astype("datetime64[ns]")
+        axes, attrs = ("sensor", "time"), {"units": "lux"}
+        return xr.DataArray(year, dims=axes, coords={"time": times}, attrs=attrs)
 
     def by_state(
         self, grid: str, path: str, *, light: Light = "total"
     ) -> Float[np.ndarray, "state sensor time"]:
-        """Illuminance from one light path in each state [lux].
-
-        The array is over (state, sensor, hour of the year); the static path has one
-        state.
-        """
+        """Illuminance from one light path in each of its states [lux]."""
         hours = self.sun_up_hours.astype(int)
         count = 1 if path == STATIC else len(self.states.get(path, ()))
         year = np.zeros((count, self.counts[grid], _HOURS_A_YEAR), dtype=np.float32)
@@ -111,68 +103,59 @@ class HoneybeeFolder:
         self, grid: str, path: str, state: int, light: Light
     ) -> Float[np.ndarray, "sensor hour"]:
         names = ("default",) if path == STATIC else self.states.get(path, ())
-        if state >= len(names):
-            raise InputError(
-                f"light path {path} has {len(names)} states; state 0 to"
-                f" {len(names) - 1} expected, not {state}",
-                file=self.folder,
-            )
+        with located(file=self.folder):
+            within(state, f"state of light path {path}", least=0, most=len(names) - 1)
         file = self.folder / path / names[state] / light / f"{grid}.npy"
         try:
             array = np.load(file, allow_pickle=False)
         except (OSError, ValueError, EOFError) as error:
             raise InputError(f"cannot be read: {error}", file=file) from error
-        expected = (self.counts[grid], len(self.sun_up_hours))
-        if array.shape != expected or not np.issubdtype(array.dtype, np.floating):
-            raise InputError(
-                f"{array.dtype} values of shape {array.shape}; floats of {expected}"
-                " expected",
-                file=file,
-            )
+        shape = self.counts[grid], len(self.sun_up_hours)
+        require(
+            array.shape == shape and np.issubdtype(array.dtype, np.floating),
+            f"{array.dtype} values of shape {array.shape}; floats of {shape} expected",
+            file=file,
+        )
         return np.asarray(array)
 
 
 def read_honeybee(folder: str | Path) -> HoneybeeFolder:
     """Return a results folder of honeybee-radiance-postprocess."""
     folder = Path(folder)
-    info = _json(folder / "grids_info.json")
-    try:
-        counts = {str(grid["full_id"]): int(grid["count"]) for grid in info}
+    file = folder / "grids_info.json"
+    with _expecting("grids with full_id, count and light_path", file):
+        info = {str(grid["full_id"]): grid for grid in _json(file)}
+        counts = {name: int(grid["count"]) for name, grid in info.items()}
         paths = {
-            str(grid["full_id"]): tuple(
-                dict.fromkeys(str(p) for step in grid["light_path"] for p in step)
-            )
-            for grid in info
+            name: tuple(dict.fromkeys(map(str, chain(*grid["light_path"]))))
+            for name, grid in info.items()
         }
-    except (TypeError, KeyError, ValueError) as error:
-        raise InputError(
-            "grids with full_id, count and light_path expected",
-            file=folder / "grids_info.json",
-        ) from error
     states: dict[str, tuple[str, ...]] = {}
-    if (folder / "grid_states.json").is_file():
-        try:
-            for groups in _json(folder / "grid_states.json").values():
+    file = folder / "grid_states.json"
+    if file.is_file():
+        with _expecting("states of the light paths of each grid", file):
+            for groups in _json(file).values():
                 states |= {str(k): tuple(map(str, v)) for k, v in groups.items()}
-        except (AttributeError, TypeError) as error:
-            raise InputError(
-                "states of light paths of grids expected",
-                file=folder / "grid_states.json",
-            ) from error
-    hours_file = folder / "sun-up-hours.txt"
-    try:
-        hours = np.array([float(word) for word in read_text(hours_file).split()])
-    except ValueError as error:
-        raise InputError("hours of the year expected", file=hours_file) from error
-    if len(hours) and not (hours.min() >= 0 and hours.max() < _HOURS_A_YEAR):
-        raise InputError(
-            "an hour outside the year; 0 to 8760 expected", file=hours_file
-        )
-    if len(np.unique(hours.astype(int))) < len(hours):
-        raise InputError(
-            "several steps in an hour; one step per hour expected", file=hours_file
-        )
+    file = folder / "sun-up-hours.txt"
+    with _expecting("hours of the year", file):
+        hours = np.array([float(word) for word in read_text(file).split()])
+    with located(file=file):
+        within(hours, "hour of the year", least=0, most=np.nextafter(_HOURS_A_YEAR, 0))
+    require(
+        len(np.unique(hours.astype(int))) == len(hours),
+        "several steps in an hour; one step per hour expected",
+        file=file,
+    )
     return HoneybeeFolder(folder, paths, states, hours, counts)
+
+
+@contextmanager
+def _expecting(what: str, file: Path) -> Iterator[None]:
+    # Convert errors caused by invalid contents of a file
+    try:
+        yield
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
+        raise InputError(f"{what} expected", file=file) from error
 
 
 def write_honeybee(
@@ -193,24 +176,21 @@ def write_honeybee(
     """
     moments = times.astype("datetime64[s]")
     hours = (moments - moments.astype("datetime64[Y]")) / np.timedelta64(3600, "s")
-    if len(np.unique(hours.astype(int))) < len(hours) or np.any(hours >= _HOURS_A_YEAR):
-        raise InputError("steps are not hourly; hours of one year of 365 days expected")
+    require(
+        len(np.unique(hours.astype(int))) == len(hours)
+        and np.all(hours < _HOURS_A_YEAR),
+        "steps are not hourly; hours of one year of 365 days expected",
+    )
     for name, lux in total.items():
-        if lux.ndim != 2 or lux.shape[1] != len(times):
-            raise InputError(
-                f"grid {name!r} has shape {lux.shape}; (sensor, {len(times)}) expected"
-            )
+        require(
+            lux.ndim == 2 and lux.shape[1] == len(times),
+            f"grid {name!r} has shape {lux.shape}; (sensor, {len(times)}) expected",
+        )
     lit = np.any([lux.max(axis=0) > 0 for lux in total.values()], axis=0)
     folder = make_folder(folder)
     info = [
-        {
-            "name": name,
-            "identifier": name,
-            "full_id": name,
-            "group": "",
-            "count": len(lux),
-            "light_path": [[STATIC]],
-        }
+        dict.fromkeys(("name", "identifier", "full_id"), name)
+        | {"group": "", "count": len(lux), "light_path": [[STATIC]]}
         for name, lux in total.items()
     ]
     write_text(folder / "grids_info.json", json.dumps(info, indent=2))
@@ -227,7 +207,4 @@ def write_honeybee(
 
 
 def _json(path: Path) -> Any:
-    try:
-        return json.loads(read_text(path))
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"not JSON: {error}", file=path) from error
+    return json_value(read_text(path), file=path)

@@ -12,7 +12,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.errors import InputError
+from clerestory.checks import one_of, require
 from clerestory.metrics.spatial_metrics import area_share
 
 Version = Literal["v4", "v4.1"]
@@ -21,11 +21,12 @@ LOW_LUX, HIGH_LUX = 300.0, 3000.0
 MOST_EXPOSURE = 0.10
 
 # Limits of the fraction of the area, and points
-_OPTION_1: dict[Version, tuple[tuple[float, int], ...]] = {
+_Limits = dict[Version, tuple[tuple[float, int], ...]]
+_OPTION_1: _Limits = {
     "v4": ((0.55, 2), (0.75, 3)),
     "v4.1": ((0.40, 1), (0.55, 2), (0.75, 3)),
 }
-_OPTION_2: dict[Version, tuple[tuple[float, int], ...]] = {
+_OPTION_2: _Limits = {
     "v4": ((0.75, 1), (0.90, 2)),
     "v4.1": ((0.55, 1), (0.75, 2), (0.90, 3)),
 }
@@ -94,22 +95,14 @@ def clear_sky_illuminance(
     >>> clear_sky_illuminance([lux, lux]).points  # 75 % of the sensors
     2
     """
-    if not illuminance:
-        raise InputError("no illuminance; values at 9 h and at 15 h expected")
+    require(illuminance, "no illuminance; values at 9 h and at 15 h expected")
     high = np.inf if view_preserving_blinds else HIGH_LUX
     good = np.all([(lux >= LOW_LUX) & (lux <= high) for lux in illuminance], axis=0)
     share = area_share(good, area)
     return Credit(_points(share, _OPTION_2, version), share, "")
 
 
-def _points(
-    share: float,
-    table: dict[Version, tuple[tuple[float, int], ...]],
-    version: Version,
-) -> int:
-    if version not in table:
-        raise InputError(f"LEED {version!r}; one of {', '.join(table)} expected")
-    return max(
-        (points for limit, points in table[version] if share >= limit - 1e-12),
-        default=0,
-    )
+def _points(share: float, table: _Limits, version: Version) -> int:
+    one_of(version, "version of LEED", choices=table)
+    reached = (points for limit, points in table[version] if share >= limit - 1e-12)
+    return max(reached, default=0)

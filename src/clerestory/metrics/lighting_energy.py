@@ -12,7 +12,7 @@ from typing import Literal, final
 import numpy as np
 from jaxtyping import Bool, Float
 
-from clerestory.errors import InputError
+from clerestory.checks import not_negative, positive, within
 
 Control = Literal["dimming", "dimming with switch-off", "on-off", "none"]
 
@@ -44,16 +44,12 @@ class LightingZone:
     standby: float = 0.0
 
     def __post_init__(self) -> None:
-        if min(self.power, self.full_lux, self.setpoint_lux) <= 0 or self.standby < 0:
-            raise InputError(
-                f"power {self.power:g} W, illuminance {self.full_lux:g} lux, setpoint"
-                f" {self.setpoint_lux:g} lux; numbers above 0 expected"
-            )
-        if not (0 <= self.least_output < 1 and 0 <= self.least_power <= 1):
-            raise InputError(
-                f"least output {self.least_output:g} and least power"
-                f" {self.least_power:g}; fractions from 0 to 1 expected"
-            )
+        positive(self.power, "power", unit="W")
+        positive(self.full_lux, "illuminance at full output", unit="lux")
+        positive(self.setpoint_lux, "setpoint", unit="lux")
+        not_negative(self.standby, "standby power", unit="W")
+        within(self.least_output, "least output", least=0, most=np.nextafter(1, 0))
+        within(self.least_power, "least power", least=0, most=1)
 
 
 @final
@@ -107,19 +103,14 @@ def lighting_use(
             for sign in (-1, 1)
         )
         error = float(abs(high - low) / 2 * step_hours)
-    return LightingUse(
-        output,
-        power,
-        np.asarray(daylight + output * zone.full_lux),
-        float(power.sum() * step_hours),
-        error,
-    )
+    illuminance = np.asarray(daylight + output * zone.full_lux)
+    energy = float(power.sum() * step_hours)
+    return LightingUse(output, power, illuminance, energy, error)
 
 
 def lighting_saving(use: LightingUse, reference: LightingUse) -> float:
     """Energy saving, as a fraction of the energy of a reference."""
-    if not reference.energy > 0:
-        raise InputError("the reference uses no energy; more than 0 expected")
+    positive(reference.energy, "energy of the reference", unit="Wh")
     return 1 - use.energy / reference.energy
 
 
@@ -129,18 +120,10 @@ def _output(
     occupied: Bool[np.ndarray, " time"],
 ) -> tuple[Float[np.ndarray, " time"], Float[np.ndarray, " time"]]:
     missing = np.clip((zone.setpoint_lux - daylight) / zone.full_lux, 0, 1)
-    if zone.control == "none":
-        output, lit = np.ones_like(missing), occupied
-    elif zone.control == "on-off":
-        lit = occupied & (missing > 0)
-        output = np.ones_like(missing)
-    else:
-        output = np.maximum(missing, zone.least_output)
-        off = zone.control == "dimming with switch-off"
-        lit = occupied & (missing > 0) if off else occupied
+    dimmed = zone.control.startswith("dimming")
+    switched = zone.control in ("dimming with switch-off", "on-off")
+    output = np.maximum(missing, zone.least_output) if dimmed else np.ones_like(missing)
+    lit = occupied & (missing > 0) if switched else occupied
     slope = (1 - zone.least_power) / (1 - zone.least_output)
     power = zone.power * (zone.least_power + slope * (output - zone.least_output))
-    return (
-        np.where(lit, output, 0.0),
-        np.asarray(np.where(lit, power, zone.standby)),
-    )
+    return np.where(lit, output, 0.0), np.where(lit, power, zone.standby)

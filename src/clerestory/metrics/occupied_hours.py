@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Bool
 
-from clerestory.errors import InputError
+from clerestory.checks import require, same_length
 
 
 def occupied_hours(
@@ -16,11 +16,11 @@ def occupied_hours(
     >>> int(occupied_hours(day).sum())
     10
     """
-    if not 0 <= from_hour < to_hour <= 24:
-        raise InputError(
-            f"schedule from {from_hour:g} to {to_hour:g} h;"
-            " two increasing hours between 0 and 24 expected"
-        )
+    require(
+        0 <= from_hour < to_hour <= 24,
+        f"schedule from {from_hour:g} to {to_hour:g} h; two increasing hours between 0"
+        " and 24 expected",
+    )
     moments = np.asarray(times).astype("datetime64[s]")
     hour = (moments - moments.astype("datetime64[D]")) / np.timedelta64(3600, "s")
     return np.asarray((hour >= from_hour) & (hour < to_hour))
@@ -28,11 +28,6 @@ def occupied_hours(
 
 def within_hours(data: xr.DataArray, hours: Bool[np.ndarray, " time"]) -> xr.DataArray:
     """Return the data of the selected time steps."""
-    if len(hours) != data.sizes["time"]:
-        raise InputError(
-            f"a mask of {len(hours)} hours for {data.sizes['time']} time steps;"
-            " one value per time step expected"
-        )
-    if not np.any(hours):
-        raise InputError("no time step lies within the schedule; at least one expected")
-    return data.isel(time=np.flatnonzero(hours))
+    same_length(hours, data["time"], "values of the mask", "time steps")
+    require(np.any(hours), "no time step is within the schedule; at least one expected")
+    return data if np.all(hours) else data.isel(time=np.flatnonzero(hours))

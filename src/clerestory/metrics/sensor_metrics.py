@@ -7,6 +7,7 @@ illuminance E.
 """
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 import xarray as xr
@@ -16,9 +17,7 @@ from clerestory.metrics.climate_based_metrics import (
     TARGET_LUX,
     USEFUL_LIMITS_LUX,
     USEFUL_RANGES,
-    annual_maximum,
-    annual_mean,
-    annual_median,
+    annual_statistic,
     continuous_autonomy,
     daylight_autonomy,
     useful_illuminance,
@@ -47,20 +46,15 @@ def sensor_metrics(
     `…_error`, except of the median, the maximum and the bands.
     """
     lux = hourly["illuminance"]
-
-    def autonomy(data: xr.DataArray) -> xr.DataArray:
-        return daylight_autonomy(data, hours, target_lux=target_lux)
-
-    def continuous(data: xr.DataArray) -> xr.DataArray:
-        return continuous_autonomy(data, hours, target_lux=target_lux)
-
+    autonomy = partial(daylight_autonomy, hours=hours, target_lux=target_lux)
+    continuous = partial(continuous_autonomy, hours=hours, target_lux=target_lux)
     bands = useful_illuminance(lux, hours)
     result = xr.Dataset(
         {
-            "mean_illuminance": annual_mean(lux, hours),
+            "mean_illuminance": annual_statistic(lux, hours, "mean"),
             "mean_illuminance_error": _mean_error(hourly, hours),
-            "median_illuminance": annual_median(lux, hours),
-            "maximum_illuminance": annual_maximum(lux, hours),
+            "median_illuminance": annual_statistic(lux, hours, "median"),
+            "maximum_illuminance": annual_statistic(lux, hours, "max"),
             "daylight_autonomy": autonomy(lux),
             "daylight_autonomy_error": metric_error(autonomy, hourly),
             "continuous_autonomy": continuous(lux),
@@ -103,7 +97,7 @@ def error_of_group_mean(
 def _mean_error(hourly: xr.Dataset, hours: Bool[np.ndarray, " time"]) -> xr.DataArray:
     # From the error components of the mean, or with fully correlated hourly errors
     if "mean_components" not in hourly:
-        return annual_mean(hourly["standard_error"], hours)
+        return annual_statistic(hourly["standard_error"], hours, "mean")
     variance = (hourly["mean_components"].astype(float) ** 2).sum("component")
     error: xr.DataArray = variance**0.5
     return error.assign_attrs(units="lux")
@@ -127,10 +121,8 @@ def metric_error(
 
 def _useful_error(hourly: xr.Dataset, hours: Bool[np.ndarray, " time"]) -> xr.DataArray:
     # Sum of the errors at the lower and at the upper limit of the useful range
-
-    def spread(limit_lux: float) -> xr.DataArray:
-        return metric_error(
-            lambda lux: daylight_autonomy(lux, hours, target_lux=limit_lux), hourly
-        )
-
-    return spread(USEFUL_LIMITS_LUX[0]) + spread(USEFUL_LIMITS_LUX[2])
+    low, high = (
+        metric_error(partial(daylight_autonomy, hours=hours, target_lux=lux), hourly)
+        for lux in USEFUL_LIMITS_LUX[::2]
+    )
+    return low + high

@@ -20,7 +20,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Bool, Float
 
-from clerestory.errors import InputError
+from clerestory.checks import not_negative, positive, same_length
 from clerestory.metrics.climate_based_metrics import TARGET_LUX
 from clerestory.metrics.occupied_hours import within_hours
 
@@ -32,12 +32,9 @@ HALF_OF_THE_HOURS = 0.5
 @final
 @dataclass(frozen=True)
 class RoomShare:
-    """Fraction of the area of a room, and the standard error of the fraction.
+    """Fraction of the area of a room, and an upper limit of its standard error.
 
-    Attributes
-    ----------
-    value : fraction, 0…1
-    error : upper limit of the standard error; 0 if unknown
+    The error is 0 if unknown.
     """
 
     value: float
@@ -127,11 +124,9 @@ def area_share(
     """
     if area is None:
         return float(np.mean(good))
-    if area.shape != good.shape or np.any(area < 0) or not area.sum() > 0:
-        raise InputError(
-            f"{len(area)} areas for {len(good)} sensors; one area of 0 m² or more per"
-            " sensor, with a sum above 0, expected"
-        )
+    same_length(area, good, "areas", "sensors")
+    not_negative(area, "area of a sensor", unit="m²")
+    positive(area.sum(), "total area of the sensors", unit="m²")
     return float(area[good].sum() / area.sum())
 
 

@@ -4,7 +4,7 @@ The result is computed in blocks of receivers × time steps. Error components, t
 deviations of the independent batches of each Monte Carlo estimate from their mean, are
 multiplied like the values. The view matrices of all windows are estimated from the
 same paths, so component k is summed over the windows. All other estimates are
-independent of each other.
+statistically independent.
 
 The order of multiplication is chosen by cost: V (T D S) for many receivers and for
 moving shades, (V T D) S for few receivers.
@@ -19,6 +19,7 @@ from jaxtyping import Float32, Int
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.column_light import (
     Light,
+    PatchLight,
     SkyLight,
     SunLight,
     Weights,
@@ -48,8 +49,8 @@ from clerestory.phases.receivers import (
 from clerestory.phases.stored_views import StoredColumns
 from clerestory.sky.sky_product import lit_steps
 
-# Maximum sizes [bytes] of the exiting radiance with view matrices in memory, of the
-# same with view matrices in files, and of the result of one block of receivers
+# Maximum sizes [bytes] of the exiting radiance, with view matrices in memory and in
+# files, and of the result of one block of receivers
 _LIGHT, _LIGHT_OF_FILES, _RECEIVED = 1 << 27, 1 << 29, 1 << 26
 
 
@@ -94,7 +95,7 @@ class _Factor:
     # in the given steps
     source: tuple[int, int]
     sign: int
-    matrices: Sequence[TransferMatrix | Readable]
+    matrices: Sequence[Readable]
     light: Light
     steps: Int[np.ndarray, " step"]
 
@@ -103,7 +104,9 @@ class _Factor:
     ) -> tuple[np.ndarray, list[Components]]:
         layers = side_by_side(self.matrices, rows, errors=errors)
         found = self.light.received(layers)
-        groups = [found[1:], *(self.light.spread(layers[0]) if errors else ())]
+        groups = [found[1:]]
+        if errors and isinstance(self.light, PatchLight):
+            groups += self.light.spread(layers[0])
         if self.sign < 0:
             for values in (found, *groups[1:]):
                 np.negative(values, out=values)
@@ -121,16 +124,11 @@ class BlockwiseProduct:
 
     Attributes
     ----------
-    terms : terms of the matrix equation
     states : index of the shade state at each time step, per window group; default 0
     weights : band weights; one row for illuminance, one row per band for pictures
     count : number of receivers
     errors : whether to compute error components as well
     most_receivers, most_steps : maximum block size; by default limited by memory
-
-    Raises
-    ------
-    MatrixError : axes of the matrices differ, or a shade state does not exist
     """
 
     windows: Sequence[WindowMatrices]
@@ -163,10 +161,8 @@ class BlockwiseProduct:
         for times, inside in self._times(lit, most):
             factors = [
                 factor
-                for number, (term, found) in enumerate(
-                    zip(self.terms, parts, strict=True)
-                )
-                for factor in self._factors(number, term, found, inside)
+                for number, found in enumerate(parts)
+                for factor in self._factors(number, found, inside)
             ]
             bytes_each = 4 * len(self.weights) * layers * max(1, len(inside))
             fits = max(16, _RECEIVED // bytes_each)
@@ -200,18 +196,18 @@ class BlockwiseProduct:
     def _factors(
         self,
         number: int,
-        term: Term,
         found: list[MatrixChain],
         inside: Int[np.ndarray, " step"],
     ) -> Iterator[_Factor]:
+        term = self.terms[number]
         skies = self.skies.select(inside)
         every = np.arange(len(inside))
         states = [np.asarray(state)[inside] for state in self.states or ()]
         if found[0].factors:
             sky = skies.patches(term)
-            light = exiting_light(found, sky, states, self.weights, errors=self.errors)
+            passed = exiting_light(found, sky, states, self.weights, errors=self.errors)
             views = [readable(chain.receiving[0]) for chain in found]
-            yield _Factor((number, 0), term.sign, views, light, every)
+            yield _Factor((number, 0), term.sign, views, passed, every)
             return
         for window, chain in enumerate(found):
             several = len(chain.receiving) > 1
@@ -219,24 +215,22 @@ class BlockwiseProduct:
                 steps = np.flatnonzero(states[window] == state) if several else every
                 source = number, len(chain.receiving) * window + state
                 if len(steps):
-                    yield self._direct(source, term, matrix, skies, steps)
+                    columns, light = self._direct(term, matrix, skies, steps)
+                    yield _Factor(source, term.sign, [columns], light, steps)
 
     def _direct(
         self,
-        source: tuple[int, int],
         term: Term,
         matrix: Receiving,
         skies: Skies,
         steps: Int[np.ndarray, " step"],
-    ) -> _Factor:
+    ) -> tuple[Readable, Light]:
         # Coefficients from the sky patches or the suns straight to the receivers
         if term.part != "sun" or skies.suns is None:
             sky = skies.patches(term).select(steps)
-            light = SkyLight(sky, self.weights)
-            return _Factor(source, term.sign, [readable(matrix)], light, steps)
+            return readable(matrix), SkyLight(sky, self.weights)
         columns, normal = shining_columns(matrix, skies.suns.direct_normal[:, steps])
-        sun = SunLight(normal, self.weights)
-        return _Factor(source, term.sign, [columns], sun, steps)
+        return columns, SunLight(normal, self.weights)
 
     def _block(
         self,
@@ -245,8 +239,7 @@ class BlockwiseProduct:
         steps: Int[np.ndarray, " step"],
         factors: Sequence[_Factor],
     ) -> Block:
-        size = rows.stop - rows.start
-        shape = len(self.terms), len(self.weights), size, len(steps)
+        shape = len(self.terms), len(self.weights), rows.stop - rows.start, len(steps)
         total, components = np.zeros(shape, np.float32), []
         for factor in factors:
             values, parts = factor.received(rows, errors=self.errors)

@@ -34,7 +34,7 @@ class PatchLight:
 
     Attributes
     ----------
-    values : radiance, times the band weights if `summed`
+    values : radiance, multiplied by the band weights if `summed`
     components : error components of each window; windows are independent
     columns : range of patches of each window
     summed : whether the result is the sum over all channels
@@ -46,7 +46,7 @@ class PatchLight:
     summed: bool
 
     def received(self, matrix: Layers) -> Received:
-        """Return the products of a matrix, and of its error components, with this."""
+        """Return the products of the radiance with a matrix and its components."""
         if not self.summed:
             return np.asarray(matrix @ self.values)
         layers, _, rows, _ = matrix.shape
@@ -57,7 +57,7 @@ class PatchLight:
     def spread(
         self, values: Float32[np.ndarray, "channel row column"]
     ) -> list[Received]:
-        """Return the products of a matrix with the error components of each window."""
+        """Return the products of a matrix and the error components of each window."""
         found = []
         for columns, parts in zip(self.columns, self.components, strict=True):
             if len(parts):
@@ -82,15 +82,18 @@ class SkyLight:
     weights: Weights
 
     def received(self, matrix: Layers) -> Received:
-        """Return the products of a matrix, and of its error components, with this."""
+        """Return the products of the radiance with a matrix and its components."""
         layers, _, rows, _ = matrix.shape
         shape = layers, rows, len(self.sky.times)
-        found = [sky_product(matrix, self.sky, w).reshape(shape) for w in self.weights]
-        return found[0][:, None] if len(found) == 1 else np.stack(found, axis=1)
-
-    def spread(self, values: np.ndarray) -> list[Received]:
-        """Return an empty list: weather data have no statistical error."""
-        return []
+        products = (
+            sky_product(matrix, self.sky, w).reshape(shape) for w in self.weights
+        )
+        if len(self.weights) == 1:
+            return next(products)[:, None]
+        found = np.empty((layers, len(self.weights), *shape[1:]), np.float32)
+        for channel, product in enumerate(products):
+            found[:, channel] = product
+        return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +104,7 @@ class SunLight:
     weights: Weights
 
     def received(self, matrix: Layers) -> Received:
-        """Return the products of a matrix, and of its error components, with this."""
+        """Return the products of a matrix and its error components with irradiance."""
         layers, channels, rows, suns = matrix.shape
         weights = self.weights
         if channels == 1:
@@ -111,10 +114,6 @@ class SunLight:
         found = self.normal.astype(np.float32).T @ flat
         shape = found.shape[0], len(weights), rows, layers
         return np.ascontiguousarray(found.reshape(shape).T.swapaxes(1, 2))
-
-    def spread(self, values: np.ndarray) -> list[Received]:
-        """Return an empty list: weather data have no statistical error."""
-        return []
 
 
 Light = PatchLight | SkyLight | SunLight
@@ -146,14 +145,7 @@ def exiting_light(
     *,
     errors: bool = True,
 ) -> PatchLight:
-    """Return the exiting radiance T(t) D S(t) of all windows.
-
-    Parameters
-    ----------
-    chains : V, T and D of each window group
-    states : index of the shade state at each time step, per window group
-    errors : whether to compute error components as well
-    """
+    """Return the exiting radiance T(t) D S(t) of all windows."""
     summed = len(weights) == 1
     channels = 1 if summed and all(map(_is_grey, chains)) else weights.shape[1]
     each = weights if channels == 1 or not summed else np.diag(weights[0])
@@ -198,7 +190,7 @@ def _exiting(
     for numbers in sources.values():
         steps = np.flatnonzero(np.isin(state, numbers))
         daylight = _layers(chain.factors[numbers[0]][-1], errors=errors)
-        arrived = _arriving(daylight, sky.select(steps), weights)
+        arrived = SkyLight(sky.select(steps), weights).received(daylight)
         for number in numbers:
             acts = state[steps] == number
             light = arrived if acts.all() else arrived[..., acts]
@@ -213,18 +205,6 @@ def _layers(matrix: TransferMatrix, *, errors: bool) -> Layers:
     if matrix.components is None or not errors:
         return values
     return np.concatenate([values, matrix.components.astype(np.float32)])
-
-
-def _arriving(
-    daylight: Layers, sky: SkyMatrix, weights: Weights
-) -> Float32[np.ndarray, "layer out outer step"]:
-    # D S for each channel; a single channel is the weighted sum of all bands
-    layers, _, outer, _ = daylight.shape
-    shape = layers, outer, len(sky.times)
-    found = np.empty((layers, len(weights), *shape[1:]), np.float32)
-    for channel, weight in enumerate(weights):
-        found[:, channel] = sky_product(daylight, sky, weight).reshape(shape)
-    return found
 
 
 def _passed(

@@ -9,8 +9,8 @@ through a port and reaches the window directly or via the shade:
     I = V T F D S                                           four phases
     I = V T F D S − V_d T F_d D_d S_ds + C_ds S_sun         six phases
 
-D leads from the sky to the ports. A change of shade changes F alone, not V or D. With
-the sum of F D over the ports in place of D, `three_phase` and `five_phase` compute
+D leads from the sky to the ports. A change of the shade changes F alone, not V or D.
+With the sum of F D over the ports in place of D, `three_phase` and `five_phase` compute
 the four-phase and six-phase methods.
 
 Reference: S. Subramaniam, Daylighting simulations with Radiance using matrix-based
@@ -22,18 +22,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Unpack
 
-import numpy as np
-
 from clerestory.engine.controller import estimate
 from clerestory.engine.effort import EffortKeywords
 from clerestory.engine.matrix_jobs import FacadeJob
-from clerestory.errors import ClerestoryWarning, MatrixError
+from clerestory.errors import ClerestoryWarning
 from clerestory.matrix.axis import window_axis
-from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.matrix.transfer_matrix import TransferMatrix, require_matrix
 from clerestory.phases.traced_matrices import (
-    by_window,
     matrix_effort,
+    patch_axes,
     require_distinct,
+    split_columns,
     warn_if_short,
 )
 from clerestory.scene.model import Scene
@@ -70,7 +69,7 @@ def facade_matrices(
     scene : surfaces between the ports and the window
     window : polygons whose front faces the room
     ports : F apertures whose front faces the window, one for each orientation
-    samples : paths per window patch
+    samples : number of paths per window patch
     relative_error : instead of samples: target standard error of the window irradiance
         due to one port patch, as RMS over all port patches, relative to their mean
     bounces : maximum number of reflections, as Radiance -ab; default unlimited
@@ -85,6 +84,7 @@ def facade_matrices(
 
     Examples
     --------
+    >>> import numpy as np
     >>> from clerestory.directions import Frame
     >>> from clerestory.hemisphere.klems import klems
     >>> from clerestory.scene.model import Polygon, Scene
@@ -105,7 +105,7 @@ def facade_matrices(
     estimated = estimate(job, effort)
     warn_if_short(estimated, f"façade matrix of {window.name!r}", effort)
     rows = window_axis("exterior", window.partition, window.name)
-    found = by_window(estimated, rows, ports, "exterior", scene.bands)
+    found = split_columns(estimated, rows, patch_axes(ports, "exterior"), scene.bands)
     for name, matrix in found.items():
         if estimated.paths and not matrix.values.any():
             warnings.warn(
@@ -131,11 +131,11 @@ def facade_daylight(
     ------
     MatrixError : the ports of `facade` and `daylight` or the matrix axes differ
     """
-    if not facade or facade.keys() != daylight.keys():
-        raise MatrixError(
-            f"façade matrices of ports {', '.join(facade) or 'none'}, daylight"
-            f" matrices of {', '.join(daylight) or 'none'}; the same ports expected"
-        )
+    require_matrix(
+        facade and facade.keys() == daylight.keys(),
+        f"façade matrices of ports {', '.join(facade) or 'none'}, daylight matrices of"
+        f" {', '.join(daylight) or 'none'}; the same ports expected",
+    )
     return joint_sum([facade[port] @ daylight[port] for port in facade])
 
 
@@ -143,27 +143,13 @@ def joint_sum(terms: Sequence[TransferMatrix]) -> TransferMatrix:
     """Sum of matrices, some of which were estimated from the same paths.
 
     Terms with equally many error components are summed component by component: the
-    variance is exact for common paths and unbiased for independent ones. Terms with
+    variance is exact for common paths and unbiased for independent paths. Terms with
     different numbers of components are independent.
-
-    Raises
-    ------
-    MatrixError : rows or columns differ
     """
     total = terms[0]
     for term in terms[1:]:
-        joint = _joint_components(total, term)
+        one, other = total.components, term.components
         total = total + term
-        if joint is not None:
-            total = replace(total, components=joint)
+        if one is not None and other is not None and len(one) == len(other):
+            total = replace(total, components=one + other)
     return total
-
-
-def _joint_components(one: TransferMatrix, other: TransferMatrix) -> np.ndarray | None:
-    # None unless both matrices have equally many components
-    if one.components is None or other.components is None:
-        return None
-    if len(one.components) != len(other.components):
-        return None
-    joint: np.ndarray = one.components + other.components
-    return joint

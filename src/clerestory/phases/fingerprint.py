@@ -24,17 +24,9 @@ _IRRELEVANT_FIELDS = frozenset({"source", "executor", "progress"})
 def fingerprint(*values: Any) -> str:
     """Return the SHA-256 of values, as 64 hexadecimal digits.
 
-    Parameters
-    ----------
-    values : frozen dataclasses, arrays, numbers, texts, None, and tuples, lists
-        or mappings of these
+    Values are frozen dataclasses, arrays, numbers, texts, None, and tuples, lists or
+    mappings of these; any other type raises a TypeError.
 
-    Raises
-    ------
-    TypeError : a value of any other type
-
-    Examples
-    --------
     >>> fingerprint(1, "a") == fingerprint(1, "a"), fingerprint(1) == fingerprint(1.0)
     (True, False)
     """

@@ -20,11 +20,11 @@ from clerestory.phases.matrix_equation import (
     WindowMatrices,
     chains,
     equation_bands,
-    receivers,
 )
 from clerestory.progress import Progress
 
-# NetCDF chunk size of hourly results: sensors, time steps
+# NetCDF chunk size of hourly results (sensors, time steps), for fast reading of few
+# sensors or few time steps
 _CHUNK = 256, 730
 
 # Destination of hourly values: an array in memory or a NetCDF variable
@@ -57,15 +57,12 @@ def illuminance(
     `illuminance` and `standard_error` over (sensor, time); the unsigned terms, if
     there are several; `mean_components` (component, sensor): the error components of
     the mean illuminance over `hours`
-
-    Raises
-    ------
-    MatrixError : axes of the matrices differ, or a shade state does not exist
-    OutputError : the file cannot be written
     """
-    axis = receivers(chains(windows, terms[0].part)[0])
+    axis = chains(windows, terms[0].part)[0].receivers
     if axis is None:
-        raise MatrixError("matrices of no known receivers; those of sensors expected")
+        raise MatrixError(
+            "direct-sun coefficients of pixels; those of sensors expected"
+        )
     product = BlockwiseProduct(
         windows,
         terms,
@@ -81,12 +78,8 @@ def illuminance(
     if file is None:
         held = {name: np.zeros(shape, np.float32) for name in names}
         _fill(held, product, means, progress)
-        data = illuminance_dataset(
-            held["illuminance"],
-            held["standard_error"],
-            sensors=axis,
-            times=skies.whole.columns,
-        )
+        lux, error, *_ = held.values()
+        data = illuminance_dataset(lux, error, sensors=axis, times=skies.whole.columns)
         for term in names[2:]:
             data[term] = ("sensor", "time"), held[term], {"units": "lux"}
     else:
@@ -170,9 +163,6 @@ class MeanComponents:
 def hourly_variable(
     file: h5netcdf.File, name: str, sensors: int, steps: int
 ) -> h5netcdf.Variable:
-    """Create and return a NetCDF variable over the dimensions (sensor, time).
-
-    The chunk size suits reading of few sensors and of few time steps.
-    """
+    """Create and return a NetCDF variable over the dimensions (sensor, time)."""
     chunks = min(_CHUNK[0], sensors), min(_CHUNK[1], steps)
     return file.create_variable(name, ("sensor", "time"), "f4", chunks=chunks)

@@ -20,9 +20,14 @@ from jaxtyping import Int
 from clerestory.bands import Bands, common_bands
 from clerestory.errors import MatrixError
 from clerestory.matrix.axis import Axis, sensor_axis
-from clerestory.matrix.transfer_matrix import TransferMatrix, require_fit
+from clerestory.matrix.transfer_matrix import (
+    Entries,
+    TransferMatrix,
+    require_fit,
+    require_matrix,
+)
 from clerestory.phases.picture_matrices import SunPictures
-from clerestory.phases.stored_views import Entries, StoredColumns
+from clerestory.phases.stored_views import StoredColumns
 from clerestory.sky.patch_radiance import SkyMatrix
 from clerestory.sky.sun_matrix import SunMatrix
 
@@ -39,7 +44,7 @@ class Readable(Protocol):
 
 
 # View matrix or coefficients: in memory, in files, or traced on demand for given suns
-Receiving = TransferMatrix | Readable | SunPictures
+Receiving = Readable | SunPictures
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,27 +54,22 @@ class MatrixChain:
     Attributes
     ----------
     receiving : V, common to all shade states; or C or C_ds of each shade state
-    factors : (T, D) or (T, F D) of each shade state; empty if `receiving` holds C or
-        C_ds
-
-    Raises
-    ------
-    MatrixError : no shade states, or matrices whose axes differ
+    factors : (T, D) or (T, F D) of each shade state; empty with C or C_ds
     """
 
     receiving: tuple[Receiving, ...]
     factors: tuple[tuple[TransferMatrix, ...], ...] = ()
 
     def __post_init__(self) -> None:
-        if not self.receiving or (self.factors and len(self.receiving) > 1):
-            raise MatrixError(
-                f"{len(self.receiving)} view matrices, factors of {len(self.factors)}"
-                " states; one view matrix and at least one state expected"
-            )
+        require_matrix(
+            self.receiving and (len(self.receiving) == 1 or not self.factors),
+            f"{len(self.receiving)} view matrices for {len(self.factors)} shade states;"
+            " one view matrix and at least one shade state expected",
+        )
         for factors in self.factors:
             view = self.receiving[0]
             if not isinstance(view, TransferMatrix | StoredColumns):
-                raise MatrixError("factors behind a matrix of suns; none expected")
+                raise MatrixError("direct-sun coefficients times T D; a V expected")
             columns: Axis = view.columns
             for factor in factors:
                 require_fit(columns, factor.rows)
@@ -79,6 +79,12 @@ class MatrixChain:
     def states(self) -> int:
         """Number of states of the shades."""
         return max(len(self.receiving), len(self.factors))
+
+    @property
+    def receivers(self) -> Axis | None:
+        """Axis of the receivers; None for pixels whose suns are traced on demand."""
+        first = self.receiving[0]
+        return first.rows if isinstance(first, TransferMatrix | StoredColumns) else None
 
     def at(self, state: int) -> "MatrixChain":
         """Return the matrices of one shade state."""
@@ -97,12 +103,14 @@ class MatrixChain:
 
 def _rows(matrix: Receiving, rows: Int[np.ndarray, " row"]) -> TransferMatrix:
     if isinstance(matrix, TransferMatrix):
-        return TransferMatrix(
-            matrix.values[:, rows], sensor_axis(len(rows)), matrix.columns
+        values = matrix.values[:, rows]
+    elif isinstance(matrix, StoredColumns):
+        values = matrix.views.of(rows, matrix.part)
+    else:
+        raise MatrixError(
+            "direct-sun coefficients of pixels; those of sensors expected"
         )
-    if isinstance(matrix, StoredColumns):
-        return TransferMatrix(matrix.of(rows), sensor_axis(len(rows)), matrix.columns)
-    raise MatrixError("suns of pictures are not kept by receiver; sensors expected")
+    return TransferMatrix(values, sensor_axis(len(rows)), matrix.columns)
 
 
 def window_chain(
@@ -110,7 +118,7 @@ def window_chain(
     transmission: TransferMatrix | Sequence[TransferMatrix],
     daylight: TransferMatrix | Sequence[TransferMatrix],
 ) -> MatrixChain:
-    """Return V, T and D of a window group; D (or F D) may differ by shade state."""
+    """Return V, T and D (or F D) of a window group; D may differ by shade state."""
     T = [transmission] if isinstance(transmission, TransferMatrix) else transmission
     D = [daylight] * len(T) if isinstance(daylight, TransferMatrix) else daylight
     return MatrixChain((view,), tuple(zip(T, D, strict=True)))
@@ -168,10 +176,6 @@ class Skies:
     whole : S, radiance of sky, sun and ground
     sun : S_ds, radiance of the sun alone, spread over the same patches
     suns : S_sun, irradiance of the suns at their true positions, the columns of C_ds
-
-    Raises
-    ------
-    MatrixError : the time steps of the skies differ
     """
 
     whole: SkyMatrix
@@ -180,11 +184,10 @@ class Skies:
 
     def __post_init__(self) -> None:
         for other in (self.sun, self.suns):
-            if other is not None and not np.array_equal(self.times, other.times):
-                raise MatrixError(
-                    f"skies of {len(self.times)} and {len(other.times)} time steps or"
-                    " at other moments; the same steps expected"
-                )
+            require_matrix(
+                other is None or np.array_equal(self.times, other.times),
+                "the sky and the sun have different time steps; equal steps expected",
+            )
 
     @property
     def times(self) -> np.ndarray:
@@ -200,78 +203,53 @@ class Skies:
         )
 
     def patches(self, term: Term) -> SkyMatrix:
-        """Return the sky matrix of a term whose columns are sky patches.
-
-        Raises
-        ------
-        MatrixError : the sky matrix is missing
-        """
+        """Return the sky matrix of a term whose columns are sky patches."""
         found = self.whole if term.sky == "whole" else self.sun
         if found is None:
-            raise MatrixError("the sun spread over sky patches is missing")
+            raise MatrixError("no radiance of the sun in sky patches (S_ds) given")
         return found
 
 
 def chains(windows: Sequence[WindowMatrices], part: Part) -> list[MatrixChain]:
-    """Return the matrices of a term for all window groups.
-
-    Raises
-    ------
-    MatrixError : no window, a window without this part, or different receivers
-    """
-    if not windows:
-        raise MatrixError("no window; the matrices of at least one window expected")
-    found = [getattr(window, part) for window in windows]
-    if None in found:
-        raise MatrixError(f"a window without the matrices of its {part} term")
-    sensors = receivers(found[0])
-    for chain in found:
-        other = receivers(chain)
-        if sensors and other and not other.fits(sensors):
-            raise MatrixError(
-                f"view matrices for {other.describe()} and for"
-                f" {sensors.describe()}; the same sensors expected"
+    """Return the matrices of a term for all window groups."""
+    require_matrix(windows, "no window; matrices of one or more windows expected")
+    found: list[MatrixChain] = []
+    for window in windows:
+        chain: MatrixChain | None = getattr(window, part)
+        if chain is None:
+            raise MatrixError(f"a window without matrices of the {part} term")
+        found.append(chain)
+        first, other = found[0].receivers, chain.receivers
+        if first and other:
+            require_matrix(
+                other.fits(first),
+                f"view matrices for {other.describe()} and for {first.describe()};"
+                " the same sensors expected",
             )
     return found
-
-
-def receivers(chain: MatrixChain) -> Axis | None:
-    """Return the row axis of a chain, or None if it is unknown."""
-    first = chain.receiving[0]
-    return first.rows if isinstance(first, TransferMatrix | StoredColumns) else None
 
 
 def checked_states(
     windows: Sequence[WindowMatrices], states: States | None, steps: int
 ) -> States:
-    """Return the shade states of all windows, by default state 0.
-
-    Raises
-    ------
-    MatrixError : a state that does not exist, or a wrong number of time steps
-    """
+    """Return the shade states of all windows, by default state 0."""
     if not states:
         states = [np.zeros(steps, int)] * len(windows)
     for window, state in zip(windows, states, strict=True):
-        if len(state) != steps:
-            raise MatrixError(
-                f"{len(state)} states for {steps} steps; as many expected"
-            )
-        if steps and not 0 <= int(state.min()) <= int(state.max()) < window.states:
-            raise MatrixError(
-                f"states from {state.min()} to {state.max()}; 0 to"
-                f" {window.states - 1} expected"
-            )
+        require_matrix(
+            len(state) == steps,
+            f"{len(state)} states for {steps} time steps; equal numbers expected",
+        )
+        require_matrix(
+            np.isin(state, np.arange(window.states)).all(),
+            f"states from {min(state, default=0)} to {max(state, default=0)}; 0 to"
+            f" {window.states - 1} expected",
+        )
     return states
 
 
 def equation_bands(windows: Sequence[WindowMatrices], skies: Skies) -> Bands:
-    """Return the spectral bands of a matrix equation.
-
-    Raises
-    ------
-    MatrixError : the bands of the matrices or skies differ
-    """
+    """Return the spectral bands of a matrix equation."""
     found = [
         (matrix.bands, len(matrix.values))
         for window in windows
@@ -285,15 +263,16 @@ def equation_bands(windows: Sequence[WindowMatrices], skies: Skies) -> Bands:
 
 
 def require_columns(term: Term, chain: MatrixChain, skies: Skies) -> None:
-    """Raise a MatrixError if a chain and the skies have different patches or suns."""
+    """Require the same patches or suns in a chain and the skies."""
+    suns = 0 if skies.suns is None else len(skies.suns)
     for matrix in [factors[-1] for factors in chain.factors] or chain.receiving:
         if not isinstance(matrix, TransferMatrix):
             continue
         if term.part != "sun":
             require_fit(matrix.columns, skies.patches(term).rows)
-        elif skies.suns is None or matrix.columns.size != len(skies.suns):
-            count = "no" if skies.suns is None else len(skies.suns)
-            raise MatrixError(
-                f"coefficients of {matrix.columns.describe()}, irradiance of {count}"
-                " suns; the same suns expected"
+        else:
+            require_matrix(
+                skies.suns is not None and matrix.columns.size == suns,
+                f"{matrix.columns.size} suns in the direct-sun coefficients and {suns}"
+                " in the irradiance; the same suns expected",
             )

@@ -16,9 +16,6 @@ from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.files import make_folder
 from clerestory.matrix.netcdf import read_netcdf, write_netcdf
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.fingerprint import fingerprint
-
-__all__ = ["MatrixStore", "Store", "fingerprint"]
 
 # Number of hexadecimal digits of the fingerprint in a file name (128 bits)
 _DIGITS = 32
@@ -67,12 +64,7 @@ class Store(BlockStore, Protocol):
 
 @dataclass(frozen=True)
 class MatrixStore:
-    """Folder of traced matrices.
-
-    Attributes
-    ----------
-    folder : path of the folder, created with the first matrix
-    """
+    """Folder of traced matrices, created with the first matrix."""
 
     folder: Path
 
@@ -90,18 +82,6 @@ class MatrixStore:
     ) -> TransferMatrix:
         """Return the cached matrix of this name and fingerprint, or trace and store it.
 
-        Parameters
-        ----------
-        name : readable name, such as "view-south"
-        fingerprint : hash of all inputs of the matrix
-        make : function that traces the matrix, called if the file is missing or damaged
-
-        Raises
-        ------
-        OutputError : the folder is not writable
-
-        Examples
-        --------
         >>> import numpy as np, tempfile
         >>> from clerestory.matrix.axis import unknown_axis
         >>> store = MatrixStore(Path(tempfile.mkdtemp()))
@@ -138,13 +118,7 @@ class MatrixStore:
         rows: Sequence[slice],
         make: Callable[[slice], TransferMatrix],
     ) -> tuple[Path, ...]:
-        """Store a matrix larger than memory; return the file of each block of rows.
-
-        Parameters
-        ----------
-        rows : ranges of rows of the blocks, in order
-        make : function that traces one block, called if its file is missing or damaged
-        """
+        """Store a matrix larger than memory; return the file of each block of rows."""
         names = block_names(name, len(rows))
         for block, part in zip(names, rows, strict=True):
             self.matrix(block, fingerprint, partial(make, part))

@@ -22,17 +22,8 @@ from typing import Literal
 
 import xarray as xr
 
-from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.illuminance import illuminance
-from clerestory.phases.matrix_equation import (
-    MatrixChain,
-    Skies,
-    States,
-    Term,
-    WindowMatrices,
-    window_chain,
-)
-from clerestory.progress import Progress
+from clerestory.phases.matrix_equation import Skies, States, Term, WindowMatrices
 from clerestory.sky.patch_radiance import SkyMatrix
 from clerestory.sky.sun_matrix import SunMatrix
 
@@ -94,50 +85,10 @@ THREE_PHASE = METHODS["3-phase"].terms(corrected=False)
 FIVE_PHASE = METHODS["5-phase"].terms(corrected=True)
 
 
-def two_phase(
-    coefficients: TransferMatrix, sky: SkyMatrix, *, progress: Progress | None = None
-) -> xr.Dataset:
-    """Illuminance [lux] over (sensor, time), with its standard error, as float32.
-
-    Parameters
-    ----------
-    coefficients : daylight coefficients, illuminance per sky patch luminance [sr]
-    sky : radiance of each sky patch at each time step
-    progress : callback with the completed fraction (0…1) and a status text
-
-    Raises
-    ------
-    MatrixError : the axes of the matrices differ
-    """
-    windows = [WindowMatrices(MatrixChain((coefficients,)))]
-    terms = METHODS["2-phase"].terms(corrected=False)
-    return illuminance(windows, terms, Skies(sky), progress=progress)
-
-
 def three_phase(
-    view: TransferMatrix,
-    transmission: TransferMatrix,
-    daylight: TransferMatrix,
-    sky: SkyMatrix,
+    windows: Sequence[WindowMatrices], sky: SkyMatrix, states: States | None = None
 ) -> xr.Dataset:
-    """Illuminance [lux] behind one window group, with its standard error.
-
-    Raises
-    ------
-    MatrixError : the axes of the matrices differ
-    """
-    window = WindowMatrices(window_chain(view, transmission, daylight))
-    return three_phase_sum([window], sky)
-
-
-def three_phase_sum(
-    windows: Sequence[WindowMatrices],
-    sky: SkyMatrix,
-    states: States | None = None,
-    *,
-    progress: Progress | None = None,
-) -> xr.Dataset:
-    """Illuminance [lux] behind several window groups, with its standard error.
+    """Illuminance [lux] by the three-phase method, with its standard error.
 
     With F D in place of D, this is the four-phase method.
 
@@ -145,17 +96,12 @@ def three_phase_sum(
     ----------
     windows : matrices of the window groups; view matrices traced together
     states : index of the shade state at each time step, per window group; default 0
-    progress : callback with the completed fraction (0…1) and a status text
 
     Returns
     -------
     `illuminance` and `standard_error` over (sensor, time), float32
-
-    Raises
-    ------
-    MatrixError : axes of the matrices differ, or a shade state does not exist
     """
-    return illuminance(windows, THREE_PHASE, Skies(sky), states, progress=progress)
+    return illuminance(windows, THREE_PHASE, Skies(sky), states)
 
 
 def five_phase(
@@ -164,8 +110,6 @@ def five_phase(
     sun_in_patches: SkyMatrix,
     suns: SunMatrix,
     states: States | None = None,
-    *,
-    progress: Progress | None = None,
 ) -> xr.Dataset:
     """Illuminance [lux] by the three-phase method with direct correction.
 
@@ -178,16 +122,11 @@ def five_phase(
     sun_in_patches : S_ds, radiance of the sun alone, spread over the same patches
     suns : S_sun, irradiance of the suns at their true positions, the columns of C_ds
     states : index of the shade state at each time step, per window group; default 0
-    progress : callback with the completed fraction (0…1) and a status text
 
     Returns
     -------
     `illuminance`, `standard_error` and the terms `three_phase`, `direct_in_patches` and
     `direct_sun` over (sensor, time), float32
-
-    Raises
-    ------
-    MatrixError : axes of the matrices or time steps of the skies differ
     """
     skies = Skies(sky, sun_in_patches, suns)
-    return illuminance(windows, FIVE_PHASE, skies, states, progress=progress)
+    return illuminance(windows, FIVE_PHASE, skies, states)

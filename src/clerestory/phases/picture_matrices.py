@@ -20,17 +20,18 @@ from jaxtyping import Float, Int
 
 from clerestory.bands import RGB, Bands
 from clerestory.bsdf.bsdf import Bsdf
+from clerestory.checks import require
 from clerestory.engine.controller import estimate
 from clerestory.engine.direct_sun_jobs import PixelSunJob, trace_pixel_sun
 from clerestory.engine.effort import EffortKeywords
 from clerestory.engine.matrix_jobs import PixelViewJob
-from clerestory.errors import InputError
 from clerestory.image.picture import Picture
-from clerestory.matrix.axis import pixel_axis, sun_axis, window_axis
+from clerestory.matrix.axis import pixel_axis, sun_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.sun_coefficients import check_window, sun_effort
+from clerestory.phases.sun_coefficients import sun_effort, window_number
 from clerestory.phases.traced_matrices import (
     matrix_effort,
+    patch_axes,
     require_distinct,
     warn_if_short,
 )
@@ -47,22 +48,17 @@ _SUN_SAMPLES = 16
 
 @dataclass(frozen=True, eq=False)
 class Camera:
-    """View and size of a picture.
-
-    Raises
-    ------
-    InputError : no pixels, or too many of them
-    """
+    """View and size of a picture."""
 
     view: View
     columns: int
     rows: int
 
     def __post_init__(self) -> None:
-        if self.columns < 1 or self.rows < 1 or len(self) > 1 << 24:
-            raise InputError(
-                f"a picture of {self.columns} × {self.rows} pixels; 1 to 2^24 expected"
-            )
+        require(
+            min(self.columns, self.rows) >= 1 and self.columns * self.rows <= 1 << 24,
+            f"a picture of {self.columns} × {self.rows} pixels; 1 to 2^24 expected",
+        )
 
     def __len__(self) -> int:
         return self.columns * self.rows
@@ -73,7 +69,7 @@ class Camera:
         *header: str,
         bands: Bands = RGB,
     ) -> Picture:
-        """Return the picture with the given radiance of its pixels."""
+        """Return the picture of the given pixel radiances."""
         pixels = np.moveaxis(radiance, 0, -1).reshape(self.rows, self.columns, -1)
         values = pixels.astype(np.float32)
         return Picture(values, view=self.view, header=header, bands=bands)
@@ -94,7 +90,7 @@ def picture_view_matrices(
     scene : room surfaces, without the windows
     windows : polygons whose front faces the room
     direct : V_d instead of V: view of the windows, and one reflection in the room
-    samples : paths per pixel
+    samples : number of paths per pixel
     relative_error : instead of samples: target RMS of the pixels' standard errors for
         windows of uniform radiance, relative to the mean pixel
     bounces : maximum number of diffuse reflections, as Radiance -ab; default unlimited
@@ -115,15 +111,13 @@ def picture_view_matrices(
     effort = replace(effort, components=False)
     estimated = estimate(job, effort)
     warn_if_short(estimated, "view matrix of the picture", effort)
-    found, first = {}, 0
-    for window in windows:
-        columns = window_axis("interior", window.partition, window.name)
+    found, first, pixels = {}, 0, pixel_axis(len(camera))
+    for name, columns in patch_axes(windows, "interior").items():
         part = estimated.values[:, :, first : first + columns.size]
         # Repeat the single channel of grey rooms in all bands
         shape = len(scene.bands), *part.shape[1:]
         values = np.broadcast_to(part.astype(np.float32), shape)
-        pixels = pixel_axis(len(camera))
-        found[window.name] = TransferMatrix(values, pixels, columns, bands=scene.bands)
+        found[name] = TransferMatrix(values, pixels, columns, bands=scene.bands)
         first += columns.size
     return found
 
@@ -146,17 +140,17 @@ def sun_pictures(
 ) -> SunPictures:
     """Return a function that traces direct-sun coefficients of a picture on demand.
 
-    The function takes indices of suns and returns their coefficients, see
-    `picture_sun_coefficients`. Those of all suns of a year do not fit into memory.
+    The function returns the coefficients of the suns with given indices, since those
+    of all suns of a year do not fit into memory. See `picture_sun_coefficients`.
     """
     effort = sun_effort(sun_pictures, keywords, samples=_SUN_SAMPLES)
-    number = check_window(windows, window, bsdf, suns)
-    if scene.bands != RGB and bsdf.in_colour("transmission_front"):
-        raise InputError(
-            f"the BSDF is in {RGB}, the scene in {scene.bands}; a BSDF that is the same"
-            " in all bands expected",
-            file=bsdf.source,
-        )
+    number = window_number(windows, window, bsdf, suns)
+    require(
+        scene.bands == RGB or not bsdf.in_colour("transmission_front"),
+        f"the BSDF is in {RGB}, the scene in {scene.bands}; a BSDF that is the same in"
+        " all bands expected",
+        file=bsdf.source,
+    )
     behind = suns @ windows[number].frame.normal < 0
     job = PixelSunJob(
         scene=scene,
@@ -179,11 +173,9 @@ def sun_pictures(
         shape = len(scene.bands), len(camera), len(asked)
         if not accepted:
             return np.broadcast_to(np.float32(0), shape)
-        values = np.zeros(shape, np.float32)
-        lit = behind[asked]
+        values, lit = np.zeros(shape, np.float32), behind[asked]
         if lit.any():
-            chosen = asked[lit]
-            values[..., lit] = trace_pixel_sun(job, chosen, effort)
+            values[..., lit] = trace_pixel_sun(job, asked[lit], effort)
         return values
 
     return coefficients
@@ -204,11 +196,7 @@ def picture_sun_coefficients(
 
     Pixel radiance per direct normal irradiance: the sun seen through the window
     (C_F-ds) plus sunlight reflected once in the room (C_R-ds). See `sun_coefficients`
-    for the parameters.
-
-    Parameters
-    ----------
-    samples : paths per pixel and sun
+    for the parameters; `samples` is the number of paths per pixel and sun.
     """
     effort = sun_effort(picture_sun_coefficients, keywords, samples=_SUN_SAMPLES)
     trace = sun_pictures(

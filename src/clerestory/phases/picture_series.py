@@ -36,17 +36,7 @@ def pictures_over_time(
     """Yield the picture of every time step, in order.
 
     With direct sun seen in the window (C_F-ds) and reflected once (C_R-ds), this is the
-    extended five-phase method.
-
-    Parameters
-    ----------
-    windows : matrices of the window groups, with the pixels of the camera as rows
-    terms : terms of the matrix equation
-    states : index of the shade state at each time step, per window group; default 0
-
-    Raises
-    ------
-    MatrixError : axes of the matrices or time steps of the skies differ
+    extended five-phase method. The rows of the matrices are the pixels of the camera.
     """
     bands = equation_bands(windows, skies)
     product = BlockwiseProduct(

@@ -15,33 +15,24 @@ from scipy.sparse import csc_array
 
 from clerestory.bands import common_bands
 from clerestory.errors import MatrixError
-from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.matrix.transfer_matrix import Entries, TransferMatrix
 from clerestory.phases.matrix_equation import MatrixChain, Readable, Receiving
-from clerestory.phases.stored_views import Entries, StoredColumns
+from clerestory.phases.stored_views import StoredColumns
 
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """Selected columns of coefficients in memory.
-
-    Attributes
-    ----------
-    numbers : indices of the columns; None for all columns
-    """
+    """Selected columns of coefficients in memory."""
 
     values: Float[np.ndarray, "channel row column"]
-    components: Float[np.ndarray, "component channel row column"] | None = None
-    numbers: Int[np.ndarray, " some"] | None = None
+    components: Float[np.ndarray, "component channel row column"] | None
+    selected: Int[np.ndarray, " some"] | slice
 
     def read(self, rows: slice) -> Entries:
         """Return a range of rows and their error components."""
         parts = self.components
-        found = self.values[:, rows], None if parts is None else parts[:, :, rows]
-        if self.numbers is None:
-            return found
-        values, parts = found
-        return values[..., self.numbers], (
-            None if parts is None else parts[..., self.numbers]
+        return self.values[:, rows][..., self.selected], (
+            None if parts is None else parts[:, :, rows][..., self.selected]
         )
 
 
@@ -53,8 +44,7 @@ class SkyCoefficients:
 
     def read(self, rows: slice) -> Entries:
         """Return a range of rows and their error components."""
-        found = sky_coefficients(self.windows, rows)
-        return found.values, found.components
+        return sky_coefficients(self.windows, rows).read(slice(None))
 
 
 def sky_coefficients(windows: Sequence[MatrixChain], rows: slice) -> TransferMatrix:
@@ -86,18 +76,11 @@ def sky_coefficients(windows: Sequence[MatrixChain], rows: slice) -> TransferMat
     )
 
 
-def entries(matrix: TransferMatrix | Readable, rows: slice) -> Entries:
-    """Return a range of rows of a receiving matrix and their error components."""
-    if isinstance(matrix, TransferMatrix):
-        return Columns(matrix.values, matrix.components).read(rows)
-    return matrix.read(rows)
-
-
 def side_by_side(
-    matrices: Sequence[TransferMatrix | Readable], rows: slice, *, errors: bool
+    matrices: Sequence[Readable], rows: slice, *, errors: bool
 ) -> Float32[np.ndarray, "layer channel row column"]:
     """Return a range of rows of several matrices: values, then error components."""
-    found = [entries(matrix, rows) for matrix in matrices]
+    found = [matrix.read(rows) for matrix in matrices]
     counts = [0 if c is None or not errors else len(c) for _, c in found]
     channels = max(len(values) for values, _ in found)
     columns = sum(values.shape[2] for values, _ in found)
@@ -114,10 +97,10 @@ def side_by_side(
 
 def component_count(matrix: Receiving) -> int:
     """Return the number of error components of a matrix in memory or in files."""
-    if isinstance(matrix, TransferMatrix | Columns) and matrix.components is not None:
+    if isinstance(matrix, TransferMatrix) and matrix.components is not None:
         return len(matrix.components)
     if isinstance(matrix, StoredColumns):
-        return matrix.views.components
+        return matrix.views.counts[1]
     if isinstance(matrix, SkyCoefficients):
         views = max(component_count(chain.receiving[0]) for chain in matrix.windows)
         return views + sum(map(chain_components, matrix.windows))
@@ -128,7 +111,7 @@ def channel_count(matrix: Receiving) -> int:
     """Return the number of channels of a matrix in memory or in files."""
     if isinstance(matrix, TransferMatrix):
         return len(matrix.values)
-    return matrix.views.channels if isinstance(matrix, StoredColumns) else 0
+    return matrix.views.counts[0] if isinstance(matrix, StoredColumns) else 0
 
 
 def chain_components(chain: MatrixChain) -> int:
@@ -137,15 +120,9 @@ def chain_components(chain: MatrixChain) -> int:
 
 
 def coefficients_cost_less(
-    windows: Sequence[MatrixChain], count: int, steps: int
+    windows: Sequence[MatrixChain], receivers: int, steps: int
 ) -> bool:
-    """Whether (V T D) S takes fewer operations than V (T D S), for fixed shades.
-
-    Parameters
-    ----------
-    count : number of receivers
-    steps : number of time steps
-    """
+    """Whether (V T D) S takes fewer operations than V (T D S), for fixed shades."""
     views = max(component_count(window.receiving[0]) for window in windows)
     layers, before, behind = 1 + views, 0, 0
     for window in windows:
@@ -154,36 +131,26 @@ def coefficients_cost_less(
         inner, sky = window.factors[0][0].rows.size, daylight.columns.size
         own = chain_components(window)
         layers += own
-        before += count * (1 + views + own) * channels * daylight.rows.size * sky
+        before += receivers * (1 + views + own) * channels * daylight.rows.size * sky
         behind += (1 + own) * channels * daylight.rows.size * sky * steps
-        behind += count * (1 + views + own) * channels * inner * steps
-    before += count * layers * windows[0].factors[0][-1].columns.size * steps
+        behind += receivers * (1 + views + own) * channels * inner * steps
+    before += receivers * layers * windows[0].factors[0][-1].columns.size * steps
     return bool(before < behind)
 
 
 def shining_columns(matrix: Receiving, normal: csc_array) -> tuple[Columns, csc_array]:
-    """Return the columns of suns with irradiance > 0, and the irradiance [W/m²].
-
-    Raises
-    ------
-    MatrixError : the columns are window patches
-    """
+    """Return the columns of suns with irradiance > 0, and the irradiance [W/m²]."""
     shining = np.unique(normal.tocoo().coords[0])
     normal = csc_array(normal.tocsr()[shining])
     if isinstance(matrix, TransferMatrix):
         return Columns(matrix.values, matrix.components, shining), normal
     if not callable(matrix):
-        raise MatrixError("a matrix of window patches in place of one of suns")
-    return Columns(matrix(shining)), normal
+        raise MatrixError("coefficients of window patches; those of suns expected")
+    return Columns(matrix(shining), None, slice(None)), normal
 
 
-def readable(matrix: Receiving) -> TransferMatrix | Readable:
-    """Return the matrix unchanged if its rows can be read.
-
-    Raises
-    ------
-    MatrixError : coefficients of suns that are traced on demand
-    """
+def readable(matrix: Receiving) -> Readable:
+    """Return the matrix unchanged if its rows can be read."""
     if callable(matrix):
-        raise MatrixError("a matrix of suns in place of one of patches")
+        raise MatrixError("coefficients of suns; those of patches expected")
     return matrix

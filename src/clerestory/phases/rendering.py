@@ -12,6 +12,7 @@ from jaxtyping import Float
 
 from clerestory import __version__
 from clerestory.bands import RGB, Bands
+from clerestory.checks import require
 from clerestory.engine.effort import Effort, EffortKeywords, effort_of
 from clerestory.engine.radiance_jobs import (
     PICTURE_BATCHES,
@@ -20,7 +21,6 @@ from clerestory.engine.radiance_jobs import (
     estimate_radiance,
 )
 from clerestory.engine.work_units import Goal
-from clerestory.errors import InputError
 from clerestory.image.picture import Picture, Quantity
 from clerestory.phases.traced_matrices import (
     require_gather,
@@ -88,7 +88,7 @@ def render(
     scene : surfaces and light sources
     view : camera; pixels outside its projection are black
     columns, rows : size of the picture; see `View.size_for`
-    samples : paths per pixel
+    samples : number of paths per pixel
     relative_error : instead of samples: target RMS of the pixels' standard errors,
         relative to the mean pixel; 0.02 if neither is given
     bounces : maximum number of diffuse reflections, as Radiance -ab; default unlimited
@@ -103,7 +103,7 @@ def render(
     DeviceError : no usable device
     """
     effort = effort_of(render, keywords, default=_DEFAULT)
-    return _picture(scene, view, columns, rows, effort, "radiance")
+    return _picture(scene, view, (columns, rows), effort, "radiance")
 
 
 def render_irradiance(
@@ -121,22 +121,18 @@ def render_irradiance(
     for the parameters.
     """
     effort = effort_of(render_irradiance, keywords, default=_DEFAULT)
-    require_gather(effort, "surface")
-    return _picture(scene, view, columns, rows, effort, "irradiance")
+    require_gather(effort)
+    return _picture(scene, view, (columns, rows), effort, "irradiance")
 
 
 def _picture(
-    scene: Scene,
-    view: View,
-    columns: int,
-    rows: int,
-    effort: Effort,
-    quantity: Quantity,
+    scene: Scene, view: View, size: tuple[int, int], effort: Effort, quantity: Quantity
 ) -> Rendering:
-    if columns < 1 or rows < 1 or columns * rows > 1 << 26:
-        raise InputError(
-            f"a picture of {columns} × {rows} pixels; 1 to 2^26 pixels expected"
-        )
+    columns, rows = size
+    require(
+        min(size) >= 1 and columns * rows <= 1 << 26,
+        f"a picture of {columns} × {rows} pixels; 1 to 2^26 pixels expected",
+    )
     _check_light(scene)
     job = PictureJob(
         scene=scene,
@@ -178,8 +174,7 @@ def irradiance(
 
 
 def _check_light(scene: Scene) -> None:
-    shining = [m for m in scene.materials.values() if hasattr(m, "radiance")]
-    if not shining:
-        raise InputError(
-            "nothing in the scene shines; a light, a glow or a sky expected"
-        )
+    require(
+        any(hasattr(material, "radiance") for material in scene.materials.values()),
+        "nothing in the scene shines; a light, a glow or a sky expected",
+    )

@@ -2,13 +2,16 @@
 
 Each file contains the rows of one block of sensors, with the columns of all windows, in
 single precision. Only one block at a time is in memory. Each block is stored as soon
-as it is traced, so that an interrupted run resumes with the next block. The deviations
-of the sixteen batches are pooled into four error components.
+as it is traced, so that an interrupted run resumes with the next block.
+
+The deviations of the sixteen batches are pooled into four error components: the mean of
+several batches is a batch as well, so the expected variance is unchanged. Fewer
+components need less memory and time, but the standard error is less precise.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Unpack
 
@@ -18,15 +21,13 @@ from jaxtyping import Float, Float32, Int
 from clerestory.engine.controller import estimate_rows, row_blocks
 from clerestory.engine.effort import Effort, EffortKeywords
 from clerestory.engine.matrix_jobs import ViewJob
-from clerestory.matrix.axis import Axis, sensor_axis, unknown_axis, window_axis
+from clerestory.matrix.axis import Axis, sensor_axis, unknown_axis
 from clerestory.matrix.netcdf import read_netcdf
-from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.matrix.transfer_matrix import Entries, TransferMatrix, require_matrix
 from clerestory.phases.matrix_store import BlockStore
-from clerestory.phases.pooled import FEW, pooled
 from clerestory.phases.traced_matrices import (
     matrix_effort,
-    require_distinct,
-    require_sensors,
+    patch_axes,
     view_job,
     warn_if_short,
 )
@@ -35,11 +36,8 @@ from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.window import Window
 
-# Coefficients of a range of rows, and their error components
-Entries = tuple[
-    Float[np.ndarray, "channel row column"],
-    Float[np.ndarray, "component channel row column"] | None,
-]
+# Number of error components after pooling
+FEW = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,25 +60,10 @@ class StoredViews:
         return int(self.blocks[-1].stop)
 
     @cached_property
-    def channels(self) -> int:
-        """Number of channels: one for grey rooms, otherwise one per band.
-
-        Raises
-        ------
-        InputError : a file is damaged
-        """
-        return len(self._block(0).values)
-
-    @cached_property
-    def components(self) -> int:
-        """Number of error components.
-
-        Raises
-        ------
-        InputError : a file is damaged
-        """
-        parts = self._block(0).components
-        return 0 if parts is None else len(parts)
+    def counts(self) -> tuple[int, int]:
+        """Numbers of channels and of error components."""
+        values, parts = self._block(0).read(slice(0, 1))
+        return len(values), 0 if parts is None else len(parts)
 
     def cut(self, most: int) -> list[slice]:
         """Return ranges of at most `most` sensors, each within one file."""
@@ -91,29 +74,20 @@ class StoredViews:
         ]
 
     def read(self, rows: slice, columns: slice) -> Entries:
-        """Return a range of rows and columns of one file, and their error components.
-
-        Raises
-        ------
-        InputError : the file is damaged
-        """
+        """Return rows and columns of one file, and their error components."""
         stops = [block.stop for block in self.blocks]
         number = int(np.searchsorted(stops, rows.start, side="right"))
         start = self.blocks[number].start
         own = slice(rows.start - start, rows.stop - start)
-        block = self._block(number)
-        parts = block.components
-        errors = None if parts is None else parts[:, :, own, columns]
-        return block.values[:, own, columns], errors
+        values, parts = self._block(number).read(own)
+        return values[..., columns], None if parts is None else parts[..., columns]
 
     def of(
         self, sensors: Int[np.ndarray, " row"], columns: slice
     ) -> Float32[np.ndarray, "channel row column"]:
         """Return a range of columns of selected sensors, without error components.
 
-        Parameters
-        ----------
-        sensors : indices of the sensors, in increasing order
+        The indices of the sensors are in increasing order.
         """
         parts = []
         for number, block in enumerate(self.blocks):
@@ -160,25 +134,16 @@ class StoredColumns:
         """Return a range of rows of one file, and their error components."""
         return self.views.read(rows, self.part)
 
-    def of(
-        self, sensors: Int[np.ndarray, " row"]
-    ) -> Float32[np.ndarray, "channel row column"]:
-        """Return rows of selected sensors (increasing), without error components."""
-        return self.views.of(sensors, self.part)
-
 
 def stored_columns(
     views: StoredViews, windows: Sequence[Window]
 ) -> tuple[StoredColumns, ...]:
     """Return the view matrix of each window, in the order of tracing."""
-    ends = np.cumsum([len(window.partition) for window in windows]).tolist()
+    axes = list(patch_axes(windows, "interior").values())
+    ends = np.cumsum([axis.size for axis in axes]).tolist()
     return tuple(
-        StoredColumns(
-            views,
-            window_axis("interior", window.partition, window.name),
-            end - len(window.partition),
-        )
-        for window, end in zip(windows, ends, strict=True)
+        StoredColumns(views, axis, end - axis.size)
+        for axis, end in zip(axes, ends, strict=True)
     )
 
 
@@ -198,58 +163,58 @@ def store_views(
     ----------
     store : cache of the blocks
     name, key : name of the matrices in the cache, and fingerprint of all their inputs
-
-    Raises
-    ------
-    InputError : samples and relative_error both given, or a number out of range
-    OutputError : a file cannot be written
     """
-    require_distinct(windows)
     effort = replace(matrix_effort(store_views, keywords), components=True)
-    require_sensors(sensors, effort)
     job = view_job(scene, windows, sensors, effort)
     rows = tuple(row_blocks(job))
-    make = _block_maker(job, effort)
+    make = partial(_traced_block, job, effort)
     return StoredViews(store.blocks(name, key, rows, make), rows)
 
 
-def _block_maker(job: ViewJob, effort: Effort) -> Callable[[slice], TransferMatrix]:
-    def make(rows: slice) -> TransferMatrix:
-        # A dry run records the job and needs no memory
-        if not effort.executor.accepts(job, effort.goal):
-            return _blank(job, rows)
-        first, whole = rows.start, job.receivers
-        progress = share_of_progress(
-            effort.progress,
-            first / whole,
-            (rows.stop - first) / whole,
-            f"{first:,} of {whole:,} sensors",
-        )
-        block = estimate_rows(job, rows, replace(effort, progress=progress))
-        what = f"view matrices of sensors {rows.start + 1} to {rows.stop}"
-        warn_if_short(block, what, effort)
-        assert block.components is not None
-        few = pooled(block.components, FEW)
-        return _matrix(block.values.astype(np.float32), few, job)
-
-    return make
-
-
-def _blank(job: ViewJob, rows: slice) -> TransferMatrix:
+def _traced_block(job: ViewJob, effort: Effort, rows: slice) -> TransferMatrix:
     _, _, columns, channels = job.shape
-    shape = channels, rows.stop - rows.start, columns
-    nothing = np.float32(0)
-    return _matrix(
-        np.broadcast_to(nothing, shape),
-        np.broadcast_to(nothing, (FEW, *shape)),
-        job,
+    axes = sensor_axis(rows.stop - rows.start), unknown_axis(columns)
+    # A dry run records the job and needs no memory
+    if not effort.executor.accepts(job, effort.goal):
+        shape = channels, axes[0].size, columns
+        blank = np.broadcast_to(np.float32(0), (FEW, *shape))
+        return TransferMatrix(blank[0], *axes, blank, job.scene.bands)
+    first, whole = rows.start, job.receivers
+    progress = share_of_progress(
+        effort.progress,
+        first / whole,
+        axes[0].size / whole,
+        f"{first:,} of {whole:,} sensors",
     )
+    block = estimate_rows(job, rows, replace(effort, progress=progress))
+    what = f"view matrices of sensors {first + 1} to {rows.stop}"
+    warn_if_short(block, what, effort)
+    assert block.components is not None
+    values, few = block.values.astype(np.float32), pooled(block.components, FEW)
+    return TransferMatrix(values, *axes, few, job.scene.bands)
 
 
-def _matrix(
-    values: Float32[np.ndarray, "channel row column"],
-    components: Float32[np.ndarray, "component channel row column"],
-    job: ViewJob,
-) -> TransferMatrix:
-    axes = sensor_axis(values.shape[1]), unknown_axis(values.shape[2])
-    return TransferMatrix(values, *axes, components, job.scene.bands)
+def pooled(
+    components: Float[np.ndarray, "component channel row column"], count: int
+) -> Float[np.ndarray, "few channel row column"]:
+    """Return a smaller number of error components.
+
+    >>> pooled(np.full((16, 1, 1, 1), 0.25), 4).shape
+    (4, 1, 1, 1)
+    """
+    batches = len(components)
+    require_matrix(
+        batches % count == 0,
+        f"{batches} error components; a multiple of {count} expected",
+    )
+    each = batches // count
+    groups = components.reshape(count, each, *components.shape[1:]).sum(axis=1)
+    scale = np.sqrt(batches * (batches - 1) / (count * (count - 1))) / each
+    return np.asarray(groups * components.dtype.type(scale))
+
+
+def with_few_components(matrix: TransferMatrix) -> TransferMatrix:
+    """Return a matrix with four error components, or without any if it has none."""
+    if matrix.components is None:
+        return matrix
+    return replace(matrix, components=pooled(matrix.components, FEW))

@@ -14,13 +14,14 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bsdf.bsdf import Bsdf
+from clerestory.checks import one_of, require
 from clerestory.engine.controller import estimate
 from clerestory.engine.direct_sun_jobs import SunJob
 from clerestory.engine.effort import Effort, EffortKeywords, effort_of
 from clerestory.engine.work_units import Goal
-from clerestory.errors import InputError
-from clerestory.matrix.axis import sensor_axis, sun_axis
+from clerestory.matrix.axis import sun_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.traced_matrices import sensors_axis
 from clerestory.scene.model import Plastic, Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.window import Window
@@ -68,7 +69,7 @@ def sun_coefficients(
     suns : unit vectors to the suns
     peak : whether direct-direct transmission is extracted from the BSDF, as by Radiance
         aBSDF
-    samples : paths per sensor and sun
+    samples : number of paths per sensor and sun
     seed : random seed ≥ 0; same seed and device, bitwise identical results
     executor : executor of the tracing jobs, such as a `Cluster`; default: local
 
@@ -78,7 +79,7 @@ def sun_coefficients(
     DeviceError : no usable device
     """
     effort = sun_effort(sun_coefficients, keywords, samples=_SAMPLES)
-    number = check_window(windows, window, bsdf, suns)
+    number = window_number(windows, window, bsdf, suns)
     behind = suns @ windows[number].frame.normal < 0
     job = SunJob(
         scene=blackened(scene),
@@ -93,53 +94,41 @@ def sun_coefficients(
     )
     lit = estimate(job, effort)
     assert lit.components is not None
-    rows = sensor_axis(len(sensors.position), sensors.names)
-    shape = (len(lit.values), rows.size, len(suns))
+    shape = len(lit.values), len(sensors), len(suns)
     values = np.zeros(shape)
     values[..., behind] = lit.values
     components = np.zeros((len(lit.components), *shape), np.float32)
     components[..., behind] = lit.components
-    return TransferMatrix(values, rows, sun_axis(len(suns)), components)
+    axes = sensors_axis(sensors), sun_axis(len(suns))
+    return TransferMatrix(values, *axes, components)
 
 
 def sun_effort(
     function: Callable[..., object], keywords: EffortKeywords, *, samples: int
 ) -> Effort:
-    """Return the checked effort of a function that traces direct sun.
+    """Return the checked effort of a function that traces direct sunlight.
 
-    Parameters
-    ----------
-    samples : default number of paths per receiver and sun
+    `samples` is the default number of paths per receiver and sun.
     """
+    goal, most = Goal(samples), 1 << 20
     return effort_of(
-        function,
-        keywords,
-        default=Goal(samples),
-        most_samples=1 << 20,
-        without=_WITHOUT,
+        function, keywords, default=goal, most_samples=most, without=_WITHOUT
     )
 
 
-def check_window(
-    windows: Sequence[Window],
-    window: str,
-    bsdf: Bsdf,
-    suns: Float[np.ndarray, "sun 3"],
+def window_number(
+    windows: Sequence[Window], window: str, bsdf: Bsdf, suns: Float[np.ndarray, "sun 3"]
 ) -> int:
-    """Return the index of a window, after a check of the inputs.
-
-    Raises
-    ------
-    InputError : no such window, no transmission, or wrong shape of `suns`
-    """
+    """Return the index of a window, after a check of the inputs."""
     names = [each.name for each in windows]
-    if window not in names:
-        raise InputError(f"no window {window!r}; one of {', '.join(names)} expected")
-    if not bsdf.has("transmission_front"):
-        raise InputError(
-            "the BSDF transmits nothing visible; a transmission expected",
-            file=bsdf.source,
-        )
-    if suns.ndim != 2 or suns.shape[1:] != (3,):
-        raise InputError(f"suns of shape {suns.shape}; (suns, 3) expected")
+    one_of(window, "window", choices=names)
+    require(
+        bsdf.has("transmission_front"),
+        "the BSDF has no visible transmission; a transmitting layer expected",
+        file=bsdf.source,
+    )
+    require(
+        suns.ndim == 2 and suns.shape[1:] == (3,),
+        f"suns have shape {suns.shape}; unit vectors as rows expected",
+    )
     return names.index(window)

@@ -10,19 +10,21 @@ gather of an irradiance sensor is one bounce, the first ray from a window patch 
 """
 
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Literal, Protocol, Unpack
+from typing import Literal, Unpack
 
 import numpy as np
 
 from clerestory.bands import Bands
-from clerestory.engine.controller import estimate
+from clerestory.checks import require
+from clerestory.engine.controller import EstimatedJob, estimate
 from clerestory.engine.effort import Effort, EffortKeywords, effort_of
 from clerestory.engine.matrix_jobs import CoefficientsJob, DaylightJob, ViewJob
+from clerestory.engine.radiance_jobs import RadianceEstimate
 from clerestory.engine.sums import Estimate
 from clerestory.engine.work_units import Goal
-from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.errors import ClerestoryWarning
 from clerestory.hemisphere.reinhart import reinhart
 from clerestory.matrix.axis import Axis, sensor_axis, sky_axis, window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
@@ -51,7 +53,7 @@ def view_matrix(
     scene : room surfaces, without the window
     window : polygons whose front faces the room
     sensors : points and directions of irradiance sensors
-    samples : paths per sensor
+    samples : number of paths per sensor
     relative_error : instead of samples: target standard error at every sensor, relative
         to its irradiance for a window of uniform radiance, or to 1 % of the mean over
         the sensors if that is larger
@@ -80,22 +82,21 @@ def view_matrices(
 ) -> dict[str, TransferMatrix]:
     """View matrices of several windows, traced together, by window name.
 
-    All windows are estimated from the same paths: error component k is of batch k.
-    See `view_matrix` for the parameters.
+    All matrices are estimated from the same paths, in the same batches. See
+    `view_matrix` for the parameters.
     """
-    require_distinct(windows)
     effort = matrix_effort(view_matrices, keywords)
-    rows = _sensor_rows(sensors, effort)
     job = view_job(scene, windows, sensors, effort)
-    estimated = estimate(job, effort)
-    warn_if_short(estimated, "view matrix", effort)
-    return by_window(estimated, rows, windows, "interior", scene.bands)
+    rows, columns = sensors_axis(sensors), patch_axes(windows, "interior")
+    return _traced(job, effort, "view matrix", rows, columns)
 
 
 def view_job(
     scene: Scene, windows: Sequence[Window], sensors: Sensors, effort: Effort
 ) -> ViewJob:
-    """Return the tracing job for view matrices."""
+    """Return the tracing job of view matrices."""
+    require_distinct(windows)
+    require_sensors(sensors, effort)
     return ViewJob(
         scene=scene, windows=tuple(windows), sensors=sensors, **effort.job_options()
     )
@@ -116,7 +117,7 @@ def daylight_matrix(
     ----------
     scene : exterior surfaces
     subdivision : MF of the Reinhart sky subdivision, 1…6
-    samples : paths per window patch
+    samples : number of paths per window patch
     relative_error : instead of samples: target standard error of the window irradiance
         due to one sky patch, as RMS over the sky patches, relative to their mean
 
@@ -125,10 +126,9 @@ def daylight_matrix(
     effort = matrix_effort(daylight_matrix, keywords)
     sky = reinhart(subdivision)
     job = DaylightJob(scene=scene, window=window, sky=sky, **effort.job_options())
-    estimated = estimate(job, effort)
-    warn_if_short(estimated, f"daylight matrix of {window.name!r}", effort)
     rows = window_axis("exterior", window.partition, window.name)
-    return traced_matrix(estimated, rows, sky_axis(sky), slice(None), scene.bands)
+    what = f"daylight matrix of {window.name!r}"
+    return _traced(job, effort, what, rows, {"": sky_axis(sky)})[""]
 
 
 def daylight_matrices(
@@ -140,7 +140,7 @@ def daylight_matrices(
 ) -> dict[str, TransferMatrix]:
     """Daylight matrices of several windows by window name; see `daylight_matrix`.
 
-    One acceleration structure serves all windows within 128 m of the scene centre.
+    One acceleration structure is used for all windows within 128 m of the scene centre.
     """
     require_distinct(windows)
     effort = matrix_effort(daylight_matrices, keywords)
@@ -166,16 +166,16 @@ def daylight_coefficients(
     """Daylight coefficients: irradiance of sensors per radiance of sky patches [sr].
 
     Each row sums to π if the sensor is exposed to sky and ground alone.
-    `relative_error` applies to the irradiance under a uniform sky. See `view_matrix`.
+    `relative_error` applies to the irradiance under a uniform sky. See `view_matrix`
+    for the parameters.
     """
     effort = matrix_effort(daylight_coefficients, keywords)
-    rows = _sensor_rows(sensors, effort)
+    require_sensors(sensors, effort)
     sky = reinhart(subdivision)
     options = effort.job_options()
     job = CoefficientsJob(scene=scene, sky=sky, sensors=sensors, **options)
-    estimated = estimate(job, effort)
-    warn_if_short(estimated, "daylight coefficients", effort)
-    return traced_matrix(estimated, rows, sky_axis(sky), slice(None), scene.bands)
+    rows, columns = sensors_axis(sensors), {"": sky_axis(sky)}
+    return _traced(job, effort, "daylight coefficients", rows, columns)[""]
 
 
 def matrix_effort(function: Callable[..., object], keywords: EffortKeywords) -> Effort:
@@ -184,102 +184,84 @@ def matrix_effort(function: Callable[..., object], keywords: EffortKeywords) -> 
 
 
 def require_distinct(windows: Sequence[Window]) -> None:
-    """Require at least one window, and distinct window names.
-
-    Raises
-    ------
-    InputError : no window, or two windows of the same name
-    """
+    """Require at least one window, and distinct window names."""
     names = [window.name for window in windows]
-    if not names:
-        raise InputError("no window given; at least one expected")
-    double = sorted({name for name in names if names.count(name) > 1})
-    if double:
-        raise InputError(
-            f"several windows are named {double[0]!r}; a name each expected"
-        )
+    require(names, "no window given; at least one expected")
+    repeated = ", ".join(sorted({repr(n) for n in names if names.count(n) > 1}))
+    require(
+        not repeated, f"several windows are named {repeated}; unique names expected"
+    )
 
 
 def require_sensors(sensors: Sensors, effort: Effort) -> None:
-    """Require at least one sensor and one bounce.
-
-    Raises
-    ------
-    InputError : no sensors, or bounces = 0
-    """
-    require_gather(effort, "sensor")
-    if len(sensors.position) == 0:
-        raise InputError("no sensors given; at least one expected")
+    """Require at least one sensor and one bounce."""
+    require_gather(effort)
+    require(len(sensors), "no sensors given; at least one expected")
 
 
-def require_gather(effort: Effort, receiver: str) -> None:
-    """Require at least one bounce, without which irradiance is zero.
-
-    Raises
-    ------
-    InputError : bounces = 0
-    """
-    if effort.bounces == 0:
-        raise InputError(
-            f"bounces = 0; the first gather of a {receiver} counts: 1 or more expected"
-        )
+def require_gather(effort: Effort) -> None:
+    """Require at least one bounce, without which irradiance is zero."""
+    require(
+        effort.bounces != 0,
+        "bounces = 0; 1 or more expected, as the gather at the receiver is a bounce",
+    )
 
 
-def _sensor_rows(sensors: Sensors, effort: Effort) -> Axis:
-    require_sensors(sensors, effort)
-    return sensor_axis(len(sensors.position), sensors.names)
+def sensors_axis(sensors: Sensors) -> Axis:
+    """Return the axis of irradiance sensors."""
+    return sensor_axis(len(sensors), sensors.names)
 
 
-def by_window(
-    estimated: Estimate,
+def patch_axes(
+    windows: Sequence[Window], side: Literal["interior", "exterior"]
+) -> dict[str, Axis]:
+    """Return the axis of the patches of each window, by window name."""
+    return {w.name: window_axis(side, w.partition, w.name) for w in windows}
+
+
+def _traced(
+    job: EstimatedJob,
+    effort: Effort,
+    what: str,
     rows: Axis,
-    windows: Sequence[Window],
-    side: Literal["interior", "exterior"],
-    bands: Bands,
+    columns: Mapping[str, Axis],
 ) -> dict[str, TransferMatrix]:
-    """Split an estimate for several windows into one matrix per window."""
+    estimated = estimate(job, effort)
+    warn_if_short(estimated, what, effort, depth=4)
+    return split_columns(estimated, rows, columns, job.scene.bands)
+
+
+def split_columns(
+    estimated: Estimate, rows: Axis, columns: Mapping[str, Axis], bands: Bands
+) -> dict[str, TransferMatrix]:
+    """Return one matrix per axis of columns, for successive columns of an estimate."""
     found, first = {}, 0
-    for window in windows:
-        columns = window_axis(side, window.partition, window.name)
-        part = slice(first, first + columns.size)
-        found[window.name] = traced_matrix(estimated, rows, columns, part, bands)
-        first += columns.size
+    for name, axis in columns.items():
+        part = slice(first, first + axis.size)
+        values, components = estimated.values[:, :, part], estimated.components
+        if components is not None:
+            components = components[:, :, :, part]
+        if estimated.paths:
+            # A dry run has no paths, and its blank matrix must not take memory
+            values = np.ascontiguousarray(values)
+            if components is not None:
+                components = np.ascontiguousarray(components)
+        found[name] = TransferMatrix(values, rows, axis, components, bands)
+        first = part.stop
     return found
 
 
-def traced_matrix(
-    estimated: Estimate, rows: Axis, columns: Axis, part: slice, bands: Bands
-) -> TransferMatrix:
-    """Return a range of columns of an estimate as a matrix with axes and bands."""
-    values, components = estimated.values[:, :, part], estimated.components
-    if components is not None:
-        components = components[:, :, :, part]
-    if estimated.paths:
-        # A dry run has no paths, and its blank matrix must not take memory
-        values = np.ascontiguousarray(values)
-        if components is not None:
-            components = np.ascontiguousarray(components)
-    return TransferMatrix(values, rows, columns, components, bands)
+def warn_if_short(
+    traced: Estimate | RadianceEstimate, what: str, effort: Effort, *, depth: int = 3
+) -> None:
+    """Warn if tracing ended before the target relative error was reached.
 
-
-class Traced(Protocol):
-    """Result of tracing, with its number of paths."""
-
-    @property
-    def paths(self) -> int:
-        """Total number of traced paths."""
-
-    @property
-    def reached(self) -> bool:
-        """Whether the target relative error was reached."""
-
-
-def warn_if_short(traced: Traced, what: str, effort: Effort) -> None:
-    """Warn if tracing ended before the target relative error was reached."""
+    The warning is attributed to the caller at a depth of the call stack.
+    """
     if not traced.reached:
         warnings.warn(
             f"{what}: the relative error {effort.relative_error} was not reached"
             f" after {traced.paths:,} paths; look at the standard errors",
             ClerestoryWarning,
-            stacklevel=3,
+            stacklevel=depth,
         )

@@ -3,24 +3,28 @@
     C_d    sensors × sky   unscattered part of the daylight coefficients [sr]
     C_ds   sensors × suns  irradiance per direct normal irradiance
 
-Both follow straight rays that are attenuated by clear glass and blocked by all other
-surfaces, for the direct correction of the two-phase method.
+Straight rays are attenuated by clear glass and blocked by all other surfaces. C_d and
+C_ds are for the direct correction of the two-phase method.
 """
 
-from typing import Unpack
+from typing import Any, Unpack
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from clerestory.constants import SUN_DIAMETER
+from clerestory.engine import device as devices
 from clerestory.engine.controller import estimate
+from clerestory.engine.device import Device
 from clerestory.engine.direct_sun_jobs import UnscatteredJob
 from clerestory.engine.effort import Effort, EffortKeywords
 from clerestory.engine.sums import BATCHES
-from clerestory.hemisphere.reinhart import SkyPartition, reinhart
-from clerestory.matrix.axis import Axis, sensor_axis, sky_axis, sun_axis
+from clerestory.hemisphere.partition import RingPartition
+from clerestory.hemisphere.reinhart import reinhart
+from clerestory.matrix.axis import sky_axis, sun_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.sun_coefficients import sun_effort
+from clerestory.phases.traced_matrices import sensors_axis
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
 
@@ -48,8 +52,15 @@ def unscattered_coefficients(
     """
     effort = sun_effort(unscattered_coefficients, keywords, samples=_PATCH_SAMPLES)
     sky = reinhart(subdivision)
-    points = _points(len(sky.dome), effort)
-    return _traced(scene, sensors, _in_patches(sky, points), sky_axis(sky), effort)
+    directions = _in_patches(sky.dome, _points(len(sky.dome), effort))
+    found = _traced(scene, sensors, directions, effort)
+    # Irradiance per patch radiance
+    angle = sky.dome.solid_angles()
+    values, components = (
+        _after_ground(part * angle.astype(part.dtype)) for part in found
+    )
+    axes = sensors_axis(sensors), sky_axis(sky)
+    return TransferMatrix(values, *axes, components, scene.bands)
 
 
 def unscattered_sun(
@@ -69,16 +80,36 @@ def unscattered_sun(
     """
     effort = sun_effort(unscattered_sun, keywords, samples=_SUN_SAMPLES)
     directions = _on_discs(suns, _points(len(suns), effort))
-    return _traced(scene, sensors, directions, sun_axis(len(suns)), effort)
+    values, components = _traced(scene, sensors, directions, effort)
+    axes = sensors_axis(sensors), sun_axis(len(suns))
+    return TransferMatrix(values, *axes, components, scene.bands)
+
+
+def sun_visible(
+    scene: Scene,
+    points: Float[np.ndarray, "point 3"],
+    suns: Float[np.ndarray, "sun 3"],
+    *,
+    device: Device = "auto",
+) -> Bool[np.ndarray, "point sun"]:
+    """Return whether the centre of the solar disc is visible from each point.
+
+    Clear glass is transparent, as is proxied geometry of a BSDF; all other surfaces are
+    opaque. `suns` are unit vectors.
+    """
+    if not (len(points) and len(suns)):
+        return np.zeros((len(points), len(suns)), dtype=bool)
+    tracer: Any = devices.load(device, "direct_visibility")
+    return np.asarray(tracer.direct_transmittance(scene, points, suns) > 0)
 
 
 def _traced(
     scene: Scene,
     sensors: Sensors,
     directions: Float[np.ndarray, "column point 3"],
-    columns: Axis,
     effort: Effort,
-) -> TransferMatrix:
+) -> tuple[np.ndarray, np.ndarray]:
+    # Transmittance times cosine, averaged over the points of each column
     job = UnscatteredJob(
         scene=scene,
         sensors=sensors,
@@ -88,19 +119,11 @@ def _traced(
     )
     found = estimate(job, effort)
     assert found.components is not None
-    rows = sensor_axis(len(sensors.position), sensors.names)
-    values, components = found.values, found.components
-    if columns.kind == "sky" and isinstance(columns.partition, SkyPartition):
-        # Irradiance per patch radiance; zero for the ground
-        angle = columns.partition.dome.solid_angles()
-        values, components = (
-            _after_ground(values * angle),
-            _after_ground(components * angle.astype(np.float32)),
-        )
-    return TransferMatrix(values, rows, columns, components, scene.bands)
+    return found.values, found.components
 
 
 def _after_ground(values: np.ndarray) -> np.ndarray:
+    # Zero for the ground, which is patch 0
     return np.concatenate([np.zeros_like(values[..., :1]), values], axis=-1)
 
 
@@ -113,11 +136,10 @@ def _points(columns: int, effort: Effort) -> Float[np.ndarray, "column point 2"]
 
 
 def _in_patches(
-    sky: SkyPartition, points: Float[np.ndarray, "patch point 2"]
+    dome: RingPartition, points: Float[np.ndarray, "patch point 2"]
 ) -> Float[np.ndarray, "patch point 3"]:
     # Uniform in solid angle: the sine of the altitude is uniform, whereas `sample` is
     # uniform in its square
-    dome = sky.dome
     ring = np.repeat(np.arange(len(dome.count)), dome.count)
     patch = np.broadcast_to(np.arange(len(dome))[:, None], points.shape[:2])
     first, last = (np.cos(dome.theta[ring + n])[:, None] for n in (0, 1))

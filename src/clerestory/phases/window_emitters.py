@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bands import RGB
+from clerestory.checks import one_of, require, within
 from clerestory.directions import unit
 from clerestory.engine.effort import EffortKeywords, effort_of
 from clerestory.engine.radiance_jobs import (
@@ -66,17 +67,13 @@ def precompute_illums(
     DeviceError : no usable device
     """
     effort = effort_of(precompute_illums, keywords, default=_DEFAULT)
-    if not zone > 0:
-        raise InputError(f"a zone of {zone:g} m; a positive length expected")
-    if not 2 <= rings <= 90:
-        raise InputError(f"{rings} rings of directions; 2 to 90 expected")
+    require(zone > 0, f"zone is {zone:g} m; a positive length expected")
+    within(rings, "number of rings", least=2, most=90)
     pieces = [piece for pane in panes.surfaces for piece in _zones(pane, zone)]
-    if not pieces:
-        raise InputError("no panes given; at least one polygon expected")
+    require(pieces, "no panes given; at least one polygon expected")
     patches = _patches(pieces)
     whole = room + panes
-    if whole.bands != RGB:
-        raise InputError(f"a scene in the bands {whole.bands}; {RGB} expected")
+    one_of(whole.bands, "bands of the scene", choices=(RGB,))
     job = ExitingRadianceJob(
         scene=whole,
         patches=patches,
@@ -102,7 +99,7 @@ def precompute_illums(
 def _zones(pane: object, zone: float) -> list[Polygon]:
     if not isinstance(pane, Polygon):
         name = getattr(pane, "name", "")
-        raise InputError(f'pane "{name}" is no polygon; flat panes expected')
+        raise InputError(f'pane "{name}" is not a polygon; flat panes expected')
     corner = pane.vertices
     if len(corner) != 4 or not np.allclose(
         corner[0] + corner[2], corner[1] + corner[3], atol=1e-6 * np.ptp(corner)
@@ -114,13 +111,9 @@ def _zones(pane: object, zone: float) -> list[Polygon]:
     for i in range(across):
         for j in range(along):
             low = corner[0] + u * i / across + v * j / along
-            around = [
-                low,
-                low + u / across,
-                low + u / across + v / along,
-                low + v / along,
-            ]
-            found.append(replace(pane, vertices=np.array(around)))
+            right, up = u / across, v / along
+            around = np.array([low, low + right, low + right + up, low + up])
+            found.append(replace(pane, vertices=around))
     return found
 
 
@@ -131,8 +124,7 @@ def _patches(pieces: list[Polygon]) -> EmitterPatches:
         corner = triangles.vertices[triangles.faces]
         doubled = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
         area = np.linalg.norm(doubled, axis=1)
-        if area.sum() == 0:
-            raise InputError(f'pane "{piece.name}" has no area')
+        require(area.sum() > 0, f'pane "{piece.name}" has no area')
         share = np.cumsum(area) / area.sum()
         share[-1] = 1.0
         frames.append(_frame(doubled.sum(axis=0)))

@@ -7,8 +7,8 @@ by the BSDF; the geometry between them is visible and casts sharp shadows.
 """
 
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import Vector2
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.errors import InputError
 from clerestory.formats.mgf import parse_mgf
@@ -25,12 +25,7 @@ _NO_REFLECTION = 1e-3
 
 
 def layer_geometry(bsdf: Bsdf, *, transform: Transform | None = None) -> Scene:
-    """Return the geometry contained in a BSDF file; an empty scene if there is none.
-
-    Parameters
-    ----------
-    transform : transform from BSDF to scene coordinates; None: identity
-    """
+    """Return the geometry contained in a BSDF file; an empty scene if there is none."""
     geometry = bsdf.product.geometry
     if geometry is None:
         return Scene()
@@ -84,7 +79,7 @@ def package(bsdf: Bsdf, name: str, *, transform: Transform | None = None) -> Sce
 def _face(
     bsdf: Bsdf,
     name: str,
-    half: Float[np.ndarray, "2"],
+    half: Vector2,
     thickness: float,
     height: float,
     place: Transform,

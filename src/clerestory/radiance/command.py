@@ -12,9 +12,9 @@ from pathlib import Path
 from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.formats.word_reader import WordReader
-from clerestory.radiance.generators.catalogue import GENERATORS, generate
-from clerestory.radiance.generators.converters import BUILDERS, Build
+from clerestory.radiance.generators.catalogue import CONVERTERS, GENERATORS, Build
 from clerestory.radiance.placement import Placement
+from clerestory.scene.primitive import Primitive
 from clerestory.scene.transform import parse_transform
 
 # Maximum number of copies made by one command
@@ -23,41 +23,35 @@ _MOST_COPIES = 100_000
 
 @dataclass(frozen=True, eq=False)
 class Inclusion:
-    """Files or scene included by a command, and the placements of the copies.
+    """Content included by a command, with the placement of each copy.
 
-    Attributes
-    ----------
-    files : names of the files to read
-    placements : placement of each copy
-    text : output of a generator, on a single line; empty if files are read
-    build : function that returns the scene of a converter such as mgf2rad, or None
+    The content is files by name, primitives made by a generator, or a scene that a
+    converter such as mgf2rad builds.
     """
 
     files: tuple[str, ...]
     placements: tuple[Placement, ...]
-    text: str = ""
+    items: tuple[Primitive, ...] = ()
     build: Build | None = None
 
 
 def parse_command(text: str, *, find: Callable[[str], Path]) -> Inclusion:
     """Return the content included by `xform …`, `cat …`, a generator or a pipe.
 
-    Parameters
-    ----------
-    text : command without the exclamation mark
-    find : function that returns the path of a file named in the command
+    `find` returns the path of a file named in the command.
     """
     stages = _stages(text)
     # `xform < file` is `xform file`
     words = [w for w in stages[0] if w != "<"] or [""]
     program = _program(words)
-    made, build = "", None
+    items: list[Primitive] = []
     files: list[str] = []
-    placements = [Placement()]
+    placements, build = [Placement()], None
+    reader = WordReader(words[1:], program)
     if program in GENERATORS:
-        made = generate(program, words[1:], find)
-    elif program in BUILDERS:
-        build = BUILDERS[program](WordReader(words[1:], program), find)
+        items = GENERATORS[program](reader, find)
+    elif program in CONVERTERS:
+        build = CONVERTERS[program](reader, find)
     else:
         files, placements = _first_stage(words, text, find)
     for words in stages[1:]:
@@ -69,7 +63,7 @@ def parse_command(text: str, *, find: Callable[[str], Path]) -> Inclusion:
         if len(outer) * len(placements) > _MOST_COPIES:
             raise InputError(f"the command creates more than {_MOST_COPIES} copies")
         placements = [inner.then(o) for o in outer for inner in placements]
-    return Inclusion(tuple(files), tuple(placements), made, build)
+    return Inclusion(tuple(files), tuple(placements), tuple(items), build)
 
 
 def _stages(text: str) -> list[list[str]]:
@@ -118,7 +112,7 @@ def _program(words: list[str]) -> str:
 
 
 def _refusal(text: str, part: str) -> InputError:
-    known = ", ".join(["xform", "cat", *GENERATORS, *BUILDERS])
+    known = ", ".join(["xform", "cat", *GENERATORS, *CONVERTERS])
     return InputError(
         f'"{part}" in the command "{text.strip()}" is not supported, only {known} are;'
         " save the output of the command as a .rad file and include that file"

@@ -18,7 +18,7 @@ from clerestory.radiance.statements import MODIFIER_KINDS, SURFACE_KINDS
 from clerestory.scene.primitive import Primitive
 
 _OCTREE = (b"Radiance_octree", 4 * 8 + 251)
-_MESH = (b"Radiance_tmesh", 1 * 8 + 311)
+MESH_HEADER = (b"Radiance_tmesh", 1 * 8 + 311)
 _LARGEST_INTEGER = 8
 
 _EMPTY, _FULL, _TREE = range(3)
@@ -26,25 +26,14 @@ _EMPTY, _FULL, _TREE = range(3)
 
 @dataclass(frozen=True)
 class Octree:
-    """The content of an octree file.
-
-    Attributes
-    ----------
-    files : scene files from which the octree was compiled; none if it is frozen
-    items : primitives of a frozen octree
-    """
+    """Primitives of a frozen octree, or scene files of any other octree."""
 
     files: tuple[str, ...]
     items: tuple[Primitive, ...]
 
 
 def read_octree(path: str | Path) -> Octree:
-    """Return the scene files or primitives of an octree.
-
-    Raises
-    ------
-    InputError : the file is missing, damaged or not an octree
-    """
+    """Return the scene files or primitives of an octree."""
     reader = Reader(path)
     size = reader.header(*_OCTREE)
     for _ in range(4):
@@ -65,10 +54,6 @@ class Reader:
     def __init__(self, path: str | Path) -> None:
         self.data, self.path, self.at = read_bytes(path), path, 0
 
-    def mesh_header(self) -> int:
-        """Skip the header of a mesh; return the number of bytes of an object index."""
-        return self.header(*_MESH)
-
     def header(self, form: bytes, magic: int) -> int:
         """Skip the header; return the number of bytes of an object index."""
         end = self.data.find(b"\n\n")
@@ -82,9 +67,8 @@ class Reader:
 
     def error(self, message: str) -> InputError:
         """Return an error about the file."""
-        return InputError(
-            f"{message}; a file compiled by Radiance expected", file=self.path
-        )
+        expected = "a file compiled by Radiance expected"
+        return InputError(f"{message}; {expected}", file=self.path)
 
     def take(self, count: int) -> bytes:
         """Read `count` bytes."""
@@ -155,14 +139,13 @@ class Reader:
         name = self.text()
         strings = tuple(self.text() for _ in range(self._count(2)))
         reals = self.reals(self._count(2))
-        line = 0
         if kind == "alias":
             target = strings[0] if strings else by
             by = by if strings else "inherit"
-            return Primitive(by, kind, name, (target,), (), line)
+            return Primitive(by, kind, name, (target,), (), 0)
         if kind not in SURFACE_KINDS and kind not in MODIFIER_KINDS:
             raise self.error(f'a primitive of unknown type "{kind}"')
-        return Primitive(by, kind, name, strings, reals, line)
+        return Primitive(by, kind, name, strings, reals, 0)
 
     def _count(self, size: int) -> int:
         count = self.whole(size)

@@ -11,9 +11,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float, Int
 
-from clerestory.radiance.compiled import Reader
+from clerestory.array_types import Faces, Vector, Vertices
+from clerestory.radiance.compiled import MESH_HEADER, Reader
 from clerestory.scene.primitive import Primitive
 from clerestory.scene.transform import number
 
@@ -28,26 +28,22 @@ _NO_MATERIAL = -1
 
 @dataclass(frozen=True, eq=False)
 class CompiledMesh:
-    """The content of a compiled mesh.
+    """Material primitives and triangles of a compiled mesh.
 
-    Attributes
-    ----------
-    items : material primitives of the mesh
-    vertices : vertex coordinates [m]
-    faces : vertex indices, counter-clockwise as seen from the front
-    material : name of the material of each face; empty if the face has none
+    Faces are counter-clockwise as seen from the front; the material of a face is an
+    empty name if the face has none.
     """
 
     items: tuple[Primitive, ...]
-    vertices: Float[np.ndarray, "vertices 3"]
-    faces: Int[np.ndarray, "triangles 3"]
+    vertices: Vertices
+    faces: Faces
     material: tuple[str, ...]
 
 
 def read_compiled_mesh(path: str | Path) -> CompiledMesh:
     """Return the triangles of a compiled mesh."""
     reader = Reader(path)
-    size = reader.mesh_header()
+    size = reader.header(*MESH_HEADER)
     cube = [number(reader.text()) for _ in range(4)]
     known = [value for value in cube if value is not None]
     if len(known) != 4 or known[3] <= 0:
@@ -117,7 +113,7 @@ class _Patches:
 
     def mesh(
         self,
-        origin: Float[np.ndarray, "3"],
+        origin: Vector,
         size: float,
         items: tuple[Primitive, ...],
     ) -> CompiledMesh:

@@ -26,13 +26,7 @@ _MOST_AXES = 5
 
 @dataclass(frozen=True, eq=False)
 class DataArray:
-    """Table of values on a grid.
-
-    Attributes
-    ----------
-    axes : positions along each axis, ascending or descending
-    values : values at the grid points
-    """
+    """Table of values on a grid; positions along each axis ascend or descend."""
 
     axes: tuple[Float[np.ndarray, " positions"], ...]
     values: Float[np.ndarray, "..."]
@@ -135,8 +129,7 @@ def _interpolated(
 ) -> Float[np.ndarray, " points"]:
     # Interpolates along the other axes recursively, then along the first axis
     if not cells:
-        value: np.ndarray = values[tuple(chosen)]
-        return value
+        return np.asarray(values[tuple(chosen)])
     (cell, share), rest = cells[0], cells[1:]
     low = _interpolated(values, [*chosen, cell], rest)
     high = _interpolated(values, [*chosen, cell + 1], rest)
@@ -152,5 +145,4 @@ def _along(
     straight = low * (1 - t) + high * t
     above = (2 * high - low) / np.where(t > 2, t + 1, 1.0)
     below = (2 * low - high) / np.where(t < -1, -t, 1.0)
-    value: np.ndarray = np.where(t > 2, above, np.where(t < -1, below, straight))
-    return value
+    return np.asarray(np.where(t > 2, above, np.where(t < -1, below, straight)))

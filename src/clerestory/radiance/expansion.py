@@ -1,12 +1,13 @@
 """Expansion of scene files and of the files included by them."""
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
-from itertools import chain
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
+from itertools import chain, groupby
 from pathlib import Path
 
 import numpy as np
 
+from clerestory.checks import require
 from clerestory.errors import InputError, located
 from clerestory.files import read_text
 from clerestory.radiance.command import parse_command
@@ -39,20 +40,22 @@ class Scope:
 
 Item = PolygonRun | Primitive | Directive | Simple | Scope | Scene
 
+_SHAPES = SURFACE_KINDS - INSTANCE_KINDS
+
 # Maximum depth of nested files, which limits recursion
 _DEEPEST = 100
 
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """A scene item with its accumulated placement.
+    """A scene item in its final position.
 
     Attributes
     ----------
     item : polygons, another surface, a material or an alias (Primitive), a directive,
-        begin or end of a scope, or a scene in its final position
+        begin or end of a scope, or a scene
     file : path of the file that contains the item
-    placement : placement accumulated over nested xforms, already applied to surfaces
+    placement : placement accumulated over nested xforms, already applied to the item
     """
 
     item: Item
@@ -63,7 +66,21 @@ class Placed:
 def placed_items(path: str | Path) -> Iterator[Placed]:
     """Yield the items of a file and of included files, in Radiance's order."""
     walk = _Walk(Path(path).parent, {}, {})
-    yield from walk.items(Path(path), Placement(), ())
+    yield from walk.items(_Place(Path(path), Placement()))
+
+
+@dataclass(frozen=True)
+class _Place:
+    # Where items come from: file, placement of the file, files that include it
+    path: Path
+    placement: Placement
+    within: tuple[Path, ...] = ()
+
+    def put(self, item: Item) -> Placed:
+        return Placed(item, str(self.path), self.placement)
+
+    def inner(self, path: Path, placement: Placement) -> "_Place":
+        return _Place(path, placement, (*self.within, self.path))
 
 
 @dataclass(frozen=True)
@@ -73,145 +90,124 @@ class _Walk:
     loaded: dict[Path, tuple[Item | Command, ...]]
     compiled: Loaded
 
-    def items(
-        self, path: Path, placement: Placement, within: tuple[Path, ...]
-    ) -> Iterator[Placed]:
+    def items(self, place: _Place) -> Iterator[Placed]:
+        path = place.path
         if path not in self.loaded:
-            self.loaded[path] = _parsed(read_text(path), str(path))
-        yield from self._put(self.loaded[path], path, placement, within)
+            statements = parse_statements(read_text(path), file=str(path))
+            self.loaded[path] = _built(statements, str(path))
+        yield from self._put(self.loaded[path], place)
 
     def _put(
-        self,
-        items: tuple[Item | Command, ...],
-        path: Path,
-        placement: Placement,
-        within: tuple[Path, ...],
+        self, items: tuple[Item | Command, ...], place: _Place
     ) -> Iterator[Placed]:
-        file = str(path)
         for item in items:
             match item:
                 case Command():
-                    yield from self._included(item, path, placement, within)
+                    yield from self._included(item, place)
                 case Primitive() if item.kind in INSTANCE_KINDS:
-                    yield from self._instanced(item, path, placement, within)
+                    yield from self._instanced(item, place)
                 case PolygonRun():
-                    yield Placed(placement.polygons(item), file, placement)
+                    yield place.put(place.placement.polygons(item))
                 case Primitive() | Directive() | Scope() | Scene():
-                    yield Placed(item, file, placement)
+                    yield place.put(item)
                 case _:
-                    yield Placed(placement.surface(item), file, placement)
+                    yield place.put(place.placement.surface(item))
 
-    def _included(
-        self,
-        command: Command,
-        path: Path,
-        placement: Placement,
-        within: tuple[Path, ...],
-    ) -> Iterator[Placed]:
-        with located(file=path, line=command.line):
-            inclusion = parse_command(
-                command.text, find=lambda name: self._find(name, path)
-            )
-            copies = [p.then(placement) for p in inclusion.placements]
-            files = [self._find(name, path) for name in inclusion.files]
-            _refuse_recursion(files, (*within, path))
-        if inclusion.text:
-            # Line breaks, so that errors give the line of the command
-            text = "\n" * (command.line - 1) + inclusion.text
-            made = _parsed(text, str(path))
-        for inner in copies:
-            if inclusion.text:
-                yield from self._put(made, path, inner, within)
-            elif inclusion.build is not None:
-                with located(file=path, line=command.line):
-                    scene = inclusion.build(inner.transform)
-                yield Placed(scene, str(path), inner)
+    def _included(self, command: Command, place: _Place) -> Iterator[Placed]:
+        with located(file=place.path, line=command.line):
+            inclusion = parse_command(command.text, find=self._finder(place))
+            files = [self._finder(place)(name) for name in inclusion.files]
+            _refuse_recursion(files, (*place.within, place.path))
+        items = (replace(item, line=command.line) for item in inclusion.items)
+        made = _built(items, str(place.path))
+        for placement in inclusion.placements:
+            inner = replace(place, placement=placement.then(place.placement))
+            yield from self._put(made, inner)
+            if inclusion.build is not None:
+                with located(file=place.path, line=command.line):
+                    scene = inclusion.build(inner.placement.transform)
+                yield inner.put(scene)
             for found in files:
-                yield from self.items(found, inner, (*within, path))
+                yield from self.items(place.inner(found, inner.placement))
 
-    def _instanced(
-        self,
-        item: Primitive,
-        path: Path,
-        placement: Placement,
-        within: tuple[Path, ...],
-    ) -> Iterator[Placed]:
+    def _instanced(self, item: Primitive, place: _Place) -> Iterator[Placed]:
         # Placed content of the file that an instance or mesh refers to
-        with located(file=path, line=item.line):
+        file = str(place.path)
+        with located(file=file, line=item.line):
             instance = read_instance(
-                item,
-                file=str(path),
-                find=lambda name: self._find(name, path),
-                loaded=self.compiled,
+                item, file=file, find=self._finder(place), loaded=self.compiled
             )
-            inner = instance.placement.then(placement)
-            _refuse_recursion(instance.files, (*within, path))
-        made = tuple(_built(instance.items, item.strings[0]))
+            placement = instance.placement.then(place.placement)
+            _refuse_recursion(instance.files, (*place.within, place.path))
+        inner = replace(place, placement=placement)
         content = chain(
-            self._put(made, path, inner, within),
-            *(self.items(found, inner, (*within, path)) for found in instance.files),
+            self._put(_built(instance.items, item.strings[0]), inner),
+            *(self.items(place.inner(found, placement)) for found in instance.files),
         )
         if instance.placement.modifier is None:
-            yield Placed(Scope(opens=True), str(path), inner)
+            yield inner.put(Scope(opens=True))
             yield from content
-            yield Placed(Scope(opens=False), str(path), inner)
+            yield inner.put(Scope(opens=False))
         else:
             # A modifier of the instance replaces the materials of all surfaces in it
             yield from (p for p in content if not isinstance(p.item, Primitive))
 
-    def _find(self, name: str, path: Path) -> Path:
-        return found_in(name, [self.top, path.parent, Path()])
+    def _finder(self, place: _Place) -> Callable[[str], Path]:
+        return lambda name: found_in(name, [self.top, place.path.parent, Path()])
 
 
 def _refuse_recursion(files: Iterable[Path], within: tuple[Path, ...]) -> None:
     for found in files:
         if any(found.samefile(p) for p in within):
-            chain = " → ".join(p.name for p in (*within, found))
-            raise InputError(f"the file includes itself: {chain}")
-        if len(within) > _DEEPEST:
-            raise InputError(f"files are nested more than {_DEEPEST} deep")
-
-
-def _parsed(text: str, file: str) -> tuple[Item | Command, ...]:
-    return tuple(_built(parse_statements(text, file=file), file))
+            cycle = " → ".join(p.name for p in (*within, found))
+            raise InputError(f"the file includes itself: {cycle}")
+        deep = f"files are nested more than {_DEEPEST} deep; fewer levels expected"
+        require(len(within) <= _DEEPEST, deep)
 
 
 def _built(
     statements: Iterable[Statement | TriangleMesh], file: str
-) -> list[Item | Command]:
+) -> tuple[Item | Command, ...]:
     # Statements, with surface primitives converted to surfaces
     items: list[Item | Command] = []
-    for statement in statements:
-        match statement:
-            case PolygonRun():
-                items.append(checked(statement, file=file))
-            case Primitive(kind="polygon") if _is_outline(statement):
-                items.append(checked(_run(statement), file=file))
-            case Primitive(kind="polygon"):
-                raise InputError(
-                    f'polygon "{statement.name}" has {len(statement.reals)} numbers'
-                    f" and {len(statement.strings)} strings;"
-                    " three numbers for each of at least 3 vertices expected",
-                    file=file,
-                    line=statement.line,
-                )
-            case Primitive() if statement.kind in INSTANCE_KINDS:
-                items.append(statement)
-            case Primitive() if statement.kind in SURFACE_KINDS:
-                built = surface(statement, file=file)
-                items += [] if built is None else [built]
-            case _:
-                items.append(statement)
-    return items
+    for polygonal, group in groupby(statements, _is_polygon):
+        if polygonal:
+            polygons = [p for p in group if isinstance(p, Primitive)]
+            items.append(checked(_run(polygons, file), file=file))
+            continue
+        for statement in group:
+            match statement:
+                case PolygonRun():
+                    items.append(checked(statement, file=file))
+                case Primitive(kind=kind) if kind in _SHAPES:
+                    built = surface(statement, file=file)
+                    items += [] if built is None else [built]
+                case _:
+                    items.append(statement)
+    return tuple(items)
 
 
-def _is_outline(item: Primitive) -> bool:
-    count = len(item.reals)
-    return not item.strings and count >= 9 and count % 3 == 0
+def _is_polygon(statement: Statement | TriangleMesh) -> bool:
+    return isinstance(statement, Primitive) and statement.kind == "polygon"
 
 
-def _run(item: Primitive) -> PolygonRun:
-    # A single polygon that was read word by word
-    vertices = np.array(item.reals).reshape(-1, 3)
-    first = np.array([0, len(vertices)])
-    return PolygonRun([item.modifier], [item.name], [item.line], first, vertices)
+def _run(polygons: list[Primitive], file: str) -> PolygonRun:
+    # Consecutive polygons that were read word by word or made by a command
+    modifier, name, line, count = [], [], [], []
+    numbers: list[float] = []
+    for item in polygons:
+        given, words = len(item.reals), len(item.strings)
+        require(
+            words == 0 and given >= 9 and given % 3 == 0,
+            f'polygon "{item.name}" has {given} numbers and {words} strings;'
+            " three numbers for each of at least 3 vertices expected",
+            file=file,
+            line=item.line,
+        )
+        modifier.append(item.modifier)
+        name.append(item.name)
+        line.append(item.line)
+        count.append(given // 3)
+        numbers += item.reals
+    first = np.cumsum([0, *count])
+    return PolygonRun(modifier, name, line, first, np.array(numbers).reshape(-1, 3))

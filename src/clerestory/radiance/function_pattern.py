@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import RayVectors, Vector
 from clerestory.errors import ClerestoryWarning
 from clerestory.radiance.cal.program import Computed, Program
 from clerestory.radiance.cal.syntax import Call, Name, Node
@@ -42,17 +42,9 @@ class FunctionPattern:
 
     Without tables (brightfunc, colorfunc, texfunc) the expressions give the values.
     With tables (brightdata, colordata, texdata) the expressions are the names of
-    functions of the values interpolated in the tables at the coordinates.
-
-    Attributes
-    ----------
-    program : definitions used in the expressions
-    expressions : one expression for all channels, or one per channel
-    arguments : real arguments of the primitive
-    transform : transform from function to scene coordinates
-    source : file and line of the definition
-    tables : data tables; none, or one for each expression
-    coordinates : expressions of the table coordinates
+    functions of the values interpolated in the tables at the coordinates. There is one
+    expression for all channels, or one per channel, and one table per expression.
+    `transform` leads from function to scene coordinates.
 
     Examples
     --------
@@ -92,10 +84,10 @@ class FunctionPattern:
 
     def value(
         self,
-        direction: Float[np.ndarray, "rays 3"],
-        normal: Float[np.ndarray, "rays 3"] | None = None,
-        point: Float[np.ndarray, "rays 3"] | None = None,
-    ) -> Float[np.ndarray, "rays 3"]:
+        direction: RayVectors,
+        normal: RayVectors | None = None,
+        point: RayVectors | None = None,
+    ) -> RayVectors:
         """Multiplier of radiance, 1 where undefined; see `Pattern.value`."""
         computed = self.computed(_inputs(self.transform, direction, normal, point))
         return _multipliers(computed, self.source)
@@ -124,7 +116,7 @@ class FunctionPattern:
         )
 
 
-def constant_value(pattern: Pattern) -> Float[np.ndarray, "3"] | None:
+def constant_value(pattern: Pattern) -> Vector | None:
     """Return the value of a constant pattern; None if the pattern varies."""
     match pattern:
         case FunctionPattern() if not pattern.names - _FRAME:
@@ -138,7 +130,7 @@ def constant_value(pattern: Pattern) -> Float[np.ndarray, "3"] | None:
             return None
 
 
-def constant_vector(pattern: FunctionPattern) -> Float[np.ndarray, "3"] | None:
+def constant_vector(pattern: FunctionPattern) -> Vector | None:
     """Return three constant expressions as a vector in scene coordinates.
 
     Returns None if the expressions vary or are undefined.
@@ -160,9 +152,9 @@ def _aliases(names: frozenset[str]) -> frozenset[str]:
 
 def _inputs(
     transform: Transform,
-    direction: Float[np.ndarray, "rays 3"],
-    normal: Float[np.ndarray, "rays 3"] | None,
-    point: Float[np.ndarray, "rays 3"] | None,
+    direction: RayVectors,
+    normal: RayVectors | None,
+    point: RayVectors | None,
 ) -> dict[str, np.ndarray]:
     # Radiance's ray variables in the coordinates of the function
     count = len(direction)
@@ -189,9 +181,7 @@ def _inputs(
     return given | {number: given[name] for number, name in NUMBERED.items()}
 
 
-def _multipliers(
-    computed: Computed, source: Source | None
-) -> Float[np.ndarray, "rays 3"]:
+def _multipliers(computed: Computed, source: Source | None) -> RayVectors:
     # Where undefined, the pattern is ignored with a warning, as in Radiance
     bad = int(np.count_nonzero(~computed.valid))
     if bad:
@@ -205,5 +195,4 @@ def _multipliers(
         )
     value = np.where(computed.valid[:, None], computed.value, 1.0)
     colour = np.broadcast_to(value, (len(value), 3)) if value.shape[1] == 1 else value
-    positive: np.ndarray = np.maximum(colour, 0.0)
-    return positive
+    return np.asarray(np.maximum(colour, 0.0))

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Vector
 from clerestory.errors import InputError
 from clerestory.files import replace_file
 from clerestory.radiance.cal.program import Program
@@ -31,29 +32,25 @@ _FINE = 20
 
 @dataclass(frozen=True, eq=False)
 class LeavingLight:
-    """Outgoing radiance of a planar patch by direction.
+    """Outgoing radiance of a planar patch [W/(m²·sr)].
 
-    Attributes
-    ----------
-    frame : rows: two axes in the plane of the patch, and its normal
-    radiance : radiance by ring (polar angle), sector (azimuth) and channel [W/(m²·sr)]
+    Its axes are polar angle, azimuth and channel. The rows of the frame are two axes in
+    the plane of the patch, and its normal.
     """
 
     frame: Float[np.ndarray, "3 3"]
     radiance: Float[np.ndarray, "ring sector 3"]
 
-    def exitance(self) -> Float[np.ndarray, "3"]:
+    def exitance(self) -> Vector:
         """Radiant exitance of the patch [W/m²]."""
         weight = _ring_weights(self.radiance.shape[0]) / self.radiance.shape[1]
-        sent: np.ndarray = np.einsum("rsc,r->c", self.radiance, weight)
-        return sent
+        return np.asarray(np.einsum("rsc,r->c", self.radiance, weight))
 
 
 def _ring_weights(rings: int) -> Float[np.ndarray, " ring"]:
     # Projected solid angle of each ring [sr]
     edge = np.sin(np.linspace(0, np.pi / 2, rings + 1)) ** 2
-    weights: np.ndarray = np.pi * np.diff(edge)
-    return weights
+    return np.asarray(np.pi * np.diff(edge))
 
 
 def light_pattern(light: LeavingLight) -> FunctionPattern:

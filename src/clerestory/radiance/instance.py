@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from clerestory.checks import require
 from clerestory.errors import InputError
 from clerestory.files import read_bytes
 from clerestory.formats.obj import obj_meshes
@@ -31,13 +32,9 @@ _OBJ = ".obj"
 
 @dataclass(frozen=True, eq=False)
 class Instance:
-    """The content of an instance or mesh.
+    """The content of an instance or mesh: scene files to read, primitives and meshes.
 
-    Attributes
-    ----------
-    files : paths of the scene files to read
-    items : primitives and meshes that have been read
-    placement : placement of the content; its modifier, if any, replaces all materials
+    A modifier of the placement replaces all materials.
     """
 
     files: tuple[Path, ...]
@@ -52,19 +49,13 @@ Loaded = dict[Path, Octree | ObjText | CompiledMesh]
 def read_instance(
     item: Primitive, *, file: str, find: Callable[[str], Path], loaded: Loaded
 ) -> Instance:
-    """Return the content of a primitive of type instance or mesh.
+    """Return the content of a primitive of type instance or mesh in a scene file.
 
-    Parameters
-    ----------
-    item : primitive of type instance or mesh
-    file : path of the scene file that contains it
-    find : function that returns the path of a file name
-    loaded : cache of file contents; new contents are added
+    `find` returns the path of a file name; file contents are added to `loaded`.
     """
     given = Arguments(item, file)
-    given.reals(0)
-    if not item.strings:
-        raise given.error("no file name; one expected")
+    given.reals(0, strings=True)
+    given.strings(1, "file name")
     modifier = None if item.modifier == "void" else item.modifier
     placement = Placement(given.transform(1), modifier, item.name)
     try:
@@ -75,9 +66,11 @@ def read_instance(
             case Octree() as octree:
                 return _octree(octree, path, placement, find)
             case ObjText() as text:
-                return Instance((), _obj(text, path, item, file), placement)
+                return Instance((), _obj(text, path, item), placement)
             case CompiledMesh() as mesh:
-                return Instance((), _compiled(mesh, path, item, file), placement)
+                return Instance(
+                    (), _compiled(mesh, path, item, given.source), placement
+                )
     except InputError as error:
         if error.file is not None and str(error.file) != str(item.strings[0]):
             raise
@@ -97,43 +90,37 @@ def _octree(
 ) -> Instance:
     files = []
     for name in octree.files:
-        if name.startswith("!"):
-            raise InputError(
-                f'the octree {path} was compiled from the command "{name}"; a frozen'
-                " octree (oconv -f) expected"
-            )
+        require(
+            not name.startswith("!"),
+            f'the octree {path} was compiled from the command "{name}"; a frozen'
+            " octree (oconv -f) expected",
+        )
         beside = path.parent / name
         files.append(beside if beside.is_file() else find(name))
     return Instance(tuple(files), octree.items, placement)
 
 
-def _obj(
-    text: ObjText, path: Path, item: Primitive, file: str
-) -> tuple[TriangleMesh, ...]:
+def _require_materials(item: Primitive, path: Path, *, complete: bool) -> None:
+    require(
+        complete or item.modifier != "void",
+        f"{path} has faces without material; a modifier other than void expected",
+    )
+
+
+def _obj(text: ObjText, path: Path, item: Primitive) -> tuple[TriangleMesh, ...]:
     meshes = obj_meshes(text, file=str(path))
-    unnamed = [mesh for mesh in meshes if not mesh.material]
-    if unnamed and item.modifier == "void":
-        raise Arguments(item, file).error(
-            f"{path} has faces without usemtl; a modifier other than void expected"
-        )
+    _require_materials(item, path, complete=all(mesh.material for mesh in meshes))
     return meshes
 
 
 def _compiled(
-    mesh: CompiledMesh, path: Path, item: Primitive, file: str
+    mesh: CompiledMesh, path: Path, item: Primitive, source: Source
 ) -> tuple[Primitive | TriangleMesh, ...]:
+    _require_materials(item, path, complete="" not in mesh.material)
     names = np.array(mesh.material)
     parts: list[Primitive | TriangleMesh] = list(mesh.items)
     for name in np.unique(names).tolist():
-        if not name and item.modifier == "void":
-            raise Arguments(item, file).error(
-                f"{path} has faces without material; a modifier other than void"
-                " expected"
-            )
-        faces = mesh.faces[names == name]
-        index, place = np.unique(faces, return_inverse=True)
-        source = Source(file, item.line)
-        vertices = mesh.vertices[index]
-        corners = place.reshape(-1, 3)
+        index, place = np.unique(mesh.faces[names == name], return_inverse=True)
+        vertices, corners = mesh.vertices[index], place.reshape(-1, 3)
         parts.append(TriangleMesh(vertices, corners, name, name, source))
     return tuple(parts)

@@ -11,17 +11,16 @@ Wall = "painted_wall"           # a material of materials.rad
 "*" = { reflectance = 0.5 }     # all other names
 """
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal, final
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field
 
+from clerestory.documents import Table, read_toml
 from clerestory.errors import InputError
-from clerestory.files import read_text
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.scene.model import Glass, Material, Plastic
 
@@ -29,24 +28,18 @@ _Share = Annotated[float, Field(ge=0, le=1)]
 _Colour = _Share | Annotated[list[_Share], Field(min_length=3, max_length=3)]
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(
-        extra="forbid", frozen=True, strict=True, allow_inf_nan=False
-    )
-
-
-class _PlasticTable(_Table):
+class _PlasticTable(Table):
     reflectance: _Colour
     specularity: _Share = 0.0
     roughness: _Share = 0.0
 
 
-class _GlassTable(_Table):
+class _GlassTable(Table):
     transmissivity: _Colour
     index: float = Field(1.52, ge=1, le=4)
 
 
-class _MapFile(_Table):
+class _MapFile(Table):
     file: str = ""
     scale: float = Field(1.0, gt=0)
     up: Literal["y", "z"] | None = None
@@ -73,14 +66,7 @@ class MaterialMap:
 def read_material_map(path: str | Path) -> MaterialMap:
     """Return the material map in a TOML file; `file` is relative to its folder."""
     path = Path(path)
-    try:
-        told = _MapFile.model_validate(tomllib.loads(read_text(path)))
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"not TOML: {error}", file=path) from error
-    except ValidationError as error:
-        first = error.errors()[0]
-        key = ".".join(map(str, first["loc"]))
-        raise InputError(f'key "{key}": {first["msg"]}', file=path) from error
+    told = read_toml(path, _MapFile)
     known = read_rad(path.parent / told.file).materials if told.file else {}
     found: dict[str, Material] = {}
     for name, value in told.materials.items():

@@ -20,13 +20,7 @@ from clerestory.scene.primitive import Arguments
 
 @dataclass(frozen=True, eq=False)
 class Modifiers:
-    """Patterns and textures that modify one material.
-
-    Attributes
-    ----------
-    patterns : multipliers of the colour, outermost first
-    textures : perturbations of the normal
-    """
+    """Patterns (multipliers of the colour, outermost first) and textures."""
 
     patterns: tuple[Pattern, ...] = ()
     textures: tuple[FunctionPattern, ...] = ()
@@ -42,9 +36,7 @@ class Modifiers:
 def modified(material: Material, modifiers: Modifiers, given: Arguments) -> Material:
     """Return a material modified by patterns and textures.
 
-    Parameters
-    ----------
-    given : primitive that combines material and modifiers, for error messages
+    Errors are about `given`, the primitive that combines material and modifiers.
     """
     match material:
         case Emitter():

@@ -9,15 +9,15 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import Vector
+from clerestory.checks import require
 from clerestory.errors import located
 from clerestory.files import read_text
 from clerestory.formats.photometry.read import LUMINAIRE_SUFFIXES, read_luminaire
-from clerestory.radiance.cal.files import NATIVE_FILES, TEXT_FILES
+from clerestory.radiance.cal.files import FUNCTION_FILES
 from clerestory.radiance.cal.program import Program
 from clerestory.radiance.cal.syntax import (
-    Definition,
     Name,
     Node,
     parse_definitions,
@@ -39,12 +39,9 @@ from clerestory.scene.transform import Transform
 
 
 def read_modifiers(given: Arguments, *, placed: Transform) -> Modifiers:
-    """Return the pattern or texture defined by a primitive.
+    """Return the pattern or texture defined by a primitive of `PATTERN_KINDS`.
 
-    Parameters
-    ----------
-    given : arguments of a primitive whose type is in `PATTERN_KINDS`
-    placed : transform applied to the scene file that contains the primitive
+    `placed` is the transform of the scene file that contains the primitive.
     """
     made = _read(given, placed)
     textured = given.item.kind in _TEXTURES
@@ -62,72 +59,52 @@ def read_share(given: Arguments, placed: Transform) -> float | Pattern:
     return share if constant is None else float(np.clip(constant[0], 0, 1))
 
 
-def read_vector(
-    given: Arguments, placed: Transform, first: int
-) -> Float[np.ndarray, "3"] | Pattern:
+def read_vector(given: Arguments, placed: Transform, first: int) -> Vector | Pattern:
     """Return a vector given by three expressions; a pattern if it varies.
 
-    The expressions give vector components in the coordinates of the function.
-
-    Parameters
-    ----------
-    first : index of the string argument with the first expression
+    String argument `first` is the first expression. The expressions give vector
+    components in the coordinates of the function.
     """
     with given.located():
-        vector = _function(given, placed, 3, first)
+        vector = _pattern(given, placed, 3, first)
     constant = constant_vector(vector)
     return vector if constant is None else constant
 
 
 def _read(given: Arguments, placed: Transform) -> FunctionPattern:
-    count, first, tables = _FORMS[given.item.kind]
+    count, first, files = _FORMS[given.item.kind]
     with given.located():
-        if tables is None:
-            return _function(given, placed, count, first)
-        return _data(given, placed, count, first, tables)
+        return _pattern(given, placed, count, first, files)
 
 
-def _function(
-    given: Arguments, placed: Transform, count: int, first: int
+def _pattern(
+    given: Arguments, placed: Transform, count: int, first: int, files: int = 0
 ) -> FunctionPattern:
-    # String arguments: expressions from index `first` on, function file, transform
-    at = first + count
-    _strings(given, at + 1)
-    program = _program(given, at)
-    expressions = tuple(_expression(given, t) for t in given.item.strings[first:at])
-    pattern = FunctionPattern(
-        program,
-        expressions,
-        given.item.reals,
-        _transform(given, at + 1, placed),
-        given.source,
-    )
-    _check(given, program, expressions)
-    return pattern
-
-
-def _data(
-    given: Arguments, placed: Transform, count: int, first: int, files: int
-) -> FunctionPattern:
-    # String arguments: functions, data files, function file, coordinates, transform
+    # String arguments: `count` functions from index `first` on, data files, function
+    # file, one coordinate per axis of the data, transform
     middle = first + count
-    at = middle + files + 1
-    _strings(given, at)
-    strings = given.item.strings
-    tables = tuple(_table(given, name) for name in strings[middle : at - 1])
-    axes = len(tables[0].axes)
-    if any(len(table.axes) != axes for table in tables):
-        raise given.error("the tables differ in their numbers of axes; one expected")
-    if len(strings) < at + axes:
-        raise given.error(f"{len(strings) - at} coordinates for a table of {axes} axes")
-    program = _program(given, at - 1)
-    places = tuple(_expression(given, text) for text in strings[at : at + axes])
-    functions = tuple(Name(name) for name in strings[first:middle])
+    at = middle + files
+    strings = given.strings(at + 1, f"{at + 1} or more")
+    tables = tuple(_table(given, name) for name in strings[middle:at])
+    axes = {len(table.axes) for table in tables} or {0}
+    require(len(axes) == 1, "the tables differ in their numbers of axes; one expected")
+    end = at + 1 + axes.pop()
+    require(
+        len(strings) >= end,
+        f"{len(strings) - at - 1} coordinates for a table of {end - at - 1} axes;"
+        " equal numbers expected",
+    )
+    program = _program(given, at)
+    places = tuple(_expression(given, text) for text in strings[at + 1 : end])
+    functions: tuple[Node, ...] = tuple(
+        Name(text) if files else _expression(given, text)
+        for text in strings[first:middle]
+    )
     pattern = FunctionPattern(
         program,
         functions,
         given.item.reals,
-        _transform(given, at + axes, placed),
+        _transform(given, end, placed),
         given.source,
         tables,
         places,
@@ -137,14 +114,14 @@ def _data(
 
 
 # Number of functions, string index of the first function, number of data files
-_FORMS: Mapping[str, tuple[int, int, int | None]] = {
-    "brightfunc": (1, 0, None),
-    "colorfunc": (3, 0, None),
+_FORMS: Mapping[str, tuple[int, int, int]] = {
+    "brightfunc": (1, 0, 0),
+    "colorfunc": (3, 0, 0),
     "brightdata": (1, 0, 1),
     "colordata": (3, 0, 3),
-    "texfunc": (3, 0, None),
+    "texfunc": (3, 0, 0),
     "texdata": (3, 0, 3),
-    "mixfunc": (1, 2, None),
+    "mixfunc": (1, 2, 0),
     "mixdata": (1, 2, 1),
 }
 _TEXTURES = ("texfunc", "texdata")
@@ -157,13 +134,6 @@ def _table(given: Arguments, name: str) -> DataArray:
     if path.suffix.lower() in LUMINAIRE_SUFFIXES:
         return intensity_table(read_luminaire(path))
     return read_data_array(path)
-
-
-def _strings(given: Arguments, least: int) -> None:
-    if len(given.item.strings) < least:
-        raise given.error(
-            f"{len(given.item.strings)} string arguments; {least} or more expected"
-        )
 
 
 def _transform(given: Arguments, at: int, placed: Transform) -> Transform:
@@ -185,18 +155,11 @@ def _program(given: Arguments, at: int) -> Program:
     name = given.item.strings[at]
     if name == ".":
         return Program()
-    native = Path(name).name
     beside = (Path(given.file).parent / name, Path(name))
-    if not any(path.is_file() for path in beside):
-        if native in NATIVE_FILES:
-            return Program(native_file=native)
-        if native in TEXT_FILES:
-            return Program(TEXT_FILES[native])
+    if Path(name).name in FUNCTION_FILES and not any(p.is_file() for p in beside):
+        return Program(FUNCTION_FILES[Path(name).name])
     path = library_file(name, beside=given.file, line=given.item.line)
-    definitions: dict[str, Definition] = parse_definitions(
-        read_text(path), file=str(path)
-    )
-    return Program(definitions)
+    return Program(parse_definitions(read_text(path), file=str(path)))
 
 
 def _check(given: Arguments, program: Program, nodes: tuple[Node, ...]) -> None:
@@ -208,13 +171,8 @@ def _check(given: Arguments, program: Program, nodes: tuple[Node, ...]) -> None:
             " a name of its function file, an argument or D, N, P expected"
         )
     # Evaluation for one ray detects missing arguments
-    shape = (1, 3)
-    up = np.broadcast_to(np.array([0.0, 0.6, 0.8]), shape)
-    computed = {
-        "S": np.ones(1),
-        **{name: np.full(1, 0.5) for name in KNOWN},
-        **{f"D{a}": up[:, i] for i, a in enumerate("xyz")},
-    }
+    computed = {"S": np.ones(1), **{name: np.full(1, 0.5) for name in KNOWN}}
+    computed |= {"Dx": np.zeros(1), "Dy": np.full(1, 0.6), "Dz": np.full(1, 0.8)}
     values = tuple(node for node in nodes if program.is_value(node))
     if values:
         program.values(values, computed, given.item.reals)

@@ -11,15 +11,7 @@ from clerestory.scene.transform import Transform
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """The effect of one xform command.
-
-    Attributes
-    ----------
-    transform : transform of the points
-    modifier : modifier that replaces those of the surfaces; None to preserve them
-    prefix : prefix of the names of surfaces
-    inverted : whether front and back are swapped (-I)
-    """
+    """The effect of one xform command; without a modifier, surfaces keep theirs."""
 
     transform: Transform = field(default_factory=Transform)
     modifier: str | None = None

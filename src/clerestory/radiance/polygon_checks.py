@@ -93,8 +93,7 @@ def _subset(run: PolygonRun, keep: Bool[np.ndarray, " polygons"]) -> PolygonRun:
 def _per_polygon(
     operation: np.ufunc, values: np.ndarray, run: PolygonRun
 ) -> np.ndarray:
-    result: np.ndarray = operation.reduceat(values, run.first[:-1], axis=0)
-    return result
+    return np.asarray(operation.reduceat(values, run.first[:-1], axis=0))
 
 
 def _warn(

@@ -1,13 +1,13 @@
-"""Surface primitives of Radiance scene files.
-
-`SURFACES` has one function for each type of primitive.
-"""
+"""Reading and writing of surface primitives of Radiance scene files."""
 
 from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from clerestory.scene.model import Cone, DistantSource, Ring, Simple, Sphere
+from clerestory.checks import require
+from clerestory.directions import unit
+from clerestory.scene.material import Specification
+from clerestory.scene.model import Cone, DistantSource, Polygon, Ring, Simple, Sphere
 from clerestory.scene.primitive import Arguments, Primitive
 
 # Radiance's FTINY: lengths up to it are treated as zero
@@ -23,8 +23,8 @@ def surface(item: Primitive, *, file: str) -> Simple | None:
     if item.kind not in SURFACES:
         known = ", ".join(["polygon", *SURFACES])
         raise given.error(f"unsupported type; one of {known} expected")
-    given.no_strings()
-    return SURFACES[item.kind](given)
+    with given.located():
+        return SURFACES[item.kind](given)
 
 
 def _sphere(given: Arguments) -> Simple | None:
@@ -61,29 +61,47 @@ def _cone(given: Arguments) -> Simple | None:
 def _ring(given: Arguments) -> Simple | None:
     value = given.reals(8)
     inner, outer = sorted(map(float, value[6:]))
-    if inner < 0 or outer - inner <= _TINY:
-        raise given.error(
-            f"radii are {inner:g} and {outer:g}; 0 ≤ inner < outer expected"
-        )
-    normal = given.direction(value[3:6])
-    return Ring(value[:3], normal, inner, outer, *given.labels)
+    require(
+        0 <= inner < outer - _TINY,
+        f"radii are {inner:g} and {outer:g}; 0 ≤ inner < outer expected",
+    )
+    return Ring(value[:3], unit(value[3:6]), inner, outer, *given.labels)
 
 
 def _source(given: Arguments) -> Simple | None:
     value = given.reals(4)
-    if not 0 < value[3] <= 360:
-        raise given.error(f"angle is {value[3]:g}°; more than 0 and up to 360 expected")
-    direction, angle = given.direction(value[:3]), float(value[3])
-    return DistantSource(direction, angle, *given.labels)
+    given.full_angle(value[3])
+    return DistantSource(unit(value[:3]), float(value[3]), *given.labels)
 
 
 SURFACES: Mapping[str, Callable[[Arguments], Simple | None]] = {
-    "sphere": _sphere,
-    "bubble": _sphere,
-    "cone": _cone,
-    "cup": _cone,
-    "cylinder": _cone,
-    "tube": _cone,
+    **dict.fromkeys(("sphere", "bubble"), _sphere),
+    **dict.fromkeys(("cone", "cup", "cylinder", "tube"), _cone),
     "ring": _ring,
     "source": _source,
 }
+
+
+def specification(
+    surface: Polygon | Sphere | Cone | Ring | DistantSource,
+) -> Specification:
+    """Return the type and arguments of a surface in Radiance."""
+    match surface:
+        case Polygon():
+            return Specification("polygon", (), (*surface.vertices.ravel(),))
+        case Sphere():
+            kind = "bubble" if surface.inward else "sphere"
+            return Specification(kind, (), (*surface.centre, surface.radius))
+        case Cone():
+            ends = [*surface.base, *surface.top]
+            if surface.base_radius == surface.top_radius:
+                kind = "tube" if surface.inward else "cylinder"
+                return Specification(kind, (), (*ends, surface.base_radius))
+            radii = surface.base_radius, surface.top_radius
+            kind = "cup" if surface.inward else "cone"
+            return Specification(kind, (), (*ends, *radii))
+        case Ring():
+            radii = surface.inner_radius, surface.outer_radius
+            return Specification("ring", (), (*surface.centre, *surface.normal, *radii))
+        case DistantSource():
+            return Specification("source", (), (*surface.direction, surface.angle_deg))

@@ -1,24 +1,24 @@
 """Writer of scenes as Radiance scene files."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from clerestory.bands import RGB
 from clerestory.bsdf.bsdf import Bsdf
+from clerestory.checks import require
 from clerestory.errors import InputError
-from clerestory.scene.material import Material, Specification, insert_material
+from clerestory.radiance.primitives import specification
+from clerestory.scene.material import (
+    Argument,
+    Material,
+    Specification,
+    insert_material,
+)
 from clerestory.scene.materials.mixture import Void
 from clerestory.scene.model import Scene
 from clerestory.scene.pattern import Pattern
-from clerestory.scene.surface import (
-    Cone,
-    DistantSource,
-    Polygon,
-    Ring,
-    Simple,
-    Sphere,
-    TriangleMesh,
-)
+from clerestory.scene.primitive import Primitive, primitive
+from clerestory.scene.surface import Polygon, Simple, TriangleMesh
 
 
 def format_rad(scene: Scene, *, bsdf_file: Mapping[str, str | Path]) -> str:
@@ -31,6 +31,7 @@ def format_rad(scene: Scene, *, bsdf_file: Mapping[str, str | Path]) -> str:
     Examples
     --------
     >>> import numpy as np
+    >>> from clerestory.scene.model import Sphere
     >>> from clerestory.scene.materials.plastic import Plastic
     >>> ball = Sphere(np.zeros(3), 0.5, False, "grey", "ball")
     >>> grey = Plastic("grey", np.full(3, 0.4))
@@ -46,14 +47,16 @@ def format_rad(scene: Scene, *, bsdf_file: Mapping[str, str | Path]) -> str:
     4 0 0 0 0.5
     <BLANKLINE>
     """
-    if scene.bands != RGB:
-        raise InputError(f"a scene in the bands {scene.bands}; {RGB} expected")
+    require(
+        scene.bands == RGB, f"the scene is in the bands {scene.bands}; {RGB} expected"
+    )
     writer = _Writer(bsdf_file)
     name_of = {key: writer.define(m, key) for key, m in scene.materials.items()}
     for number, surface in enumerate((*scene.surfaces, *scene.distant), 1):
         name = surface.name or f"surface{number}"
         for shape in _shapes(surface):
-            writer.put(name_of[surface.material], shape.kind, [], shape.reals, name)
+            modifier = name_of[surface.material]
+            writer.put(primitive(modifier, shape.kind, name, shape.reals))
     return "\n".join(writer.text)
 
 
@@ -63,19 +66,12 @@ class _Writer:
         self.written: dict[str, Material] = {}
         self.bsdf_file = bsdf_file
 
-    def put(
-        self,
-        modifier: str,
-        kind: str,
-        strings: list[str],
-        reals: Iterable[float],
-        name: str,
-    ) -> None:
+    def put(self, item: Primitive) -> None:
         """Add a primitive to the text."""
-        words = " ".join([str(len(strings)), *map(_quoted, strings)])
-        values = [f"{float(v):.12g}" for v in reals]
+        words = " ".join([str(len(item.strings)), *map(_quoted, item.strings)])
+        values = [f"{value:.12g}" for value in item.reals]
         numbers = " ".join([str(len(values)), *values])
-        head = f"{_quoted(modifier)} {kind} {_quoted(name)}"
+        head = f"{_quoted(item.modifier)} {item.kind} {_quoted(item.name)}"
         self.text.append(f"{head}\n{words}\n0\n{numbers}\n")
 
     def define(self, material: Material, key: str) -> str:
@@ -88,17 +84,12 @@ class _Writer:
                 f'material "{key}" has a pattern or a texture, which cannot be written'
                 " to a scene file; a plain material expected"
             )
-        strings = [self.word(each, material, key) for each in given.strings]
+        strings = tuple(self.word(each, material, key) for each in given.strings)
         self.written[key] = material
-        self.put("void", given.kind, strings, given.reals, key)
+        self.put(primitive("void", given.kind, key, given.reals, strings))
         return key
 
-    def word(
-        self,
-        value: str | float | Material | Pattern | Bsdf,
-        material: Material,
-        key: str,
-    ) -> str:
+    def word(self, value: Argument, material: Material, key: str) -> str:
         """Return the text of a string argument."""
         match value:
             case str():
@@ -133,29 +124,7 @@ def _shapes(surface: Polygon | Simple) -> Iterator[Specification]:
         for corners in surface.vertices[surface.faces]:
             yield Specification("polygon", (), (*corners.ravel(),))
     else:
-        yield _shape(surface)
-
-
-def _shape(surface: Polygon | Sphere | Cone | Ring | DistantSource) -> Specification:
-    match surface:
-        case Polygon():
-            return Specification("polygon", (), (*surface.vertices.ravel(),))
-        case Sphere():
-            kind = "bubble" if surface.inward else "sphere"
-            return Specification(kind, (), (*surface.centre, surface.radius))
-        case Cone():
-            ends = [*surface.base, *surface.top]
-            if surface.base_radius == surface.top_radius:
-                kind = "tube" if surface.inward else "cylinder"
-                return Specification(kind, (), (*ends, surface.base_radius))
-            radii = surface.base_radius, surface.top_radius
-            kind = "cup" if surface.inward else "cone"
-            return Specification(kind, (), (*ends, *radii))
-        case Ring():
-            radii = surface.inner_radius, surface.outer_radius
-            return Specification("ring", (), (*surface.centre, *surface.normal, *radii))
-        case DistantSource():
-            return Specification("source", (), (*surface.direction, surface.angle_deg))
+        yield specification(surface)
 
 
 def _quoted(word: str) -> str:

@@ -8,14 +8,10 @@ from clerestory.errors import InputError, located
 
 
 def library_file(name: str, *, beside: str | Path, line: int) -> Path:
-    """Return the path of a file that a scene refers to.
+    """Return the path of a file that a scene file refers to in a line.
 
-    The folder of the referring file is searched, then the current directory and the
-    folders in the environment variable RAYPATH. Absolute paths are used as they are.
-
-    Parameters
-    ----------
-    beside, line : path and line number of the referring file
+    The folder of the scene file is searched, then the current directory and the folders
+    in the environment variable RAYPATH. Absolute paths are used as they are.
     """
     listed = [Path(f) for f in os.environ.get("RAYPATH", "").split(os.pathsep) if f]
     with located(file=beside, line=line):

@@ -8,8 +8,9 @@ import re
 from dataclasses import dataclass, field
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Int
 
+from clerestory.array_types import Vertices
 from clerestory.errors import InputError
 from clerestory.scene.primitive import Primitive
 from clerestory.scene.transform import number
@@ -23,7 +24,7 @@ class PolygonRun:
     name: list[str]
     line: list[int]
     first: Int[np.ndarray, " polygons_and_end"]
-    vertices: Float[np.ndarray, "vertices 3"]
+    vertices: Vertices
 
 
 @dataclass(frozen=True)

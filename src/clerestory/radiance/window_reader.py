@@ -8,12 +8,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float
 
-from clerestory.errors import InputError
+from clerestory.array_types import Vector
+from clerestory.checks import require
+from clerestory.errors import InputError, located
 from clerestory.hemisphere.klems import klems
 from clerestory.radiance.expansion import Placed, placed_items
 from clerestory.radiance.statements import Directive, PolygonRun
+from clerestory.scene.material import error_at
 from clerestory.scene.model import Polygon, Scene, Source
 from clerestory.scene.transform import number
 from clerestory.scene.window import Window, window_of
@@ -70,7 +72,7 @@ class _Pane:
     # A polygon, with the basis and up vector valid for it
     polygon: Polygon
     basis: str
-    up: Float[np.ndarray, "3"] | None
+    up: Vector | None
 
 
 def _groups(path: str | Path) -> dict[str, list[_Pane]]:
@@ -80,7 +82,8 @@ def _groups(path: str | Path) -> dict[str, list[_Pane]]:
     for placed in placed_items(path):
         match placed.item:
             case Directive():
-                basis, up = _variables(placed.item, placed.file, basis, up)
+                with located(file=placed.file, line=placed.item.line):
+                    basis, up = _variables(placed.item, basis, up)
             case PolygonRun():
                 for polygon in _polygons(placed.item, placed.file):
                     groups.setdefault(polygon.material, []).append(
@@ -88,8 +91,7 @@ def _groups(path: str | Path) -> dict[str, list[_Pane]]:
                     )
             case _:
                 _refuse_surface(placed)
-    if not groups:
-        raise InputError("no polygons; the polygons of a window expected", file=path)
+    require(groups, "no polygons; the polygons of a window expected", file=path)
     return groups
 
 
@@ -104,81 +106,63 @@ def _polygons(run: PolygonRun, file: str) -> list[Polygon]:
 
 
 def _refuse_surface(placed: Placed) -> None:
-    if isinstance(placed.item, Scene):
-        raise InputError(
-            "the window file has a command that creates a scene; polygons expected",
-            file=placed.file,
-        )
+    require(
+        not isinstance(placed.item, Scene),
+        "the window file has a command that creates a scene; polygons expected",
+        file=placed.file,
+    )
     source = getattr(placed.item, "source", None)
     if source is not None:
         kind = type(placed.item).__name__.lower()
-        raise InputError(
-            f"the window file has a {kind}; polygons expected",
-            file=source.file,
-            line=source.line,
-        )
+        raise error_at(source, f"the window file has a {kind}; polygons expected")
 
 
 def _window(name: str, panes: list[_Pane]) -> Window:
-    polygons = tuple(pane.polygon for pane in panes)
-    return window_of(
-        polygons, name=name, up=panes[0].up, partition=klems(panes[0].basis)
-    )
+    polygons, first = tuple(pane.polygon for pane in panes), panes[0]
+    return window_of(polygons, name=name, up=first.up, partition=klems(first.basis))
 
 
 def _variables(
-    directive: Directive, file: str, basis: str, up: Float[np.ndarray, "3"] | None
-) -> tuple[str, Float[np.ndarray, "3"] | None]:
+    directive: Directive, basis: str, up: Vector | None
+) -> tuple[str, Vector | None]:
     # Basis and up vector after a `#@rfluxmtx` comment
     for word in directive.text.split():
         key, _, value = word.partition("=")
         match key:
             case "h":
-                basis = _basis(value, file, directive.line)
+                basis = _basis(value)
             case "u":
-                up = _up(value, file, directive.line)
+                up = _up(value)
             case "o":
                 pass  # output file of rfluxmtx
             case _:
                 raise InputError(
                     f'unknown variable "{word}" of #@rfluxmtx; h=kf|kh|kq or'
-                    " u=X|Y|Z|x,y,z expected",
-                    file=file,
-                    line=directive.line,
+                    " u=X|Y|Z|x,y,z expected"
                 )
     return basis, up
 
 
-def _basis(value: str, file: str, line: int) -> str:
-    if value.startswith("-"):
-        raise InputError(
-            f"h={value} has left-handed coordinates, which are not supported;"
-            f" h={value[1:]} expected",
-            file=file,
-            line=line,
-        )
+def _basis(value: str) -> str:
+    require(
+        not value.startswith("-"),
+        f"h={value} has left-handed coordinates, which are not supported;"
+        f" h={value[1:]} expected",
+    )
     name = value.removeprefix("+").lower()
-    if name not in _BASES:
-        raise InputError(
-            f"h={value} is not a basis of windows; kf, kh or kq expected",
-            file=file,
-            line=line,
-        )
+    wrong = f"h={value} is not a basis of windows; kf, kh or kq expected"
+    require(name in _BASES, wrong)
     return _BASES[name]
 
 
-def _up(value: str, file: str, line: int) -> Float[np.ndarray, "3"]:
+def _up(value: str) -> Vector:
     if value.lstrip("+-").lower() in ("x", "y", "z"):
-        sign = -1.0 if value.startswith("-") else 1.0
-        axis = np.zeros(3)
-        axis["xyz".index(value[-1].lower())] = sign
-        return axis
+        axis = np.eye(3)["xyz".index(value[-1].lower())]
+        return np.asarray(-axis if value.startswith("-") else axis)
     parts = [number(part) for part in value.split(",")]
     vector = np.array([p for p in parts if p is not None])
-    if len(parts) != 3 or len(vector) != 3 or not vector.any():
-        raise InputError(
-            f"u={value} is not a direction; X, -X, Y, -Y, Z, -Z or x,y,z expected",
-            file=file,
-            line=line,
-        )
+    require(
+        len(parts) == len(vector) == 3 and vector.any(),
+        f"u={value} is not a direction; X, -X, Y, -Y, Z, -Z or x,y,z expected",
+    )
     return vector

@@ -3,28 +3,33 @@
 Frames are small JPEG images embedded in the page and shown by its script.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 from itertools import groupby
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
 
-from clerestory.image.picture import Picture
-from clerestory.report.colour import ColourScale
-from clerestory.report.colour_bar import colour_bar
+from clerestory.glare.dgp import DGP
+from clerestory.image.colour_scale import ColourScale
+from clerestory.report.colour import colour_bar, hexadecimal
+from clerestory.report.content import ReportContent
 from clerestory.report.embedded_data import jpeg
-from clerestory.report.markup import Markup, render
-from clerestory.report.period import date_words
+from clerestory.report.markup import render
+from clerestory.report.period import date_words, evenly
+from clerestory.report.section import Section
+from clerestory.report.view_glare import COLOURS, view_glare
 from clerestory.report.view_pictures import (
     ViewPictures,
     as_luminance,
     as_seen,
     exposures,
     luminance_scale,
+    moment_notes,
     read_small,
+    view_pictures,
 )
+from clerestory.report.window_states import window_states
 
 # Smallest and largest number of frames of an animation
 _FEWEST, _MOST = 6, 96
@@ -34,73 +39,62 @@ _BUDGET = 6_000_000
 _WIDTHS = (480, 400, 320, 256, 200, 160, 120)
 _QUALITY = 78
 
+# Colour of frames without daylight
+_DARK = "#eceef0"
 
-@dataclass(frozen=True, eq=False)
-class FilmView:
-    """Frames of one view.
 
-    Attributes
-    ----------
-    view : name of the view
-    seen, luminance : data URLs of the tone-mapped and false-colour frames; empty for
-        time steps without picture
-    size : width and height of the frames [pixels]
-    scale : colour scale of the luminance
+class Frames(NamedTuple):
+    """Frames of one view: data URLs, empty for time steps without picture.
+
+    The images are tone-mapped (`seen`) and in false colour (`luminance`), of one size
+    [pixels].
     """
 
     view: str
-    seen: tuple[str, ...]
-    luminance: tuple[str, ...]
+    seen: list[str]
+    luminance: list[str]
     size: tuple[int, int]
     scale: ColourScale
 
 
-@dataclass(frozen=True, eq=False)
-class Film:
-    """Animation of one day.
+def film_section(content: ReportContent) -> Section:
+    """Return the animation of one day with its controls, at the middle frame.
 
-    Attributes
-    ----------
-    steps : index of the time step of each frame
-    views : frames of each view, at least one
+    The section is empty if no day has six pictures.
     """
-
-    steps: Int[np.ndarray, " frame"]
-    views: tuple[FilmView, ...]
-
-
-@dataclass(frozen=True)
-class Row:
-    """Row of text below the frames, with a colour `#rrggbb` per frame."""
-
-    name: str
-    words: tuple[str, ...]
-    colours: tuple[str, ...]
-
-
-def film(
-    views: Sequence[ViewPictures],
-    times: np.ndarray,
-    *,
-    brightness: Float[np.ndarray, " time"],
-) -> Film | None:
-    """Return the animation of the day with most pictures; None if fewer than six.
-
-    Among days with equal numbers of pictures, the brightest day is chosen.
-    """
-    steps = film_steps(views, times, brightness=brightness)
+    pictures, times = view_pictures(content), content.times
+    steps = film_steps(pictures, times, brightness=content.illuminance.mean(axis=0))
     if not len(steps):
-        return None
-    for width in _WIDTHS:
-        shown = tuple(
-            _view_frames(view, steps, width)
+        return Section()
+    views, note = _frames(pictures, steps), moment_notes(content)
+    middle = len(steps) // 2
+    clock = [str(time)[11:] for time in times[steps].astype("datetime64[m]")]
+    notes = {v.view: [note(v.view, step) for step in steps.tolist()] for v in views}
+    body = render(
+        "animation.html",
+        date=date_words(times[steps[0]]),
+        count=len(steps),
+        clock=clock,
+        middle=middle,
+        views=[
+            {
+                "name": view.view,
+                "note": notes[view.view][middle],
+                # The first picture of the view if this frame has none
+                "address": view.seen[middle] or next(filter(None, view.seen)),
+                "columns": view.size[0],
+                "rows": view.size[1],
+                "bar": colour_bar(view.scale),
+            }
             for view in views
-            if {m.step for m in view.moments} & set(steps.tolist())
-        )
-        size = sum(len(a) for v in shown for a in (*v.seen, *v.luminance))
-        if size <= _BUDGET:
-            break
-    return Film(steps, shown)
+        ],
+        rows=_rows(content, steps),
+    )
+    data = [
+        {"seen": view.seen, "luminance": view.luminance, "notes": notes[view.view]}
+        for view in views
+    ]
+    return Section(body, {"film": {"clock": clock, "views": data}})
 
 
 def film_steps(
@@ -109,24 +103,41 @@ def film_steps(
     *,
     brightness: Float[np.ndarray, " time"],
 ) -> Int[np.ndarray, " frame"]:
-    """Return the time steps of the frames, all on one day; empty if too few."""
+    """Return the time steps of the day with most pictures; empty if fewer than six.
+
+    Among days with equal numbers of pictures, the brightest day is chosen.
+    """
     steps = np.unique([m.step for view in views for m in view.moments]).astype(int)
     if not len(steps):
         return steps
     days = times[steps].astype("datetime64[D]")
     dates, place, count = np.unique(days, return_inverse=True, return_counts=True)
     light = np.bincount(place, weights=brightness[steps])
-    best = dates[np.lexsort((light, count))[-1]]
-    steps = steps[days == best]
+    steps = steps[days == dates[np.lexsort((light, count))[-1]]]
     if len(steps) < _FEWEST:
         return np.zeros(0, dtype=int)
-    places = np.linspace(0, len(steps) - 1, min(len(steps), _MOST)).round().astype(int)
-    return np.asarray(steps[places])
+    return np.asarray(steps[evenly(len(steps), _MOST)])
+
+
+def _frames(
+    views: Sequence[ViewPictures], steps: Int[np.ndarray, " frame"]
+) -> list[Frames]:
+    # Frames of the largest width for which all of them fit the page
+    shown: list[Frames] = []
+    for width in _WIDTHS:
+        shown = [
+            _view_frames(view, steps, width)
+            for view in views
+            if {moment.step for moment in view.moments} & set(steps.tolist())
+        ]
+        if sum(len("".join([*v.seen, *v.luminance])) for v in shown) <= _BUDGET:
+            break
+    return shown
 
 
 def _view_frames(
     view: ViewPictures, steps: Int[np.ndarray, " frame"], width: int
-) -> FilmView:
+) -> Frames:
     files = {moment.step: moment.file for moment in view.moments}
     kept = [k for k, step in enumerate(steps.tolist()) if step in files]
     pictures = [read_small(files[int(steps[k])], width=width) for k in kept]
@@ -135,74 +146,33 @@ def _view_frames(
     for k, picture, white in zip(kept, pictures, exposures(pictures), strict=True):
         seen[k] = jpeg(as_seen(picture, white), width=width, quality=_QUALITY)
         luminance[k] = jpeg(as_luminance(picture, scale), width=width, quality=_QUALITY)
-    return FilmView(view.view, tuple(seen), tuple(luminance), _size(pictures[0]), scale)
+    size = pictures[0].columns, pictures[0].rows
+    return Frames(view.view, seen, luminance, size, scale)
 
 
-def _size(picture: Picture) -> tuple[int, int]:
-    return picture.columns, picture.rows
+def _rows(
+    content: ReportContent, steps: Int[np.ndarray, " frame"]
+) -> list[dict[str, Any]]:
+    # Window states, then glare of each frame, as coloured text below the frames
+    rows = []
+    for each in window_states(content.data):
+        shades = hexadecimal(each.colours())
+        words = [(each.names[k], shades[k]) for k in each.state[steps].tolist()]
+        rows.append({"name": each.window, "segments": list(_segments(words))})
+    shades = hexadecimal(COLOURS)
+    for glare in view_glare(content.data):
+        kinds = DGP.category(glare.rated()[steps]).tolist()
+        words = [
+            (f"{dgp:.2f}", shades[kind]) if np.isfinite(dgp) else ("–", _DARK)
+            for dgp, kind in zip(glare.dgp[steps].tolist(), kinds, strict=True)
+        ]
+        rows.append({"name": f"DGP {glare.view}", "segments": list(_segments(words))})
+    return rows
 
 
-def film_data(
-    shown: Film, times: np.ndarray, *, note: Callable[[str, int], str]
-) -> dict[str, Any]:
-    """Return the frames as JSON values; `note` describes a view at a time step."""
-    clock = [str(t)[11:16] for t in times[shown.steps].astype("datetime64[m]")]
-    return {
-        "clock": clock,
-        "views": [
-            {
-                "seen": list(view.seen),
-                "luminance": list(view.luminance),
-                "notes": [note(view.view, step) for step in shown.steps.tolist()],
-            }
-            for view in shown.views
-        ],
-    }
-
-
-def film_section(
-    shown: Film | None,
-    times: np.ndarray,
-    *,
-    note: Callable[[str, int], str],
-    rows: Sequence[Row] = (),
-) -> Markup:
-    """Return the section with the animation and its controls, at the middle frame."""
-    if shown is None:
-        return Markup("")
-    steps = shown.steps
-    middle = len(steps) // 2
-    clock = [str(times[step].astype("datetime64[m]"))[11:] for step in steps]
-    views = []
-    for view in shown.views:
-        columns, height = view.size
-        views.append(
-            {
-                "name": view.view,
-                "note": note(view.view, int(steps[middle])),
-                # The first picture of the view if this frame has none
-                "address": view.seen[middle] or next(a for a in view.seen if a),
-                "columns": columns,
-                "rows": height,
-                "bar": colour_bar(view.scale),
-            }
-        )
-    return render(
-        "animation.html",
-        date=date_words(times[steps[0]]),
-        count=len(steps),
-        first=clock[0],
-        last=clock[-1],
-        clock=clock[middle],
-        middle=middle,
-        views=views,
-        rows=[{"name": row.name, "segments": list(_segments(row))} for row in rows],
-    )
-
-
-def _segments(row: Row) -> Iterator[dict[str, object]]:
-    # Successive frames with equal text form one segment
-    for (words, colour), group in groupby(zip(row.words, row.colours, strict=True)):
+def _segments(frames: Sequence[tuple[str, str]]) -> Iterator[dict[str, object]]:
+    # Successive frames with equal text and colour form one segment
+    for (words, colour), group in groupby(frames):
         yield {
             "words": words,
             "length": len(list(group)),

@@ -20,7 +20,7 @@ from clerestory.errors import InputError
 from clerestory.files import write_text
 from clerestory.hemisphere.klems import from_rings, klems
 from clerestory.hemisphere.partition import RingPartition
-from clerestory.report.colour import ColourScale
+from clerestory.report.colour import logarithmic_scale
 from clerestory.report.embedded_data import packed
 from clerestory.report.markup import render
 from clerestory.report.page_assets import asset, render_page
@@ -42,13 +42,7 @@ _MOST_VALUES_OF_ONE = 1_000_000
 
 
 def write_view(bsdf: Bsdf, path: str | Path) -> None:
-    """Write the view of a BSDF as one self-contained HTML file.
-
-    Raises
-    ------
-    InputError : the BSDF has no data
-    OutputError : the file cannot be written
-    """
+    """Write the view of a BSDF as one self-contained HTML file."""
     write_text(path, view_page(bsdf))
 
 
@@ -97,11 +91,10 @@ def view_data(bsdf: Bsdf) -> dict[str, Any]:
             room -= size
             part = _shown(bsdf, name, channel)
             functions.append(_function_data(part, channel, name))
-    scale = ColourScale(1e-4, 1, "1/sr", "inferno", logarithmic=True)
     return {
         "functions": functions,
         "left_out": left_out,
-        "colours": scale.table().tolist(),
+        "colours": logarithmic_scale(1e-4, 1, "1/sr").table().tolist(),
     }
 
 

@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Int, UInt8
 
-from clerestory.errors import InputError
+from clerestory.checks import require
+from clerestory.report.colour import hexadecimal
 from clerestory.report.embedded_data import packed, png
-from clerestory.report.heat_map import DayHourGrid, day_hour_grid, heat_map
+from clerestory.report.heat_map import DayHourGrid, heat_map
 from clerestory.report.markup import Markup, element
 
 _NO_DATA = 255
@@ -42,8 +43,7 @@ class DayMap:
     def __post_init__(self) -> None:
         known = min(len(self.texts), len(self.colours), _NO_DATA)
         highest = int(self.codes.max(initial=-1))
-        if highest >= known:
-            raise InputError(f"class {highest} in a map; 0 to {known - 1} expected")
+        require(highest < known, f"class {highest} in a map; 0 to {known - 1} expected")
 
     def cells(self, grid: DayHourGrid) -> UInt8[np.ndarray, " cell"]:
         """Class of each cell, in the order of days; 255 without data."""
@@ -54,39 +54,29 @@ class DayMap:
     def image(self, grid: DayHourGrid) -> str:
         """Return the coloured cells as a data URL."""
         cells = self.cells(grid).reshape(grid.days, grid.bins).T[::-1]
-        rgba = np.zeros((*cells.shape, 4), dtype=np.uint8)
         known = cells != _NO_DATA
-        rgba[known, :3] = self.colours[cells[known]]
-        rgba[known, 3] = 255
-        return png(rgba)
+        return png(self.colours[np.where(known, cells, 0)], known)
 
+    def drawing(
+        self, grid: DayHourGrid, *, occupied: Bool[np.ndarray, " time"]
+    ) -> Markup:
+        """Return the drawing of a map, with occupied hours as dashed lines."""
+        shown = heat_map(
+            grid,
+            image=self.image(grid),
+            occupied=occupied,
+            label=self.label,
+            identifier=self.identifier,
+        )
+        return element("div", shown, class_="year-scroll class-map")
 
-def day_map(
-    shown: DayMap, times: np.ndarray, *, occupied: Bool[np.ndarray, " time"]
-) -> Markup:
-    """Return the drawing of a map, with occupied hours as dashed lines."""
-    grid = day_hour_grid(times)
-    drawing = heat_map(
-        grid,
-        image=shown.image(grid),
-        occupied=occupied,
-        label=shown.label,
-        identifier=shown.identifier,
-    )
-    return element("div", drawing, class_="year-scroll class-map")
-
-
-def day_map_data(shown: DayMap, times: np.ndarray) -> dict[str, Any]:
-    """Return classes and labels as JSON values."""
-    return {
-        "cells": packed(shown.cells(day_hour_grid(times))),
-        "texts": list(shown.texts),
-    }
+    def data(self, grid: DayHourGrid) -> dict[str, Any]:
+        """Return classes and labels as JSON values."""
+        return {"cells": packed(self.cells(grid)), "texts": list(self.texts)}
 
 
 def keys(
     texts: Sequence[str], colours: UInt8[np.ndarray, "kind 3"]
 ) -> list[tuple[str, str]]:
     """Return the colour `#rrggbb` and the label of each class."""
-    shades = ["#{:02x}{:02x}{:02x}".format(*rgb) for rgb in colours.tolist()]
-    return list(zip(shades, texts, strict=True))
+    return list(zip(hexadecimal(colours), texts, strict=True))

@@ -1,97 +1,34 @@
-"""Colour scales with perceptually uniform palettes."""
+"""Colour scales of the drawings of a page, with perceptually uniform palettes."""
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float, UInt8
-from matplotlib import colormaps
 
-_LEVELS = 128
+from clerestory.image.colour_scale import ColourScale
+from clerestory.report.embedded_data import png
+from clerestory.report.markup import Markup, element
 
-
-@dataclass(frozen=True)
-class ColourScale:
-    """Mapping of a range of values to colours.
-
-    Attributes
-    ----------
-    low, high : limits of the range; values outside are clipped
-    unit : unit of the values in the legend
-    palette : name of a perceptually uniform colour map of Matplotlib
-    logarithmic : whether the scale is logarithmic instead of linear
-    """
-
-    low: float
-    high: float
-    unit: str
-    palette: str = "viridis"
-    logarithmic: bool = False
-
-    def fraction(
-        self, values: Float[np.ndarray, "*batch"]
-    ) -> Float[np.ndarray, "*batch"]:
-        """Position of the values on the scale, 0…1."""
-        values = np.clip(values, self.low, self.high)
-        if self.logarithmic:
-            return np.asarray(
-                np.log(values / self.low) / math.log(self.high / self.low)
-            )
-        return np.asarray((values - self.low) / (self.high - self.low))
-
-    def table(self) -> UInt8[np.ndarray, "level 3"]:
-        """Colours from `low` to `high` (red, green, blue)."""
-        colours = colormaps[self.palette](np.linspace(0.04, 0.98, _LEVELS))
-        return np.round(255 * colours[:, :3]).astype(np.uint8)
-
-    def colours(
-        self, values: Float[np.ndarray, "*batch"]
-    ) -> UInt8[np.ndarray, "*batch 3"]:
-        """Colour of each value."""
-        level = np.round(self.fraction(values) * (_LEVELS - 1)).astype(int)
-        return np.asarray(self.table()[level])
-
-    def hexadecimal(self, values: Float[np.ndarray, " value"]) -> list[str]:
-        """Colour of each value as `#rrggbb`."""
-        return [f"#{r:02x}{g:02x}{b:02x}" for r, g, b in self.colours(values).tolist()]
-
-    def ticks(self) -> list[float]:
-        """Round values for the ticks of the scale.
-
-        >>> ColourScale(0, 900, "lux").ticks()
-        [0.0, 200.0, 400.0, 600.0, 800.0]
-        """
-        if self.logarithmic:
-            decades = range(math.floor(math.log10(self.low)), 7)
-            steps = [float(m * 10.0**decade) for decade in decades for m in (1, 3)]
-            if self.high / self.low > 2000:
-                steps = steps[::2]
-        else:
-            step = nice_step((self.high - self.low) / 4)
-            steps = [step * k for k in range(math.floor(self.high / step) + 1)]
-        return [
-            x
-            for x in steps
-            if self.low <= x * (1 + 1e-9) and x <= self.high * (1 + 1e-9)
-        ]
-
-
-def nice_step(size: float) -> float:
-    """Return 1, 2 or 5 times a power of ten, whichever is nearest to `size`.
-
-    >>> nice_step(0.26), nice_step(1300)
-    (0.2, 1000.0)
-    """
-    size = max(size, 1e-12)
-    decade = 10.0 ** math.floor(math.log10(size))
-    return float(
-        min((decade * m for m in (1, 2, 5, 10)), key=lambda x: abs(math.log(x / size)))
-    )
+# Ratio of the limits of a scale above which only powers of ten are labelled
+_WIDE = 2000
 
 
 def percent_scale() -> ColourScale:
     """Return the scale of percentages from 0 to 100."""
-    return ColourScale(0, 100, "%")
+    levels = (0.0, 20.0, 40.0, 60.0, 80.0, 100.0)
+    return ColourScale(
+        0, 100, levels, "%", palette="viridis", ends=(0.04, 0.98), steps=128
+    )
+
+
+def logarithmic_scale(low: float, high: float, unit: str) -> ColourScale:
+    """Return a logarithmic scale with labels at 1 and 3 times powers of ten."""
+    decades = 10.0 ** np.arange(math.floor(math.log10(low)), 7)
+    levels = np.outer(decades, (1,) if high / low > _WIDE else (1, 3)).ravel()
+    levels = levels[(levels >= low * (1 - 1e-9)) & (levels <= high * (1 + 1e-9))]
+    return ColourScale(
+        low, high, tuple(levels.tolist()), unit, True, "inferno", (0.04, 0.98), 128
+    )
 
 
 def illuminance_scale(
@@ -105,12 +42,50 @@ def illuminance_scale(
     Examples
     --------
     >>> scale = illuminance_scale(np.array([120.0, 480.0, 5200.0]))
-    >>> scale.low, scale.high, scale.ticks()
-    (100.0, 10000.0, [100.0, 300.0, 1000.0, 3000.0, 10000.0])
+    >>> scale.smallest, scale.largest, scale.levels
+    (100.0, 10000.0, (100.0, 300.0, 1000.0, 3000.0, 10000.0))
     """
     steps = [float(m * 10**decade) for decade in range(1, 6) for m in (1, 3)]
     if low is None:
         low = max([x for x in steps if x <= illuminance.min()], default=steps[0])
     top = max(float(np.quantile(illuminance, 0.995)), 10 * low)
     high = next((x for x in steps if x >= top), max(steps[-1], 10 * low))
-    return ColourScale(low, high, "lux", "inferno", logarithmic=True)
+    return logarithmic_scale(low, high, "lux")
+
+
+def value_colours(
+    scale: ColourScale, values: Float[np.ndarray, "*batch"]
+) -> UInt8[np.ndarray, "*batch 3"]:
+    """Colour of each value on a scale."""
+    return scale.colours(scale.place(values))
+
+
+def hexadecimal(colours: UInt8[np.ndarray, "colour 3"]) -> list[str]:
+    """Return colours as `#rrggbb`."""
+    return ["#{:02x}{:02x}{:02x}".format(*rgb) for rgb in colours.tolist()]
+
+
+def colour_bar(scale: ColourScale) -> Markup:
+    """Return the colour bar of a scale, with labels and unit, as an SVG element."""
+    places = scale.place(np.array(scale.levels)).tolist()
+    bar = element(
+        "image",
+        href=png(scale.table()[None]),
+        x=20,
+        y=2,
+        width=280,
+        height=8,
+        preserveAspectRatio="none",
+    )
+    return element(
+        "svg",
+        bar,
+        *(
+            element("text", f"{level:,.0f}", x=f"{20 + 280 * place:.1f}", y=25)
+            for level, place in zip(scale.levels, places, strict=True)
+        ),
+        element("text", scale.unit, x=304, y=11, class_="unit"),
+        viewBox="0 0 340 30",
+        class_="legend",
+        aria_hidden="true",
+    )

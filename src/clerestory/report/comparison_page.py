@@ -1,6 +1,5 @@
 """HTML page of a comparison with measurements: tables, figures and notes."""
 
-import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,8 +10,11 @@ from jaxtyping import Float
 from matplotlib.figure import Figure
 
 from clerestory.comparison.agreement import LIMITS
-from clerestory.comparison.comparison_notes import comparison_notes
-from clerestory.comparison.comparison_tables import shares_table, statistics_table
+from clerestory.comparison.comparison_output import (
+    comparison_notes,
+    shares_table,
+    statistics_table,
+)
 from clerestory.comparison.series import ILLUMINANCE, group_of, quantity_of
 from clerestory.comparison.series_comparison import Comparison
 from clerestory.files import make_folder, replace_file, write_text
@@ -22,9 +24,10 @@ from clerestory.report.comparison_plots import (
     scatter_figure,
     time_figure,
 )
-from clerestory.report.embedded_data import png_address
+from clerestory.report.embedded_data import figure_png, image_address
 from clerestory.report.markup import Markup, render
 from clerestory.report.page_assets import asset, content_policy
+from clerestory.report.period import evenly
 
 PAGE_FILE = "comparison.html"
 _MOST_SERIES = 9
@@ -84,12 +87,7 @@ def write_comparison(
     title: str,
     places: dict[str, Float[np.ndarray, " 3"]] | None = None,
 ) -> Path:
-    """Write the figures and the page into a folder; return the path of the page.
-
-    Raises
-    ------
-    OutputError : the folder cannot be written
-    """
+    """Write the figures and the page into a folder; return the path of the page."""
     folder = make_folder(folder)
     drawings = comparison_drawings(comparisons, places)
     for drawing in drawings:
@@ -123,16 +121,13 @@ def _shown_series(comparisons: Sequence[Comparison]) -> list[str]:
     shown = []
     for kind in kinds:
         own = [n for n in names if (group_of(n), quantity_of(n)) == kind]
-        places = np.linspace(0, len(own) - 1, min(share, len(own))).round().astype(int)
-        shown += [own[i] for i in dict.fromkeys(places.tolist())]
+        shown += [own[i] for i in evenly(len(own), share)]
     return shown[: 2 * _MOST_SERIES]
 
 
 def _drawing(name: str, words: str, figure: Figure) -> Drawing:
-    stream = io.BytesIO()
-    figure.savefig(stream, format="png", dpi=110)
     plain = "".join(c if c.isalnum() or c in "_.-" else "-" for c in name)
-    return Drawing(plain, words, stream.getvalue())
+    return Drawing(plain, words, figure_png(figure, dpi=110))
 
 
 def _page(
@@ -147,7 +142,7 @@ def _page(
         shares=shares_table(comparisons),
         comparisons=[(each.name, comparison_notes(each)) for each in comparisons],
         drawings=[
-            {"name": d.name, "words": d.words, "address": png_address(d.png)}
+            {"name": d.name, "words": d.words, "address": image_address(d.png)}
             for d in drawings
         ],
         statistics=statistics_table(comparisons),

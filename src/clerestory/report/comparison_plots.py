@@ -12,6 +12,7 @@ from clerestory.comparison.agreement import agreement
 from clerestory.comparison.series import GLARE, UNITS, group_of, quantity_of
 from clerestory.comparison.series_comparison import Comparison
 from clerestory.comparison.time_alignment import Pairs
+from clerestory.report.period import evenly
 
 # Measurements in black, simulations in colour-blind-safe colours (Okabe and Ito)
 _MEASURED = "#1b1f24"
@@ -126,9 +127,10 @@ def scan_figure(
     """
     pairs = _of_group(comparison, group, "illuminance")
     stamps, counts = np.unique(pairs.times.astype("datetime64[h]"), return_counts=True)
-    stamps = _spread(stamps[counts >= 9], _MOST_SCANS)
+    stamps = stamps[counts >= 9]
     if not len(stamps):
         return None
+    stamps = stamps[evenly(len(stamps), _MOST_SCANS)]
     spots = np.array([places[name] for name in pairs.names])
     if np.isnan(spots).any():
         return None
@@ -232,8 +234,7 @@ def _day_number(stamps: np.ndarray, times: np.ndarray) -> np.ndarray:
 def _mark_days(axes: Axes, stamps: np.ndarray) -> None:
     days, first = np.unique(stamps.astype("datetime64[D]"), return_index=True)
     places = first + np.arange(len(days))
-    shown = np.unique(np.linspace(0, len(days) - 1, min(len(days), 8)).round())
-    chosen = shown.astype(int)
+    chosen = evenly(len(days), 8)
     axes.set_xticks(places[chosen], [str(day) for day in days[chosen]], ha="left")
     if len(days) <= 40:
         for place in places[1:]:
@@ -244,13 +245,7 @@ def _chosen_days(times: np.ndarray) -> list[np.datetime64]:
     # Evenly spaced days with nearly complete data
     days, counts = np.unique(times.astype("datetime64[D]"), return_counts=True)
     full = days[counts >= max(1, 0.6 * counts.max())]
-    return list(_spread(full, _MOST_DAYS))
-
-
-def _spread(items: np.ndarray, most: int) -> np.ndarray:
-    if len(items) <= most:
-        return items
-    return np.asarray(items[np.linspace(0, len(items) - 1, most).round().astype(int)])
+    return [full[k] for k in evenly(len(full), _MOST_DAYS)]
 
 
 def _unit(quantity: str) -> str:

@@ -5,33 +5,21 @@ analytic solution in a test.
 """
 
 from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 
-from clerestory.errors import InputError
-from clerestory.report.animation import Film
-from clerestory.report.electric_lighting import LampZone
-from clerestory.report.equation_terms import EquationTerms
-from clerestory.report.method_table import MethodComparison
-from clerestory.report.sensor_points import SensorPoints
-from clerestory.report.sunlight import Sunlight
-from clerestory.report.view_glare import ViewGlare
-from clerestory.report.view_pictures import ViewPictures
-from clerestory.report.window_layers import Layer
-from clerestory.report.window_states import WindowStates
+from clerestory.checks import require
+from clerestory.report.heat_map import DayHourGrid, day_hour_grid
+from clerestory.report.uncertain_value import number
 
 
-@dataclass(frozen=True, eq=False)
-class Room:
-    """Surfaces of the scene as coloured triangles.
-
-    Attributes
-    ----------
-    corners : corners of each triangle [m]
-    colour : RGB reflectance of each triangle, 0…1
-    """
+class Room(NamedTuple):
+    """Surfaces of the scene: corners of triangles [m], and their RGB reflectances."""
 
     corners: Float[np.ndarray, "triangle 3 3"]
     colour: Float[np.ndarray, "triangle 3"]
@@ -72,8 +60,25 @@ class WindowSurface:
         )
 
 
-@dataclass(frozen=True)
-class FactTable:
+@dataclass(frozen=True, eq=False)
+class SensorPoints:
+    """Positions [m] and unit normals of sensors, and the grid of each sensor."""
+
+    names: tuple[str, ...]
+    grids: tuple[str, ...]
+    position: Float[np.ndarray, "sensor 3"]
+    direction: Float[np.ndarray, "sensor 3"]
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    def by_grid(self) -> dict[str, Int[np.ndarray, " member"]]:
+        """Return the indices of the sensors of each grid, in the order of the grids."""
+        grids = np.array(self.grids, dtype=object)
+        return {name: np.flatnonzero(grids == name) for name in dict.fromkeys(grids)}
+
+
+class FactTable(NamedTuple):
     """A titled list of labels and values, such as the parameters of tracing."""
 
     title: str
@@ -87,6 +92,7 @@ class ReportContent:
     Attributes
     ----------
     title, method, place : title, simulation method and location of the study
+    data : results, see `Results`; optional sections of the report are made from them
     times : local standard time at the middle of each time step
     illuminance, standard_error : values and standard errors over (sensor, time) [lux]
     occupied : whether each time step is an occupied hour
@@ -99,20 +105,13 @@ class ReportContent:
     tables : tables of parameters, versions, seeds and compute device
     seconds : run time of each phase [s]
     warnings : warnings of the run
-    states : annual states of the windows that have several states
-    glare : annual glare of each view
-    pictures : pictures written by the run
-    film : animation of one day
-    terms : terms of the matrix equation, for methods with direct-sun correction
-    lamps : dimming of each zone of luminaires
-    layers : BSDFs of the window layers
-    methods : comparison of several simulation methods
-    sunlight : exposure to sunlight on the day given in the study
+    picture_folder : folder of the pictures of the run; None for a report without them
     """
 
     title: str
     method: str
     place: str
+    data: xr.Dataset
     times: np.ndarray
     illuminance: Float[np.ndarray, "sensor time"]
     standard_error: Float[np.ndarray, "sensor time"]
@@ -126,32 +125,27 @@ class ReportContent:
     tables: tuple[FactTable, ...] = ()
     seconds: dict[str, float] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
-    states: tuple[WindowStates, ...] = ()
-    glare: tuple[ViewGlare, ...] = ()
-    pictures: tuple[ViewPictures, ...] = ()
-    film: Film | None = None
-    terms: EquationTerms | None = None
-    lamps: tuple[LampZone, ...] = ()
-    layers: tuple[Layer, ...] = ()
-    methods: MethodComparison | None = None
-    sunlight: Sunlight | None = None
+    picture_folder: Path | None = None
 
     def __post_init__(self) -> None:
-        shape = (len(self.sensors), len(self.times))
-        if 0 in shape:
-            raise InputError(
-                f"results of {shape[0]} sensors and {shape[1]} time steps;"
-                " at least one of each expected for a report"
-            )
+        require(
+            len(self.sensors) and len(self.times),
+            f"results of {len(self.sensors)} sensors and {len(self.times)} time steps;"
+            " at least one of each expected for a report",
+        )
         for name in ("illuminance", "standard_error"):
-            values = getattr(self, name)
-            if values.shape != shape:
-                raise InputError(f"{name} of shape {values.shape}; {shape} expected")
-            if not np.all(np.isfinite(values)):
-                raise InputError(
-                    f"{name} contains NaN or infinite values; finite numbers expected"
-                )
-        if self.occupied.shape != shape[1:]:
-            raise InputError(
-                f"occupied hours of shape {self.occupied.shape}; {shape[1:]} expected"
+            require(
+                np.isfinite(getattr(self, name)).all(),
+                f"{name} contains NaN or infinite values; finite numbers expected",
             )
+
+    @cached_property
+    def grid(self) -> DayHourGrid:
+        """Days and hours of the time steps."""
+        return day_hour_grid(self.times)
+
+    def occupied_share(self, chosen: Bool[np.ndarray, " time"]) -> str:
+        """Percentage and number of the occupied hours among the chosen time steps."""
+        counted = self.occupied & chosen
+        share = 100 * counted.sum() / max(self.occupied.sum(), 1)
+        return f"{share:.1f} %, {number(self.grid.hours(counted))} h"

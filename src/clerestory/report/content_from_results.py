@@ -19,22 +19,14 @@ from clerestory.metrics.climate_based_metrics import (
 )
 from clerestory.metrics.sensor_metrics import metric_error, sensor_metrics
 from clerestory.phases.methods import METHODS
-from clerestory.report.animation import film
 from clerestory.report.content import (
     FactTable,
     ReportContent,
     Room,
+    SensorPoints,
     WindowSurface,
 )
-from clerestory.report.electric_lighting import lamp_zones
-from clerestory.report.equation_terms import equation_terms
-from clerestory.report.method_table import method_comparison
-from clerestory.report.sensor_points import SensorPoints
-from clerestory.report.sunlight import sunlight_of
-from clerestory.report.view_glare import view_glare
-from clerestory.report.view_pictures import view_pictures
-from clerestory.report.window_layers import window_layers
-from clerestory.report.window_states import rule_words, window_states
+from clerestory.report.window_states import rule_words
 from clerestory.study.results import Results
 
 _SHOWN_ELSEWHERE = ("title", "study", "seconds", "warnings", "matrices", "output")
@@ -51,32 +43,20 @@ _METRICS = ("mean_illuminance", "daylight_autonomy", "useful", "useful_bands")
 def from_results(
     results: Results, *, pictures: str | Path | None = None
 ) -> ReportContent:
-    """Return the content of the report of a run.
-
-    Parameters
-    ----------
-    results : results of the run
-    pictures : folder of the pictures of the run; default: a report without pictures
-
-    Raises
-    ------
-    InputError : the results contain values that are not finite, or a picture is damaged
-    """
+    """Return the content of the report of a run, with pictures from a folder."""
     results = results.thinned(_MOST_SENSORS)
     data, run = results.data, results.run
     study = json.loads(data.attrs.get("study", "{}"))
     occupied = np.asarray(data["occupied"].values, dtype=bool)
     if not occupied.any():
         occupied = np.ones(len(occupied), dtype=bool)
-    times = data["time"].values
-    lux = np.asarray(data["illuminance"].values, dtype=np.float32)
-    views = () if pictures is None else view_pictures(data, pictures)
     return ReportContent(
         title=results.title,
         method=str(data.attrs.get("method", "")),
         place=place_words(data.attrs, study),
-        times=times,
-        illuminance=lux,
+        data=data,
+        times=data["time"].values,
+        illuminance=np.asarray(data["illuminance"].values, dtype=np.float32),
         standard_error=np.asarray(data["standard_error"].values, dtype=np.float32),
         occupied=occupied,
         schedule=schedule_words(study.get("schedule", {})),
@@ -93,15 +73,7 @@ def from_results(
         tables=study_tables(study) + run_tables(run),
         seconds={str(k): float(v) for k, v in dict(run.get("seconds", {})).items()},
         warnings=tuple(map(str, run.get("warnings", ()))),
-        states=window_states(data),
-        glare=view_glare(data),
-        pictures=views,
-        film=film(views, times, brightness=lux.mean(axis=0)),
-        terms=equation_terms(data),
-        lamps=lamp_zones(data),
-        layers=window_layers(data),
-        methods=method_comparison(data),
-        sunlight=sunlight_of(data),
+        picture_folder=None if pictures is None else Path(pictures),
     )
 
 
@@ -141,12 +113,12 @@ def study_tables(study: Mapping[str, Any]) -> tuple[FactTable, ...]:
     chosen = study.get("method", "")
     methods = chosen if isinstance(chosen, list) else [chosen]
     never = all(METHODS[m].correction == "never" for m in methods if m in METHODS)
-    unused = ("sun",) if never else ()
-    for name in sorted(set(study) - set(unused), key=_place_in_study):
+    hidden = (*_SHOWN_ELSEWHERE, "sun") if never else _SHOWN_ELSEWHERE
+    ordered = dict.fromkeys([*(n for n in _STUDY_ORDER if n in study), *study])
+    for name in (name for name in ordered if name not in hidden):
         value = study[name]
-        groups = value if isinstance(value, list) else [value]
-        for group in groups:
-            if isinstance(group, dict) and group and name not in _SHOWN_ELSEWHERE:
+        for group in value if isinstance(value, list) else [value]:
+            if isinstance(group, dict) and group:
                 title = " ".join(filter(None, (name, str(group.get("name") or ""))))
                 shown = {_label(k): v for k, v in group.items() if k != "name"}
                 if isinstance(group.get("control"), dict):
@@ -174,10 +146,6 @@ def run_tables(run: Mapping[str, Any]) -> tuple[FactTable, ...]:
     return tuple(tables)
 
 
-def _place_in_study(name: str) -> int:
-    return _STUDY_ORDER.index(name) if name in _STUDY_ORDER else len(_STUDY_ORDER)
-
-
 def _short_name(file: str) -> str:
     # Abbreviate the hash in the name of a matrix
     stem, _, digest = file.removesuffix(".nc").rpartition("-")
@@ -188,7 +156,7 @@ def _rows(values: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
     return tuple(
         (str(key), _one_line(value))
         for key, value in values.items()
-        if value is not None and value not in ("", [], {})
+        if value not in (None, "", [], {})
     )
 
 
@@ -204,11 +172,7 @@ def _one_line(value: Any) -> str:
     if isinstance(value, float):
         return f"{value:.4g}"
     if isinstance(value, dict):
-        return ", ".join(
-            f"{k} {_one_line(v)}"
-            for k, v in value.items()
-            if v is not None and v not in ("", [], {})
-        )
+        return ", ".join(f"{label} {text}" for label, text in _rows(value))
     if isinstance(value, list | tuple):
         if len(value) > _MOST_ITEMS:
             return f"{len(value)}, {_one_line(value[0])} to {_one_line(value[-1])}"

@@ -5,15 +5,15 @@ import gzip
 import io
 
 import numpy as np
-from jaxtyping import Float, UInt8
+from jaxtyping import Bool, Float, UInt8
+from matplotlib.figure import Figure
 from matplotlib.image import imsave
 from PIL import Image
 
-from clerestory.report.colour import ColourScale
-
-# Upper limit of encoded illuminance, above any daylight [lux]
+# Upper limit of encoded illuminance, above any daylight [lux], and step of
+# log(1 + lux) between two 16-bit numbers
 _BRIGHTEST = 200_000.0
-_CODES = 65_535
+CODE_STEP = np.log1p(_BRIGHTEST) / 65_535
 
 
 def packed(values: np.ndarray) -> str:
@@ -30,43 +30,40 @@ def illuminance_codes(lux: Float[np.ndarray, "*batch"]) -> np.ndarray:
 
     The page decodes them to a relative precision of 0.02 %.
     """
-    step = np.log1p(_BRIGHTEST) / _CODES
-    codes = np.round(np.log1p(np.clip(lux, 0, _BRIGHTEST)) / step)
+    codes = np.round(np.log1p(np.clip(lux, 0, _BRIGHTEST)) / CODE_STEP)
     return np.asarray(codes, dtype=np.uint16)
 
 
-def code_step() -> float:
-    """Return the step of `log(1 + lux)` between two codes."""
-    return float(np.log1p(_BRIGHTEST) / _CODES)
-
-
-def picture(values: Float[np.ndarray, "bin day"], scale: ColourScale) -> str:
-    """Return a false-colour image as data URL; row 0 at the bottom, NaN transparent."""
-    known = np.isfinite(values)
-    rgba = np.zeros((*values.shape, 4), dtype=np.uint8)
-    rgba[..., :3] = scale.colours(np.where(known, values, scale.low))
-    rgba[..., 3] = 255 * known
-    return png(rgba[::-1])
-
-
-def png(rgba: UInt8[np.ndarray, "row column 4"]) -> str:
-    """Return pixels as the data URL of a PNG image."""
+def png(
+    rgb: UInt8[np.ndarray, "row column 3"],
+    shown: Bool[np.ndarray, "row column"] | None = None,
+) -> str:
+    """Return pixels as the data URL of a PNG image, transparent where not `shown`."""
+    opaque = np.ones(rgb.shape[:2], dtype=bool) if shown is None else shown
     stream = io.BytesIO()
+    rgba = np.dstack([rgb, 255 * opaque.astype(np.uint8)])
     imsave(stream, rgba, format="png", metadata={"Software": ""})
-    return png_address(stream.getvalue())
+    return image_address(stream.getvalue())
 
 
-def png_address(content: bytes) -> str:
-    """Return PNG data as a data URL."""
-    return "data:image/png;base64," + base64.b64encode(content).decode()
+def figure_png(figure: Figure, *, dpi: int) -> bytes:
+    """Return a figure as PNG data, which are reproducible."""
+    stream = io.BytesIO()
+    figure.savefig(stream, format="png", dpi=dpi, metadata={"Software": None})
+    return stream.getvalue()
 
 
 def jpeg(rgb: UInt8[np.ndarray, "row column 3"], *, width: int, quality: int) -> str:
     """Return an image as the data URL of a JPEG, reduced to `width` if it is wider."""
-    picture = Image.fromarray(rgb)
-    if picture.width > width:
-        height = max(1, round(picture.height * width / picture.width))
-        picture = picture.resize((width, height), Image.Resampling.LANCZOS)
+    image = Image.fromarray(rgb)
+    if image.width > width:
+        height = max(1, round(image.height * width / image.width))
+        image = image.resize((width, height), Image.Resampling.LANCZOS)
     stream = io.BytesIO()
-    picture.save(stream, format="JPEG", quality=quality, optimize=True)
-    return "data:image/jpeg;base64," + base64.b64encode(stream.getvalue()).decode()
+    image.save(stream, format="JPEG", quality=quality, optimize=True)
+    return image_address(stream.getvalue(), kind="jpeg")
+
+
+def image_address(content: bytes, *, kind: str = "png") -> str:
+    """Return the data URL of an image file."""
+    return f"data:image/{kind};base64,{base64.b64encode(content).decode()}"

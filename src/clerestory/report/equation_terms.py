@@ -6,11 +6,10 @@ exact sun position. The page contains annual series of a few sensors and draws o
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import xarray as xr
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Float, Int
 
 from clerestory.phases.methods import (
     DIRECT_IN_PATCHES,
@@ -18,10 +17,11 @@ from clerestory.phases.methods import (
     METHODS,
     MethodName,
 )
-from clerestory.report.embedded_data import code_step, illuminance_codes, packed
-from clerestory.report.markup import Markup, element, render
-from clerestory.report.period import date_words
-from clerestory.report.sensor_points import SensorPoints
+from clerestory.report.content import ReportContent
+from clerestory.report.embedded_data import CODE_STEP, illuminance_codes, packed
+from clerestory.report.markup import Markup, drawing, element, render
+from clerestory.report.period import date_words, evenly
+from clerestory.report.section import Section
 from clerestory.report.uncertain_value import number
 
 # Largest number of sensors whose terms are on the page
@@ -41,17 +41,16 @@ _WIDTH, _HEIGHT, _LEFT, _TOP, _FOOT = 760, 250, 62, 12, 30
 
 @dataclass(frozen=True, eq=False)
 class EquationTerms:
-    """The three terms of the equation [lux].
+    """Terms of the equation and their sum [lux].
 
     Attributes
     ----------
-    whole, direct_in_patches, direct_sun : the three terms over (sensor, time)
+    lux : illuminance without correction, direct sun in patches, direct sun at its exact
+        position, and the corrected illuminance
     method : name of the method with direct-sun correction, such as "5-phase"
     """
 
-    whole: Float[np.ndarray, "sensor time"]
-    direct_in_patches: Float[np.ndarray, "sensor time"]
-    direct_sun: Float[np.ndarray, "sensor time"]
+    lux: Float[np.ndarray, "4 sensor time"]
     method: MethodName
 
     def names(self) -> tuple[str, str]:
@@ -75,21 +74,13 @@ class EquationTerms:
 
     def correction(self) -> Float[np.ndarray, "sensor time"]:
         """Change of illuminance by the exact sun position [lux]."""
-        return np.asarray(self.direct_sun - self.direct_in_patches)
-
-    def lines(self, sensor: int) -> Float[np.ndarray, "4 time"]:
-        """Terms of a sensor and their sum, in the order of the drawing [lux]."""
-        terms = (self.whole, self.direct_in_patches, self.direct_sun)
-        whole, spread, sun = (term[sensor] for term in terms)
-        return np.stack([whole, spread, sun, whole - spread + sun])
+        return np.asarray(self.lux[2] - self.lux[1])
 
     def chosen(self) -> list[int]:
         """Indices of shown sensors: the most corrected one, then evenly spaced ones."""
         changed = np.abs(self.correction()).sum(axis=1)
-        count = len(changed)
-        places = np.linspace(0, count - 1, min(count, _MOST)).round().astype(int)
         most = int(np.argmax(changed))
-        others = [k for k in np.unique(places).tolist() if k != most]
+        others = [k for k in evenly(len(changed), _MOST) if k != most]
         return [most, *others[: _MOST - 1]]
 
     def strongest_day(self, sensor: int, times: np.ndarray) -> np.datetime64:
@@ -109,66 +100,58 @@ def equation_terms(data: xr.Dataset) -> EquationTerms | None:
     if not found or DIRECT_SUN not in data:
         return None
     names = (METHODS[found[0]].whole, DIRECT_IN_PATCHES, DIRECT_SUN)
-    whole, spread, sun = (
-        np.asarray(data[name].transpose("sensor", "time").values, dtype=np.float32)
-        for name in names
+    whole, spread, sun = (data[n].transpose("sensor", "time").values for n in names)
+    lux = np.stack([whole, spread, sun, whole - spread + sun], dtype=np.float32)
+    return EquationTerms(lux, found[0])
+
+
+def equation_section(content: ReportContent) -> Section:
+    """Return the terms of one sensor on one day, and their means over grids.
+
+    The section is empty without direct-sun correction.
+    """
+    terms, times, names = (
+        equation_terms(content.data),
+        content.times,
+        content.sensors.names,
     )
-    return EquationTerms(whole, spread, sun, found[0])
-
-
-def equation_data(
-    terms: EquationTerms, sensors: SensorPoints, times: np.ndarray
-) -> dict[str, Any]:
-    """Return the annual series of the chosen sensors as JSON values."""
-    days = times.astype("datetime64[D]")
-    first = terms.chosen()[0]
-    return {
-        "start": terms.strongest_day(first, times).astype(int).item(),
-        "day": packed(days.astype(np.int32)),
-        "minute": packed((times - days).astype("timedelta64[m]").astype(np.uint16)),
-        "code_step": code_step(),
-        "box": [_WIDTH, _HEIGHT, _LEFT, _TOP],
-        "steps": list(_STEPS),
-        "series": [
-            {
-                "name": sensors.names[sensor],
-                "codes": packed(illuminance_codes(terms.lines(sensor))),
-            }
-            for sensor in terms.chosen()
-        ],
-    }
-
-
-def equation_section(
-    terms: EquationTerms | None,
-    sensors: SensorPoints,
-    times: np.ndarray,
-    *,
-    occupied: Bool[np.ndarray, " time"],
-) -> Markup:
-    """Return the terms of one sensor on one day, and their means over grids."""
     if terms is None:
-        return Markup("")
+        return Section()
     chosen = terms.chosen()
     day = terms.strongest_day(chosen[0], times)
-    return render(
+    body = render(
         "equation.html",
-        sensors=[sensors.names[sensor] for sensor in chosen],
+        sensors=[names[sensor] for sensor in chosen],
         day=date_words(day),
         drawing=_drawing(terms, chosen[0], day, times),
         lines=list(zip(_CLASSES, terms.labels(), strict=True)),
         headings=terms.names(),
         patches="patches of sky" + " and window" * METHODS[terms.method].windows,
         much=f"{100 * _MUCH:.0f}",
-        rows=_grid_rows(terms, sensors, occupied),
+        rows=_grid_rows(terms, content),
     )
+    days = times.astype("datetime64[D]")
+    series = [
+        {"name": names[k], "codes": packed(illuminance_codes(terms.lux[:, k]))}
+        for k in chosen
+    ]
+    data = {
+        "start": day.astype(int).item(),
+        "day": packed(days.astype(np.int32)),
+        "minute": packed((times - days).astype("timedelta64[m]").astype(np.uint16)),
+        "code_step": CODE_STEP,
+        "box": [_WIDTH, _HEIGHT, _LEFT, _TOP],
+        "steps": list(_STEPS),
+        "series": series,
+    }
+    return Section(body, {"terms": data})
 
 
 def _drawing(
     terms: EquationTerms, sensor: int, day: np.datetime64, times: np.ndarray
 ) -> Markup:
     steps = np.flatnonzero(times.astype("datetime64[D]") == day)
-    lux = np.maximum(terms.lines(sensor)[:, steps], 0)
+    lux = np.maximum(terms.lux[:, sensor, steps], 0)
     top = ceiling(float(lux.max(initial=0)))
     minute = (times[steps] - day).astype("timedelta64[m]").astype(int)
     paths = [
@@ -185,17 +168,15 @@ def _drawing(
         for k in range(5)
     ]
     lines = [element("path", d=f"M{_LEFT},{_y(k / 4)}h{_WIDTH}") for k in range(5)]
-    return element(
-        "svg",
-        element("title", label),
+    return drawing(
+        label,
         element("g", *lines, class_="grid"),
         element("g", *marks),
         element("g", *levels, id="term-levels"),
         element("text", "lux", x=_LEFT + 6, y=_TOP + 14, class_="start"),
         element("g", *paths, id="term-lines"),
-        viewBox=f"0 0 {_LEFT + _WIDTH + 20} {_TOP + _HEIGHT + _FOOT}",
-        role="img",
-        aria_label=label,
+        width=_LEFT + _WIDTH + 20,
+        height=_TOP + _HEIGHT + _FOOT,
         class_="terms",
         id="term-chart",
     )
@@ -225,19 +206,16 @@ def _path(minute: Int[np.ndarray, " step"], share: Float[np.ndarray, " step"]) -
 
 
 def _grid_rows(
-    terms: EquationTerms, sensors: SensorPoints, occupied: Bool[np.ndarray, " time"]
+    terms: EquationTerms, content: ReportContent
 ) -> list[tuple[str, list[str]]]:
     # Grid means of the terms, and fraction of time steps with a large correction
     rows = []
-    for grid, members in sensors.by_grid().items():
-        part = np.ix_(members, np.flatnonzero(occupied))
-        whole, spread, sun = (
-            term[part].astype(float)
-            for term in (terms.whole, terms.direct_in_patches, terms.direct_sun)
-        )
-        means = [whole.mean(), spread.mean(), sun.mean(), (whole - spread + sun).mean()]
+    for grid, members in content.sensors.by_grid().items():
+        lux = terms.lux[:, members][..., content.occupied].astype(float)
+        whole, spread, sun, _ = lux
         lit = whole > 0
         much = np.abs(sun - spread)[lit] > _MUCH * whole[lit]
         share = 100 * float(much.mean()) if much.size else 0.0
-        rows.append((grid, [*(number(float(m)) for m in means), f"{share:.1f} %"]))
+        means = [number(float(mean)) for mean in lux.mean(axis=(1, 2))]
+        rows.append((grid, [*means, f"{share:.1f} %"]))
     return rows

@@ -9,11 +9,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float, Int
 
-from clerestory.report.colour import ColourScale, nice_step
+from clerestory.image.colour_scale import ColourScale
+from clerestory.report.colour import hexadecimal, value_colours
 from clerestory.report.content import ReportContent, WindowSurface
 from clerestory.report.feature_edges import feature_edges, weld
 from clerestory.report.horizontal_section import horizontal_section, visible_extent
-from clerestory.report.markup import Markup, element, join
+from clerestory.report.markup import Markup, drawing, element, join
 from clerestory.report.metric_maps import MetricMap
 from clerestory.report.orientation import orientation
 from clerestory.report.sensor_cells import sensor_cells
@@ -105,7 +106,7 @@ def plan(
 ) -> Markup:
     """Return the plan of one metric at the given sensors."""
     width, height = frame.size
-    colours = scale.hexadecimal(metric.values[members])
+    colours = hexadecimal(value_colours(scale, metric.values[members]))
     cells = frame.place(frame.cells)
 
     # One path per colour keeps pages of many sensors small
@@ -118,9 +119,8 @@ def plan(
         )
         for colour in dict.fromkeys(colours)
     ]
-    return element(
-        "svg",
-        element("title", label),
+    return drawing(
+        label,
         element("g", *painted, class_="cells"),
         element("use", href=f"#{frame.identifier}", class_="halo"),
         element("use", href=f"#{frame.identifier}", class_="walls"),
@@ -131,9 +131,8 @@ def plan(
         element("circle", class_="chosen", r=5, cx=-99, cy=-99),
         _scale_bar(frame),
         _north_arrow(frame, content.north),
-        viewBox=f"0 0 {width:.0f} {height:.0f}",
-        role="img",
-        aria_label=label,
+        width=width,
+        height=height,
         class_="plan",
         data_arrows=None if frame.level else 1,
         data_metric=metric.key,
@@ -159,15 +158,8 @@ def _arrows(
     length = np.maximum(np.linalg.norm(towards, axis=1, keepdims=True), 1e-6)
     ahead = size * towards / length
     aside = np.stack([-ahead[:, 1], ahead[:, 0]], axis=-1)
-    outline = [
-        (0, 0.09),
-        (0.5, 0.09),
-        (0.5, 0.26),
-        (1, 0),
-        (0.5, -0.26),
-        (0.5, -0.09),
-        (0, -0.09),
-    ]
+    half = [(0, 0.09), (0.5, 0.09), (0.5, 0.26)]
+    outline = [*half, (1, 0), *((a, -b) for a, b in reversed(half))]
     return np.stack([points + a * ahead + b * aside for a, b in outline], axis=1)
 
 
@@ -219,7 +211,9 @@ def _arrow(
 
 
 def _scale_bar(frame: PlanFrame) -> Markup:
-    length = nice_step(70 / frame.scale)
+    # Of 1, 2, 5 and 10 times a power of ten, the length nearest to 70 drawing units
+    lengths = np.outer(10.0 ** np.arange(-3, 5), (1, 2, 5)).ravel()
+    length = float(lengths[np.argmin(np.abs(np.log(lengths * frame.scale / 70)))])
     x, y = _MARGIN, frame.size[1] - 12
     end = x + length * frame.scale
     return element(

@@ -9,9 +9,10 @@ from clerestory.report.content import ReportContent
 from clerestory.report.markup import Markup, render
 from clerestory.report.metric_maps import MetricMap, metric_maps, useful_share
 from clerestory.report.orientation import orientation
-from clerestory.report.period import hours_in, period_words
+from clerestory.report.period import period_words
 from clerestory.report.uncertain_value import Figure
 from clerestory.report.uncertainty import error_words
+from clerestory.report.view_glare import view_glare
 
 Members = Int[np.ndarray, " member"]
 
@@ -33,7 +34,7 @@ def headline(content: ReportContent) -> Markup:
         title=content.title,
         method=_METHODS.get(content.method, content.method),
         places=" · ".join(filter(None, places)),
-        lead=lead_words(content),
+        lead=_lead(content, maps),
         warnings=_warnings(content),
         figures=_key_figures(content, maps),
         errors=error_words(content),
@@ -44,9 +45,8 @@ def headline(content: ReportContent) -> Markup:
     )
 
 
-def lead_words(content: ReportContent) -> str:
-    """Return the result of the first grid in one or two sentences."""
-    maps = {metric.key: metric for metric in metric_maps(content.metrics)}
+def _lead(content: ReportContent, maps: dict[str, MetricMap]) -> str:
+    # The result of the first grid in one or two sentences
     grid, members = next(iter(content.sensors.by_grid().items()))
     who = f"the {len(members):,} sensors of “{grid}” receive"
     if len(members) == 1:
@@ -56,21 +56,21 @@ def lead_words(content: ReportContent) -> str:
         f"{schedule}, {who} {maps['mean'].mean(members)} on average."
         f" Daylight alone gives {target_words(content)} or more in"
         f" {maps['autonomy'].mean(members)} of these"
-        f" {hours_in(content.times, content.occupied):,.0f} hours."
+        f" {content.grid.hours(content.occupied):,.0f} hours."
         f"{_glare_words(content)}"
     )
 
 
 def _glare_words(content: ReportContent) -> str:
     # The view with most glare
-    if not content.glare:
+    views, use = view_glare(content.data), content.occupied
+    if not views:
         return ""
-    use = content.occupied
-    worst = min(content.glare, key=lambda view: glare_autonomy(view.rated()[use]))
+    worst = min(views, key=lambda view: glare_autonomy(view.rated()[use]))
     share = 100 * (1 - float(glare_autonomy(worst.rated()[use])))
-    where = f"At “{worst.view}”" if len(content.glare) == 1 else "In the worst view"
-    name = "" if len(content.glare) == 1 else f", “{worst.view}”,"
-    return f" {where}{name} glare is disturbing in {share:.1f} % of them."
+    alone = len(views) == 1
+    where = f"At “{worst.view}”" if alone else f"In the worst view, “{worst.view}”,"
+    return f" {where} glare is disturbing in {share:.1f} % of them."
 
 
 def target_words(content: ReportContent) -> str:

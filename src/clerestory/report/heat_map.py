@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from clerestory.report.markup import Markup, element, join
+from clerestory.report.markup import Markup, drawing, element
 
 _WIDTH, _HEIGHT = 1000, 240
 _LEFT, _TOP, _RIGHT, _BOTTOM = 46, 8, 12, 26
@@ -17,6 +17,9 @@ _SHORTEST_MINUTES = 5
 
 # Fraction of days with data below which the gaps between days are left out
 _SPARSE = 0.3
+
+# Number of days above which months are marked instead of days
+_LONG = 62
 
 # Lower limit of the colour scale [lux]
 DARKEST_LUX = 10.0
@@ -42,6 +45,15 @@ class DayHourGrid:
         """Number of columns."""
         return len(self.dates)
 
+    @property
+    def step_minutes(self) -> float:
+        """Length of a time step [min]."""
+        return 24 * 60 / self.bins
+
+    def hours(self, counted: Bool[np.ndarray, " time"]) -> float:
+        """Duration of the counted time steps [h]."""
+        return float(np.count_nonzero(counted)) * self.step_minutes / 60
+
     def fill(self, values: Float[np.ndarray, " time"]) -> Float[np.ndarray, "bin day"]:
         """Mean of the values in each cell, NaN without values; hour 0 first."""
         size = self.days * self.bins
@@ -49,6 +61,22 @@ class DayHourGrid:
         total = np.bincount(self.cell, weights=values, minlength=size)
         with np.errstate(invalid="ignore"):
             return (total / count).reshape(self.days, self.bins).T
+
+    def day_marks(self) -> list[tuple[int, float, str]]:
+        """Start, middle and name of months, or of some of the days of a short period.
+
+        Starts and middles are in columns.
+        """
+        month = self.dates.astype("datetime64[M]")
+        dense = self.dates[-1] - self.dates[0] < np.timedelta64(self.days, "D")
+        if self.days > _LONG and dense:
+            marked = np.flatnonzero(self.dates == month.astype("datetime64[D]"))
+            names = [f"{m:%b}" for m in month[marked].astype(object)]
+        else:
+            marked = np.arange(0, self.days, max(1, self.days // 8))
+            names = [f"{d.day} {d:%b}" for d in self.dates[marked].astype(object)]
+        half = 15.0 if dense and self.days > _LONG else 0.5
+        return [(k, k + half, n) for k, n in zip(marked.tolist(), names, strict=True)]
 
 
 def day_hour_grid(times: np.ndarray) -> DayHourGrid:
@@ -116,17 +144,15 @@ def heat_map(
     ground = element(
         "rect", x=_LEFT, y=_TOP, width=_WIDTH, height=_HEIGHT, class_="no-data"
     )
-    return element(
-        "svg",
-        element("title", label),
+    return drawing(
+        label,
         ground,
         picture,
         _schedule(grid, occupied),
         _hours(),
         _days(grid),
-        viewBox=f"0 0 {_LEFT + _WIDTH + _RIGHT} {_TOP + _HEIGHT + _BOTTOM}",
-        role="img",
-        aria_label=label,
+        width=_LEFT + _WIDTH + _RIGHT,
+        height=_TOP + _HEIGHT + _BOTTOM,
         class_="heat-map",
         id=identifier,
         data_left=_LEFT,
@@ -140,9 +166,8 @@ def _hours() -> Markup:
     marks = []
     for hour in range(0, 25, 6):
         y = _TOP + _HEIGHT * (1 - hour / 24)
-        marks.append(element("path", d=f"M{_LEFT - 4},{y:.1f}h4"))
-        text = element("text", f"{hour:02d}:00", x=_LEFT - 8, y=f"{y + 4:.1f}")
-        marks.append(text)
+        label = element("text", f"{hour:02d}:00", x=_LEFT - 8, y=f"{y + 4:.1f}")
+        marks += [element("path", d=f"M{_LEFT - 4},{y:.1f}h4"), label]
     return element("g", *marks, class_="axis hours")
 
 
@@ -162,25 +187,10 @@ def _schedule(grid: DayHourGrid, occupied: Bool[np.ndarray, " time"]) -> Markup:
 
 
 def _days(grid: DayHourGrid) -> Markup:
-    # Mark the months of a long period, or several days of a short one
-    month = grid.dates.astype("datetime64[M]")
-    if grid.days > 62 and grid.dates[-1] - grid.dates[0] < np.timedelta64(
-        grid.days, "D"
-    ):
-        of_month = (grid.dates - month.astype("datetime64[D]")).astype(int)
-        marked = np.flatnonzero(of_month == 0)
-        names = [f"{m:%b}" for m in month[marked].astype(object)]
-        middles = marked + 15.0
-    else:
-        marked = np.arange(0, grid.days, max(1, grid.days // 8))
-        names = [f"{d.day} {d:%b}" for d in grid.dates[marked].astype(object)]
-        middles = marked + 0.5
     marks = []
-    for start, middle, name in zip(marked, middles, names, strict=True):
-        if middle > grid.days:
-            continue
-        x, centre = (_LEFT + _WIDTH * d / grid.days for d in (start, middle))
-        marks.append(element("path", d=f"M{x:.1f},{_TOP + _HEIGHT}v5"))
-        text = element("text", name, x=f"{centre:.1f}", y=_TOP + _HEIGHT + 18)
-        marks.append(text)
-    return join(element("g", *marks, class_="axis days"))
+    for start, middle, name in grid.day_marks():
+        if middle <= grid.days:
+            x, centre = (_LEFT + _WIDTH * d / grid.days for d in (start, middle))
+            label = element("text", name, x=f"{centre:.1f}", y=_TOP + _HEIGHT + 18)
+            marks += [element("path", d=f"M{x:.1f},{_TOP + _HEIGHT}v5"), label]
+    return element("g", *marks, class_="axis days")

@@ -10,7 +10,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-__all__ = ["Markup", "element", "embedded_json", "join", "render"]
+__all__ = ["Markup", "drawing", "element", "embedded_json", "join", "render"]
 
 
 @cache
@@ -44,6 +44,21 @@ def element(tag: str, *children: object, **attributes: object) -> Markup:
             shown = name.rstrip("_").replace("_", "-")
             opening += f' {shown}="{escape(str(value))}"'
     return Markup(f"<{opening}>{join(*children)}</{tag}>")
+
+
+def drawing(
+    label: str, *children: object, width: float, height: float, **attributes: object
+) -> Markup:
+    """Return an SVG drawing with a label for screen readers."""
+    return element(
+        "svg",
+        element("title", label),
+        *children,
+        viewBox=f"0 0 {width:.0f} {height:.0f}",
+        role="img",
+        aria_label=label,
+        **attributes,
+    )
 
 
 def join(*children: object) -> Markup:

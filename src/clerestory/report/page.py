@@ -4,25 +4,34 @@ Style, scripts, pictures and data are embedded. The content security policy bloc
 everything else, including scripts injected by names or paths.
 """
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from clerestory.files import write_text
-from clerestory.report.annual_sections import annual_sections
+from clerestory.report.animation import film_section
 from clerestory.report.content import ReportContent
 from clerestory.report.content_from_results import from_results
+from clerestory.report.electric_lighting import lamps_section
+from clerestory.report.equation_terms import equation_section
 from clerestory.report.headline import headline
 from clerestory.report.main_sections import (
     accuracy_section,
     computation_section,
     glossary_section,
-    plans_section,
     room_section,
-    year_section,
 )
 from clerestory.report.markup import element, join
+from clerestory.report.method_table import methods_section
 from clerestory.report.page_assets import asset, render_page
-from clerestory.report.page_data import page_data
+from clerestory.report.picture_strip import pictures_section
+from clerestory.report.plan_section import plans_section
+from clerestory.report.section import Section
+from clerestory.report.sunlight import sunlight_section
+from clerestory.report.view_glare import glare_section
 from clerestory.report.window_layers import layers_section
+from clerestory.report.window_states import states_section
+from clerestory.report.year_section import year_section
 from clerestory.study.annual_views import PICTURE_FOLDER
 from clerestory.study.results import Results
 
@@ -66,48 +75,42 @@ def picture_folder(folder: Path, results: Results) -> Path:
     return own if own.is_dir() else folder / PICTURE_FOLDER
 
 
-# Possible sections of a page, and their titles in the table of contents
-_CONTENTS = (
-    ("plans", "Plans"),
-    ("year", "Year"),
-    ("states", "States of windows"),
-    ("film", "A day in pictures"),
-    ("pictures", "Pictures"),
-    ("glare", "Glare"),
-    ("sunlight", "Sunlight"),
-    ("lamps", "Electric light"),
-    ("equation", "Direct correction"),
-    ("methods", "Methods"),
-    ("layers", "BSDFs"),
-    ("room", "Room"),
-    ("accuracy", "Uncertainty"),
-    ("making", "Computation"),
-    ("words", "Glossary"),
+# Sections of a page, with their titles in the table of contents
+_SECTIONS: tuple[tuple[str, str, Callable[[ReportContent], Section]], ...] = (
+    ("plans", "Plans", plans_section),
+    ("year", "Year", year_section),
+    ("states", "States of windows", states_section),
+    ("film", "A day in pictures", film_section),
+    ("pictures", "Pictures", pictures_section),
+    ("glare", "Glare", glare_section),
+    ("sunlight", "Sunlight", sunlight_section),
+    ("lamps", "Electric light", lamps_section),
+    ("equation", "Direct correction", equation_section),
+    ("methods", "Methods", methods_section),
+    ("layers", "BSDFs", layers_section),
+    ("room", "Room", room_section),
+    ("accuracy", "Uncertainty", accuracy_section),
+    ("making", "Computation", computation_section),
+    ("words", "Glossary", glossary_section),
 )
 
 
 def report_page(content: ReportContent) -> str:
     """Return the report as HTML."""
-    sections = join(
-        plans_section(content),
-        year_section(content),
-        annual_sections(content),
-        layers_section(content.layers),
-        room_section(content),
-        accuracy_section(content),
-        computation_section(content),
-        glossary_section(content),
-    )
+    made = [(name, title, make(content)) for name, title, make in _SECTIONS]
     links = (
-        element("a", words, href=f"#{identifier}")
-        for identifier, words in _CONTENTS
-        if f' id="{identifier}"' in sections
+        element("a", title, href=f"#{name}") for name, title, one in made if one.body
     )
     contents = element("nav", *links, class_="contents", aria_label="Contents")
+    sections = [section for _, _, section in made]
+    maps = {m.identifier: m.data(content.grid) for s in sections for m in s.maps}
+    data: dict[str, Any] = {"names": list(content.sensors.names), "maps": maps}
+    for section in sections:
+        data |= section.data
     return render_page(
         title=f"{content.title} · daylight report",
         style=asset("style.css"),
-        body=join(headline(content), contents, sections),
-        data=page_data(content),
+        body=join(headline(content), contents, *(s.body for s in sections)),
+        data=data,
         scripts=_SCRIPTS,
     )

@@ -1,19 +1,8 @@
-"""Periods and durations in words."""
+"""Periods and dates in words, and evenly spaced selections."""
 
 import numpy as np
-from jaxtyping import Bool
 
 from clerestory.report.heat_map import day_hour_grid
-
-
-def step_minutes(times: np.ndarray) -> float:
-    """Return the length of a time step [min]."""
-    return 24 * 60 / day_hour_grid(times).bins
-
-
-def hours_in(times: np.ndarray, counted: Bool[np.ndarray, " time"]) -> float:
-    """Return the duration of the counted time steps [h]."""
-    return float(np.count_nonzero(counted)) * step_minutes(times) / 60
 
 
 def period_words(times: np.ndarray) -> str:
@@ -25,12 +14,12 @@ def period_words(times: np.ndarray) -> str:
     '1 January to 31 December, 8,760 steps of 60 minutes'
     """
     days = np.unique(np.asarray(times).astype("datetime64[D]"))
-    first, last = _date(days[0]), _date(days[-1])
+    first, last = date_words(days[0]), date_words(days[-1])
     span = first if len(days) == 1 else f"{first} to {last}"
     if len(days) <= (days[-1] - days[0]).astype(int):
         span = f"{len(days):,} days from {span}"
     steps = f"{len(times):,} step" + ("s" if len(times) > 1 else "")
-    return f"{span}, {steps} of {step_minutes(times):g} minutes"
+    return f"{span}, {steps} of {day_hour_grid(times).step_minutes:g} minutes"
 
 
 def moment_words(moment: np.datetime64) -> str:
@@ -49,9 +38,15 @@ def date_words(moment: np.datetime64) -> str:
     >>> date_words(np.datetime64("2023-09-21T12:30"))
     '21 September'
     """
-    return _date(moment.astype("datetime64[D]"))
-
-
-def _date(day: np.datetime64) -> str:
-    date = day.astype(object)
+    date = moment.astype("datetime64[D]").astype(object)
     return f"{date.day} {date:%B}"
+
+
+def evenly(count: int, most: int) -> list[int]:
+    """Return at most `most` evenly spaced indices of a sequence of `count` items.
+
+    >>> evenly(9, 3), evenly(2, 3)
+    ([0, 4, 8], [0, 1])
+    """
+    places = np.linspace(0, count - 1, min(count, most)).round().astype(int)
+    return list(dict.fromkeys(places.tolist()))

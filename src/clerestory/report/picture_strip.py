@@ -1,21 +1,24 @@
 """Pictures of selected time steps of each view, also in false colour."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 
-from clerestory.report.colour_bar import colour_bar
+from clerestory.report.colour import colour_bar
+from clerestory.report.content import ReportContent
 from clerestory.report.embedded_data import jpeg
 from clerestory.report.markup import Markup, element, render
-from clerestory.report.period import moment_words
+from clerestory.report.period import evenly, moment_words
+from clerestory.report.section import Section
 from clerestory.report.view_pictures import (
-    Moment,
     ViewPictures,
     as_luminance,
     as_seen,
     exposures,
     luminance_scale,
+    moment_notes,
     read_small,
+    view_pictures,
 )
 
 # Pictures per view, for up to two views and for more; image width and JPEG quality
@@ -24,64 +27,42 @@ _WIDTH = 480
 _QUALITY = 82
 
 
-def pictures_section(
-    views: Sequence[ViewPictures],
-    times: np.ndarray,
-    *,
-    note: Callable[[str, int], str],
-) -> Markup:
-    """Return the pictures, with false-colour images below.
-
-    Parameters
-    ----------
-    views : pictures of each view
-    times : times of all time steps
-    note : function that describes a view at a time step
-    """
+def pictures_section(content: ReportContent) -> Section:
+    """Return the pictures, with false-colour images below."""
+    views = view_pictures(content)
     if not views:
-        return Markup("")
+        return Section()
     most = _MOST if len(views) < 3 else _MOST_OF_MANY
-    strips = [_strip(view, spread(view.moments, most), times, note) for view in views]
-    return render("pictures.html", views=strips)
-
-
-def spread(moments: Sequence[Moment], most: int) -> list[Moment]:
-    """Return at most `most` moments, evenly spaced."""
-    count = min(len(moments), most)
-    places = np.unique(np.linspace(0, len(moments) - 1, count).round().astype(int))
-    return [moments[k] for k in places.tolist()]
-
-
-def _title(view: ViewPictures, shown: int) -> str:
-    total = len(view.moments)
-    return view.view if shown == total else f"{view.view} · {shown} of {total} moments"
+    note = moment_notes(content)
+    strips = [_strip(view, most, content.times, note) for view in views]
+    return Section(render("pictures.html", views=strips))
 
 
 def _strip(
-    view: ViewPictures,
-    moments: Sequence[Moment],
-    times: np.ndarray,
-    note: Callable[[str, int], str],
+    view: ViewPictures, most: int, times: np.ndarray, note: Callable[[str, int], str]
 ) -> dict[str, object]:
+    # At most `most` pictures of a view, with their exposure and one scale of luminance
+    name, total = view.view, len(view.moments)
+    moments = [view.moments[k] for k in evenly(total, most)]
     pictures = [read_small(moment.file, width=_WIDTH) for moment in moments]
     scale = luminance_scale(pictures)
     figures = []
     for moment, picture, white in zip(
         moments, pictures, exposures(pictures), strict=True
     ):
-        time, name = moment_words(times[moment.step]), view.view
+        time = moment_words(times[moment.step])
+        seen, luminance = as_seen(picture, white), as_luminance(picture, scale)
         figures.append(
             {
                 "time": time,
                 "note": note(name, moment.step),
-                "photograph": _image(as_seen(picture, white), f"{name}, {time}"),
-                "luminance": _image(
-                    as_luminance(picture, scale), f"Luminance of {name}, {time}"
-                ),
+                "photograph": _image(seen, f"{name}, {time}"),
+                "luminance": _image(luminance, f"Luminance of {name}, {time}"),
             }
         )
+    some = f" · {len(moments)} of {total} time steps" * (len(moments) < total)
     return {
-        "title": _title(view, len(moments)),
+        "title": name + some,
         "wide": pictures[0].columns > 1.2 * pictures[0].rows,
         "figures": figures,
         "bar": colour_bar(scale),

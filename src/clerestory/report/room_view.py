@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float, Int
 
-from clerestory.report.colour import ColourScale
+from clerestory.image.colour_scale import ColourScale
+from clerestory.report.colour import hexadecimal, value_colours
 from clerestory.report.content import ReportContent
 from clerestory.report.embedded_data import packed
 from clerestory.report.feature_edges import feature_edges, weld
@@ -53,7 +54,7 @@ def room_view(
         "sensors": {
             "position": content.sensors.position.round(3).reshape(-1).tolist(),
             "direction": content.sensors.direction.round(4).reshape(-1).tolist(),
-            "colour": scale.hexadecimal(means),
+            "colour": hexadecimal(value_colours(scale, means)),
         },
         "low": low.round(3).tolist(),
         "high": high.round(3).tolist(),

@@ -17,7 +17,7 @@ from clerestory.directions import from_azimuth
 from clerestory.errors import InputError
 from clerestory.report.heat_map import day_hour_grid
 from clerestory.sky.point_sky import perez_point
-from clerestory.sky.solar_position import SunFormula, sun_position
+from clerestory.sky.solar_position import SunFormula, sun_at
 from clerestory.sky.weather import Weather
 
 # Numbers of cells of the dome in altitude and azimuth
@@ -177,14 +177,7 @@ def _sun(
     weather: Weather, times: np.ndarray, formula: SunFormula
 ) -> tuple[Float[np.ndarray, " time"], Float[np.ndarray, " time"]]:
     # Azimuth [rad] and angle to the zenith [°]
-    sun = sun_position(
-        times,
-        latitude_deg=weather.latitude_deg,
-        longitude_deg=weather.longitude_deg,
-        utc_offset_hours=weather.utc_offset_hours,
-        elevation=weather.elevation,
-        formula=formula,
-    )
+    sun = sun_at(weather.site, times, formula=formula)
     return sun.azimuth, 90 - np.degrees(sun.altitude)
 
 

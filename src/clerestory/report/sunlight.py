@@ -1,14 +1,14 @@
 """Exposure to sunlight according to EN 17037: hours of sun at each opening."""
 
-from dataclasses import dataclass
-
 import numpy as np
 import xarray as xr
-from jaxtyping import Bool, Float
+from jaxtyping import Bool
 
 from clerestory.metrics.en17037 import LEVELS, SUN_HOURS, sunlight_level
-from clerestory.report.markup import Markup, element, join, render
+from clerestory.report.content import ReportContent
+from clerestory.report.markup import Markup, drawing, element, render
 from clerestory.report.period import date_words
+from clerestory.report.section import Section
 
 # Layout: margins and width of the axis, height of a bar, gap below a bar [px]
 _LEFT, _RIGHT, _WIDTH = 190, 24, 640
@@ -17,66 +17,35 @@ _MORNING, _EVENING = 5, 21
 _SUN, _LINE = "#f0b429", "#c9ced6"
 
 
-@dataclass(frozen=True, eq=False)
-class Sunlight:
-    """Sunlit times of the openings of a room on one day.
+def sunlight_section(content: ReportContent) -> Section:
+    """Return sunlit times per opening, and the EN 17037 level of the room.
 
-    Attributes
-    ----------
-    moments : middles of equal time steps of the day
-    openings : names of the openings
-    reached : whether the sun reaches the reference point, over (opening, moment)
-    hours : hours of sun of each opening [h]
-    room_hours : hours in which at least one opening has sun [h]
-    lowest_sun_deg : minimum solar altitude [°]
+    The section is empty if exposure to sunlight was not computed.
     """
-
-    moments: np.ndarray
-    openings: tuple[str, ...]
-    reached: Bool[np.ndarray, "opening moment"]
-    hours: Float[np.ndarray, " opening"]
-    room_hours: float
-    lowest_sun_deg: float
-
-
-def sunlight_of(data: xr.Dataset) -> Sunlight | None:
-    """Return the exposure to sunlight in results, or None if not computed."""
+    data = content.data
     if "sun_reaches" not in data:
-        return None
-    return Sunlight(
-        data["moment"].values,
-        tuple(map(str, data["opening"].values)),
-        np.asarray(data["sun_reaches"].values, dtype=bool),
-        np.asarray(data["hours_of_sun"].values, dtype=float),
-        float(data["room_hours_of_sun"]),
-        float(data["sun_reaches"].attrs["lowest_sun_deg"]),
+        return Section()
+    limits = (
+        f"{h:g} h {level}" for h, level in zip(SUN_HOURS, LEVELS[1:], strict=True)
+    )
+    return Section(
+        render(
+            "sunlight.html",
+            lowest=f"{float(data['sun_reaches'].attrs['lowest_sun_deg']):g}",
+            limits=", ".join(limits),
+            text=_words(data),
+            drawing=_drawing(data),
+        )
     )
 
 
-def sunlight_section(sunlight: Sunlight | None) -> Markup:
-    """Return a bar of sunlit times per opening, and the EN 17037 level of the room."""
-    if sunlight is None:
-        return Markup("")
-    limits = ", ".join(
-        f"{hours:g} h {level}"
-        for hours, level in zip(SUN_HOURS, LEVELS[1:], strict=True)
-    )
-    return render(
-        "sunlight.html",
-        lowest=f"{sunlight.lowest_sun_deg:g}",
-        limits=limits,
-        text=sunlight_words(sunlight),
-        drawing=_drawing(sunlight),
-    )
-
-
-def sunlight_words(sunlight: Sunlight) -> str:
-    """Return the exposure level of the room in words."""
-    level = LEVELS[sunlight_level(sunlight.room_hours)]
+def _words(data: xr.Dataset) -> str:
+    hours = float(data["room_hours_of_sun"])
+    level = LEVELS[sunlight_level(hours)]
     achieved = "no level" if level == "none" else f"level {level}"
     return (
-        f"On {date_words(sunlight.moments[0])} the sun reaches the room for"
-        f" {clock(sunlight.room_hours)}: {achieved} of EN 17037."
+        f"On {date_words(data['moment'].values[0])} the sun reaches the room for"
+        f" {clock(hours)}: {achieved} of EN 17037."
     )
 
 
@@ -90,52 +59,46 @@ def clock(hours: float) -> str:
     return f"{minutes // 60} h {minutes % 60:02d} min"
 
 
-def _drawing(sunlight: Sunlight) -> Markup:
-    foot = _TOP + len(sunlight.openings) * (_BAR + _GAP)
+def _drawing(data: xr.Dataset) -> Markup:
+    # A row of bars per opening below an axis of hours
+    foot = _TOP + data.sizes["opening"] * (_BAR + _GAP)
     marks = []
     for hour in range(_MORNING, _EVENING + 1):
         x = f"{_across(hour):.1f}"
-        marks.append(
-            element("path", d=f"M{x},{_TOP}V{foot}", stroke=_LINE, stroke_width=0.6)
-        )
+        line = f"M{x},{_TOP}V{foot}"
+        marks.append(element("path", d=line, stroke=_LINE, stroke_width=0.6))
         if hour % 3 == 0:
-            marks.append(
-                element(
-                    "text", f"{hour:02d}:00", x=x, y=foot + 14, text_anchor="middle"
-                )
+            place = {"x": x, "y": foot + 14, "text_anchor": "middle"}
+            marks.append(element("text", f"{hour:02d}:00", **place))
+    names = data["opening"].values.tolist()
+    reached = data["sun_reaches"].transpose("opening", "moment").values.astype(bool)
+    for number, (name, row) in enumerate(zip(names, reached, strict=True)):
+        label = f"{name}, {clock(float(data['hours_of_sun'][number]))}"
+        marks += _bars(label, row, top=_TOP + number * (_BAR + _GAP))
+    size = {"width": _LEFT + _WIDTH + _RIGHT, "height": foot + 20}
+    return drawing(_words(data), *marks, **size)
+
+
+def _bars(
+    label: str, reached: Bool[np.ndarray, " moment"], *, top: int
+) -> list[Markup]:
+    # Label, and a bar for each period of sun
+    hours = np.flatnonzero(np.diff(np.pad(reached.astype(int), 1))) * 24 / len(reached)
+    return [
+        element("text", label, x=0, y=top + 12),
+        *(
+            element(
+                "rect",
+                element("title", f"{_time(first)} to {_time(last)}"),
+                x=f"{_across(first):.1f}",
+                y=top,
+                width=f"{_across(last) - _across(first):.1f}",
+                height=_BAR,
+                fill=_SUN,
             )
-    rows = [_bar(sunlight, number) for number in range(len(sunlight.openings))]
-    return element(
-        "svg",
-        element("title", "Hours of sun of each opening"),
-        *marks,
-        *rows,
-        viewBox=f"0 0 {_LEFT + _WIDTH + _RIGHT} {foot + 20}",
-        role="img",
-        aria_label=sunlight_words(sunlight),
-    )
-
-
-def _bar(sunlight: Sunlight, number: int) -> Markup:
-    top = _TOP + number * (_BAR + _GAP)
-    label = f"{sunlight.openings[number]}, {clock(sunlight.hours[number])}"
-    text = element("text", label, x=0, y=top + 12)
-    step = 24 / sunlight.reached.shape[1]
-    edges = np.diff(np.pad(sunlight.reached[number].astype(int), 1))
-    spans = zip(np.flatnonzero(edges == 1), np.flatnonzero(edges == -1), strict=True)
-    bars = [
-        element(
-            "rect",
-            element("title", f"{_time(first * step)} to {_time(last * step)}"),
-            x=f"{_across(first * step):.1f}",
-            y=top,
-            width=f"{_across(last * step) - _across(first * step):.1f}",
-            height=_BAR,
-            fill=_SUN,
-        )
-        for first, last in spans
+            for first, last in hours.reshape(-1, 2).tolist()
+        ),
     ]
-    return join(text, *bars)
 
 
 def _across(hour: float) -> float:

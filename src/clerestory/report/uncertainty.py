@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.report.content import ReportContent
-from clerestory.report.markup import Markup, element
+from clerestory.report.markup import Markup, drawing, element
 from clerestory.report.metric_maps import relative_errors
 
 # Illuminance above which relative errors are evaluated [lux]
@@ -51,9 +51,8 @@ def error_histogram(content: ReportContent) -> Markup:
         for k, s in enumerate(share.tolist())
     ]
     median = _LEFT + _WIDTH * min(float(np.median(errors)) / high, 1)
-    return element(
-        "svg",
-        element("title", label),
+    return drawing(
+        label,
         element("g", *bars, class_="bars"),
         element("path", d=f"M{_LEFT},{10 + _HEIGHT}h{_WIDTH}", class_="base"),
         *(_tick(x, high) for x in _round_values(high)),
@@ -66,9 +65,8 @@ def error_histogram(content: ReportContent) -> Markup:
             x=_LEFT + _WIDTH / 2,
             y=_HEIGHT + _FOOT,
         ),
-        viewBox=f"0 0 {_LEFT + _WIDTH + 20} {_HEIGHT + _FOOT + 8}",
-        role="img",
-        aria_label=label,
+        width=_LEFT + _WIDTH + 20,
+        height=_HEIGHT + _FOOT + 8,
         class_="histogram",
     )
 

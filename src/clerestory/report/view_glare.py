@@ -16,9 +16,11 @@ from clerestory.glare.comfort_classes import (
 )
 from clerestory.glare.dgp import DGP
 from clerestory.glare.index import CATEGORIES
-from clerestory.report.class_map import DayMap, day_map, keys
-from clerestory.report.markup import Markup, render
-from clerestory.report.period import hours_in, moment_words
+from clerestory.report.class_map import DayMap, keys
+from clerestory.report.content import ReportContent
+from clerestory.report.markup import render
+from clerestory.report.period import moment_words
+from clerestory.report.section import Section
 from clerestory.report.uncertain_value import number
 
 # Colours of imperceptible to intolerable glare, which also differ in lightness
@@ -65,22 +67,12 @@ def view_glare(data: xr.Dataset) -> tuple[ViewGlare, ...]:
     """Return the glare of the views in the results; empty without views."""
     if "glare_dgp" not in data:
         return ()
-
-    def values(name: str, view: object) -> Float[np.ndarray, " time"]:
-        if name not in data:
-            return np.full(data.sizes["time"], np.nan)
-        chosen = data[name].sel(view=view).transpose("time")
-        return np.asarray(chosen.values, dtype=float)
-
-    return tuple(
-        ViewGlare(
-            str(view),
-            values("glare_dgp", view),
-            values("glare_illuminance", view),
-            values("glare_brightest_luminance", view),
-        )
-        for view in data["view"].values
-    )
+    names = ("glare_dgp", "glare_illuminance", "glare_brightest_luminance")
+    missing = xr.full_like(data["glare_dgp"], np.nan)
+    values = [data.get(name, missing).transpose("view", "time") for name in names]
+    rows = zip(*(value.values.astype(float) for value in values), strict=True)
+    views = data["view"].values.tolist()
+    return tuple(ViewGlare(view, *row) for view, row in zip(views, rows, strict=True))
 
 
 def glare_maps(views: Sequence[ViewGlare]) -> list[DayMap]:
@@ -113,41 +105,37 @@ def shades(dgp: Float[np.ndarray, " level"]) -> UInt8[np.ndarray, "level 3"]:
 
 def _steps(dgp: Float[np.ndarray, " time"]) -> Int[np.ndarray, " time"]:
     # DGP in steps of 0.01, rounded without changing the glare category
-    low = np.round(np.clip(dgp, 0, 1) / _STEP)
-    low = np.where(np.isnan(dgp), 0, low).astype(int)
-    level = low * _STEP
-    low = low + (DGP.category(level) < DGP.category(np.nan_to_num(dgp)))
-    low = low - (DGP.category(level) > DGP.category(np.nan_to_num(dgp)))
-    return np.asarray(np.where(np.isnan(dgp), -1, low))
+    exact = np.nan_to_num(dgp)
+    steps = np.round(np.clip(exact, 0, 1) / _STEP).astype(int)
+    moved = DGP.category(exact) - DGP.category(steps * _STEP)
+    return np.asarray(np.where(np.isnan(dgp), -1, steps + np.sign(moved)))
 
 
-def glare_section(
-    views: Sequence[ViewGlare],
-    times: np.ndarray,
-    *,
-    occupied: Bool[np.ndarray, " time"],
-) -> Markup:
+def glare_section(content: ReportContent) -> Section:
     """Return the annual glare of each view, with categories and worst time steps."""
+    views = view_glare(content.data)
     if not views:
-        return Markup("")
-    edges = (f"to {x:.2f}" for x in LIMITS)
-    words = [f"{c}, DGP {e}" for c, e in zip(CATEGORIES, edges, strict=False)]
-    words.append(f"{CATEGORIES[-1]}, above {LIMITS[-1]:.2f}")
-    return render(
+        return Section()
+    edges = [*(f"to {x:.2f}" for x in LIMITS), f"above {LIMITS[-1]:.2f}"]
+    words = [f"{c}, DGP {e}" for c, e in zip(CATEGORIES, edges, strict=True)]
+    maps = glare_maps(views)
+    shown = [
+        {
+            "name": glare.view,
+            "text": glare_words(glare, content.occupied),
+            "map": one.drawing(content.grid, occupied=content.occupied),
+        }
+        for glare, one in zip(views, maps, strict=True)
+    ]
+    body = render(
         "glare.html",
-        views=[
-            {
-                "name": glare.view,
-                "text": glare_words(glare, occupied),
-                "map": day_map(shown, times, occupied=occupied),
-            }
-            for glare, shown in zip(views, glare_maps(views), strict=True)
-        ],
+        views=shown,
         classes=keys(words, COLOURS),
         categories=[category.capitalize() for category in CATEGORIES],
-        shares=_class_rows(views, times, occupied),
-        worst=_worst_rows(views, times, occupied),
+        shares=_class_rows(views, content),
+        worst=_worst_rows(views, content),
     )
+    return Section(body, maps=maps)
 
 
 def glare_words(glare: ViewGlare, occupied: Bool[np.ndarray, " time"]) -> str:
@@ -155,7 +143,7 @@ def glare_words(glare: ViewGlare, occupied: Bool[np.ndarray, " time"]) -> str:
     dgp = glare.rated()[occupied]
     top = float(exceeded_dgp(dgp))
     level = protection_level(top)
-    protection = "no" if level == "none" else f"{level}"
+    protection = "no" if level == "none" else level
     free = 100 * float(glare_autonomy(dgp))
     return (
         f"A DGP of {top:.2f} is exceeded in {100 * EXCEEDANCE:.0f} % of the occupied"
@@ -176,26 +164,26 @@ def glare_note(views: Sequence[ViewGlare], view: str, step: int) -> str:
 
 
 def _class_rows(
-    views: Sequence[ViewGlare], times: np.ndarray, occupied: Bool[np.ndarray, " time"]
-) -> list[tuple[str, list[str]]]:
-    rows = []
-    for glare in views:
-        found = DGP.category(glare.rated())
-        cells = []
-        for kind in range(len(CATEGORIES)):
-            chosen = occupied & (found == kind)
-            share = 100 * chosen.sum() / max(occupied.sum(), 1)
-            cells.append(f"{number(hours_in(times, chosen))} h, {share:.1f} %")
-        rows.append((glare.view, cells))
-    return rows
-
-
-def _worst_rows(
-    views: Sequence[ViewGlare], times: np.ndarray, occupied: Bool[np.ndarray, " time"]
+    views: Sequence[ViewGlare], content: ReportContent
 ) -> list[tuple[str, list[str]]]:
     return [
         (
-            f"{glare.view}, {moment_words(times[step])}",
+            glare.view,
+            [
+                content.occupied_share(DGP.category(glare.rated()) == kind)
+                for kind in range(len(CATEGORIES))
+            ],
+        )
+        for glare in views
+    ]
+
+
+def _worst_rows(
+    views: Sequence[ViewGlare], content: ReportContent
+) -> list[tuple[str, list[str]]]:
+    return [
+        (
+            f"{glare.view}, {moment_words(content.times[step])}",
             [
                 f"{glare.dgp[step]:.2f}",
                 glare.class_of(step),
@@ -204,7 +192,7 @@ def _worst_rows(
             ],
         )
         for glare in views
-        for step in worst_steps(glare, times, occupied).tolist()
+        for step in worst_steps(glare, content.times, content.occupied).tolist()
     ]
 
 

@@ -5,21 +5,23 @@ common exposure of all pictures, so that dim pictures are darker but still visib
 """
 
 import json
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
-import xarray as xr
-from jaxtyping import Float, UInt8
+from jaxtyping import UInt8
 
 from clerestory.image.arithmetic import reduce, within_view
+from clerestory.image.colour_scale import ColourScale
 from clerestory.image.picture import Picture, photometric
 from clerestory.image.picture_files import read_picture
 from clerestory.image.srgb_display import to_srgb
 from clerestory.image.tone_curves import filmic, key_luminance
-from clerestory.report.colour import ColourScale
+from clerestory.report.colour import logarithmic_scale, value_colours
+from clerestory.report.content import ReportContent
+from clerestory.report.view_glare import glare_note, view_glare
+from clerestory.report.window_states import states_note, window_states
 
 Pixels = UInt8[np.ndarray, "row column 3"]
 
@@ -31,37 +33,39 @@ _SPAN = 1000.0
 _COVERED = 0.997
 
 
-@dataclass(frozen=True)
-class Moment:
+class Moment(NamedTuple):
     """Picture of a run: index of the time step, and picture file."""
 
     step: int
     file: Path
 
 
-@dataclass(frozen=True)
-class ViewPictures:
+class ViewPictures(NamedTuple):
     """Pictures of one view in chronological order."""
 
     view: str
     moments: tuple[Moment, ...]
 
 
-def view_pictures(data: xr.Dataset, folder: str | Path) -> tuple[ViewPictures, ...]:
+def view_pictures(content: ReportContent) -> tuple[ViewPictures, ...]:
     """Return the pictures requested by the study that exist in the folder.
 
     Other pictures, left by earlier runs, are ignored.
     """
-    study = json.loads(data.attrs.get("study", "{}"))
-    stamps = np.datetime_as_string(data["time"].values, unit="m")
+    folder = content.picture_folder
+    if folder is None:
+        return ()
+    study = json.loads(content.data.attrs.get("study", "{}"))
+    stamps = [stamp[5:] for stamp in np.datetime_as_string(content.times, unit="m")]
     found = []
     for table in study.get("view", []):
         view = str(table.get("name") or Path(str(table.get("file", ""))).stem)
         asked = table.get("pictures") or []
+        # File names as written by runs
         moments = [
-            Moment(step, Path(folder) / _file_name(view, stamp[5:]))
-            for step, stamp in enumerate(stamps.tolist())
-            if "every" in asked or stamp[5:] in asked
+            Moment(step, folder / f"{view}_{stamp.replace(':', '')}.hdr")
+            for step, stamp in enumerate(stamps)
+            if "every" in asked or stamp in asked
         ]
         there = tuple(moment for moment in moments if moment.file.is_file())
         if there:
@@ -69,9 +73,18 @@ def view_pictures(data: xr.Dataset, folder: str | Path) -> tuple[ViewPictures, .
     return tuple(found)
 
 
-def _file_name(view: str, stamp: str) -> str:
-    # File name used by runs
-    return f"{view}_{stamp.replace(':', '')}.hdr"
+def moment_notes(content: ReportContent) -> Callable[[str, int], str]:
+    """Return the function that describes a view at a time step.
+
+    Its words are the glare of the view and the states of the windows.
+    """
+    glare, states = view_glare(content.data), window_states(content.data)
+
+    def note(view: str, step: int) -> str:
+        words = (glare_note(glare, view, step), states_note(states, step))
+        return "; ".join(filter(None, words))
+
+    return note
 
 
 def read_small(file: str | Path, *, width: int) -> Picture:
@@ -110,17 +123,17 @@ def as_seen(picture: Picture, white: float) -> Pixels:
 
 def luminance_scale(pictures: Sequence[Picture]) -> ColourScale:
     """Return a common false-colour scale of three decades for several pictures."""
-    seen: list[Any] = [photometric(p)[within_view(p)] for p in pictures]
+    seen = [photometric(picture)[within_view(picture)] for picture in pictures]
     top = float(np.quantile(np.concatenate(seen), _COVERED))
     steps = [m * 10.0**decade for decade in range(7) for m in (1, 3)]
     high = next((x for x in steps if x >= top), steps[-1])
-    return ColourScale(high / _SPAN, high, "cd/m²", palette="inferno", logarithmic=True)
+    return logarithmic_scale(high / _SPAN, high, "cd/m²")
 
 
 def as_luminance(picture: Picture, scale: ColourScale) -> Pixels:
     """Return a false-colour luminance image in sRGB; white outside the view."""
-    values: Float[np.ndarray, "row column"] = photometric(picture).astype(float)
-    return _on_paper(scale.colours(values), picture)
+    luminance = photometric(picture).astype(float)
+    return _on_paper(value_colours(scale, luminance), picture)
 
 
 def _on_paper(pixels: Pixels, picture: Picture) -> Pixels:

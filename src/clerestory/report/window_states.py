@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from jaxtyping import Bool, Int, UInt8
+from jaxtyping import Int, UInt8
 from matplotlib import colormaps
 
-from clerestory.report.class_map import DayMap, day_map, keys
-from clerestory.report.markup import Markup, render
-from clerestory.report.period import hours_in
-from clerestory.report.uncertain_value import number
+from clerestory.report.class_map import DayMap, keys
+from clerestory.report.content import ReportContent
+from clerestory.report.markup import render
+from clerestory.report.section import Section
 from clerestory.study.window_tables import ControlTable
 
 
@@ -59,9 +59,12 @@ def window_states(data: xr.Dataset) -> tuple[WindowStates, ...]:
     return tuple(found)
 
 
-def state_maps(states: Sequence[WindowStates]) -> list[DayMap]:
-    """Return the annual map of the states of each window."""
-    return [
+def states_section(content: ReportContent) -> Section:
+    """Return an annual map per window, with the fraction of time in each state."""
+    states = window_states(content.data)
+    if not states:
+        return Section()
+    maps = [
         DayMap(
             f"states-{k}",
             f"State of window {each.window} by day and hour",
@@ -71,39 +74,24 @@ def state_maps(states: Sequence[WindowStates]) -> list[DayMap]:
         )
         for k, each in enumerate(states)
     ]
-
-
-def states_section(
-    states: Sequence[WindowStates],
-    times: np.ndarray,
-    *,
-    occupied: Bool[np.ndarray, " time"],
-) -> Markup:
-    """Return an annual map per window, with the fraction of time in each state."""
-    if not states:
-        return Markup("")
     windows = [
         {
             "name": each.window,
             "rule": each.rule,
-            "map": day_map(shown, times, occupied=occupied),
-            "shares": keys(state_shares(each, times, occupied), each.colours()),
+            "map": shown.drawing(content.grid, occupied=content.occupied),
+            "shares": keys(_shares(each, content), each.colours()),
         }
-        for each, shown in zip(states, state_maps(states), strict=True)
+        for each, shown in zip(states, maps, strict=True)
     ]
-    return render("states.html", windows=windows)
+    return Section(render("states.html", windows=windows), maps=maps)
 
 
-def state_shares(
-    each: WindowStates, times: np.ndarray, occupied: Bool[np.ndarray, " time"]
-) -> list[str]:
-    """Return name, percentage and number of occupied hours of each state."""
-    words = []
-    for k, name in enumerate(each.names):
-        chosen = occupied & (each.state == k)
-        share = 100 * chosen.sum() / max(occupied.sum(), 1)
-        words.append(f"{name}: {share:.1f} %, {number(hours_in(times, chosen))} h")
-    return words
+def _shares(each: WindowStates, content: ReportContent) -> list[str]:
+    # Name, percentage and number of occupied hours of each state
+    return [
+        f"{name}: {content.occupied_share(each.state == k)}"
+        for k, name in enumerate(each.names)
+    ]
 
 
 def states_note(states: Sequence[WindowStates], step: int) -> str:

@@ -4,9 +4,10 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import Vector
 from clerestory.bands import RGB, Bands
+from clerestory.checks import require
 from clerestory.errors import InputError
 from clerestory.scene.material import (
     Colour,
@@ -21,7 +22,7 @@ from clerestory.scene.model import Scene
 # Wavelengths that separate blue, green and red (Radiance color.h: WLPART) [nm]
 _GREEN_NM, _RED_NM = 480.0, 588.0
 
-Rgb = Float[np.ndarray, "3"]
+Rgb = Vector
 Upsampling = Callable[[Rgb, Bands], Colour]
 
 
@@ -42,9 +43,9 @@ def in_bands(
     InputError : the scene is not in RGB, or has coloured materials and no upsampling
         is given
     """
-    if scene.bands != RGB:
-        raise InputError(f"a scene in the bands {scene.bands}; {RGB} expected")
-
+    require(
+        scene.bands == RGB, f"the scene is in the bands {scene.bands}; {RGB} expected"
+    )
     if upsampling is None:
         for material in scene.materials.values():
             _require_grey(material)

@@ -10,6 +10,7 @@ the sphere; points deviate by at most 0.5 % of the radius.
 import numpy as np
 from jaxtyping import Float, Int
 
+from clerestory.array_types import Faces, Vector, Vertices
 from clerestory.scene.model import Cone, Ring, Sphere
 from clerestory.scene.triangulate import Triangles
 
@@ -55,7 +56,7 @@ def _turned(triangles: Triangles, inward: bool) -> Triangles:
     return Triangles(triangles.vertices, triangles.faces[:, ::-1])
 
 
-def _circle(axis: Float[np.ndarray, "3"]) -> Float[np.ndarray, "sides 3"]:
+def _circle(axis: Vector) -> Float[np.ndarray, "sides 3"]:
     # Polygon corners around an axis; equal for the opposite axis (discs fit tubes)
     along = axis / np.linalg.norm(axis)
     first = np.cross(np.eye(3)[np.argmin(np.abs(along).round(9))], along)
@@ -63,8 +64,7 @@ def _circle(axis: Float[np.ndarray, "3"]) -> Float[np.ndarray, "sides 3"]:
     second = np.cross(along, first)
     angle = 2 * np.pi * np.arange(SIDES) / SIDES
     corners = np.outer(np.cos(angle), first) + np.outer(np.sin(angle), second)
-    scaled: Float[np.ndarray, "sides 3"] = _CIRCUMRADIUS * corners
-    return scaled
+    return np.asarray(_CIRCUMRADIUS * corners)
 
 
 def _band(
@@ -111,7 +111,7 @@ def _hull_faces(vertices: Float[np.ndarray, "12 3"]) -> Int[np.ndarray, "20 3"]:
 
 
 def _subdivided(
-    vertices: Float[np.ndarray, "vertices 3"], faces: Int[np.ndarray, "triangles 3"]
+    vertices: Vertices, faces: Faces
 ) -> tuple[Float[np.ndarray, "more 3"], Int[np.ndarray, "fourfold 3"]]:
     a, b, c = faces.T
     edges = np.sort(

@@ -10,6 +10,8 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Vector
+from clerestory.checks import require
 from clerestory.errors import InputError
 from clerestory.scene.model import Scene
 from clerestory.scene.proximity import Triangulation, first_hits
@@ -56,10 +58,10 @@ def floor_grid(
     free = inside[:, 2] - drop < floor + height - _SAME
     below = np.isfinite(drop) & free & (inside[:, 2] > floor + height)
     position = inside[below]
-    if not len(position):
-        raise InputError(
-            f'no floor was found behind window "{window.name}"; sensors expected'
-        )
+    require(
+        len(position),
+        f'no free floor was found behind window "{window.name}"; give the sensors',
+    )
     position[:, 2] = floor + height
     order = np.lexsort((position[:, 0], position[:, 1]))
     return Sensors(position[order], np.tile(_UP, (len(position), 1)))
@@ -71,18 +73,12 @@ def room_side(scene: Scene, window: Window) -> int:
     The room is on the side that has a surface above it; if both sides or neither have
     one, the front side is returned.
     """
-    walls = _walls(scene, [])
-    covered = [
-        np.isfinite(
-            first_hits(
-                _centre(window) + side * _START * window.frame.normal,
-                _UP[None],
-                walls.corner,
-            )[0]
-        )
-        for side in (1, -1)
-    ]
-    return -1 if covered[1] and not covered[0] else 1
+    walls, centre = _walls(scene, []), _centre(window)
+    front, back = (
+        np.isfinite(first_hits(centre + step, _UP[None], walls.corner)[0])
+        for step in (_START * window.frame.normal, -_START * window.frame.normal)
+    )
+    return -1 if back and not front else 1
 
 
 def _walls(scene: Scene, windows: Sequence[Window]) -> Triangulation:
@@ -93,7 +89,7 @@ def _walls(scene: Scene, windows: Sequence[Window]) -> Triangulation:
     return Triangulation(corner, np.zeros(len(corner), dtype=int))
 
 
-def _centre(window: Window) -> Float[np.ndarray, "3"]:
+def _centre(window: Window) -> Vector:
     # The centre of the largest triangle is within the window, whatever its outline
     corner = np.concatenate([t.vertices[t.faces] for t in window.triangles()])
     sides = corner[:, 1:] - corner[:, :1]
@@ -101,9 +97,7 @@ def _centre(window: Window) -> Float[np.ndarray, "3"]:
     return np.asarray(corner[int(np.argmax(area))].mean(axis=0))
 
 
-def _centred(
-    walls: Triangulation, start: Float[np.ndarray, "3"], spacing: float
-) -> Float[np.ndarray, "3"]:
+def _centred(walls: Triangulation, start: Vector, spacing: float) -> Vector:
     # Moves the start point so that the grid is centred between opposite walls
     east, west, north, south = first_hits(start, _SIDEWAYS, walls.corner)
     moved = start.copy()
@@ -117,7 +111,7 @@ def _centred(
 
 
 def _filled(
-    walls: Triangulation, start: Float[np.ndarray, "3"], spacing: float
+    walls: Triangulation, start: Vector, spacing: float
 ) -> Float[np.ndarray, "point 3"]:
     # Flood fill over neighbouring points with a free line of sight between them
     known, waiting = {(0, 0)}, [(0, 0)]
@@ -143,8 +137,7 @@ def _filled(
 
 def _most_frequent(levels: Float[np.ndarray, " point"]) -> float:
     found = np.round(levels[np.isfinite(levels)] / _SAME)
-    if not len(found):
-        raise InputError("there is no surface below the window; a floor expected")
+    require(len(found), "there is no surface below the window; a floor expected")
     values, count = np.unique(found, return_counts=True)
     chosen = values[int(np.argmax(count))]
     same = np.abs(levels / _SAME - chosen) <= 1

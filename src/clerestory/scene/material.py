@@ -1,8 +1,8 @@
 """Interface of all material types.
 
 Each material type has one file in `scene.materials`, with its dataclass, the reading
-and writing of its arguments in Radiance scene files (`READERS`, `specification`), its
-colour in drawings and its Mitsuba plugin.
+and writing of its arguments in Radiance scene files (`READERS`, `specification`) and
+its Mitsuba plugin.
 
 Fields of the type `Colour` have one value per band of the scene, or equal values
 (grey), which are valid for any number of bands.
@@ -21,7 +21,6 @@ from clerestory.errors import InputError
 from clerestory.scene.pattern import Pattern
 
 Colour = Float[np.ndarray, " band"]
-Vector = Float[np.ndarray, "3"]
 
 
 @dataclass(frozen=True)
@@ -34,12 +33,7 @@ class Source:
 
 @dataclass(frozen=True)
 class Plugin:
-    """Name and parameters of a Mitsuba plugin, independent of Mitsuba.
-
-    Attributes
-    ----------
-    parameters : parameters by name; materials, patterns and BSDFs as objects
-    """
+    """Name of a Mitsuba plugin, and parameters; materials and patterns as objects."""
 
     name: str
     parameters: "Mapping[str, Parameter]" = field(default_factory=dict)
@@ -47,24 +41,19 @@ class Plugin:
 
 def error_at(source: Source | None, message: str) -> InputError:
     """Return an error with the file and line of a definition, if known."""
-    if source is None:
-        return InputError(message)
-    return InputError(message, file=source.file, line=source.line)
+    place = vars(source) if source else {}
+    return InputError(message, **place)
 
 
 @dataclass(frozen=True, eq=False)
 class Specification:
     """Type and arguments of a material in Radiance's scene language.
 
-    Attributes
-    ----------
-    kind : type of the primitive
-    strings : string arguments; materials are written as names, BSDFs as file names
-    reals : real arguments
+    Of the string arguments, materials are written as names and BSDFs as file names.
     """
 
     kind: str
-    strings: "tuple[str | float | Material | Pattern | Bsdf, ...]" = ()
+    strings: "tuple[Argument, ...]" = ()
     reals: tuple[float, ...] = ()
 
 
@@ -88,10 +77,6 @@ class Material(ABC):
         """Whether the material transmits no light."""
 
     @abstractmethod
-    def display_colour(self) -> Colour:
-        """Return the colour in drawings, without patterns; white for light sources."""
-
-    @abstractmethod
     def plugin(self) -> Plugin:
         """Return the rendering plugin; light sources are rendered as black."""
 
@@ -113,6 +98,7 @@ class Emitter(Material, ABC):
     pattern: Pattern | None
 
 
+Argument = str | float | Material | Pattern | Bsdf
 Parameter = float | np.ndarray | Material | Pattern | Bsdf
 _AnyMaterial = TypeVar("_AnyMaterial", bound=Material)
 
@@ -164,24 +150,22 @@ def altered(material: _AnyMaterial, **values: object) -> _AnyMaterial:
     return replace(material, **values)  # type: ignore[type-var]
 
 
-def same_material(one: Material, other: Material) -> bool:
+def same_material(one: object, other: object) -> bool:
     """Whether two materials are equal, apart from their names and sources."""
-    return _equal(one, other)
-
-
-def _equal(one: object, other: object) -> bool:
     if one is other:
         return True
     if type(one) is not type(other):
         return False
     if isinstance(one, Mapping) and isinstance(other, Mapping):
-        return one.keys() == other.keys() and all(_equal(one[k], other[k]) for k in one)
+        return one.keys() == other.keys() and all(
+            same_material(one[k], other[k]) for k in one
+        )
     if isinstance(one, tuple | list) and isinstance(other, tuple | list):
-        return len(one) == len(other) and all(map(_equal, one, other))
+        return len(one) == len(other) and all(map(same_material, one, other))
     if is_dataclass(one) and not isinstance(one, type):
         ignored = ("name", "source") if isinstance(one, Material) else ()
         return all(
-            _equal(getattr(one, f.name), getattr(other, f.name))
+            same_material(getattr(one, f.name), getattr(other, f.name))
             for f in fields(one)
             if f.name not in ignored
         )

@@ -15,6 +15,7 @@ from jaxtyping import Float
 from clerestory.bands import RGB, Bands
 from clerestory.errors import InputError
 from clerestory.scene.material import (
+    Colour,
     Emitter,
     Material,
     Source,
@@ -75,6 +76,7 @@ __all__ = [
     "Trans",
     "TriangleMesh",
     "Void",
+    "display_colour",
     "insert_material",
     "same_material",
 ]
@@ -158,14 +160,29 @@ class Scene:
         return np.stack([points.min(axis=0), points.max(axis=0)])
 
 
+def display_colour(material: Material) -> Colour:
+    """Return the colour in drawings, without patterns; white for light sources."""
+    match material:
+        case Mixture(foreground=one, background=other, amount=amount):
+            share = amount if isinstance(amount, float) else 0.5
+            return share * display_colour(one) + (1 - share) * display_colour(other)
+        case Light() | Glow() | Spotlight():
+            return np.ones_like(material.radiance)
+        case BsdfSurface():
+            return np.ones(3)
+    for part in parts(material):
+        return display_colour(part)
+    return next(colours(material), np.ones(3))
+
+
 def _check_colours(material: Material, bands: Bands) -> None:
     # A grey colour is valid in all bands; colours of RGB scenes have three values
     for colour in colours(material):
         if len(colour) != len(bands) and (bands == RGB or np.ptp(colour) > 0):
             raise error_at(
                 material.source,
-                f'a colour of {len(colour)} values in the material "{material.name}" of'
-                f" a scene in the bands {bands}; one value per band expected",
+                f'a colour of the material "{material.name}" has {len(colour)} values;'
+                f" one for each of the bands {bands} expected",
             )
     for part in parts(material):
         _check_colours(part, bands)
@@ -180,7 +197,10 @@ def _check_up(surface: Polygon | Ring, material: Material) -> None:
         _check_up(surface, part)
     if not isinstance(material, BsdfSurface):
         return
-    normal = _normal(surface)
+    if isinstance(surface, Ring):
+        normal = surface.normal
+    else:
+        normal = area_vector(surface.vertices)
     up = material.up @ material.transform
     sine = np.linalg.norm(np.cross(up, normal))
     if sine < _PARALLEL * np.linalg.norm(up) * np.linalg.norm(normal):
@@ -189,13 +209,6 @@ def _check_up(surface: Polygon | Ring, material: Material) -> None:
             f'"{surface.name}": the up vector of BSDF "{material.name}" is parallel to'
             " the surface normal; another direction expected",
         )
-
-
-def _normal(surface: Polygon | Ring) -> Float[np.ndarray, "3"]:
-    # Surface normal, not normalized
-    if isinstance(surface, Ring):
-        return surface.normal
-    return area_vector(surface.vertices)
 
 
 _Item = TypeVar("_Item", bound=Surface | DistantSource)

@@ -14,7 +14,8 @@ from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 import numpy as np
-from jaxtyping import Float
+
+from clerestory.array_types import RayVectors
 
 
 @runtime_checkable
@@ -35,10 +36,10 @@ class Pattern(Protocol):
 
     def value(
         self,
-        direction: Float[np.ndarray, "rays 3"],
-        normal: Float[np.ndarray, "rays 3"] | None = None,
-        point: Float[np.ndarray, "rays 3"] | None = None,
-    ) -> Float[np.ndarray, "rays 3"]:
+        direction: RayVectors,
+        normal: RayVectors | None = None,
+        point: RayVectors | None = None,
+    ) -> RayVectors:
         """Return the multipliers of red, green and blue radiance, 0 or more.
 
         Parameters
@@ -84,10 +85,10 @@ class Product:
 
     def value(
         self,
-        direction: Float[np.ndarray, "rays 3"],
-        normal: Float[np.ndarray, "rays 3"] | None = None,
-        point: Float[np.ndarray, "rays 3"] | None = None,
-    ) -> Float[np.ndarray, "rays 3"]:
+        direction: RayVectors,
+        normal: RayVectors | None = None,
+        point: RayVectors | None = None,
+    ) -> RayVectors:
         """Multiplier of radiance; see `Pattern.value`."""
         product = np.ones(direction.shape)
         for factor in self.factors:

@@ -5,15 +5,17 @@ parser is in the package `radiance`.
 """
 
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 from jaxtyping import Float
 
+from clerestory.array_types import Vector
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.directions import unit
+from clerestory.checks import finite, not_negative
 from clerestory.errors import ClerestoryWarning, InputError, located
 from clerestory.scene.material import Material, Source
 from clerestory.scene.pattern import Pattern
@@ -32,15 +34,21 @@ class Primitive:
     line: int
 
 
+def primitive(
+    modifier: str,
+    kind: str,
+    name: str,
+    reals: npt.ArrayLike = (),
+    strings: tuple[str, ...] = (),
+) -> Primitive:
+    """Return a primitive made by a command, with line number 0."""
+    finite(reals, f'a number of {kind} "{name}"')
+    return Primitive(modifier, kind, name, strings, tuple(np.ravel(reals).tolist()), 0)
+
+
 @dataclass(frozen=True, eq=False)
 class Arguments:
-    """Checked access to the arguments of a primitive; errors give file and line.
-
-    Attributes
-    ----------
-    item : primitive with the arguments
-    file : path of the file that contains the primitive
-    """
+    """Checked access to the arguments of a primitive; errors give file and line."""
 
     item: Primitive
     file: str
@@ -55,30 +63,36 @@ class Arguments:
         """Modifier, name, and file and line of a surface."""
         return self.item.modifier, self.item.name, self.source
 
-    def reals(self, *counts: int) -> Float[np.ndarray, " numbers"]:
-        """Return the real arguments; their number must be among `counts`."""
+    def reals(
+        self, *counts: int, strings: bool = False
+    ) -> Float[np.ndarray, " numbers"]:
+        """Return the real arguments, of which there are as many as one of `counts`.
+
+        String arguments are an error unless `strings` is set.
+        """
+        if not strings and self.item.strings:
+            raise self.error(
+                f"{len(self.item.strings)} string arguments; none expected"
+            )
         expected = " or ".join(map(str, counts))
         given = self.item.reals
         if len(given) not in counts:
             raise self.error(f"{len(given)} numbers; {expected} expected")
-        value = np.array(given)
-        if len(value) and np.abs(value).max() > LARGEST:
-            raise self.error(f"a number beyond {LARGEST:.0e}")
-        return value
+        self._limit(max(map(abs, given), default=0))
+        return np.array(given)
 
-    def no_strings(self) -> None:
-        """Raise an error if there are string arguments."""
-        if self.item.strings:
-            raise self.error(
-                f"{len(self.item.strings)} string arguments; none expected"
-            )
+    def strings(self, least: int, what: str) -> tuple[str, ...]:
+        """Return the string arguments; at least `least` are required."""
+        words = self.item.strings
+        if len(words) < least:
+            raise self.error(f"{len(words)} string arguments; {what} expected")
+        return words
 
     def share(
         self, what: str, value: Float[np.ndarray, " numbers"]
     ) -> Float[np.ndarray, " numbers"]:
         """Return reflectances or transmittances; warn if above 1, fail if negative."""
-        if value.min() < 0:
-            raise self.error(f"{what} is {value.min():g}; 0 to 1 expected")
+        not_negative(value, what)
         if value.max() > 1:
             self.doubt(
                 f"{what} is {value.max():g}, which violates energy conservation;"
@@ -86,24 +100,10 @@ class Arguments:
             )
         return value
 
-    def fraction(self, what: str, value: float) -> float:
-        """Return a number after a check that it is from 0 to 1."""
-        if not 0 <= value <= 1:
-            raise self.error(f"{what} is {value:g}; 0 to 1 expected")
-        return float(value)
-
-    def radiance(self, value: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
-        """Return a radiance after a check that no channel is negative."""
-        if value.min() < 0:
-            raise self.error(f"radiance is {value.min():g}; 0 or more expected")
-        return value
-
-    def direction(self, vector: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
-        """Return a vector normalized to unit length; zero vectors are an error."""
-        length = np.linalg.norm(vector)
-        if not 0 < length < np.inf:
-            raise self.error("the direction has zero length")
-        return unit(vector)
+    def full_angle(self, degrees: float) -> None:
+        """Raise an error unless the full angle of a cone is valid."""
+        if not 0 < degrees <= 360:
+            raise self.error(f"angle is {degrees:g}°; more than 0 to 360 expected")
 
     def constant(self, what: str, at: int) -> float:
         """Return a string argument as a number."""
@@ -111,9 +111,14 @@ class Arguments:
         value = number(word)
         if value is None:
             raise self.error(f'{what} is "{word}"; a plain number expected')
-        if abs(value) > LARGEST:
-            raise self.error(f"a number beyond {LARGEST:.0e}")
+        self._limit(value)
         return value
+
+    def _limit(self, value: float) -> None:
+        if abs(value) > LARGEST:
+            raise self.error(
+                f"a number is beyond {LARGEST:.0e}; a smaller one expected"
+            )
 
     def transform(self, at: int) -> Transform:
         """Return the transform given by the string arguments from `at` on."""
@@ -151,20 +156,15 @@ class Arguments:
 class Definition(Arguments):
     """Arguments of a material, with access to the objects named in them.
 
-    Attributes
-    ----------
-    placed : transform applied to the file that contains the primitive
-    named : function that returns the material with a given name at this line
-    bsdf : function that returns the BSDF in a given file
-    vector : function of a string argument's index and a transform; returns the vector
-        of three expressions from that argument on, or a pattern if it varies
-    share_of_foreground : function that returns the foreground fraction of a mixture
+    The functions return the material of a name, the BSDF in a file, the vector (or
+    varying pattern) of three expressions from a string argument on, and the foreground
+    fraction of a mixture. `placed` is the transform of the scene file.
     """
 
     placed: Transform
     named: Callable[[str], Material]
     bsdf: Callable[[str], Bsdf]
-    vector: Callable[[int, Transform], Float[np.ndarray, "3"] | Pattern]
+    vector: Callable[[int, Transform], Vector | Pattern]
     share_of_foreground: Callable[[], float | Pattern]
 
     def oriented(self, at: int) -> Transform:
@@ -178,3 +178,6 @@ class Definition(Arguments):
         if len(words) > 1:
             raise self.error(f"{len(words)} string arguments; 0 or 1 expected")
         return self.named(words[0]) if words else None
+
+
+Readers = Mapping[str, Callable[[Definition], Material]]

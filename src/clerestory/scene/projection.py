@@ -59,11 +59,9 @@ class Projection:
         view
     axes : horizontally and vertically, the function from full view angle [deg] to plane
         coordinate of the image edge, and its inverse
-    to_direction : function from plane points to local unit directions and their
-        validity
+    to_direction : function from plane points to local unit directions and validity
     to_plane : function from local unit directions to plane points; NaN if outside
-    solid_angles : function from grid lines in the plane to solid angles [sr]; zero for
-        a parallel view, in which all rays have the same direction
+    solid_angles : function from grid lines in the plane to solid angles [sr]
     """
 
     largest: tuple[float, float]
@@ -106,8 +104,7 @@ def _everywhere(u: _Plane) -> Bool[np.ndarray, "*shape"]:
 
 
 def _unit(local: _Local) -> _Local:
-    scaled: np.ndarray = local / np.linalg.norm(local, axis=-1, keepdims=True)
-    return scaled
+    return np.asarray(local / np.linalg.norm(local, axis=-1, keepdims=True))
 
 
 def _perspective_direction(u: _Plane, v: _Plane) -> tuple[_Local, np.ndarray]:

@@ -8,16 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
+from clerestory.array_types import RayValues, RayVectors, Vector
+
 
 @dataclass(frozen=True, eq=False)
 class Triangulation:
-    """Triangles with their bounding boxes, for proximity queries.
-
-    Attributes
-    ----------
-    corner : corners of each triangle [m]
-    surface : surface index of each triangle
-    """
+    """Triangle corners [m] and surface indices, with bounding boxes."""
 
     corner: Float[np.ndarray, "triangles 3 3"]
     surface: Int[np.ndarray, " triangles"]
@@ -28,17 +24,15 @@ class Triangulation:
             box = np.ascontiguousarray(of(self.corner, axis=1).T)
             object.__setattr__(self, name, box)
 
-    def near(self, point: Float[np.ndarray, "3"], reach: float) -> "Triangulation":
+    def near(self, point: Vector, reach: float) -> "Triangulation":
         """Return triangles whose bounding boxes are within `reach` [m] of a point."""
         return self._meeting(point - reach, point + reach)
 
-    def beneath(self, point: Float[np.ndarray, "3"]) -> "Triangulation":
+    def beneath(self, point: Vector) -> "Triangulation":
         """Return the triangles whose bounding boxes extend below a point."""
         return self._meeting(np.array([point[0], point[1], -np.inf]), point)
 
-    def _meeting(
-        self, low: Float[np.ndarray, "3"], high: Float[np.ndarray, "3"]
-    ) -> "Triangulation":
+    def _meeting(self, low: Vector, high: Vector) -> "Triangulation":
         # Triangles whose bounding boxes overlap a box, filtered by x, then y and z
         lowest, highest = self.__dict__["_low"], self.__dict__["_high"]
         left = np.flatnonzero((lowest[0] <= high[0]) & (highest[0] >= low[0]))
@@ -49,7 +43,7 @@ class Triangulation:
 
 
 def distances(
-    point: Float[np.ndarray, "3"], corner: Float[np.ndarray, "triangles 3 3"]
+    point: Vector, corner: Float[np.ndarray, "triangles 3 3"]
 ) -> Float[np.ndarray, " triangles"]:
     """Return the distances from a point to triangles [m].
 
@@ -73,15 +67,14 @@ def distances(
     turn = np.einsum("tex,tx->te", np.cross(edge, away), normal)
     over = np.all(turn >= 0, axis=1) & (length > 0)
     height = np.abs((away[:, 0] * normal).sum(axis=1)) / np.maximum(length, 1e-300)
-    result: Float[np.ndarray, " triangles"] = np.where(over, height, nearest)
-    return result
+    return np.asarray(np.where(over, height, nearest))
 
 
 def first_hits(
-    point: Float[np.ndarray, "3"],
-    direction: Float[np.ndarray, "rays 3"],
+    point: Vector,
+    direction: RayVectors,
     corner: Float[np.ndarray, "triangles 3 3"],
-) -> Float[np.ndarray, " rays"]:
+) -> RayValues:
     """Return the distances from a point to the first hit of each ray [m]; inf if none.
 
     References: T. Möller, B. Trumbore, Journal of Graphics Tools 2 (1), 1997.
@@ -105,5 +98,4 @@ def first_hits(
         b = np.einsum("rx,tx->rt", direction, q) * scale
         distance = np.einsum("tx,tx->t", q, v) * scale
         met = (a >= 0) & (b >= 0) & (a + b <= 1) & (distance > 0)
-    nearest: Float[np.ndarray, " rays"] = np.where(met, distance, np.inf).min(axis=1)
-    return nearest
+    return np.asarray(np.where(met, distance, np.inf).min(axis=1))

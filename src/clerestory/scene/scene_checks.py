@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from jaxtyping import Bool, Float
 
+from clerestory.array_types import RayVectors, Vector
 from clerestory.directions import Frame
 from clerestory.scene.model import Scene
 from clerestory.scene.proximity import Triangulation, distances, first_hits
@@ -138,10 +139,9 @@ def _window(
 
 def _heights(window: Window, sensors: Sensors) -> Float[np.ndarray, " sensors"]:
     # Distance of each sensor from the window's plane, positive in front
-    height: Float[np.ndarray, " sensors"] = (
-        sensors.position - window.polygons[0].vertices[0]
-    ) @ window.frame.normal
-    return height
+    return np.asarray(
+        (sensors.position - window.polygons[0].vertices[0]) @ window.frame.normal
+    )
 
 
 def _outside(
@@ -198,7 +198,7 @@ def _surroundings(
         yield from _finding(sensors, which, where, looked=len(looked))
 
 
-def _hemisphere(direction: Float[np.ndarray, "3"]) -> Float[np.ndarray, "rays 3"]:
+def _hemisphere(direction: Vector) -> RayVectors:
     # Uniform directions over the hemisphere around a sensor's direction, on a spiral
     helper = np.eye(3)[np.argmin(np.abs(direction))]
     frame = Frame.from_normal_up(direction, helper)
@@ -206,10 +206,7 @@ def _hemisphere(direction: Float[np.ndarray, "3"]) -> Float[np.ndarray, "rays 3"
     angle = np.arange(_RAYS) * np.pi * (3 - np.sqrt(5))
     sine = np.sqrt(1 - cosine**2)
     local = np.stack([sine * np.cos(angle), sine * np.sin(angle), cosine], axis=1)
-    rays: Float[np.ndarray, "rays 3"] = local @ np.stack(
-        [frame.right, frame.up, frame.normal]
-    )
-    return rays
+    return np.asarray(local @ np.stack([frame.right, frame.up, frame.normal]))
 
 
 def _finding(

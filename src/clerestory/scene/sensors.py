@@ -6,8 +6,9 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.checks import finite, require, same_length
 from clerestory.directions import unit
-from clerestory.errors import InputError
+from clerestory.errors import InputError, located
 from clerestory.files import read_text
 from clerestory.scene.transform import number
 
@@ -40,19 +41,15 @@ class Sensors:
     def __post_init__(self) -> None:
         position = np.asarray(self.position, dtype=float)
         direction = np.asarray(self.direction, dtype=float)
-        if (
-            position.ndim != 2
-            or position.shape[1:] != (3,)
-            or direction.shape != position.shape
-        ):
-            raise InputError(
-                f"sensor positions have shape {position.shape} and directions"
-                f" {direction.shape}; (n, 3) expected for both"
-            )
-        if self.names is not None and len(self.names) != len(position):
-            raise InputError(f"{len(self.names)} names for {len(position)} sensors")
-        if not np.isfinite(position).all():
-            raise InputError("the position of a sensor is not finite")
+        shapes = {position.shape, direction.shape}
+        require(
+            shapes == {(len(position), 3)},
+            f"sensor positions have shape {position.shape} and directions"
+            f" {direction.shape}; (n, 3) expected for both",
+        )
+        if self.names is not None:
+            same_length(self.names, position, "names", "sensors")
+        finite(position, "the coordinate of a sensor", unit="m")
         object.__setattr__(self, "position", position)
         object.__setattr__(self, "direction", unit(direction))
 
@@ -74,27 +71,20 @@ def read_sensors(path: str | Path) -> Sensors:
     for i, text in enumerate(read_text(path).split("\n"), start=1):
         words = text.partition("#")[0].replace(",", " ").split()
         if words:
-            rows.append(_row(words, path, i))
-    if not rows:
-        raise InputError("no sensors; lines of x y z dx dy dz expected", file=path)
+            with located(file=path, line=i):
+                rows.append(_row(words))
+    require(rows, "no sensors; lines of x y z dx dy dz expected", file=path)
     table = np.array(rows)
     return Sensors(table[:, :3], table[:, 3:])
 
 
-def _row(words: list[str], path: str | Path, line: int) -> list[float]:
+def _row(words: list[str]) -> list[float]:
     values = []
     for word in words:
         value = number(word)
         if value is None:
-            raise InputError(f'"{word}" is not a finite number', file=path, line=line)
+            raise InputError(f'"{word}" is found where a finite number is expected')
         values.append(value)
-    if len(values) != 6:
-        raise InputError(
-            f"{len(values)} numbers; six (x y z dx dy dz) expected",
-            file=path,
-            line=line,
-        )
-    length = np.linalg.norm(values[3:])
-    if not 0 < length < np.inf:
-        raise InputError("the direction has zero length", file=path, line=line)
+    require(len(values) == 6, f"{len(values)} numbers; six (x y z dx dy dz) expected")
+    unit(np.array(values[3:]))
     return values

@@ -65,8 +65,7 @@ def slab_triangles(
     u, v = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
     doubled = np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
     size = np.ptp(segments.reshape(-1, 2), axis=0).max(initial=0)
-    kept: np.ndarray = corner[doubled > 1e-13 * size**2].reshape(-1, 2)
-    return kept
+    return np.asarray(corner[doubled > 1e-13 * size**2].reshape(-1, 2))
 
 
 def _block_crossings(
@@ -98,5 +97,4 @@ def _block_crossings(
 
 def _side(a: np.ndarray, b: np.ndarray, p: np.ndarray) -> np.ndarray:
     u, v = b - a, p - a
-    side: np.ndarray = u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
-    return side
+    return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])

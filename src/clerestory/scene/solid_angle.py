@@ -21,16 +21,14 @@ def _between(corner: Callable[[_Plane, _Plane], _Plane]) -> Callable[..., np.nda
     # `corner` returns the solid angle between origin and (u, v), with the sign of u·v
     def solid_angles(u: np.ndarray, v: np.ndarray) -> np.ndarray:
         at_corners = corner(*np.meshgrid(u, v))
-        angles: np.ndarray = np.abs(np.diff(np.diff(at_corners, axis=0), axis=1))
-        return angles
+        return np.asarray(np.abs(np.diff(np.diff(at_corners, axis=0), axis=1)))
 
     return solid_angles
 
 
 def _perspective_corner(u: _Plane, v: _Plane) -> _Plane:
     # Solid angle of a rectangle as seen from a point above one of its corners
-    angle: np.ndarray = np.arctan2(u * v, np.sqrt(1 + u * u + v * v))
-    return angle
+    return np.asarray(np.arctan2(u * v, np.sqrt(1 + u * u + v * v)))
 
 
 def parallel_angles(u: np.ndarray, v: np.ndarray) -> np.ndarray:
@@ -49,10 +47,9 @@ def _hemispherical_corner(u: _Plane, v: _Plane) -> _Plane:
             + y * np.arcsin(np.clip(x / root_y, 0, 1))
             - np.arctan2(x * y, np.sqrt(np.maximum(rest, 0)))
         )
-    result: np.ndarray = (
+    return np.asarray(
         np.sign(u) * np.sign(v) * np.where(rest > 0, inside, (x + y - 1) * np.pi / 2)
     )
-    return result
 
 
 def angular_angles(u: np.ndarray, v: np.ndarray) -> np.ndarray:
@@ -67,22 +64,19 @@ def angular_angles(u: np.ndarray, v: np.ndarray) -> np.ndarray:
             at_v = (v[:-1] + v[1:]) / 2 + y * np.diff(v) / 2
             theta = np.hypot(at_u[None, :], at_v[:, None])
             total += wx * wy * np.where(theta < np.pi, np.sinc(theta / np.pi), 0)
-    angles: np.ndarray = total * np.abs(np.outer(np.diff(v), np.diff(u))) / 4
-    return angles
+    return np.asarray(total * np.abs(np.outer(np.diff(v), np.diff(u))) / 4)
 
 
 def _planisphere_corner(u: _Plane, v: _Plane) -> _Plane:
     # ∫∫ 4 du dv / (1 + u² + v²)²
     root_u, root_v = np.sqrt(1 + u * u), np.sqrt(1 + v * v)
-    result: np.ndarray = 2 * (
-        u / root_u * np.arctan(v / root_u) + v / root_v * np.arctan(u / root_v)
+    return np.asarray(
+        2 * (u / root_u * np.arctan(v / root_u) + v / root_v * np.arctan(u / root_v))
     )
-    return result
 
 
 def _cylindrical_corner(u: _Plane, v: _Plane) -> _Plane:
-    result: np.ndarray = u * v / np.sqrt(1 + v * v)
-    return result
+    return np.asarray(u * v / np.sqrt(1 + v * v))
 
 
 perspective_angles = _between(_perspective_corner)

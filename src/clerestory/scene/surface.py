@@ -8,8 +8,10 @@ from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
+from clerestory.array_types import Faces, Vector, Vertices
+from clerestory.checks import require
 from clerestory.errors import InputError
 from clerestory.scene.material import Source
 from clerestory.scene.transform import Transform
@@ -19,19 +21,16 @@ from clerestory.scene.transform import Transform
 class Polygon:
     """A planar polygon, filled by the even–odd rule; seams connect holes to the rim."""
 
-    vertices: Float[np.ndarray, "vertices 3"]
+    vertices: Vertices
     material: str
     name: str = ""
     source: Source | None = None
 
     def __post_init__(self) -> None:
-        if (
-            self.vertices.ndim != 2
-            or self.vertices.shape[1] != 3
-            or len(self.vertices) < 3
-        ):
+        shape = self.vertices.shape
+        if len(shape) != 2 or shape[1] != 3 or shape[0] < 3:
             raise InputError(
-                f'polygon "{self.name}" has vertices of shape {self.vertices.shape};'
+                f'polygon "{self.name}" has vertices of shape {shape};'
                 " at least 3 rows of 3 expected"
             )
 
@@ -40,7 +39,7 @@ class Polygon:
 class Sphere:
     """A sphere; if `inward`, the front faces the centre (Radiance's bubble)."""
 
-    centre: Float[np.ndarray, "3"]
+    centre: Vector
     radius: float
     inward: bool
     material: str
@@ -52,8 +51,8 @@ class Sphere:
 class Cone:
     """The lateral surface of a truncated cone; if `inward`, cup or tube."""
 
-    base: Float[np.ndarray, "3"]
-    top: Float[np.ndarray, "3"]
+    base: Vector
+    top: Vector
     base_radius: float
     top_radius: float
     inward: bool
@@ -66,8 +65,8 @@ class Cone:
 class Ring:
     """A disc, or an annulus if the inner radius is not zero."""
 
-    centre: Float[np.ndarray, "3"]
-    normal: Float[np.ndarray, "3"]
+    centre: Vector
+    normal: Vector
     inner_radius: float
     outer_radius: float
     material: str
@@ -77,27 +76,21 @@ class Ring:
 
 @dataclass(frozen=True, eq=False)
 class TriangleMesh:
-    """A surface that consists of triangles of one material.
+    """Triangles of one material, counter-clockwise as seen from the front."""
 
-    Attributes
-    ----------
-    vertices : vertex coordinates [m]
-    faces : vertex indices, counter-clockwise as seen from the front
-    """
-
-    vertices: Float[np.ndarray, "vertices 3"]
-    faces: Int[np.ndarray, "triangles 3"]
+    vertices: Vertices
+    faces: Faces
     material: str
     name: str = ""
     source: Source | None = None
 
     def __post_init__(self) -> None:
         low, high = self.faces.min(initial=0), self.faces.max(initial=0)
-        if len(self.vertices) == 0 or low < 0 or high >= len(self.vertices):
-            raise InputError(
-                f'mesh "{self.name}" refers to vertices {low} to {high};'
-                f" 0 to {len(self.vertices) - 1} expected"
-            )
+        require(
+            0 <= low <= high < len(self.vertices),
+            f'mesh "{self.name}" refers to vertices {low} to {high};'
+            f" 0 to {len(self.vertices) - 1} expected",
+        )
 
 
 Surface = Polygon | Sphere | Cone | Ring | TriangleMesh
@@ -105,15 +98,9 @@ Surface = Polygon | Sphere | Cone | Ring | TriangleMesh
 
 @dataclass(frozen=True, eq=False)
 class DistantSource:
-    """A disc of sky, sun or ground at infinity.
+    """A disc of sky, sun or ground at infinity, up to 360° of full angle."""
 
-    Attributes
-    ----------
-    direction : unit vector to the centre of the disc
-    angle_deg : full angle subtended by the disc, up to 360
-    """
-
-    direction: Float[np.ndarray, "3"]
+    direction: Vector
     angle_deg: float
     material: str
     name: str = ""
@@ -131,15 +118,10 @@ def extent(surface: Surface) -> Float[np.ndarray, "points 3"]:
         case Sphere():
             return surface.centre + np.outer([-1, 1], np.full(3, surface.radius))
         case Cone():
-            return np.concatenate(
-                [
-                    _disc_extent(
-                        surface.base, surface.top - surface.base, surface.base_radius
-                    ),
-                    _disc_extent(
-                        surface.top, surface.top - surface.base, surface.top_radius
-                    ),
-                ]
+            axis = surface.top - surface.base
+            base = _disc_extent(surface.base, axis, surface.base_radius)
+            return np.vstack(
+                [base, _disc_extent(surface.top, axis, surface.top_radius)]
             )
         case Ring():
             return _disc_extent(surface.centre, surface.normal, surface.outer_radius)
@@ -151,12 +133,7 @@ _Item = TypeVar("_Item", bound=Surface | DistantSource)
 def transformed(
     surface: _Item, transform: Transform, *, inverted: bool = False
 ) -> _Item:
-    """Return a transformed surface or source at infinity.
-
-    Parameters
-    ----------
-    inverted : whether front and back are swapped
-    """
+    """Return a transformed surface or source; `inverted` swaps front and back."""
     move, scale = transform, transform.scale
     reverse = move.mirrored != inverted
     changes: dict[str, object]
@@ -195,23 +172,22 @@ def transformed(
 
 
 def _disc_extent(
-    centre: Float[np.ndarray, "3"], normal: Float[np.ndarray, "3"], radius: float
+    centre: Vector, normal: Vector, radius: float
 ) -> Float[np.ndarray, "2 3"]:
     axis = normal / np.linalg.norm(normal)
     return centre + np.outer([-1, 1], radius * np.sqrt(np.clip(1 - axis**2, 0, 1)))
 
 
 def area_vector(
-    vertices: Float[np.ndarray, "vertices 3"],
-) -> Float[np.ndarray, "3"]:
+    vertices: Vertices,
+) -> Vector:
     """Return a polygon's normal by Newell's method; its length is the area [m²]."""
     local = vertices - vertices[0]
-    area: np.ndarray = np.cross(local, np.roll(local, -1, axis=0)).sum(axis=0) / 2
-    return area
+    return np.asarray(np.cross(local, np.roll(local, -1, axis=0)).sum(axis=0) / 2)
 
 
 def area_vectors(
-    vertices: Float[np.ndarray, "vertices 3"], first: np.ndarray
+    vertices: Vertices, first: np.ndarray
 ) -> Float[np.ndarray, "polygons 3"]:
     """Return the normals of polygons as `area_vector` does; lengths are areas [m²]."""
     length = np.diff(first)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from clerestory.array_types import Faces, Vertices
 from clerestory.scene.curved import curved_triangles
 from clerestory.scene.model import Material, Polygon, Scene, Surface, TriangleMesh
 from clerestory.scene.triangulate import Triangles, triangulate
@@ -13,27 +14,22 @@ from clerestory.scene.triangulate import Triangles, triangulate
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Triangles of one material.
+    """Triangles of one material, counter-clockwise as seen from the front.
 
-    Attributes
-    ----------
-    material : material of the triangles
-    vertices : vertex coordinates [m]
-    faces : vertex indices, counter-clockwise as seen from the front of the surface
-    surface : index into `Scene.surfaces` of each triangle
+    `surface` is the index into `Scene.surfaces` of each triangle.
     """
 
     material: Material
-    vertices: Float[np.ndarray, "vertices 3"]
-    faces: Int[np.ndarray, "triangles 3"]
+    vertices: Vertices
+    faces: Faces
     surface: Int[np.ndarray, " triangles"]
 
 
 @dataclass(frozen=True, eq=False)
 class _Part:
     # Triangles, with the index of the surface of each triangle
-    vertices: Float[np.ndarray, "vertices 3"]
-    faces: Int[np.ndarray, "triangles 3"]
+    vertices: Vertices
+    faces: Faces
     surface: Int[np.ndarray, " triangles"]
 
 
@@ -136,5 +132,4 @@ def _convex(
     whole = fan.sum(axis=1)
     share = np.einsum("pcx,px->pc", np.concatenate([turn, fan, sweep], axis=1), whole)
     size = np.einsum("px,px->p", whole, whole)
-    convex: np.ndarray = np.all(share > 1e-9 * size[:, None], axis=1)
-    return convex
+    return np.asarray(np.all(share > 1e-9 * size[:, None], axis=1))

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Directions
 from clerestory.errors import InputError
 
 _AXES = "xyz"
@@ -38,19 +39,13 @@ class Transform:
     scale: float = 1.0
     mirrored: bool = False
 
-    def points(
-        self, points: Float[np.ndarray, "*batch 3"]
-    ) -> Float[np.ndarray, "*batch 3"]:
+    def points(self, points: Directions) -> Directions:
         """Return transformed points."""
-        moved: np.ndarray = points @ self.matrix[:3, :3] + self.matrix[3, :3]
-        return moved
+        return np.asarray(points @ self.matrix[:3, :3] + self.matrix[3, :3])
 
-    def vectors(
-        self, vectors: Float[np.ndarray, "*batch 3"]
-    ) -> Float[np.ndarray, "*batch 3"]:
+    def vectors(self, vectors: Directions) -> Directions:
         """Return transformed vectors: rotated, reflected and scaled, not translated."""
-        turned: np.ndarray = vectors @ self.matrix[:3, :3]
-        return turned
+        return np.asarray(vectors @ self.matrix[:3, :3])
 
     def then(self, outer: "Transform") -> "Transform":
         """Return this transform followed by another."""

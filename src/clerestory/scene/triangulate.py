@@ -12,6 +12,7 @@ import mapbox_earcut
 import numpy as np
 from jaxtyping import Float, Int
 
+from clerestory.array_types import Faces, Vector, Vertices, Vertices2
 from clerestory.scene.slabs import crossings, slab_triangles
 
 # Distance, relative to the size of the polygon, below which vertices coincide
@@ -24,11 +25,11 @@ Loop = list[int]
 class Triangles:
     """Triangles with the orientation of the polygon that they fill."""
 
-    vertices: Float[np.ndarray, "vertices 3"]
-    faces: Int[np.ndarray, "triangles 3"]
+    vertices: Vertices
+    faces: Faces
 
 
-def triangulate(vertices: Float[np.ndarray, "vertices 3"]) -> Triangles:
+def triangulate(vertices: Vertices) -> Triangles:
     """Return triangles that fill a polygon by the even–odd rule.
 
     The polygon is planar except for rounding; its area vector points to its front. New
@@ -67,8 +68,8 @@ def triangulate(vertices: Float[np.ndarray, "vertices 3"]) -> Triangles:
 
 
 def _plane(
-    vertices: Float[np.ndarray, "vertices 3"],
-) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3 3"]]:
+    vertices: Vertices,
+) -> tuple[Vector, Float[np.ndarray, "3 3"]]:
     # Centroid of the vertices, and right-handed axes: two in the plane, and the normal
     origin = vertices.mean(axis=0)
     away = vertices - origin
@@ -79,9 +80,7 @@ def _plane(
     return origin, np.stack([first, np.cross(normal, first), normal])
 
 
-def _weld(
-    points: Float[np.ndarray, "vertices 2"], size: float
-) -> Int[np.ndarray, " vertices"]:
+def _weld(points: Vertices2, size: float) -> Int[np.ndarray, " vertices"]:
     # For each vertex, index of the first vertex at the same place
     grid = np.round(points / (size * _WELD))
     _, first, same = np.unique(grid, axis=0, return_index=True, return_inverse=True)
@@ -93,8 +92,7 @@ def _odd_edges(vertex: Int[np.ndarray, " vertices"]) -> Int[np.ndarray, "edges 2
     edges = np.sort(np.stack([vertex, np.roll(vertex, -1)], axis=1), axis=1)
     edges = edges[edges[:, 0] != edges[:, 1]]
     edges, count = np.unique(edges, axis=0, return_counts=True)
-    odd: np.ndarray = edges[count % 2 == 1]
-    return odd
+    return np.asarray(edges[count % 2 == 1])
 
 
 def _loops(edges: Int[np.ndarray, "edges 2"]) -> list[Loop]:
@@ -122,9 +120,7 @@ def _loops(edges: Int[np.ndarray, "edges 2"]) -> list[Loop]:
     return loops
 
 
-def _fill(
-    points: Float[np.ndarray, "vertices 2"], loops: list[Loop]
-) -> Int[np.ndarray, "triangles 3"] | None:
+def _fill(points: Vertices2, loops: list[Loop]) -> Faces | None:
     # Triangles between outer loops and their holes; None if their total area is wrong
     area = np.array([abs(_area(points[loop])) for loop in loops])
     inside = _containment(points, loops)
@@ -145,14 +141,12 @@ def _fill(
     return filled if abs(found - expected) <= 1e-9 * float(area.sum()) else None
 
 
-def _area(loop: Float[np.ndarray, "vertices 2"]) -> float:
+def _area(loop: Vertices2) -> float:
     x, y = (loop - loop[0]).T
     return float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) / 2
 
 
-def _containment(
-    points: Float[np.ndarray, "vertices 2"], loops: list[Loop]
-) -> np.ndarray:
+def _containment(points: Vertices2, loops: list[Loop]) -> np.ndarray:
     # [i, j]: whether loop i is inside loop j; loops touch at vertices only
     result = np.zeros((len(loops), len(loops)), dtype=bool)
     for i, loop in enumerate(loops):
@@ -169,22 +163,18 @@ def _containment(
     return result
 
 
-def _doubled_areas(
-    points: Float[np.ndarray, "vertices 2"], faces: Int[np.ndarray, "triangles 3"]
-) -> Float[np.ndarray, " triangles"]:
+def _doubled_areas(points: Vertices2, faces: Faces) -> Float[np.ndarray, " triangles"]:
     a, b, c = (points[faces[:, k]] for k in range(3))
     u, v = b - a, c - a
-    doubled: Float[np.ndarray, " triangles"] = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
-    return doubled
+    return np.asarray(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
 
 
 def _facing_up(
-    points: Float[np.ndarray, "vertices 2"],
-    faces: Int[np.ndarray, "triangles 3"],
+    points: Vertices2,
+    faces: Faces,
     size: float,
-) -> Int[np.ndarray, "triangles 3"]:
+) -> Faces:
     # Triangles oriented like the polygon; triangles of zero area are omitted
     doubled = _doubled_areas(points, faces)
     turned = np.where((doubled < 0)[:, None], faces[:, ::-1], faces)
-    kept: Int[np.ndarray, "triangles 3"] = turned[np.abs(doubled) > 1e-14 * size**2]
-    return kept
+    return np.asarray(turned[np.abs(doubled) > 1e-14 * size**2])

@@ -5,7 +5,6 @@ image. Pixel coordinates are (row, column) from the upper left corner; pixel (i,
 covers i to i + 1 and j to j + 1, with its centre at i + ½, j + ½.
 """
 
-import math
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
@@ -13,20 +12,14 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
+from clerestory.array_types import Directions, Points2, Values, Vector
+from clerestory.checks import finite, one_of, positive, require
 from clerestory.directions import unit
-from clerestory.errors import InputError
 from clerestory.scene.projection import PROJECTIONS, TINY, Kind, Projection
 
 
 class Rays(NamedTuple):
-    """Rays through the pixels of a view.
-
-    Attributes
-    ----------
-    origin : ray origins [m]
-    direction : unit vectors; zero for pixels outside the projection
-    valid : whether the pixel is within the projection
-    """
+    """Rays through the pixels of a view; of length 0 outside the projection."""
 
     origin: Float[np.ndarray, "row column 3"]
     direction: Float[np.ndarray, "row column 3"]
@@ -63,13 +56,9 @@ class View:
     """
 
     kind: Kind = "perspective"
-    position: Float[np.ndarray, "3"] = field(default_factory=lambda: np.zeros(3))
-    direction: Float[np.ndarray, "3"] = field(
-        default_factory=lambda: np.array([0.0, 1.0, 0.0])
-    )
-    up: Float[np.ndarray, "3"] = field(
-        default_factory=lambda: np.array([0.0, 0.0, 1.0])
-    )
+    position: Vector = field(default_factory=lambda: np.zeros(3))
+    direction: Vector = field(default_factory=lambda: np.array([0.0, 1.0, 0.0]))
+    up: Vector = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
     horizontal: float = 45.0
     vertical: float = 45.0
     shift: float = 0.0
@@ -78,44 +67,38 @@ class View:
     aft: float = 0.0
 
     def __post_init__(self) -> None:
-        if self.kind not in PROJECTIONS:
-            raise InputError(
-                f'view kind "{self.kind}"; one of {", ".join(PROJECTIONS)} expected'
-            )
+        one_of(self.kind, "view kind", choices=PROJECTIONS)
         for name in ("position", "direction", "up"):
             vector = np.asarray(getattr(self, name), dtype=float)
-            if vector.shape != (3,) or not np.isfinite(vector).all():
-                raise InputError(
-                    f"view {name} {vector.tolist()}; three finite numbers expected"
-                )
+            require(
+                vector.shape == (3,) and np.isfinite(vector).all(),
+                f"view {name} is {vector.tolist()}; three finite numbers expected",
+            )
             object.__setattr__(
                 self, name, vector if name == "position" else unit(vector)
             )
-        self._check_numbers()
-        if np.linalg.norm(np.cross(self.direction, self.up)) < TINY:
-            raise InputError("the view's up vector is parallel to its direction")
-
-    def _check_numbers(self) -> None:
         for name in ("horizontal", "vertical", "shift", "lift", "fore", "aft"):
-            if not math.isfinite(getattr(self, name)):
-                raise InputError(f"view {name} is not finite; a number expected")
-        for name, largest in zip(
-            ("horizontal", "vertical"), self._projection.largest, strict=True
+            finite(getattr(self, name), f"view {name}")
+        sizes = {"horizontal": self.horizontal, "vertical": self.vertical}
+        for (name, size), most in zip(
+            sizes.items(), self._projection.largest, strict=True
         ):
-            size = getattr(self, name)
-            if not TINY < size <= largest:
-                limit = f" to {largest:g}" if largest < math.inf else " or more"
-                raise InputError(
-                    f"{name} size {size:g} of a {self.kind} view;"
-                    f" above 0{limit} expected"
-                )
-        if self.fore < -TINY or self.aft < -TINY:
-            raise InputError("a clipping plane of the view is behind its position")
-        if TINY < self.aft <= self.fore:
-            raise InputError(
-                f"the view's aft plane is at {self.aft:g} m; a distance beyond its"
-                f" fore plane at {self.fore:g} m expected"
+            require(
+                TINY < size <= most,
+                f"{name} size of the {self.kind} view is {size:g};"
+                f" a number between 0 and {most:g} expected",
             )
+        require(
+            min(self.fore, self.aft) >= -TINY,
+            "a clipping plane of the view is behind its position; 0 m or more expected",
+        )
+        require(
+            self.aft <= TINY or self.aft > self.fore,
+            f"the view's aft plane is at {self.aft:g} m; a distance beyond its"
+            f" fore plane at {self.fore:g} m expected",
+        )
+        parallel = np.linalg.norm(np.cross(self.direction, self.up)) < TINY
+        require(not parallel, "the view's up vector is parallel to its direction")
 
     @property
     def _projection(self) -> Projection:
@@ -129,7 +112,7 @@ class View:
 
     @property
     def _half(self) -> tuple[float, float]:
-        # Plane coordinates of the right and upper image edges without shift and lift
+        # Half width and half height of the image in the plane
         return self._projection.extent(self.horizontal, self.vertical)
 
     def aspect(self) -> float:
@@ -153,8 +136,7 @@ class View:
         columns, rows = (
             (resolution, resolution) if isinstance(resolution, int) else resolution
         )
-        if columns < 1 or rows < 1:
-            raise InputError(f"resolution {resolution}; 1 or more expected")
+        positive([columns, rows], "resolution")
         aspect = self.aspect()
         # Rounding as in Radiance's function normaspect
         if aspect * columns > pixel_aspect * rows:
@@ -187,35 +169,26 @@ class View:
         direction = np.where(valid[..., None], local, 0) @ self._axes
         origin = self.position + self.fore * self._stretch(local) * direction
         if self.kind == "parallel":
-            origin = (
-                origin + u[..., None] * self._axes[0] + v[..., None] * self._axes[1]
-            )
+            origin = origin + np.stack([u, v], axis=-1) @ self._axes[:2]
         return Rays(np.where(valid[..., None], origin, 0), direction, valid)
 
-    def _stretch(self, local: Float[np.ndarray, "*batch 3"]) -> np.ndarray:
+    def _stretch(self, local: Directions) -> np.ndarray:
         # Length of each ray between clipping planes one metre apart
         along = np.ones((*local.shape[:-1], 1))
         if self.kind == "perspective":
             along = local[..., 2:]
         elif self.kind == "cylindrical":
             along = np.hypot(local[..., :1], local[..., 2:])
-        stretch: np.ndarray = 1 / np.maximum(along, TINY)
-        return stretch
+        return np.asarray(1 / np.maximum(along, TINY))
 
-    def reach(
-        self, direction: Float[np.ndarray, "*batch 3"]
-    ) -> Float[np.ndarray, "*batch"]:
+    def reach(self, direction: Directions) -> Values:
         """Return ray lengths from fore to aft clipping plane [m]; inf if aft is 0."""
         if self.aft <= TINY:
             return np.full(direction.shape[:-1], np.inf)
-        length: np.ndarray = (self.aft - self.fore) * self._stretch(
-            direction @ self._axes.T
-        )
-        return length[..., 0]
+        length = (self.aft - self.fore) * self._stretch(direction @ self._axes.T)
+        return np.asarray(length[..., 0])
 
-    def pixel(
-        self, direction: Float[np.ndarray, "*batch 3"], *, columns: int, rows: int
-    ) -> Float[np.ndarray, "*batch 2"]:
+    def pixel(self, direction: Directions, *, columns: int, rows: int) -> Points2:
         """Return fractional row and column of the pixels for directions.
 
         Values may be outside the image. They are NaN outside the projection, such as
@@ -229,9 +202,7 @@ class View:
         where = self._pixel(u, v, columns, rows)
         return where.reshape(*local.shape[:-1], 2)
 
-    def pixel_of_point(
-        self, point: Float[np.ndarray, "*batch 3"], *, columns: int, rows: int
-    ) -> Float[np.ndarray, "*batch 2"]:
+    def pixel_of_point(self, point: Directions, *, columns: int, rows: int) -> Points2:
         """Return fractional row and column of the pixels for points."""
         if self.kind != "parallel":
             return self.pixel(point - self.position, columns=columns, rows=rows)
@@ -260,10 +231,8 @@ def solid_angles(
     >>> round(float(solid_angles(view, 64, 64).sum() / np.pi), 9)
     2.0
     """
-    half_width, half_height = PROJECTIONS[view.kind].extent(
-        view.horizontal, view.vertical
-    )
+    projection = PROJECTIONS[view.kind]
+    half_width, half_height = projection.extent(view.horizontal, view.vertical)
     u = (np.arange(columns + 1) / columns + view.shift - 0.5) * 2 * half_width
     v = (np.arange(rows + 1)[::-1] / rows + view.lift - 0.5) * 2 * half_height
-    angles: np.ndarray = PROJECTIONS[view.kind].solid_angles(u, v)
-    return angles
+    return np.asarray(projection.solid_angles(u, v))

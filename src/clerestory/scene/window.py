@@ -5,8 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Vector
+from clerestory.checks import require
 from clerestory.directions import Frame, unit
-from clerestory.errors import InputError
+from clerestory.errors import located
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.scene.material import error_at
@@ -39,8 +41,9 @@ class Window:
     partition: RingPartition
 
     def __post_init__(self) -> None:
-        if not self.polygons:
-            raise InputError(f'window "{self.name}" has no polygons')
+        require(
+            self.polygons, f'window "{self.name}" has no polygons; one or more expected'
+        )
         cosine = unit(_normals(self.polygons)) @ self.frame.normal
         worst = int(np.argmin(cosine))
         angle = np.degrees(np.arccos(np.clip(cosine[worst], -1, 1)))
@@ -69,25 +72,19 @@ def window_of(
     polygons: tuple[Polygon, ...],
     *,
     name: str,
-    up: Float[np.ndarray, "3"] | None = None,
+    up: Vector | None = None,
     partition: RingPartition | None = None,
 ) -> Window:
     """Return a window group of polygons; the mean normal defines the frame.
 
-    Parameters
-    ----------
-    up : up vector of the frame; None: +z, or +y for a horizontal window
-    partition : angular basis; None: Klems full
+    By default `up` is +z, or +y for a horizontal window, and the basis is Klems full.
     """
     normal = unit(_normals(polygons).sum(axis=0))
     if up is None:
         up = np.array([0.0, 0.0, 1.0] if abs(normal[2]) < 0.9999 else [0.0, 1.0, 0.0])
-    try:
+    place = vars(polygons[0].source) if polygons[0].source else {"file": None}
+    with located(**place, subject=f'window "{name}"'):
         frame = Frame.from_normal_up(normal, up)
-    except InputError as error:
-        raise error_at(
-            polygons[0].source, f'window "{name}": {error.message}'
-        ) from error
     return Window(name, polygons, frame, partition or klems("full"))
 
 

@@ -12,9 +12,9 @@ Optics 28, 1989 (air mass); J. W. Spencer, Search 2 (5), 1971 (distance to the s
 from dataclasses import asdict
 
 import numpy as np
-from jaxtyping import Float
 
-from clerestory.errors import InputError
+from clerestory.array_types import Series
+from clerestory.checks import require, within
 from clerestory.sky.sky_state import orbit_factor
 from clerestory.sky.solar_position import day_of_year, sun_at
 from clerestory.sky.weather import TYPICAL_YEAR, Site, Weather
@@ -27,29 +27,27 @@ _MINUTES_A_YEAR = 365 * 24 * 60
 def clear_sky_weather(
     site: Site, *, turbidity: float = 3.0, step_minutes: int = 60
 ) -> Weather:
-    """Return the weather of a cloudless year (2023).
+    """Return the weather of a cloudless year (2023), of constant Linke turbidity.
 
-    Parameters
-    ----------
-    site : location and time zone
-    turbidity : Linke turbidity, constant over the year: 2 very clear, 3 typical, 5 hazy
-    step_minutes : length of a time step [min], a divisor of 60
+    Turbidity is 2 for a very clear, 3 for a typical and 5 for a hazy atmosphere. The
+    length of a time step is a divisor of 60 minutes.
 
     >>> place = Site(51.5, 0.0, 0.0, place="London")
     >>> year = clear_sky_weather(place, step_minutes=30)
     >>> len(year), str(year.times[0]), bool(800 < year.direct_normal.max() < 1000)
     (17520, '2023-01-01T00:15:00', True)
     """
-    if not 1 <= turbidity <= 10:
-        raise InputError(f"turbidity {turbidity:g}; 1 to 10 expected")
-    if step_minutes < 1 or 60 % step_minutes:
-        raise InputError(f"steps of {step_minutes} minutes; a divisor of 60 expected")
+    within(turbidity, "turbidity", least=1, most=10)
+    require(
+        step_minutes > 0 and 60 % step_minutes == 0,
+        f"time steps of {step_minutes} minutes; a divisor of 60 expected",
+    )
     start = np.datetime64(f"{TYPICAL_YEAR}-01-01T00:00:00", "s")
     middles = np.arange(30 * step_minutes, 60 * _MINUTES_A_YEAR, 60 * step_minutes)
     times = start + middles.astype("timedelta64[s]")
     direct, diffuse = clear_sky_irradiance(
         sun_at(site, times).altitude,
-        extraterrestrial=extraterrestrial_irradiance(times),
+        extraterrestrial=SOLAR_CONSTANT * orbit_factor(day_of_year(times)),
         turbidity=turbidity,
         elevation=site.elevation,
     )
@@ -64,20 +62,15 @@ def clear_sky_weather(
 
 
 def clear_sky_irradiance(
-    altitude: Float[np.ndarray, " time"],
+    altitude: Series,
     *,
-    extraterrestrial: Float[np.ndarray, " time"] | float = SOLAR_CONSTANT,
+    extraterrestrial: Series | float = SOLAR_CONSTANT,
     turbidity: float = 3.0,
     elevation: float = 0.0,
-) -> tuple[Float[np.ndarray, " time"], Float[np.ndarray, " time"]]:
+) -> tuple[Series, Series]:
     """Direct normal and diffuse horizontal irradiance of a clear sky [W/m²].
 
-    Parameters
-    ----------
-    altitude : solar altitude, including refraction [rad]
-    extraterrestrial : extraterrestrial normal irradiance [W/m²]
-    turbidity : Linke turbidity
-    elevation : elevation above sea level [m]
+    The solar altitude [rad] includes refraction; `turbidity` is the Linke turbidity.
     """
     sine = np.maximum(np.sin(altitude), 1e-3)
     altitude_deg = np.degrees(np.maximum(altitude, 0))
@@ -99,8 +92,3 @@ def clear_sky_irradiance(
     up = np.sin(altitude) > 0
     diffuse = np.maximum(total - direct * sine, 0)
     return np.where(up, direct, 0.0), np.where(up, diffuse, 0.0)
-
-
-def extraterrestrial_irradiance(times: np.ndarray) -> Float[np.ndarray, " time"]:
-    """Extraterrestrial normal irradiance [W/m²], by Spencer's Fourier series."""
-    return np.asarray(SOLAR_CONSTANT * orbit_factor(day_of_year(times)))

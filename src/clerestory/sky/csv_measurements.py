@@ -14,19 +14,15 @@ from typing import get_args
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import Series
+from clerestory.checks import require
 from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.sky.irradiance_decomposition import Decomposition
 from clerestory.sky.measured_weather import Measurement, Quantity, weather_of
 from clerestory.sky.table_cells import DataRows
-from clerestory.sky.time_steps import (
-    StandsFor,
-    centres,
-    require_increasing,
-    typical_step,
-)
+from clerestory.sky.time_steps import StandsFor, step_centres
 from clerestory.sky.weather import Site, Weather
 
 # Values that data loggers write for missing data
@@ -35,16 +31,10 @@ _MISSING = (-9999.9, -9999.0, -999.0, 9999.0, 99999.0)
 
 @dataclass(frozen=True)
 class Columns:
-    """Names of the columns of a CSV file.
+    """Names of the columns of a CSV file; None if not measured.
 
-    Attributes
-    ----------
-    time : column of times, or several columns whose texts are joined
-    global_horizontal, diffuse_horizontal, direct_normal : columns of irradiance [W/m²];
-        None if not measured
-    global_illuminance, diffuse_illuminance, direct_illuminance : columns of global
-        horizontal, diffuse horizontal and direct normal illuminance [lux]
-    dew_point : column of dew point temperature [°C]
+    The texts of several columns of times are joined by a space. Irradiance is in W/m²,
+    illuminance in lux, and the dew point temperature in °C.
     """
 
     time: str | tuple[str, ...]
@@ -76,65 +66,40 @@ def read_measured(
 ) -> Weather:
     """Return the weather in a CSV file of measured irradiance or illuminance.
 
-    The dates are those of the measurement.
-
-    Parameters
-    ----------
-    columns : names of the columns in the header line
-    site : location of the measurement
-    time_format : format for `datetime.strptime`; texts of several columns are joined by
-        a space; default: ISO 8601
-    stands_for : whether times are the "start", "centre" or "end" of the steps
-    clock : time zone of civil time, such as "Europe/Berlin", with its daylight saving
-        time; None for local standard time
-    separator : character between cells
-    skip_lines : number of lines before the header
-    decomposition : model that decomposes global irradiance if it alone is measured
+    Times in the format of `datetime.strptime`, by default ISO 8601, are the "start",
+    "centre" or "end" of the steps, in local standard time or in the civil time of a
+    time zone such as "Europe/Berlin". The header follows `skip_lines` lines.
     """
     table = read_table(path, separator, skip_lines)
-
-    # Convert times in the file to centres of steps
     times = local_times(table, columns.time, time_format, clock, site.utc_offset_hours)
-    require_increasing(times, rows=table)
-    step = typical_step(times)
-    times = centres(times, step, stands_for)
-
-    series = {
-        quantity: table.numbers(name) for quantity, name in columns.series().items()
-    }
+    times, step = step_centres(times, stands_for, rows=table)
+    names = columns.series()
+    series = {quantity: table.numbers(name) for quantity, name in names.items()}
     dew_point = table.numbers(columns.dew_point) if columns.dew_point else None
     return weather_of(
-        Measurement(
-            site, times, step, series, path, table.lines, columns.series(), dew_point
-        ),
+        Measurement(site, times, step, series, table, names, dew_point),
         decomposition=decomposition,
     )
 
 
 @dataclass(frozen=True, eq=False)
 class LoggerTable(DataRows):
-    """Rows of a CSV file with a header.
-
-    Attributes
-    ----------
-    header_line : line number of the header
-    names : names of the columns
-    """
+    """Rows of a CSV file with the line number of the header and the column names."""
 
     header_line: int
     names: list[str]
 
     def index(self, name: str) -> int:
         """Return the index of a column; raise `InputError` if there is none."""
-        if name not in self.names:
-            raise InputError(
-                f"no column {name!r}; one of {', '.join(self.names)} expected",
-                file=self.file,
-                line=self.header_line,
-            )
+        require(
+            name in self.names,
+            f"no column {name!r}; one of {', '.join(self.names)} expected",
+            file=self.file,
+            line=self.header_line,
+        )
         return self.names.index(name)
 
-    def numbers(self, name: str) -> Float[np.ndarray, " time"]:
+    def numbers(self, name: str) -> Series:
         """Return a column of numbers, with NaN for missing values."""
         values = self.column(self.index(name), name, may_miss=True)
         return np.where(np.isin(values, _MISSING), np.nan, values)
@@ -159,9 +124,8 @@ def local_times(
     """Return the times of the rows in local standard time."""
     standard = timezone(timedelta(hours=utc_offset_hours))
     zone = _zone(clock)
-    where = [
-        table.index(name) for name in ((names,) if isinstance(names, str) else names)
-    ]
+    names = (names,) if isinstance(names, str) else names
+    where = [table.index(name) for name in names]
     moments: list[float] = []
     for row, line in zip(table.cells, table.lines, strict=True):
         text = " ".join(row[i].strip() for i in where if i < len(row))

@@ -14,10 +14,12 @@ from pathlib import Path
 
 import numpy as np
 
+from clerestory.checks import require
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.files import read_text
-from clerestory.sky.gap_filling import repaired_weather
-from clerestory.sky.table_cells import DataRows, number
+from clerestory.sky.irradiance_decomposition import Irradiance
+from clerestory.sky.measured_weather import weather_of_components
+from clerestory.sky.table_cells import DataRows, numbers
 from clerestory.sky.time_steps import calendar_times
 from clerestory.sky.weather import Site, Weather
 
@@ -32,23 +34,23 @@ _SERIES = {
     "dew point": 7,
 }
 
-# Codes for missing data: 9999 W/m² or more, 99.9 °C
-_MISSING_IRRADIANCE = 9999.0
+# Lower limit of the code for a missing dew point, 99.9 °C; codes for missing irradiance
+# are removed by quality control
 _MISSING_DEW_POINT = 99.0
 
 
 def read_epw(path: str | Path) -> Weather:
     """Return the weather of an EPW file, in the year 2023 (2024 with a 29 February)."""
     lines = read_text(path).splitlines()
-    cells = lines[0].split(",") if lines else []
-    if not cells or cells[0].strip().upper() != "LOCATION":
-        raise InputError(
-            "no LOCATION in the first line; an EPW file expected", file=path, line=1
-        )
-    place = "_".join(part.strip() for part in (cells[1:2] + cells[3:4]) if part.strip())
-    latitude, longitude, offset, elevation = (
-        number(cells, i, name=name, file=path, line=1) for name, i in _SITE.items()
+    cells = lines[0].split(",") if lines else [""]
+    require(
+        cells[0].strip().upper() == "LOCATION",
+        "no LOCATION in the first line; an EPW file expected",
+        file=path,
+        line=1,
     )
+    place = "_".join(part.strip() for part in (cells[1:2] + cells[3:4]) if part.strip())
+    latitude, longitude, offset, elevation = numbers(cells, _SITE, file=path, line=1)
     site = Site(latitude, longitude, offset, elevation, place)
     per_hour = _records_per_hour(lines, path)
     table = (text.split(",") if text.strip() else [] for text in lines)
@@ -63,28 +65,27 @@ def read_epw(path: str | Path) -> Weather:
         rows.column(i, name, may_miss=True) for name, i in _SERIES.items()
     )
     _warn_if_truncated(times, per_hour, lines, path)
-    return repaired_weather(
+    return weather_of_components(
         site,
         times,
         rows,
-        direct_normal=np.where(direct >= _MISSING_IRRADIANCE, np.nan, direct),
-        diffuse_horizontal=np.where(diffuse >= _MISSING_IRRADIANCE, np.nan, diffuse),
-        dew_point_c=np.where(np.abs(dew_point) < _MISSING_DEW_POINT, dew_point, np.nan),
+        Irradiance(direct, diffuse),
         step_minutes=60 / per_hour,
+        dew_point_c=np.where(np.abs(dew_point) < _MISSING_DEW_POINT, dew_point, np.nan),
     )
 
 
 def _records_per_hour(lines: list[str], path: str | Path) -> int:
-    for i, text in enumerate(lines[:_HEADER_LINES]):
+    for line, text in enumerate(lines[:_HEADER_LINES], start=1):
         cells = text.split(",")
         if cells[0].strip().upper() == "DATA PERIODS":
-            count = number(cells, 2, name="records per hour", file=path, line=i + 1)
-            if count not in (1, 2, 3, 4, 5, 6, 10, 12, 15, 20, 30, 60):
-                raise InputError(
-                    f"{count:g} records per hour; a divisor of 60 expected",
-                    file=path,
-                    line=i + 1,
-                )
+            (count,) = numbers(cells, {"records per hour": 2}, file=path, line=line)
+            require(
+                count in (1, 2, 3, 4, 5, 6, 10, 12, 15, 20, 30, 60),
+                f"{count:g} records per hour; a divisor of 60 expected",
+                file=path,
+                line=line,
+            )
             return int(count)
     raise InputError(
         f"no DATA PERIODS in the first {_HEADER_LINES} lines; an EPW header expected",

@@ -11,7 +11,9 @@ from typing import Literal
 
 import numpy as np
 
+from clerestory.checks import require
 from clerestory.constants import GROUND_REFLECTANCE
+from clerestory.directions import from_azimuth
 from clerestory.errors import InputError
 from clerestory.sky.luminance_distribution import (
     Distribution,
@@ -48,25 +50,15 @@ def cie_sky(
 ) -> PointSky:
     """Return a CIE sky at one moment, as gensky does.
 
-    Parameters
-    ----------
-    kind : sky type of gensky, or number of a CIE general sky, 1…15
-    sun_altitude, sun_azimuth : solar altitude, and azimuth clockwise from north [rad]
-    with_sun : whether to include the sun; the ground radiance always includes reflected
-        sunlight, as in gensky; uniform and overcast skies have no sun
-    turbidity : Linke turbidity, for the zenith luminance of clear skies
-    diffuse_horizontal : diffuse horizontal irradiance [W/m²], required for CIE general
-        skies; default: from gensky's zenith luminance
-    direct_normal : direct normal irradiance [W/m²]; default: from gensky's solar
-        radiance
-    ground_reflectance : reflectance of the ground
+    `kind` is a sky type of gensky, or the number of a CIE general sky, 1…15. Azimuth is
+    clockwise from north [rad]. By default, irradiance [W/m²] follows from gensky's
+    zenith luminance, a function of the Linke turbidity, and from its solar radiance;
+    CIE general skies require the diffuse irradiance. The ground radiance includes
+    reflected sunlight also without sun; uniform and overcast skies have no sun.
     """
     overcast = kind in ("uniform", "overcast")
     altitude = sun_altitude if overcast else min(sun_altitude, HIGHEST_SUN)
-    flat = np.cos(altitude)
-    sun = np.array(
-        [flat * np.sin(sun_azimuth), flat * np.cos(sun_azimuth), np.sin(altitude)]
-    )
+    sun = from_azimuth(np.array(sun_azimuth), np.array(altitude))
     distribution = _distribution(kind)
     total = horizontal_integral(distribution, sun=sun)
     if diffuse_horizontal is not None:
@@ -77,8 +69,7 @@ def cie_sky(
             " expected"
         )
     else:
-        up = np.array([0.0, 0.0, 1.0])
-        at_zenith = float(distribution.relative(up, sun=sun))
+        at_zenith = float(distribution.relative(np.array([0.0, 0.0, 1.0]), sun=sun))
         scale = zenith_radiance(kind, altitude, turbidity) / at_zenith
 
     # Radiance of the ground from global horizontal irradiance
@@ -100,10 +91,9 @@ def _distribution(kind: CieSky | int) -> Distribution:
         "intermediate": Intermediate(),
         "clear": cie_general(12),
     }
-    if kind not in named:
-        raise InputError(
-            f"unknown sky {kind!r}; {', '.join(named)} or 1 to 15 expected"
-        )
+    require(
+        kind in named, f"unknown sky {kind!r}; {', '.join(named)} or 1 to 15 expected"
+    )
     return named[kind]
 
 

@@ -13,16 +13,19 @@ third. The division by sin h amplifies errors near the horizon; therefore:
 
 import importlib
 import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import Series
+from clerestory.checks import one_of
 from clerestory.errors import InputError
 from clerestory.sky.sky_state import SOLAR_CONSTANT, orbit_factor
 from clerestory.sky.solar_position import SunPosition, day_of_year
 
+Component = Literal["global_horizontal", "diffuse_horizontal", "direct_normal"]
 Decomposition = Literal["erbs", "dirint"]
 
 _LOWEST_SINE = np.sin(np.radians(3.0))
@@ -34,56 +37,45 @@ _TOLERANCE = 5.0
 
 @dataclass(frozen=True, eq=False)
 class Irradiance:
-    """Direct and diffuse irradiance, and notes on corrections.
+    """Direct normal and diffuse horizontal irradiance [W/m²], and corrections made."""
 
-    Attributes
-    ----------
-    direct_normal, diffuse_horizontal : direct normal and diffuse horizontal irradiance
-        [W/m²]
-    notes : corrections, with numbers of values
-    """
-
-    direct_normal: Float[np.ndarray, " time"]
-    diffuse_horizontal: Float[np.ndarray, " time"]
+    direct_normal: Series
+    diffuse_horizontal: Series
     notes: tuple[str, ...] = ()
 
 
 def split_irradiance(
     times: np.ndarray,
     sun: SunPosition,
+    series: Mapping[Component, Series],
     *,
-    global_horizontal: Float[np.ndarray, " time"] | None = None,
-    diffuse_horizontal: Float[np.ndarray, " time"] | None = None,
-    direct_normal: Float[np.ndarray, " time"] | None = None,
     decomposition: Decomposition = "erbs",
 ) -> Irradiance:
-    """Return direct normal and diffuse horizontal irradiance [W/m²].
+    """Return direct and diffuse irradiance from measured components [W/m²].
 
-    Parameters
-    ----------
-    times : centres of the steps
-    sun : solar position at the steps
-    global_horizontal, diffuse_horizontal, direct_normal : measured irradiance
-        [W/m²]: global alone, or any two; if all three are given, global is ignored
-    decomposition : model that decomposes global irradiance if it alone is measured
+    Components are global alone, or any two; of three, global is ignored. Global alone
+    is decomposed by the model `decomposition`.
     """
+    direct, diffuse = series.get("direct_normal"), series.get("diffuse_horizontal")
     notes: tuple[str, ...] = ()
-    if direct_normal is not None:
-        direct_normal, notes = limit_to_extraterrestrial(direct_normal, times)
-    if direct_normal is not None and diffuse_horizontal is not None:
-        split = Irradiance(direct_normal, diffuse_horizontal)
-    elif global_horizontal is None:
+    if direct is not None:
+        direct, notes = limit_to_extraterrestrial(direct, times)
+    if direct is not None and diffuse is not None:
+        split = Irradiance(direct, diffuse)
+    elif "global_horizontal" not in series:
         raise InputError(
             "too few irradiances; global, or any two of global, diffuse and direct"
             " expected"
         )
-    elif diffuse_horizontal is not None:
-        split = _from_diffuse(global_horizontal, diffuse_horizontal, times, sun)
-    elif direct_normal is not None:
-        level = direct_normal * np.maximum(np.sin(sun.altitude), 0)
-        split = Irradiance(direct_normal, np.maximum(global_horizontal - level, 0))
+    elif diffuse is not None:
+        split = _from_diffuse(series["global_horizontal"], diffuse, times, sun)
     else:
-        split = _decompose(global_horizontal, times, sun, decomposition)
+        if direct is None:
+            one_of(decomposition, "decomposition", choices=("erbs", "dirint"))
+            model = _erbs if decomposition == "erbs" else _dirint
+            direct = model(series["global_horizontal"], times, sun)
+        rest = _without_direct(series["global_horizontal"], direct, sun)
+        split = Irradiance(direct, np.maximum(rest, 0))
 
     # Set irradiance to zero after civil twilight
     dark = sun.altitude < _TWILIGHT
@@ -102,65 +94,64 @@ def split_irradiance(
 
 
 def limit_to_extraterrestrial(
-    direct_normal: Float[np.ndarray, " time"], times: np.ndarray
-) -> tuple[Float[np.ndarray, " time"], tuple[str, ...]]:
+    direct_normal: Series, times: np.ndarray
+) -> tuple[Series, tuple[str, ...]]:
     """Return direct normal irradiance [W/m²] limited to extraterrestrial, and notes."""
-    limit = SOLAR_CONSTANT * orbit_factor(day_of_year(times))
-    above = direct_normal > limit + _TOLERANCE
-    notes: tuple[str, ...] = ()
-    if np.any(above):
-        notes = (
-            f"{np.count_nonzero(above)} direct values above the extraterrestrial"
-            " irradiance limited to it",
-        )
-    return np.minimum(direct_normal, limit), notes
+    limit = _extraterrestrial(times)
+    return _limited(
+        direct_normal,
+        limit,
+        "direct values above the extraterrestrial irradiance limited to it",
+    )
+
+
+def _limited(
+    values: Series, limit: Series, note: str
+) -> tuple[Series, tuple[str, ...]]:
+    above = np.count_nonzero(values > limit + _TOLERANCE)
+    return np.minimum(values, limit), (f"{above} {note}",) if above else ()
+
+
+def _extraterrestrial(times: np.ndarray) -> Series:
+    return np.asarray(SOLAR_CONSTANT * orbit_factor(day_of_year(times)))
+
+
+def _without_direct(level: Series, direct: Series, sun: SunPosition) -> Series:
+    # Global minus direct horizontal irradiance
+    return np.asarray(level - direct * np.maximum(np.sin(sun.altitude), 0))
 
 
 def _from_diffuse(
-    level: Float[np.ndarray, " time"],
-    diffuse: Float[np.ndarray, " time"],
-    times: np.ndarray,
-    sun: SunPosition,
+    level: Series, diffuse: Series, times: np.ndarray, sun: SunPosition
 ) -> Irradiance:
-    notes: tuple[str, ...] = ()
-    above = diffuse > level + _TOLERANCE
-    if np.any(above):
-        notes = (
-            f"{np.count_nonzero(above)} diffuse values above global limited to global",
-        )
-    diffuse = np.minimum(diffuse, level)
+    diffuse, notes = _limited(
+        diffuse, level, "diffuse values above global limited to global"
+    )
     sine = np.maximum(np.sin(sun.altitude), _LOWEST_SINE)
     direct = np.where(sun.altitude > 0, (level - diffuse) / sine, 0)
-    direct = np.minimum(direct, SOLAR_CONSTANT * orbit_factor(day_of_year(times)))
-    rest = level - direct * np.maximum(np.sin(sun.altitude), 0)
+    direct = np.minimum(direct, _extraterrestrial(times))
+    rest = _without_direct(level, direct, sun)
     return Irradiance(direct, np.maximum(rest, diffuse), notes)
 
 
-def _decompose(
-    level: Float[np.ndarray, " time"],
-    times: np.ndarray,
-    sun: SunPosition,
-    decomposition: Decomposition,
-) -> Irradiance:
-    # pvlib and pandas take a second to import, so they are imported only here
+# pvlib and pandas take a second to import, so they are imported only here
+def _erbs(level: Series, times: np.ndarray, sun: SunPosition) -> Series:
     models = importlib.import_module("pvlib.irradiance")
-    zenith = np.degrees(np.pi / 2 - sun.altitude)
-    if decomposition == "erbs":
-        parts = models.erbs(level, zenith, day_of_year(times))
-        direct = np.nan_to_num(np.asarray(parts["dni"]))
-    elif decomposition == "dirint":
-        pd = importlib.import_module("pandas")
-        index = pd.DatetimeIndex(times)
-        series = pd.Series(level, index)
-        with warnings.catch_warnings():
-            # pvlib 0.16 uses a name that pandas 4 will remove
-            warnings.simplefilter("ignore", DeprecationWarning)
-            direct = models.dirint(series, pd.Series(zenith, index), index)
-        direct = np.nan_to_num(direct.to_numpy())
-    else:
-        raise InputError(
-            f"unknown decomposition {decomposition!r}; 'erbs' or 'dirint' expected"
-        )
-    direct = np.maximum(direct, 0)
-    diffuse = level - direct * np.maximum(np.sin(sun.altitude), 0)
-    return Irradiance(direct, np.maximum(diffuse, 0))
+    parts = models.erbs(level, _zenith_deg(sun), day_of_year(times))
+    return np.asarray(np.maximum(np.nan_to_num(parts["dni"]), 0))
+
+
+def _dirint(level: Series, times: np.ndarray, sun: SunPosition) -> Series:
+    models = importlib.import_module("pvlib.irradiance")
+    pd = importlib.import_module("pandas")
+    index = pd.DatetimeIndex(times)
+    zenith = pd.Series(_zenith_deg(sun), index)
+    with warnings.catch_warnings():
+        # pvlib 0.16 uses a name that pandas 4 will remove
+        warnings.simplefilter("ignore", DeprecationWarning)
+        direct = models.dirint(pd.Series(level, index), zenith, index)
+    return np.asarray(np.maximum(np.nan_to_num(direct.to_numpy()), 0))
+
+
+def _zenith_deg(sun: SunPosition) -> Series:
+    return np.asarray(np.degrees(np.pi / 2 - sun.altitude))

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 import numpy as np
-from jaxtyping import Float
 
-from clerestory.errors import InputError
+from clerestory.array_types import Directions, Values, Vector
+from clerestory.checks import require
 
 # Smallest cos ζ, since b / cos ζ is infinite at the horizon
 _LOWEST_COSINE = 1e-3
@@ -25,9 +25,7 @@ _LOWEST_COSINE = 1e-3
 class Distribution(Protocol):
     """Relative luminance as a function of direction."""
 
-    def relative(
-        self, direction: Float[np.ndarray, "*batch 3"], *, sun: Float[np.ndarray, "3"]
-    ) -> Float[np.ndarray, "*batch"]:
+    def relative(self, direction: Directions, *, sun: Vector) -> Values:
         """Return relative luminance for unit vectors above the horizon."""
         ...
 
@@ -36,11 +34,8 @@ class Distribution(Protocol):
 class FiveParameters:
     """Luminance distribution of the Perez sky and the CIE general skies.
 
-    Attributes
-    ----------
-    a, b : parameters of the gradation from horizon to zenith
-    c, d, e : parameters of the indicatrix around the sun
-    base : constant term of the indicatrix
+    a and b are parameters of the gradation from horizon to zenith, c, d, e and base of
+    the indicatrix around the sun.
     """
 
     a: float
@@ -50,9 +45,7 @@ class FiveParameters:
     e: float
     base: float = 1.0
 
-    def relative(
-        self, direction: Float[np.ndarray, "*batch 3"], *, sun: Float[np.ndarray, "3"]
-    ) -> Float[np.ndarray, "*batch"]:
+    def relative(self, direction: Directions, *, sun: Vector) -> Values:
         """Return relative luminance, 0 or more."""
         cos_zeta = np.maximum(direction[..., 2], _LOWEST_COSINE)
         cos_gamma = np.clip(direction @ sun, -1, 1)
@@ -69,9 +62,7 @@ class Overcast:
     Reference: P. Moon, D. E. Spencer, Illumination from a non-uniform sky, 1942.
     """
 
-    def relative(
-        self, direction: Float[np.ndarray, "*batch 3"], *, sun: Float[np.ndarray, "3"]
-    ) -> Float[np.ndarray, "*batch"]:
+    def relative(self, direction: Directions, *, sun: Vector) -> Values:
         """Return the ratio of luminance to zenith luminance."""
         return np.asarray((1 + 2 * direction[..., 2]) / 3)
 
@@ -84,9 +75,7 @@ class Intermediate:
     illuminance calculations on the all weather conditions, 1990.
     """
 
-    def relative(
-        self, direction: Float[np.ndarray, "*batch 3"], *, sun: Float[np.ndarray, "3"]
-    ) -> Float[np.ndarray, "*batch"]:
+    def relative(self, direction: Directions, *, sun: Vector) -> Values:
         """Return relative luminance."""
         zeta = np.arccos(np.clip(direction[..., 2], 0, 1))
         gamma = np.arccos(np.clip(direction @ sun, -1, 1))
@@ -134,17 +123,17 @@ def cie_general(number: int) -> FiveParameters:
     >>> float(cie_general(5).relative(up, sun=sun))
     1.0
     """
-    if number not in range(1, 16):
-        raise InputError(f"CIE general sky {number!r}; a number from 1 to 15 expected")
+    require(
+        number in range(1, 16),
+        f"CIE general sky {number!r}; a number from 1 to 15 expected",
+    )
     gradation, indicatrix = _TYPES[number - 1]
     a, b = _GRADATION[gradation - 1]
     c, d, e = _INDICATRIX[indicatrix - 1]
     return FiveParameters(a, b, c, d, e, base=1 - c * float(np.exp(d * np.pi / 2)))
 
 
-def horizontal_integral(
-    distribution: Distribution, *, sun: Float[np.ndarray, "3"]
-) -> float:
+def horizontal_integral(distribution: Distribution, *, sun: Vector) -> float:
     """Horizontal irradiance for a relative luminance taken as radiance [W/(m²·sr)].
 
     Computed by Gauss–Legendre quadrature in sin² ζ and the midpoint rule in azimuth.

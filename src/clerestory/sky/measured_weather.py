@@ -1,26 +1,37 @@
-"""Weather from measured series, by quality control and irradiance decomposition.
+"""Weather from series of irradiance or illuminance, by quality control.
 
-Measured components are global horizontal, diffuse horizontal and direct normal
-irradiance or illuminance; two of the three determine the third.
+1. Values from -10 to 0 W/m² (zero offset of a pyranometer) are set to 0.
+2. Missing values and values below -10 or above 1500 W/m² (physically impossible) are
+   replaced by linear interpolation in time. More than 10 % of such values are an error.
+3. Direct normal irradiance is limited to the extraterrestrial irradiance.
+4. Direct normal and diffuse horizontal irradiance are computed from any two of global,
+   diffuse and direct irradiance or illuminance, or from global irradiance alone.
+
+The numbers of corrections are stored as notes of the weather and reported by a warning.
 """
 
+import warnings
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
-from pathlib import Path
+from dataclasses import asdict, dataclass, field, replace
 from typing import Literal, get_args
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool
 
-from clerestory.errors import InputError
-from clerestory.sky.gap_filling import repair_irradiance, warn_of_corrections
-from clerestory.sky.illuminance_conversion import irradiance_of
+from clerestory.array_types import Series
+from clerestory.checks import require
+from clerestory.errors import ClerestoryWarning
 from clerestory.sky.irradiance_decomposition import (
+    Component,
     Decomposition,
     Irradiance,
+    limit_to_extraterrestrial,
     split_irradiance,
 )
-from clerestory.sky.solar_position import SunPosition, sun_at
+from clerestory.sky.sky_state import irradiance_of
+from clerestory.sky.solar_position import sun_at
+from clerestory.sky.table_cells import DataRows
+from clerestory.sky.time_steps import typical_step
 from clerestory.sky.weather import Illuminance, Site, Weather
 
 Quantity = Literal[
@@ -32,149 +43,189 @@ Quantity = Literal[
     "direct_illuminance",
 ]
 
-_Role = Literal["global_horizontal", "diffuse_horizontal", "direct_normal"]
-
-# Argument of `split_irradiance` for each measured quantity
-_IRRADIANCE: dict[Quantity, _Role] = {role: role for role in get_args(_Role)}
-_ILLUMINANCE: dict[Quantity, _Role] = {
+_IRRADIANCE: dict[Quantity, Component] = {name: name for name in get_args(Component)}
+_ILLUMINANCE: dict[Quantity, Component] = {
     "global_illuminance": "global_horizontal",
     "diffuse_illuminance": "diffuse_horizontal",
     "direct_illuminance": "direct_normal",
 }
 
-# The limits of irradiance apply to illuminance at 100 lux per W/m²
+# Limits of irradiance [W/m²]; they apply to illuminance at 100 lux per W/m²
+_ZERO_OFFSET, _LARGEST = -10.0, 1500.0
 _LUX_PER_WATT = 100.0
+
+_LARGEST_SHARE_OF_GAPS = 0.1
+
+_Notes = tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False)
 class Measurement:
-    """Irradiance or illuminance measured at one site.
+    """Irradiance [W/m²] or illuminance [lux] at one site; NaN where missing.
 
     Attributes
     ----------
-    site : location of the instruments
     times : centres of the steps, local standard time
-    step_minutes : length of a step [min]
-    series : measured irradiance [W/m²] or illuminance [lux] by quantity; NaN where
-        missing
-    file, lines : file, and line number of each step
-    names : column name of each quantity
-    dew_point_c : dew point [°C], NaN where missing; None if not measured
+    rows : rows of the file, for line numbers in messages
+    names : column name of each quantity, for messages
     """
 
     site: Site
     times: np.ndarray
     step_minutes: float
-    series: Mapping[Quantity, Float[np.ndarray, " time"]]
-    file: str | Path
-    lines: Int[np.ndarray, " time"]
+    series: Mapping[Quantity, Series]
+    rows: DataRows
     names: Mapping[Quantity, str] = field(default_factory=dict)
-    dew_point_c: Float[np.ndarray, " time"] | None = None
+    dew_point_c: Series | None = None
+
+
+def weather_of_components(
+    site: Site,
+    times: np.ndarray,
+    rows: DataRows,
+    parts: Irradiance,
+    *,
+    step_minutes: float | None = None,
+    dew_point_c: Series | None = None,
+) -> Weather:
+    """Return the weather of the rows of a file; irradiance at night is preserved."""
+    step = typical_step(times) if step_minutes is None else step_minutes
+    series: dict[Quantity, np.ndarray] = {
+        "direct_normal": parts.direct_normal,
+        "diffuse_horizontal": parts.diffuse_horizontal,
+    }
+    measurement = Measurement(site, times, step, series, rows, dew_point_c=dew_point_c)
+    watts, repairs = _repaired(measurement, _IRRADIANCE, scale=1.0, unit="W/m²")
+    direct, limited = limit_to_extraterrestrial(watts["direct_normal"], times)
+    notes = parts.notes + repairs + limited
+    parts = Irradiance(direct, watts["diffuse_horizontal"], notes)
+    return _weather(measurement, parts)
 
 
 def weather_of(
     measurement: Measurement, *, decomposition: Decomposition = "erbs"
 ) -> Weather:
-    """Return the weather of a measurement; one warning lists all corrections."""
-    site, times = measurement.site, measurement.times
-    sun = sun_at(site, times)
+    """Return the weather of a measurement, with zero irradiance at night.
+
+    `decomposition` is the model that decomposes global irradiance if it alone is given.
+    """
+    times, rows = measurement.times, measurement.rows
+    sun = sun_at(measurement.site, times)
     watts, notes = _repaired(measurement, _IRRADIANCE, scale=1.0, unit="W/m²")
     lux, more = _repaired(measurement, _ILLUMINANCE, scale=_LUX_PER_WATT, unit="lux")
     notes += more
-    illuminance = None
+    illuminance: Illuminance | None = None
+    assumptions: _Notes = ()
     if lux:
-        illuminance, more = _illuminance(lux, times, sun, file=measurement.file)
-        notes += more
+        require(
+            len(lux) > 1,
+            "only one component of illuminance; two of global, diffuse and direct"
+            " expected, since decomposition models apply to irradiance",
+            file=rows.file,
+        )
+        parts = split_irradiance(times, sun, lux)
+        notes += parts.notes
+        illuminance = Illuminance(
+            parts.direct_normal * _LUX_PER_WATT,
+            parts.diffuse_horizontal * _LUX_PER_WATT,
+        )
     if watts or illuminance is None:
-        parts = _split(watts, times, sun, decomposition=decomposition)
+        parts = split_irradiance(times, sun, watts, decomposition=decomposition)
+        if set(watts) == {"global_horizontal"}:
+            assumptions = (
+                f"global irradiance decomposed by the {decomposition} model",
+            )
     else:
         parts = Irradiance(
             *irradiance_of(
                 illuminance, times=times, sun=sun, dew_point_c=measurement.dew_point_c
             )
         )
-    notes += parts.notes
-    warn_of_corrections(notes, file=measurement.file)
+        assumptions = ("irradiance from illuminance by Perez's luminous efficacy",)
+    parts = replace(parts, notes=notes + parts.notes)
+    return _weather(measurement, parts, illuminance, assumptions)
+
+
+def _weather(
+    measurement: Measurement,
+    parts: Irradiance,
+    illuminance: Illuminance | None = None,
+    assumptions: _Notes = (),
+) -> Weather:
+    # Issue one warning with all corrections
+    file = measurement.rows.file
+    if parts.notes:
+        message = f"{file}: {'; '.join(parts.notes)}"
+        warnings.warn(message, ClerestoryWarning, stacklevel=5)
     return Weather(
-        **asdict(site),
-        times=times,
+        **asdict(measurement.site),
+        times=measurement.times,
         step_minutes=measurement.step_minutes,
         direct_normal=parts.direct_normal,
         diffuse_horizontal=parts.diffuse_horizontal,
         dew_point_c=measurement.dew_point_c,
         illuminance=illuminance,
-        source=str(measurement.file),
-        notes=notes + _assumptions(watts, illuminance, decomposition),
+        source=str(file),
+        notes=parts.notes + assumptions,
     )
 
 
-def _assumptions(
-    watts: Mapping[_Role, np.ndarray],
-    illuminance: Illuminance | None,
-    decomposition: Decomposition,
-) -> tuple[str, ...]:
-    if set(watts) == {"global_horizontal"}:
-        return (f"global irradiance decomposed by the {decomposition} model",)
-    if not watts and illuminance is not None:
-        return ("irradiance from illuminance by Perez's luminous efficacy",)
-    return ()
-
-
 def _repaired(
-    measurement: Measurement, kind: Mapping[Quantity, _Role], *, scale: float, unit: str
-) -> tuple[dict[_Role, Float[np.ndarray, " time"]], tuple[str, ...]]:
-    # Return the series by component, in W/m² or hundreds of lux
-    notes: tuple[str, ...] = ()
+    measurement: Measurement,
+    kind: Mapping[Quantity, Component],
+    *,
+    scale: float,
+    unit: str,
+) -> tuple[dict[Component, Series], _Notes]:
+    # Return the series by component, in W/m² or hundreds of lux, and notes
+    notes: _Notes = ()
     series = {}
-    for quantity, role in kind.items():
+    for quantity, component in kind.items():
         if quantity in measurement.series:
-            values, made = repair_irradiance(
-                measurement.series[quantity],
-                name=measurement.names.get(quantity, quantity.replace("_", " ")),
-                times=measurement.times,
-                file=measurement.file,
-                lines=measurement.lines,
-                scale=scale,
-                unit=unit,
-            )
-            series[role] = values / scale
+            values, made = _filled(measurement, quantity, scale, unit)
+            series[component] = values / scale
             notes += made
     return series, notes
 
 
-def _illuminance(
-    series: Mapping[_Role, Float[np.ndarray, " time"]],
-    times: np.ndarray,
-    sun: SunPosition,
-    *,
-    file: str | Path,
-) -> tuple[Illuminance, tuple[str, ...]]:
-    if len(series) < 2:
-        raise InputError(
-            "only one component of illuminance; two of global, diffuse and"
-            " direct expected,"
-            " since decomposition models apply to irradiance",
-            file=file,
+def _filled(
+    measurement: Measurement, quantity: Quantity, scale: float, unit: str
+) -> tuple[Series, _Notes]:
+    values, rows = measurement.series[quantity], measurement.rows
+    plain = quantity.replace("_", " ")
+    plain += "" if quantity in _ILLUMINANCE else " irradiance"
+    name = measurement.names.get(quantity, plain)
+    lowest, largest = scale * _ZERO_OFFSET, scale * _LARGEST
+    offset = (values < 0) & (values >= lowest)
+    gap = ~((values >= lowest) & (values <= largest))
+    notes = []
+    if np.any(offset):
+        notes.append(
+            f"{name}: {np.count_nonzero(offset)} values just below zero set to zero"
         )
-    parts = _split(series, times, sun)
-    lux = Illuminance(
-        parts.direct_normal * _LUX_PER_WATT, parts.diffuse_horizontal * _LUX_PER_WATT
-    )
-    return lux, parts.notes
+    if np.any(gap):
+        first = int(rows.lines[np.argmax(gap)])
+        count = f"{np.count_nonzero(gap)} of {len(values)} values"
+        require(
+            np.mean(gap) <= _LARGEST_SHARE_OF_GAPS,
+            f"{count} of {name} are missing or impossible; at least 90 % from"
+            f" {lowest:g} to {largest:g} {unit} expected",
+            file=rows.file,
+            line=first,
+        )
+        notes.append(
+            f"{name}: {count} missing or impossible, interpolated (first: line"
+            f" {first}; at most {_longest(gap)} in a row)"
+        )
+
+    # Interpolate across the gaps in time
+    moment = (measurement.times - measurement.times[0]).astype(float)
+    filled = np.where(offset, 0.0, values)
+    filled[gap] = np.interp(moment[gap], moment[~gap], filled[~gap])
+    return filled, tuple(notes)
 
 
-def _split(
-    series: Mapping[_Role, Float[np.ndarray, " time"]],
-    times: np.ndarray,
-    sun: SunPosition,
-    *,
-    decomposition: Decomposition = "erbs",
-) -> Irradiance:
-    return split_irradiance(
-        times,
-        sun,
-        global_horizontal=series.get("global_horizontal"),
-        diffuse_horizontal=series.get("diffuse_horizontal"),
-        direct_normal=series.get("direct_normal"),
-        decomposition=decomposition,
-    )
+def _longest(gap: Bool[np.ndarray, " time"]) -> int:
+    # Largest number of consecutive missing values
+    ends = np.flatnonzero(np.diff(np.concatenate([[0], gap.astype(int), [0]])))
+    return int(np.max(ends[1::2] - ends[::2]))

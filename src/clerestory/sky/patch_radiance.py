@@ -14,7 +14,7 @@ from jaxtyping import Float, Float32
 from scipy.sparse import csc_array, csr_array
 
 from clerestory.bands import GREY, RGB, Bands, common_bands
-from clerestory.constants import SKY_COLOUR
+from clerestory.checks import require
 from clerestory.errors import MatrixError
 from clerestory.hemisphere.reinhart import SkyPartition
 from clerestory.matrix.axis import Axis, sky_axis, time_axis
@@ -30,11 +30,6 @@ if TYPE_CHECKING:
 
 # Rows or columns computed at once, so that they fit in the cache
 _BLOCK = 64
-
-
-def default_colour(bands: Bands) -> tuple[float, ...]:
-    """Return the default sky colour: that of gendaymtx in RGB, white in other bands."""
-    return SKY_COLOUR if bands == RGB else (1.0,) * len(bands)
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,24 +68,28 @@ class SkyMatrix:
 
     def __post_init__(self) -> None:
         shape = (len(self.partition), len(self.times))
-        if self.diffuse.shape != shape or self.sun.shape != shape:
-            raise MatrixError(
-                f"sky of shape {self.diffuse.shape}, sun of shape {self.sun.shape};"
-                f" {self.rows.describe()} by {self.columns.describe()} expected"
-            )
+        require(
+            self.diffuse.shape == self.sun.shape == shape,
+            f"sky of shape {self.diffuse.shape}, sun of shape {self.sun.shape};"
+            f" {self.rows.describe()} by {self.columns.describe()} expected",
+            error=MatrixError,
+        )
         bands = len(self.bands)
-        if self.colour.shape != (bands, shape[0]) or self.sun_colour.shape != (bands,):
-            raise MatrixError(
-                f"colours of shape {self.colour.shape} and {self.sun_colour.shape};"
-                f" ({bands}, {shape[0]}) and ({bands},) expected"
-            )
+        require(
+            self.colour.shape == (bands, shape[0])
+            and self.sun_colour.shape == (bands,),
+            f"colours of shape {self.colour.shape} and {self.sun_colour.shape};"
+            f" ({bands}, {shape[0]}) and ({bands},) expected",
+            error=MatrixError,
+        )
         # NaN fails the first comparison, infinity the second
         for part in (self.diffuse, self.sun.data, self.colour, self.sun_colour):
-            if part.size and not (part.min() >= 0 and part.max() < np.inf):
-                raise MatrixError(
-                    "radiance or colour is negative or not finite; finite"
-                    " numbers of 0 or more expected"
-                )
+            require(
+                not part.size or (part.min() >= 0 and part.max() < np.inf),
+                "radiance or colour is negative or not finite; finite numbers of 0 or"
+                " more expected",
+                error=MatrixError,
+            )
 
     @property
     def rows(self) -> Axis:
@@ -132,15 +131,13 @@ class SkyMatrix:
 
         The time of this step is that of the first step.
         """
-        share = 1 / len(self.times)
-        weight = np.full((len(self.times), 1), share)
+        weight = csc_array(np.full((len(self.times), 1), 1 / len(self.times)))
+        diffuse = self.diffuse.mean(axis=1, keepdims=True, dtype=float)
         return replace(
             self,
             times=self.times[:1],
-            diffuse=self.diffuse.mean(axis=1, keepdims=True, dtype=float).astype(
-                np.float32
-            ),
-            sun=csc_array(self.sun @ csc_array(weight)).astype(np.float32),
+            diffuse=diffuse.astype(np.float32),
+            sun=csc_array(self.sun @ weight).astype(np.float32),
         )
 
     def to_transfer_matrix(self) -> TransferMatrix:
@@ -185,13 +182,7 @@ class SkyMatrix:
 
 @dataclass(frozen=True, eq=False)
 class SkyResponse:
-    """Product of daylight coefficients and a sky matrix, evaluated by its methods.
-
-    Attributes
-    ----------
-    transfer : daylight coefficients from sky patches to sensors
-    sky : sky matrix
-    """
+    """Product of daylight coefficients and a sky matrix, evaluated by its methods."""
 
     transfer: TransferMatrix
     sky: SkyMatrix

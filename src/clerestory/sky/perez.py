@@ -10,12 +10,24 @@ distribution – preliminary configuration and validation, Solar Energy 50 (3),
 1993, with the erratum in 51 (5).
 """
 
+import os
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
-from jaxtyping import Float, Float32
+from jaxtyping import Float, Float32, Int
 
+from clerestory.array_types import Series
+from clerestory.checks import one_of
+from clerestory.hemisphere.partition import RingPartition
 from clerestory.sky.sky_state import SkyState
+
+Quadrature = Literal["exact", "centres"]
+
+# Values per block, half a megabyte of float32, so that a block fits in the cache
+_BLOCK = 150_000
+_MOST_THREADS = 8
 
 # Table 1: x1, x2, x3, x4 for each of a, b, c, d, e, by clearness category
 # fmt: off
@@ -55,27 +67,21 @@ _LARGEST_EXPONENT = 600.0
 class PerezSky:
     """Relative luminance distribution at each time step.
 
-    Attributes
-    ----------
-    a, b, c, d, e : parameters of the distribution
-    sun : unit vectors to the sun, with the zenith angle limited to 3°…90°
+    The parameters are a, b, c, d and e; the zenith angle of the unit vectors to the sun
+    is limited to 3°…90°.
     """
 
-    a: Float[np.ndarray, " time"]
-    b: Float[np.ndarray, " time"]
-    c: Float[np.ndarray, " time"]
-    d: Float[np.ndarray, " time"]
-    e: Float[np.ndarray, " time"]
+    parameters: Float[np.ndarray, "five time"]
     sun: Float[np.ndarray, "time 3"]
 
     def gradation(
         self, cos_zenith: Float[np.ndarray, " patch"]
     ) -> Float[np.ndarray, "time patch"]:
         """Gradation 1 + a exp(b / cos ζ), up to a factor per time step."""
-        exponent = self.b[:, None] / cos_zenith
+        a, b = self.parameters[:2, :, None]
+        exponent = b / cos_zenith
         largest = np.maximum(exponent.max(axis=1, keepdims=True), 0)
-        factor = np.exp(-largest) + self.a[:, None] * np.exp(exponent - largest)
-        return np.asarray(factor)
+        return np.asarray(np.exp(-largest) + a * np.exp(exponent - largest))
 
     def indicatrix(
         self, cos_sun: Float32[np.ndarray, "time patch"]
@@ -85,36 +91,39 @@ class PerezSky:
         `cos_sun`, cos γ, is overwritten and returned.
         """
         # Divide by the largest of 1, |c| exp(d π) and |e|
-        growth = np.maximum(self.d * np.pi, 0)
-        size = np.maximum(np.log(np.maximum(np.abs(self.c), 1e-300)) + growth, 0)
-        size = np.maximum(size, np.log(np.maximum(np.abs(self.e), 1)))
-        one = np.exp(-size).astype(np.float32)[:, None]
-        c = np.sign(self.c) * np.exp(
-            np.log(np.maximum(np.abs(self.c), 1e-300)) + growth - size
+        _, _, c, d, e = self.parameters
+        growth = np.maximum(d * np.pi, 0)
+        scale = np.log(np.maximum(np.abs(c), 1e-300)) + growth
+        size = np.maximum(np.maximum(scale, 0), np.log(np.maximum(np.abs(e), 1)))
+        one, growth, c, d, e = (
+            part.astype(np.float32)[:, None]
+            for part in (
+                np.exp(-size),
+                growth,
+                np.sign(c) * np.exp(scale - size),
+                d,
+                e * np.exp(-size),
+            )
         )
-        e = self.e * np.exp(-size)
 
         np.clip(cos_sun, -1, 1, out=cos_sun)
         gamma = np.arccos(cos_sun)
-        gamma *= self.d.astype(np.float32)[:, None]
-        gamma -= growth.astype(np.float32)[:, None]
+        gamma *= d
+        gamma -= growth
         np.exp(gamma, out=gamma)
-        gamma *= c.astype(np.float32)[:, None]
+        gamma *= c
         np.square(cos_sun, out=cos_sun)
-        cos_sun *= e.astype(np.float32)[:, None]
+        cos_sun *= e
         cos_sun += gamma
         cos_sun += one
         return cos_sun
 
     def select(self, steps: slice | np.ndarray) -> "PerezSky":
         """Return the distribution at the given time steps."""
-        return PerezSky(
-            self.a[steps], self.b[steps], self.c[steps], self.d[steps], self.e[steps],
-            self.sun[steps],
-        )  # fmt: skip
+        return PerezSky(self.parameters[:, steps], self.sun[steps])
 
 
-def perez_sky(state: SkyState, *, azimuth: Float[np.ndarray, " time"]) -> PerezSky:
+def perez_sky(state: SkyState, *, azimuth: Series) -> PerezSky:
     """Return the luminance distribution of the sky (Perez et al. 1993, eqs. 6 to 8)."""
     # Limit the brightness Δ as gendaymtx does
     low = (state.clearness > 1.065) & (state.clearness < 2.8)
@@ -136,4 +145,50 @@ def perez_sky(state: SkyState, *, azimuth: Float[np.ndarray, " time"]) -> PerezS
 
     sine = np.sin(z)
     sun = np.stack([sine * np.sin(azimuth), sine * np.cos(azimuth), np.cos(z)], axis=-1)
-    return PerezSky(a, b, c, d, e, sun)
+    return PerezSky(np.stack([a, b, c, d, e]), sun)
+
+
+def dome_radiance(
+    sky: PerezSky,
+    diffuse: Series,
+    *,
+    dome: RingPartition,
+    quadrature: Quadrature = "exact",
+    out: Float32[np.ndarray, "time patch"],
+    steps: Int[np.ndarray, " lit"],
+) -> None:
+    """Write the radiance of the patches [W/(m²·sr)] at the given steps into `out`.
+
+    The sky is scaled to the diffuse horizontal irradiance [W/m²] with one of two
+    weights of the patches: "exact" projected solid angles, or solid angle times cosine
+    at the patch "centres" as in Radiance. One exponential and one arc cosine per patch
+    and step dominate the computing time; they are computed in float32, in parallel.
+    """
+    one_of(quadrature, "quadrature", choices=("exact", "centres"))
+    centres = dome.centres()
+    weight = dome.projected_solid_angles()
+    if quadrature == "centres":
+        weight = dome.solid_angles() * centres[:, 2]
+    rings = centres[dome.first, 2]
+    towards = np.ascontiguousarray(centres.T, dtype=np.float32)
+    weight = weight.astype(np.float32)
+    size = max(1, _BLOCK // len(dome))
+
+    def fill(start: int) -> None:
+        at = steps[start : start + size]
+        part = sky.select(at)
+        block = part.indicatrix(part.sun.astype(np.float32) @ towards)
+        gradation = part.gradation(rings).astype(np.float32)
+        block *= np.repeat(gradation, dome.count, axis=1)
+        np.maximum(block, 0, out=block)
+
+        # Scale to the diffuse irradiance; use a uniform sky where the model gives zero
+        total = block @ weight
+        dark = ~(total > 1e-30)
+        block[dark] = 1
+        total[dark] = weight.sum()
+        block *= (diffuse[at] / total).astype(np.float32)[:, None]
+        out[at] = block
+
+    with ThreadPoolExecutor(min(os.cpu_count() or 1, _MOST_THREADS)) as pool:
+        list(pool.map(fill, range(0, len(steps), size)))

@@ -8,14 +8,13 @@ from dataclasses import dataclass, replace
 from typing import Unpack
 
 import numpy as np
-from jaxtyping import Float
 from scipy.sparse import csc_array
 
+from clerestory.array_types import Directions, Values, Vector
 from clerestory.bands import RGB, Bands
+from clerestory.checks import not_negative, require, within
 from clerestory.constants import GROUND_REFLECTANCE, LUMINOUS_EFFICACY, SKY_COLOUR
-from clerestory.errors import InputError
 from clerestory.hemisphere.reinhart import reinhart
-from clerestory.sky.illuminance_conversion import irradiance_of
 from clerestory.sky.luminance_distribution import (
     Distribution,
     FiveParameters,
@@ -24,7 +23,7 @@ from clerestory.sky.luminance_distribution import (
 from clerestory.sky.patch_radiance import SkyMatrix
 from clerestory.sky.perez import perez_sky
 from clerestory.sky.sky_conditions import SkyConditions, SkyOptions, sky_conditions
-from clerestory.sky.sky_state import sky_state
+from clerestory.sky.sky_state import irradiance_of, sky_state
 from clerestory.sky.solar_position import SunPosition, day_of_year
 from clerestory.sky.solar_radiance import SUN_DIAMETER_DEG, SunPlacement, sun_radiance
 from clerestory.sky.weather import Illuminance, Weather
@@ -42,19 +41,17 @@ class PointSky:
 
     Attributes
     ----------
-    distribution : relative luminance of the sky
     scale : radiance at a relative luminance of 1 [W/(m²·sr)]
     sun : unit vector to the sun
     direct_normal : direct normal irradiance [W/m²]
     ground : radiance of the ground [W/(m²·sr)]
     colour : factor on the sky radiance in each band
     time : local standard time; NaT if unspecified
-    bands : spectral bands
     """
 
     distribution: Distribution
     scale: float
-    sun: Float[np.ndarray, "3"]
+    sun: Vector
     direct_normal: float
     ground: float
     colour: tuple[float, ...] = (1.0, 1.0, 1.0)
@@ -62,21 +59,17 @@ class PointSky:
     bands: Bands = RGB
 
     def __post_init__(self) -> None:
-        levels = np.array([self.scale, self.direct_normal, self.ground, *self.colour])
-        if not np.all(np.isfinite(levels) & (levels >= 0)):
-            raise InputError(
-                f"sky scale {self.scale}, direct normal {self.direct_normal}, ground"
-                f" {self.ground}; finite numbers from 0 expected"
-            )
-        if len(self.colour) != len(self.bands):
-            raise InputError(
-                f"sky colour {self.colour}; one number for each of the bands"
-                f" {self.bands} expected"
-            )
+        not_negative(self.scale, "radiance of the sky", unit="W/(m²·sr)")
+        not_negative(self.direct_normal, "direct normal irradiance", unit="W/m²")
+        not_negative(self.ground, "radiance of the ground", unit="W/(m²·sr)")
+        not_negative(self.colour, "sky colour")
+        require(
+            len(self.colour) == len(self.bands),
+            f"sky colour {self.colour}; one number for each of the bands {self.bands}"
+            " expected",
+        )
 
-    def radiance(
-        self, direction: Float[np.ndarray, "*batch 3"]
-    ) -> Float[np.ndarray, "*batch"]:
+    def radiance(self, direction: Directions) -> Values:
         """Achromatic radiance of sky and ground, without sun [W/(m²·sr)]."""
         sky = self.scale * self.distribution.relative(direction, sun=self.sun)
         return np.where(direction[..., 2] > 0, sky, self.ground)
@@ -98,14 +91,11 @@ def perez_point(
     The arguments are those of `sky_matrix`; `weather.select(slice(i, i + 1))` selects
     one step of a year.
     """
-    if len(weather) != 1:
-        raise InputError(f"weather of {len(weather)} steps; a single step expected")
-    return _perez(
-        sky_conditions(weather, **options),
-        ground_reflectance=ground_reflectance,
-        sky_colour=sky_colour,
-        time=weather.times[0],
+    require(
+        len(weather) == 1, f"weather of {len(weather)} steps; a single step expected"
     )
+    sky = _perez(sky_conditions(weather, **options), ground_reflectance, sky_colour)
+    return replace(sky, time=weather.times[0])
 
 
 def perez_moment(
@@ -119,17 +109,11 @@ def perez_moment(
     sky_colour: tuple[float, float, float] = SKY_COLOUR,
     time: np.datetime64 = _MEAN_DAY,
 ) -> PointSky:
-    """Return the Perez sky for a solar position and visible irradiances.
+    """Return the Perez sky for a solar position and visible irradiances [W/m²].
 
-    Parameters
-    ----------
-    sun_altitude, sun_azimuth : solar altitude, and azimuth clockwise from north [rad]
-    diffuse_horizontal, direct_normal : visible irradiance, illuminance divided by 179
-        lm/W [W/m²]
-    with_sun : whether to include the sun; the ground radiance always includes reflected
-        sunlight
-    ground_reflectance, sky_colour : as in `perez_point`
-    time : local standard time, whose day determines the distance to the sun
+    Azimuth is clockwise from north [rad]; visible irradiance is illuminance divided by
+    179 lm/W; the day of `time` determines the distance to the sun. The ground radiance
+    includes reflected sunlight also without sun.
 
     >>> sky = perez_moment(
     ...     sun_altitude=0.7, sun_azimuth=3.1, diffuse_horizontal=90, direct_normal=400
@@ -137,16 +121,10 @@ def perez_moment(
     >>> round(sky.diffuse_horizontal(), 6)
     90.0
     """
-    if not (0 <= diffuse_horizontal < np.inf and 0 <= direct_normal < np.inf):
-        raise InputError(
-            f"diffuse irradiance {diffuse_horizontal}, direct irradiance"
-            f" {direct_normal};"
-            " numbers from 0 expected"
-        )
-    if not abs(sun_altitude) <= np.pi / 2:
-        raise InputError(
-            f"solar altitude {np.degrees(sun_altitude):g}°; -90 to 90 expected"
-        )
+    not_negative(diffuse_horizontal, "diffuse horizontal irradiance", unit="W/m²")
+    not_negative(direct_normal, "direct normal irradiance", unit="W/m²")
+    altitude_deg = np.degrees(sun_altitude)
+    within(altitude_deg, "solar altitude", least=-90, most=90, unit="degrees")
     sun = SunPosition(np.array([sun_altitude]), np.array([sun_azimuth]))
     visible = np.array([direct_normal * (sun_altitude > 0)], dtype=float)
     sky = np.array([diffuse_horizontal], dtype=float)
@@ -158,23 +136,18 @@ def perez_moment(
     state = sky_state(
         *irradiance, altitude=sun.altitude, day_of_year=day_of_year(times)
     )
-    found = _perez(
-        SkyConditions(sun, state, visible, sky),
-        ground_reflectance=ground_reflectance,
-        sky_colour=sky_colour,
-    )
+    conditions = SkyConditions(sun, state, visible, sky)
+    found = _perez(conditions, ground_reflectance, sky_colour)
     return found if with_sun else replace(found, direct_normal=0.0)
 
 
 def _perez(
     conditions: SkyConditions,
-    *,
     ground_reflectance: float,
     sky_colour: tuple[float, float, float],
-    time: np.datetime64 = np.datetime64("NaT", "s"),  # noqa: B008
 ) -> PointSky:
     sky = perez_sky(conditions.state, azimuth=conditions.sun.azimuth)
-    shape = FiveParameters(*(float(p[0]) for p in (sky.a, sky.b, sky.c, sky.d, sky.e)))
+    shape = FiveParameters(*sky.parameters[:, 0].tolist())
     diffuse = float(conditions.diffuse_horizontal[0])
     level = diffuse + float(conditions.direct_horizontal()[0])
 
@@ -191,7 +164,6 @@ def _perez(
         float(conditions.direct_normal[0]),
         ground_reflectance * level / np.pi,
         sky_colour,
-        time,
     )
 
 
@@ -199,11 +171,9 @@ def _perez(
 class _Circumsolar:
     # Distribution whose circumsolar centre may differ from the sun's direction
     shape: FiveParameters
-    centre: Float[np.ndarray, "3"]
+    centre: Vector
 
-    def relative(
-        self, direction: Float[np.ndarray, "*batch 3"], *, sun: Float[np.ndarray, "3"]
-    ) -> Float[np.ndarray, "*batch"]:
+    def relative(self, direction: Directions, *, sun: Vector) -> Values:
         return self.shape.relative(direction, sun=self.centre)
 
 
@@ -217,14 +187,8 @@ def sky_vector(
     """Return the mean radiance of every patch as a sky matrix of one column.
 
     The mean is taken over 16 points per patch with equal projected solid angles, which
-    preserves the horizontal irradiance.
-
-    Parameters
-    ----------
-    sky : the sky at one moment
-    subdivision : Reinhart's MF, 1 to 6
-    sun : assignment of the direct sun to patches, see `sun_radiance`
-    sun_diameter_deg : angular diameter of the sun [°], for `sun="disc"`
+    preserves the horizontal irradiance. `subdivision` is Reinhart's MF; for the sun,
+    see `sun_radiance`.
     """
     partition = reinhart(subdivision)
     dome = partition.dome

@@ -6,11 +6,13 @@ of an hour, except in climates with frequent morning fog or afternoon storms.
 """
 
 import warnings
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Series
 from clerestory.errors import ClerestoryWarning
 from clerestory.sky.sky_conditions import sun_over
 from clerestory.sky.solar_position import sun_at
@@ -36,13 +38,10 @@ _NORTHERN_SUMMER, _NORTHERN_WINTER = (5, 6, 7, 8), (11, 12, 1, 2)
 
 @dataclass(frozen=True)
 class ClockShift:
-    """Time shift between irradiance and solar position.
+    """Time shift of irradiance to solar position [h], positive if the clock is slow.
 
-    Attributes
-    ----------
-    whole : time shift over all steps [h], positive if the clock is slow
-    summer_less_winter : time shift in summer minus time shift in winter [h]; 0 if one
-        of the seasons is missing
+    `summer_less_winter` is the time shift in summer minus that in winter; 0 if one of
+    the seasons is missing.
     """
 
     whole: float
@@ -72,75 +71,62 @@ def clock_shift(weather: Weather) -> ClockShift | None:
     return ClockShift(_best_shift(light, heights), difference)
 
 
-def quality_problems(weather: Weather) -> tuple[str, ...]:
-    """Return a message for each problem of the weather data, with its magnitude."""
-    return (*_missing_steps(weather), *_light_at_night(weather), *_clock(weather))
+def quality_problems(weather: Weather) -> Iterator[str]:
+    """Yield a message for each problem of the weather data, with its magnitude."""
+    gaps = np.diff(weather.times).astype(float) / (weather.step_minutes * 60) - 1
+    missing = int(np.round(gaps[gaps > 0.5]).sum())
+    if missing:
+        first = weather.times[int(np.argmax(gaps > 0.5))]
+        yield (
+            f"{missing} time steps are missing in {np.count_nonzero(gaps > 0.5)} gaps"
+            f" (first: after {first}) and are not replaced"
+        )
+    light = weather.direct_normal + weather.diffuse_horizontal > _LIGHT
+    odd = light & (sun_over(weather).altitude < _BELOW)
+    if np.any(odd):
+        yield (
+            f"{np.count_nonzero(odd)} steps have more than {_LIGHT:g} W/m² with the sun"
+            f" more than 6° below the horizon (first: {weather.times[np.argmax(odd)]}):"
+            " are time zone and longitude right?"
+        )
+    yield from _clock_problems(weather)
 
 
 def warn_of_clock(weather: Weather) -> None:
     """Warn if irradiance is early or late relative to the solar position."""
-    for problem in _clock(weather):
+    for problem in _clock_problems(weather):
         warnings.warn(f"{weather.source}: {problem}", ClerestoryWarning, stacklevel=2)
 
 
-def _missing_steps(weather: Weather) -> tuple[str, ...]:
-    step = weather.step_minutes * 60
-    gaps = np.diff(weather.times).astype(float) / step - 1
-    missing = int(np.round(gaps[gaps > 0.5]).sum())
-    if missing == 0:
-        return ()
-    first = weather.times[int(np.argmax(gaps > 0.5))]
-    return (
-        f"{missing} time steps are missing in {np.count_nonzero(gaps > 0.5)} gaps"
-        f" (first: after {first}) and are not replaced",
-    )
-
-
-def _light_at_night(weather: Weather) -> tuple[str, ...]:
-    light = weather.direct_normal + weather.diffuse_horizontal > _LIGHT
-    odd = light & (sun_over(weather).altitude < _BELOW)
-    if not np.any(odd):
-        return ()
-    return (
-        f"{np.count_nonzero(odd)} steps have more than {_LIGHT:g} W/m² with the sun"
-        f" more than 6° below the horizon (first: {weather.times[np.argmax(odd)]}):"
-        " are time zone and longitude right?",
-    )
-
-
-def _clock(weather: Weather) -> tuple[str, ...]:
+def _clock_problems(weather: Weather) -> Iterator[str]:
     shift = clock_shift(weather)
     if shift is None:
-        return ()
+        return
     if not _SUMMER_LATE <= shift.summer_less_winter <= _SUMMER_EARLY:
-        return (
+        yield (
             f"irradiance in summer is {_hours(shift.summer_less_winter)} relative to"
-            " winter: are the times in daylight saving time?",
+            " winter: are the times in daylight saving time?"
         )
-    if abs(shift.whole) > _LARGEST_SHIFT:
-        return (
-            f"irradiance is {_hours(shift.whole)} relative to the solar position:"
-            " are time zone,"
-            " longitude and the meaning of the times (start, centre or end of a"
-            " step) right?",
+    elif abs(shift.whole) > _LARGEST_SHIFT:
+        yield (
+            f"irradiance is {_hours(shift.whole)} relative to the solar position: are"
+            " time zone, longitude and the meaning of the times (start, centre or end"
+            " of a step) right?"
         )
-    return ()
 
 
 def _hours(shift: float) -> str:
     return f"{abs(shift):.1f} h {'early' if shift > 0 else 'late'}"
 
 
-def _height(weather: Weather, hours: float) -> Float[np.ndarray, " time"]:
+def _height(weather: Weather, hours: float) -> Series:
     # Sine of the solar altitude, at least 0, at times shifted by some hours
     later = weather.times + np.timedelta64(round(hours * 3600), "s")
     sun = sun_at(weather.site, later, formula="radiance")
     return np.asarray(np.maximum(np.sin(sun.altitude), 0))
 
 
-def _best_shift(
-    light: Float[np.ndarray, " time"], heights: Float[np.ndarray, "shift time"]
-) -> float:
+def _best_shift(light: Series, heights: Float[np.ndarray, "shift time"]) -> float:
     # Vertex of the parabola through the largest correlation and the two adjacent ones
     correlation = np.array([np.corrcoef(height, light)[0, 1] for height in heights])
     best = int(np.clip(np.argmax(correlation), 1, len(_SHIFTS) - 2))
@@ -159,7 +145,7 @@ def describe_weather(weather: Weather) -> list[tuple[str, str]]:
     level = weather.direct_normal * np.sin(np.maximum(sun_over(weather).altitude, 0))
     first, last = weather.times[[0, -1]].astype("datetime64[m]")
 
-    def energy(irradiance: Float[np.ndarray, " time"]) -> str:
+    def energy(irradiance: Series) -> str:
         return f"{irradiance.sum() * weather.step_minutes / 60_000:.0f} kWh/m²"
 
     lit = weather.direct_normal + weather.diffuse_horizontal > 0

@@ -11,19 +11,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import Series
+from clerestory.checks import require
 from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.sky.irradiance_decomposition import Decomposition
 from clerestory.sky.measured_weather import Measurement, Quantity, weather_of
-from clerestory.sky.table_cells import DataRows, number
-from clerestory.sky.time_steps import (
-    StandsFor,
-    centres,
-    require_increasing,
-    typical_step,
-)
+from clerestory.sky.table_cells import DataRows, numbers
+from clerestory.sky.time_steps import StandsFor, step_centres
 from clerestory.sky.weather import Site, Weather
 
 # Indices of the cells of a SURFRAD row, from 0; a quality flag follows each value
@@ -34,6 +30,12 @@ _SURFRAD = {
     "minute": 5,
     "direct_normal": 12,
     "diffuse_horizontal": 14,
+}
+_SURFRAD_LIMITS = {
+    "year": (1900, 2200),
+    "day": (1, 366),
+    "hour": (0, 24),
+    "minute": (0, 60),
 }
 _SURFRAD_SERIES: tuple[Quantity, ...] = ("direct_normal", "diffuse_horizontal")
 
@@ -53,22 +55,18 @@ def read_surfrad(path: str | Path, *, utc_offset_hours: float | None = None) -> 
     """Return the weather of a SURFRAD file (.dat), one day in steps of a minute.
 
     Times are UTC and mark the end of a minute. Direct normal irradiance is measured by
-    a pyrheliometer, diffuse horizontal irradiance by a shaded pyranometer.
-
-    Parameters
-    ----------
-    utc_offset_hours : local standard time minus UTC [h]; default: longitude / 15,
-        rounded
+    a pyrheliometer, diffuse horizontal irradiance by a shaded pyranometer. The default
+    of `utc_offset_hours` is the longitude / 15, rounded.
 
     Reference: NOAA Global Monitoring Laboratory, SURFRAD README.
     """
     lines = read_text(path).splitlines()
-    if not is_surfrad(lines):
-        raise InputError(
-            "no station in the first lines, or no data; a file of SURFRAD expected",
-            file=path,
-            line=1,
-        )
+    require(
+        is_surfrad(lines),
+        "no station in the first lines, or no data; a file of SURFRAD expected",
+        file=path,
+        line=1,
+    )
     site = _surfrad_site(lines, utc_offset_hours, path)
     rows = DataRows.below(2, (text.split() for text in lines), file=path)
     cells = {name: rows.column(index, name) for name, index in _SURFRAD.items()}
@@ -88,11 +86,9 @@ def is_surfrad(head: list[str]) -> bool:
 
 
 def _surfrad_site(lines: list[str], offset: float | None, path: str | Path) -> Site:
+    fields = {"latitude": 0, "longitude": 1, "elevation": 2}
     cells = lines[1].split()
-    latitude, longitude, elevation = (
-        number(cells, i, name=name, file=path, line=2)
-        for i, name in enumerate(("latitude", "longitude", "elevation"))
-    )
+    latitude, longitude, elevation = numbers(cells, fields, file=path, line=2)
 
     # Stations are west of Greenwich; older files omit the sign of the longitude
     longitude = -abs(longitude)
@@ -103,16 +99,16 @@ def _surfrad_site(lines: list[str], offset: float | None, path: str | Path) -> S
 
 def _surfrad_times(cells: dict[str, np.ndarray], rows: DataRows) -> np.ndarray:
     # UTC times from year, day of the year, hour and minute
-    late = (cells["hour"] > 24) | (cells["minute"] > 60) | (cells["day"] > 366)
-    wrong = late | (np.minimum(cells["hour"], cells["minute"]) < 0) | (cells["day"] < 1)
-    wrong |= (cells["year"] < 1900) | (cells["year"] > 2200)
-    if np.any(wrong):
-        raise InputError(
+    valid = np.ones(len(rows.lines), dtype=bool)
+    for name, (least, most) in _SURFRAD_LIMITS.items():
+        valid &= (cells[name] >= least) & (cells[name] <= most)
+    rows.require(
+        valid,
+        lambda _: (
             "a time that is not in the calendar; year, day of year, hour and minute"
-            " expected",
-            file=rows.file,
-            line=int(rows.lines[np.argmax(wrong)]),
-        )
+            " expected"
+        ),
+    )
     year = (cells["year"].astype(int) - 1970).astype("datetime64[Y]")
     day = year.astype("datetime64[D]") + (cells["day"].astype(int) - 1)
     seconds = np.round(3600 * cells["hour"] + 60 * cells["minute"]).astype(int)
@@ -131,8 +127,11 @@ def read_srml(
     """
     pd = importlib.import_module("pandas")
     data = _read_srml(path)
-    if not isinstance(data.index, pd.DatetimeIndex):
-        raise InputError("invalid times; dates of the calendar expected", file=path)
+    require(
+        isinstance(data.index, pd.DatetimeIndex),
+        "invalid times; dates of the calendar expected",
+        file=path,
+    )
     utc = data.index.tz_convert("UTC").tz_localize(None).to_numpy()
     series, names = {}, {}
     for quantity, short in _SRML.items():
@@ -171,19 +170,14 @@ def _read_srml(path: str | Path) -> Any:
 def _weather(
     utc: np.ndarray,
     site: Site,
-    series: dict[Quantity, Float[np.ndarray, " time"]],
+    series: dict[Quantity, Series],
     rows: DataRows,
     *,
     names: dict[Quantity, str] | None = None,
     stands_for: StandsFor,
     decomposition: Decomposition = "erbs",
 ) -> Weather:
-    # Convert UTC times to local standard time at the centres of the steps
     local = utc + np.timedelta64(round(site.utc_offset_hours * 3600), "s")
-    require_increasing(local, rows=rows)
-    step = typical_step(local)
-    times = centres(local, step, stands_for)
-    measurement = Measurement(
-        site, times, step, series, rows.file, rows.lines, names or {}
-    )
+    times, step = step_centres(local, stands_for, rows=rows)
+    measurement = Measurement(site, times, step, series, rows, names or {})
     return weather_of(measurement, decomposition=decomposition)

@@ -10,20 +10,17 @@ from typing import Literal, TypedDict
 import numpy as np
 from jaxtyping import Bool, Float
 
+from clerestory.array_types import Series
+from clerestory.checks import finite, one_of, require, within
 from clerestory.constants import LUMINOUS_EFFICACY, SUN_DIAMETER
-from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.errors import ClerestoryWarning
 from clerestory.sky.sky_state import (
     DEFAULT_DEW_POINT_C,
     SkyState,
     sky_state,
     visible_irradiance,
 )
-from clerestory.sky.solar_position import (
-    SunFormula,
-    SunPosition,
-    day_of_year,
-    sun_at,
-)
+from clerestory.sky.solar_position import SunFormula, SunPosition, day_of_year, sun_at
 from clerestory.sky.weather import Weather
 
 Spectrum = Literal["visible", "solar"]
@@ -43,27 +40,22 @@ _DEW_POINTS = (-60.0, 35.0)
 
 @dataclass(frozen=True, eq=False)
 class SkyConditions:
-    """Sun and sky at each time step.
+    """Sun, in scene coordinates, and sky at each time step.
 
-    Attributes
-    ----------
-    sun : solar position, in scene coordinates
-    state : Perez parameters of the sky, such as clearness and brightness
-    direct_normal, diffuse_horizontal : direct normal and diffuse horizontal irradiance
-        in the chosen spectrum [W/m²]; zero at night
+    Irradiance [W/m²] is that of the chosen spectrum, and zero at night.
     """
 
     sun: SunPosition
     state: SkyState
-    direct_normal: Float[np.ndarray, " time"]
-    diffuse_horizontal: Float[np.ndarray, " time"]
+    direct_normal: Series
+    diffuse_horizontal: Series
 
     @property
     def lit(self) -> Bool[np.ndarray, " time"]:
         """Whether the direct or diffuse irradiance of each step is above zero."""
         return np.asarray(self.direct_normal + self.diffuse_horizontal > 0)
 
-    def direct_horizontal(self) -> Float[np.ndarray, " time"]:
+    def direct_horizontal(self) -> Series:
         """Direct horizontal irradiance [W/m²]."""
         return np.asarray(self.direct_normal * np.maximum(np.sin(self.sun.altitude), 0))
 
@@ -89,17 +81,13 @@ def sky_conditions(
 
     Parameters
     ----------
-    weather : irradiance over time
     rotation_deg : azimuth of the scene's y axis, clockwise from north [°]
     sun_formula : formula of the solar position: "spa", or "radiance" for comparisons
     dew_point_c : dew point of all steps [°C]; default: from the weather data, or 11 °C
     spectrum : "visible": irradiance is illuminance divided by 179 lm/W; "solar":
         irradiance of the whole solar spectrum, as in weather data
     """
-    if spectrum not in ("visible", "solar"):
-        raise InputError(
-            f"unknown spectrum {spectrum!r}; 'visible' or 'solar' expected"
-        )
+    one_of(spectrum, "spectrum", choices=("visible", "solar"))
     sun = sun_over(weather, rotation_deg=rotation_deg, sun_formula=sun_formula)
     _warn_of_light_at_night(weather, sun)
 
@@ -131,10 +119,7 @@ def sun_over(
     the centre of the interval with the sun above the horizon. Radiance's formula is
     always evaluated at the centre of the step, as in gendaymtx.
     """
-    if not np.isfinite(rotation_deg):
-        raise InputError(
-            f"rotation {rotation_deg}; a finite number of degrees expected"
-        )
+    finite(rotation_deg, "rotation", unit="degrees")
     sun = sun_at(weather.site, weather.times, formula=sun_formula)
     if sun_formula == "spa":
         sun = _at_sunrise_and_sunset(weather, sun)
@@ -144,11 +129,11 @@ def sun_over(
 def daylight_steps(weather: Weather, *, sun_formula: SunFormula = "spa") -> Weather:
     """Return the weather of the steps with part of the solar disc above the horizon."""
     up = sun_over(weather, sun_formula=sun_formula).altitude > -SUN_DIAMETER / 2
-    if not up.any():
-        raise InputError(
-            "the sun is below the horizon at all steps; weather with days expected",
-            file=weather.source or None,
-        )
+    require(
+        up.any(),
+        "the sun is below the horizon at all steps; weather with days expected",
+        file=weather.source or None,
+    )
     return weather.select(up)
 
 
@@ -185,7 +170,6 @@ def _reach(weather: Weather) -> float:
 
 
 def _warn_of_light_at_night(weather: Weather, sun: SunPosition) -> None:
-    # The sun may rise or set within half a step of its centre
     reach = _reach(weather)
     odd = (weather.direct_normal > _BRIGHT) & (sun.altitude < -reach)
     if np.any(odd):
@@ -200,14 +184,14 @@ def _warn_of_light_at_night(weather: Weather, sun: SunPosition) -> None:
         )
 
 
-def _dew_point(weather: Weather, fixed: float | None) -> Float[np.ndarray, " time"]:
+def _dew_point(weather: Weather, fixed: float | None) -> Series:
     if fixed is not None:
-        if not _DEW_POINTS[0] <= fixed <= _DEW_POINTS[1]:
-            raise InputError(f"dew point {fixed} °C; {_DEW_POINTS} expected")
+        least, most = _DEW_POINTS
+        within(fixed, "dew point", least=least, most=most, unit="°C")
         return np.full(len(weather), float(fixed))
     if weather.dew_point_c is None:
         return np.full(len(weather), DEFAULT_DEW_POINT_C)
-    known = np.isfinite(weather.dew_point_c)
-    return np.where(
-        known, np.clip(weather.dew_point_c, *_DEW_POINTS), DEFAULT_DEW_POINT_C
+    dew_point = np.where(
+        np.isfinite(weather.dew_point_c), weather.dew_point_c, DEFAULT_DEW_POINT_C
     )
+    return np.clip(dew_point, *_DEW_POINTS)

@@ -12,12 +12,11 @@ import numpy as np
 from jaxtyping import Float, Float32
 
 from clerestory.bands import RGB, Bands
-from clerestory.constants import GROUND_REFLECTANCE
-from clerestory.errors import InputError
+from clerestory.checks import one_of, require, within
+from clerestory.constants import GROUND_REFLECTANCE, SKY_COLOUR
 from clerestory.hemisphere.reinhart import SkyPartition, reinhart
-from clerestory.sky.patch_radiance import SkyMatrix, SkyResponse, default_colour
-from clerestory.sky.perez import perez_sky
-from clerestory.sky.perez_patches import Quadrature, dome_radiance
+from clerestory.sky.patch_radiance import SkyMatrix, SkyResponse
+from clerestory.sky.perez import Quadrature, dome_radiance, perez_sky
 from clerestory.sky.sky_conditions import SkyConditions, Spectrum, sky_conditions
 from clerestory.sky.sky_state import DEFAULT_DEW_POINT_C
 from clerestory.sky.solar_position import SunFormula
@@ -74,8 +73,7 @@ def sky_matrix(
     """
     partition = reinhart(subdivision)
     colour = _colours(partition, ground_reflectance, sky_colour, bands)
-    if include not in ("all", "sky", "sun"):
-        raise InputError(f"unknown part {include!r}; 'all', 'sky' or 'sun' expected")
+    one_of(include, "included part", choices=("all", "sky", "sun"))
     if sun_formula == "radiance":
         quadrature = quadrature or "centres"
         dew_point_c = DEFAULT_DEW_POINT_C if dew_point_c is None else dew_point_c
@@ -105,8 +103,11 @@ def sky_matrix(
         sun=added,
         sun_colour=np.ones(len(bands)),
         bands=bands,
-        attributes=_provenance(weather)
-        | {
+        attributes={
+            "place": weather.place,
+            "latitude_deg": weather.latitude_deg,
+            "longitude_deg": weather.longitude_deg,
+            "source": weather.source,
             "include": include,
             "sun": sun,
             "sun_formula": sun_formula,
@@ -115,15 +116,6 @@ def sky_matrix(
             "spectrum": spectrum,
         },
     )
-
-
-def _provenance(weather: Weather) -> dict[str, str | float]:
-    return {
-        "place": weather.place,
-        "latitude_deg": weather.latitude_deg,
-        "longitude_deg": weather.longitude_deg,
-        "source": weather.source,
-    }
 
 
 def _sky_and_ground(
@@ -158,7 +150,7 @@ def _colours(
 ) -> Float[np.ndarray, "band patch"]:
     # Factor of each band and patch: ground reflectance for patch 0, else sky colour
     if sky_colour is None:
-        sky_colour = default_colour(bands)
+        sky_colour = SKY_COLOUR if bands == RGB else (1.0,) * len(bands)
     ground = _per_band("ground reflectance", ground_reflectance, bands, largest=1.0)
     sky = _per_band("sky colour", sky_colour, bands, largest=100.0)
     dome = np.repeat(sky[:, None], len(partition) - 1, axis=1)
@@ -169,11 +161,10 @@ def _per_band(
     name: str, value: float | Sequence[float], bands: Bands, *, largest: float
 ) -> Float[np.ndarray, " band"]:
     values = np.asarray(value, dtype=float)
-    if values.shape not in ((), (len(bands),)):
-        raise InputError(
-            f"{name} of shape {values.shape}; one number, or one for each of the bands"
-            f" {bands} expected"
-        )
-    if not np.all((values >= 0) & (values <= largest)):
-        raise InputError(f"{name} {values.tolist()}; 0 to {largest:g} expected")
+    require(
+        values.shape in ((), (len(bands),)),
+        f"{name} of shape {values.shape}; one number, or one for each of the bands"
+        f" {bands} expected",
+    )
+    within(values, name, least=0, most=largest)
     return np.broadcast_to(values, len(bands)).copy()

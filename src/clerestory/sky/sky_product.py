@@ -51,11 +51,8 @@ def product_blocks(
 ) -> Iterator[tuple[Int[np.ndarray, " block"], Float32[np.ndarray, "row block"]]]:
     """Yield blocks of time steps and the product for each row, such as illuminance.
 
-    Parameters
-    ----------
-    sky, sun : coefficients from `fold`, with the colours of the sky and of the sun
-    diffuse, direct : achromatic radiance of the patches, of sky and sun [W/(m²·sr)]
-    steps : indices of the time steps to compute
+    `sky` and `sun` are coefficients from `fold`, with the colours of the sky and of the
+    sun; `diffuse` and `direct` the achromatic radiance of both [W/(m²·sr)].
     """
     rows, patches = sky.shape
     size = max(1, min(_BLOCK // max(rows, patches), 4096))

@@ -12,9 +12,13 @@ irradiance, Solar Energy 44 (5), 1990. Limits of the parameters as in gendaymtx.
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Int
 
+from clerestory.array_types import Series
 from clerestory.constants import LUMINOUS_EFFICACY
+from clerestory.sky.solar_position import SunPosition
+from clerestory.sky.solar_position import day_of_year as day_number
+from clerestory.sky.weather import Illuminance
 
 SOLAR_CONSTANT = 1367.0  # [W/m²], as in gendaymtx
 
@@ -25,9 +29,9 @@ DEFAULT_DEW_POINT_C = 11.0
 _ZENITH_LIMITS = (np.radians(3.0), np.pi / 2)
 
 # Table 1: lower limits of clearness categories 2…8
-_CLEARNESS_LIMITS = np.array([1.065, 1.230, 1.500, 1.950, 2.800, 4.500, 6.200])
+CLEARNESS_LIMITS = np.array([1.065, 1.230, 1.500, 1.950, 2.800, 4.500, 6.200])
 _MAX_CLEARNESS = 11.9
-_BRIGHTNESS_LIMITS = (0.01, 0.6)
+BRIGHTNESS_LIMITS = (0.01, 0.6)
 
 # Table 4: coefficients a, b, c, d of the luminous efficacy, by category
 _DIFFUSE = np.array(
@@ -55,6 +59,13 @@ _DIRECT = np.array(
     ]
 )
 
+# Initial luminous efficacy: that of an average sky [lm/W]
+_MEAN_EFFICACY = 110.0
+_ITERATIONS = 40
+
+# Bounds of the luminous efficacy of daylight [lm/W]
+_EFFICACIES = (20.0, 250.0)
+
 
 @dataclass(frozen=True, eq=False)
 class SkyState:
@@ -67,17 +78,17 @@ class SkyState:
     category : clearness category, from 0 (overcast) to 7 (clear)
     """
 
-    zenith: Float[np.ndarray, " time"]
-    clearness: Float[np.ndarray, " time"]
-    brightness: Float[np.ndarray, " time"]
+    zenith: Series
+    clearness: Series
+    brightness: Series
     category: Int[np.ndarray, " time"]
 
 
 def sky_state(
-    direct_normal: Float[np.ndarray, " time"],
-    diffuse_horizontal: Float[np.ndarray, " time"],
+    direct_normal: Series,
+    diffuse_horizontal: Series,
     *,
-    altitude: Float[np.ndarray, " time"],
+    altitude: Series,
     day_of_year: Int[np.ndarray, " time"],
 ) -> SkyState:
     """Return the Perez parameters of the sky (Perez et al. 1990, eqs. 1 and 2)."""
@@ -91,19 +102,19 @@ def sky_state(
 
     # Brightness
     extraterrestrial = SOLAR_CONSTANT * orbit_factor(day_of_year)
-    brightness = diffuse_horizontal * _air_mass(zenith) / extraterrestrial
-    brightness = np.clip(brightness, *_BRIGHTNESS_LIMITS)
-    category = np.searchsorted(_CLEARNESS_LIMITS, clearness, side="right")
+    brightness = diffuse_horizontal * air_mass(zenith) / extraterrestrial
+    brightness = np.clip(brightness, *BRIGHTNESS_LIMITS)
+    category = np.searchsorted(CLEARNESS_LIMITS, clearness, side="right")
     return SkyState(zenith, clearness, brightness, category)
 
 
 def visible_irradiance(
-    direct_normal: Float[np.ndarray, " time"],
-    diffuse_horizontal: Float[np.ndarray, " time"],
+    direct_normal: Series,
+    diffuse_horizontal: Series,
     *,
     state: SkyState,
-    dew_point_c: Float[np.ndarray, " time"],
-) -> tuple[Float[np.ndarray, " time"], Float[np.ndarray, " time"]]:
+    dew_point_c: Series,
+) -> tuple[Series, Series]:
     """Return visible direct normal and diffuse horizontal irradiance [W/m²].
 
     Visible irradiance is irradiance times luminous efficacy (Perez et al. 1990, eqs. 7
@@ -124,7 +135,51 @@ def visible_irradiance(
     return direct / LUMINOUS_EFFICACY, diffuse / LUMINOUS_EFFICACY
 
 
-def orbit_factor(day_of_year: Int[np.ndarray, " time"]) -> Float[np.ndarray, " time"]:
+def irradiance_of(
+    illuminance: Illuminance,
+    *,
+    times: np.ndarray,
+    sun: SunPosition,
+    dew_point_c: Series | None = None,
+) -> tuple[Series, Series]:
+    """Return direct normal and diffuse horizontal irradiance [W/m²] from illuminance.
+
+    The luminous efficacy depends on the irradiance, so the irradiance is computed by
+    fixed-point iteration. The efficacy is discontinuous between clearness categories:
+    for some illuminances there are two solutions, for a few there is none. Unknown dew
+    points (NaN or None) are 11 °C.
+
+    Skylight has a higher luminous efficacy than sunlight.
+
+    >>> noon = np.array(["2023-06-21T12:00"], "datetime64[s]")
+    >>> lux = Illuminance(np.array([80_000.0]), np.array([15_000.0]))
+    >>> high = SunPosition(np.radians([60.0]), np.radians([180.0]))
+    >>> direct, diffuse = irradiance_of(lux, times=noon, sun=high)
+    >>> round(80_000 / float(direct[0])), round(15_000 / float(diffuse[0]))
+    (103, 132)
+    """
+    lux = np.stack([illuminance.direct_normal, illuminance.diffuse_horizontal])
+    dew_point = np.full(lux.shape[1], DEFAULT_DEW_POINT_C)
+    if dew_point_c is not None:
+        dew_point = np.where(np.isfinite(dew_point_c), dew_point_c, dew_point)
+    efficacy = np.full(lux.shape, _MEAN_EFFICACY)
+    day = day_number(times)
+    for iteration in range(_ITERATIONS):
+        irradiance = lux / efficacy
+        state = sky_state(*irradiance, altitude=sun.altitude, day_of_year=day)
+        visible = visible_irradiance(*irradiance, state=state, dew_point_c=dew_point)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found = LUMINOUS_EFFICACY * np.stack(visible) / irradiance
+        found = np.where(lux > 0, found, _MEAN_EFFICACY)
+
+        # Under-relax later iterations to prevent oscillation between two categories
+        share = 1.0 if iteration < _ITERATIONS / 4 else 0.5
+        efficacy = np.clip(efficacy + share * (found - efficacy), *_EFFICACIES)
+    direct, diffuse = lux / efficacy
+    return direct, diffuse
+
+
+def orbit_factor(day_of_year: Int[np.ndarray, " time"]) -> Series:
     """Squared ratio of the mean to the actual distance to the sun (Spencer 1971)."""
     angle = 2 * np.pi / 365 * (day_of_year - 1)
     factor = 1.00011 + 0.034221 * np.cos(angle) + 0.00128 * np.sin(angle)
@@ -133,8 +188,8 @@ def orbit_factor(day_of_year: Int[np.ndarray, " time"]) -> Float[np.ndarray, " t
     )
 
 
-def _air_mass(zenith: Float[np.ndarray, " time"]) -> Float[np.ndarray, " time"]:
-    # Relative air mass of Kasten 1966
+def air_mass(zenith: Series) -> Series:
+    """Relative air mass (Kasten 1966) by solar zenith angle [rad]."""
     return np.asarray(
         1 / (np.cos(zenith) + 0.15 * (93.885 - np.degrees(zenith)) ** -1.253)
     )

@@ -10,6 +10,7 @@ the formulas of gensky and gendaymtx.
 
 import importlib.util
 from dataclasses import dataclass
+from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import ModuleType
 from typing import Literal
@@ -17,10 +18,12 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float, Int
 
+from clerestory.checks import one_of
 from clerestory.directions import from_azimuth
-from clerestory.errors import InputError
 from clerestory.sky.weather import Site
 
+_Day = Int[np.ndarray, "*time"] | int
+_Times = Float[np.ndarray, "*time"]
 SunFormula = Literal["spa", "radiance"]
 
 # Terrestrial time minus universal time [s], and refraction at sunrise [°]
@@ -34,16 +37,10 @@ _PRESSURE, _TEMPERATURE, _LAPSE, _EXPONENT = 1013.25, 288.15, 0.0065, 5.25588
 
 @dataclass(frozen=True, eq=False)
 class SunPosition:
-    """Solar position at each moment.
+    """Solar altitude, including refraction, and azimuth clockwise from north [rad]."""
 
-    Attributes
-    ----------
-    altitude : solar altitude, including refraction [rad]
-    azimuth : solar azimuth, clockwise from north [rad]
-    """
-
-    altitude: Float[np.ndarray, " time"]
-    azimuth: Float[np.ndarray, " time"]
+    altitude: Float[np.ndarray, "*time"]
+    azimuth: Float[np.ndarray, "*time"]
 
     def directions(self) -> Float[np.ndarray, "time 3"]:
         """Unit vectors to the sun: x east, y north, z up."""
@@ -52,98 +49,82 @@ class SunPosition:
 
 def day_of_year(times: np.ndarray) -> Int[np.ndarray, " time"]:
     """Day of the year; 1 January is 1."""
-    day = times.astype("datetime64[D]") - times.astype("datetime64[Y]").astype(
-        "datetime64[D]"
-    )
+    day = times.astype("datetime64[D]") - times.astype("datetime64[Y]")
     return np.asarray(day.astype(int) + 1)
 
 
-def sun_position(
+def sun_at(
+    site: Site,
     times: np.ndarray,
     *,
-    latitude_deg: float,
-    longitude_deg: float,
-    utc_offset_hours: float,
-    elevation: float = 0.0,
-    temperature_c: float = 12.0,
     formula: SunFormula = "spa",
+    temperature_c: float = 12.0,
 ) -> SunPosition:
-    """Return the solar position at moments of local standard time.
+    """Return the solar position at a site, at moments of its local standard time.
 
-    Parameters
-    ----------
-    times : local standard time
-    latitude_deg, longitude_deg : latitude, north-positive, and longitude, east-positive
-        [°]
-    utc_offset_hours : local standard time minus UTC [h]
-    elevation : elevation above sea level [m], for refraction
-    temperature_c : air temperature [°C], for refraction
-    formula : "spa", accurate to 0.0003° in the years -2000 to 6000, or "radiance"
+    Formula "spa" is accurate to 0.0003° in the years -2000 to 6000. Refraction depends
+    on the elevation of the site and on the air temperature [°C].
 
-    Examples
-    --------
     The example of NREL/TP-560-34302, table A5.1: zenith 50.11162°, azimuth 194.34024°.
 
     >>> noon = np.array(["2003-10-17T12:30:30"], dtype="datetime64[s]")
-    >>> sun = sun_position(noon, latitude_deg=39.742476, longitude_deg=-105.1786,
-    ...                    utc_offset_hours=-7, elevation=1830.14, temperature_c=11)
+    >>> golden = Site(39.742476, -105.1786, -7, 1830.14)
+    >>> sun = sun_at(golden, noon, temperature_c=11)
     >>> float(np.degrees(sun.azimuth[0]).round(4))
     194.3402
     """
+    one_of(formula, "sun formula", choices=("spa", "radiance"))
     if formula == "radiance":
-        return _radiance(times, latitude_deg, longitude_deg, utc_offset_hours)
-    if formula != "spa":
-        raise InputError(
-            f"unknown sun formula {formula!r}; 'spa' or 'radiance' expected"
-        )
-    seconds = times.astype("datetime64[s]").astype(float) - 3600 * utc_offset_hours
-    altitude, azimuth = _spa(
+        return _radiance(site, times)
+    seconds = times.astype("datetime64[s]").astype(float) - 3600 * site.utc_offset_hours
+    position = _ALGORITHM.solar_position(
         seconds,
-        latitude_deg=latitude_deg,
-        longitude_deg=longitude_deg,
-        elevation=elevation,
-        temperature_c=temperature_c,
+        site.latitude_deg,
+        site.longitude_deg,
+        site.elevation,
+        standard_pressure(site.elevation),
+        temperature_c,
+        _DELTA_T,
+        _REFRACTION_AT_SUNRISE,
+        numthreads=1,
     )
-    return SunPosition(np.radians(altitude), np.radians(azimuth))
+    return SunPosition(np.radians(position[2]), np.radians(position[4]))
 
 
-def sun_at(
-    site: Site, times: np.ndarray, *, formula: SunFormula = "spa"
-) -> SunPosition:
-    """Return the solar position at a site, at moments of its local standard time."""
-    return sun_position(
-        times,
-        latitude_deg=site.latitude_deg,
-        longitude_deg=site.longitude_deg,
-        utc_offset_hours=site.utc_offset_hours,
-        elevation=site.elevation,
-        formula=formula,
-    )
-
-
-def _radiance(
-    times: np.ndarray,
-    latitude_deg: float,
-    longitude_deg: float,
-    utc_offset_hours: float,
-) -> SunPosition:
+def _radiance(site: Site, times: np.ndarray) -> SunPosition:
     day = day_of_year(times)
     hour = (times - times.astype("datetime64[D]")) / np.timedelta64(1, "h")
-    latitude = np.radians(latitude_deg)
+    latitude = np.radians(site.latitude_deg)
 
     # Solar time from the equation of time and the time zone's meridian
-    solar = hour + longitude_deg / 15 - utc_offset_hours
-    solar = solar + 0.170 * np.sin(4 * np.pi / 373 * (day - 80))
-    solar = solar - 0.129 * np.sin(2 * np.pi / 355 * (day - 8))
-    hour_angle = solar * np.pi / 12
-    declination = 0.4093 * np.sin(2 * np.pi / 365 * (day - 81))
+    solar = hour + site.longitude_deg / 15 - site.utc_offset_hours
+    return horizontal_position(
+        latitude, solar_declination(day), solar + equation_of_time(day)
+    )
 
-    # Altitude and azimuth from declination and hour angle
+
+def equation_of_time(day: _Day) -> _Times:
+    """Return Radiance's equation of time [h] for a day of the year."""
+    term = 0.170 * np.sin(4 * np.pi / 373 * (day - 80))
+    return np.asarray(term - 0.129 * np.sin(2 * np.pi / 355 * (day - 8)))
+
+
+def solar_declination(day: _Day) -> _Times:
+    """Return Radiance's solar declination [rad] for a day of the year."""
+    return np.asarray(0.4093 * np.sin(2 * np.pi / 365 * (day - 81)))
+
+
+def horizontal_position(
+    latitude: float, declination: _Times | float, solar_hour: _Times | float
+) -> SunPosition:
+    """Return the solar position for a latitude and declination [rad], at solar time."""
+    hour_angle = np.asarray(solar_hour * np.pi / 12)
     sin_d, cos_d = np.sin(declination), np.cos(declination)
     sine = np.sin(latitude) * sin_d - np.cos(latitude) * cos_d * np.cos(hour_angle)
     south = -np.cos(latitude) * sin_d - np.sin(latitude) * cos_d * np.cos(hour_angle)
     azimuth = np.pi - np.arctan2(cos_d * np.sin(hour_angle), south)
-    return SunPosition(np.arcsin(np.clip(sine, -1, 1)), azimuth)
+    altitude = np.arcsin(np.clip(sine, -1, 1))
+    return SunPosition(np.asarray(altitude), np.asarray(azimuth))
 
 
 def standard_pressure(elevation: float) -> float:
@@ -156,46 +137,15 @@ def standard_pressure(elevation: float) -> float:
     return float(_PRESSURE * ratio**_EXPONENT)
 
 
-def _spa(
-    seconds: Float[np.ndarray, " time"],
-    *,
-    latitude_deg: float,
-    longitude_deg: float,
-    elevation: float,
-    temperature_c: float,
-) -> tuple[Float[np.ndarray, " time"], Float[np.ndarray, " time"]]:
-    """Return the solar altitude, including refraction, and the azimuth [°].
-
-    Parameters
-    ----------
-    seconds : seconds since 1970-01-01, UTC
-    elevation : elevation above sea level [m]
-    """
-    position = _ALGORITHM.solar_position(
-        seconds,
-        latitude_deg,
-        longitude_deg,
-        elevation,
-        standard_pressure(elevation),
-        temperature_c,
-        _DELTA_T,
-        _REFRACTION_AT_SUNRISE,
-        numthreads=1,
-    )
-    return position[2], position[4]
-
-
 def _load() -> ModuleType:
     # Load the module spa without importing the package pvlib
     package = importlib.util.find_spec("pvlib")
-    if package is None or not package.submodule_search_locations:
+    if package is None or package.origin is None:
         raise ModuleNotFoundError("pvlib is not installed", name="pvlib")
-    file = Path(package.submodule_search_locations[0]) / "spa.py"
-    spec = importlib.util.spec_from_file_location("clerestory.sky._pvlib_spa", file)
-    if spec is None or spec.loader is None:
-        raise ModuleNotFoundError(f"{file} cannot be loaded", name="pvlib.spa")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+    file = Path(package.origin).with_name("spa.py")
+    loader = SourceFileLoader("clerestory.sky._pvlib_spa", str(file))
+    module = ModuleType(loader.name)
+    loader.exec_module(module)
     return module
 
 

@@ -12,8 +12,9 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.sparse import coo_array, csc_array
 
+from clerestory.array_types import Series
+from clerestory.checks import one_of, require
 from clerestory.constants import SUN_DIAMETER
-from clerestory.errors import InputError
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.reinhart import SkyPartition
 
@@ -30,7 +31,6 @@ _SOFTENING = 1.002
 # Direct irradiance below which there is no sun [W/m²], as in gendaymtx: 1e-4 lux
 _THRESHOLD = 1e-4 / 179
 
-
 # Number of rings, and of patches per ring, that are searched for the nearest patches;
 # sufficient since patches are at most 1.5 times as wide as high
 _RINGS = 5
@@ -38,20 +38,14 @@ _MOST = 4
 
 
 class Nearest(NamedTuple):
-    """Nearest patches of each direction, in order of distance.
-
-    Attributes
-    ----------
-    distance : distance between the unit vectors of the direction and the patch centre
-    patch : index of the patch
-    """
+    """Nearest patches of each direction, in order of distance between unit vectors."""
 
     distance: Float[np.ndarray, "direction neighbour"]
     patch: Int[np.ndarray, "direction neighbour"]
 
 
 def sun_radiance(
-    direct: Float[np.ndarray, " time"],
+    direct: Series,
     directions: Float[np.ndarray, "time 3"],
     *,
     partition: SkyPartition,
@@ -60,26 +54,17 @@ def sun_radiance(
 ) -> csc_array:
     """Return the radiance of the direct sun in each patch at each step [W/(m²·sr)].
 
-    Parameters
-    ----------
-    direct : visible direct normal irradiance [W/m²]
-    directions : unit vectors to the sun
-    partition : sky patches
-    placement : "spread": over the four nearest patches, with gendaymtx's weights;
-        "patch": in the nearest patch, at the mean radiance of the patch; "disc": in the
-        nearest patch, at the radiance of the solar disc, for direct-sun matrices traced
-        with solar discs
-    diameter_deg : angular diameter of the solar disc [°]
+    The direct normal irradiance [W/m²] is placed by one of three rules. "spread": in
+    the four nearest patches, with gendaymtx's weights; "patch": in the nearest patch,
+    at the mean radiance of the patch; "disc": in the nearest patch, at the radiance of
+    the solar disc, for direct-sun matrices traced with solar discs.
     """
-    if placement not in ("spread", "patch", "disc"):
-        raise InputError(
-            f"unknown placement of the sun {placement!r};"
-            " 'spread', 'patch' or 'disc' expected"
-        )
-    if not 0 < diameter_deg <= _WIDEST_SUN_DEG:
-        raise InputError(
-            f"sun of diameter {diameter_deg}°; above 0 to {_WIDEST_SUN_DEG:g}° expected"
-        )
+    one_of(placement, "placement of the sun", choices=("spread", "patch", "disc"))
+    require(
+        0 < diameter_deg <= _WIDEST_SUN_DEG,
+        f"the diameter of the sun is {diameter_deg}°; above 0 and up to"
+        f" {_WIDEST_SUN_DEG:g}° expected",
+    )
     up = np.flatnonzero(direct > _THRESHOLD)
     count = _NEIGHBOURS if placement == "spread" else 1
     distance, near = nearest_patches(partition.dome, directions[up], count=count)

@@ -16,22 +16,18 @@
 A station file is accepted wherever a weather file is expected.
 """
 
-import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import (
-    BaseModel,
     BeforeValidator,
-    ConfigDict,
     Field,
-    ValidationError,
     model_validator,
 )
 from pydantic_core import PydanticCustomError
 
+from clerestory.documents import Table, read_toml
 from clerestory.errors import InputError
-from clerestory.files import read_text
 from clerestory.sky.csv_measurements import Columns, read_measured
 from clerestory.sky.irradiance_decomposition import Decomposition
 from clerestory.sky.radiation_networks import read_srml, read_surfrad
@@ -55,14 +51,6 @@ def _as_list(value: Any) -> Any:
 
 # List of names; a single name becomes a list of one
 OneOrSeveral = Annotated[list[str], BeforeValidator(_as_list)]
-
-
-class Table(BaseModel):
-    """A table of a TOML file; unknown keys are an error."""
-
-    model_config = ConfigDict(
-        extra="forbid", frozen=True, strict=True, allow_inf_nan=False
-    )
 
 
 class SiteTable(Table):
@@ -148,15 +136,5 @@ def read_station(path: str | Path) -> Weather:
 
     The measurement file is relative to the folder of the station file.
     """
-    try:
-        tables = tomllib.loads(read_text(path))
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"not TOML: {error}", file=path) from error
-    try:
-        station = _StationFile.model_validate(tables)
-    except ValidationError as error:
-        first = error.errors()[0]
-        key = ".".join(map(str, first["loc"]))
-        message = f"{key}: {first['msg']}" if key else first["msg"]
-        raise InputError(message, file=path) from error
+    station = read_toml(path, _StationFile)
     return read_with(Path(path).parent / station.file, station)

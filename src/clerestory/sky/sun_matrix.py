@@ -14,8 +14,9 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.sparse import coo_array, csc_array
 
+from clerestory.checks import require, within
 from clerestory.constants import SUN_DIAMETER
-from clerestory.errors import InputError, MatrixError
+from clerestory.errors import MatrixError
 from clerestory.hemisphere.reinhart import reinhart
 from clerestory.matrix.axis import Axis, time_axis, unknown_axis
 from clerestory.sky.sky_conditions import SkyOptions, sky_conditions
@@ -33,7 +34,6 @@ class SunMatrix:
     Attributes
     ----------
     directions : unit vectors to the sun, one per solar position
-    times : centres of the steps, local standard time
     direct_normal : direct normal irradiance [W/m²], over (sun, time); at most one solar
         position per step
     attributes : provenance of the matrix
@@ -45,11 +45,12 @@ class SunMatrix:
     attributes: Mapping[str, str | float]
 
     def __post_init__(self) -> None:
-        if self.direct_normal.shape != (len(self.directions), len(self.times)):
-            raise MatrixError(
-                f"irradiance of shape {self.direct_normal.shape};"
-                f" {len(self.directions)} suns by {len(self.times)} steps expected"
-            )
+        require(
+            self.direct_normal.shape == (len(self.directions), len(self.times)),
+            f"irradiance of shape {self.direct_normal.shape}; {len(self.directions)}"
+            f" suns by {len(self.times)} steps expected",
+            error=MatrixError,
+        )
 
     def __len__(self) -> int:
         return len(self.directions)
@@ -89,14 +90,11 @@ def sun_matrix(
 
     Parameters
     ----------
-    weather : irradiance over time
     tolerance_deg : largest angle between merged solar positions [°]; 0: no merging
     options : keyword arguments of `sky_conditions`
     """
-    if not 0 <= tolerance_deg <= _WIDEST_TOLERANCE_DEG:
-        raise InputError(
-            f"tolerance of {tolerance_deg}°; 0 to {_WIDEST_TOLERANCE_DEG:g} expected"
-        )
+    most = _WIDEST_TOLERANCE_DEG
+    within(tolerance_deg, "tolerance", least=0, most=most, unit="degrees")
     conditions = sky_conditions(weather, **options)
     shining = conditions.direct_normal > 0
     up = conditions.sun.altitude > -SUN_DIAMETER / 2

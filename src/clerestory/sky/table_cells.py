@@ -1,48 +1,44 @@
 """Numbers in table cells of text files, with line numbers in error messages."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
-from clerestory.errors import InputError
+from clerestory.checks import require
 
 
-def number(
-    cells: Sequence[str], index: int, *, name: str, file: str | Path, line: int
-) -> float:
-    """Return the number in a cell; raise `InputError` if it is not a finite number."""
-    if index >= len(cells):
-        raise InputError(
+def numbers(
+    cells: Sequence[str], fields: Mapping[str, int], *, file: str | Path, line: int
+) -> list[float]:
+    """Return the finite numbers in the cells with the given names and indices."""
+    found = []
+    for name, index in fields.items():
+        require(
+            index < len(cells),
             f"{len(cells)} fields; {name} expected as field {index + 1}",
             file=file,
             line=line,
         )
-    try:
-        value = float(cells[index])
-    except ValueError:
-        value = np.nan
-    if not np.isfinite(value):
-        raise InputError(
+        try:
+            value = float(cells[index])
+        except ValueError:
+            value = np.nan
+        require(
+            np.isfinite(value),
             f"{name} is {cells[index].strip()!r}; a number expected",
             file=file,
             line=line,
         )
-    return value
+        found.append(value)
+    return found
 
 
 @dataclass(frozen=True, eq=False)
 class DataRows:
-    """Table rows of a text file.
-
-    Attributes
-    ----------
-    file : name of the file
-    cells : texts of the cells of each row
-    lines : line number of each row in the file
-    """
+    """Cells of the table rows of a text file, and line number of each row."""
 
     file: str | Path
     cells: Sequence[Sequence[str]]
@@ -55,10 +51,8 @@ class DataRows:
         """Return the non-empty rows below a header."""
         rows = list(rows)
         kept = [i for i, row in enumerate(rows) if i >= header_lines and row]
-        if not kept:
-            raise InputError(
-                "no data rows after the header", file=file, line=max(len(rows), 1)
-            )
+        end = max(len(rows), 1)
+        require(kept, "no data rows after the header", file=file, line=end)
         return cls(file, [rows[i] for i in kept], np.array(kept) + 1)
 
     def column(
@@ -73,13 +67,18 @@ class DataRows:
             pass
 
         # Convert cell by cell, to report the line of an invalid cell
-        values = np.empty(len(self.cells))
+        values = np.full(len(self.cells), np.nan)
         for i, row in enumerate(self.cells):
             blank = index < len(row) and row[index].strip().lower() in ("", "nan", "na")
-            line = int(self.lines[i])
-            values[i] = (
-                np.nan
-                if may_miss and blank
-                else number(row, index, name=name, file=self.file, line=line)
-            )
+            if not (may_miss and blank):
+                line = int(self.lines[i])
+                (values[i],) = numbers(row, {name: index}, file=self.file, line=line)
         return values
+
+    def require(
+        self, valid: Bool[np.ndarray, " row"], message: Callable[[int], str]
+    ) -> None:
+        """Raise an input error with the line number of the first invalid row."""
+        if not np.all(valid):
+            i = int(np.argmin(valid))
+            require(False, message(i), file=self.file, line=int(self.lines[i]))

@@ -3,9 +3,9 @@
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Float
 
-from clerestory.errors import InputError
+from clerestory.array_types import Series
+from clerestory.checks import one_of
 from clerestory.sky.table_cells import DataRows
 from clerestory.sky.weather import TYPICAL_LEAP_YEAR, TYPICAL_YEAR
 
@@ -14,13 +14,13 @@ StandsFor = Literal["start", "centre", "end"]
 # Offset from the time in the file to the centre of the step, in step lengths
 _SHIFTS = {"start": 0.5, "centre": 0.0, "end": -0.5}
 
-_DAYS = (31, 29, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31)
+_DAYS = np.array([31, 29, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31])
 
 
 def calendar_times(
-    month: Float[np.ndarray, " time"],
-    day: Float[np.ndarray, " time"],
-    hour: Float[np.ndarray, " time"],
+    month: Series,
+    day: Series,
+    hour: Series,
     *,
     rows: DataRows,
 ) -> np.ndarray:
@@ -29,25 +29,17 @@ def calendar_times(
     The year is 2023, or 2024 if the data include 29 February. Times within 2 s of a
     whole minute are rounded to that minute, since files contain 0.167 for 1/6.
     """
-    calendar = np.array(_DAYS)
-    whole = (month == np.floor(month)) & (day == np.floor(day))
-    known = whole & (month >= 1) & (month <= 12) & (day >= 1)
-    known[known] = day[known] <= calendar[month[known].astype(int) - 1]
-    if not np.all(known):
-        i = int(np.argmin(known))
-        raise InputError(
-            f"month {month[i]:g}, day {day[i]:g}; a date of the calendar expected",
-            file=rows.file,
-            line=int(rows.lines[i]),
-        )
-    inside = (hour >= 0) & (hour <= 24)
-    if not np.all(inside):
-        i = int(np.argmin(inside))
-        raise InputError(
-            f"hour {hour[i]:g}; 0 to 24 expected",
-            file=rows.file,
-            line=int(rows.lines[i]),
-        )
+    known = np.isin(month, range(1, 13)) & (day == np.floor(day)) & (day >= 1)
+    known &= day <= _DAYS[np.clip(month, 1, 12).astype(int) - 1]
+    rows.require(
+        known,
+        lambda i: (
+            f"month {month[i]:g}, day {day[i]:g}; a date of the calendar expected"
+        ),
+    )
+    rows.require(
+        (hour >= 0) & (hour <= 24), lambda i: f"hour {hour[i]:g}; 0 to 24 expected"
+    )
 
     # Dates in the fixed year
     leap = np.any((month == 2) & (day == 29))
@@ -59,22 +51,30 @@ def calendar_times(
     seconds = np.round(hour * 3600)
     minute = 60 * np.round(seconds / 60)
     seconds = np.where(np.abs(seconds - minute) <= 2, minute, seconds).astype(int)
-    times = date.astype("datetime64[s]") + seconds
-    require_increasing(times, rows=rows)
-    return np.asarray(times)
+    times = np.asarray(date.astype("datetime64[s]") + seconds)
+    _require_increasing(times, rows)
+    return times
 
 
-def require_increasing(times: np.ndarray, *, rows: DataRows) -> None:
-    """Raise `InputError` at the first row whose time does not increase."""
-    late = np.diff(times) <= np.timedelta64(0)
-    if np.any(late):
-        i = int(np.argmax(late)) + 1
-        raise InputError(
+def step_centres(
+    times: np.ndarray, stands_for: StandsFor, *, rows: DataRows
+) -> tuple[np.ndarray, float]:
+    """Return centres and length [min] of steps from times at start, centre or end."""
+    one_of(stands_for, "stands_for", choices=_SHIFTS)
+    _require_increasing(times, rows)
+    step = typical_step(times)
+    seconds = round(_SHIFTS[stands_for] * step * 60)
+    return np.asarray(times + np.timedelta64(seconds, "s")), step
+
+
+def _require_increasing(times: np.ndarray, rows: DataRows) -> None:
+    rows.require(
+        np.diff(times, prepend=times[:1] - 1) > np.timedelta64(0),
+        lambda i: (
             f"time goes back from {times[i - 1]} to {times[i]}; increasing times"
-            " expected",
-            file=rows.file,
-            line=int(rows.lines[i]),
-        )
+            " expected"
+        ),
+    )
 
 
 def typical_step(times: np.ndarray) -> float:
@@ -88,15 +88,3 @@ def typical_step(times: np.ndarray) -> float:
     step = float(np.min(np.diff(times)) / np.timedelta64(1, "m"))
     whole = round(step)
     return float(whole) if whole and abs(step - whole) <= 5 / 60 else step
-
-
-def centres(
-    times: np.ndarray, step_minutes: float, stands_for: StandsFor
-) -> np.ndarray:
-    """Return the centres of steps from times at their start, centre or end."""
-    if stands_for not in _SHIFTS:
-        raise InputError(
-            f"times stand for {stands_for!r}; 'start', 'centre' or 'end' expected"
-        )
-    seconds = round(_SHIFTS[stands_for] * step_minutes * 60)
-    return np.asarray(times + np.timedelta64(seconds, "s"))

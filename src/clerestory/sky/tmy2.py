@@ -5,15 +5,17 @@ Fields have fixed columns. Hours are numbered 1…24 and mark the end of a time 
 Reference: W. Marion, K. Urban, User's Manual for TMY2s, NREL, 1995, tables 3-1 and 3-2.
 """
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
 
-from clerestory.errors import InputError
+from clerestory.checks import require
 from clerestory.files import read_text
-from clerestory.sky.gap_filling import repaired_weather
-from clerestory.sky.table_cells import DataRows, number
-from clerestory.sky.time_steps import calendar_times, typical_step
+from clerestory.sky.irradiance_decomposition import Irradiance
+from clerestory.sky.measured_weather import weather_of_components
+from clerestory.sky.table_cells import DataRows, numbers
+from clerestory.sky.time_steps import calendar_times
 from clerestory.sky.weather import Site, Weather
 
 # Character range of each field, from 0, end excluded
@@ -38,29 +40,22 @@ _MISSING_DEW_POINT = 9999.0
 
 def read_tmy2(path: str | Path) -> Weather:
     """Return the weather of a TMY2 file, in the year 2023 (2024 with a 29 February)."""
-    lines = read_text(path).splitlines()
-    if not lines or not is_tmy2_header(lines[0]):
-        raise InputError(
-            "no TMY2 header in the first line; a TMY2 file expected", file=path, line=1
-        )
-    fields = [
-        [text[start:stop] for start, stop in _DATA.values()] if text.strip() else []
-        for text in lines
-    ]
+    lines = read_text(path).splitlines() or [""]
+    require(
+        is_tmy2_header(lines[0]),
+        "no TMY2 header in the first line; a TMY2 file expected",
+        file=path,
+        line=1,
+    )
+    fields = (_cells(text, _DATA.values()) if text.strip() else [] for text in lines)
     rows = DataRows.below(1, fields, file=path)
     month, day, hour, direct, diffuse, dew_point = (
         rows.column(i, name) for i, name in enumerate(_DATA)
     )
     times = calendar_times(month, day, hour - 0.5, rows=rows)
-    return repaired_weather(
-        _site(lines[0], path),
-        times,
-        rows,
-        direct_normal=direct,
-        diffuse_horizontal=diffuse,
-        dew_point_c=np.where(dew_point == _MISSING_DEW_POINT, np.nan, dew_point / 10),
-        step_minutes=typical_step(times),
-    )
+    dew_point = np.where(dew_point == _MISSING_DEW_POINT, np.nan, dew_point / 10)
+    site, parts = _site(lines[0], path), Irradiance(direct, diffuse)
+    return weather_of_components(site, times, rows, parts, dew_point_c=dew_point)
 
 
 def is_tmy2_header(line: str) -> bool:
@@ -69,10 +64,15 @@ def is_tmy2_header(line: str) -> bool:
 
 
 def _site(header: str, path: str | Path) -> Site:
-    cells = [header[start:stop] for start, stop in _SITE.values()]
-    offset, north, north_minute, east, east_minute, elevation = (
-        number(cells, i, name=name, file=path, line=1) for i, name in enumerate(_SITE)
+    cells = _cells(header, _SITE.values())
+    indices = {name: i for i, name in enumerate(_SITE)}
+    offset, north, north_minute, east, east_minute, elevation = numbers(
+        cells, indices, file=path, line=1
     )
     latitude = (north + north_minute / 60) * (1 if header[37] == "N" else -1)
     longitude = (east + east_minute / 60) * (1 if header[45] == "E" else -1)
     return Site(latitude, longitude, offset, elevation, "_".join(header[7:32].split()))
+
+
+def _cells(text: str, ranges: Iterable[tuple[int, int]]) -> list[str]:
+    return [text[start:stop] for start, stop in ranges]

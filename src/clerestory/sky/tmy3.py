@@ -12,11 +12,12 @@ from pathlib import Path
 
 import numpy as np
 
-from clerestory.errors import InputError
+from clerestory.checks import require
 from clerestory.files import read_text
-from clerestory.sky.gap_filling import repaired_weather
-from clerestory.sky.table_cells import DataRows, number
-from clerestory.sky.time_steps import calendar_times, typical_step
+from clerestory.sky.irradiance_decomposition import Irradiance
+from clerestory.sky.measured_weather import weather_of_components
+from clerestory.sky.table_cells import DataRows, numbers
+from clerestory.sky.time_steps import calendar_times
 from clerestory.sky.weather import Site, Weather
 
 # Indices of the fields of the first line, from 0
@@ -33,53 +34,45 @@ _MISSING_DEW_POINT = -9900.0
 def read_tmy3(path: str | Path) -> Weather:
     """Return the weather of a TMY3 file, in the year 2023."""
     table = list(csv.reader(read_text(path).splitlines()))
-    if len(table) < 3 or DATE not in table[1]:
-        raise InputError(
-            f"no column {DATE!r} in the second line, or no data; a TMY3 file expected",
-            file=path,
-            line=2,
-        )
-    latitude, longitude, offset, elevation = (
-        number(table[0], i, name=name, file=path, line=1) for name, i in _SITE.items()
+    require(
+        len(table) > 2 and DATE in table[1],
+        f"no column {DATE!r} in the second line, or no data; a TMY3 file expected",
+        file=path,
+        line=2,
     )
     place = "_".join(part.strip() for part in table[0][1:3])
+    header = numbers(table[0], _SITE, file=path, line=1)
+    latitude, longitude, offset, elevation = header
     site = Site(latitude, longitude, offset, elevation, place)
-    rows, names = DataRows.below(2, table, file=path), table[1]
-
-    # Convert ends of hours to centres
-    month, day = _parts(rows, names, DATE, "/")
-    hour, _ = _parts(rows, names, _TIME, ":")
-    times = calendar_times(month, day, hour - 0.5, rows=rows)
-
-    direct, diffuse, dew_point = (
-        rows.column(_index(names, name, path), name, may_miss=True) for name in _SERIES
-    )
-    return repaired_weather(
-        site,
-        times,
-        rows,
-        direct_normal=direct,
-        diffuse_horizontal=diffuse,
-        dew_point_c=np.where(dew_point <= _MISSING_DEW_POINT, np.nan, dew_point),
-        step_minutes=typical_step(times),
-    )
-
-
-def _index(names: list[str], name: str, path: str | Path) -> int:
-    if name not in names:
-        raise InputError(
+    rows = DataRows.below(2, table, file=path)
+    index = {name: i for i, name in enumerate(table[1])}
+    for name in (_TIME, *_SERIES):
+        require(
+            name in index,
             f"no column {name!r}; a TMY3 file with this column expected",
             file=path,
             line=2,
         )
-    return names.index(name)
+
+    # Convert ends of hours to centres
+    month, day = _parts(rows, index[DATE], DATE, "/")
+    hour, _ = _parts(rows, index[_TIME], _TIME, ":")
+    times = calendar_times(month, day, hour - 0.5, rows=rows)
+
+    direct, diffuse, dew_point = (
+        rows.column(index[name], name, may_miss=True) for name in _SERIES
+    )
+    dew_point = np.where(dew_point <= _MISSING_DEW_POINT, np.nan, dew_point)
+    parts = Irradiance(direct, diffuse)
+    return weather_of_components(site, times, rows, parts, dew_point_c=dew_point)
 
 
 def _parts(
-    rows: DataRows, names: list[str], name: str, separator: str
+    rows: DataRows, index: int, name: str, separator: str
 ) -> tuple[np.ndarray, np.ndarray]:
     # Return the first two numbers of a date or time
-    i = _index(names, name, rows.file)
-    cells = [row[i].split(separator) if i < len(row) else [] for row in rows.cells]
+    cells = [
+        row[index].split(separator) if index < len(row) else [] for row in rows.cells
+    ]
     parts = replace(rows, cells=cells)
     return parts.column(0, name), parts.column(1, name)

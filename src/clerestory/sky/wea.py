@@ -8,13 +8,17 @@ from pathlib import Path
 
 import numpy as np
 
-from clerestory.errors import InputError
+from clerestory.checks import require
 from clerestory.files import read_text
-from clerestory.sky.gap_filling import repaired_weather
 from clerestory.sky.irradiance_decomposition import Irradiance, split_irradiance
-from clerestory.sky.measured_weather import Measurement, Quantity, weather_of
+from clerestory.sky.measured_weather import (
+    Measurement,
+    Quantity,
+    weather_of,
+    weather_of_components,
+)
 from clerestory.sky.solar_position import sun_at
-from clerestory.sky.table_cells import DataRows, number
+from clerestory.sky.table_cells import DataRows, numbers
 from clerestory.sky.time_steps import calendar_times, typical_step
 from clerestory.sky.weather import Site, Weather
 
@@ -48,56 +52,47 @@ def read_wea(path: str | Path) -> Weather:
         rows.column(i, name, may_miss=i > 2) for i, name in enumerate(_COLUMNS)
     )
     times = calendar_times(month, day, hour, rows=rows)
-    step = typical_step(times)
     if units == _ILLUMINANCE:
         series: dict[Quantity, np.ndarray] = {
             "direct_illuminance": direct,
             "diffuse_illuminance": diffuse,
         }
-        return weather_of(Measurement(site, times, step, series, path, rows.lines))
+        return weather_of(Measurement(site, times, typical_step(times), series, rows))
     parts = Irradiance(direct, diffuse)
     if units == _DIRECT_HORIZONTAL:
+        total = direct + diffuse
         parts = split_irradiance(
             times,
             sun_at(site, times),
-            global_horizontal=direct + diffuse,
-            diffuse_horizontal=diffuse,
+            {"global_horizontal": total, "diffuse_horizontal": diffuse},
         )
-    return repaired_weather(
-        site,
-        times,
-        rows,
-        direct_normal=parts.direct_normal,
-        diffuse_horizontal=parts.diffuse_horizontal,
-        step_minutes=step,
-        notes=parts.notes,
-    )
+    return weather_of_components(site, times, rows, parts)
 
 
 def _header(lines: list[str], path: str | Path) -> tuple[Site, float]:
     values = {}
     place = ""
-    for i, key in enumerate(_KEYS):
-        cells = lines[i].split(maxsplit=1) if i < len(lines) else []
-        if not cells or cells[0] != key:
-            found = cells[0] if cells else "nothing"
-            raise InputError(
-                f"{found!r} in the header; the key {key!r} expected",
-                file=path,
-                line=i + 1,
-            )
+    for line, key in enumerate(_KEYS, start=1):
+        cells = lines[line - 1].split(maxsplit=1) if line <= len(lines) else []
+        found = repr(cells[0]) if cells else "an empty line"
+        require(
+            cells and cells[0] == key,
+            f"{found} in the header; the key {key!r} expected",
+            file=path,
+            line=line,
+        )
         if key == "place":
             place = cells[1].strip() if len(cells) > 1 else ""
         else:
-            values[key] = number(cells, 1, name=key, file=path, line=i + 1)
+            (values[key],) = numbers(cells, {key: 1}, file=path, line=line)
     units = values["weather_data_file_units"]
-    if units not in (_DIRECT_NORMAL, _DIRECT_HORIZONTAL, _ILLUMINANCE):
-        raise InputError(
-            f"weather_data_file_units {units:g}; 1 (direct normal irradiance), 2"
-            " (direct horizontal irradiance) or 3 (illuminance) expected",
-            file=path,
-            line=len(_KEYS),
-        )
+    require(
+        units in (_DIRECT_NORMAL, _DIRECT_HORIZONTAL, _ILLUMINANCE),
+        f"weather_data_file_units {units:g}; 1 (direct normal irradiance), 2 (direct"
+        " horizontal irradiance) or 3 (illuminance) expected",
+        file=path,
+        line=len(_KEYS),
+    )
     site = Site(
         latitude_deg=values["latitude"],
         longitude_deg=-values["longitude"],

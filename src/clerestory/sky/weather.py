@@ -8,9 +8,9 @@ fixed year: 2023, or 2024 if the data include 29 February.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float
 
-from clerestory.errors import InputError
+from clerestory.array_types import Series
+from clerestory.checks import not_negative, positive, require, same_length, within
 
 TYPICAL_YEAR = 2023
 TYPICAL_LEAP_YEAR = 2024
@@ -36,36 +36,18 @@ class Site:
     place: str = ""
 
     def __post_init__(self) -> None:
-        limits = {
-            "latitude": (self.latitude_deg, 90.0),
-            "longitude": (self.longitude_deg, 180.0),
-            "UTC offset": (self.utc_offset_hours, 14.0),
-        }
-        for name, (value, limit) in limits.items():
-            if not abs(value) <= limit:
-                raise InputError(
-                    f"{name} {value}; a number from {-limit} to {limit} expected"
-                )
-        if not -500.0 <= self.elevation <= 9000.0:
-            raise InputError(f"elevation {self.elevation} m; -500 to 9000 expected")
+        within(self.latitude_deg, "latitude", least=-90, most=90, unit="degrees")
+        within(self.longitude_deg, "longitude", least=-180, most=180, unit="degrees")
+        within(self.utc_offset_hours, "UTC offset", least=-14, most=14, unit="h")
+        within(self.elevation, "elevation", least=-500, most=9000, unit="m")
 
 
 @dataclass(frozen=True, eq=False)
 class Illuminance:
-    """Measured direct and diffuse illuminance over time.
+    """Measured direct normal and diffuse horizontal illuminance over time [lux]."""
 
-    Attributes
-    ----------
-    direct_normal, diffuse_horizontal : direct normal and diffuse horizontal illuminance
-        [lux]
-    """
-
-    direct_normal: Float[np.ndarray, " time"]
-    diffuse_horizontal: Float[np.ndarray, " time"]
-
-    def select(self, steps: slice | np.ndarray) -> "Illuminance":
-        """Return some of the time steps, by slice or boolean mask."""
-        return Illuminance(self.direct_normal[steps], self.diffuse_horizontal[steps])
+    direct_normal: Series
+    diffuse_horizontal: Series
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,48 +83,37 @@ class Weather:
     utc_offset_hours: float
     times: np.ndarray
     step_minutes: float
-    direct_normal: Float[np.ndarray, " time"]
-    diffuse_horizontal: Float[np.ndarray, " time"]
-    dew_point_c: Float[np.ndarray, " time"] | None = None
+    direct_normal: Series
+    diffuse_horizontal: Series
+    dew_point_c: Series | None = None
     illuminance: Illuminance | None = None
     source: str = ""
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         _ = self.site
-        for what, unit, light in (
-            ("irradiance", "W/m²", self),
-            ("illuminance", "lux", self.illuminance),
+        for light, kind, unit in (
+            (self, "irradiance", "W/m²"),
+            (self.illuminance, "illuminance", "lux"),
         ):
             if light is not None:
-                self._check(f"direct normal {what}", light.direct_normal, unit)
-                self._check(
-                    f"diffuse horizontal {what}", light.diffuse_horizontal, unit
-                )
-        if self.dew_point_c is not None and self.dew_point_c.shape != self.times.shape:
-            raise InputError(
-                f"{len(self.dew_point_c)} dew points; {len(self)} expected"
-            )
-        if len(self) == 0:
-            raise InputError("weather without time steps; at least one expected")
-        if np.any(np.diff(self.times) <= np.timedelta64(0)):
-            late = int(np.argmax(np.diff(self.times) <= np.timedelta64(0))) + 1
-            raise InputError(
-                f"times do not increase at {self.times[late]}; increasing times"
-                " expected"
-            )
-        if not self.step_minutes > 0:
-            raise InputError(
-                f"steps of {self.step_minutes} minutes; a positive length expected"
-            )
-
-    def _check(self, name: str, values: Float[np.ndarray, " value"], unit: str) -> None:
-        if values.shape != self.times.shape:
-            raise InputError(f"{len(values)} values of {name}; {len(self)} expected")
-        if not np.all(np.isfinite(values) & (values >= 0)):
-            raise InputError(
-                f"{name} is negative or not finite; {unit} from 0 expected"
-            )
+                for values, component in (
+                    (light.direct_normal, "direct normal"),
+                    (light.diffuse_horizontal, "diffuse horizontal"),
+                ):
+                    name = f"{component} {kind}"
+                    same_length(values, self.times, f"values of {name}", "time steps")
+                    not_negative(values, name, unit=unit)
+        if self.dew_point_c is not None:
+            same_length(self.dew_point_c, self.times, "dew points", "time steps")
+        require(len(self), "weather without time steps; at least one expected")
+        positive(self.step_minutes, "length of a time step", unit="minutes")
+        late = np.diff(self.times, prepend=self.times[:1] - 1) <= np.timedelta64(0)
+        require(
+            not np.any(late),
+            f"times do not increase at {self.times[np.argmax(late)]}; increasing times"
+            " expected",
+        )
 
     def __len__(self) -> int:
         return len(self.times)
@@ -167,5 +138,6 @@ class Weather:
             direct_normal=self.direct_normal[steps],
             diffuse_horizontal=self.diffuse_horizontal[steps],
             dew_point_c=None if dew_point is None else dew_point[steps],
-            illuminance=None if lux is None else lux.select(steps),
+            illuminance=lux
+            and Illuminance(lux.direct_normal[steps], lux.diffuse_horizontal[steps]),
         )

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from clerestory.errors import InputError
+from clerestory.errors import InputError, located
 from clerestory.files import read_text
 from clerestory.sky.epw import read_epw
 from clerestory.sky.radiation_networks import is_surfrad, read_surfrad
@@ -24,14 +24,7 @@ _HEAD = 4000
 
 
 class WeatherFormat(NamedTuple):
-    """A weather file format.
-
-    Attributes
-    ----------
-    name : name of the format in messages
-    recognises : function that tells from the first lines whether a file has this format
-    read : function that reads a file of this format
-    """
+    """Name of a weather file format, test of the first lines of a file, and reader."""
 
     name: str
     recognises: Callable[[list[str]], bool]
@@ -60,14 +53,8 @@ def read_weather(path: str | Path) -> Weather:
     ------
     InputError : the format is unknown, or the file has an error
     """
-    read = _reader(path)
-    try:
-        return read(path)
-    except InputError as error:
-        # Add the file name to errors without one
-        if error.file is not None:
-            raise
-        raise InputError(error.message, file=path) from error
+    with located(file=path):
+        return _reader(path)(path)
 
 
 def _reader(path: str | Path) -> Reader:
@@ -84,7 +71,6 @@ def _reader(path: str | Path) -> Reader:
     raise InputError(
         f"unknown weather file format; {', '.join(names)} or {last} expected, or a"
         " station file (.toml) that describes a measurement file",
-        file=path,
         line=1,
     )
 

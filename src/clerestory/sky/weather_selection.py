@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 
+from clerestory.checks import require
 from clerestory.errors import InputError
 from clerestory.sky.weather import Weather
 
@@ -11,37 +12,28 @@ from clerestory.sky.weather import Weather
 def select_days(
     weather: Weather, *, first: str = "01-01", last: str = "12-31"
 ) -> Weather:
-    """Return the weather of a range of days, including the first and the last day.
+    """Return the weather of a range of days "MM-DD", both included.
 
-    Parameters
-    ----------
-    first, last : days "MM-DD"; if `last` is before `first`, the range includes 1
-        January
+    If `last` is before `first`, the range includes 1 January.
     """
     for day in (first, last):
-        if not re.fullmatch(r"(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])", day):
-            raise InputError(f"day {day!r}; MM-DD expected")
+        valid = re.fullmatch(r"(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])", day)
+        require(valid, f"day {day!r}; MM-DD expected")
     days = np.array([str(day)[5:10] for day in weather.times.astype("datetime64[D]")])
     after, before = days >= first, days <= last
     chosen = after & before if first <= last else after | before
-    if not chosen.any():
-        raise InputError(
-            f"no weather from {first} to {last}; days from {days[0]} to {days[-1]}"
-            " expected",
-            file=weather.source or None,
-        )
+    require(
+        chosen.any(),
+        f"no weather from {first} to {last}; days from {days[0]} to {days[-1]}"
+        " expected",
+        file=weather.source or None,
+    )
     return weather.select(chosen)
 
 
 def select_moment(weather: Weather, moment: str) -> Weather:
-    """Return the weather of the time step that contains a moment of the year.
+    """Return the weather of the step that contains a local standard time "MM-DD HH:MM".
 
-    Parameters
-    ----------
-    moment : local standard time "MM-DD HH:MM"
-
-    Examples
-    --------
     The step with its centre at 11:30 is the hour from 11:00 to 12:00.
 
     >>> hours = np.datetime64("2023-06-21T00:30", "s") + np.arange(24) * 3600
@@ -50,11 +42,10 @@ def select_moment(weather: Weather, moment: str) -> Weather:
     >>> str(select_moment(day, "06-21 11:59").times[0])
     '2023-06-21T11:30:00'
     """
-    if not re.fullmatch(r"\d\d-\d\d[ T]\d\d:\d\d", moment):
-        raise InputError(f"time {moment!r}; a time MM-DD HH:MM expected")
-    years = np.unique(weather.times.astype("datetime64[Y]"))
+    valid = re.fullmatch(r"\d\d-\d\d[ T]\d\d:\d\d", moment)
+    require(valid, f"time {moment!r}; a time MM-DD HH:MM expected")
     half = weather.step_minutes * 30
-    for year in years:
+    for year in np.unique(weather.times.astype("datetime64[Y]")):
         try:
             wanted = np.datetime64(f"{year}-{moment.replace(' ', 'T')}", "s")
         except ValueError:

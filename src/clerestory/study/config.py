@@ -5,7 +5,6 @@ the expected value. See `docs/study-file.md`.
 """
 
 import json
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -13,20 +12,17 @@ from pydantic import (
     BeforeValidator,
     Field,
     PrivateAttr,
-    ValidationError,
-    field_validator,
     model_validator,
 )
 from pydantic_core import PydanticCustomError
 
+from clerestory.documents import Table, read_toml
 from clerestory.engine.device import Device
-from clerestory.files import read_text
 from clerestory.phases.matrix_equation import Term
 from clerestory.phases.methods import METHODS, MethodName
-from clerestory.study.config_errors import input_error, parse_toml
 from clerestory.study.config_tables import (
+    Distinct,
     MetricsTable,
-    Named,
     OutputTable,
     SceneTable,
     ScheduleTable,
@@ -34,11 +30,10 @@ from clerestory.study.config_tables import (
     SkyTable,
     SunlightTable,
     SunTable,
-    Table,
     TraceTable,
     ViewTable,
     WeatherTable,
-    rule_broken,
+    require_rule,
     sun_places,
 )
 from clerestory.study.lighting_tables import LightingTable, LuminaireTable
@@ -67,13 +62,13 @@ class Study(Table):
         alias="method", description=_METHODS
     )
     scene: SceneTable = Field(description="a table [scene]")
-    window: list[WindowTable] = Field(default_factory=list)
-    sensors: list[SensorsTable] = Field(
+    window: Annotated[list[WindowTable], Distinct] = Field([])
+    sensors: Annotated[list[SensorsTable], Distinct] = Field(
         min_length=1, description="at least one table [[sensors]]"
     )
-    view: list[ViewTable] = Field(default_factory=list)
-    luminaire: list[LuminaireTable] = Field(default_factory=list)
-    lighting: list[LightingTable] = Field(default_factory=list)
+    view: Annotated[list[ViewTable], Distinct] = Field([])
+    luminaire: Annotated[list[LuminaireTable], Distinct] = Field([])
+    lighting: Annotated[list[LightingTable], Distinct] = Field([])
     weather: WeatherTable = Field(description="a table [weather]")
     sky: SkyTable = SkyTable()
     sun: Annotated[SunTable, BeforeValidator(sun_places)] = SunTable()
@@ -83,66 +78,48 @@ class Study(Table):
     sunlight: SunlightTable | None = Field(None, description="a table [sunlight]")
     output: OutputTable = OutputTable()
 
-    @field_validator("window", "sensors", "view", "luminaire", "lighting")
-    @classmethod
-    def _distinct(cls, tables: Sequence[Named]) -> Sequence[Named]:
-        labels = [table.label for table in tables]
-        twice = next((name for name in labels if labels.count(name) > 1), None)
-        if twice is not None:
-            raise rule_broken(
-                'two are named "{twice}"; different names expected', twice=twice
-            )
-        return tables
-
     @model_validator(mode="after")
     def _windows_for_the_method(self) -> "Study":
         for method in self.methods:
-            if METHODS[method].windows and not self.window:
-                raise rule_broken(
-                    'method "{method}" without a window; a table [[window]] expected',
-                    method=method,
-                )
-        if self.methods == ["2-phase"] and self.view:
-            raise rule_broken(
-                'method "2-phase" computes no images; no table [[view]] expected'
+            require_rule(
+                self.window or not METHODS[method].windows,
+                f'method "{method}" without a window; a table [[window]] expected',
             )
+        require_rule(
+            self.methods != ["2-phase"] or not self.view,
+            'method "2-phase" computes no images; no table [[view]] expected',
+        )
         return self
 
     @model_validator(mode="after")
     def _ports_for_the_method(self) -> "Study":
-        facade = [METHODS[method].facade for method in self.methods]
         ports = any(window.ports for window in self.window)
-        if ports and not all(facade):
-            raise rule_broken(
-                '"ports" by method "{method}"; "4-phase" or "6-phase" expected',
-                method=self.methods[facade.index(False)],
+        for method in self.methods:
+            facade = METHODS[method].facade
+            require_rule(
+                facade or not ports,
+                f'"ports" with method "{method}"; "4-phase" or "6-phase" expected',
             )
-        if any(facade) and not ports:
-            raise rule_broken(
-                'method "{method}" without ports; the key "ports" of a table'
+            require_rule(
+                ports or not facade,
+                f'method "{method}" without ports; the key "ports" of a table'
                 " [[window]] expected",
-                method=self.methods[facade.index(True)],
             )
         return self
 
     @model_validator(mode="after")
     def _sun_of_the_method(self) -> "Study":
         exact = "places" in self.sun.model_fields_set and self.sun.places == "exact"
-        if exact and all(METHODS[m].correction == "never" for m in self.methods):
-            raise rule_broken(
-                'method "{method}" distributes the sun over sky patches; sun "patches",'
-                ' or method "{other}" with the exact sun, expected',
-                method=self.method,
-                other="6-phase" if METHODS[self.method].facade else "5-phase",
-            )
-        return self
-
-    @model_validator(mode="after")
-    def _openings_for_the_sun(self) -> "Study":
-        if self.sunlight and not (self.window or self.sunlight.file):
-            raise rule_broken(
-                "[sunlight] without a window; its openings as a file expected"
-            )
+        other = "6-phase" if METHODS[self.method].facade else "5-phase"
+        require_rule(
+            not exact or any(METHODS[m].correction != "never" for m in self.methods),
+            f'method "{self.method}" distributes the sun over sky patches; sun'
+            f' "patches", or method "{other}" with the exact sun, expected',
+        )
+        require_rule(
+            not self.sunlight or self.window or self.sunlight.file,
+            "[sunlight] without a window; a file of openings expected",
+        )
         return self
 
     @model_validator(mode="after")
@@ -162,32 +139,26 @@ class Study(Table):
         for lamp in self.luminaire:
             what = f'luminaire "{lamp.label}"'
             _require(what, "lighting zone", [lamp.zone], zones)
-            if not lamp.zone and len(zones) > 1:
-                raise rule_broken(
-                    "{what} without zone; one of {zones} expected",
-                    what=what,
-                    zones=", ".join(zones),
-                )
-        if bool(self.luminaire) != bool(self.lighting):
-            raise rule_broken(
-                "[[luminaire]] and [[lighting]]: one without the other; both expected"
+            require_rule(
+                lamp.zone or len(zones) < 2,
+                f"{what} without zone; one of {', '.join(zones)} expected",
             )
+        require_rule(
+            bool(self.luminaire) == bool(self.lighting),
+            "[[luminaire]] or [[lighting]] without the other table; both expected",
+        )
         return self
 
     def _require_views(self, window: WindowTable) -> None:
         control = window.control
-        if control is None or self.view:
+        if control is None or (control.rule == "glare" and control.grid):
             return
-        if control.rule == "glare" and control.grid:
-            return
-        looks = control.rule == "glare" or "glare" in control.needs
-        if looks or control.dgp_below is not None:
-            raise rule_broken(
-                'rule "{rule}" of window "{name}" depends on glare, but there is no'
-                " view; a table [[view]] expected",
-                rule=control.rule,
-                name=window.label,
-            )
+        glare = control.rule == "glare" or "glare" in control.needs
+        require_rule(
+            self.view or not (glare or control.dgp_below is not None),
+            f'rule "{control.rule}" of window "{window.label}" depends on glare, but'
+            " there is no view; a table [[view]] expected",
+        )
 
     @property
     def method(self) -> MethodName:
@@ -212,10 +183,8 @@ class Study(Table):
 
     def with_method(self, method: MethodName) -> "Study":
         """Return the study with one method; without views for the two-phase method."""
-        change: dict[str, Any] = {"methods": [method]}
-        if method == "2-phase":
-            change["view"] = []
-        return self.model_copy(update=change)
+        views = [] if method == "2-phase" else self.view
+        return self.model_copy(update={"methods": [method], "view": views})
 
     def model_post_init(self, context: Any) -> None:
         """Store the folder of the study file."""
@@ -231,8 +200,7 @@ class Study(Table):
         """Return the study with another seed, device or cluster, if given."""
         given = {"seed": seed, "device": device, "cluster": cluster}
         change = {key: value for key, value in given.items() if value is not None}
-        trace = self.trace.model_copy(update=change)
-        return self.model_copy(update={"trace": trace})
+        return self.model_copy(update={"trace": self.trace.model_copy(update=change)})
 
     def facts(self) -> dict[str, Any]:
         """Return all keys and values, with file paths relative to the study folder."""
@@ -259,14 +227,11 @@ class Study(Table):
 
 def _require(what: str, kind: str, names: list[str], known: list[str]) -> None:
     for name in names:
-        if name and name not in known:
-            raise rule_broken(
-                '{what} refers to {kind} "{name}"; one of {known} expected',
-                what=what,
-                kind=kind,
-                name=name,
-                known=", ".join(known) or "none",
-            )
+        require_rule(
+            not name or name in known,
+            f'{what} refers to {kind} "{name}"; one of {", ".join(known) or "none"}'
+            " expected",
+        )
 
 
 def read_study(path: str | Path) -> Study:
@@ -278,10 +243,5 @@ def read_study(path: str | Path) -> Study:
         unknown or wrong; with the line and the valid choices
     """
     path = Path(path)
-    text = read_text(path)
-    tables = parse_toml(text, file=path)
-    try:
-        study = Study.model_validate(tables, context={"folder": path.parent})
-    except ValidationError as error:
-        raise input_error(error, model=Study, text=text, file=path) from error
+    study = read_toml(path, Study, {"folder": path.parent})
     return study.model_copy(update={"title": study.title or path.stem})

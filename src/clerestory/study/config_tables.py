@@ -4,12 +4,19 @@ Each table is a class; error messages state the description of a key as the expe
 value.
 """
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Field,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 
+from clerestory.documents import Table
 from clerestory.engine.device import Device
 from clerestory.metrics.climate_based_metrics import TARGET_LUX
 from clerestory.metrics.en17037 import FIRST_DAY, LAST_DAY
@@ -34,17 +41,10 @@ Moment = Annotated[str, Field(pattern=_MOMENT)]
 MonthDay = Annotated[str, Field(pattern=r"^(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])$")]
 
 
-def rule_broken(message: str, **words: Any) -> PydanticCustomError:
-    """Return a validation error for inconsistent keys of a table."""
-    return PydanticCustomError("rule", message, words or None)
-
-
-class Table(BaseModel):
-    """A table of the study file; unknown keys and wrong types are errors."""
-
-    model_config = ConfigDict(
-        extra="forbid", frozen=True, strict=True, allow_inf_nan=False
-    )
+def require_rule(valid: object, message: str) -> None:
+    """Raise a validation error for inconsistent keys of a table unless `valid`."""
+    if not valid:
+        raise PydanticCustomError("rule", "{message}", {"message": message})
 
 
 class Named(Table):
@@ -73,6 +73,26 @@ class NamedFile(Named):
         return self.name or self.file.stem
 
 
+def _distinct(tables: Sequence[Named]) -> Sequence[Named]:
+    labels = [table.label for table in tables]
+    twice = [name for name in labels if labels.count(name) > 1]
+    require_rule(
+        not twice, f'two are named "{"".join(twice[:1])}"; different names expected'
+    )
+    return tables
+
+
+# Check that the names of the tables of a list differ
+Distinct = AfterValidator(_distinct)
+
+
+def require_one_of(keys: Mapping[str, object]) -> None:
+    """Raise a validation error unless one of two keys is given."""
+    given = sum(map(bool, keys.values()))
+    words = "both {} and {}" if given else "neither {} nor {}"
+    require_rule(given == 1, f"{words.format(*keys)}; one of them expected")
+
+
 class SceneTable(Table):
     """Files of the room and its surroundings."""
 
@@ -85,6 +105,21 @@ class SensorsTable(NamedFile):
     """A grid of sensors."""
 
     file: InputFile = Field(description="a file of sensors, x y z dx dy dz a line")
+
+
+class HoursTable(Table):
+    """Hours of the day, in local standard time."""
+
+    from_hour: float = Field(0.0, ge=0, le=24)
+    to_hour: float = Field(24.0, ge=0, le=24)
+
+    @model_validator(mode="after")
+    def _forwards(self) -> Self:
+        require_rule(
+            self.from_hour < self.to_hour,
+            '"from_hour" is not before "to_hour"; an earlier hour expected',
+        )
+        return self
 
 
 class ClearSkyTable(Table):
@@ -100,15 +135,15 @@ class ClearSkyTable(Table):
 
     @model_validator(mode="after")
     def _whole_hours(self) -> "ClearSkyTable":
-        if 60 % self.step_minutes:
-            raise rule_broken(
-                "steps of {minutes} minutes; a divisor of 60 expected",
-                minutes=self.step_minutes,
-            )
+        minutes = self.step_minutes
+        require_rule(
+            60 % minutes == 0,
+            f'"step_minutes" is {minutes}; a divisor of 60 expected',
+        )
         return self
 
 
-class WeatherTable(Table):
+class WeatherTable(HoursTable):
     """Weather data, and the simulated part of the year."""
 
     file: InputFile | None = Field(
@@ -127,7 +162,6 @@ class WeatherTable(Table):
     last_day: MonthDay | None = Field(
         None, alias="to", description='a day of the year as "MM-DD"'
     )
-    from_hour: float = Field(0.0, ge=0, le=24)
     to_hour: float = Field(24.0, ge=0, le=24)
     every: int = Field(1, ge=1, le=1440)
     moments: list[Moment] = Field(
@@ -136,16 +170,11 @@ class WeatherTable(Table):
 
     @model_validator(mode="after")
     def _one_source(self) -> "WeatherTable":
-        if (self.file is None) == (self.clear_sky is None):
-            words = "both {} and {}" if self.file else "neither {} nor {}"
-            given = words.format('"file"', '"clear_sky"')
-            raise rule_broken("{given}; one of them expected", given=given)
-        if self.measured is not None and self.file is None:
-            raise rule_broken('"measured" without "file"; the file to read expected')
-        if self.from_hour >= self.to_hour:
-            raise rule_broken(
-                '"from_hour" is not before "to_hour"; the earlier one expected'
-            )
+        require_one_of({'"file"': self.file, '"clear_sky"': self.clear_sky})
+        require_rule(
+            self.measured is None or self.file is not None,
+            '"measured" without "file"; the file to read expected',
+        )
         return self
 
 
@@ -210,26 +239,18 @@ class TraceTable(Table):
 
     @model_validator(mode="after")
     def _one_goal(self) -> "TraceTable":
-        if self.samples is not None and self.relative_error is not None:
-            raise rule_broken(
-                'both "samples" and "relative_error"; one of them expected'
-            )
+        require_rule(
+            self.samples is None or self.relative_error is None,
+            'both "samples" and "relative_error"; one of them expected',
+        )
         return self
 
 
-class ScheduleTable(Table):
+class ScheduleTable(HoursTable):
     """Occupied hours of the day, in local standard time."""
 
     from_hour: float = Field(8.0, ge=0, le=24)
     to_hour: float = Field(18.0, ge=0, le=24)
-
-    @model_validator(mode="after")
-    def _forwards(self) -> "ScheduleTable":
-        if self.from_hour >= self.to_hour:
-            raise rule_broken(
-                '"from_hour" is not before "to_hour"; the earlier one expected'
-            )
-        return self
 
 
 class MetricsTable(Table):
@@ -251,13 +272,10 @@ class SunlightTable(Table):
 
     @model_validator(mode="after")
     def _between_february_and_march(self) -> "SunlightTable":
-        if not FIRST_DAY <= self.day <= LAST_DAY:
-            raise rule_broken(
-                'day "{day}"; one from "{first}" to "{last}" expected',
-                day=self.day,
-                first=FIRST_DAY,
-                last=LAST_DAY,
-            )
+        require_rule(
+            FIRST_DAY <= self.day <= LAST_DAY,
+            f'"day" is "{self.day}"; a day from "{FIRST_DAY}" to "{LAST_DAY}" expected',
+        )
         return self
 
 

@@ -7,7 +7,7 @@ import xarray as xr
 from jaxtyping import Float
 
 from clerestory.hemisphere.klems import klems
-from clerestory.scene.model import Scene
+from clerestory.scene.model import Scene, display_colour
 from clerestory.scene.tessellate import meshes
 from clerestory.scene.triangulate import triangulate
 from clerestory.scene.window import Window
@@ -23,7 +23,7 @@ def room_drawing(scene: Scene) -> xr.Dataset:
         return xr.Dataset()
     corners, colours, names = [], [], []
     for mesh in meshes(scene):
-        shown = np.clip(mesh.material.display_colour(), 0, 1)
+        shown = np.clip(display_colour(mesh.material), 0, 1)
         corners.append(mesh.vertices[mesh.faces])
         colours.append(np.tile(shown, (len(mesh.faces), 1)))
         names += [mesh.material.name] * len(mesh.faces)

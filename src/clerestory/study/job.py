@@ -1,10 +1,10 @@
 """Common inputs of all traced matrices of a study: scene, seeds, effort, cache."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from clerestory.engine.effort import Effort
 from clerestory.engine.work_units import Executor, Local
@@ -13,6 +13,7 @@ from clerestory.phases.fingerprint import fingerprint
 from clerestory.phases.matrix_store import Store, block_names
 from clerestory.progress import Progress
 from clerestory.scene.model import Scene
+from clerestory.scene.window import Window
 from clerestory.study.config import Study
 from clerestory.study.inputs import Inputs
 
@@ -40,6 +41,7 @@ class Job:
     found : for each matrix file name, whether the matrix was in the cache
     executor : executor of the tracing jobs; results do not depend on it
     scratch : folder for hourly results that do not fit into memory
+    direct : whether matrices of direct light are traced (V_d, D_d, C_d)
     """
 
     study: Study
@@ -49,6 +51,12 @@ class Job:
     found: dict[str, bool] = field(default_factory=dict)
     executor: Executor = field(default_factory=Local)
     scratch: Path = Path()
+    direct: bool = False
+
+    @property
+    def prefix(self) -> str:
+        """First part of the names of matrices."""
+        return "direct-" if self.direct else ""
 
     @property
     def scene(self) -> Scene:
@@ -77,7 +85,7 @@ class Job:
             samples=trace.samples,
             relative_error=error,
             bounces=trace.bounces,
-            seed=self.seed(stream),
+            seed=self.seed(stream + DIRECT * self.direct),
             device=self.device,
             executor=self.executor,
         )
@@ -96,18 +104,59 @@ class Job:
         )
 
     def matrix(
-        self, name: str, key: str, make: Callable[[], TransferMatrix]
+        self,
+        name: str,
+        trace: "partial[TransferMatrix]",
+        effort: Effort,
+        *,
+        shown: str = "",
     ) -> TransferMatrix:
-        """Return a matrix from the cache, or trace and store it."""
-        return self.matrices([name], key, lambda: {name: make()})[name]
+        """Return a matrix from the cache, or trace and store it.
+
+        Parameters
+        ----------
+        name : name of the matrix in the cache, without the prefix
+        trace : tracing function with all inputs of the matrix except the effort
+        shown : name of the matrix in the progress display
+        """
+        name, title = self.prefix + name, self.prefix + (shown or name)
+
+        def make() -> dict[str, TransferMatrix]:
+            return {name: trace(effort=effort, progress=self.display(title))}
+
+        return self._cached([name], self._key(trace, effort), make)[name]
 
     def matrices(
         self,
-        names: list[str],
-        key: str,
-        make: Callable[[], Mapping[str, TransferMatrix]],
+        name: str,
+        windows: Sequence[Window],
+        trace: "partial[dict[str, TransferMatrix]]",
+        effort: Effort,
+        *,
+        shown: str,
     ) -> dict[str, TransferMatrix]:
-        """Return matrices from the cache, or trace them together and store them."""
+        """Return matrices that are traced together, by window name; see `matrix`.
+
+        The name of a matrix in the cache is followed by that of its window.
+        """
+        names = {f"{self.prefix}{name}-{each.name}": each.name for each in windows}
+
+        def make() -> dict[str, TransferMatrix]:
+            traced = trace(effort=effort, progress=self.display(self.prefix + shown))
+            return {name: traced[window] for name, window in names.items()}
+
+        found = self._cached(list(names), self._key(trace, effort), make)
+        return {window: found[name] for name, window in names.items()}
+
+    def _key(self, trace: "partial[Any]", effort: Effort) -> str:
+        # Fingerprint of function and inputs; that of the scene is computed once
+        inputs = [*trace.args, *trace.keywords.values()]
+        known = [self.scene_key if each is self.scene else each for each in inputs]
+        return fingerprint(trace.func.__name__, known, list(trace.keywords), effort)
+
+    def _cached(
+        self, names: list[str], key: str, make: Callable[[], dict[str, TransferMatrix]]
+    ) -> dict[str, TransferMatrix]:
         for name in names:
             file = self.store.path(name, key).name
             self.found.setdefault(file, self.store.holds(name, key))

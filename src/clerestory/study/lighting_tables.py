@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from clerestory.metrics.lighting_energy import Control
-from clerestory.study.config_tables import InputFile, Named, NamedFile, rule_broken
+from clerestory.study.config_tables import InputFile, Named, NamedFile, require_rule
 
 Place = Annotated[list[float], Field(min_length=3, max_length=3)]
 
@@ -32,18 +32,19 @@ class LuminaireTable(NamedFile):
 
     @model_validator(mode="after")
     def _places_for_the_file(self) -> "LuminaireTable":
-        if self.photometric and not self.places:
-            raise rule_broken(
-                "a photometric file without places; a list of [x, y, z] expected"
-            )
-        if not self.photometric and {"places", "turn_deg", "tilt_deg"} & set(
-            self.model_fields_set
-        ):
-            raise rule_broken(
-                "places or angles beside a scene file, which has its own; none expected"
-            )
-        if not self.photometric and self.power is None:
-            raise rule_broken('a scene file without "power"; watts in all expected')
+        placed = {"places", "turn_deg", "tilt_deg"} & self.model_fields_set
+        require_rule(
+            not self.photometric or self.places,
+            'a photometric file without "places"; a list of [x, y, z] expected',
+        )
+        require_rule(
+            self.photometric or not placed,
+            "places or angles of a scene file, which has its own; none expected",
+        )
+        require_rule(
+            self.photometric or self.power is not None,
+            'a scene file without "power"; the total power in watts expected',
+        )
         return self
 
 
@@ -63,9 +64,9 @@ class LightingTable(Named):
 
     @model_validator(mode="after")
     def _sensor(self) -> "LightingTable":
-        if self.control != "none" and not self.grid:
-            raise rule_broken(
-                'control "{control}" without "grid"; the sensors that govern expected',
-                control=self.control,
-            )
+        require_rule(
+            self.control == "none" or self.grid,
+            f'control "{self.control}" without "grid"; the grid of the photosensors'
+            " expected",
+        )
         return self

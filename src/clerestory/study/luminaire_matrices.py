@@ -4,6 +4,7 @@ Windows are black for electric light. Light sources in the scene files are turne
 """
 
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,12 +15,13 @@ from clerestory.formats.photometry.luminaire_scene import luminaire_scene
 from clerestory.formats.photometry.read import read_luminaire
 from clerestory.matrix.axis import pixel_axis, sensor_axis, unknown_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.picture_matrices import Camera
 from clerestory.phases.rendering import irradiance, render
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.scene.material import altered
 from clerestory.scene.model import Emitter, Illum, Material, Plastic, Scene
+from clerestory.scene.sensors import Sensors
 from clerestory.study.job import LAMPS, Job
-from clerestory.study.kept_matrices import kept
 from clerestory.study.lighting_tables import LightingTable, LuminaireTable
 
 
@@ -175,49 +177,40 @@ def _brighter(material: Material, factor: float) -> Material:
 
 
 def _sensors(job: Job, room: Scene, zone: Zone, number: int) -> TransferMatrix:
-    sensors = job.inputs.sensors()
-
-    def trace(**how: Any) -> TransferMatrix:
-        found = irradiance(room + zone.light, sensors, **how)
-        return TransferMatrix(
-            found.irradiance.T[:, :, None],
-            sensor_axis(len(sensors)),
-            unknown_axis(1),
-            found.error.T[None, :, :, None],
-            found.bands,
-        )
-
-    return kept(
-        job,
-        f"lamps-{zone.table.label}",
-        trace,
-        ("lamps", room, zone.light, sensors),
+    name = zone.table.label
+    return job.matrix(
+        f"lamps-{name}",
+        partial(_sensor_matrix, room + zone.light, job.inputs.sensors()),
         job.effort(LAMPS + number),
-        shown=f"electric light of {zone.table.label or 'the room'}",
+        shown=f"electric light of {name or 'the room'}",
+    )
+
+
+def _sensor_matrix(scene: Scene, sensors: Sensors, **how: Any) -> TransferMatrix:
+    found = irradiance(scene, sensors, **how)
+    return TransferMatrix(
+        found.irradiance.T[:, :, None],
+        sensor_axis(len(sensors)),
+        unknown_axis(1),
+        found.error.T[None, :, :, None],
+        found.bands,
     )
 
 
 def _pixels(job: Job, room: Scene, zone: Zone, number: int, view: int) -> np.ndarray:
-    table, camera = job.study.view[view], job.inputs.cameras[view]
-
-    def trace(**how: Any) -> TransferMatrix:
-        picture = render(
-            room + zone.light,
-            camera.view,
-            columns=camera.columns,
-            rows=camera.rows,
-            **how,
-        ).picture
-        values = np.moveaxis(picture.radiance, -1, 0).reshape(-1, len(camera), 1)
-        axes = pixel_axis(len(camera)), unknown_axis(1)
-        return TransferMatrix(values, *axes, bands=picture.bands)
-
-    matrix = kept(
-        job,
+    table = job.study.view[view]
+    matrix = job.matrix(
         f"lamps-{table.label}-{zone.table.label}",
-        trace,
-        ("lamps seen", room, zone.light, camera),
+        partial(_pixel_matrix, room + zone.light, job.inputs.cameras[view]),
         job.pixel_effort(table.samples, LAMPS + number),
         shown=f"electric light in {table.label}",
     )
     return matrix.values[:, :, 0].T
+
+
+def _pixel_matrix(scene: Scene, camera: Camera, **how: Any) -> TransferMatrix:
+    columns, rows = camera.columns, camera.rows
+    picture = render(scene, camera.view, columns=columns, rows=rows, **how).picture
+    values = np.moveaxis(picture.radiance, -1, 0).reshape(-1, len(camera), 1)
+    axes = pixel_axis(len(camera)), unknown_axis(1)
+    return TransferMatrix(values, *axes, bands=picture.bands)

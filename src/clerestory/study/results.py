@@ -15,6 +15,8 @@ import h5netcdf  # type: ignore[import-untyped]
 import numpy as np
 import xarray as xr
 
+from clerestory.checks import require
+from clerestory.documents import json_value
 from clerestory.errors import InputError
 from clerestory.files import read_bytes, read_text, replace_path, write_text
 from clerestory.phases.illuminance import hourly_variable
@@ -178,10 +180,9 @@ def _read_run(path: Path) -> dict[str, Any]:
     # run.json is optional
     if not path.is_file():
         return {}
-    try:
-        return dict(json.loads(read_text(path)))
-    except ValueError as error:
-        raise InputError(f"is not JSON: {error}", file=path) from error
+    data = json_value(read_text(path), file=path)
+    require(isinstance(data, dict), "not the run.json of a run", file=path)
+    return dict(data)
 
 
 def sensor_names(grid: str, count: int) -> list[str]:

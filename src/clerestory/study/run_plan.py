@@ -12,7 +12,7 @@ from clerestory.cluster.cluster import executor_at
 from clerestory.engine.cost_estimate import JobCost, Plan, estimate_costs
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.matrix_store import MatrixStore, block_names
-from clerestory.phases.pooled import FEW
+from clerestory.phases.stored_views import FEW
 from clerestory.progress import Progress
 from clerestory.scene.model import Polygon, Scene, TriangleMesh
 from clerestory.study.config import Study

@@ -5,6 +5,7 @@ the other groups black; the results are summed. Room light reflected by the grou
 own BSDF is included; reflection by the other groups is neglected.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
@@ -12,7 +13,6 @@ import numpy as np
 
 from clerestory.engine.effort import Effort
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.fingerprint import fingerprint
 from clerestory.phases.matrix_equation import MatrixChain
 from clerestory.phases.methods import METHODS
 from clerestory.phases.sun_coefficients import blackened, sun_coefficients
@@ -24,44 +24,43 @@ from clerestory.phases.unscattered_light import (
 from clerestory.scene.model import BsdfSurface, Plastic, Scene
 from clerestory.sky.sun_matrix import SunMatrix
 from clerestory.study.job import COEFFICIENTS, DIRECT, STATE, SUN, Job
-from clerestory.study.kept_matrices import kept
 from clerestory.study.window_groups import state_label
 
 
-def coefficients(job: Job, *, direct: bool) -> list[MatrixChain]:
+def coefficients(job: Job) -> list[MatrixChain]:
     """Return C of each window group and shade state, or of a scene with glazing.
 
-    Parameters
-    ----------
-    direct : whether to return C_d, for direct light only
+    For a job of direct light, return C_d.
     """
-    if not job.inputs.groups:
-        unscattered = _unscattered(job) if direct else _traced(job, job.scene, "", 0)
-        return [MatrixChain((unscattered,))]
+    if job.inputs.groups:
+        return _of_states(job, _of_state)
     return [
-        MatrixChain(
-            tuple(
-                _of_state(job, number, at, direct=direct)
-                for at in range(len(group.states))
-            )
-        )
-        for number, group in enumerate(job.inputs.groups)
+        MatrixChain((_unscattered(job) if job.direct else _traced(job, job.scene),))
     ]
 
 
 def direct_suns(job: Job, suns: SunMatrix) -> list[MatrixChain]:
     """Return C_ds of each window group and shade state, or of a scene with glazing."""
-    if not job.inputs.groups:
-        return [MatrixChain((_unscattered_sun(job, suns),))]
+    if job.inputs.groups:
+        return _of_states(job, partial(_sun, suns=suns))
+    sensors = job.inputs.sensors()
+    trace = partial(unscattered_sun, job.scene, sensors=sensors, suns=suns.directions)
     return [
-        MatrixChain(
-            tuple(_sun(job, number, at, suns) for at in range(len(group.states)))
-        )
+        MatrixChain((job.matrix("sun", trace, _sun_effort(job), shown="direct sun"),))
+    ]
+
+
+def _of_states(
+    job: Job, trace: Callable[[Job, int, int], TransferMatrix]
+) -> list[MatrixChain]:
+    # Matrices of every window group and shade state, from their numbers
+    return [
+        MatrixChain(tuple(trace(job, number, at) for at in range(len(group.states))))
         for number, group in enumerate(job.inputs.groups)
     ]
 
 
-def _of_state(job: Job, number: int, at: int, *, direct: bool) -> TransferMatrix:
+def _of_state(job: Job, number: int, at: int) -> TransferMatrix:
     # Scene with one window group in the given state, and the other groups black
     groups = job.inputs.groups
     chosen, state = groups[number], groups[number].states[at]
@@ -75,81 +74,48 @@ def _of_state(job: Job, number: int, at: int, *, direct: bool) -> TransferMatrix
     ]
     materials = {shade.name: shade, black.name: black}
     panes = Scene(materials, tuple(surfaces), bands=job.scene.bands)
-    stream = COEFFICIENTS + number + STATE * at + DIRECT * direct
-    label = state_label(chosen, at)
-    return _traced(job, job.scene + panes, label, stream, direct=direct)
+    stream = COEFFICIENTS + number + STATE * at
+    return _traced(job, job.scene + panes, stream, f"-{state_label(chosen, at)}")
 
 
-def _traced(
-    job: Job, scene: Scene, label: str, stream: int, *, direct: bool = False
-) -> TransferMatrix:
+def _traced(job: Job, scene: Scene, stream: int = 0, of: str = "") -> TransferMatrix:
     sensors, subdivision = job.inputs.sensors(), job.study.sky.subdivision
-    scene_key = job.scene_key if scene is job.scene else fingerprint(scene)
-    prefix, of = "direct-" if direct else "", f"-{label}" if label else ""
-    return kept(
-        job,
-        f"{prefix}coefficients{of}",
-        partial(daylight_coefficients, scene, sensors=sensors, subdivision=subdivision),
-        ("coefficients", scene_key, sensors, subdivision),
-        job.effort(stream),
-        shown=f"{prefix}daylight coefficients{of}",
+    trace = partial(
+        daylight_coefficients, scene, sensors=sensors, subdivision=subdivision
     )
+    effort, shown = job.effort(stream), f"daylight coefficients{of}"
+    return job.matrix(f"coefficients{of}", trace, effort, shown=shown)
 
 
 def _unscattered(job: Job) -> TransferMatrix:
     sensors, subdivision = job.inputs.sensors(), job.study.sky.subdivision
-    return kept(
-        job,
-        "direct-coefficients",
-        partial(
-            unscattered_coefficients,
-            job.scene,
-            sensors=sensors,
-            subdivision=subdivision,
-        ),
-        ("unscattered", job.scene_key, sensors, subdivision),
-        job.direct_effort(COEFFICIENTS + DIRECT),
-        shown="direct daylight coefficients",
+    trace = partial(
+        unscattered_coefficients, job.scene, sensors=sensors, subdivision=subdivision
     )
+    effort = job.direct_effort(COEFFICIENTS + DIRECT)
+    return job.matrix("coefficients", trace, effort, shown="daylight coefficients")
 
 
-def _unscattered_sun(job: Job, suns: SunMatrix) -> TransferMatrix:
-    sensors = job.inputs.sensors()
-    trace = partial(unscattered_sun, job.scene, sensors=sensors, suns=suns.directions)
-    key = "unscattered sun", job.scene_key, sensors, suns.directions
-    return kept(job, "sun", trace, key, _sun_effort(job, 0), shown="direct sun")
-
-
-def _sun_effort(job: Job, stream: int) -> Effort:
+def _sun_effort(job: Job, stream: int = 0) -> Effort:
     return job.direct_effort(SUN + stream, job.study.sun.samples)
 
 
-def _sun(job: Job, number: int, at: int, suns: SunMatrix) -> TransferMatrix:
+def _sun(job: Job, number: int, at: int, *, suns: SunMatrix) -> TransferMatrix:
     group = job.inputs.groups[number]
-    chosen, sensors = group.states[at], job.inputs.sensors()
-    windows = [each.inner for each in job.inputs.groups]
-    scene, scene_key = job.scene, job.scene_key
+    chosen, label, scene = group.states[at], state_label(group, at), job.scene
     if METHODS[job.study.method].facade and chosen.shade.surfaces:
         scene = scene + blackened(chosen.shade)
-        scene_key = fingerprint(scene)
-    label = state_label(group, at)
-    return kept(
-        job,
-        f"sun-{label}",
-        partial(
-            sun_coefficients,
-            scene,
-            windows,
-            group.name,
-            chosen.fine,
-            sensors=sensors,
-            suns=suns.directions,
-            peak=chosen.peak,
-        ),
-        (
-            *("sun", scene_key, windows, number, chosen.fine, chosen.peak, sensors),
-            suns.directions,
-        ),
-        _sun_effort(job, number + STATE * at),
-        shown=f"direct sun through {label}",
+    trace = partial(
+        sun_coefficients,
+        scene,
+        [each.inner for each in job.inputs.groups],
+        group.name,
+        chosen.fine,
+        sensors=job.inputs.sensors(),
+        suns=suns.directions,
+        peak=chosen.peak,
+    )
+    effort = _sun_effort(job, number + STATE * at)
+    return job.matrix(
+        f"sun-{label}", trace, effort, shown=f"direct sun through {label}"
     )

@@ -20,8 +20,12 @@ from clerestory.phases.matrix_equation import (
     window_chain,
 )
 from clerestory.phases.methods import METHODS
-from clerestory.phases.pooled import with_few_components
-from clerestory.phases.stored_views import StoredColumns, store_views, stored_columns
+from clerestory.phases.stored_views import (
+    StoredColumns,
+    store_views,
+    stored_columns,
+    with_few_components,
+)
 from clerestory.phases.sun_coefficients import blackened
 from clerestory.phases.traced_matrices import (
     daylight_matrices,
@@ -33,8 +37,7 @@ from clerestory.sky.sun_matrix import SunMatrix, patch_suns, sun_matrix
 from clerestory.sky.weather import Weather
 from clerestory.study.config import Study
 from clerestory.study.inputs import Inputs
-from clerestory.study.job import DIRECT, STATE, Job
-from clerestory.study.kept_matrices import kept, kept_together
+from clerestory.study.job import STATE, Job
 from clerestory.study.memory_size import is_stored, most_sensors
 from clerestory.study.study_coefficients import coefficients, direct_suns
 from clerestory.study.study_matrices import StudyMatrices
@@ -95,9 +98,9 @@ def trace_study(job: Job) -> StudyMatrices:
         # Direct light is scattered by windows only: all other surfaces are black
         black = replace(job, inputs=replace(job.inputs, scene=blackened(job.scene)))
     make = partial(_window_chains, stored=stored) if method.windows else coefficients
-    whole = make(job, direct=False)
+    whole = make(job)
     none: list[MatrixChain | None] = [None] * len(whole)
-    dark = make(black, direct=True) if direct else none
+    dark = make(replace(black, direct=True)) if direct else none
     sun = direct_suns(black, suns) if suns is not None else none
     windows = tuple(map(WindowMatrices, whole, dark, sun))
     if not stored:
@@ -106,13 +109,12 @@ def trace_study(job: Job) -> StudyMatrices:
     return StudyMatrices(study.terms, windows, suns, job.scratch, most)
 
 
-def _window_chains(job: Job, *, direct: bool, stored: bool) -> list[MatrixChain]:
+def _window_chains(job: Job, *, stored: bool) -> list[MatrixChain]:
     # V, T and D or F D; view matrices are traced together, daylight matrices separately
-    trace = _stored_views if stored else _views
-    views: Sequence[TransferMatrix | StoredColumns] = trace(job, direct=direct)
+    views: Sequence[TransferMatrix | StoredColumns] = _views(job, stored=stored)
     chains = []
     for number, (group, view) in enumerate(zip(job.inputs.groups, views, strict=True)):
-        daylight = _daylight(job, group, number, direct=direct)
+        daylight = _daylight(job, group, number)
         if stored:
             daylight = [with_few_components(matrix) for matrix in daylight]
         T = [state.transmission for state in group.states]
@@ -120,103 +122,75 @@ def _window_chains(job: Job, *, direct: bool, stored: bool) -> list[MatrixChain]
     return chains
 
 
-def _prefix(direct: bool) -> str:
-    return "direct-" if direct else ""
-
-
-def _view_effort(job: Job, *, direct: bool) -> Effort:
-    effort = job.effort(DIRECT * direct)
-    # The gather at the sensor counts as one bounce
-    return replace(effort, bounces=1) if direct else effort
-
-
-def _views(job: Job, *, direct: bool) -> list[TransferMatrix]:
-    sensors, prefix = job.inputs.sensors(), _prefix(direct)
+def _views(job: Job, *, stored: bool) -> Sequence[TransferMatrix | StoredColumns]:
+    sensors, effort = job.inputs.sensors(), job.effort()
     windows = [group.inner for group in job.inputs.groups]
-    found = kept_together(
-        job,
-        f"{prefix}view",
-        windows,
-        partial(view_matrices, job.scene, windows, sensors=sensors),
-        ("view", job.scene_key, windows, sensors),
-        _view_effort(job, direct=direct),
-        shown=f"{prefix}view matrices",
-    )
-    return list(found.values())
-
-
-def _stored_views(job: Job, *, direct: bool) -> Sequence[StoredColumns]:
-    sensors, effort = job.inputs.sensors(), _view_effort(job, direct=direct)
-    windows = [group.inner for group in job.inputs.groups]
+    if job.direct:
+        # The gather at the sensor counts as one bounce
+        effort = replace(effort, bounces=1)
+    if not stored:
+        trace = partial(view_matrices, job.scene, windows, sensors=sensors)
+        found = job.matrices("view", windows, trace, effort, shown="view matrices")
+        return list(found.values())
     views = store_views(
         job,
         job.scene,
         windows,
-        name=f"{_prefix(direct)}views",
+        name=f"{job.prefix}views",
         key=fingerprint("views", job.scene_key, windows, sensors, effort),
         sensors=sensors,
         effort=effort,
-        progress=job.display(f"{_prefix(direct)}view matrices"),
+        progress=job.display(f"{job.prefix}view matrices"),
     )
     return stored_columns(views, windows)
 
 
-def _daylight(
-    job: Job, group: WindowGroup, number: int, *, direct: bool
-) -> list[TransferMatrix]:
+def _daylight(job: Job, group: WindowGroup, number: int) -> list[TransferMatrix]:
     # D, common to all shade states, or F D of each shade state
     if METHODS[job.study.method].facade and group.ports:
-        D = _port_daylight(job, group, number, direct=direct)
-        return [
-            facade_daylight(_facade(job, group, number, at, direct=direct), D)
-            for at in range(len(group.states))
-        ]
+        D = _port_daylight(job, group, number)
+        states = range(len(group.states))
+        return [facade_daylight(_facade(job, group, number, at), D) for at in states]
     # Separate seeds for each window and for the view matrices
     subdivision = job.study.sky.subdivision
-    matrix = kept(
-        job,
-        f"{_prefix(direct)}daylight-{group.name}",
+    matrix = job.matrix(
+        f"daylight-{group.name}",
         partial(daylight_matrix, job.scene, group.outer, subdivision=subdivision),
-        ("daylight", job.scene_key, group.outer, subdivision),
-        _outside_effort(job, 1 + number, direct=direct),
-        shown=f"{_prefix(direct)}daylight matrix of {group.name}",
+        _outside_effort(job, 1 + number),
+        shown=f"daylight matrix of {group.name}",
     )
     return [matrix]
 
 
-def _outside_effort(job: Job, stream: int, *, direct: bool) -> Effort:
-    effort = job.effort(stream + DIRECT * direct)
-    return replace(effort, bounces=0) if direct else effort
+def _outside_effort(job: Job, stream: int) -> Effort:
+    effort = job.effort(stream)
+    return replace(effort, bounces=0) if job.direct else effort
 
 
 def _port_daylight(
-    job: Job, group: WindowGroup, number: int, *, direct: bool
+    job: Job, group: WindowGroup, number: int
 ) -> dict[str, TransferMatrix]:
     # D of each port, without the exterior shade
     subdivision = job.study.sky.subdivision
-    return kept_together(
-        job,
-        f"{_prefix(direct)}daylight-{group.name}",
+    return job.matrices(
+        f"daylight-{group.name}",
         group.ports,
         partial(daylight_matrices, job.scene, group.ports, subdivision=subdivision),
-        ("ports", job.scene_key, group.ports, subdivision),
-        _outside_effort(job, PORTS + STATE * number, direct=direct),
-        shown=f"{_prefix(direct)}daylight matrices of the ports of {group.name}",
+        _outside_effort(job, PORTS + STATE * number),
+        shown=f"daylight matrices of the ports of {group.name}",
     )
 
 
 def _facade(
-    job: Job, group: WindowGroup, number: int, at: int, *, direct: bool
+    job: Job, group: WindowGroup, number: int, at: int
 ) -> dict[str, TransferMatrix]:
     # F of each port, with one state of the exterior shade
     shade, label = group.states[at].shade, state_label(group, at)
-    scene = job.scene + (blackened(shade) if direct else shade)
-    return kept_together(
-        job,
-        f"{_prefix(direct)}facade-{label}",
+    scene = job.scene + (blackened(shade) if job.direct else shade)
+    return job.matrices(
+        f"facade-{label}",
         group.ports,
         partial(facade_matrices, scene, group.outer, group.ports),
-        ("facade", job.scene_key, shade, group.outer, group.ports),
-        _outside_effort(job, FACADE + number + STATE * at, direct=direct),
-        shown=f"{_prefix(direct)}façade matrices of {label}",
+        _outside_effort(job, FACADE + number + STATE * at),
+        shown=f"façade matrices of {label}",
     )

@@ -4,10 +4,10 @@ import numpy as np
 import xarray as xr
 
 from clerestory.metrics.en17037 import hours_of_sun, reference_point
-from clerestory.phases.sun_visibility import sun_visible
+from clerestory.phases.unscattered_light import sun_visible
 from clerestory.radiance.window_reader import read_windows
 from clerestory.scene.window import Window
-from clerestory.sky.solar_position import SunPosition, sun_position
+from clerestory.sky.solar_position import SunPosition, sun_at
 from clerestory.study.config import Study
 from clerestory.study.config_tables import SunlightTable
 from clerestory.study.inputs import Inputs
@@ -90,17 +90,10 @@ def _day(
     study: Study, table: SunlightTable, inputs: Inputs
 ) -> tuple[np.ndarray, SunPosition]:
     # Centres of all minutes, and the sun in the coordinate system of the scene
-    weather = inputs.weather
-    year = str(weather.times[0])[:4]
+    year = str(inputs.weather.times[0])[:4]
     half = 30 * _STEP_MINUTES
     seconds = np.arange(half, 86400, 2 * half).astype("timedelta64[s]")
     moments = np.datetime64(f"{year}-{table.day}", "s") + seconds
-    sun = sun_position(
-        moments,
-        latitude_deg=weather.latitude_deg,
-        longitude_deg=weather.longitude_deg,
-        utc_offset_hours=weather.utc_offset_hours,
-        elevation=weather.elevation,
-    )
+    sun = sun_at(inputs.weather.site, moments)
     turned = sun.azimuth - np.radians(study.sky.rotation_deg)
     return moments.astype("datetime64[ns]"), SunPosition(sun.altitude, turned)

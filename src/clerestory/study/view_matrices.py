@@ -33,7 +33,6 @@ from clerestory.phases.picture_matrices import (
 from clerestory.phases.picture_series import pictures_over_time
 from clerestory.study.config_tables import ViewTable
 from clerestory.study.job import DIRECT, STATE, SUN, Job
-from clerestory.study.kept_matrices import kept, kept_together
 from clerestory.study.study_matrices import StudyMatrices
 
 # Bytes per pixel and sun: three half-precision values
@@ -109,27 +108,14 @@ class ViewMatrices:
         scene = job.scene
         if METHODS[job.study.method].facade:
             scene = scene + chosen.shade
-        where = (scene, windows, group.name, chosen.fine, self.camera)
+        where = scene, windows, group.name, chosen.fine, self.camera
+        how: dict[str, Any] = {"suns": directions, "peak": chosen.peak}
         if self._bytes(len(directions)) > job.study.sun.keep_gb * 1e9:
-            return sun_pictures(
-                *where, suns=directions, peak=chosen.peak, effort=effort
-            )
+            return sun_pictures(*where, **how, effort=effort)
         label = "-".join(filter(None, (self.table.label, group.name, chosen.name)))
-
-        def trace(**how: Any) -> TransferMatrix:
-            peak = chosen.peak
-            return _half(
-                picture_sun_coefficients(*where, suns=directions, peak=peak, **how)
-            )
-
-        found = kept(
-            job,
+        found = job.matrix(
             f"picture-sun-{label}",
-            trace,
-            (
-                *("picture sun", job.scene_key, chosen.shade, number, *where[1:]),
-                *(chosen.peak, directions),
-            ),
+            partial(_half_suns, *where, **how),
             effort,
             shown=f"direct sun in pictures, {label}",
         )
@@ -141,6 +127,15 @@ class ViewMatrices:
         pixels = sum(len(camera) for camera in inputs.cameras)
         states = sum(len(group.states) for group in inputs.groups)
         return _PIXEL_BYTES * pixels * suns * states
+
+
+def _half_suns(*where: Any, **how: Any) -> TransferMatrix:
+    return _half(picture_sun_coefficients(*where, **how))
+
+
+def _half_views(*where: Any, **how: Any) -> dict[str, TransferMatrix]:
+    traced = picture_view_matrices(*where, **how)
+    return {name: _half(matrix) for name, matrix in traced.items()}
 
 
 def _half(matrix: TransferMatrix) -> TransferMatrix:
@@ -200,20 +195,12 @@ def _view(
 def _view_matrices(
     job: Job, table: ViewTable, camera: Camera, *, direct: bool
 ) -> dict[str, TransferMatrix]:
-    effort = job.pixel_effort(table.samples, DIRECT * direct)
-    prefix = "direct-picture" if direct else "picture"
     windows = [group.inner for group in job.inputs.groups]
-
-    def trace(**how: Any) -> dict[str, TransferMatrix]:
-        traced = picture_view_matrices(job.scene, windows, camera, direct=direct, **how)
-        return {name: _half(matrix) for name, matrix in traced.items()}
-
-    return kept_together(
-        job,
+    prefix = "direct-picture" if direct else "picture"
+    return job.matrices(
         f"{prefix}-{table.label}",
         windows,
-        trace,
-        ("half picture", job.scene_key, windows, camera, direct),
-        effort,
+        partial(_half_views, job.scene, windows, camera, direct=direct),
+        job.pixel_effort(table.samples, DIRECT * direct),
         shown=f"{prefix} matrices of {table.label}",
     )

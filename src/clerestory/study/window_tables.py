@@ -4,19 +4,21 @@ Shade states are numbered from 0, the most open, to the most closed.
 """
 
 import itertools
-from collections.abc import Sequence
+import operator
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, field_validator, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from clerestory.control.lm83_blinds import MOST_SENSORS, SUN_LUX
+from clerestory.documents import Table
 from clerestory.study.config_tables import (
+    Distinct,
     InputFile,
     Named,
     NamedFile,
-    Table,
-    rule_broken,
+    require_one_of,
+    require_rule,
 )
 
 RuleName = Literal[
@@ -83,17 +85,22 @@ StateChoice = Annotated[int | str, BeforeValidator(_state)]
 Levels = Annotated[list[float], BeforeValidator(_levels)]
 
 
-class StateTable(Named):
-    """Shade state of a window."""
+class LayerTable(Table):
+    """Fine BSDF and exterior shade of a window or shade state."""
 
-    bsdf: InputFile = Field(description="a BSDF file (.xml)")
     sun_bsdf: InputFile | None = Field(
-        None, description="a BSDF file (.xml), as fine as it is known"
+        None, description="a BSDF file (.xml) of high resolution"
     )
-    peak: bool = Field(False, description="whether light that passes straight is sharp")
+    peak: bool = Field(False, description="true if view through the layer is clear")
     shade: list[InputFile] = Field(
         default_factory=list, description="a list of Radiance scene files"
     )
+
+
+class StateTable(Named, LayerTable):
+    """Shade state of a window."""
+
+    bsdf: InputFile = Field(description="a BSDF file (.xml)")
 
     @property
     def label(self) -> str:
@@ -146,86 +153,56 @@ class ControlTable(Table):
         must, may = _KEYS[self.rule]
         given = {f for f in self.model_fields_set if f not in _EVERY_RULE}
         odd = sorted(given - {*must, *may})
-        if odd:
+        for key in odd:
             known = ", ".join((*must, *may))
-            raise rule_broken(
-                'rule "{rule}" has no key "{key}"; one of {known} expected',
-                rule=self.rule,
-                key=odd[0],
-                known=known,
-            )
-        missing = [key for key in must if key not in given]
-        if missing:
-            raise rule_broken(
-                'rule "{rule}" lacks "{key}"; it is expected',
-                rule=self.rule,
-                key=missing[0],
+            message = f'rule "{self.rule}" has no key "{key}"; one of {known} expected'
+            require_rule(False, message)
+        for key in must:
+            require_rule(
+                key in given, f'rule "{self.rule}" without "{key}"; a value expected'
             )
         return self
 
     @model_validator(mode="after")
     def _levels_in_pairs(self) -> "ControlTable":
-        low, high = self.open_below, self.close_above
-        if low is not None and (
-            len(low) != len(high) or any(a > b for a, b in zip(low, high, strict=True))
-        ):
-            raise rule_broken(
-                '"open_below" does not lie below "close_above"; as many numbers,'
-                " none of them higher, expected"
-            )
-        if self.quantity == "illuminance" and not self.grid:
-            raise rule_broken('quantity "illuminance" without "grid"; one expected')
-        angles = self.angles_deg
-        if any(b >= a for a, b in itertools.pairwise(angles)):
-            raise rule_broken('"angles_deg" do not fall; falling angles expected')
+        low, high = self.open_below or self.close_above, self.close_above
+        require_rule(
+            len(low) == len(high) and all(map(operator.le, low, high)),
+            '"open_below" does not lie below "close_above"; as many numbers, none of'
+            " them higher, expected",
+        )
+        require_rule(
+            self.quantity != "illuminance" or self.grid,
+            'quantity "illuminance" without "grid"; the name of a grid expected',
+        )
+        falls = itertools.starmap(operator.gt, itertools.pairwise(self.angles_deg))
+        require_rule(all(falls), '"angles_deg" do not fall; falling angles expected')
         return self
 
 
-class WindowTable(NamedFile):
+class WindowTable(NamedFile, LayerTable):
     """Window group: polygons with one BSDF, or with several shade states."""
 
     file: InputFile = Field(description="a Radiance file of window polygons")
     bsdf: InputFile | None = Field(None, description="a BSDF file (.xml)")
-    sun_bsdf: InputFile | None = Field(
-        None, description="a BSDF file (.xml), as fine as it is known"
-    )
-    peak: bool = Field(False, description="whether light that passes straight is sharp")
-    shade: list[InputFile] = Field(
-        default_factory=list, description="a list of Radiance scene files"
-    )
     ports: InputFile | None = Field(
         None, description="a Radiance file of ports whose front faces the window"
     )
-    state: list[StateTable] = Field(default_factory=list)
+    state: Annotated[list[StateTable], Distinct] = Field([])
     control: ControlTable | None = Field(None, description="a table [window.control]")
-
-    @field_validator("state")
-    @classmethod
-    def _distinct(cls, tables: Sequence[StateTable]) -> Sequence[StateTable]:
-        labels = [table.label for table in tables]
-        twice = next((name for name in labels if labels.count(name) > 1), None)
-        if twice is not None:
-            raise rule_broken(
-                'two are named "{twice}"; different names expected', twice=twice
-            )
-        return tables
 
     @model_validator(mode="after")
     def _one_kind_of_bsdf(self) -> "WindowTable":
-        if (self.bsdf is None) == (not self.state):
-            words = "both {} and {}" if self.bsdf else "neither {} nor {}"
-            given = words.format('"bsdf"', "[[window.state]]")
-            raise rule_broken("{given}; one of them expected", given=given)
-        alone = {"sun_bsdf", "peak", "shade"} & self.model_fields_set
-        if self.state and alone:
-            raise rule_broken(
-                '"{key}" beside [[window.state]]; it is expected in each state',
-                key=min(alone),
+        require_one_of({'"bsdf"': self.bsdf, "[[window.state]]": self.state})
+        for key in sorted({"sun_bsdf", "peak", "shade"} & self.model_fields_set):
+            require_rule(
+                not self.state,
+                f'"{key}" beside [[window.state]]; a key of each state expected',
             )
-        if any(state.shade for state in self.states()) and self.ports is None:
-            raise rule_broken(
-                '"shade" without "ports"; a file of ports around the shade expected'
-            )
+        require_rule(
+            self.ports or not any(state.shade for state in self.states()),
+            '"shade" without "ports"; a file of ports around the shade expected',
+        )
         self._check_control()
         return self
 
@@ -235,15 +212,11 @@ class WindowTable(NamedFile):
         if control is None:
             return
         for choice in (control.state, control.when_empty):
-            known = choice in range(len(labels)) or choice in labels
-            if choice is not None and not known:
-                raise rule_broken(
-                    "no state {choice}; a number below {count} or one of {labels}"
-                    " expected",
-                    choice=repr(choice),
-                    count=len(labels),
-                    labels=", ".join(labels),
-                )
+            require_rule(
+                choice in (None, *range(len(labels)), *labels),
+                f"no state {choice!r}; a number below {len(labels)} or one of"
+                f" {', '.join(labels)} expected",
+            )
         last = len(labels) - 1
         for key, values, count in (
             ("tilts_deg", control.tilts_deg, len(labels)),
@@ -251,24 +224,15 @@ class WindowTable(NamedFile):
             ("close_above", control.close_above, last),
         ):
             one = key == "close_above" and len(values) == 1
-            if key in control.model_fields_set and len(values) != count and not one:
-                raise rule_broken(
-                    '"{key}" has {found} numbers; {count} expected for {states} states',
-                    key=key,
-                    found=len(values),
-                    count=count,
-                    states=len(labels),
-                )
+            require_rule(
+                key not in control.model_fields_set or len(values) == count or one,
+                f'"{key}" has {len(values)} numbers; {count} expected for {len(labels)}'
+                " states",
+            )
 
     def states(self) -> list[StateTable]:
         """Return the shade states, a single one for a window with one BSDF."""
         if self.bsdf is None:
             return list(self.state)
-        alone = StateTable.model_construct(
-            name="",
-            bsdf=self.bsdf,
-            sun_bsdf=self.sun_bsdf,
-            peak=self.peak,
-            shade=self.shade,
-        )
-        return [alone]
+        keys = {name: getattr(self, name) for name in LayerTable.model_fields}
+        return [StateTable.model_construct(name="", bsdf=self.bsdf, **keys)]

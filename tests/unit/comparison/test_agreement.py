@@ -39,5 +39,5 @@ def test_a_factor_and_an_addend_leave_the_correlation(factor, addend):
 
 
 def test_darkness_is_refused():
-    with pytest.raises(InputError, match="above 0"):
+    with pytest.raises(InputError, match="measured value is 0"):
         agreement(np.array([0.0]), np.array([1.0]))

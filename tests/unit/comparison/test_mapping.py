@@ -108,10 +108,10 @@ def test_a_table_of_a_run_is_read_as_it_stands(tmp_path):
     [
         (('layout = "room"', 'layout = "hall"'), r"m.toml: no table \[layout.hall\]"),
         (("[3.0, 1.0]", "[3.0]"), "one each expected"),
-        (('"y"', '"z"'), r'm.toml:6: key "layout.room.column_axis": got "z"'),
+        (('"y"', '"z"'), r'm.toml:6: layout.room.column_axis is "z"'),
         (("3.0", "3.2"), "no sensor within 0.05 m"),
-        (('"north"', '"west"'), 'no column "west"; one of north, south expected'),
-        (("[0.5, 1.5]", "[0.5]"), "2 rows of readings; 1 expected"),
+        (('"north"', '"west"'), "no column 'west'; one of north, south expected"),
+        (("[0.5, 1.5]", "[0.5]"), "2 rows of readings for 1 measuring points"),
     ],
 )
 def test_what_is_wrong_is_said(tmp_path, near, change, message):

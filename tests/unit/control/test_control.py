@@ -209,7 +209,7 @@ def test_a_schedule_picks_and_sums():
 
 
 def test_a_state_that_does_not_exist_is_refused():
-    with pytest.raises(InputError, match="state 2 of 2"):
+    with pytest.raises(InputError, match="state is 2; a number from 0 to 1"):
         select_states(np.zeros((2, 3, 4)), np.array([0, 1, 2, 0]))
 
 
@@ -226,10 +226,10 @@ def test_a_schedule_is_written_and_read_back(tmp_path):
     ("text", "words"),
     [
         ("", r"s\.csv:1: no header"),
-        ("time,a\n2001-01-01T00:30,x\n", r"s\.csv:2: .*integers expected"),
+        ("time,a\n2001-01-01T00:30,x\n", r"s\.csv:2: .*a state from 0"),
         ("time,a\nyesterday,1\n", r"s\.csv:2: .*a time"),
-        ("time,a,b\n2001-01-01T00:30,1\n", r"s\.csv:2: 1 states for 2 groups"),
-        ("time,a\n2001-01-01T00:30,-1\n", r"s\.csv:2: .*0 or more"),
+        ("time,a,b\n2001-01-01T00:30,1\n", r"s\.csv:2: .*for each of a, b,"),
+        ("time,a\n2001-01-01T00:30,-1\n", r"s\.csv:2: .*from 0 to 10000"),
     ],
 )
 def test_a_faulty_schedule_is_told_with_its_line(tmp_path, text, words):

@@ -137,7 +137,7 @@ def test_a_material_map_names_and_makes_materials(tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("scale = 1", 'key "materials"'),
+        ("scale = 1", "materials is missing"),
         ("[materials]\na = { reflectance = 2 }", "materials.a"),
         ('[materials]\na = "oak"', 'no material "oak"'),
         ("[", "not TOML"),

@@ -5,8 +5,7 @@ import pytest
 
 from clerestory.errors import InputError
 from clerestory.glare.glare_view import glare_view, pixel_pitch
-from clerestory.glare.pixel_rays import pixel_rays
-from clerestory.glare.pixel_solid_angle import quadrilaterals
+from clerestory.glare.pixel_rays import pixel_rays, quadrilaterals
 from clerestory.radiance.view_text import parse_view
 from clerestory.scene.view import View, solid_angles
 

@@ -15,13 +15,13 @@ from clerestory.glare.comfort_classes import (
 from clerestory.glare.dgi import dgi, modified_dgi
 from clerestory.glare.dgp import (
     DGP,
-    PUBLISHED,
     age_correction,
     dgp,
     low_light_correction,
     simplified_dgp,
 )
 from clerestory.glare.imageless import imageless_dgp, position_of
+from clerestory.glare.index_settings import DgpCoefficients
 from clerestory.glare.indices import INDICES, REPORTED
 from clerestory.glare.pgsv import contrast_pgsv, saturation_pgsv
 from clerestory.glare.position_index import position_index
@@ -72,9 +72,9 @@ def test_dgp_is_the_published_equation():
         level**1.87 * 16
     )
     expected = 5.87e-5 * level + 9.18e-2 * math.log10(1 + total) + 0.16
-    assert dgp(TWO, illuminance=level, coefficients=PUBLISHED) == pytest.approx(
-        expected
-    )
+    assert dgp(
+        TWO, illuminance=level, coefficients=DgpCoefficients(c2=0.0918, c3=0.16)
+    ) == pytest.approx(expected)
 
 
 def test_dgp_stops_at_one():

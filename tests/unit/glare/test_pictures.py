@@ -7,10 +7,10 @@ import pytest
 from glare_rooms import FISHEYE, SIZE, eye, picture, room
 
 from clerestory.errors import InputError
-from clerestory.glare.annual_glare import annual_glare, glare_of_steps
+from clerestory.glare.annual_glare import annual_glare
 from clerestory.glare.check_picture import check_picture
 from clerestory.glare.evaluate import evaluate_glare
-from clerestory.glare.region_statistics import band, region_statistics
+from clerestory.glare.luminance_statistics import band, region_statistics
 from clerestory.glare.sources import find_sources
 from clerestory.scene.view import View
 
@@ -47,7 +47,7 @@ def test_a_picture_without_a_view_is_refused():
 def test_pixels_must_be_square():
     with pytest.raises(InputError, match=r"1\.5 times as high as wide"):
         evaluate_glare(replace(picture(window()), pixel_aspect=1.5))
-    with pytest.raises(InputError, match="180 × 100 pixels for a angular view"):
+    with pytest.raises(InputError, match="180 × 100 pixels for the angular view"):
         evaluate_glare(picture(window()[:100]))
 
 
@@ -67,6 +67,13 @@ def test_an_ordinary_photograph_is_refused():
         evaluate_glare(picture(flat))
 
 
+def test_a_denoised_picture_is_refused_unless_trusted():
+    denoised = replace(picture(window()), header=("DENOISED= Open Image Denoise",))
+    with pytest.raises(InputError, match="picture is denoised"):
+        evaluate_glare(denoised)
+    assert evaluate_glare(denoised, trust=True).sources.count == 1
+
+
 def test_boundless_radiance_is_refused():
     """Its luminance would be infinite in the precision of pictures."""
     spoilt = picture(window())
@@ -78,7 +85,7 @@ def test_boundless_radiance_is_refused():
 def test_negative_radiance_is_refused():
     spoilt = picture(window())
     spoilt.radiance[3, 4, 1] = -1
-    with pytest.raises(InputError, match="row 3, column 4 has the negative radiance"):
+    with pytest.raises(InputError, match="row 3, column 4 has the radiance -1; 0 to"):
         evaluate_glare(spoilt)
 
 
@@ -110,8 +117,7 @@ def test_a_year_is_its_pictures_one_by_one():
     assert year.dgp.values[:3] == pytest.approx(single, abs=1e-5)
     assert year.source_count.values.tolist() == [0, 1, 1, 0]
     assert year.illuminance.attrs["units"] == "lux"
-    tables = list(glare_of_steps(steps, FISHEYE))
-    assert tables[2].sources.luminance[0] == pytest.approx(12_000, rel=5e-3)
+    assert year.source_luminance.values[2] == pytest.approx(12_000, rel=5e-3)
 
 
 def test_a_year_takes_given_illuminances_and_times():

@@ -143,10 +143,10 @@ def test_what_guths_field_does_not_hold_is_no_source():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"threshold": 0.0}, "threshold 0.0; above 0"),
-        ({"merge_angle": float("nan")}, "merge angle nan"),
-        ({"peak_luminance": -1.0}, "peak luminance -1.0"),
-        ({"smallest": -1.0}, "smallest source -1.0"),
+        ({"threshold": 0.0}, "threshold is 0; a positive"),
+        ({"merge_angle": float("nan")}, "merging angle is nan"),
+        ({"peak_luminance": -1.0}, "peak luminance is -1"),
+        ({"smallest": -1.0}, "smallest source is -1"),
         ({"threshold_kind": "times_task"}, "without a task zone"),
     ],
 )

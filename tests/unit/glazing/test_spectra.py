@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from clerestory.errors import InputError
-from clerestory.glazing.spectrum_file import read_spectrum
 from clerestory.glazing.standard import en410, nfrc, standard, trapezoidal_band
 from clerestory.spectra import (
     Spectrum,
@@ -62,24 +61,3 @@ def test_layers_that_share_no_wavelength_are_refused():
 def test_an_unknown_standard_is_refused():
     with pytest.raises(InputError, match="nfrc or en410"):
         standard("iso")
-
-
-@pytest.mark.parametrize("text", ["300 0.1\n400 0.2\n", "0.3,0.1\n0.4,0.2\n"])
-def test_units_of_a_table_are_told_from_its_numbers(tmp_path, text):
-    path = tmp_path / "table.csv"
-    path.write_text(text)
-    assert read_spectrum(path).wavelength_nm.tolist() == [300, 400]
-
-
-def test_units_of_a_table_are_told_from_its_head(tmp_path):
-    path = tmp_path / "source.ssp"
-    path.write_text("Type: Source\nWavelength Units: microns\n\n0.3 1\n4.0 2\n")
-    assert read_spectrum(path).wavelength_nm.tolist() == [300, 4000]
-
-
-@pytest.mark.parametrize("text", ["", "nothing\n", "400 1\n300 2\n"])
-def test_a_table_that_is_none_is_refused(tmp_path, text):
-    path = tmp_path / "bad.csv"
-    path.write_text(text)
-    with pytest.raises(InputError, match=r"bad\.csv"):
-        read_spectrum(path)

@@ -118,7 +118,7 @@ def test_statistics_are_those_of_the_masked_pixels():
         (lambda p: crop(p, left=0, top=0, columns=19, rows=1), "within 18 × 12"),
         (lambda p: crop(p, left=0, top=0, columns=0, rows=1), "within 18 × 12"),
         (lambda p: reduce(p, columns=19, rows=1), "1 × 1 to 18 × 12"),
-        (lambda p: masked(p, np.ones((2, 2), bool)), "mask of shape"),
+        (lambda p: masked(p, np.ones((2, 2), bool)), "mask has 2 × 2"),
         (lambda p: statistics(p, np.zeros((12, 18), bool)), "selects no pixel"),
     ],
 )

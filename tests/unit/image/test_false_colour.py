@@ -12,7 +12,7 @@ from clerestory.image.colour_scale import (
     round_up,
 )
 from clerestory.image.false_colour import false_colour
-from clerestory.image.legend import legend, level_words
+from clerestory.image.legend import legend, value_word
 from clerestory.image.picture import Picture
 
 
@@ -111,8 +111,8 @@ def test_a_legend_stands_beside_pictures_of_any_size(rows):
 
 
 def test_the_legend_shows_the_whole_palette():
-    scale = ColourScale(0, 100, (0, 50, 100), palette="viridis")
-    pixels = legend(scale, "lux", height=400)
+    scale = ColourScale(0, 100, (0, 50, 100), "lux", palette="viridis")
+    pixels = legend(scale, height=400)
     bar = pixels[:, 20]
     for place in (0, 0.5, 1):
         distance = np.abs(bar - palette("viridis", place)).sum(axis=1)
@@ -120,7 +120,8 @@ def test_the_legend_shows_the_whole_palette():
 
 
 def test_numbers_of_legends_are_short():
-    assert level_words((0, 0.25, 1, 2000)) == ("0", "0.25", "1", "2\u2009000")
+    found = [value_word(x) for x in (0, 0.25, 1, 2000)]
+    assert found == ["0", "0.25", "1", "2\u2009000"]
 
 
 @pytest.mark.parametrize(

@@ -162,7 +162,7 @@ def test_other_primaries_become_radiance_s(tmp_path):
     [
         ({"header": "EXPOSURE=0\n"}, r":2: EXPOSURE \"0\"; a positive number"),
         ({"header": "x\nEXPOSURE=nan\n"}, ":3: EXPOSURE"),
-        ({"header": "FORMAT=Radiance_spectra\n"}, ':2: format "Radiance_spectra"'),
+        ({"header": "FORMAT=Radiance_spectra\n"}, ":2: format is 'Radiance_spectra'"),
         ({"header": "PRIMARIES=1 2 3\n"}, "3 words"),
         ({"header": "PRIMARIES=.3 .3 .3 .3 .3 .3 .3 .3\n"}, "lie on a line"),
         ({"header": "COLORCORR=1 1\n"}, "2 words"),
@@ -170,8 +170,8 @@ def test_other_primaries_become_radiance_s(tmp_path):
         ({"size": "-Y 2 +Y 2"}, 'resolution "-Y 2'),
         ({"size": "-Y 0 +X 3"}, "0 pixels|3 × 0 pixels"),
         ({"size": "-Y 999999999 +X 999999999"}, "million expected"),
-        ({"size": "-Y 1000 +X 1000"}, "damaged pixel data: the data end"),
-        ({"pixels": b""}, "damaged pixel data: the data end"),
+        ({"size": "-Y 1000 +X 1000"}, "damaged pixel data: the file ends"),
+        ({"pixels": b""}, "damaged pixel data: the file ends"),
     ],
 )
 def test_broken_files_are_refused_in_one_line(parts, words, tmp_path):
@@ -220,7 +220,7 @@ def test_pictures_check_themselves():
         Picture(bad)
     with pytest.raises(InputError, match=r"shape \(2, 3, 1\)"):
         Picture(bad[..., :1])
-    with pytest.raises(InputError, match="pixel aspect 0"):
+    with pytest.raises(InputError, match="pixel aspect is 0"):
         Picture(np.ones((1, 1, 3), dtype=np.float32), pixel_aspect=0)
 
 

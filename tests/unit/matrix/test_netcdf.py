@@ -172,14 +172,14 @@ def test_missing_file_and_folder_are_told_apart(tmp_path):
 @pytest.mark.parametrize(
     ("attribute", "value", "message"),
     [
-        ("kind", "moon", "rows of kind 'moon'"),
+        ("kind", "moon", "kind of the rows is 'moon'"),
         ("ring_count", np.array([1, 8]), "one limit more than rings"),
         (
             "ring_count",
             np.array([1, 8, 12, 16, 20, 12, 9]),
             "77 rows of a partition with 78",
         ),
-        ("ring_limits_rad", np.arange(8.0), "rings span"),
+        ("ring_limits_rad", np.arange(8.0), "monotonic limits from 0 to 90"),
     ],
 )
 def test_contradicting_axes_are_refused(tmp_path, attribute, value, message):

@@ -138,9 +138,9 @@ FAULTS = {
     "a picture": ("FORMAT=ascii", "FORMAT=32-bit_rle_rgbe", "'32-bit_rle_rgbe'"),
     "too few values": ("4 5 6", "4 5", "5 values; 6 expected"),
     "too many values": ("4 5 6", "4 5 6 7", "7 values; 6 expected"),
-    "a word": ("4 5 6", "4 five 6", "'five' among the values"),
-    "not a number": ("4 5 6", "4 nan 6", "row 2, column 2 holds nan"),
-    "infinity": ("4 5 6", "4 5 inf", "row 2, column 3 holds inf"),
+    "a word": ("4 5 6", "4 five 6", "one value is 'five'"),
+    "not a number": ("4 5 6", "4 nan 6", "row 2, column 2 is nan"),
+    "infinity": ("4 5 6", "4 5 inf", "row 2, column 3 is inf"),
 }
 
 
@@ -172,7 +172,7 @@ def test_terabytes_are_refused_before_they_are_taken(write):
 def test_infinities_that_cancel_are_found(write):
     data = np.array([np.inf, -np.inf, 1, 1, 1, 1], "<f4").tobytes()
     header = b"#?RADIANCE\nNROWS=2\nNCOLS=3\nNCOMP=1\nFORMAT=float\n\n"
-    with pytest.raises(InputError, match="row 1, column 1 holds inf"):
+    with pytest.raises(InputError, match="row 1, column 1 is inf"):
         read_matrix(write(header + data))
 
 
@@ -188,7 +188,7 @@ def test_missing_file_is_refused(tmp_path):
 
 
 def test_unknown_encoding_is_refused(tmp_path):
-    with pytest.raises(InputError, match="'text'; ascii, float or double"):
+    with pytest.raises(InputError, match="'text'; one of ascii, float, double"):
         write_matrix(tmp_path / "a.mtx", matrix(), encoding="text")
 
 

@@ -15,7 +15,7 @@ from clerestory.phases.matrix_equation import (
     WindowMatrices,
     window_chain,
 )
-from clerestory.phases.methods import five_phase, three_phase_sum
+from clerestory.phases.methods import five_phase, three_phase
 from clerestory.sky.sun_matrix import SunMatrix
 from phase_matrices import (
     KLEMS,
@@ -60,7 +60,7 @@ def test_each_step_has_the_light_of_the_states_that_act():
     """E = π L Σ share·τ(state), for a uniform sky of radiance 1, 2 and 0."""
     windows = [shaded("a", share=0.25), shaded("b", share=0.5)]
     states = [np.array([0, 2, 1]), np.array([1, 0, 0])]
-    result = three_phase_sum(windows, uniform_sky(), states)
+    result = three_phase(windows, uniform_sky(), states)
     passed = 0.25 * np.take(TAUS, states[0]) + 0.5 * np.take(TAUS, states[1])
     expected = np.pi * LUX * passed * [1, 2, 0]
     np.testing.assert_allclose(
@@ -74,8 +74,8 @@ def test_a_state_that_never_changes_is_the_three_phase_method():
     rng = np.random.default_rng(1)
     windows = [shaded(name, rng=rng, count=5, share=0.5) for name in ("a", "b")]
     states = [np.full(3, 1), np.full(3, 2)]
-    ours = three_phase_sum(windows, uniform_sky(), states)
-    theirs = three_phase_sum(
+    ours = three_phase(windows, uniform_sky(), states)
+    theirs = three_phase(
         [
             WindowMatrices(window.whole.at(state[0]))
             for window, state in zip(windows, states, strict=True)
@@ -128,7 +128,7 @@ def test_states_that_never_change_are_the_five_phase_method():
 @pytest.mark.parametrize("states", [[0, 1, 3], [0, -1, 0], [0, 1]])
 def test_states_that_do_not_exist_are_refused(states):
     with pytest.raises(MatrixError, match=r"states (from|for)"):
-        three_phase_sum([shaded("a")], uniform_sky(), [np.array(states)])
+        three_phase([shaded("a")], uniform_sky(), [np.array(states)])
 
 
 def test_a_state_over_other_patches_is_refused():

@@ -17,9 +17,8 @@ from clerestory.phases.matrix_equation import (
     window_chain,
 )
 from clerestory.phases.matrix_store import MatrixStore
-from clerestory.phases.methods import three_phase_sum
-from clerestory.phases.pooled import pooled
-from clerestory.phases.stored_views import StoredColumns, StoredViews
+from clerestory.phases.methods import three_phase
+from clerestory.phases.stored_views import StoredColumns, StoredViews, pooled
 from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.sky.weather_formats import read_weather
 from clerestory.study.demo_study import write_demo
@@ -106,7 +105,7 @@ def test_one_window_streams_to_the_same_light_and_error(
     windows = [shaded(rng, channels, 2, view, daylight)]
     states = [np.arange(48) % 2]
     lux, error = streamed(tmp_path, windows, sky, states)
-    whole = three_phase_sum(windows, sky, states)
+    whole = three_phase(windows, sky, states)
     scale = whole["illuminance"].values.max()
     assert np.allclose(lux, whole["illuminance"], rtol=1e-4, atol=1e-5 * scale)
     assert np.allclose(error, whole["standard_error"], rtol=1e-2, atol=1e-5 * scale)
@@ -118,7 +117,7 @@ def test_the_light_of_several_windows_adds_up(tmp_path, sky):
     windows = [shaded(rng, 1, 3) for _ in range(3)]
     states = [(np.arange(48) + n) % 3 for n in range(3)]
     lux, error = streamed(tmp_path, windows, sky, states)
-    whole = three_phase_sum(windows, sky, states)
+    whole = three_phase(windows, sky, states)
     scale = whole["illuminance"].values.max()
     assert np.allclose(lux, whole["illuminance"], rtol=1e-4, atol=1e-5 * scale)
     lit = whole["standard_error"].values > 0

@@ -7,13 +7,13 @@ from clerestory.errors import MatrixError
 from clerestory.matrix.axis import sensor_axis, sky_axis, window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.illuminance import illuminance
-from clerestory.phases.matrix_equation import Skies, WindowMatrices, window_chain
-from clerestory.phases.methods import (
-    THREE_PHASE,
-    three_phase,
-    three_phase_sum,
-    two_phase,
+from clerestory.phases.matrix_equation import (
+    MatrixChain,
+    Skies,
+    WindowMatrices,
+    window_chain,
 )
+from clerestory.phases.methods import METHODS, THREE_PHASE, three_phase
 from clerestory.phases.receivers import sky_coefficients
 from phase_matrices import (
     KLEMS,
@@ -29,7 +29,9 @@ from phase_matrices import (
 
 
 def test_a_clear_window_under_a_uniform_sky_gives_pi_times_its_transmittance():
-    result = three_phase(view("w"), transmission(0.5), daylight("w"), uniform_sky())
+    result = three_phase(
+        [window_matrices(view("w"), transmission(0.5), daylight("w"))], uniform_sky()
+    )
     expected = np.pi * 0.5 * LUX * np.array([1, 2, 0])
     assert result["illuminance"].dtype == np.float32
     np.testing.assert_allclose(
@@ -43,7 +45,7 @@ def test_windows_add_up():
         window_matrices(view(name, share=share), transmission(tau), daylight(name))
         for name, share, tau in (("a", 0.25, 0.8), ("b", 0.5, 0.1))
     ]
-    result = three_phase_sum(windows, uniform_sky())
+    result = three_phase(windows, uniform_sky())
     expected = np.pi * LUX * (0.25 * 0.8 + 0.5 * 0.1)
     np.testing.assert_allclose(result["illuminance"][:, 0], expected, rtol=5e-6)
 
@@ -57,7 +59,7 @@ def test_errors_of_views_traced_together_add_before_they_are_squared():
     )
     pairs = ((one, "a"), (mirrored, "b"))
     windows = [window_matrices(v, transmission(1.0), daylight(n)) for v, n in pairs]
-    result = three_phase_sum(windows, uniform_sky())
+    result = three_phase(windows, uniform_sky())
     np.testing.assert_allclose(result["standard_error"], 0, atol=1e-4)
 
     doubled = [
@@ -68,9 +70,11 @@ def test_errors_of_views_traced_together_add_before_they_are_squared():
             daylight("b"),
         ),
     ]
-    single = three_phase(one, transmission(1.0), daylight("a"), uniform_sky())
+    single = three_phase(
+        [window_matrices(one, transmission(1.0), daylight("a"))], uniform_sky()
+    )
     np.testing.assert_allclose(
-        three_phase_sum(doubled, uniform_sky())["standard_error"],
+        three_phase(doubled, uniform_sky())["standard_error"],
         2 * single["standard_error"],
         rtol=1e-5,
     )
@@ -93,8 +97,8 @@ def test_errors_of_daylight_matrices_are_independent():
         )
         for name in ("a", "b")
     ]
-    one = three_phase_sum(windows[:1], uniform_sky())["standard_error"]
-    both = three_phase_sum(windows, uniform_sky())["standard_error"]
+    one = three_phase(windows[:1], uniform_sky())["standard_error"]
+    both = three_phase(windows, uniform_sky())["standard_error"]
     np.testing.assert_allclose(both, np.sqrt(2) * one, rtol=1e-5)
 
 
@@ -103,7 +107,7 @@ def test_blocks_of_sensors_give_what_the_whole_gives():
     seen = view("w", rng=rng, count=3)
     window = window_matrices(seen, transmission(0.7), daylight("w", rng=rng, count=4))
     whole = sky_coefficients([window.whole], slice(0, SENSORS))
-    result = three_phase_sum([window], uniform_sky())
+    result = three_phase([window], uniform_sky())
     expected = (whole @ uniform_sky()).illuminance()
     np.testing.assert_allclose(
         result["illuminance"], expected["illuminance"], rtol=5e-6
@@ -117,13 +121,15 @@ def test_blocks_of_sensors_give_what_the_whole_gives():
 def test_two_phase_is_the_plain_product():
     values = np.full((3, SENSORS, len(SKY)), np.pi / len(SKY))
     coefficients = TransferMatrix(values, sensor_axis(SENSORS), sky_axis(SKY))
-    result = two_phase(coefficients, uniform_sky())
+    windows = [WindowMatrices(MatrixChain((coefficients,)))]
+    terms = METHODS["2-phase"].terms(corrected=False)
+    result = illuminance(windows, terms, Skies(uniform_sky()))
     np.testing.assert_allclose(result["illuminance"][:, 1], 2 * np.pi * LUX, rtol=5e-6)
 
 
 def test_matrices_of_different_windows_are_refused():
     with pytest.raises(MatrixError, match="window 'b'"):
-        three_phase(view("a"), transmission(1.0), daylight("b"), uniform_sky())
+        window_matrices(view("a"), transmission(1.0), daylight("b"))
 
 
 def test_a_forgotten_bsdf_is_named():
@@ -138,12 +144,12 @@ def test_views_of_different_sensors_are_refused():
         window_matrices(short, transmission(1.0), daylight("b")),
     ]
     with pytest.raises(MatrixError, match="same sensors expected"):
-        three_phase_sum(windows, uniform_sky())
+        three_phase(windows, uniform_sky())
 
 
 def test_no_window_at_all_is_refused():
     with pytest.raises(MatrixError, match="no window"):
-        three_phase_sum([], uniform_sky())
+        three_phase([], uniform_sky())
 
 
 @pytest.mark.parametrize("moving", [False, True], ids=["fixed", "moving"])

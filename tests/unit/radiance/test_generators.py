@@ -1,4 +1,4 @@
-"""Generators end in scene text or in one line, whatever their words."""
+"""Generators end in primitives or in one line, whatever their words."""
 
 import warnings
 from pathlib import Path
@@ -10,27 +10,23 @@ from hypothesis import strategies as st
 
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.formats.word_reader import WordReader
-from clerestory.radiance.generators.catalogue import GENERATORS, generate
+from clerestory.radiance.generators.catalogue import GENERATORS
 from clerestory.radiance.generators.sun_place import read_moment
-from clerestory.radiance.statements import parse_statements
-from clerestory.scene.primitive import Primitive
 
 
 def primitives(command):
     program, *words = command.split()
-    text = generate(program, words, Path)
-    assert "\n" not in text
-    items = parse_statements(text, file="made.rad")
-    return {i.name: i for i in items if isinstance(i, Primitive)}
+    return {i.name: i for i in GENERATORS[program](WordReader(words, program), Path)}
+
+
+def polygons(command):
+    return [np.reshape(i.reals, (-1, 3)) for i in primitives(command).values()]
 
 
 def test_a_box_is_closed():
     """Its areas as vectors cancel, and its volume is that of its parts."""
-    text = generate("genbox", ["grey", "b", "1", "2", "3", "-b", ".25"], Path)
     total, volume = np.zeros(3), 0.0
-    [run] = parse_statements(text, file="box.rad")
-    for first, end in zip(run.first[:-1], run.first[1:], strict=True):
-        corner = run.vertices[first:end]
+    for corner in polygons("genbox grey b 1 2 3 -b .25"):
         for i in range(1, len(corner) - 1):
             spokes = corner[i] - corner[0], corner[i + 1] - corner[0]
             area = np.cross(*spokes) / 2
@@ -46,15 +42,13 @@ def test_a_box_is_closed():
 
 def test_inside_out_boxes_face_inwards():
     inward = primitives("genbox grey b 1 1 1 -r .1 -i")
-    assert {item.kind for item in inward.values()} == {"tube", "bubble"}
+    assert {item.kind for item in inward.values()} == {"polygon", "tube", "bubble"}
 
 
 def test_blinds_have_the_depth_that_was_asked_for():
     """Flat slats at 30°: 20 polygons of depth × width."""
-    text = generate("genblinds", ["grey", "b", ".06", "2", "1.5", "20", "30"], Path)
-    [run] = parse_statements(text, file="blind.rad")
-    assert len(run.name) == 20
-    corner = run.vertices.reshape(-1, 4, 3)
+    corner = np.stack(polygons("genblinds grey b .06 2 1.5 20 30"))
+    assert len(corner) == 20
     size = np.linalg.norm(corner[:, 1] - corner[:, 2], axis=1)
     np.testing.assert_allclose(size, 0.06)
     rise = corner[:, 2, 2] - corner[:, 1, 2]
@@ -125,8 +119,8 @@ def test_any_words_are_run_or_refused(program, started, words):
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ClerestoryWarning)
-            text = generate(program, begin + words, find)
-        parse_statements(text, file="made.rad")
+            made = GENERATORS[program](WordReader(begin + words, program), find)
+        assert all(np.isfinite(item.reals).all() for item in made)
     except InputError as error:
         message = str(error)
     assert "\n" not in message

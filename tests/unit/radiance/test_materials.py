@@ -191,7 +191,7 @@ CASES = {
         "void trans x 0 0 7 1 1 1 0 0 1 -1",
         "transmitted specularity is -1",
     ),
-    "up": ("void plastic2 x 4 0 0 0 . 0 6 1 1 1 0 .1 .1", "has zero length"),
+    "up": ("void plastic2 x 4 0 0 0 . 0 6 1 1 1 0 .1 .1", "direction is zero"),
     "up function": (
         "void BSDF x 6 0 blind.xml Px 0 1 . 0 0",
         "the up vector varies; a constant vector expected",
@@ -210,7 +210,7 @@ CASES = {
     "mirror": ("void mirror x 2 a b 0 3 1 1 1", "2 string arguments; 0 or 1"),
     "alternate": ("void illum x 1 a 0 3 1 1 1", 'undefined modifier "a"'),
     "cone": ("void spotlight x 0 0 7 1 1 1 0 0 0 1", "angle is 0°"),
-    "aim": ("void spotlight x 0 0 7 1 1 1 9 0 0 0", "direction has zero length"),
+    "aim": ("void spotlight x 0 0 7 1 1 1 9 0 0 0", "direction is zero"),
     "mixture": (
         "void mixfunc x 4 grey void sin(far) . 0 0",
         '"far" is not defined',
@@ -218,7 +218,7 @@ CASES = {
     "file": ("void BSDF x 6 0 no.xml 0 0 1 . 0 0", 'the file "no.xml" is missing'),
     "thickness": (
         "void BSDF x 6 t blind.xml 0 0 1 . 0 0",
-        'its thickness is "t"; a plain number expected',
+        'thickness is "t"; a plain number expected',
     ),
     "colours": ("void aBSDF x 5 blind.xml 0 0 1 . 0 4 1 1 1 1", "4 numbers; 0 or 3"),
     "BSDF strings": ("void BSDF x 5 blind.xml 0 0 1 . 0 0", "5 string arguments"),

@@ -139,7 +139,10 @@ def test_no_pattern_takes_light_away_from_darkness(read):
         ("void brightfunc p 2 f bad.cal 0 0", "bad.cal:2: "),
         ("void brightfunc p 2 f(1) loop.cal 0 0", "terminate?"),
         ("void brightfunc p 4 Dx . -rq 3 0 0", '"-rq" in the transform'),
-        ("void brightfunc p 2 skybr skybright.cal 0 1 1", "takes 3 real arguments"),
+        (
+            "void brightfunc p 2 skybr skybright.cal 0 1 1",
+            "real argument 2 is asked for",
+        ),
         ("void brightdata p 4 noop gone.dat . Dx 0 0", 'file "gone.dat" is missing'),
         ("void brightdata p 3 noop t.dat . 0 0", "0 coordinates for a table"),
         ("void brightdata p 4 huh t.dat . Dx 0 0", '"huh" is not defined'),

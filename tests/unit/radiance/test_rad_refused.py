@@ -51,7 +51,7 @@ CASES = {
     "radius": ("grey tube x 0 0 7 0 0 0 0 0 1 0", 2, "radius is 0; a positive"),
     "radii": ("grey cone x 0 0 8 0 0 0 0 0 1 1 -1", 2, "radius is 1, -1"),
     "ring": ("grey ring x 0 0 8 0 0 0 0 0 1 1 1", 2, "radii are 1 and 1"),
-    "normal": ("grey ring x 0 0 8 0 0 0 0 0 0 0 1", 2, "direction has zero length"),
+    "normal": ("grey ring x 0 0 8 0 0 0 0 0 0 0 1", 2, "direction is zero"),
     "angle": ("grey source x 0 0 4 0 0 1 0", 2, "angle is 0°"),
     "dark source": ("grey source x 0 0 4 0 0 1 5", 2, "a glow or a light expected"),
     # Truncated

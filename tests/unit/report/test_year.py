@@ -8,15 +8,12 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from clerestory.report.colour import ColourScale, illuminance_scale
-from clerestory.report.embedded_data import (
-    code_step,
-    illuminance_codes,
-    packed,
-    picture,
-)
+from clerestory.report.colour import illuminance_scale, value_colours
+from clerestory.report.content_from_results import from_results
+from clerestory.report.embedded_data import CODE_STEP, illuminance_codes, packed
 from clerestory.report.heat_map import day_hour_grid
-from clerestory.report.period import hours_in, period_words
+from clerestory.report.period import period_words
+from clerestory.report.year_section import year_section
 
 
 @pytest.mark.parametrize(("minutes", "bins"), [(60, 24), (30, 48), (10, 144), (5, 288)])
@@ -86,12 +83,13 @@ def test_the_period_is_told_in_words(room):
 
 def test_quarter_hours_count_as_quarters(room):
     times = room.year(15, 2)
-    assert hours_in(times, np.ones(len(times), dtype=bool)) == pytest.approx(48)
+    counted = np.ones(len(times), dtype=bool)
+    assert day_hour_grid(times).hours(counted) == pytest.approx(48)
 
 
 def test_codes_keep_illuminance_to_two_parts_in_ten_thousand():
     lux = np.geomspace(1, 150_000, 999)
-    decoded = np.expm1(illuminance_codes(lux) * code_step())
+    decoded = np.expm1(illuminance_codes(lux) * CODE_STEP)
     assert np.max(np.abs(decoded / lux - 1)) < 3e-4
     assert illuminance_codes(np.zeros(1))[0] == 0
 
@@ -102,28 +100,28 @@ def test_arrays_survive_packing():
     assert np.array_equal(np.frombuffer(raw, "<u2"), values)
 
 
-def test_midnight_is_at_the_bottom_and_gaps_are_clear():
-    scale = ColourScale(0, 1, "lux")
-    values = np.full((24, 3), np.nan)
-    values[0] = 0.5
-    address = picture(values, scale)
+def test_midnight_is_at_the_bottom_and_gaps_are_clear(room):
+    """One hour of data at midnight, on the first and the last of three days."""
+    times = np.array(["2023-03-01T00:30", "2023-03-03T00:30"], dtype="datetime64[s]")
+    results = room.analytic_results(times=times, luminance=np.full(2, 5000.0))
+    drawing = str(year_section(from_results(results)).body)
+    address = drawing.split('<image href="')[1].split('"')[0]
     pixels = imread(io.BytesIO(base64.b64decode(address.split(",")[1])), format="png")
     assert pixels.shape == (24, 3, 4)
-    assert np.all(pixels[-1, :, 3] == 1)
+    assert pixels[-1, :, 3].tolist() == [1, 0, 1]
     assert np.all(pixels[:-1, :, 3] == 0)
 
 
 def test_colours_grow_lighter_with_the_value():
     scale = illuminance_scale(np.array([50.0, 5000.0]))
-    red, green, blue = scale.colours(np.geomspace(scale.low, scale.high, 20)).T.astype(
-        float
-    )
+    values = np.geomspace(scale.smallest, scale.largest, 20)
+    red, green, blue = value_colours(scale, values).T.astype(float)
     assert np.all(np.diff(0.2126 * red + 0.7152 * green + 0.0722 * blue) > 0)
 
 
 @pytest.mark.parametrize("lux", [np.zeros(5), np.array([7.0]), np.array([3e5, 4e5])])
 def test_scales_of_odd_values_still_span_a_decade(lux):
     scale = illuminance_scale(lux)
-    assert scale.high >= 10 * scale.low > 0
-    assert np.all(np.isfinite(scale.fraction(lux)))
-    assert scale.ticks()
+    assert scale.largest >= 10 * scale.smallest > 0
+    assert np.all(np.isfinite(scale.place(lux)))
+    assert len(scale.levels) > 1

@@ -53,7 +53,7 @@ def test_a_scene_has_one_set_of_bands():
     spectral = Scene({"leaf": Plastic("leaf", np.linspace(0, 1, 9))}, bands=NINE)
     coloured, grey = Scene({"red": RED}), Scene({"grey": GREY})
     for pair in ((spectral, coloured), (coloured, spectral)):
-        with pytest.raises(InputError, match="one value per band expected"):
+        with pytest.raises(InputError, match="one for each of the bands"):
             pair[0] + pair[1]
     assert (spectral + grey).bands == (grey + spectral).bands == NINE
     assert (Scene() + spectral).bands == NINE
@@ -67,8 +67,8 @@ def test_radiance_s_language_is_in_rgb():
 
 
 def test_colours_have_a_value_per_band():
-    with pytest.raises(InputError, match='colour of 3 values in the material "red"'):
+    with pytest.raises(InputError, match='"red" has 3 values; one for each'):
         Scene({"red": RED}, bands=NINE)
-    with pytest.raises(InputError, match="one value per band"):
+    with pytest.raises(InputError, match="one for each of the bands"):
         Scene({"pane": Glass("pane", np.ones(9))})
     assert Scene({"grey": GREY}, bands=NINE).bands == NINE

@@ -22,6 +22,7 @@ from clerestory.scene.model import (
     Spotlight,
     Trans,
     Void,
+    display_colour,
 )
 from clerestory.study.drawing import room_drawing
 
@@ -59,7 +60,7 @@ CASES = {
 @pytest.mark.parametrize("name", CASES)
 def test_materials_have_a_colour_and_an_opacity(name):
     material, shown, opaque = CASES[name]
-    assert np.clip(material.display_colour(), 0, 1) == pytest.approx(shown)
+    assert np.clip(display_colour(material), 0, 1) == pytest.approx(shown)
     assert material.opaque is opaque
 
 

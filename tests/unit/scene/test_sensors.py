@@ -26,12 +26,12 @@ def test_the_tutorials_sensors_are_a_grid_of_a_hundred(shared_data):
 @pytest.mark.parametrize(
     ("text", "place", "message"),
     [
-        ("1 2 3 0 0 1\n1 2 3 0 0 0", ":2:", "direction has zero length"),
+        ("1 2 3 0 0 1\n1 2 3 0 0 0", ":2:", "direction is zero"),
         ("\n1 2 3 0 0", ":2:", "5 numbers; six"),
         ("1 2 3 0 0 1 7", ":1:", "7 numbers; six"),
-        ("1 2 nan 0 0 1", ":1:", '"nan" is not a finite number'),
-        ("1 2 3 0 0 1e999", ":1:", '"1e999" is not a finite number'),
-        ("x y z dx dy dz", ":1:", '"x" is not a finite number'),
+        ("1 2 nan 0 0 1", ":1:", '"nan" is found where a finite number is expected'),
+        ("1 2 3 0 0 1e999", ":1:", '"1e999" is found where a finite'),
+        ("x y z dx dy dz", ":1:", '"x" is found where a finite number is expected'),
         ("# nothing\n\n", ":", "no sensors"),
         ("", ":", "no sensors"),
     ],

@@ -130,15 +130,15 @@ def test_jitter_moves_rays_right_and_up():
     ("changes", "words"),
     [
         ({"kind": "fisheye"}, "one of perspective"),
-        ({"horizontal": 180.0}, "horizontal size 180 of a perspective view"),
-        ({"kind": "hemispherical", "vertical": 181.0}, "above 0 to 180 expected"),
-        ({"kind": "parallel", "horizontal": 0.0}, "above 0 or more"),
+        ({"horizontal": 180.0}, "horizontal size of the perspective view is 180"),
+        ({"kind": "hemispherical", "vertical": 181.0}, "between 0 and 180 expected"),
+        ({"kind": "parallel", "horizontal": 0.0}, "a number between 0 and inf"),
         ({"up": np.array([0.0, 5.0, 0.0])}, "parallel to its direction"),
         ({"direction": np.zeros(3)}, "zero or not finite"),
         ({"position": np.array([0.0, np.nan, 0.0])}, "three finite numbers"),
         ({"fore": -1.0}, "behind its position"),
         ({"fore": 2.0, "aft": 1.0}, "beyond its fore"),
-        ({"shift": np.inf}, "shift is not finite"),
+        ({"shift": np.inf}, "shift is inf"),
     ],
 )
 def test_views_that_cannot_be_are_refused(changes, words):
@@ -153,7 +153,7 @@ def test_views_that_cannot_be_are_refused(changes, words):
         ("-vp 1 2", "-vp without 3 numbers"),
         ("-vh wide", "-vh without a number"),
         ("-vz 3", "unknown view option"),
-        ("-vta -vh 361", "above 0 to 360"),
+        ("-vta -vh 361", "between 0 and 360"),
     ],
 )
 def test_broken_options_are_refused(text, words):

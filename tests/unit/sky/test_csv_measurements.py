@@ -18,6 +18,10 @@ def sun_at(*altitude_deg):
     return SunPosition(altitude, np.zeros_like(altitude))
 
 
+def split_of(times, sun, decomposition="erbs", **series):
+    return split_irradiance(times, sun, series, decomposition=decomposition)
+
+
 def moments(count):
     return np.datetime64("2022-06-21T10:00", "s") + 300 * np.arange(count)
 
@@ -31,14 +35,14 @@ def test_any_two_of_three_give_the_same_parts():
         {"direct_normal": direct, "global_horizontal": level},
         {"diffuse_horizontal": diffuse, "global_horizontal": level},
     ):
-        split = split_irradiance(times, sun, **given)
+        split = split_of(times, sun, **given)
         assert split.direct_normal[0] == pytest.approx(800)
         assert split.diffuse_horizontal[0] == pytest.approx(100)
         assert split.notes == ()
 
 
 def test_near_the_horizon_the_sine_is_that_of_three_degrees():
-    split = split_irradiance(
+    split = split_of(
         moments(1),
         sun_at(1.0),
         global_horizontal=np.array([20.0]),
@@ -50,7 +54,7 @@ def test_near_the_horizon_the_sine_is_that_of_three_degrees():
 
 
 def test_the_sun_is_never_stronger_than_outside_the_atmosphere():
-    split = split_irradiance(
+    split = split_of(
         moments(1),
         sun_at(4.0),
         global_horizontal=np.array([300.0]),
@@ -62,7 +66,7 @@ def test_the_sun_is_never_stronger_than_outside_the_atmosphere():
 
 
 def test_diffuse_above_global_is_cut_and_counted():
-    split = split_irradiance(
+    split = split_of(
         moments(2),
         sun_at(30, 30),
         global_horizontal=np.array([100.0, 100.0]),
@@ -74,7 +78,7 @@ def test_diffuse_above_global_is_cut_and_counted():
 
 
 def test_light_at_night_is_set_to_zero_and_counted():
-    split = split_irradiance(
+    split = split_of(
         moments(2),
         sun_at(-7, -5),
         direct_normal=np.array([300.0, 0.0]),
@@ -89,9 +93,7 @@ def test_light_at_night_is_set_to_zero_and_counted():
 def test_global_alone_is_split_and_keeps_its_sum(model):
     sun = sun_at(*np.linspace(10, 60, 20))
     level = 1000 * np.sin(sun.altitude) * 0.6
-    split = split_irradiance(
-        moments(20), sun, global_horizontal=level, decomposition=model
-    )
+    split = split_of(moments(20), sun, global_horizontal=level, decomposition=model)
     total = split.direct_normal * np.sin(sun.altitude) + split.diffuse_horizontal
     np.testing.assert_allclose(total, level, rtol=1e-9)
     assert np.all(split.direct_normal > 0)
@@ -100,9 +102,11 @@ def test_global_alone_is_split_and_keeps_its_sum(model):
 
 def test_too_little_irradiance_is_refused():
     with pytest.raises(InputError, match="any two of global"):
-        split_irradiance(moments(1), sun_at(30), direct_normal=np.array([1.0]))
-    with pytest.raises(InputError, match="'erbs' or 'dirint'"):
-        split_irradiance(
+        split_of(moments(1), sun_at(30), direct_normal=np.array([1.0]))
+    with pytest.raises(
+        InputError, match="decomposition is 'x'; one of erbs, dirint expected"
+    ):
+        split_of(
             moments(1), sun_at(30), global_horizontal=np.array([1.0]), decomposition="x"
         )
 
@@ -199,7 +203,7 @@ def test_a_faulty_csv_is_named_with_its_line(write, fault):
 
 
 def test_an_unknown_moment_of_the_step_is_refused(write):
-    with pytest.raises(InputError, match="'start', 'centre' or 'end'"):
+    with pytest.raises(InputError, match="one of start, centre, end expected"):
         read_measured(write(GOOD), columns=BOTH, site=SITE, stands_for="middle")
 
 

@@ -5,8 +5,7 @@ import pytest
 
 from clerestory.errors import InputError
 from clerestory.sky.csv_measurements import Columns, read_measured
-from clerestory.sky.illuminance_conversion import irradiance_of
-from clerestory.sky.sky_state import sky_state, visible_irradiance
+from clerestory.sky.sky_state import irradiance_of, sky_state, visible_irradiance
 from clerestory.sky.solar_position import SunPosition, day_of_year
 from clerestory.sky.weather import Illuminance, Site
 

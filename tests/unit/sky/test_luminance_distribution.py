@@ -197,7 +197,11 @@ def test_the_sun_can_be_hidden_while_it_lights_the_ground():
         ("foggy", {}, "unknown sky 'foggy'"),
         (16, {"diffuse_horizontal": 1.0}, "from 1 to 15"),
         (7, {}, "without diffuse irradiance"),
-        ("clear", {"diffuse_horizontal": -1.0}, "finite numbers from 0"),
+        (
+            "clear",
+            {"diffuse_horizontal": -1.0},
+            "radiance of the sky is -.*; 0 or more",
+        ),
     ],
 )
 def test_skies_that_cannot_be_are_refused(kind, arguments, message):
@@ -234,5 +238,5 @@ def test_a_moment_without_sense_is_refused():
     light = {"diffuse_horizontal": 10.0, "direct_normal": 10.0, "sun_azimuth": 0.0}
     with pytest.raises(InputError, match="-90 to 90"):
         perez_moment(sun_altitude=2.0, **light)
-    with pytest.raises(InputError, match="from 0 expected"):
+    with pytest.raises(InputError, match="0 or more expected"):
         perez_moment(sun_altitude=1.0, **{**light, "direct_normal": -1.0})

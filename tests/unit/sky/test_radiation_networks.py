@@ -7,7 +7,7 @@ from pvlib import iotools
 from clerestory.errors import InputError
 from clerestory.sky.csv_measurements import Columns, read_measured
 from clerestory.sky.radiation_networks import read_srml, read_surfrad
-from clerestory.sky.solar_position import sun_position
+from clerestory.sky.solar_position import sun_at
 from clerestory.sky.weather import Site
 from clerestory.sky.weather_formats import read_weather
 
@@ -20,13 +20,7 @@ pytestmark = pytest.mark.filterwarnings(
 
 
 def sun_of(weather):
-    return sun_position(
-        weather.times,
-        latitude_deg=weather.latitude_deg,
-        longitude_deg=weather.longitude_deg,
-        utc_offset_hours=weather.utc_offset_hours,
-        elevation=weather.elevation,
-    )
+    return sun_at(weather.site, weather.times)
 
 
 def test_surfrad_values_are_those_of_the_file(shared_data):

@@ -74,8 +74,12 @@ def test_a_faulty_epw_row_is_named_with_its_line(write_epw, fault):
 HEADER_FAULTS = {
     "latitude is text": ("50.0", "north", "latitude is 'north'; a number"),
     "location cut short": (",50.0,8.5,1.0,110.0", "", "6 fields; latitude expected"),
-    "beyond the pole": ("50.0", "95.0", "latitude 95.0; a number from -90.0 to 90.0"),
-    "wrong time zone": ("8.5,1.0", "8.5,60", "UTC offset 60"),
+    "beyond the pole": (
+        "50.0",
+        "95.0",
+        "latitude is 95 degrees; a number from -90 to 90",
+    ),
+    "wrong time zone": ("8.5,1.0", "8.5,60", "UTC offset is 60 h"),
     "no periods": ("DATA PERIODS", "DATA", "no DATA PERIODS"),
     "seven records": ("DATA PERIODS,1,1", "DATA PERIODS,1,7", "a divisor of 60"),
 }

@@ -237,9 +237,9 @@ def test_no_weather_gives_negative_or_undefined_radiance(
     ("arguments", "message"),
     [
         ({"subdivision": 7}, "from 1 to 6"),
-        ({"include": "moon"}, "'all', 'sky' or 'sun'"),
-        ({"sun": "smeared"}, "'spread', 'patch' or 'disc'"),
-        ({"sun": "disc", "sun_diameter_deg": 0.0}, "above 0 to 30°"),
+        ({"include": "moon"}, "one of all, sky, sun"),
+        ({"sun": "smeared"}, "one of spread, patch, disc"),
+        ({"sun": "disc", "sun_diameter_deg": 0.0}, "above 0 and up to 30°"),
         ({"ground_reflectance": 1.5}, "0 to 1 expected"),
         (
             {"ground_reflectance": (0.1, 0.2)},
@@ -248,10 +248,10 @@ def test_no_weather_gives_negative_or_undefined_radiance(
         ({"sky_colour": (1, 1, -1)}, "0 to 100"),
         ({"sky_colour": float("nan")}, "0 to 100"),
         ({"rotation_deg": float("inf")}, "finite"),
-        ({"sun_formula": "newton"}, "'spa' or 'radiance'"),
-        ({"quadrature": "simpson"}, "'exact' or 'centres'"),
+        ({"sun_formula": "newton"}, "one of spa, radiance"),
+        ({"quadrature": "simpson"}, "one of exact, centres"),
         ({"dew_point_c": 80.0}, "dew point"),
-        ({"spectrum": "x-ray"}, "'visible' or 'solar'"),
+        ({"spectrum": "x-ray"}, "one of visible, solar"),
     ],
 )
 def test_arguments_outside_their_range_are_refused(spring_day, arguments, message):
@@ -273,11 +273,14 @@ WEATHER_FAULTS = [
     ({"latitude_deg": 91.0}, "latitude"),
     ({"longitude_deg": float("nan")}, "longitude"),
     ({"elevation": 1e5}, "elevation"),
-    ({"direct_normal": np.full(96, -1.0)}, "direct normal irradiance is negative"),
+    (
+        {"direct_normal": np.full(96, -1.0)},
+        "direct normal irradiance is -1 W/m²; 0 or more",
+    ),
     ({"diffuse_horizontal": np.full(96, np.nan)}, "diffuse horizontal irradiance"),
     ({"diffuse_horizontal": np.zeros(95)}, "95 values"),
     ({"dew_point_c": np.zeros(95)}, "95 dew points"),
-    ({"step_minutes": 0.0}, "positive length"),
+    ({"step_minutes": 0.0}, "length of a time step is 0 minutes; a positive"),
 ]
 
 

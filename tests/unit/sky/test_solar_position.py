@@ -5,10 +5,10 @@ import pytest
 
 from clerestory.errors import InputError
 from clerestory.sky.sky_conditions import sun_over
-from clerestory.sky.solar_position import day_of_year, standard_pressure, sun_position
-from clerestory.sky.weather import Weather
+from clerestory.sky.solar_position import day_of_year, standard_pressure, sun_at
+from clerestory.sky.weather import Site, Weather
 
-NREL = {"latitude_deg": 39.742476, "longitude_deg": -105.1786, "utc_offset_hours": -7}
+NREL = Site(39.742476, -105.1786, -7, 1830.14)
 
 
 def moments(*texts):
@@ -17,9 +17,7 @@ def moments(*texts):
 
 def test_spa_gives_the_published_example():
     """NREL/TP-560-34302, table A5.1: zenith 50.11162°, azimuth 194.34024°."""
-    sun = sun_position(
-        moments("2003-10-17T12:30:30"), elevation=1830.14, temperature_c=11, **NREL
-    )
+    sun = sun_at(NREL, moments("2003-10-17T12:30:30"), temperature_c=11)
     assert 90 - np.degrees(sun.altitude[0]) == pytest.approx(50.11162, abs=3e-4)
     assert np.degrees(sun.azimuth[0]) == pytest.approx(194.34024, abs=3e-4)
 
@@ -35,9 +33,7 @@ def test_pressure_falls_as_in_the_standard_atmosphere(elevation, pressure):
 
 def test_the_sun_moves_from_east_over_south_to_west():
     times = moments("2023-06-21T06:00", "2023-06-21T12:10", "2023-06-21T18:00")
-    east, south, west = sun_position(
-        times, latitude_deg=50, longitude_deg=15, utc_offset_hours=1
-    ).directions()
+    east, south, west = sun_at(Site(50, 15, 1), times).directions()
     assert east[0] > 0.8
     assert west[0] < -0.8
     assert south[1] < 0
@@ -49,16 +45,14 @@ def test_noon_altitude_at_solstice_is_the_complement_of_latitude_plus_obliquity(
     formula,
 ):
     times = np.datetime64("2023-06-21T11:30", "s") + 60 * np.arange(60)
-    sun = sun_position(
-        times, latitude_deg=45, longitude_deg=0, utc_offset_hours=0, formula=formula
-    )
+    sun = sun_at(Site(45, 0, 0), times, formula=formula)
     assert np.degrees(sun.altitude.max()) == pytest.approx(45 + 23.44, abs=0.05)
 
 
 def test_the_two_formulas_differ_by_half_a_degree_as_a_rule():
     times = np.datetime64("2023-01-01T00:30", "s") + 3600 * np.arange(8760)
-    exact = sun_position(times, **NREL).directions()
-    rough = sun_position(times, formula="radiance", **NREL).directions()
+    exact = sun_at(NREL, times).directions()
+    rough = sun_at(NREL, times, formula="radiance").directions()
     angle = np.arccos(np.clip(np.sum(exact * rough, axis=1), -1, 1))
     assert np.degrees(angle.max()) < 1.5
     assert np.degrees(np.median(angle)) < 0.5
@@ -67,8 +61,8 @@ def test_the_two_formulas_differ_by_half_a_degree_as_a_rule():
 def test_time_zone_and_longitude_cancel_each_other():
     """15° further east, one hour further ahead: the same altitude at the same clock."""
     times = moments("2023-04-01T09:00")
-    here = sun_position(times, latitude_deg=30, longitude_deg=15, utc_offset_hours=1)
-    there = sun_position(times, latitude_deg=30, longitude_deg=30, utc_offset_hours=2)
+    here = sun_at(Site(30, 15, 1), times)
+    there = sun_at(Site(30, 30, 2), times)
     assert np.degrees(here.altitude - there.altitude)[0] == pytest.approx(0, abs=0.02)
 
 
@@ -78,8 +72,10 @@ def test_day_of_year_counts_leap_days():
 
 
 def test_an_unknown_formula_is_refused():
-    with pytest.raises(InputError, match="'spa' or 'radiance'"):
-        sun_position(moments("2023-01-01"), formula="newton", **NREL)
+    with pytest.raises(
+        InputError, match="sun formula is 'newton'; one of spa, radiance expected"
+    ):
+        sun_at(NREL, moments("2023-01-01"), formula="newton")
 
 
 def hours_of_a_day():
@@ -91,9 +87,8 @@ def hours_of_a_day():
 def test_in_the_hour_of_sunrise_the_sun_stands_where_it_shines_from():
     """It is up for a part of the hour, and stands in the middle of that part."""
     weather = hours_of_a_day()
-    place = {"latitude_deg": 50.0, "longitude_deg": 8.5, "utc_offset_hours": 1.0}
     seconds = weather.times[0] - np.timedelta64(1800, "s") + np.arange(86400)
-    altitude = sun_position(seconds, elevation=100.0, **place).altitude
+    altitude = sun_at(weather.site, seconds).altitude
     shines = altitude.reshape(24, 3600) > 0
     partly = shines.any(axis=1) & ~shines.all(axis=1)
     assert partly.sum() == 2
@@ -108,12 +103,6 @@ def test_in_the_hour_of_sunrise_the_sun_stands_where_it_shines_from():
 
 def test_radiances_sun_stays_at_the_centre_of_the_hour():
     weather = hours_of_a_day()
-    plain = sun_position(
-        weather.times,
-        latitude_deg=50.0,
-        longitude_deg=8.5,
-        utc_offset_hours=1.0,
-        formula="radiance",
-    )
+    plain = sun_at(weather.site, weather.times, formula="radiance")
     found = sun_over(weather, sun_formula="radiance")
     np.testing.assert_array_equal(found.altitude, plain.altitude)

@@ -55,14 +55,14 @@ def test_a_station_file_reads_as_its_arguments(station, tmp_path):
 
 FAULTS = {
     "not TOML": ("file =", "file", "not TOML"),
-    "unknown key": ("stands_for", "stand_for", "stand_for: "),
-    "no latitude": ("latitude_deg", "latitude", "site.latitude_deg: "),
-    "a word": ("8.5", '"west"', "site.longitude_deg: "),
-    "another moment": ('"end"', '"late"', "stands_for: "),
+    "unknown key": ("stands_for", "stand_for", 'unknown key "stand_for"; one of'),
+    "no latitude": ("latitude_deg", "latitude", "site.latitude_deg is missing"),
+    "a word": ("8.5", '"west"', 'site.longitude_deg is "west"; a number'),
+    "another moment": ('"end"', '"late"', 'stands_for is "late"'),
     "no columns": ("[columns]", "[column]", "column"),
-    "another format": ("[site]", 'format = "x"\n[site]', "format: "),
+    "another format": ("[site]", 'format = "x"\n[site]', 'format is "x"'),
     "columns of SRML": ("[site]", 'format = "srml"\n[site]', "no table [columns]"),
-    "off the globe": ("50.0", "95.0", "latitude 95"),
+    "off the globe": ("50.0", "95.0", "latitude is 95 degrees"),
     "no file": ("roof.csv", "wall.csv", "wall.csv: cannot be read"),
     "no such column": ('"GHI"', '"GLO"', "roof.csv:1: no column 'GLO'"),
 }

@@ -255,7 +255,7 @@ def test_a_function_of_ones_own_chooses(shaded, tmp_path):
     [
         ("def shade(s):\n    return s.nothing", "ended with AttributeError"),
         ("def shade(s):\n    return s.signals['irradiance']", "whole numbers expected"),
-        ("def other(s):\n    return 0", 'has no function "shade"'),
+        ("def other(s):\n    return 0", 'no function "shade"'),
         ("def shade(s)", "SyntaxError"),
         ("1 / 0", "ZeroDivisionError"),
     ],
@@ -327,7 +327,7 @@ WRONG_RULES = {
         'rule = "fixed"\nstate = 1\nclose_above = 5',
         'rule "fixed" has no key "close_above"; one of state expected',
     ),
-    "key that is missing": ('rule = "threshold"', 'lacks "close_above"'),
+    "key that is missing": ('rule = "threshold"', 'without "close_above"'),
     "state that is none": ('rule = "fixed"\nstate = "shut"', "no state 'shut'"),
     "state beyond the last": ('rule = "fixed"\nstate = 3', "a number below 3"),
     "too few tilts": (

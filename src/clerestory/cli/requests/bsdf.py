@@ -1,18 +1,18 @@
 """Requests of `clerestory bsdf`: BSDF files of layers."""
 
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from clerestory.cli.command import Command
+from clerestory.cli.command import command
 from clerestory.cli.requests import common
-from clerestory.cli.requests.bsdf_generate import COMMAND as GENERATE
-from clerestory.options import Argument, argument, option, required
+from clerestory.options import Argument, argument, option, options, required
+
+HELP = "BSDF files of layers."
 
 BsdfFiles = Annotated[list[Path], Argument("BSDF files.", "FILE…")]
 
 
-@dataclass(frozen=True, kw_only=True)
+@options
 class Drawing:
     """Content of a figure of BSDFs."""
 
@@ -37,14 +37,14 @@ class Drawing:
     )
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("bsdf:info", "blind.xml")
 class BsdfInfo:
     """Describe a BSDF file: product, bases, transmittances and reflectances."""
 
     file: common.BsdfFile
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("bsdf:check", "blind.xml shade.xml")
 class CheckBsdf:
     """Check BSDF files: energy, reciprocity, sides, labels, duplicates, gaps.
 
@@ -59,7 +59,7 @@ class CheckBsdf:
     as_json: bool = option(False, "Print JSON.", "--json")
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("bsdf:plot", "blind.xml --from 40,90 -o blind.png")
 class PlotBsdf:
     """Plot scattering as false-colour discs, or the transmittance over angles."""
 
@@ -68,7 +68,7 @@ class PlotBsdf:
     drawing: Drawing
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("bsdf:compare", "a.xml b.xml --patch 63 -o figure.png")
 class CompareBsdfs:
     """Compare BSDFs with the first one: print differences, draw a figure."""
 
@@ -77,7 +77,7 @@ class CompareBsdfs:
     drawing: Drawing
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("bsdf:view", "blind.xml -o blind.html")
 class ViewBsdf:
     """Write an interactive HTML view of the scattering per incident direction."""
 
@@ -85,7 +85,7 @@ class ViewBsdf:
     output: Path = required("Self-contained HTML file to write.", "-o")
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("bsdf:insert", "traced.xml window.xml -o layer.xml")
 class InsertBsdf:
     """Insert the data of one BSDF file into another file, used as a template.
 
@@ -102,7 +102,7 @@ class InsertBsdf:
     )
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("bsdf_convert:convert", "tree.xml --to full -o matrix.xml")
 class ConvertBsdf:
     """Convert a BSDF to another basis or to a tensor tree; flux is conserved."""
 
@@ -115,7 +115,7 @@ class ConvertBsdf:
     reciprocal: bool = option(False, "Average with the reverse function first.")
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("bsdf_convert:reduce", "tree.xml --percent 95 -o small.xml")
 class ReduceBsdf:
     """Reduce a tensor tree, and print the loss of accuracy; flux is conserved."""
 
@@ -124,7 +124,7 @@ class ReduceBsdf:
     percent: float = option(95.0, "Percentage of the smallest cells to merge.", "-t")
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("bsdf_package:package", "blind.xml -o blind.rad")
 class PackageBsdf:
     """Write a scene file of a BSDF: surfaces with the BSDF, and its geometry.
 
@@ -139,22 +139,101 @@ class PackageBsdf:
     xform: str = option("", 'Transformation, such as "-rx 90 -t 1 0 2".')
 
 
-HELP = "BSDF files of layers."
-COMMANDS = {
-    "convert": Command(
-        ConvertBsdf, "bsdf_convert:convert", "tree.xml --to full -o matrix.xml"
-    ),
-    "reduce": Command(
-        ReduceBsdf, "bsdf_convert:reduce", "tree.xml --percent 95 -o small.xml"
-    ),
-    "package": Command(PackageBsdf, "bsdf_package:package", "blind.xml -o blind.rad"),
-    "generate": GENERATE,
-    "info": Command(BsdfInfo, "bsdf:info", "blind.xml"),
-    "check": Command(CheckBsdf, "bsdf:check", "blind.xml shade.xml"),
-    "plot": Command(PlotBsdf, "bsdf:plot", "blind.xml --from 40,90 -o blind.png"),
-    "compare": Command(
-        CompareBsdfs, "bsdf:compare", "a.xml b.xml --patch 63 -o figure.png"
-    ),
-    "view": Command(ViewBsdf, "bsdf:view", "blind.xml -o blind.html"),
-    "insert": Command(InsertBsdf, "bsdf:insert", "traced.xml window.xml -o layer.xml"),
-}
+def _kind(example: str) -> Any:
+    return option(
+        None,
+        f"Parametric system, such as {example}; lengths in metres.",
+        metavar="NAME=VALUE,…",
+        panel="Parametric systems",
+    )
+
+
+@options
+class ParametricSystem:
+    """A parametric system; at most one field is given."""
+
+    venetian: str | None = _kind("slat_width=0.08,spacing=0.072,tilt_deg=45")
+    microlouvre: str | None = _kind("cutoff_deg=40, or default")
+    prismatic: str | None = _kind("upper_angle_deg=60, or default")
+    mirrored_channels: str | None = _kind("pitch=0.001, or default")
+    perforated: str | None = _kind("pitch=0.002,hole=0.001")
+    woven: str | None = _kind("spacing=0.001,thread=0.0003")
+    fabric: str | None = _kind("openness=0.03,reflectance=0.5")
+    diffuse_pane: str | None = _kind("transmittance=0.5")
+    clear_pane: str | None = _kind("transmissivity=0.96, or default")
+
+
+@options
+class Tracing:
+    """Basis, sides and effort: keywords of `generate_bsdf`."""
+
+    basis: Literal["full", "half", "quarter", "tree3", "tree4"] = option(
+        "full", "Klems basis, or a tensor tree of rank 3 or 4."
+    )
+    halvings: common.Halvings = 5
+    sides: Literal["both", "front", "back"] = option("both", "Sides of incident light.")
+    colour: bool = option(False, "Write CIE X and Z too; u' and v' for trees.")
+    samples: int | None = option(
+        None,
+        "Paths per incident patch or cell (default 2000); or …",
+        metavar="N",
+        least=1,
+    )
+    relative_error: float | None = option(
+        None,
+        "… root mean square error of all values relative to their mean.",
+        metavar="X",
+    )
+    bounces: common.Bounces = None
+    symmetry: bool = option(
+        True,
+        "Trace only one of two patches that are mirror images by the symmetry of"
+        " the geometry.",
+        "--symmetry/--no-symmetry",
+    )
+    reciprocal: bool = option(False, "Average with the reverse function.")
+    reduction: float = option(
+        0.0, "Percentage of the smallest tree cells to merge.", "--reduce"
+    )
+    geometry: bool = option(
+        True, "Include the geometry in the file.", "--geometry/--no-geometry"
+    )
+    name: str = option("", "Name of the product.")
+    seed: common.Seed = 1
+    device: common.DeviceName = "auto"
+
+
+@command(
+    "bsdf_generate:generate",
+    "--venetian slat_width=0.08,spacing=0.072,tilt_deg=45 -o blind.xml",
+)
+class GenerateBsdf:
+    """Trace the BSDF of a shading system, as genBSDF does.
+
+    +x is the width, +y up, +z into the room; all geometry is at z ≤ 0.
+    """
+
+    output: common.BsdfOutput
+    files: list[Path] | None = argument(
+        "Radiance scene files, materials first.", "[FILE…]", default=None
+    )
+    system: Path | None = option(None, "TOML file of a parametric system.")
+    kinds: ParametricSystem
+    dimensions: tuple[float, float, float, float, float, float] | None = option(
+        None,
+        "Sample area [m], like genBSDF -dim; default: the bounding box.",
+        "--dim",
+        metavar="XMIN XMAX YMIN YMAX ZMIN ZMAX",
+    )
+    periodic: bool = option(
+        False, "Repeat the sample area periodically, so that no light is lost."
+    )
+    band: list[str] | None = option(
+        None,
+        "Band and its weights of red, green, blue; repeatable.",
+        metavar="NAME=R/G/B",
+    )
+    tracing: Tracing
+    errors: Path | None = option(None, "BSDF file of the standard errors to write.")
+    rad: Path | None = option(None, "Radiance scene file of the geometry to write.")
+    quiet: common.Quiet = False

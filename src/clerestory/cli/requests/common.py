@@ -1,10 +1,9 @@
 """Options that several commands share."""
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
-from clerestory.options import Argument, Option, option
+from clerestory.options import Argument, Option, option, options
 
 Device = Literal["auto", "cpu", "cuda"]
 Encoding = Literal["ascii", "float", "double"]
@@ -91,7 +90,7 @@ BsdfOutput = Annotated[Path, Option("BSDF file to write.", "-o")]
 Halvings = Annotated[int, Option("2^N cells along each axis of a tensor tree.")]
 
 
-@dataclass(frozen=True, kw_only=True)
+@options
 class SensorsOrView:
     """Receivers of a matrix: the points of a sensor file, or the pixels of a view."""
 
@@ -104,7 +103,7 @@ class SensorsOrView:
     resolution: Resolution = 400
 
 
-@dataclass(frozen=True, kw_only=True)
+@options
 class SkyChoice:
     """A sky at one instant: scene file, sky command, or weather file and time."""
 
@@ -121,7 +120,7 @@ class SkyChoice:
     weather: Path | None = option(None, "Weather file for --time.", metavar="F")
 
 
-@dataclass(frozen=True, kw_only=True)
+@options
 class EffortOptions:
     """Sampling effort, and compute device."""
 
@@ -133,7 +132,17 @@ class EffortOptions:
     cluster: ClusterAddress = None
 
 
-@dataclass(frozen=True, kw_only=True)
+@options
+class SunEffort:
+    """Sampling effort of direct-sun coefficients, and compute device."""
+
+    samples: int = option(64, "Paths per row and sun.", metavar="N", least=1)
+    seed: Seed = 1
+    device: DeviceName = "auto"
+    cluster: ClusterAddress = None
+
+
+@options
 class MatrixFile:
     """File of a matrix, and whether its summary is printed."""
 

@@ -1,16 +1,15 @@
 """Request of `clerestory glare`."""
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from clerestory.cli.command import Command
+from clerestory.cli.command import command
 from clerestory.cli.requests.common import Quiet
 from clerestory.glare.evalglare_options import Circle, EvalglareOptions
 from clerestory.options import argument, option
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("glare:glare", "desk.hdr --detail --check found.hdr")
 class GlareRequest:
     """Find the glare sources of fisheye pictures and print DGP, DGI, UGR, VCP and CGI.
 
@@ -49,8 +48,3 @@ class GlareRequest:
         metavar="OUT",
     )
     quiet: Quiet = False
-
-
-COMMANDS = {
-    "glare": Command(GlareRequest, "glare:glare", "desk.hdr --detail --check found.hdr")
-}

@@ -1,15 +1,16 @@
 """Requests of `clerestory glazing`: stacks of panes and shades."""
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from clerestory.cli.command import Command
+from clerestory.cli.command import command
 from clerestory.cli.requests.common import Quiet, Seed
 from clerestory.options import argument, option
 
+HELP = "Stacks of panes, gaps and shades."
 
-@dataclass(frozen=True, kw_only=True)
+
+@command("glazing:stack", "clear.dat blind.xml -o system.xml")
 class StackLayers:
     """Combine layers into one BSDF, and print its transmittance and reflectance."""
 
@@ -33,15 +34,8 @@ class StackLayers:
     quiet: Quiet = False
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("glazing:info", "clear.dat")
 class GlazingInfo:
     """Describe products; list the products of a folder."""
 
     file: list[Path] = argument("Product files, or folders of them.", "FILE…")
-
-
-HELP = "Stacks of panes, gaps and shades."
-COMMANDS = {
-    "stack": Command(StackLayers, "glazing:stack", "clear.dat blind.xml -o system.xml"),
-    "info": Command(GlazingInfo, "glazing:info", "clear.dat"),
-}

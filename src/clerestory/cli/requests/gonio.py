@@ -1,12 +1,13 @@
 """Requests of `clerestory gonio`: from goniophotometer measurements to BSDFs."""
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
-from clerestory.cli.command import Command
+from clerestory.cli.command import command
 from clerestory.cli.requests import common
-from clerestory.options import Option, argument, option, required
+from clerestory.options import Option, argument, option, options, required
+
+HELP = "Goniophotometer measurements."
 
 Symmetry = Literal[
     "isotropic", "quadrilateral", "bilateral-x", "bilateral-y", "rotational", "none"
@@ -22,7 +23,7 @@ Smoothing = Annotated[
 Processes = Annotated[int, Option("Number of processes.", "-n", least=1)]
 
 
-@dataclass(frozen=True, kw_only=True)
+@options
 class MeasurementFiles:
     """Files of measurements, and how to read them."""
 
@@ -46,7 +47,7 @@ class MeasurementFiles:
     merge: bool = option(False, "Merge scans of the same incident direction.")
 
 
-@dataclass(frozen=True, kw_only=True)
+@options
 class Fit:
     """Parameters of a fit."""
 
@@ -56,7 +57,7 @@ class Fit:
     processes: Processes = 1
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("gonio:info", "scans/*.txt")
 class MeasurementInfo:
     """Describe the coverage of measurements: angles, gaps, noise, symmetry, flux.
 
@@ -66,7 +67,7 @@ class MeasurementInfo:
     measurement: MeasurementFiles
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("gonio:fit", "scans/*.txt -o film.nc")
 class FitMeasurement:
     """Fit lobes to every scan, and compute transport plans between neighbours."""
 
@@ -76,7 +77,7 @@ class FitMeasurement:
     quiet: common.Quiet = False
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("gonio:check", "scans/*.txt -o errors.png")
 class CrossValidation:
     """Cross-validate: predict each incident direction from the others."""
 
@@ -94,7 +95,7 @@ class CrossValidation:
     quiet: common.Quiet = False
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("gonio:export", "film.nc --to tree -o film.xml")
 class ExportBsdf:
     """Write fits as one BSDF file for Radiance, WINDOW and Clerestory."""
 
@@ -113,7 +114,7 @@ class ExportBsdf:
     quiet: common.Quiet = False
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("gonio:plot", "scans/*.txt --scan 3 -o scan.png")
 class PlotMeasurement:
     """Plot measured points, fitted lobes and mesh, or an interpolation."""
 
@@ -127,13 +128,3 @@ class PlotMeasurement:
     )
     fit: Fit
     quiet: common.Quiet = False
-
-
-HELP = "Goniophotometer measurements."
-COMMANDS = {
-    "info": Command(MeasurementInfo, "gonio:info", "scans/*.txt"),
-    "fit": Command(FitMeasurement, "gonio:fit", "scans/*.txt -o film.nc"),
-    "check": Command(CrossValidation, "gonio:check", "scans/*.txt -o errors.png"),
-    "export": Command(ExportBsdf, "gonio:export", "film.nc --to tree -o film.xml"),
-    "plot": Command(PlotMeasurement, "gonio:plot", "scans/*.txt --scan 3 -o scan.png"),
-}

@@ -1,21 +1,22 @@
 """Requests of `clerestory luminaire`: photometric files."""
 
-from dataclasses import dataclass
 from pathlib import Path
 
-from clerestory.cli.command import Command
+from clerestory.cli.command import command
 from clerestory.cli.requests.common import FigureOutput
 from clerestory.options import argument, option
 
+HELP = "Luminaires: IES and EULUMDAT files."
 
-@dataclass(frozen=True, kw_only=True)
+
+@command("luminaire:info", "downlight.ies panel.ldt")
 class LuminaireInfo:
     """Describe photometric files: flux, power, intensities, luminous dimensions."""
 
     files: list[Path] = argument("IES or EULUMDAT files.", "FILE…")
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("luminaire:plot", "downlight.ies -o polar.png")
 class PlotLuminaire:
     """Draw the polar diagram in given planes; default: 0° and 90°."""
 
@@ -24,10 +25,3 @@ class PlotLuminaire:
     plane: list[float] | None = option(
         None, "Horizontal angle of a plane [°]; repeatable."
     )
-
-
-HELP = "Luminaires: IES and EULUMDAT files."
-COMMANDS = {
-    "info": Command(LuminaireInfo, "luminaire:info", "downlight.ies panel.ldt"),
-    "plot": Command(PlotLuminaire, "luminaire:plot", "downlight.ies -o polar.png"),
-}

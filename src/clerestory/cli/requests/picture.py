@@ -1,19 +1,22 @@
-"""Requests of `clerestory picture`: pictures described, displayed and converted."""
+"""Requests of `clerestory picture`: pictures and photographs."""
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
-from clerestory.cli.command import Command
+from clerestory.cli.command import command
 from clerestory.cli.requests import common
-from clerestory.cli.requests.photograph import COMMANDS as PHOTOGRAPH_COMMANDS
-from clerestory.options import Argument, Option, option, required
+from clerestory.options import Argument, Option, argument, option, required
+
+HELP = "Pictures: .hdr, .pic and .exr."
 
 PictureFiles = Annotated[list[Path], Argument("Pictures, .hdr or .exr.", "PICTURE…")]
+Mapping = Literal[
+    "equidistant", "equisolid", "orthographic", "stereographic", "polynomial"
+]
 ImageOutput = Annotated[Path, Option("Image to write: .png or .jpg.", "-o")]
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("picture:info", "room.hdr")
 class PictureInfo:
     """Describe pictures: size, view, and the distribution of luminance."""
 
@@ -21,7 +24,7 @@ class PictureInfo:
     header: bool = option(False, "Also print the lines of the header.")
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("picture:denoise", "room.hdr -o smooth.hdr")
 class DenoisePicture:
     """Denoise a traced picture by Intel's Open Image Denoise.
 
@@ -32,7 +35,7 @@ class DenoisePicture:
     output: common.PictureOutput
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("picture:tonemap", "room.hdr -o room.png")
 class ToneMap:
     """Tone-map a picture for a display: PNG or JPEG in sRGB."""
 
@@ -53,7 +56,7 @@ class ToneMap:
     quiet: common.Quiet = False
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("picture:falsecolour", "room.hdr --to 2000 -o room.png", alias="falsecolor")
 class FalseColour:
     """Show luminance [cd/m²], or illuminance [lux], in false colour."""
 
@@ -74,7 +77,9 @@ class FalseColour:
     quiet: common.Quiet = False
 
 
-@dataclass(frozen=True, kw_only=True)
+@command(
+    "picture:add", "sky.hdr sun.hdr --weight 1 --weight 0.5 -o both.hdr", name="sum"
+)
 class SumPictures:
     """Add pictures of equal size with weights; the first view is kept."""
 
@@ -86,7 +91,7 @@ class SumPictures:
     quiet: common.Quiet = False
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("picture:reduce", "room.hdr --factor 2 -o half.hdr")
 class ReducePicture:
     """Reduce the resolution of a picture by area averaging."""
 
@@ -101,7 +106,7 @@ class ReducePicture:
     quiet: common.Quiet = False
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("picture:crop", "room.hdr --corner 100 50 --size 400 300 -o part.hdr")
 class CropPicture:
     """Crop a picture; the view is adapted."""
 
@@ -114,7 +119,7 @@ class CropPicture:
     quiet: common.Quiet = False
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("picture:convert", "room.hdr -o room.exr")
 class ConvertPicture:
     """Write a picture in another format."""
 
@@ -129,28 +134,80 @@ class ConvertPicture:
     quiet: common.Quiet = False
 
 
-HELP = "Pictures: .hdr, .pic and .exr."
-COMMANDS = {
-    "info": Command(PictureInfo, "picture:info", "room.hdr"),
-    "denoise": Command(DenoisePicture, "picture:denoise", "room.hdr -o smooth.hdr"),
-    "tonemap": Command(ToneMap, "picture:tonemap", "room.hdr -o room.png"),
-    "falsecolour": Command(
-        FalseColour, "picture:falsecolour", "room.hdr --to 2000 -o room.png"
-    ),
-    "falsecolor": Command(FalseColour, "picture:falsecolour", hidden=True),
-    "sum": Command(
-        SumPictures,
-        "picture:add",
-        "sky.hdr sun.hdr --weight 1 --weight 0.5 -o both.hdr",
-    ),
-    "reduce": Command(
-        ReducePicture, "picture:reduce", "room.hdr --factor 2 -o half.hdr"
-    ),
-    "crop": Command(
-        CropPicture,
-        "picture:crop",
-        "room.hdr --corner 100 50 --size 400 300 -o part.hdr",
-    ),
-    "convert": Command(ConvertPicture, "picture:convert", "room.hdr -o room.exr"),
-    **PHOTOGRAPH_COMMANDS,
-}
+@command("photograph:merge", "bracket_*.jpg -o scene.hdr")
+class MergePhotographs:
+    """Merge photographs of different exposures into one high-dynamic-range picture.
+
+    Radiances are known up to a common factor, which `picture calibrate` determines.
+    """
+
+    files: list[Path] = argument("Exposure bracket, .jpg, .png or .tif.", "PHOTO…")
+    output: common.PictureOutput
+    times: list[float] | None = option(
+        None,
+        "Exposure time of each photograph in order [s], repeatable; default: from"
+        " the EXIF data.",
+        "--time",
+        metavar="S",
+    )
+    response: str = option(
+        "debevec",
+        "Camera response: recovered by debevec or robertson, srgb, linear, or a"
+        " file (.csv of --save-response, .rsp of hdrgen).",
+        metavar="R",
+    )
+    save_response: Path | None = option(
+        None, "Write the camera response to a .csv file.", metavar="F"
+    )
+    align: bool = option(False, "Align the photographs of a camera that moved.")
+    quiet: common.Quiet = False
+
+
+@command(
+    "photograph:reproject",
+    "scene.hdr --lens equisolid --circle 2736 1824 1793 -o fisheye.hdr",
+)
+class ReprojectPhotograph:
+    """Reproject a fisheye photograph to a view for glare evaluation."""
+
+    file: common.PictureFile
+    output: common.PictureOutput
+    lens: Mapping = option("equisolid", "Projection of the lens.")
+    coefficients: list[float] | None = option(
+        None,
+        "Coefficient of θ, θ², … of a polynomial lens, repeatable.",
+        "--coefficient",
+        metavar="X",
+    )
+    circle: tuple[float, float, float] | None = option(
+        None,
+        "Image circle: column and row of the centre from the upper left, and radius"
+        " at 90°. Default: the largest centred circle.",
+        metavar="X Y R",
+    )
+    view: str = option("-vta -vh 180 -vv 180", "Target view.", metavar="VIEW")
+    resolution: int = option(
+        1000, "Number of columns and of rows.", metavar="N", least=21
+    )
+    vignetting: list[float] | None = option(
+        None,
+        "Coefficient of θ², θ⁴, … of the lens transmission, repeatable.",
+        metavar="X",
+    )
+    quiet: common.Quiet = False
+
+
+@command("photograph:calibrate", "fisheye.hdr --before 1520 --after 1490 -o desk.hdr")
+class CalibratePicture:
+    """Scale a hemispherical picture to the illuminance measured beside the lens."""
+
+    file: common.PictureFile
+    output: common.PictureOutput
+    before: float = required("Illuminance at the lens before the bracket [lux].")
+    after: float | None = option(
+        None, "Illuminance after the bracket [lux]; default: as before."
+    )
+    resolution: int | None = option(
+        None, "Reduce to this many columns.", metavar="N", least=21
+    )
+    quiet: common.Quiet = False

@@ -1,14 +1,17 @@
 """Requests of `clerestory render`, `illum` and `multiply`."""
 
-from dataclasses import dataclass
 from pathlib import Path
 
-from clerestory.cli.command import Command
+from clerestory.cli.command import command
 from clerestory.cli.requests import common
 from clerestory.options import argument, option, required
 
 
-@dataclass(frozen=True, kw_only=True)
+@command(
+    "render:render",
+    "--scene materials.rad room.rad --view desk.vf --sky 'gensky 9 21 12 +s -a 48"
+    " -o -11 -m -15' -o noon.hdr",
+)
 class Render:
     """Render a picture of a scene under a sky.
 
@@ -32,7 +35,11 @@ class Render:
     quiet: common.Quiet = False
 
 
-@dataclass(frozen=True, kw_only=True)
+@command(
+    "illum:illum",
+    "--scene materials.rad room.rad --panes window.rad --sky 'gensky 9 21 12 +s'"
+    " -o emitters.rad",
+)
 class Illum:
     """Precompute window emitters: trace the emission of windows, like mkillum.
 
@@ -60,7 +67,7 @@ class Illum:
     quiet: common.Quiet = False
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("multiply:multiply", "V.mtx blind.xml D.mtx S.smx -o E.mtx")
 class Multiply:
     """Multiply two to five matrices from left to right; add products.
 
@@ -79,22 +86,3 @@ class Multiply:
     output: common.MatrixOutput
     encoding: common.MatrixEncoding = "float"
     quiet: common.Quiet = False
-
-
-COMMANDS = {
-    "render": Command(
-        Render,
-        "render:render",
-        "--scene materials.rad room.rad --view desk.vf"
-        " --sky 'gensky 9 21 12 +s -a 48 -o -11 -m -15' -o noon.hdr",
-    ),
-    "illum": Command(
-        Illum,
-        "illum:illum",
-        "--scene materials.rad room.rad --panes window.rad"
-        " --sky 'gensky 9 21 12 +s' -o emitters.rad",
-    ),
-    "multiply": Command(
-        Multiply, "multiply:multiply", "V.mtx blind.xml D.mtx S.smx -o E.mtx"
-    ),
-}

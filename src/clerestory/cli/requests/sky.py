@@ -1,12 +1,13 @@
 """Requests of `clerestory sky`: sky matrices, sun positions, weather files."""
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
-from clerestory.cli.command import Command
+from clerestory.cli.command import command
 from clerestory.cli.requests import common
-from clerestory.options import Argument, Option, argument, option, required
+from clerestory.options import Argument, Option, argument, option, options, required
+
+HELP = "Sky matrices, sun positions and weather files."
 
 WeatherFile = Annotated[
     Path,
@@ -43,7 +44,7 @@ Moment = Annotated[
 ]
 
 
-@dataclass(frozen=True, kw_only=True)
+@options
 class Days:
     """First and last day of the selected weather data."""
 
@@ -51,7 +52,7 @@ class Days:
     last_day: str | None = option(None, "Last day.", "--to", metavar="MM-DD")
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("sky:matrix", "oslo.epw --subdivision 4 -o S.smx")
 class SkyMatrixRequest:
     """Sky matrix: radiance of ground and sky patches at every time step [W/(m²·sr)]."""
 
@@ -87,7 +88,7 @@ class SkyMatrixRequest:
     quiet: common.Quiet = False
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("sky:vector", "overcast --sun 40 180 --diffuse 100 -o S.vec")
 class SkyVectorRequest:
     """Sky vector of one instant: radiance of ground and sky patches [W/(m²·sr)].
 
@@ -123,7 +124,7 @@ class SkyVectorRequest:
     quiet: common.Quiet = False
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("sky:sun", "oslo.epw -o suns.csv")
 class SunTable:
     """Table of solar altitude and azimuth at every time step, as CSV [°].
 
@@ -153,14 +154,14 @@ class SunTable:
     days: Days
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("sky:describe", "oslo.epw")
 class WeatherDescription:
     """Describe a weather file: place, time steps, sums, repairs, quality checks."""
 
     weather: WeatherFile
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("sky_plot:plot", "oslo.epw -o year.png")
 class WeatherPlot:
     """Annual heat map of sun and sky; with --time, the sky in false colour."""
 
@@ -168,17 +169,3 @@ class WeatherPlot:
     output: common.MatrixOutput
     time: Moment = None
     days: Days
-
-
-HELP = "Sky matrices, sun positions and weather files."
-COMMANDS = {
-    "matrix": Command(
-        SkyMatrixRequest, "sky:matrix", "oslo.epw --subdivision 4 -o S.smx"
-    ),
-    "vector": Command(
-        SkyVectorRequest, "sky:vector", "overcast --sun 40 180 --diffuse 100 -o S.vec"
-    ),
-    "sun": Command(SunTable, "sky:sun", "oslo.epw -o suns.csv"),
-    "describe": Command(WeatherDescription, "sky:describe", "oslo.epw"),
-    "plot": Command(WeatherPlot, "sky_plot:plot", "oslo.epw -o year.png"),
-}

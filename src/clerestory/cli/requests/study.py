@@ -1,10 +1,9 @@
 """Requests of the commands for studies, reports, metrics and imports."""
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
-from clerestory.cli.command import Command
+from clerestory.cli.command import command
 from clerestory.cli.requests import common
 from clerestory.options import Option, argument, option, required
 
@@ -17,7 +16,11 @@ SeedChoice = Annotated[
 ]
 
 
-@dataclass(frozen=True, kw_only=True)
+@command(
+    "study:new",
+    "office --scene materials.rad room.rad --window glazing.rad --bsdf blind.xml"
+    " --weather oslo.epw",
+)
 class NewStudy:
     """Write a study file: the room, its window, a grid over the floor, the weather.
 
@@ -38,7 +41,7 @@ class NewStudy:
     quiet: common.Quiet = False
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("study:run", "study.toml --out results")
 class RunStudy:
     """Run a study: trace, multiply by a year of sky, write results and a report.
 
@@ -58,7 +61,7 @@ class RunStudy:
     quiet: common.Quiet = False
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("study:demo", "my_first_study")
 class Demo:
     """Copy the bundled study, a test room behind a venetian blind, and run it.
 
@@ -73,7 +76,7 @@ class Demo:
     quiet: common.Quiet = False
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("study:report", "study_results")
 class WriteReport:
     """Write the report of an earlier run from its results.
 
@@ -85,7 +88,7 @@ class WriteReport:
     quiet: common.Quiet = False
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("metrics:metrics", "results -o metrics.csv")
 class Metrics:
     """Print daylight autonomy, UDI, sDA, ASE, EN 17037 and LEED points per grid."""
 
@@ -111,7 +114,7 @@ class Metrics:
     quiet: common.Quiet = False
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("compare:compare", "measured.csv study_results -o found")
 class Compare:
     """Compare a study with measurements: bias, shares within 5, 10 and 20 %.
 
@@ -145,7 +148,9 @@ class Compare:
     quiet: common.Quiet = False
 
 
-@dataclass(frozen=True, kw_only=True)
+@command(
+    "import_model:import_model", "room.hbjson --weather oslo.epw -o room", name="import"
+)
 class ImportModel:
     """Convert a honeybee model to a study, or an OBJ or glTF file to a scene.
 
@@ -164,29 +169,6 @@ class ImportModel:
     quiet: common.Quiet = False
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("doctor:doctor")
 class Doctor:
     """Check the compute devices and libraries; exit status 1 if one is broken."""
-
-
-COMMANDS = {
-    "new": Command(
-        NewStudy,
-        "study:new",
-        "office --scene materials.rad room.rad --window glazing.rad --bsdf blind.xml"
-        " --weather oslo.epw",
-    ),
-    "run": Command(RunStudy, "study:run", "study.toml --out results"),
-    "demo": Command(Demo, "study:demo", "my_first_study"),
-    "report": Command(WriteReport, "study:report", "study_results"),
-    "metrics": Command(Metrics, "metrics:metrics", "results -o metrics.csv"),
-    "compare": Command(
-        Compare, "compare:compare", "measured.csv study_results -o found"
-    ),
-    "import": Command(
-        ImportModel,
-        "import_model:import_model",
-        "room.hbjson --weather oslo.epw -o room",
-    ),
-    "doctor": Command(Doctor, "doctor:doctor"),
-}

@@ -1,14 +1,19 @@
 """Requests of `clerestory trace`: transfer matrices."""
 
-from dataclasses import dataclass
 from pathlib import Path
 
-from clerestory.cli.command import Command
+from clerestory.cli.command import command
 from clerestory.cli.requests import common
 from clerestory.options import option, required
 
+HELP = "Trace transfer matrices."
 
-@dataclass(frozen=True, kw_only=True)
+
+@command(
+    "trace:view",
+    "--scene materials.rad room.rad --window window.rad --sensors desks.pts"
+    " --relative-error 0.01 -o V.mtx",
+)
 class ViewMatrix:
     """View matrix: irradiance of sensors per radiance of window patches [sr].
 
@@ -27,7 +32,11 @@ class ViewMatrix:
     file: common.MatrixFile
 
 
-@dataclass(frozen=True, kw_only=True)
+@command(
+    "trace:daylight",
+    "--scene materials.rad room.rad --window window.rad --sky-subdivision 4"
+    " --relative-error 0.01 -o D.mtx",
+)
 class DaylightMatrix:
     """Daylight matrix: radiance of window patches per radiance of sky patches.
 
@@ -41,7 +50,11 @@ class DaylightMatrix:
     file: common.MatrixFile
 
 
-@dataclass(frozen=True, kw_only=True)
+@command(
+    "trace:coefficients",
+    "--scene materials.rad room.rad glazing.rad --sensors desks.pts"
+    " --sky-subdivision 4 --samples 4096 -o C.mtx",
+)
 class DaylightCoefficients:
     """Daylight coefficients: irradiance of sensors per radiance of sky patches [sr]."""
 
@@ -52,7 +65,11 @@ class DaylightCoefficients:
     file: common.MatrixFile
 
 
-@dataclass(frozen=True, kw_only=True)
+@command(
+    "trace:facade",
+    "--scene materials.rad room.rad awning.rad --window window.rad --port"
+    " ports.rad --relative-error 0.01 -o F.nc",
+)
 class FacadeMatrix:
     """Façade matrix: radiance of window patches per radiance of port patches.
 
@@ -69,7 +86,11 @@ class FacadeMatrix:
     file: common.MatrixFile
 
 
-@dataclass(frozen=True, kw_only=True)
+@command(
+    "trace:sun",
+    "--scene materials.rad room.rad --window window.rad --bsdf blind.xml"
+    " --sensors desks.pts --weather oakland.epw -o C.nc",
+)
 class SunCoefficients:
     """Direct-sun coefficients: irradiance per direct normal irradiance of each sun.
 
@@ -88,45 +109,8 @@ class SunCoefficients:
     peak: bool = option(
         False, "Extract the direct transmission peak of the BSDF (peak extraction)."
     )
-    samples: int = option(64, "Paths per row and sun.", metavar="N", least=1)
-    seed: common.Seed = 1
-    device: common.DeviceName = "auto"
-    cluster: common.ClusterAddress = None
+    effort: common.SunEffort
     file: common.MatrixFile
 
 
 _SCENE = "--scene materials.rad room.rad"
-
-HELP = "Trace transfer matrices."
-COMMANDS = {
-    "facade": Command(
-        FacadeMatrix,
-        "trace:facade",
-        f"{_SCENE} awning.rad --window window.rad --port ports.rad"
-        " --relative-error 0.01 -o F.nc",
-    ),
-    "view": Command(
-        ViewMatrix,
-        "trace:view",
-        f"{_SCENE} --window window.rad --sensors desks.pts --relative-error 0.01"
-        " -o V.mtx",
-    ),
-    "sun": Command(
-        SunCoefficients,
-        "trace:sun",
-        f"{_SCENE} --window window.rad --bsdf blind.xml --sensors desks.pts"
-        " --weather oakland.epw -o C.nc",
-    ),
-    "daylight": Command(
-        DaylightMatrix,
-        "trace:daylight",
-        f"{_SCENE} --window window.rad --sky-subdivision 4 --relative-error 0.01"
-        " -o D.mtx",
-    ),
-    "coefficients": Command(
-        DaylightCoefficients,
-        "trace:coefficients",
-        f"{_SCENE} glazing.rad --sensors desks.pts --sky-subdivision 4 --samples 4096"
-        " -o C.mtx",
-    ),
-}

@@ -9,7 +9,7 @@ With `peak`, direct transmission is separated from the data (Radiance's aBSDF): 
 passes straight as through a pane, and shadow rays may pass.
 """
 
-from dataclasses import dataclass
+import itertools
 
 import drjit as dr
 import mitsuba as mi
@@ -22,10 +22,16 @@ from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.colorimetry import rgb_from_xyz
 from clerestory.engine.materials.properties import colour
-from clerestory.engine.materials.queries import completed
+from clerestory.engine.materials.queries import (
+    completed,
+    either,
+    sampled,
+    set_components,
+)
 from clerestory.engine.matrix_table import MatrixTable
 from clerestory.engine.peak_extraction import PeakTable
 from clerestory.engine.tree_table import TreeTable
+from clerestory.engine.upload import vectors
 
 Table = MatrixTable | TreeTable
 
@@ -92,18 +98,6 @@ def _matrices(bsdf: Bsdf):
     return found
 
 
-@dataclass
-class Added:
-    """Diffuse reflectances and transmittance in addition to the data.
-
-    The front is the side of the normal, which faces the room.
-    """
-
-    front: "mi.Color3f"
-    back: "mi.Color3f"
-    transmission: "mi.Color3f"
-
-
 PLUGIN = "bsdf_file"
 
 
@@ -112,38 +106,32 @@ def define() -> type:
 
     @completed(up="up")
     class BsdfFile(mi.BSDF):
-        """Scattering by the data of a BSDF file, with added diffuse parts."""
+        """Scattering by the data of a BSDF file, with added diffuse parts.
+
+        The parts are reflectances, at the front (the side of the normal, which faces
+        the room) and at the back, and a transmittance.
+        """
 
         def __init__(self, props):
             mi.BSDF.__init__(self, props)
-            sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
-            self.m_components = [
-                mi.BSDFFlags.GlossyReflection | sides,
-                mi.BSDFFlags.GlossyTransmission | sides,
-                mi.BSDFFlags.DiffuseReflection | sides,
-                mi.BSDFFlags.DiffuseTransmission | sides,
-            ]
             up = props.get("up", mi.ScalarPoint3f(0, 0, 1))
-            self.up = mi.Vector3f([float(c) for c in np.ravel(up)])
-            self.added = Added(
-                *(
-                    colour(props, name, 0.0)
-                    for name in ("front", "back", "transmission")
-                )
-            )
-            dr.make_opaque(self.up)
+            self.up = vectors(mi.Vector3f, [np.ravel(up)])
+            self.front = colour(props, "front", 0.0)
+            self.back = colour(props, "back", 0.0)
+            self.transmission = colour(props, "transmission", 0.0)
             self.sharp = bool(props.get("peak", False))
             self.peak = None
+            self._flag()
             filename = props.get("filename", "")
             if filename:
                 self.take(read_bsdf(filename))
-            self._flag()
 
         def _flag(self):
-            flags = self.m_components[0]
-            for component in self.m_components[1:]:
-                flags = flags | component
-            self.m_flags = flags
+            flags = mi.BSDFFlags
+            glossy = flags.GlossyReflection, flags.GlossyTransmission
+            diffuse = flags.DiffuseReflection, flags.DiffuseTransmission
+            straight = () if self.peak is None else (flags.Null,)
+            set_components(self, *glossy, *diffuse, *straight)
 
         def take(self, bsdf):
             """Set the scattering data from a `Bsdf`."""
@@ -151,8 +139,6 @@ def define() -> type:
             self.table = scattering_table(bsdf)
             if self.sharp:
                 self.peak = PeakTable(bsdf)
-                sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
-                self.m_components = [*self.m_components, mi.BSDFFlags.Null | sides]
             self._flag()
 
         def turned(self, si):
@@ -177,8 +163,8 @@ def define() -> type:
             reflection = dr.select(room, mi.UInt32(3), mi.UInt32(2))
             passed = self.table.gathered(transmission, wi)
             mirrored = self.table.gathered(reflection, wi)
-            spread = dr.max(dr.select(room, self.added.front, self.added.back))
-            through = dr.max(self.added.transmission)
+            spread = dr.max(dr.select(room, self.front, self.back))
+            through = dr.max(self.transmission)
             straight = mi.Float(0)
             if self.peak is not None:
                 straight = dr.max(self.peak.transmittance(wi))
@@ -197,24 +183,19 @@ def define() -> type:
             value = self.table.colour(value)
             if self.peak is not None:
                 value = dr.select(same, value, self.peak.without(value, wi, wo))
-            added = dr.select(wi.z > 0, self.added.front, self.added.back)
-            value += dr.select(same, added, self.added.transmission) * dr.inv_pi
+            added = dr.select(wi.z > 0, self.front, self.back)
+            value += dr.select(same, added, self.transmission) * dr.inv_pi
             pdf = dr.select(same, chance[1], chance[0]) * density
             pdf += dr.select(same, chance[2], chance[3]) * dr.inv_pi
             cosine = dr.abs(wo.z)
             active = active & oriented & (cosine > 0) & (wi.z != 0)
-            return (
-                dr.select(active, value * cosine, 0),
-                dr.select(active, pdf * cosine, 0),
-            )
+            return tuple(dr.select(active, each * cosine, 0) for each in (value, pdf))
 
         def sample(self, ctx, si, sample1, sample2, active=True):
             frame = self.turned(si)
             wi = frame.to_local(si.sh_frame.to_world(si.wi))
             transmission, reflection, chance = self.parts(wi)
-            edge = [chance[0]]
-            for share in chance[1:]:
-                edge.append(edge[-1] + share)
+            edge = list(itertools.accumulate(chance))
             through = sample1 < edge[0]
             mirrored = (sample1 >= edge[0]) & (sample1 < edge[1])
             scattered = through | mirrored
@@ -225,39 +206,25 @@ def define() -> type:
             function = dr.select(mirrored, reflection, transmission)
             u, v = sample2.x, sample2.y
             disc, _, _ = self.table.sample(function, wi, u, v)
-            even = mi.warp.square_to_cosine_hemisphere(sample2)
-            disc = dr.select(scattered, disc, mi.Point2f(even.x, even.y))
+            cosine = mi.warp.square_to_cosine_hemisphere(sample2)
+            disc = dr.select(scattered, disc, mi.Point2f(cosine.x, cosine.y))
             height = dr.safe_sqrt(1 - dr.squared_norm(disc))
             side = dr.select(opposite, -1.0, 1.0) * dr.sign(wi.z)
             wo = mi.Vector3f(disc.x, disc.y, height * side)
             wo = si.sh_frame.to_local(frame.to_world(wo))
             value, pdf = self.evaluate(si, wo, active)
             weight = dr.select(pdf > 0, value / pdf, 0)
-            kind = dr.select(
-                scattered,
-                dr.select(
-                    through,
-                    mi.UInt32(+mi.BSDFFlags.GlossyTransmission),
-                    mi.UInt32(+mi.BSDFFlags.GlossyReflection),
-                ),
-                dr.select(
-                    diffuse,
-                    mi.UInt32(+mi.BSDFFlags.DiffuseReflection),
-                    mi.UInt32(+mi.BSDFFlags.DiffuseTransmission),
-                ),
-            )
+            flags = mi.BSDFFlags
+            lobe = either(through, flags.GlossyTransmission, flags.GlossyReflection)
+            even = either(diffuse, flags.DiffuseReflection, flags.DiffuseTransmission)
+            kind = dr.select(scattered, lobe, even)
             if self.peak is not None:
                 wo = dr.select(straight, -si.wi, wo)
                 passed = self.peak.transmittance(wi) / chance[4]
                 weight = dr.select(straight, passed, weight)
                 pdf = dr.select(straight, chance[4], pdf)
                 kind = dr.select(straight, mi.UInt32(+mi.BSDFFlags.Null), kind)
-            bs = dr.zeros(mi.BSDFSample3f)
-            bs.wo = wo
-            bs.pdf = dr.select(active, pdf, 0)
-            bs.eta = 1.0
-            bs.sampled_type = kind
-            bs.sampled_component = mi.UInt32(0)
+            bs = sampled(wo, dr.select(active, pdf, 0), kind)
             valid = active & (pdf > 0)
             return bs, dr.select(valid, mi.Color3f(weight), 0)
 

@@ -17,11 +17,15 @@ import drjit as dr
 import mitsuba as mi
 
 from clerestory.engine.materials.properties import colour, number
-from clerestory.engine.materials.queries import completed
+from clerestory.engine.materials.queries import (
+    completed,
+    either,
+    sampled,
+    set_components,
+)
 
 # Least transmissivity per metre (dielectric.c, mylog)
 _DARKEST = 1e-40
-
 
 PLUGIN = "radiance_dielectric"
 
@@ -44,12 +48,11 @@ def define() -> type:
             self.outside = colour(props, "outside_transmissivity", 1.0)
             self.inside_index = number(props, "inside_index", 1.5)
             self.outside_index = number(props, "outside_index", 1.0)
-            sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
-            self.m_components = [
-                mi.BSDFFlags.DeltaReflection | sides,
-                mi.BSDFFlags.DeltaTransmission | sides | mi.BSDFFlags.NonSymmetric,
-            ]
-            self.m_flags = self.m_components[0] | self.m_components[1]
+            set_components(
+                self,
+                mi.BSDFFlags.DeltaReflection,
+                mi.BSDFFlags.DeltaTransmission | mi.BSDFFlags.NonSymmetric,
+            )
 
         def refraction(self, wi):
             """Reflectance, refracted cosine and ratio of indices (arrival / other)."""
@@ -71,20 +74,16 @@ def define() -> type:
             bent = mi.Vector3f(-wi.x * ratio, -wi.y * ratio, -dr.mulsign(other, wi.z))
             left = dr.select(wi.z > 0, self.outside, self.inside)
             extinction = -dr.log(dr.clip(left, _DARKEST, 1))
-
-            bs = dr.zeros(mi.BSDFSample3f)
-            bs.wo = dr.select(reflects, mirrored, bent)
-            bs.pdf = dr.select(reflects, reflectance, 1 - reflectance)
-            bs.eta = dr.select(reflects, 1, 1 / ratio)
-            bs.sampled_type = dr.select(
-                reflects,
-                mi.UInt32(+mi.BSDFFlags.DeltaReflection),
-                mi.UInt32(+mi.BSDFFlags.DeltaTransmission),
+            flags = mi.BSDFFlags
+            bs = sampled(
+                dr.select(reflects, mirrored, bent),
+                dr.select(reflects, reflectance, 1 - reflectance),
+                either(reflects, flags.DeltaReflection, flags.DeltaTransmission),
+                ~reflects,
+                eta=dr.select(reflects, 1, 1 / ratio),
             )
-            bs.sampled_component = dr.select(reflects, mi.UInt32(0), mi.UInt32(1))
-            weight = dr.select(reflects, 1, dr.square(ratio)) * dr.exp(
-                -extinction * si.t
-            )
+            weight = dr.select(reflects, 1, dr.square(ratio))
+            weight *= dr.exp(-extinction * si.t)
             return bs, dr.select(active & (wi.z != 0), weight, 0)
 
     return RadianceDielectric

@@ -9,8 +9,13 @@ and E. Wolf, Principles of Optics, section 1.5.2 (Fresnel's formulas).
 import drjit as dr
 import mitsuba as mi
 
-from clerestory.engine.materials.properties import Paint
-from clerestory.engine.materials.queries import completed
+from clerestory.engine.materials.properties import Paint, number
+from clerestory.engine.materials.queries import (
+    completed,
+    either,
+    sampled,
+    set_components,
+)
 from clerestory.engine.pattern_code import multiplier
 from clerestory.scene.pattern import Pattern
 
@@ -31,26 +36,17 @@ def define() -> type:
         def __init__(self, props):
             mi.BSDF.__init__(self, props)
             self.paint = Paint(props, "transmissivity", 0.96)
-            self.index = mi.Float(props.get("index", 1.52))
-            dr.make_opaque(self.index)
-            sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
-            self.m_components = [
-                mi.BSDFFlags.DeltaReflection | sides,
-                mi.BSDFFlags.Null | sides,
-            ]
-            self.m_flags = self.m_components[0] | self.m_components[1]
+            self.index = number(props, "index", 1.52)
+            set_components(self, mi.BSDFFlags.DeltaReflection, mi.BSDFFlags.Null)
 
         def coefficients(self, si):
             """Reflectance and transmittance of the pane for the direction wi."""
             cos_theta = dr.maximum(dr.abs(si.wi.z), 1e-4)
             inner = dr.sqrt(1 - (1 - dr.square(cos_theta)) / dr.square(self.index))
             bulk = dr.maximum(self.paint.colour, 1e-15) ** (1 / inner)
-            electric = (cos_theta - self.index * inner) / (
-                cos_theta + self.index * inner
-            )
-            magnetic = (inner - self.index * cos_theta) / (
-                inner + self.index * cos_theta
-            )
+            one, other = self.index * inner, self.index * cos_theta
+            electric = (cos_theta - one) / (cos_theta + one)
+            magnetic = (inner - other) / (inner + other)
             reflected, transmitted = mi.Color3f(0), mi.Color3f(0)
             for amplitude in (electric, magnetic):
                 r = dr.square(amplitude)
@@ -69,16 +65,9 @@ def define() -> type:
             choose = through / (through + mi.luminance(reflected))
             passes = sample1 < choose
             pdf = dr.select(passes, choose, 1 - choose)
-            bs = dr.zeros(mi.BSDFSample3f)
-            bs.wo = dr.select(passes, -si.wi, mi.Vector3f(-si.wi.x, -si.wi.y, si.wi.z))
-            bs.pdf = pdf
-            bs.eta = 1.0
-            bs.sampled_type = dr.select(
-                passes,
-                mi.UInt32(+mi.BSDFFlags.Null),
-                mi.UInt32(+mi.BSDFFlags.DeltaReflection),
-            )
-            bs.sampled_component = dr.select(passes, mi.UInt32(1), mi.UInt32(0))
+            mirrored = mi.Vector3f(-si.wi.x, -si.wi.y, si.wi.z)
+            kind = either(passes, mi.BSDFFlags.Null, mi.BSDFFlags.DeltaReflection)
+            bs = sampled(dr.select(passes, -si.wi, mirrored), pdf, kind, passes)
             weight = dr.select(passes, transmitted, reflected) / pdf
             return bs, dr.select(active & (pdf > 0), weight, 0)
 

@@ -18,8 +18,10 @@ from dataclasses import dataclass
 
 import drjit as dr
 import mitsuba as mi
+import numpy as np
 
 from clerestory.engine.pattern_code import multiplier, perturbation
+from clerestory.engine.upload import vectors
 from clerestory.scene.pattern import Pattern
 
 # Surfaces of smaller squared roughness are smooth, as in Radiance (normal.c, SP_PURE)
@@ -36,10 +38,8 @@ _NO_AXIS = 1e-6
 class Ellipse:
     """Axes and roughness of a highlight at one point.
 
-    Attributes
-    ----------
-    cos, sin : cosine and sine of the first axis's azimuth in the local frame
-    u2, v2 : squared roughness along both axes
+    The first axis has an azimuth of given cosine and sine in the local frame; u2 and v2
+    are the squared roughness along both axes.
     """
 
     cos: "mi.Float"
@@ -56,11 +56,9 @@ class Ellipse:
 class Highlight:
     """Roughness of a surface, from the parameters of a plugin.
 
-    Parameters
-    ----------
-    props : properties with `roughness` and, for anisotropic surfaces, `roughness_v` and
-        `up`, a vector in scene coordinates that defines the first axis; the attribute
-        `up` may also be a function of the interaction
+    The plugin has `roughness` and, if anisotropic, `roughness_v` and `up`, a vector in
+    scene coordinates that defines the first axis. The attribute `up` may also be a
+    function of the interaction.
     """
 
     def __init__(self, props):
@@ -68,8 +66,7 @@ class Highlight:
         other = float(props.get("roughness_v", roughness))
         self.up = None
         if "up" in props:
-            self.up = mi.Vector3f([float(each) for each in props["up"]])
-            dr.make_opaque(self.up)
+            self.up = vectors(mi.Vector3f, [np.ravel(props["up"])])
         # Opaque values, so that all instances share one kernel
         self.is_smooth = max(roughness, other) ** 2 <= _SMOOTHEST
         self.smooth = mi.Bool(self.is_smooth)
@@ -115,9 +112,8 @@ class Highlight:
         length = dr.select(self.smooth, 0, length)
         u = length * turn_cos * dr.sqrt(shape.u2)
         v = length * turn_sin * dr.sqrt(shape.v2)
-        half = dr.normalize(
-            mi.Vector3f(u * shape.cos - v * shape.sin, u * shape.sin + v * shape.cos, 1)
-        )
+        x, y = u * shape.cos - v * shape.sin, u * shape.sin + v * shape.cos
+        half = dr.normalize(mi.Vector3f(x, y, 1))
         return 2 * dr.dot(wi, half) * half - wi
 
     def passed(self, shape: Ellipse, wi, wo):
@@ -149,13 +145,7 @@ class Highlight:
 
 
 def vary_highlight(made, name: str, pattern: Pattern, origin) -> None:
-    """Set the pattern of a glossy plugin's colour, or of the axis of its highlight.
-
-    Parameters
-    ----------
-    made : plugin with a `paint` and a `highlight`
-    name : `pattern` or `up`
-    """
+    """Set the pattern of a glossy plugin's colour, or the axis of its highlight."""
     if name == "up":
         made.highlight.up = perturbation(pattern, origin)
     else:

@@ -7,7 +7,7 @@ import drjit as dr
 import mitsuba as mi
 
 from clerestory.engine.materials.properties import Paint
-from clerestory.engine.materials.queries import completed
+from clerestory.engine.materials.queries import completed, sampled
 from clerestory.engine.pattern_code import multiplier
 from clerestory.scene.pattern import Pattern
 
@@ -28,11 +28,8 @@ def define() -> type:
             self.m_flags = self.m_components[0]
 
         def sample(self, ctx, si, sample1, sample2, active=True):
-            bs = dr.zeros(mi.BSDFSample3f)
-            bs.wo = mi.Vector3f(-si.wi.x, -si.wi.y, si.wi.z)
-            bs.pdf = 1.0
-            bs.eta = 1.0
-            bs.sampled_type = mi.UInt32(+mi.BSDFFlags.DeltaReflection)
+            wo = mi.Vector3f(-si.wi.x, -si.wi.y, si.wi.z)
+            bs = sampled(wo, 1.0, mi.UInt32(+mi.BSDFFlags.DeltaReflection))
             return bs, dr.select(active & (si.wi.z > 0), self.paint.at(si), 0)
 
     return RadianceMirror

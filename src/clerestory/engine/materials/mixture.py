@@ -44,32 +44,27 @@ def define() -> type:
             # Choose a material by its area fraction, and rescale the random number
             amount = self.share(si)
             front = sample1 < amount
-            again = dr.select(
-                front,
-                sample1 / amount,
-                (sample1 - amount) / (1 - amount),
-            )
+            rest = (sample1 - amount) / (1 - amount)
+            again = dr.select(front, sample1 / amount, rest)
             again = dr.minimum(again, dr.one_minus_epsilon(mi.Float))
             one, gain = self.foreground.sample(ctx, si, again, sample2, active & front)
-            two, other = self.background.sample(
-                ctx, si, again, sample2, active & ~front
-            )
+            behind = active & ~front
+            two, other = self.background.sample(ctx, si, again, sample2, behind)
             bs = dr.select(front, one, two)
             weight = dr.select(front, gain, other)
 
             # For non-delta components, combine the densities of both materials
             peak = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
             chance = dr.select(front, amount, 1 - amount)
-            bs.pdf = dr.select(
-                peak, bs.pdf * chance, self.pdf(ctx, si, bs.wo, active & ~peak)
-            )
+            both = self.pdf(ctx, si, bs.wo, active & ~peak)
+            bs.pdf = dr.select(peak, bs.pdf * chance, both)
             return bs, dr.select(active, weight, 0)
 
         def eval_null_transmission(self, si, active=True):
             amount = self.share(si)
-            return amount * self.foreground.eval_null_transmission(si, active) + (
-                1 - amount
-            ) * self.background.eval_null_transmission(si, active)
+            value = self.foreground.eval_null_transmission(si, active)
+            other = self.background.eval_null_transmission(si, active)
+            return amount * value + (1 - amount) * other
 
         def eval_pdf(self, ctx, si, wo, active=True):
             value, pdf = self.foreground.eval_pdf(ctx, si, wo, active)

@@ -19,8 +19,14 @@ from clerestory.engine.materials.coat import grazing_share, straight_from_lamp
 from clerestory.engine.materials.glossy_share import credited, only_glossy
 from clerestory.engine.materials.highlight import Highlight, vary_highlight
 from clerestory.engine.materials.properties import Paint, number
-from clerestory.engine.materials.queries import completed
-from clerestory.scene.pattern import Pattern
+from clerestory.engine.materials.queries import (
+    completed,
+    either,
+    eval_pdf_of_parts,
+    sampled,
+    set_components,
+    upwards,
+)
 
 PLUGIN = "radiance_plastic"
 
@@ -38,11 +44,8 @@ def define() -> type:
             self.specularity = number(props, "specularity", 0.0)
             self.metallic = number(props, "metallic", False)
             self.highlight = Highlight(props)
-            diffuse = mi.BSDFFlags.DiffuseReflection
             glossy = mi.BSDFFlags.GlossyReflection | mi.BSDFFlags.DeltaReflection
-            sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
-            self.m_components = [diffuse | sides, glossy | sides]
-            self.m_flags = self.m_components[0] | self.m_components[1]
+            set_components(self, mi.BSDFFlags.DiffuseReflection, glossy)
 
         def shares(self, si, cos_theta):
             """Diffuse and specular reflectance, and probability of the latter."""
@@ -70,8 +73,7 @@ def define() -> type:
             return tuple(dr.select(active, each, 0) for each in (matt, value, pdf))
 
         def sample(self, ctx, si, sample1, sample2, active=True):
-            side = dr.sign(si.wi.z)
-            wi = mi.Vector3f(si.wi.x, si.wi.y, dr.abs(si.wi.z))
+            wi = upwards(si)
             _, specular, chance = self.shares(si, wi.z)
             shiny = sample1 < chance
             peak = shiny & self.highlight.smooth
@@ -89,36 +91,20 @@ def define() -> type:
             valid = active & (wo.z > 0) & (wi.z > 0) & (pdf > 0)
 
             # Classify the direction as glossy or diffuse by their BSDF values
-            again = dr.select(
-                shiny, sample1 / chance, (sample1 - chance) / (1 - chance)
-            )
+            rest = (sample1 - chance) / (1 - chance)
+            again = dr.select(shiny, sample1 / chance, rest)
             shiny = peak | credited(again, glossy, matt)
 
-            bs = dr.zeros(mi.BSDFSample3f)
-            bs.wo = mi.Vector3f(wo.x, wo.y, wo.z * side)
-            bs.pdf = dr.select(valid, pdf, 0)
-            bs.eta = 1.0
-            bs.sampled_type = dr.select(
-                shiny,
-                dr.select(
-                    peak,
-                    mi.UInt32(+mi.BSDFFlags.DeltaReflection),
-                    mi.UInt32(+mi.BSDFFlags.GlossyReflection),
-                ),
-                mi.UInt32(+mi.BSDFFlags.DiffuseReflection),
-            )
-            bs.sampled_component = dr.select(shiny, mi.UInt32(1), mi.UInt32(0))
+            flags = mi.BSDFFlags
+            kind = either(peak, flags.DeltaReflection, flags.GlossyReflection)
+            kind = dr.select(shiny, kind, mi.UInt32(+flags.DiffuseReflection))
+            wo = mi.Vector3f(wo.x, wo.y, wo.z * dr.sign(si.wi.z))
+            bs = sampled(wo, dr.select(valid, pdf, 0), kind, shiny)
             return bs, dr.select(valid, weight, 0)
 
-        def eval_pdf(self, ctx, si, wo, active=True):
-            wi = mi.Vector3f(si.wi.x, si.wi.y, dr.abs(si.wi.z))
-            wo = mi.Vector3f(wo.x, wo.y, dr.mulsign(wo.z, si.wi.z))
-            matt, glossy, pdf = self.parts(ctx, si, wi, wo, active)
-            return matt + glossy, pdf
+        eval_pdf = eval_pdf_of_parts
 
     return RadiancePlastic
 
 
-def vary(made, name: str, pattern: Pattern, origin) -> None:
-    """Set the pattern of the colour (`pattern`) or of the highlight's axis (`up`)."""
-    vary_highlight(made, name, pattern, origin)
+vary = vary_highlight

@@ -1,21 +1,52 @@
-"""Mitsuba's BSDF methods that can be derived from other methods of a plugin."""
+"""Parts that the plugins of materials share: flags, samples and derived methods."""
 
 from __future__ import annotations
 
-from operator import attrgetter
+from functools import reduce
+from operator import attrgetter, or_
 
+import drjit as dr
 import mitsuba as mi
+
+
+def set_components(bsdf: mi.BSDF, *kinds: mi.BSDFFlags) -> None:
+    """Set the components of a BSDF, each on both sides."""
+    sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
+    bsdf.m_components = [kind | sides for kind in kinds]
+    bsdf.m_flags = reduce(or_, bsdf.m_components)
+
+
+def either(condition, yes: mi.BSDFFlags, no: mi.BSDFFlags) -> mi.UInt32:
+    """Select one of two BSDF flags."""
+    return dr.select(condition, mi.UInt32(+yes), mi.UInt32(+no))
+
+
+def sampled(wo, pdf, kind, component=0, *, eta=1.0) -> mi.BSDFSample3f:
+    """Return a sample of a BSDF: direction, density, and flag of its component."""
+    bs = dr.zeros(mi.BSDFSample3f)
+    bs.wo, bs.pdf, bs.eta = wo, pdf, eta
+    bs.sampled_type, bs.sampled_component = kind, mi.UInt32(component)
+    return bs
+
+
+def upwards(si) -> mi.Vector3f:
+    """Return the direction of the viewer, mirrored to the front."""
+    return mi.Vector3f(si.wi.x, si.wi.y, dr.abs(si.wi.z))
+
+
+def eval_pdf_of_parts(self, ctx, si, wo, active=True):
+    """Evaluate a BSDF that is alike on both sides and has a method `parts`."""
+    wo = mi.Vector3f(wo.x, wo.y, dr.mulsign(wo.z, si.wi.z))
+    matt, glossy, pdf = self.parts(ctx, si, upwards(si), wo, active)
+    return matt + glossy, pdf
 
 
 def completed(**parameters: str):
     """Return a class decorator that adds methods which a BSDF class does not define.
 
     `eval`, `pdf` and `eval_pdf_sample` are derived from `eval_pdf` and `sample`. A
-    class without `eval_pdf` has delta components only.
-
-    Parameters
-    ----------
-    parameters : for each parameter name of `mi.traverse`, the path of its attribute
+    class without `eval_pdf` has delta components only. Keywords map the parameter
+    names of `mi.traverse` to the paths of attributes.
     """
     shown = {name: attrgetter(path) for name, path in parameters.items()}
 

@@ -16,8 +16,14 @@ from clerestory.engine.materials.coat import grazing_share, straight_from_lamp
 from clerestory.engine.materials.glossy_share import credited
 from clerestory.engine.materials.highlight import Highlight, vary_highlight
 from clerestory.engine.materials.properties import Paint, number
-from clerestory.engine.materials.queries import completed
-from clerestory.scene.pattern import Pattern
+from clerestory.engine.materials.queries import (
+    completed,
+    either,
+    eval_pdf_of_parts,
+    sampled,
+    set_components,
+    upwards,
+)
 
 PLUGIN = "radiance_trans"
 
@@ -42,20 +48,12 @@ def define() -> type:
             self.unscattered = number(props, "transmitted_specular", 0.0)
             self.highlight = Highlight(props)
             flags = mi.BSDFFlags
-            sides = flags.FrontSide | flags.BackSide
             if self.highlight.is_smooth:
                 mirrored, passed = flags.DeltaReflection, flags.Null
             else:
                 mirrored, passed = flags.GlossyReflection, flags.GlossyTransmission
-            self.m_components = [
-                flags.DiffuseReflection | sides,
-                flags.DiffuseTransmission | sides,
-                mirrored | sides,
-                passed | sides,
-            ]
-            self.m_flags = sides
-            for component in self.m_components:
-                self.m_flags = self.m_flags | component
+            diffuse = flags.DiffuseReflection, flags.DiffuseTransmission
+            set_components(self, *diffuse, mirrored, passed)
 
         def shares(self, si, cos_theta):
             """Diffuse reflectance and transmittance, specular ones likewise."""
@@ -108,8 +106,7 @@ def define() -> type:
             return tuple(dr.select(active, each, 0) for each in (matt, glossy, pdf))
 
         def sample(self, ctx, si, sample1, sample2, active=True):
-            side = dr.sign(si.wi.z)
-            wi = mi.Vector3f(si.wi.x, si.wi.y, dr.abs(si.wi.z))
+            wi = upwards(si)
             shares = self.shares(si, wi.z)
             chances = self.chances(shares)
             shape = self.highlight.at(si)
@@ -120,11 +117,8 @@ def define() -> type:
             mirrored = ~diffuse & (sample1 < chances[0] + chances[1] + chances[2])
             even = mi.warp.square_to_cosine_hemisphere(sample2)
             even.z = dr.select(back, even.z, -even.z)
-            straight = dr.select(
-                self.highlight.smooth,
-                -wi,
-                self.highlight.sample_passed(shape, wi, sample2),
-            )
+            passed = self.highlight.sample_passed(shape, wi, sample2)
+            straight = dr.select(self.highlight.smooth, -wi, passed)
             shiny = dr.select(
                 mirrored, self.highlight.sample_reflected(shape, wi, sample2), straight
             )
@@ -146,46 +140,23 @@ def define() -> type:
             again = (sample1 - below) / chance
             diffuse = ~peak & ~credited(again, glossy, matt)
 
-            bs = dr.zeros(mi.BSDFSample3f)
-            bs.wo = mi.Vector3f(wo.x, wo.y, wo.z * side)
-            bs.pdf = dr.select(valid, pdf, 0)
-            bs.eta = 1.0
-            bs.sampled_type = self.kinds(diffuse, reflects, peak)
-            bs.sampled_component = dr.select(reflects, mi.UInt32(0), mi.UInt32(1)) + (
-                dr.select(diffuse, mi.UInt32(0), mi.UInt32(2))
-            )
-            return bs, dr.select(valid, weight, 0)
-
-        def kinds(self, diffuse, reflects, peak):
-            """BSDF flag of the sampled component."""
-
-            def flag(back, through):
-                return dr.select(reflects, mi.UInt32(+back), mi.UInt32(+through))
-
             flags = mi.BSDFFlags
-            return dr.select(
-                diffuse,
-                flag(flags.DiffuseReflection, flags.DiffuseTransmission),
-                dr.select(
-                    peak,
-                    flag(flags.DeltaReflection, flags.Null),
-                    flag(flags.GlossyReflection, flags.GlossyTransmission),
-                ),
-            )
+            even = either(reflects, flags.DiffuseReflection, flags.DiffuseTransmission)
+            sharp = either(reflects, flags.DeltaReflection, flags.Null)
+            lobe = either(reflects, flags.GlossyReflection, flags.GlossyTransmission)
+            kind = dr.select(diffuse, even, dr.select(peak, sharp, lobe))
+            component = mi.UInt32(~reflects) + 2 * mi.UInt32(~diffuse)
+            wo = mi.Vector3f(wo.x, wo.y, wo.z * dr.sign(si.wi.z))
+            bs = sampled(wo, dr.select(valid, pdf, 0), kind, component)
+            return bs, dr.select(valid, weight, 0)
 
         def eval_null_transmission(self, si, active=True):
             straight = self.shares(si, dr.abs(si.wi.z))[3]
             return dr.select(self.highlight.smooth & active, straight, 0)
 
-        def eval_pdf(self, ctx, si, wo, active=True):
-            wi = mi.Vector3f(si.wi.x, si.wi.y, dr.abs(si.wi.z))
-            wo = mi.Vector3f(wo.x, wo.y, dr.mulsign(wo.z, si.wi.z))
-            matt, glossy, pdf = self.parts(ctx, si, wi, wo, active)
-            return matt + glossy, pdf
+        eval_pdf = eval_pdf_of_parts
 
     return RadianceTrans
 
 
-def vary(made, name: str, pattern: Pattern, origin) -> None:
-    """Set the pattern of the colour (`pattern`) or of the highlight's axis (`up`)."""
-    vary_highlight(made, name, pattern, origin)
+vary = vary_highlight

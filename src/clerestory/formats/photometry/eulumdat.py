@@ -7,13 +7,13 @@ Reference: A. Stockmar, EULUMDAT – ein Leuchtendatenformat für den europäisc
 Beleuchtungsplaner, Licht '90, 1990.
 """
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.errors import InputError, located
+from clerestory.checks import require
+from clerestory.errors import located
 from clerestory.files import read_text
 from clerestory.formats.photometry.ies import POINT
 from clerestory.formats.photometry.luminaire import Luminaire, LuminousShape
@@ -31,48 +31,6 @@ def read_eulumdat(path: str | Path) -> Luminaire:
     text = [line.strip() for line in read_text(path).splitlines()]
     numbered = range(1, len(text) + 1)
     lines = WordReader(text, path=path, lines=numbered, decimal_comma=True)
-    head = _head(lines)
-    shape = _shape(lines)
-    lines.skip(1)
-    output = lines.real("the light output ratio")
-    factor = lines.real("the conversion factor")
-    lines.skip(1)
-    lamps = _lamps(lines)
-    lines.skip(_DIRECT_RATIOS)
-    angle = lines.several(head.planes, "an angle of a C plane")
-    vertical = lines.several(head.angles, "an angle of an intensity")
-    chosen = _planes(head.symmetry, head.planes)
-    table = lines.several(len(chosen) * head.angles, "an intensity")
-    keywords = {"MANUFAC": head.maker, "LUMCAT": head.model, "LAMP": lamps.kind}
-    with located(file=path):
-        horizontal, intensity = _unfolded(
-            head.symmetry, angle, chosen, table.reshape(-1, head.angles)
-        )
-        return Luminaire(
-            head.name or head.model or Path(path).name,
-            "C",
-            horizontal,
-            vertical,
-            intensity * factor * lamps.lumens / 1000,
-            shape,
-            lamp_lumens=lamps.lumens,
-            watts=lamps.watts,
-            keywords=keywords | {"LORL": f"{output:g}"},
-        )
-
-
-@dataclass(frozen=True)
-class _Head:
-    # Fields in the first twelve lines that are used
-    maker: str
-    symmetry: int
-    planes: int
-    angles: int
-    name: str
-    model: str
-
-
-def _head(lines: WordReader) -> _Head:
     maker = lines.word("the maker")
     lines.skip(1)
     symmetry = lines.whole("the symmetry", 0, 4)
@@ -82,28 +40,49 @@ def _head(lines: WordReader) -> _Head:
     lines.skip(2)
     name, model = lines.word("a name"), lines.word("a number")
     lines.skip(2)
-    return _Head(maker, symmetry, planes, angles, name, model)
+    shape = _shape(lines)
+    lines.skip(1)
+    output = lines.real("the light output ratio")
+    factor = lines.real("the conversion factor")
+    lines.skip(1)
+    kind, lumens, watts = _lamps(lines)
+    lines.skip(_DIRECT_RATIOS)
+    angle = lines.several(planes, "an angle of a C plane")
+    vertical = lines.several(angles, "an angle of an intensity")
+    chosen = _planes(symmetry, planes)
+    table = lines.several(len(chosen) * angles, "an intensity").reshape(-1, angles)
+    with located(file=path):
+        horizontal, intensity = _unfolded(symmetry, angle, chosen, table)
+        return Luminaire(
+            name or model or Path(path).name,
+            "C",
+            horizontal,
+            vertical,
+            intensity * factor * lumens / 1000,
+            shape,
+            lamp_lumens=lumens,
+            watts=watts,
+            keywords={
+                "MANUFAC": maker,
+                "LUMCAT": model,
+                "LAMP": kind,
+                "LORL": f"{output:g}",
+            },
+        )
 
 
-@dataclass(frozen=True)
-class _Lamps:
-    kind: str
-    lumens: float
-    watts: float
-
-
-def _lamps(lines: WordReader) -> _Lamps:
-    # The first set of lamps; the other sets are alternatives
-    sets = lines.whole("the number of sets of lamps", 1, _MOST_LAMPS)
+def _lamps(lines: WordReader) -> tuple[str, float, float]:
+    # Type, luminous flux [lm] and power [W] of the first set of lamps; the other sets
+    # are alternatives
     found = []
-    for _ in range(sets):
+    for _ in range(lines.whole("the number of sets of lamps", 1, _MOST_LAMPS)):
         lines.skip(1)
         kind, lumens = lines.word("a type"), lines.real("the flux of the lamps")
         lines.skip(2)
-        found.append(_Lamps(kind, lumens, lines.real("the power of the lamps")))
-    if found[0].lumens <= 0:
+        found.append((kind, lumens, lines.real("the power of the lamps")))
+    if found[0][1] <= 0:
         raise lines.error(
-            f"the flux of the lamps is {found[0].lumens:g} lm; more than 0 expected"
+            f"the flux of the lamps is {found[0][1]:g} lm; above 0 expected"
         )
     return found[0]
 
@@ -125,18 +104,14 @@ def _shape(lines: WordReader) -> LuminousShape:
 
 def _planes(symmetry: int, planes: int) -> range:
     # Indices of the C planes whose intensities are in the file
-    match symmetry:
-        case 0:
-            return range(planes)
-        case 1:
-            return range(1)
-        case 2:
-            return range(planes // 2 + 1)
-        case 3:
-            start = 3 * planes // 4
-            return range(start, start + planes // 2 + 1)
-        case _:
-            return range(planes // 4 + 1)
+    start = 3 * planes // 4
+    return (
+        range(planes),
+        range(1),
+        range(planes // 2 + 1),
+        range(start, start + planes // 2 + 1),
+        range(planes // 4 + 1),
+    )[symmetry]
 
 
 def _unfolded(
@@ -148,8 +123,8 @@ def _unfolded(
     if symmetry == 1 or len(chosen) == 1:
         return np.zeros(1), table[:1]
     turn = np.array([angle[i % len(angle)] + 360 * (i // len(angle)) for i in chosen])
-    if np.any(np.diff(turn) <= 0):
-        raise InputError("angles of the C planes do not grow")
+    grow = np.all(np.diff(turn) > 0)
+    require(grow, "angles of C planes decrease; increasing angles expected")
     if symmetry == 3:
         turn = turn - 360
     return unfold_type_c(turn, table)

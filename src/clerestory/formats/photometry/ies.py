@@ -13,7 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
-from clerestory.errors import InputError, located
+from clerestory.checks import require
+from clerestory.errors import located
 from clerestory.files import read_text
 from clerestory.formats.photometry.luminaire import (
     Luminaire,
@@ -40,8 +41,7 @@ def read_ies(path: str | Path) -> Luminaire:
     """Read a luminaire from an IES file."""
     text = read_text(path)
     head, mark, rest = text.partition("TILT=")
-    if not mark:
-        raise InputError("no line TILT=; an IES file (LM-63) expected", file=path)
+    require(mark, "no line TILT=; an IES file (LM-63) expected", file=path)
     how, _, body = rest.partition("\n")
     year = _year(head)
     line = 1 + head.count("\n")
@@ -89,12 +89,8 @@ def _tilt(how: str, numbers: WordReader, path: Path, line: int) -> TiltTable | N
     if how.upper() == "INCLUDE":
         return _tilt_table(numbers)
     other = path.parent / how
-    if not how or not other.is_file():
-        raise InputError(
-            f"TILT={how}: NONE, INCLUDE or the name of a file beside it expected",
-            file=path,
-            line=line,
-        )
+    message = f"TILT={how}: NONE, INCLUDE or the name of a file beside it expected"
+    require(how and other.is_file(), message, file=path, line=line)
     return _tilt_table(_words(read_text(other), other, 1))
 
 
@@ -103,10 +99,9 @@ def _tilt_table(numbers: WordReader) -> TiltTable:
     count = numbers.whole("the number of tilt angles", 1, _MOST_ANGLES)
     angle = numbers.several(count, "a tilt angle")
     factor = numbers.several(count, "a tilt multiplier")
-    if np.any(np.diff(angle) <= 0) or factor.min() < 0:
-        raise InputError(
-            "tilt angles do not grow, or a multiplier is negative", file=numbers.path
-        )
+    valid = np.all(np.diff(angle) > 0) and factor.min() >= 0
+    message = "tilt angles decrease or a multiplier is negative; a table expected"
+    require(valid, message, file=numbers.path)
     return TiltTable(geometry, tuple(angle.tolist()), tuple(factor.tolist()))
 
 
@@ -132,8 +127,8 @@ def _luminaire(
     table = numbers.several(counts[0] * counts[1], "an intensity")
     scale = multiplier * ballast * (future if year < 1995 else 1.0)
     intensity = scale * table.reshape(counts[1], counts[0])
-    if np.any(np.diff(horizontal) <= 0):
-        raise InputError("horizontal angles do not grow")
+    grow = np.all(np.diff(horizontal) > 0)
+    require(grow, "horizontal angles decrease; increasing angles expected")
     unfold = unfold_type_c if photometry == "C" else unfold_sides
     horizontal, intensity = unfold(horizontal, intensity)
     if photometry != "C":

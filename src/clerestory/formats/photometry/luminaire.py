@@ -20,7 +20,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.errors import InputError
+from clerestory.checks import not_negative, require
 
 PhotometricType = Literal["A", "B", "C"]
 
@@ -45,11 +45,11 @@ class LuminousShape:
 
     def __post_init__(self) -> None:
         sizes = (self.x, self.y, self.z)
-        if not (min(sizes[:2]) > 0 and self.z >= 0 and np.all(np.isfinite(sizes))):
-            raise InputError(
-                f"a luminous {self.kind} of {self.x:g} × {self.y:g} × {self.z:g} m;"
-                " sizes above 0 expected"
-            )
+        require(
+            min(sizes[:2]) > 0 and self.z >= 0 and np.all(np.isfinite(sizes)),
+            f"the luminous {self.kind} is {self.x:g} × {self.y:g} × {self.z:g} m; sizes"
+            " above 0 expected",
+        )
 
 
 @dataclass(frozen=True)
@@ -106,22 +106,13 @@ class Luminaire:
         _check_angles("vertical", self.vertical_deg, low, high, 2)
         wide = (0.0, 360.0) if self.photometry == "C" else (-180.0, 180.0)
         _check_angles("horizontal", self.horizontal_deg, *wide, 1)
-        if not (np.all(np.isfinite(self.intensity)) and self.intensity.min() >= 0):
-            raise InputError(
-                f"an intensity is {self.intensity.min():g} cd; 0 or more expected"
-            )
+        not_negative(self.intensity, "an intensity", unit="cd")
 
     def candela(
         self, direction: Float[np.ndarray, "*batch 3"]
     ) -> Float[np.ndarray, "*batch"]:
-        """Return luminous intensities [cd] for directions in the luminaire's frame.
+        """Return luminous intensities [cd] in directions in the luminaire's frame.
 
-        Parameters
-        ----------
-        direction : unit vectors of emission directions
-
-        Examples
-        --------
         >>> disc = LuminousShape("cylinder", 0.2, 0.2, 0.0)
         >>> angles, table = np.array([0.0, 90.0]), np.array([[100.0, 0.0]])
         >>> lamp = Luminaire("lamp", "C", np.zeros(1), angles, table, disc)
@@ -129,8 +120,16 @@ class Luminaire:
         100.0
         """
         horizontal, vertical = self.angles(direction)
-        value: np.ndarray = _bilinear(self, horizontal, vertical)
-        return value
+        row, across, inside = _place(self.horizontal_deg, horizontal)
+        column, along, within = _place(self.vertical_deg, vertical)
+        last = len(self.horizontal_deg) - 1
+        first, second = (
+            self.intensity[at, column] * (1 - along)
+            + self.intensity[at, column + 1] * along
+            for at in (row, np.minimum(row + 1, last))
+        )
+        value = first * (1 - across) + second * across
+        return np.where(inside & within, value, 0.0)
 
     def angles(
         self, direction: Float[np.ndarray, "*batch 3"]
@@ -152,8 +151,6 @@ class Luminaire:
     def flux(self) -> float:
         """Return the luminous flux [lm]: integral of the interpolated intensity.
 
-        Examples
-        --------
         >>> disc = LuminousShape("cylinder", 0.2, 0.2, 0.0)
         >>> angles = np.linspace(0, 90, 901)
         >>> cosine = 100 * np.cos(np.radians(angles))[None]
@@ -175,14 +172,8 @@ class Luminaire:
         return float(np.trapezoid(around, np.radians(turn)))
 
     def scaled(self, factor: float) -> "Luminaire":
-        """Return the luminaire with scaled intensity and lamp flux.
-
-        Parameters
-        ----------
-        factor : factor of the intensities and of the luminous flux of the lamps
-        """
-        if not (np.isfinite(factor) and factor >= 0):
-            raise InputError(f"luminaire scaled by {factor}; 0 or more expected")
+        """Return the luminaire with scaled intensity and lamp flux."""
+        not_negative(factor, "the factor of a luminaire")
         lumens = None if self.lamp_lumens is None else self.lamp_lumens * factor
         return replace(self, intensity=self.intensity * factor, lamp_lumens=lumens)
 
@@ -190,31 +181,15 @@ class Luminaire:
 def _check_angles(
     what: str, angle: Float[np.ndarray, " angles"], low: float, high: float, least: int
 ) -> None:
-    if len(angle) < least or np.any(np.diff(angle) <= 0):
-        raise InputError(
-            f"{len(angle)} {what} angles that do not all grow;"
-            f" at least {least} growing ones expected"
-        )
-    if angle[0] < low - _SAME_DEG or angle[-1] > high + _SAME_DEG:
-        raise InputError(
-            f"{what} angles from {angle[0]:g}° to {angle[-1]:g}°;"
-            f" {low:g}° to {high:g}° expected"
-        )
-
-
-def _bilinear(
-    lamp: Luminaire,
-    horizontal: Float[np.ndarray, "*batch"],
-    vertical: Float[np.ndarray, "*batch"],
-) -> Float[np.ndarray, "*batch"]:
-    row, across, inside = _place(lamp.horizontal_deg, horizontal)
-    column, along, within = _place(lamp.vertical_deg, vertical)
-    next_row = np.minimum(row + 1, len(lamp.horizontal_deg) - 1)
-    table = lamp.intensity
-    first = table[row, column] * (1 - along) + table[row, column + 1] * along
-    second = table[next_row, column] * (1 - along) + table[next_row, column + 1] * along
-    value = first * (1 - across) + second * across
-    return np.where(inside & within, value, 0.0)
+    require(
+        len(angle) >= least and np.all(np.diff(angle) > 0),
+        f"{len(angle)} {what} angles; {least} or more in increasing order expected",
+    )
+    require(
+        angle[0] >= low - _SAME_DEG and angle[-1] <= high + _SAME_DEG,
+        f"{what} angles from {angle[0]:g}° to {angle[-1]:g}°; {low:g}° to {high:g}°"
+        " expected",
+    )
 
 
 def _place(

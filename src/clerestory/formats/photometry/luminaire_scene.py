@@ -4,8 +4,8 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bands import RGB
+from clerestory.checks import not_negative, positive, require
 from clerestory.constants import LUMINOUS_EFFICACY
-from clerestory.errors import InputError
 from clerestory.formats.photometry.luminaire import Luminaire
 from clerestory.formats.photometry.shining import (
     LuminairePattern,
@@ -93,10 +93,8 @@ def panel_scene(
     [1.0, 1.0, 1.0]
     """
     area = float(np.linalg.norm(area_vector(vertices)))
-    if not area > 0:
-        raise InputError(f'the panel "{name}" has no area')
-    if not (np.isfinite(lumens) and lumens >= 0):
-        raise InputError(f'the panel "{name}" emits {lumens} lm; 0 or more expected')
+    positive(area, f'area of the panel "{name}"', unit="m²")
+    not_negative(lumens, f'luminous flux of the panel "{name}"', unit="lm")
     radiance = lumens / LUMINOUS_EFFICACY / (np.pi * area)
     light = Light(name, radiance * _balanced(colour))
     return Scene({name: light}, (Polygon(vertices, name, name),))
@@ -106,20 +104,19 @@ def _balanced(colour: tuple[float, float, float]) -> Float[np.ndarray, "3"]:
     # Colour scaled to luminance 1
     given = np.asarray(colour, dtype=float)
     level = float(given @ RGB.shares)
-    if given.min() < 0 or not (np.isfinite(level) and level > 0):
-        raise InputError(f"colour {colour}; numbers from 0, not all zero, expected")
-    balanced: np.ndarray = given / level
-    return balanced
+    not_negative(given, "a component of the colour")
+    positive(level, f"luminance of the colour {colour}")
+    return np.asarray(given / level)
 
 
 def _tilt_factor(luminaire: Luminaire, tilt_deg: float) -> float:
     if luminaire.tilt is None:
         return 1.0
-    if luminaire.tilt.geometry != 1 and tilt_deg != 0:
-        raise InputError(
-            f'luminaire "{luminaire.name}" has horizontal lamps whose output depends on'
-            " the tilt; a tilt of 0 expected"
-        )
+    require(
+        luminaire.tilt.geometry == 1 or tilt_deg == 0,
+        f'luminaire "{luminaire.name}" has horizontal lamps whose output depends on'
+        " the tilt; a tilt of 0 expected",
+    )
     return luminaire.tilt.at(tilt_deg)
 
 

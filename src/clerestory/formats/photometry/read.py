@@ -39,16 +39,12 @@ def read_luminaire(path: str | Path) -> Luminaire:
     """
     eulumdat = Path(path).suffix.lower() == ".ldt"
     luminaire = read_eulumdat(path) if eulumdat else read_ies(path)
-    _doubt_flux(luminaire, path)
-    return luminaire
-
-
-def _doubt_flux(luminaire: Luminaire, path: str | Path) -> None:
     lamps, flux = luminaire.lamp_lumens, luminaire.flux()
     if lamps and flux > _MOST_OUTPUT * lamps:
         warnings.warn(
             f"{path}: the flux of the luminaire is {flux:.0f} lm, {flux / lamps:.0%} of"
             f" the {lamps:.0f} lm of its lamps; less than 100 % expected",
             ClerestoryWarning,
-            stacklevel=3,
+            stacklevel=2,
         )
+    return luminaire

@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.constants import LUMINOUS_EFFICACY
-from clerestory.formats.photometry.luminaire import Luminaire
+from clerestory.formats.photometry.luminaire import Luminaire, LuminousShape
 from clerestory.scene.model import Cone, Polygon, Ring, Sphere
 from clerestory.scene.transform import Transform
 
@@ -52,14 +52,8 @@ def faces(luminaire: Luminaire) -> Faces:
 class LuminairePattern:
     """Radiance [W/(m²·sr)] of a luminaire's emitting surfaces by direction.
 
-    Attributes
-    ----------
-    luminaire : luminaire with the intensity distribution
-    shining : emitting faces
-    transform : transform from luminaire to scene coordinates
+    `transform`: from luminaire to scene coordinates.
 
-    Examples
-    --------
     >>> from clerestory.formats.photometry.luminaire import LuminousShape
     >>> disc = LuminousShape("cylinder", 1.0, 1.0, 0.0)
     >>> angles, table = np.array([0.0, 90.0]), np.array([[179.0, 179.0]])
@@ -96,19 +90,15 @@ class LuminairePattern:
         # Projected area of the emitting faces [m²]
         shape = self.luminaire.shape
         x, y, z = np.abs(local).T
-        area: np.ndarray
-        match shape.kind:
-            case "sphere":
-                area = np.full(len(local), np.pi / 4 * shape.x**2)
-            case "cylinder":
-                area = np.pi / 4 * shape.x**2 * z
-                if self.shining.sides:
-                    area = area + shape.x * shape.z * np.sqrt(np.maximum(1 - z**2, 0))
-            case _:
-                area = shape.x * shape.y * z
-                if self.shining.sides:
-                    area = area + shape.z * (x * shape.y + y * shape.x)
-        return area
+        if shape.kind == "sphere":
+            return np.full(len(local), np.pi / 4 * shape.x**2)
+        if shape.kind == "cylinder":
+            face = np.pi / 4 * shape.x**2 * z
+            side = shape.x * shape.z * np.sqrt(np.maximum(1 - z**2, 0))
+        else:
+            face = shape.x * shape.y * z
+            side = shape.z * (x * shape.y + y * shape.x)
+        return np.asarray(face + side if self.shining.sides else face)
 
 
 def shining_surfaces(
@@ -116,10 +106,7 @@ def shining_surfaces(
 ) -> tuple[Shining, ...]:
     """Return the emitting surfaces in the luminaire's frame, with fronts outwards.
 
-    Parameters
-    ----------
-    material : key of the material of the surfaces
-    name : prefix of the names of the surfaces
+    `name`: prefix of the names of the surfaces.
     """
     shape, shining = luminaire.shape, faces(luminaire)
     if shape.kind == "sphere":
@@ -145,9 +132,13 @@ def _face(
     if shape.kind == "cylinder":
         normal = np.array([0.0, 0.0, side])
         return Ring(centre, normal, 0.0, shape.x / 2, material, name)
-    x, y = shape.x / 2, shape.y / 2
-    corners = np.array([[-x, -y, 0], [x, -y, 0], [x, y, 0], [-x, y, 0]]) + centre
+    corners = _outline(shape) + centre
     return Polygon(corners if side > 0 else corners[::-1], material, name)
+
+
+def _outline(shape: LuminousShape) -> Float[np.ndarray, "4 3"]:
+    x, y = shape.x / 2, shape.y / 2
+    return np.array([[-x, -y, 0], [x, -y, 0], [x, y, 0], [-x, y, 0]])
 
 
 def _sides(luminaire: Luminaire, material: str, name: str) -> list[Shining]:
@@ -156,11 +147,9 @@ def _sides(luminaire: Luminaire, material: str, name: str) -> list[Shining]:
     if shape.kind == "cylinder":
         radius = shape.x / 2
         return [Cone(-top, top, radius, radius, False, material, f"{name}.c")]
-    x, y = shape.x / 2, shape.y / 2
-    around = np.array([[-x, -y, 0], [x, -y, 0], [x, y, 0], [-x, y, 0]])
+    around = _outline(shape)
     made: list[Shining] = []
-    for i in range(4):
-        one, other = around[i], around[(i + 1) % 4]
+    for i, (one, other) in enumerate(zip(around, np.roll(around, -1, 0), strict=True)):
         corners = np.stack([one - top, other - top, other + top, one + top])
         made.append(Polygon(corners, material, f"{name}.{i + 1}"))
     return made

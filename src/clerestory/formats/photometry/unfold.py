@@ -65,17 +65,10 @@ def _joined(
     table = np.concatenate([intensity] * len(copies))
     angle, first = np.unique(angle, return_index=True)
     table = table[first]
-    start = table[:1] if angle[0] == 0 else _between(angle, table)
+    start = table[:1]
     if angle[0] != 0:
+        # Interpolate between the last and the first angle
+        share = (360 - angle[-1]) / (angle[0] + 360 - angle[-1])
+        start = table[-1:] * (1 - share) + start * share
         angle, table = np.append(0.0, angle), np.concatenate([start, table])
     return np.append(angle, 360.0), np.concatenate([table, start])
-
-
-def _between(
-    angle: Float[np.ndarray, " all"], table: Float[np.ndarray, "all vertical"]
-) -> Float[np.ndarray, "1 vertical"]:
-    # Intensity at 0°, interpolated between the last and the first angle
-    gap = angle[0] + 360 - angle[-1]
-    share = (360 - angle[-1]) / gap
-    row: np.ndarray = table[-1:] * (1 - share) + table[:1] * share
-    return row

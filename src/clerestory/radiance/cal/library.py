@@ -17,6 +17,7 @@ from scipy import special
 
 from clerestory.errors import InputError
 from clerestory.radiance.cal.noise import noise_of_arrays, slope_of
+from clerestory.radiance.cal.syntax import parse_definitions
 
 Values = Float[np.ndarray, " rays"]
 
@@ -113,97 +114,6 @@ def _random(_: Surroundings, x: Values) -> Values:
     return fraction
 
 
-def _bound(_: Surroundings, low: Values, x: Values, high: Values) -> Values:
-    return np.where(low > x, low, np.where(x > high, high, x))
-
-
-def _grey(_: Surroundings, red: Values, green: Values, blue: Values) -> Values:
-    # Luminance weights of rayinit.cal
-    total = 0.265074126 * red + 0.670114631 * green + 0.064811243 * blue
-    return np.maximum(total, 0)
-
-
-def _component(letter: str) -> Native:
-    # D(i), N(i) and P(i): component i of the vector, i = 1…3
-    def compute(env: Surroundings, which: Values) -> Values:
-        place = np.floor(which + 0.5).astype(int)
-        env.fault((place < 1) | (place > 3))
-        axes = np.stack([env.value(letter + a) for a in "xyz"])
-        rows = np.arange(axes.shape[1])
-        value: Values = axes[np.clip(place - 1, 0, 2), rows]
-        return value
-
-    return Native(compute, 1, tuple(letter + a for a in "xyz"))
-
-
-def _local(letter: str) -> Native:
-    # Local coordinates U and V of a planar surface: U is horizontal, and N = U × V
-    def compute(env: Surroundings) -> Values:
-        n = [env.value("N" + a) for a in "xyz"]
-        p = [env.value("P" + a) for a in "xyz"]
-        flat = n[0] ** 2 + n[1] ** 2
-        tilted = flat > 1e-7
-        safe = np.where(tilted, flat, 1.0)
-        if letter == "U":
-            return np.where(tilted, (p[1] * n[0] - p[0] * n[1]) / safe, p[0])
-        slope = n[2] * (p[0] * n[0] + p[1] * n[1]) / safe
-        return np.where(tilted, p[2] - slope, p[1])
-
-    return Native(compute, uses=tuple(k + a for k in "NP" for a in "xyz"))
-
-
-def _constant(value: float) -> Native:
-    return Native(lambda env: np.full(env.value("S").shape, value), uses=("S",))
-
-
-def _plain(function: Callable[..., Any], arity: int) -> Native:
-    # Function defined for all arguments
-    return Native(lambda _, *v: function(*v[:arity]), arity)
-
-
-def _quotient(remainder: Callable[..., Any], arity: int) -> Native:
-    # Function that divides by its last argument
-    def compute(env: Surroundings, *v: Values) -> Values:
-        divisor = v[arity - 1]
-        env.fault(divisor == 0)
-        safe = np.where(divisor == 0, 1.0, divisor)
-        found: Values = np.where(divisor == 0, 0.0, remainder(*v[: arity - 1], safe))
-        return found
-
-    return Native(compute, arity)
-
-
-def _zigzag(n: Values, d: Values) -> Values:
-    # Triangle wave: 0 at even multiples of d, |d| at odd multiples
-    height: Values = np.abs(d - np.mod(n - d, 2 * d))
-    return height
-
-
-def _hermite(p0: Values, p1: Values, r0: Values, r1: Values, t: Values) -> Values:
-    # Hermite curve through p0 and p1 with slopes r0 and r1
-    value: Values = (
-        p0 * (1 + 2 * t) * (1 - t) ** 2
-        + p1 * t**2 * (3 - 2 * t)
-        + r0 * t * (1 - t) ** 2
-        - r1 * t**2 * (1 - t)
-    )
-    return value
-
-
-def _bezier(p1: Values, p2: Values, p3: Values, p4: Values, t: Values) -> Values:
-    u = 1 - t
-    value: Values = p1 * u**3 + 3 * t * u * (p2 * u + p3 * t) + p4 * t**3
-    return value
-
-
-def _bspline(pp: Values, p0: Values, p1: Values, pn: Values, t: Values) -> Values:
-    # Uniform cubic B-spline
-    ends = pp * (1 - t) ** 3 + pn * t**3
-    middle = p0 * (4 + t**2 * (3 * t - 6)) + p1 * (1 + 3 * t * (1 + t * (1 - t)))
-    value: Values = (ends + middle) / 6
-    return value
-
-
 _CALCULATOR = {
     "sqrt": _of_numpy(np.sqrt),
     "sin": _of_numpy(np.sin),
@@ -226,62 +136,51 @@ _CALCULATOR = {
     "arg": Native(_argument, 1),
 }
 
-_START_FILE = {
-    "PI": _constant(np.pi),
-    "DEGREE": _constant(np.pi / 180),
-    "FTINY": _constant(1e-7),
-    "AC": Native(_count, uses=("S",)),
-    "D": _component("D"),
-    "N": _component("N"),
-    "P": _component("P"),
-    "U": _local("U"),
-    "V": _local("V"),
-    "bound": Native(_bound, 3),
-    "Acos": _plain(lambda x: np.arccos(np.clip(x, -1, 1)), 1),
-    "Asin": _plain(lambda x: np.arcsin(np.clip(x, -1, 1)), 1),
-    "Atan2": _plain(np.arctan2, 2),
-    "Exp": Native(lambda env, x: _finite(env, np.where(x < -100, 0.0, np.exp(x))), 1),
-    "Sqrt": _plain(lambda x: np.sqrt(np.maximum(x, 0)), 1),
-    "and": _plain(lambda a, b: np.where(a > 0, b, a), 2),
-    "or": _plain(lambda a, b: np.where(a > 0, a, b), 2),
-    "not": _plain(lambda a: np.where(a > 0, -1.0, 1.0), 1),
-    "xor": _plain(lambda a, b: np.where(a > 0, np.where(b > 0, -1.0, 1.0), b), 2),
-    "abs": _plain(np.abs, 1),
-    "sgn": _plain(np.sign, 1),
-    "sq": _plain(np.square, 1),
-    "inside": _plain(lambda a, x, b: np.where(x > a, b - x, x - a), 3),
-    "frac": _plain(lambda x: x - np.floor(x), 1),
-    "mod": _quotient(np.mod, 2),
-    "tri": _quotient(_zigzag, 2),
-    "linterp": _plain(lambda t, p0, p1: (1 - t) * p0 + t * p1, 3),
-    "hermite": _plain(_hermite, 5),
-    "bezier": _plain(_bezier, 5),
-    "bspline": _plain(_bspline, 5),
-    "noop": _plain(lambda v: v, 1),
-    "clip": _plain(lambda v: np.clip(v, 0, 1), 1),
-    "noneg": _plain(lambda v: np.maximum(v, 0), 1),
-    "red": _plain(lambda r, g, b: np.maximum(r, 0), 3),
-    "green": _plain(lambda r, g, b: np.maximum(g, 0), 3),
-    "blue": _plain(lambda r, g, b: np.maximum(b, 0), 3),
-    "grey": Native(_grey, 3),
-    "clip_r": _plain(lambda r, g, b: np.clip(r, 0, 1), 3),
-    "clip_g": _plain(lambda r, g, b: np.clip(g, 0, 1), 3),
-    "clip_b": _plain(lambda r, g, b: np.clip(b, 0, 1), 3),
-    "clipgrey": Native(lambda env, *v: np.minimum(_grey(env, *v[:3]), 1), 3),
-} | {f"A{i}": _numbered(i) for i in range(1, 11)}
+_ARGUMENTS = {"AC": Native(_count, uses=("S",))} | {
+    f"A{i}": _numbered(i) for i in range(1, 11)
+}
 
-_NOISE = {"noise3": _plain(noise_of_arrays, 3)} | {
-    f"noise3{name}": _plain(slope_of(noise_of_arrays, axis), 3)
+_NOISE = {"noise3": _of_numpy(noise_of_arrays, 3)} | {
+    f"noise3{name}": _of_numpy(slope_of(noise_of_arrays, axis), 3)
     for names in ("xyz", "abc")
     for axis, name in enumerate(names)
 }
 
-LIBRARY: Mapping[str, Native] = _CALCULATOR | _START_FILE | _NOISE
+LIBRARY: Mapping[str, Native] = _CALCULATOR | _ARGUMENTS | _NOISE
 
-# Functions with functions as arguments, defined in the function language
-PRELUDE = """
-dot(v1, v2) : v1(1)*v2(1) + v1(2)*v2(2) + v1(3)*v2(3);
-cross(i, v1, v2) : select(i, v1(2)*v2(3) - v1(3)*v2(2),
-                             v1(3)*v2(1) - v1(1)*v2(3),
-                             v1(1)*v2(2) - v1(2)*v2(1));
-"""
+# Functions and variables of rayinit.cal, in the function language
+START_FILE = parse_definitions(
+    """
+    PI : 3.14159265358979323846; DEGREE : PI/180; FTINY : 1e-7;
+    D(i) : select(i, Dx, Dy, Dz); N(i) : select(i, Nx, Ny, Nz);
+    P(i) : select(i, Px, Py, Pz);
+    dot(v1, v2) : v1(1)*v2(1) + v1(2)*v2(2) + v1(3)*v2(3);
+    cross(i, v1, v2) : select(i, v1(2)*v2(3) - v1(3)*v2(2),
+        v1(3)*v2(1) - v1(1)*v2(3), v1(1)*v2(2) - v1(2)*v2(1));
+    U : if(Nx*Nx + Ny*Ny - 1e-7, (Py*Nx - Px*Ny)/(Nx*Nx + Ny*Ny), Px);
+    V : if(Nx*Nx + Ny*Ny - 1e-7,
+        Pz - Nz*(Px*Nx + Py*Ny)/(Nx*Nx + Ny*Ny), Py);
+    bound(a, x, b) : max(a, min(x, b));
+    Acos(x) : acos(max(-1, min(x, 1))); Asin(x) : asin(max(-1, min(x, 1)));
+    Atan2(y, x) : atan2(y, x); Exp(x) : if(-x - 100, 0, exp(x));
+    Sqrt(x) : sqrt(max(x, 0));
+    and(a, b) : if(a, b, a); or(a, b) : if(a, a, b); not(a) : if(a, -1, 1);
+    xor(a, b) : if(a, if(b, -1, 1), b);
+    abs(x) : max(x, -x); sgn(x) : if(x, 1, if(-x, -1, 0)); sq(x) : x*x;
+    inside(a, x, b) : if(x - a, b - x, x - a);
+    frac(x) : x - floor(x); mod(n, d) : n - floor(n/d)*d;
+    tri(n, d) : abs(d - mod(n - d, 2*d));
+    linterp(t, p, q) : (1 - t)*p + t*q;
+    hermite(p, q, r, s, t) : p*(1 + 2*t)*(1 - t)^2 + q*t^2*(3 - 2*t)
+        + r*t*(1 - t)^2 - s*t^2*(1 - t);
+    bezier(a, b, c, d, t) : a*(1 - t)^3 + 3*t*(1 - t)*(b*(1 - t) + c*t) + d*t^3;
+    bspline(p, a, b, n, t) : (p*(1 - t)^3 + n*t^3 + a*(4 + t*t*(3*t - 6))
+        + b*(1 + 3*t*(1 + t*(1 - t))))/6;
+    noop(v) : v; clip(v) : max(0, min(v, 1)); noneg(v) : max(v, 0);
+    red(r, g, b) : max(r, 0); green(r, g, b) : max(g, 0); blue(r, g, b) : max(b, 0);
+    grey(r, g, b) : max(.265074126*r + .670114631*g + .064811243*b, 0);
+    clip_r(r, g, b) : max(0, min(r, 1)); clip_g(r, g, b) : max(0, min(g, 1));
+    clip_b(r, g, b) : max(0, min(b, 1));
+    clipgrey(r, g, b) : max(0, min(.265074126*r + .670114631*g + .064811243*b, 1));
+    """
+)

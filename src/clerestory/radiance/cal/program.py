@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from jaxtyping import Bool, Float
 
-from clerestory.radiance.cal.files import NATIVE_FILES
-from clerestory.radiance.cal.library import LIBRARY, PRELUDE, Native
+from clerestory.array_types import RayValues
+from clerestory.radiance.cal.library import LIBRARY, START_FILE, Native
 from clerestory.radiance.cal.run import SPECIAL, Run
 from clerestory.radiance.cal.syntax import (
     Call,
@@ -18,23 +18,16 @@ from clerestory.radiance.cal.syntax import (
     Node,
     Number,
     Power,
-    parse_definitions,
 )
-
-_PRELUDE = parse_definitions(PRELUDE)
 
 
 @dataclass(frozen=True, eq=False)
 class Program:
     """Definitions of a function file together with the predefined functions.
 
-    Attributes
-    ----------
-    definitions : definitions in the file, by name
-    native_file : name of a Radiance function file implemented in Python; empty if none
-
     Examples
     --------
+    >>> from clerestory.radiance.cal.syntax import parse_definitions
     >>> program = Program(parse_definitions("fall(n) = if(n-.5, n*fall(n-1), 1);"))
     >>> [four] = parse_definitions("x = fall(4);").values()
     >>> program.values((four.body,), {"S": np.ones(1)}).value.tolist()
@@ -42,12 +35,10 @@ class Program:
     """
 
     definitions: Mapping[str, Definition] = field(default_factory=dict)
-    native_file: str = ""
 
     def definition(self, name: str) -> Definition | Native | None:
         """Return the definition of a name; None if it is undefined."""
-        natives = NATIVE_FILES.get(self.native_file, {})
-        for names in (self.definitions, natives, _PRELUDE, LIBRARY):
+        for names in (self.definitions, START_FILE, LIBRARY):
             if name in names:
                 return names[name]
         return None
@@ -84,16 +75,13 @@ class Program:
     def values(
         self,
         nodes: tuple[Node, ...],
-        inputs: Mapping[str, Float[np.ndarray, " rays"]],
+        inputs: Mapping[str, RayValues],
         arguments: tuple[float, ...] = (),
     ) -> "Computed":
         """Return the values of expressions for each ray.
 
-        Parameters
-        ----------
-        nodes : expressions
-        inputs : values of the ray variables by name; at least the scale S
-        arguments : real arguments of the primitive
+        The inputs are ray variables by name, with at least the scale S; `arguments`
+        are the real arguments of the primitive.
         """
         faulty = np.zeros(len(inputs["S"]), dtype=bool)
         run = Run(self.definition, inputs, arguments, faulty)
@@ -102,13 +90,7 @@ class Program:
 
 @dataclass(frozen=True, eq=False)
 class Computed:
-    """Values of expressions for rays.
-
-    Attributes
-    ----------
-    value : values, one column per expression
-    valid : whether all expressions are defined for the ray
-    """
+    """Values of expressions (columns) for rays, and whether all of them are defined."""
 
     value: Float[np.ndarray, "rays expressions"]
     valid: Bool[np.ndarray, " rays"]

@@ -28,7 +28,7 @@ from clerestory.radiance.cal.syntax import (
 _DEEPEST = 100
 
 # Maximum number of nodes evaluated in one run
-MOST_STEPS = 50_000
+MOST_STEPS = 100_000
 
 # Functions of which only the selected argument is evaluated
 SPECIAL = ("if", "select")

@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.formats.word_reader import WordReader
-from clerestory.radiance.generators.scene_text import polygon
+from clerestory.scene.primitive import Primitive, primitive
 
 # Largest angle between adjacent strips of a curved slat [deg]
 _STRIP_DEG = 3.0
@@ -18,7 +18,7 @@ _STRIP_DEG = 3.0
 _MOST_SLATS = 100_000
 
 
-def blinds(words: WordReader) -> list[str]:
+def blinds(words: WordReader) -> list[Primitive]:
     """Return the primitives of a blind.
 
     Syntax: `genblinds material name depth width height slats angle [-r|+r radius]`,
@@ -32,23 +32,22 @@ def blinds(words: WordReader) -> list[str]:
     count = words.whole("number of slats", 1, _MOST_SLATS)
     angle = np.radians(words.real("angle of the slats"))
     radius = 0.0
-    if words.left:
+    while words.left:
         option = words.option()
-        if option not in ("-r", "+r"):
+        if radius or option not in ("-r", "+r"):
             raise words.unknown(option)
-        radius = words.positive("radius of curvature")
-        radius = radius if option == "-r" else -radius
+        radius = words.positive("radius of curvature") * (1 if option == "-r" else -1)
     if radius and depth > 2 * abs(radius):
         raise words.error(
             f"the slats have a depth of {depth:g} and a radius of {abs(radius):g};"
             " a depth of at most twice the radius expected"
         )
-    if words.left:
-        raise words.error(f'"{words.word("")}" after the end of the command')
 
     profile = _profile(depth, angle, radius)
     return [
-        polygon(material, f"{name}.{slat}.{strip}", _strip(ends, width, lift))
+        primitive(
+            material, "polygon", f"{name}.{slat}.{strip}", _strip(ends, width, lift)
+        )
         for slat in range(1, count + 1)
         for lift in (height * (slat - 0.5) / count,)
         for strip, ends in enumerate(pairwise(profile))
@@ -69,8 +68,7 @@ def _profile(
     along = abs(radius) * (np.sin(turn) + np.sin(half))
     sag = -np.sign(radius) * abs(radius) * (np.cos(turn) - np.cos(half))
     across = np.array([-chord[1], chord[0]])
-    points: np.ndarray = np.outer(along, chord) + np.outer(sag, across)
-    return points
+    return np.asarray(np.outer(along, chord) + np.outer(sag, across))
 
 
 def _strip(
@@ -78,5 +76,4 @@ def _strip(
 ) -> Float[np.ndarray, "4 3"]:
     (x0, z0), (x1, z1) = ends
     corners = [(x0, 0, z0), (x0, width, z0), (x1, width, z1), (x1, 0, z1)]
-    lifted: np.ndarray = np.array(corners) + np.array([0, 0, lift])
-    return lifted
+    return np.asarray(np.array(corners) + np.array([0, 0, lift]))

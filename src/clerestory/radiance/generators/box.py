@@ -8,13 +8,15 @@ corner is moved inwards.
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Vector
 from clerestory.formats.word_reader import WordReader
-from clerestory.radiance.generators.scene_text import polygon, primitive
+from clerestory.scene.primitive import Primitive, primitive
 
 # Faces of the plain box and of the bevelled box; vertex order as in genbox
-_FACES = ("1540", "4620", "2310", "3267", "5137", "6457")
-
 # fmt: off
+_FACES = (
+    (1, 5, 4, 0), (4, 6, 2, 0), (2, 3, 1, 0), (3, 2, 6, 7), (5, 1, 3, 7), (6, 4, 5, 7),
+)
 _INNER = (
     (0o51, 0o55, 0o54, 0o50), (0o64, 0o66, 0o62, 0o60), (0o32, 0o33, 0o31, 0o30),
     (0o53, 0o52, 0o56, 0o57), (0o65, 0o61, 0o63, 0o67), (0o36, 0o34, 0o35, 0o37),
@@ -31,7 +33,7 @@ _BEVELS = (
 _LETTERS = "0123456789._ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
 
 
-def box(words: WordReader) -> list[str]:
+def box(words: WordReader) -> list[Primitive]:
     """Return the primitives of `genbox mat name x y z [-i] [-b cut | -r round]`."""
     material, name = words.word("a material"), words.word("a name")
     size = np.array([words.positive(f"size along {axis}") for axis in "xyz"])
@@ -49,47 +51,33 @@ def box(words: WordReader) -> list[str]:
             f"a bevel of {cut:g} exceeds half of the smallest size, {size.min():g}"
         )
 
-    corners = _Corners(size, cut, inward)
-    if not cut:
-        faces = [tuple(int(digit) for digit in face) for face in _FACES]
+    if cut:
+        shapes = [("polygon", f) for f in (*_INNER, *(() if rounded else _BEVELS))]
     else:
-        faces = [*_INNER, *(() if rounded else _BEVELS)]
-    made = [
-        polygon(material, f"{name}.{_letters(face)}", corners.at(*face))
-        for face in faces
-    ]
-    return made + (_rounded(material, name, corners) if rounded else [])
-
-
-class _Corners:
-    # Positions of the corners by index
-
-    def __init__(self, size: Float[np.ndarray, "3"], cut: float, inward: bool) -> None:
-        self.size, self.cut, self.inward = size, cut, inward
-
-    def at(self, *numbers: int) -> Float[np.ndarray, "corners 3"]:
-        bit = np.array([[n >> i & 1 for i in range(3)] for n in numbers], dtype=bool)
-        drawn = np.array([[n >> i & 8 for i in range(3)] for n in numbers], dtype=bool)
-        near = np.where(drawn, self.cut, 0.0)
-        return np.where(bit != self.inward, self.size - near, near)
-
-
-def _letters(numbers: tuple[int, ...]) -> str:
-    return "".join(_LETTERS[n] for n in numbers)
-
-
-def _rounded(material: str, name: str, corners: _Corners) -> list[str]:
-    # Cylinders along the edges and spheres at the corners
-    kinds = ("tube", "bubble") if corners.inward else ("cylinder", "sphere")
+        shapes = [("polygon", face) for face in _FACES]
+    if rounded:
+        shapes += _rounded(inward=inward)
+    position = _positions(size, cut, inward=inward)
     made = []
-    for one in (0o70, 0o73, 0o75, 0o76):  # no two of these share an edge
-        for axis in (1, 4, 2):
-            ends = (one, one ^ axis)
-            reals = [*corners.at(*ends).ravel(), corners.cut]
-            label = f"{name}.{_letters(ends)}"
-            made.append(primitive(material, kinds[0], label, reals=reals))
-    for one in range(0o70, 0o100):
-        reals = [*corners.at(one).ravel(), corners.cut]
-        label = f"{name}.{_letters((one,))}"
-        made.append(primitive(material, kinds[1], label, reals=reals))
+    for kind, corners in shapes:
+        radius = () if kind == "polygon" else (cut,)
+        label = f"{name}.{''.join(_LETTERS[n] for n in corners)}"
+        reals = [*position[list(corners)].ravel(), *radius]
+        made.append(primitive(material, kind, label, reals))
     return made
+
+
+def _positions(size: Vector, cut: float, *, inward: bool) -> Float[np.ndarray, "64 3"]:
+    # Position of the corner with each index
+    bits = np.arange(64)[:, None] >> np.arange(3)
+    margin = np.where(bits & 8, cut, 0.0)
+    far = (bits & 1 == 1) != inward
+    return np.where(far, size - margin, margin)
+
+
+def _rounded(*, inward: bool) -> list[tuple[str, tuple[int, ...]]]:
+    # Cylinders along the edges and spheres at the corners
+    edge, corner = ("tube", "bubble") if inward else ("cylinder", "sphere")
+    ends = (0o70, 0o73, 0o75, 0o76)  # no two of these share an edge
+    edges = [(edge, (one, one ^ axis)) for one in ends for axis in (1, 4, 2)]
+    return [*edges, *((corner, (one,)) for one in range(0o70, 0o100))]

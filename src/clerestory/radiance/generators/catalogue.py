@@ -1,10 +1,13 @@
-"""Registry of scene generators."""
+"""Registry of scene generators and of converters to scenes."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from clerestory.errors import InputError
+from clerestory.bsdf.xml_reader import read_bsdf
+from clerestory.files import read_text
+from clerestory.formats.mgf import parse_mgf
 from clerestory.formats.word_reader import WordReader
+from clerestory.radiance.bsdf_package import package
 from clerestory.radiance.generators.blinds import blinds
 from clerestory.radiance.generators.box import box
 from clerestory.radiance.generators.cie_sky import gensky
@@ -12,11 +15,17 @@ from clerestory.radiance.generators.formula import revolution, surface, worm
 from clerestory.radiance.generators.luminaire import ies2rad
 from clerestory.radiance.generators.perez_sky import gendaylit
 from clerestory.radiance.generators.prism import prism
+from clerestory.scene.model import Scene
+from clerestory.scene.primitive import Primitive
+from clerestory.scene.transform import Transform
 
+# Function that returns the path of a file named in a command
 Find = Callable[[str], Path]
 
+# Function that returns a converted scene, placed by a transform
+Build = Callable[[Transform], Scene]
 
-GENERATORS: Mapping[str, Callable[[WordReader, Find], list[str]]] = {
+GENERATORS: Mapping[str, Callable[[WordReader, Find], list[Primitive]]] = {
     "genbox": lambda words, _: box(words),
     "genprism": prism,
     "gensurf": surface,
@@ -29,21 +38,46 @@ GENERATORS: Mapping[str, Callable[[WordReader, Find], list[str]]] = {
 }
 
 
-def generate(program: str, words: list[str], find: Find) -> str:
-    """Return the output of a generator as scene text on a single line.
+def mgf2rad(words: WordReader, find: Find) -> Build:
+    """Return a function that builds the scene of `mgf2rad file.mgf …`."""
+    texts = [(path, read_text(path)) for path in _paths(words, find)]
 
-    Parameters
-    ----------
-    program : name of the generator
-    words : arguments of the generator
-    find : function that returns the path of a file named in the command
+    def build(place: Transform) -> Scene:
+        parts = (parse_mgf(t, file=p, transform=place) for p, t in texts)
+        return sum(parts, Scene())
 
-    Examples
-    --------
-    >>> text = generate("genbox", ["wood", "desk", "1", "2", "3"], Path)
-    >>> text.count("wood polygon desk.")
-    6
+    return build
+
+
+def pkg_bsdf(words: WordReader, find: Find) -> Build:
+    """Return a function that builds the scene of `pkgBSDF [-s] [-i] file.xml …`.
+
+    The options -s and -i are ignored.
     """
-    if program not in GENERATORS:
-        raise InputError(f'the generator "{program}" is unknown')
-    return " ".join(GENERATORS[program](WordReader(words, program), find))
+    paths = _paths(words, find, ignored=("-s", "-i"))
+    layers = [(read_bsdf(path), path.stem) for path in paths]
+
+    def build(place: Transform) -> Scene:
+        parts = (package(bsdf, name, transform=place) for bsdf, name in layers)
+        return sum(parts, Scene())
+
+    return build
+
+
+CONVERTERS: Mapping[str, Callable[[WordReader, Find], Build]] = {
+    "mgf2rad": mgf2rad,
+    "pkgBSDF": pkg_bsdf,
+}
+
+
+def _paths(words: WordReader, find: Find, ignored: tuple[str, ...] = ()) -> list[Path]:
+    names = []
+    while words.left:
+        word = words.word("a file")
+        if not word.startswith("-"):
+            names.append(word)
+        elif word not in ignored:
+            raise words.unknown(word)
+    if not names:
+        raise words.error("the command has no file; one or more expected")
+    return [find(name) for name in names]

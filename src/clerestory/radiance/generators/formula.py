@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Bool, Float
 
+from clerestory.array_types import Vector
 from clerestory.errors import ClerestoryWarning
 from clerestory.files import read_text
 from clerestory.formats.word_reader import WordReader
@@ -23,7 +24,7 @@ from clerestory.radiance.cal.syntax import (
     parse_definitions,
     parse_expression,
 )
-from clerestory.radiance.generators.scene_text import polygon, primitive
+from clerestory.scene.primitive import Primitive, primitive
 
 Find = Callable[[str], Path]
 
@@ -50,7 +51,7 @@ class _Formulas:
         return np.where(computed.valid[:, None], computed.value, np.nan)
 
 
-def revolution(words: WordReader, find: Find) -> list[str]:
+def revolution(words: WordReader, find: Find) -> list[Primitive]:
     """Return the primitives of `genrev material name z(t) r(t) segments`.
 
     Options: -e, -f and -s.
@@ -72,11 +73,11 @@ def revolution(words: WordReader, find: Find) -> list[str]:
         else:
             kind, reals = "cup" if z1 < z0 else "cone", (*axis, r0, r1)
         label = f"{formulas.name}.{i}"
-        made.append(primitive(formulas.material, kind, label, reals=reals))
+        made.append(primitive(formulas.material, kind, label, reals))
     return made
 
 
-def worm(words: WordReader, find: Find) -> list[str]:
+def worm(words: WordReader, find: Find) -> list[Primitive]:
     """Return the primitives of `genworm material name x(t) y(t) z(t) r(t) segments`.
 
     Options: -e and -f.
@@ -86,16 +87,16 @@ def worm(words: WordReader, find: Find) -> list[str]:
     if value[:, 3].min() <= 0:
         raise words.error(f"the radius is {value[:, 3].min():g}; above 0 expected")
     material, name = formulas.material, formulas.name
-    made = [primitive(material, "sphere", f"{name}.s0", reals=value[0])]
+    made = [primitive(material, "sphere", f"{name}.s0", value[0])]
     for i, (last, this) in enumerate(pairwise(value), 1):
         made += _link(material, name, i, last, this)
-        made.append(primitive(material, "sphere", f"{name}.s{i}", reals=this))
+        made.append(primitive(material, "sphere", f"{name}.s{i}", this))
     return made
 
 
 def _link(
     material: str, name: str, i: int, last: np.ndarray, this: np.ndarray
-) -> list[str]:
+) -> list[Primitive]:
     # Cone tangent to two spheres; none if one sphere contains the other
     step = this[:3] - last[:3]
     length = float(np.linalg.norm(step))
@@ -104,16 +105,16 @@ def _link(
         return []
     if abs(fall) <= _TINY:
         reals = [*last[:3], *this[:3], this[3]]
-        return [primitive(material, "cylinder", f"{name}.c{i}", reals=reals)]
+        return [primitive(material, "cylinder", f"{name}.c{i}", reals)]
     sine = fall / length
     cosine = np.sqrt(1 - sine**2)
     along = step / length
     ends = [end[:3] + end[3] * sine * along for end in (last, this)]
     reals = [*ends[0], *ends[1], last[3] * cosine, this[3] * cosine]
-    return [primitive(material, "cone", f"{name}.c{i}", reals=reals)]
+    return [primitive(material, "cone", f"{name}.c{i}", reals)]
 
 
-def surface(words: WordReader, find: Find) -> list[str]:
+def surface(words: WordReader, find: Find) -> list[Primitive]:
     """Return the polygons of `gensurf material name x(s,t) y(s,t) z(s,t) m n`.
 
     Options: -e, -f and -s. If `valid(s,t)` is defined, points where it is zero or
@@ -137,7 +138,7 @@ def surface(words: WordReader, find: Find) -> list[str]:
     grid = points.reshape(m + 1, n + 1, 3)
     shapes = _facets(grid, valid.reshape(m + 1, n + 1))
     return [
-        polygon(formulas.material, f"{formulas.name}.{i}", corners)
+        primitive(formulas.material, "polygon", f"{formulas.name}.{i}", corners)
         for i, corners in enumerate(shapes, 1)
     ]
 
@@ -174,7 +175,7 @@ def _square(
         yield p[[2, 1, 3]]
 
 
-def _normal(corner: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, "3"] | None:
+def _normal(corner: Float[np.ndarray, "3 3"]) -> Vector | None:
     normal = np.cross(corner[1] - corner[0], corner[2] - corner[0])
     length = np.linalg.norm(normal)
     return normal / length if length > 0 else None

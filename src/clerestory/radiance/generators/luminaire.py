@@ -13,11 +13,13 @@ import numpy as np
 
 from clerestory.formats.photometry.luminaire import Luminaire
 from clerestory.formats.photometry.read import read_luminaire
-from clerestory.formats.photometry.shining import Shining, faces, shining_surfaces
+from clerestory.formats.photometry.shining import faces, shining_surfaces
 from clerestory.formats.word_reader import WordReader
-from clerestory.radiance.generators.scene_text import polygon, primitive
 from clerestory.radiance.intensity_table import table_coordinates
-from clerestory.scene.model import Cone, Polygon, Ring, Sphere
+from clerestory.radiance.primitives import specification
+from clerestory.scene.primitive import Primitive, primitive
+from clerestory.scene.surface import transformed
+from clerestory.scene.transform import Transform
 
 # Units of -d per metre
 _UNITS = {"m": 1.0, "c": 100.0, "f": 1 / 0.3048, "i": 12 / 0.3048}
@@ -37,7 +39,7 @@ class _Request:
     colour: tuple[float, ...] = (1.0, 1.0, 1.0)
 
 
-def ies2rad(words: WordReader, find: Callable[[str], Path]) -> list[str]:
+def ies2rad(words: WordReader, find: Callable[[str], Path]) -> list[Primitive]:
     """Return the primitives of `ies2rad [-dU] [-m factor] [-c r g b] [-o name] file`.
 
     The options -s, -p, -l, -f, -u and `-t default` are ignored.
@@ -46,16 +48,19 @@ def ies2rad(words: WordReader, find: Callable[[str], Path]) -> list[str]:
     while words.left:
         _take(request, words.word("a file"), words)
     if not request.file:
-        raise words.error("the command has no file")
+        raise words.error("the command has no file; an IES or EULUMDAT file expected")
     path = find(request.file)
     lamp = read_luminaire(path)
     name = request.name or path.stem
     made = [
         _distribution(lamp, path, request.factor, name),
-        primitive(f"{name}_dist", "light", f"{name}_light", reals=request.colour),
+        primitive(f"{name}_dist", "light", f"{name}_light", request.colour),
     ]
-    parts = shining_surfaces(lamp, material=f"{name}_light", name=name)
-    return made + [_text(part, request.scale) for part in parts]
+    size = Transform(np.diag([*[request.scale] * 3, 1.0]), request.scale)
+    for part in shining_surfaces(lamp, material=f"{name}_light", name=name):
+        shape = specification(transformed(part, size))
+        made.append(primitive(part.material, shape.kind, part.name, shape.reals))
+    return made
 
 
 def _take(request: _Request, word: str, words: WordReader) -> None:
@@ -79,7 +84,7 @@ def _take(request: _Request, word: str, words: WordReader) -> None:
         request.file = word
 
 
-def _distribution(lamp: Luminaire, path: Path, factor: float, name: str) -> str:
+def _distribution(lamp: Luminaire, path: Path, factor: float, name: str) -> Primitive:
     # Pattern that gives the radiance: intensity divided by projected area
     shape = lamp.shape
     reals: tuple[float, ...]
@@ -94,22 +99,4 @@ def _distribution(lamp: Luminaire, path: Path, factor: float, name: str) -> str:
         correction, reals = "flatcorr", (factor / (share * shape.x * shape.y),)
     place = str(path.resolve())
     strings = (correction, place, "source.cal", *table_coordinates(lamp))
-    return primitive("void", "brightdata", f"{name}_dist", strings=strings, reals=reals)
-
-
-def _text(surface: Shining, scale: float) -> str:
-    material, name = surface.material, surface.name
-    match surface:
-        case Polygon():
-            return polygon(material, name, surface.vertices * scale)
-        case Sphere():
-            reals = [*surface.centre * scale, surface.radius * scale]
-            return primitive(material, "sphere", name, reals=reals)
-        case Cone():
-            ends = [*surface.base * scale, *surface.top * scale]
-            reals = [*ends, surface.base_radius * scale]
-            return primitive(material, "cylinder", name, reals=reals)
-        case Ring():
-            radii = [surface.inner_radius * scale, surface.outer_radius * scale]
-            reals = [*surface.centre * scale, *surface.normal, *radii]
-            return primitive(material, "ring", name, reals=reals)
+    return primitive("void", "brightdata", f"{name}_dist", reals, strings)

@@ -8,19 +8,24 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from clerestory.array_types import Vector2
 from clerestory.constants import LUMINOUS_EFFICACY
 from clerestory.formats.word_reader import WordReader
 from clerestory.sky.sky_state import (
+    BRIGHTNESS_LIMITS,
+    CLEARNESS_LIMITS,
     SOLAR_CONSTANT,
     SkyState,
+    air_mass,
     orbit_factor,
     visible_irradiance,
 )
 
-# Limits of Perez's sky clearness and brightness; boundaries of the clearness bins
+# Direct normal and diffuse horizontal irradiance [W/m²] or illuminance [lx]
+Light = Vector2
+
+# Limits of Perez's sky clearness
 _CLEARNESS = (1.0, 12.009)
-_BRIGHTNESS = (0.01, 0.6)
-_CATEGORIES = np.array([1.065, 1.230, 1.500, 1.950, 2.800, 4.500, 6.200])
 
 # Dew point at 2 cm of precipitable water [°C]
 DEW_POINT_C = 10.97353115
@@ -36,14 +41,8 @@ _ROUNDS = 9
 class Request:
     """Values of the command's options.
 
-    Attributes
-    ----------
-    by : option that gives the irradiance: -P, -W, -L, -G or -E
-    given : arguments of that option
-    output : output quantity: 0 visible radiance, 1 solar radiance, 2 luminance
-    sun : whether the output includes the sun
-    ground : reflectance of the ground
-    dew_point_c : dew point [°C]
+    The option `by` (-P, -W, -L, -G or -E) gives the irradiance. The output is visible
+    radiance (0), solar radiance (1) or luminance (2).
     """
 
     by: str = "-P"
@@ -55,23 +54,8 @@ class Request:
 
 
 @dataclass(frozen=True)
-class Light:
-    """Direct normal and diffuse horizontal irradiance [W/m²] or illuminance [lx]."""
-
-    direct: float
-    diffuse: float
-
-
-@dataclass(frozen=True)
 class Air:
-    """Properties of the atmosphere and the sun.
-
-    Attributes
-    ----------
-    altitude : altitude of the sun [rad]
-    day_of_year : day of the year, for the earth-sun distance
-    dew_point_c : dew point [°C]
-    """
+    """Altitude of the sun [rad], and properties of the atmosphere."""
 
     altitude: float
     day_of_year: int
@@ -89,9 +73,8 @@ class Air:
 
     @property
     def mass(self) -> float:
-        """Relative air mass (Kasten 1966)."""
-        haze = 0.15 * (93.885 - np.degrees(self.zenith)) ** -1.253
-        return float(1 / (np.cos(self.zenith) + haze))
+        """Relative air mass."""
+        return float(air_mass(np.array([self.zenith]))[0])
 
     @property
     def bend(self) -> float:
@@ -103,38 +86,38 @@ class Air:
         first, second = request.given[0], request.given[-1]
         match request.by:
             case "-P":
-                diffuse = np.clip(second, *_BRIGHTNESS) / self.mass * self.outside
+                diffuse = np.clip(second, *BRIGHTNESS_LIMITS) / self.mass * self.outside
                 clear = np.clip(first, *_CLEARNESS)
-                light = Light(diffuse * (clear - 1) * (1 + self.bend), diffuse)
+                light = np.array([(clear - 1) * (1 + self.bend), 1.0]) * diffuse
             case "-W":
-                light = Light(first, second)
+                light = np.array([first, second])
             case "-G":
-                light = Light(first / np.sin(self.altitude), second)
+                light = np.array([first / np.sin(self.altitude), second])
             case "-E":
                 light = self._erbs(first)
             case _:
-                light = self._from_lux(first, second, request)
-        light = Light(max(float(light.direct), 0.0), max(float(light.diffuse), 0.0))
-        if light.direct > SOLAR_CONSTANT:
+                light = self._from_lux(np.array([first, second]), request)
+        light = np.maximum(light, 0.0)
+        if light[0] > SOLAR_CONSTANT:
             raise words.error(
-                f"direct normal irradiance {light.direct:.0f} W/m²;"
-                f" at most {SOLAR_CONSTANT:.0f} expected"
+                f"direct normal irradiance is {light[0]:.0f} W/m²;"
+                f" at most {SOLAR_CONSTANT:.0f} W/m² expected"
             )
-        return None if light.diffuse <= 0 else light
+        return light if light[1] > 0 else None
 
     def state(self, light: Light, request: Request) -> SkyState:
         """Return the sky clearness and brightness."""
-        clear, bright = request.given if request.by == "-P" else (None, None)
-        if clear is None or bright is None:
-            ratio = (light.diffuse + light.direct) / light.diffuse
-            clear = (ratio + self.bend) / (1 + self.bend)
-            bright = light.diffuse * self.mass / self.outside
+        if request.by == "-P":
+            clear, bright = request.given
+        else:
+            clear = (light.sum() / light[1] + self.bend) / (1 + self.bend)
+            bright = light[1] * self.mass / self.outside
         clearness = np.clip(np.array([clear]), *_CLEARNESS)
         return SkyState(
             np.array([self.zenith]),
             clearness,
-            np.clip(np.array([bright]), *_BRIGHTNESS),
-            np.searchsorted(_CATEGORIES, clearness, side="right"),
+            np.clip(np.array([bright]), *BRIGHTNESS_LIMITS),
+            np.searchsorted(CLEARNESS_LIMITS, clearness, side="right"),
         )
 
     def output(
@@ -144,45 +127,38 @@ class Air:
         if request.output == 1:
             return light
         if request.by == "-L":
-            lux = Light(*(max(v, 0.0) for v in request.given))
+            lux = np.maximum(request.given, 0.0)
         else:
             lux = self._to_lux(light, state)
-        if lux.direct > _MOST_LUX:
+        if lux[0] > _MOST_LUX:
             raise words.error(
-                f"direct normal illuminance {lux.direct:.0f} lx;"
-                f" at most {_MOST_LUX:.0f} expected"
+                f"direct normal illuminance is {lux[0]:.0f} lx;"
+                f" at most {_MOST_LUX:.0f} lx expected"
             )
-        per = 1.0 if request.output == 2 else LUMINOUS_EFFICACY
-        return Light(lux.direct / per, lux.diffuse / per)
+        return lux / (1.0 if request.output == 2 else LUMINOUS_EFFICACY)
 
     def _to_lux(self, light: Light, state: SkyState) -> Light:
-        direct, diffuse = visible_irradiance(
-            np.array([light.direct]),
-            np.array([light.diffuse]),
-            state=state,
-            dew_point_c=np.array([self.dew_point_c]),
-        )
-        return Light(
-            float(direct[0]) * LUMINOUS_EFFICACY, float(diffuse[0]) * LUMINOUS_EFFICACY
-        )
+        dew = np.array([self.dew_point_c])
+        visible = visible_irradiance(light[:1], light[1:], state=state, dew_point_c=dew)
+        return np.concatenate(visible) * LUMINOUS_EFFICACY
 
-    def _from_lux(self, direct: float, diffuse: float, request: Request) -> Light:
+    def _from_lux(self, lux: Light, request: Request) -> Light:
         # The luminous efficacy depends on the irradiance: fixed-point iteration
-        per = SOLAR_CONSTANT / _MOST_LUX
-        light = Light(max(direct, 0) * per, max(diffuse, 0) * per)
+        lux = np.maximum(lux, 0)
+        light = lux * SOLAR_CONSTANT / _MOST_LUX
         for _ in range(_ROUNDS):
-            if light.diffuse <= 0:
+            if light[1] <= 0:
                 break
-            one = self._to_lux(Light(1.0, 1.0), self.state(light, request))
-            light = Light(
-                max(direct, 0) / one.direct if one.direct >= 0.1 else 0.0,
-                max(diffuse, 0) / max(one.diffuse, 1e-9),
-            )
+            direct, diffuse = self._to_lux(np.ones(2), self.state(light, request))
+            # No direct irradiance if its efficacy vanishes
+            direct = direct if direct >= 0.1 else np.inf
+            light = lux / np.array([direct, max(diffuse, 1e-9)])
         return light
 
     def _erbs(self, level: float) -> Light:
         # Diffuse fraction as a function of the clearness index
-        outside = self.outside * np.sin(self.altitude)
+        sine = np.sin(self.altitude)
+        outside = self.outside * sine
         level = max(level, 0.0) if level <= outside else 0.999 * outside
         k = level / outside
         if k <= 0.22:
@@ -191,5 +167,4 @@ class Air:
             share = 0.9511 - 0.1604 * k + 4.388 * k**2 - 16.638 * k**3 + 12.336 * k**4
         else:
             share = 0.165
-        diffuse = level * share
-        return Light((level - diffuse) / np.sin(self.altitude), diffuse)
+        return np.array([(1 - share) / sine, share]) * level

@@ -11,16 +11,21 @@ S. A. Klein, J. A. Duffie, Solar Energy 28 (4), 1982 (-E); Radiance, gendaylit (
 import warnings
 
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import Vector
 from clerestory.constants import SUN_DIAMETER
 from clerestory.errors import ClerestoryWarning
 from clerestory.formats.word_reader import WordReader
-from clerestory.radiance.generators import cie_sky
+from clerestory.radiance.generators.cie_sky import levels
 from clerestory.radiance.generators.perez_light import DEW_POINT_C, Air, Light, Request
-from clerestory.radiance.generators.scene_text import primitive
-from clerestory.radiance.generators.sun_place import Moment, direction, read_moment
-from clerestory.sky.gensky import HIGHEST_SUN
+from clerestory.radiance.generators.sun_place import (
+    Moment,
+    direction,
+    read_moment,
+    sun_source,
+)
+from clerestory.scene.primitive import Primitive, primitive
+from clerestory.sky.gensky import HIGHEST_SUN, CieSky
 from clerestory.sky.luminance_distribution import FiveParameters
 from clerestory.sky.perez import perez_sky
 
@@ -33,7 +38,7 @@ _SUN_ON_GROUND = 6.8e-5
 _RINGS = ((84, 30), (72, 30), (60, 24), (48, 24), (36, 18), (24, 12), (12, 6), (0, 1))
 
 
-def gendaylit(words: WordReader) -> list[str]:
+def gendaylit(words: WordReader) -> list[Primitive]:
     """Return the primitives of `gendaylit month day hour` or `gendaylit -ang alt azi`.
 
     Options: -P -W -L -G -E, -O, -s +s -c, -g, -d, -w, -a -o -m -y. At night the sky is
@@ -74,7 +79,7 @@ def _take(request: Request, option: str, words: WordReader) -> bool:
 
 def _sky(
     request: Request, moment: Moment, words: WordReader, *, quiet: bool
-) -> list[str]:
+) -> list[Primitive]:
     altitude, azimuth = moment.sun()
     sun = direction(min(altitude, HIGHEST_SUN), azimuth)
     air = Air(min(altitude, HIGHEST_SUN), moment.day_of_year, request.dew_point_c)
@@ -87,7 +92,7 @@ def _sky(
                 ClerestoryWarning,
                 stacklevel=2,
             )
-        return [_skyfunc([0.0] * 7, sun)]
+        return [_sky_pattern([0.0] * 7, sun)]
     return _lit_sky(request, air, light, sun, words)
 
 
@@ -95,12 +100,12 @@ def _lit_sky(
     request: Request,
     air: Air,
     light: Light,
-    sun: Float[np.ndarray, "3"],
+    sun: Vector,
     words: WordReader,
-) -> list[str]:
+) -> list[Primitive]:
     state = air.state(light, request)
     perez = perez_sky(state, azimuth=np.zeros(1))
-    shape = [float(p[0]) for p in (perez.a, perez.b, perez.c, perez.d, perez.e)]
+    shape = perez.parameters[:, 0].tolist()
     if shape[1] > 0:
         raise words.error(
             f"Perez's parameter b is {shape[1]:.3g}, for which the model is undefined;"
@@ -109,39 +114,30 @@ def _lit_sky(
     sent = air.output(light, state, request, words)
     distribution = FiveParameters(*shape)
     towards = np.array([np.sin(air.zenith), 0.0, np.cos(air.zenith)])
-    scale = sent.diffuse / _tregenza_integral(distribution, towards)
-    radiance = sent.direct / (2 * np.pi * (1 - np.cos(SUN_DIAMETER / 2)))
+    scale = sent[1] / _tregenza_integral(distribution, towards)
+    radiance = sent[0] / (2 * np.pi * (1 - np.cos(SUN_DIAMETER / 2)))
 
     # Ground radiance under gensky's sky type for this clearness
     clearness = float(state.clearness[0])
-    kind = cie_sky.OVERCAST if clearness <= 1 else cie_sky.INTERMEDIATE
-    kind = cie_sky.CLEAR if clearness >= 6 else kind
-    share = cie_sky.levels(kind, air.altitude, float(sun[2]))[1]
+    kind: CieSky = "overcast" if clearness <= 1 else "intermediate"
+    kind = "clear" if clearness >= 6 else kind
+    share = levels(kind, air.altitude, float(sun[2]))[1]
     up = np.array([0.0, 0.0, 1.0])
     ground = scale * float(distribution.relative(up, sun=towards)) * share
     shown = request.sun and clearness > 1
     ground += _SUN_ON_GROUND / np.pi * radiance * float(sun[2]) if shown else 0.0
-    made = [_skyfunc([scale, ground * request.ground, *shape], sun)]
+    made = [_sky_pattern([scale, ground * request.ground, *shape], sun)]
     if shown and radiance > 0:
-        angle = np.degrees(SUN_DIAMETER)
-        made = [
-            primitive("void", "light", "solar", reals=(radiance,) * 3),
-            primitive("solar", "source", "sun", reals=(*sun, angle)),
-            *made,
-        ]
+        made += sun_source(radiance, sun, angle_deg=np.degrees(SUN_DIAMETER))
     return made
 
 
-def _skyfunc(reals: list[float], sun: Float[np.ndarray, "3"]) -> str:
+def _sky_pattern(reals: list[float], sun: Vector) -> Primitive:
     strings = ("skybright", "perezlum.cal")
-    return primitive(
-        "void", "brightfunc", "skyfunc", strings=strings, reals=[*reals, *sun]
-    )
+    return primitive("void", "brightfunc", "skyfunc", [*reals, *sun], strings)
 
 
-def _tregenza_integral(
-    distribution: FiveParameters, sun: Float[np.ndarray, "3"]
-) -> float:
+def _tregenza_integral(distribution: FiveParameters, sun: Vector) -> float:
     # Horizontal irradiance, summed over the centres of 145 patches of equal solid angle
     theta = np.radians(np.repeat([t for t, _ in _RINGS], [n for _, n in _RINGS]))
     phi = np.concatenate([2 * np.pi * np.arange(n) / n for _, n in _RINGS])

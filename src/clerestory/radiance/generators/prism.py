@@ -10,11 +10,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 from jaxtyping import Float
 
+from clerestory.array_types import Vector
 from clerestory.files import read_text
 from clerestory.formats.word_reader import WordReader
-from clerestory.radiance.generators.scene_text import polygon, primitive
+from clerestory.scene.primitive import Primitive, primitive
 from clerestory.scene.transform import number
 
 _TINY = 1e-6
@@ -26,7 +28,7 @@ class _Prism:
     material: str
     name: str
     outline: Float[np.ndarray, "corners 2"]
-    along: Float[np.ndarray, "3"]
+    along: Vector
     radius: float
     ends: bool
     open_side: bool
@@ -35,11 +37,18 @@ class _Prism:
     def upwards(self) -> float:
         return 1.0 if self.along[2] > 0 else -1.0
 
-    def base(self, points: Float[np.ndarray, "points 2"]) -> np.ndarray:
-        return np.column_stack([points, np.zeros(len(points))])
+    def part(self, kind: str, label: str, reals: npt.ArrayLike) -> Primitive:
+        return primitive(self.material, kind, f"{self.name}.{label}", reals)
+
+    def ends_at(self, points: Float[np.ndarray, "corners 2"]) -> list[Primitive]:
+        base = _base(points)
+        return [
+            self.part("polygon", "b", base),
+            self.part("polygon", "t", base[::-1] + self.along),
+        ]
 
 
-def prism(words: WordReader, find: Callable[[str], Path]) -> list[str]:
+def prism(words: WordReader, find: Callable[[str], Path]) -> list[Primitive]:
     """Return the primitives of a prism.
 
     `genprism material name {file | N x1 y1 … xN yN} [-l x y z][-r radius][-c][-e]`:
@@ -92,25 +101,26 @@ def _outline(
     return np.array(flat).reshape(-1, 2)
 
 
+def _base(points: Float[np.ndarray, "points 2"]) -> Float[np.ndarray, "points 3"]:
+    return np.column_stack([points, np.zeros(len(points))])
+
+
 def _sides(made: _Prism) -> range:
     return range(len(made.outline) - made.open_side)
 
 
-def _sharp(made: _Prism) -> list[str]:
-    low = made.base(made.outline)
+def _sharp(made: _Prism) -> list[Primitive]:
+    low = _base(made.outline)
     top = low + made.along
-    parts = []
-    if made.ends:
-        parts.append(polygon(made.material, f"{made.name}.b", low))
-        parts.append(polygon(made.material, f"{made.name}.t", top[::-1]))
+    parts = made.ends_at(made.outline) if made.ends else []
     for i in _sides(made):
         j = (i + 1) % len(low)
         corners = np.stack([low[i], top[i], top[j], low[j]])
-        parts.append(polygon(made.material, f"{made.name}.{i + 1}", corners))
+        parts.append(made.part("polygon", f"{i + 1}", corners))
     return parts
 
 
-def _round(made: _Prism, words: WordReader) -> list[str]:
+def _round(made: _Prism, words: WordReader) -> list[Primitive]:
     # u: unit vector from each corner to the previous one
     corner, r = made.outline, made.radius * made.upwards
     back = np.roll(corner, 1, axis=0) - corner
@@ -139,7 +149,7 @@ def _round_side(
     u: Float[np.ndarray, "corners 2"],
     t: Float[np.ndarray, " corners"],
     centre: Float[np.ndarray, "corners 2"],
-) -> list[str]:
+) -> list[Primitive]:
     j, r = (i + 1) % len(t), made.radius * made.upwards
     # Oblique prisms: tangent points are tilted out of the horizontal plane
     tilt = made.along[1] * u[j, 0] - made.along[0] * u[j, 1]
@@ -152,13 +162,11 @@ def _round_side(
     end = np.append(made.outline[j] + r * t[j] * u[j], 0) + shift
     lid = made.along - rise
     corners = np.stack([start + rise, start + lid, end + lid, end + rise])
-    parts = [polygon(made.material, f"{made.name}.{i + 1}", corners)]
+    parts = [made.part("polygon", f"{i + 1}", corners)]
     if made.upwards * t[j] >= 0:
-        low = np.append(centre[j], r)
-        high = np.append(centre[j], 0) + made.along - rise
-        reals = [*low, *high, made.radius]
-        label = f"{made.name}.e{i + 1}"
-        parts.append(primitive(made.material, "cylinder", label, reals=reals))
+        axis = np.append(centre[j], 0)
+        reals = [*(axis + rise), *(axis + lid), made.radius]
+        parts.append(made.part("cylinder", f"e{i + 1}", reals))
     return parts
 
 
@@ -167,20 +175,16 @@ def _round_ends(
     centre: Float[np.ndarray, "corners 2"],
     t: Float[np.ndarray, " corners"],
     r: float,
-) -> list[str]:
-    flat = made.base(centre)
-    parts = [
-        polygon(made.material, f"{made.name}.b", flat),
-        polygon(made.material, f"{made.name}.t", flat[::-1] + made.along),
-    ]
+) -> list[Primitive]:
+    parts = made.ends_at(centre)
     lifts = {"b": np.array([0, 0, r]), "t": made.along - np.array([0, 0, r])}
     for end, lift in lifts.items():
-        points = flat + lift
+        points = _base(centre) + lift
         for i, point in enumerate(points):
             if made.upwards * t[i] > 0:
-                label, reals = f"{made.name}.{end}c{i + 1}", [*point, made.radius]
-                parts.append(primitive(made.material, "sphere", label, reals=reals))
+                parts.append(
+                    made.part("sphere", f"{end}c{i + 1}", [*point, made.radius])
+                )
             reals = [*points[i - 1], *point, made.radius]
-            label = f"{made.name}.{end}e{i + 1}"
-            parts.append(primitive(made.material, "cylinder", label, reals=reals))
+            parts.append(made.part("cylinder", f"{end}e{i + 1}", reals))
     return parts

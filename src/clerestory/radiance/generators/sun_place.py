@@ -12,10 +12,16 @@ import re
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
 
+from clerestory.array_types import Vector
+from clerestory.directions import from_azimuth
 from clerestory.formats.word_reader import WordReader
-from clerestory.sky.solar_position import sun_position
+from clerestory.scene.primitive import Primitive, primitive
+from clerestory.sky.solar_position import (
+    equation_of_time,
+    horizontal_position,
+    solar_declination,
+)
 
 # Standard meridians of time zones [deg west], by abbreviation
 _ZONES = {
@@ -31,17 +37,11 @@ _HOUR = re.compile(r"(\+?)(\d{1,2})(?::(\d{1,2})|(\.\d*))?([A-Za-z]*)", re.ASCII
 
 @dataclass
 class Moment:
-    """Date, time and site; or, without a month, altitude and azimuth of the sun.
+    """Date, time and site; or, without a month, altitude and azimuth of the sun [rad].
 
-    Attributes
-    ----------
-    altitude, azimuth : sun altitude and azimuth clockwise from south [rad], with -ang
-    month, day, year : date; 0 if not given
-    hour : standard time or solar time [h]
-    solar : whether `hour` is solar time
-    latitude_deg, longitude_deg, meridian_deg : latitude north, longitude and standard
-        meridian west
-    zoned : whether a time zone is given, which overrides -m
+    The azimuth is clockwise from south. Time is standard time, or solar time if `solar`
+    is set. Longitude and meridian are west-positive; a time zone (`zoned`) overrides
+    -m.
     """
 
     altitude: float = 0.0
@@ -83,24 +83,19 @@ class Moment:
             return self.altitude, self.azimuth
         if self.year:
             declination, solar_hour = self._almanac()
-            hour = self.hour if self.solar else solar_hour
-            return _horizontal(np.radians(self.latitude_deg), declination, hour)
-        # Solar time is used without equation of time and longitude correction
-        days = np.timedelta64(self.day_of_year - 1, "D")
-        seconds = np.timedelta64(round(self.hour * 3600), "s")
-        times = np.array([np.datetime64("2001-01-01", "s") + days + seconds])
-        if self.solar:
-            declination = 0.4093 * np.sin(2 * np.pi / 365 * (self.day_of_year - 81))
-            latitude = np.radians(self.latitude_deg)
-            return _horizontal(latitude, declination, self.hour)
-        place = sun_position(
-            times,
-            latitude_deg=self.latitude_deg,
-            longitude_deg=-self.longitude_deg,
-            utc_offset_hours=-self.meridian_deg / 15,
-            formula="radiance",
-        )
-        return float(place.altitude[0]), float(place.azimuth[0] - np.pi)
+            return self._position(declination, self.hour if self.solar else solar_hour)
+        hour = self.hour
+        if not self.solar:
+            # Equation of time, and distance from the standard meridian
+            hour += float(equation_of_time(self.day_of_year))
+            hour += (self.meridian_deg - self.longitude_deg) / 15
+        declination = float(solar_declination(self.day_of_year))
+        return self._position(declination, hour)
+
+    def _position(self, declination: float, solar_hour: float) -> tuple[float, float]:
+        latitude = np.radians(self.latitude_deg)
+        place = horizontal_position(latitude, declination, solar_hour)
+        return float(place.altitude), float(place.azimuth - np.pi)
 
     def _almanac(self) -> tuple[float, float]:
         # Declination [rad] and solar time [h]; n: days since noon of 1 January 2000
@@ -156,25 +151,18 @@ def read_moment(words: WordReader) -> Moment:
     return moment
 
 
-def direction(altitude: float, azimuth: float) -> Float[np.ndarray, "3"]:
+def direction(altitude: float, azimuth: float) -> Vector:
     """Return the unit vector to the sun; azimuth clockwise from south [rad].
 
     >>> direction(0.0, 0.0).round(6).tolist()
     [0.0, -1.0, 0.0]
     """
-    flat = np.cos(altitude)
-    towards = [-flat * np.sin(azimuth), -flat * np.cos(azimuth), np.sin(altitude)]
-    return np.array(towards) + 0.0
+    return from_azimuth(np.array(azimuth + np.pi), np.array(altitude)) + 0.0
 
 
-def _horizontal(
-    latitude: float, declination: float, hour: float
-) -> tuple[float, float]:
-    # Altitude, and azimuth clockwise from south, from solar time [h]
-    turn = hour * np.pi / 12
-    sine = np.sin(latitude) * np.sin(declination)
-    sine -= np.cos(latitude) * np.cos(declination) * np.cos(turn)
-    south = -np.cos(latitude) * np.sin(declination)
-    south -= np.sin(latitude) * np.cos(declination) * np.cos(turn)
-    azimuth = -np.arctan2(np.cos(declination) * np.sin(turn), south)
-    return float(np.arcsin(np.clip(sine, -1, 1))), float(azimuth)
+def sun_source(radiance: float, sun: Vector, *, angle_deg: float) -> list[Primitive]:
+    """Return the sun as a light and a source of an angular diameter."""
+    return [
+        primitive("void", "light", "solar", (radiance,) * 3),
+        primitive("solar", "source", "sun", (*sun, angle_deg)),
+    ]

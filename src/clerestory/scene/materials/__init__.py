@@ -6,22 +6,27 @@ material types to functions that read the arguments of the type.
 
 import importlib
 import pkgutil
-from collections.abc import Callable, Mapping
 
+from clerestory.checks import require
 from clerestory.scene.material import Material
-from clerestory.scene.primitive import Definition
+from clerestory.scene.primitive import Definition, Readers
 
-READERS: Mapping[str, Callable[[Definition], Material]] = {
-    kind: reader
+_MODULES = [
+    importlib.import_module(found.name)
     for found in pkgutil.iter_modules(__path__, f"{__name__}.")
-    for kind, reader in getattr(
-        importlib.import_module(found.name), "READERS", {}
-    ).items()
+]
+READERS: Readers = {
+    kind: reader
+    for module in _MODULES
+    for kind, reader in getattr(module, "READERS", {}).items()
 }
 
 
 def read_material(given: Definition) -> Material:
     """Return the material defined by a primitive."""
-    if given.item.kind not in READERS:
-        raise given.error(f"unsupported type; one of {', '.join(READERS)} expected")
-    return READERS[given.item.kind](given)
+    with given.located():
+        kinds = ", ".join(READERS)
+        require(
+            given.item.kind in READERS, f"unsupported type; one of {kinds} expected"
+        )
+        return READERS[given.item.kind](given)

@@ -1,22 +1,23 @@
 """Radiance's BSDF and aBSDF: surfaces with a measured or simulated BSDF."""
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Vector
 from clerestory.bsdf.bsdf import Bsdf
+from clerestory.directions import unit
+from clerestory.errors import InputError
 from clerestory.scene.material import (
     Colour,
     Material,
     Plugin,
     Source,
     Specification,
-    Vector,
 )
 from clerestory.scene.pattern import Pattern
-from clerestory.scene.primitive import Definition
+from clerestory.scene.primitive import Definition, Readers
 from clerestory.scene.transform import Transform
 
 
@@ -50,9 +51,6 @@ class BsdfSurface(Material):
     source: Source | None = None
     opaque = False
 
-    def display_colour(self) -> Colour:
-        return np.ones(3)
-
     def plugin(self) -> Plugin:
         return Plugin(
             "bsdf_file",
@@ -78,28 +76,22 @@ class BsdfSurface(Material):
 def _read(given: Definition) -> Material:
     peak = given.item.kind == "aBSDF"
     first = 0 if peak else 1  # only BSDF has a thickness, before the file
-    words = given.item.strings
-    if len(words) < first + 5:
-        raise given.error(
-            f"{len(words)} string arguments; {'' if peak else 'thickness, '}"
-            "BSDF file, up vector, function file and transform expected"
-        )
-    numbers = given.reals(0, 3, 6, 9)
+    what = "BSDF file, up vector, function file and transform"
+    words = given.strings(first + 5, what if peak else f"thickness, {what}")
+    numbers = given.reals(0, 3, 6, 9, strings=True)
     added = np.concatenate([numbers, np.zeros(9 - len(numbers))])
     front, back, transmission = given.share("added diffuse light", added).reshape(3, 3)
     transform = given.oriented(first + 5)
     up = given.vector(first + 1, Transform())
     if isinstance(up, Pattern):
-        raise given.error("the up vector varies; a constant vector expected")
-    if not np.any(up):
-        raise given.error("the up vector has zero length")
+        raise InputError("the up vector varies; a constant vector expected")
     # Up vector before the transform
     up = up @ np.linalg.inv(given.transform(first + 5).matrix[:3, :3])
     return BsdfSurface(
         name=given.item.name,
         bsdf=given.bsdf(words[first]),
-        thickness=0.0 if peak else given.constant("its thickness", 0) * transform.scale,
-        up=given.direction(up),
+        thickness=0.0 if peak else given.constant("thickness", 0) * transform.scale,
+        up=unit(up),
         transform=transform.matrix[:3, :3] / transform.scale,
         front=front,
         back=back,
@@ -109,7 +101,4 @@ def _read(given: Definition) -> Material:
     )
 
 
-READERS: Mapping[str, Callable[[Definition], Material]] = {
-    "BSDF": _read,
-    "aBSDF": _read,
-}
+READERS: Readers = {"BSDF": _read, "aBSDF": _read}

@@ -1,10 +1,10 @@
 """Radiance's dielectric and interface: surfaces of refracting transparent solids."""
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
+from clerestory.checks import within
 from clerestory.scene.material import (
     Colour,
     Material,
@@ -13,7 +13,7 @@ from clerestory.scene.material import (
     Source,
     Specification,
 )
-from clerestory.scene.primitive import Definition
+from clerestory.scene.primitive import Definition, Readers
 
 # Wavelength at which Radiance evaluates the index of refraction [nm]
 _MIDDLE = 500.0
@@ -34,9 +34,6 @@ class Dielectric(Material):
     index: float
     source: Source | None = None
     opaque = False
-
-    def display_colour(self) -> Colour:
-        return self.transmissivity
 
     def plugin(self) -> Plugin:
         return Plugin(
@@ -66,9 +63,6 @@ class Interface(Material):
     source: Source | None = None
     opaque = False
 
-    def display_colour(self) -> Colour:
-        return self.inside_transmissivity
-
     def plugin(self) -> Plugin:
         media: dict[str, Parameter] = {
             "inside_transmissivity": self.inside_transmissivity,
@@ -85,45 +79,38 @@ class Interface(Material):
 
 
 def _dielectric(given: Definition) -> Material:
-    given.no_strings()
     value = given.reals(5)
     if value[4] != 0:
         given.doubt(
             f"Hartmann's constant is {value[4]:g}; dispersion is ignored and the"
             f" index at {_MIDDLE:g} nm used"
         )
-    index = _index(given, value[3] + value[4] / _MIDDLE)
-    return Dielectric(
-        given.item.name, _per_metre(given, value[:3]), index, given.source
-    )
+    index = _index(value[3] + value[4] / _MIDDLE)
+    passed = _per_metre(given, value[:3])
+    return Dielectric(given.item.name, passed, index, given.source)
 
 
 def _interface(given: Definition) -> Material:
-    given.no_strings()
     value = given.reals(8)
     return Interface(
         given.item.name,
         _per_metre(given, value[:3]),
-        _index(given, value[3]),
+        _index(value[3]),
         _per_metre(given, value[4:7]),
-        _index(given, value[7]),
+        _index(value[7]),
         given.source,
     )
 
 
 def _per_metre(given: Definition, value: Colour) -> Colour:
-    # Converts transmittance per unit length of the file, at most 1, to that per metre
+    # From the transmittance per unit length of the scene file, at most 1
     passed = np.minimum(given.share("transmissivity", value), 1)
     return np.asarray(passed ** (1 / given.placed.scale))
 
 
-def _index(given: Definition, value: float) -> float:
-    if not 0.1 <= value <= 10:
-        raise given.error(f"index of refraction is {value:g}; 0.1 to 10 expected")
+def _index(value: float) -> float:
+    within(value, "index of refraction", least=0.1, most=10)
     return float(value)
 
 
-READERS: Mapping[str, Callable[[Definition], Material]] = {
-    "dielectric": _dielectric,
-    "interface": _interface,
-}
+READERS: Readers = {"dielectric": _dielectric, "interface": _interface}

@@ -5,11 +5,13 @@ Light is emitted from the front only; the back is black, and the reflectance is 
 Reference: "The RADIANCE 6.0 Synthetic Imaging System" (ray.html), section 2.1.3.
 """
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from clerestory.array_types import Vector
+from clerestory.checks import not_negative
+from clerestory.directions import unit
 from clerestory.scene.material import (
     Colour,
     Emitter,
@@ -17,17 +19,12 @@ from clerestory.scene.material import (
     Plugin,
     Source,
     Specification,
-    Vector,
 )
 from clerestory.scene.materials.mixture import Void
 from clerestory.scene.pattern import Pattern
-from clerestory.scene.primitive import Definition
+from clerestory.scene.primitive import Definition, Readers
 
 _BLACK = Plugin("radiance_plastic", {"reflectance": np.zeros(3)})
-
-
-def _white(emitter: Emitter) -> Colour:
-    return np.ones_like(emitter.radiance)
 
 
 def _black(_: Emitter) -> Plugin:
@@ -47,7 +44,7 @@ class Light(Emitter):
     radiance: Colour
     source: Source | None = None
     pattern: Pattern | None = None
-    opaque, display_colour, plugin = True, _white, _black
+    opaque, plugin = True, _black
 
     def specification(self) -> Specification:
         return Specification("light", _even(self.pattern), (*self.radiance,))
@@ -69,7 +66,7 @@ class Glow(Emitter):
     radius: float = 0.0
     source: Source | None = None
     pattern: Pattern | None = None
-    opaque, display_colour, plugin = True, _white, _black
+    opaque, plugin = True, _black
 
     def specification(self) -> Specification:
         reals = *self.radiance, self.radius
@@ -95,7 +92,7 @@ class Spotlight(Emitter):
     length: float
     source: Source | None = None
     pattern: Pattern | None = None
-    opaque, display_colour, plugin = True, _white, _black
+    opaque, plugin = True, _black
 
     def specification(self) -> Specification:
         axis = self.direction * (self.length or 1.0)
@@ -123,9 +120,6 @@ class Illum(Emitter):
     def opaque(self) -> bool:
         return self.alternate.opaque
 
-    def display_colour(self) -> Colour:
-        return self.alternate.display_colour()
-
     def plugin(self) -> Plugin:
         return self.alternate.plugin()
 
@@ -135,45 +129,46 @@ class Illum(Emitter):
         return Specification("illum", strings, (*self.radiance,))
 
 
+def _radiance(value: Colour) -> Colour:
+    not_negative(value, "radiance", unit="W/(m²·sr)")
+    return value
+
+
 def _even(pattern: Pattern | None) -> tuple[Pattern, ...]:
     return () if pattern is None else (pattern,)
 
 
 def _light(given: Definition) -> Material:
-    given.no_strings()
-    return Light(given.item.name, given.radiance(given.reals(3)), given.source)
+    return Light(given.item.name, _radiance(given.reals(3)), given.source)
 
 
 def _glow(given: Definition) -> Material:
-    given.no_strings()
     value = given.reals(4)
     radius = float(value[3]) * given.placed.scale
-    return Glow(given.item.name, given.radiance(value[:3]), radius, given.source)
+    return Glow(given.item.name, _radiance(value[:3]), radius, given.source)
 
 
 def _illum(given: Definition) -> Material:
-    radiance = given.radiance(given.reals(3))
+    radiance = _radiance(given.reals(3, strings=True))
     alternate = given.alternate() or Void()
     return Illum(given.item.name, radiance, alternate, given.source)
 
 
 def _spotlight(given: Definition) -> Material:
-    given.no_strings()
     value = given.reals(7)
-    if not 0 < value[3] <= 360:
-        raise given.error(f"angle is {value[3]:g}°; more than 0 and up to 360 expected")
+    given.full_angle(value[3])
     axis = given.placed.vectors(value[4:])
     return Spotlight(
         given.item.name,
-        given.radiance(value[:3]),
+        _radiance(value[:3]),
         float(value[3]),
-        given.direction(axis),
+        unit(axis),
         float(np.linalg.norm(axis)),
         given.source,
     )
 
 
-READERS: Mapping[str, Callable[[Definition], Material]] = {
+READERS: Readers = {
     "light": _light,
     "glow": _glow,
     "illum": _illum,

@@ -1,10 +1,10 @@
 """Radiance's glass: a thin pane."""
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from clerestory.checks import require
 from clerestory.scene.material import Colour, Material, Plugin, Source, Specification
-from clerestory.scene.primitive import Definition
+from clerestory.scene.primitive import Definition, Readers
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,9 +25,6 @@ class Glass(Material):
     takes_pattern = True
     opaque = False
 
-    def display_colour(self) -> Colour:
-        return self.transmissivity
-
     def plugin(self) -> Plugin:
         return Plugin(
             "radiance_glass",
@@ -39,13 +36,11 @@ class Glass(Material):
 
 
 def _read(given: Definition) -> Material:
-    given.no_strings()
     value = given.reals(3, 4)
     index = float(value[3]) if len(value) == 4 else 1.52
-    if index < 1:
-        raise given.error(f"index of refraction is {index:g}; 1 or more expected")
+    require(index >= 1, f"index of refraction is {index:g}; 1 or more expected")
     colour = given.share("transmissivity", value[:3])
     return Glass(given.item.name, colour, index, given.source)
 
 
-READERS: Mapping[str, Callable[[Definition], Material]] = {"glass": _read}
+READERS: Readers = {"glass": _read}

@@ -1,12 +1,11 @@
 """Radiance's mirror: a plane mirror that creates virtual light sources."""
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from clerestory.scene.material import Colour, Material, Plugin, Source, Specification
-from clerestory.scene.primitive import Definition
+from clerestory.scene.primitive import Definition, Readers
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,10 +28,6 @@ class Mirror(Material):
     def opaque(self) -> bool:
         return self.alternate is None or self.alternate.opaque
 
-    def display_colour(self) -> Colour:
-        other = self.alternate
-        return self.reflectance if other is None else other.display_colour()
-
     def plugin(self) -> Plugin:
         if self.alternate is not None:
             return self.alternate.plugin()
@@ -44,8 +39,8 @@ class Mirror(Material):
 
 
 def _read(given: Definition) -> Material:
-    colour = given.share("reflectance", given.reals(3))
+    colour = given.share("reflectance", given.reals(3, strings=True))
     return Mirror(given.item.name, np.asarray(colour), given.alternate(), given.source)
 
 
-READERS: Mapping[str, Callable[[Definition], Material]] = {"mirror": _read}
+READERS: Readers = {"mirror": _read}

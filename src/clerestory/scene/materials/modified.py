@@ -2,19 +2,13 @@
 
 from dataclasses import dataclass
 
-from clerestory.scene.material import Colour, Material, Plugin, Source
+from clerestory.scene.material import Material, Plugin, Source
 from clerestory.scene.pattern import Pattern
 
 
 @dataclass(frozen=True, eq=False)
 class Patterned(Material):
-    """A material whose colour is multiplied by a pattern.
-
-    Attributes
-    ----------
-    base : plastic, metal, trans, glass or mirror; for glass the transmission varies
-    pattern : multiplier of the colour
-    """
+    """A material whose colour (glass: transmissivity) is multiplied by a pattern."""
 
     name: str
     base: Material
@@ -24,9 +18,6 @@ class Patterned(Material):
     @property
     def opaque(self) -> bool:
         return self.base.opaque
-
-    def display_colour(self) -> Colour:
-        return self.base.display_colour()
 
     def plugin(self) -> Plugin:
         base = self.base.plugin()
@@ -38,12 +29,7 @@ class Patterned(Material):
 
 @dataclass(frozen=True, eq=False)
 class Textured(Material):
-    """A material whose surface normal is perturbed.
-
-    Attributes
-    ----------
-    texture : vector added to the unit normal, in the coordinates of the function
-    """
+    """A material whose unit normal is perturbed by a vector in function coordinates."""
 
     name: str
     base: Material
@@ -53,9 +39,6 @@ class Textured(Material):
     @property
     def opaque(self) -> bool:
         return self.base.opaque
-
-    def display_colour(self) -> Colour:
-        return self.base.display_colour()
 
     def plugin(self) -> Plugin:
         return Plugin("radiance_textured", {"base": self.base, "texture": self.texture})

@@ -1,17 +1,40 @@
-"""Radiance's plastic and metal: diffuse reflection with a Gaussian highlight."""
+"""Radiance's plastic and metal: diffuse reflection with a Gaussian highlight.
 
-from collections.abc import Callable, Mapping
+One roughness value gives an isotropic highlight; two values and an up vector give an
+anisotropic highlight (Radiance's plastic2, metal2, trans2).
+
+References: G. Ward, "Measuring and modeling anisotropic reflection", SIGGRAPH 1992;
+"The RADIANCE 6.0 Synthetic Imaging System" (ray.html), section 2.1.3.
+"""
+
 from dataclasses import dataclass
+from typing import Protocol
 
-from clerestory.scene.material import Colour, Material, Plugin, Source, Specification
-from clerestory.scene.materials.highlight import (
-    Roughness,
-    Up,
-    highlight_parameters,
-    highlight_specification,
-    read_highlight,
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.array_types import Vector, Vector2
+from clerestory.checks import not_negative, require, within
+from clerestory.directions import unit
+from clerestory.scene.material import (
+    Colour,
+    Material,
+    Parameter,
+    Plugin,
+    Source,
+    Specification,
 )
-from clerestory.scene.primitive import Definition
+from clerestory.scene.pattern import Pattern
+from clerestory.scene.primitive import Definition, Readers
+
+# Minimum roughness of anisotropic highlights (Radiance's FTINY)
+_TINY = 1e-6
+
+# Rms facet slope; for an anisotropic highlight, along `up` and perpendicular to it
+Roughness = float | Vector2
+
+# Vector in scene coordinates; pattern: vector in the coordinates of a function
+Up = Vector | Pattern | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,9 +60,6 @@ class Plastic(Material):
     takes_pattern = True
     opaque = True
 
-    def display_colour(self) -> Colour:
-        return self.reflectance
-
     def plugin(self) -> Plugin:
         return Plugin("radiance_plastic", highlight_parameters(self))
 
@@ -60,15 +80,82 @@ class Metal(Material):
     takes_pattern = True
     opaque = True
 
-    def display_colour(self) -> Colour:
-        return self.reflectance
-
     def plugin(self) -> Plugin:
-        parameters = {"metallic": True, **highlight_parameters(self)}
-        return Plugin("radiance_plastic", parameters)
+        return Plugin(
+            "radiance_plastic", {"metallic": True, **highlight_parameters(self)}
+        )
 
     def specification(self) -> Specification:
         return highlight_specification("metal", self)
+
+
+class Glossy(Protocol):
+    """A material with a Gaussian highlight."""
+
+    @property
+    def reflectance(self) -> Colour: ...
+    @property
+    def specularity(self) -> float: ...
+    @property
+    def roughness(self) -> Roughness: ...
+    @property
+    def up(self) -> Up: ...
+
+
+def highlight_parameters(material: Glossy) -> dict[str, Parameter]:
+    """Return the plugin parameters that all glossy materials have in common."""
+    first, *second = np.atleast_1d(material.roughness).tolist()
+    shared: dict[str, Parameter] = {
+        "reflectance": material.reflectance,
+        "specularity": material.specularity,
+        "roughness": first,
+    }
+    if material.up is not None:
+        shared |= {"roughness_v": second[0], "up": material.up}
+    return shared
+
+
+def highlight_specification(
+    kind: str, material: Glossy, *further: float
+) -> Specification:
+    """Return the type and arguments of a glossy material.
+
+    `kind` is the type with an isotropic highlight; `further` arguments follow the
+    roughness.
+    """
+    gloss = material.specularity, *np.atleast_1d(material.roughness).tolist()
+    reals = (*material.reflectance, *gloss, *further)
+    if material.up is None:
+        return Specification(kind, (), reals)
+    up = (material.up,) if isinstance(material.up, Pattern) else (*material.up,)
+    return Specification(f"{kind}2", (*up, "."), reals)
+
+
+def read_highlight(
+    given: Definition, further: int
+) -> tuple[tuple[Colour, float, Roughness], Up, Float[np.ndarray, " further"]]:
+    """Return reflectance, specularity and roughness; up vector; `further` arguments."""
+    elliptical = given.item.kind.endswith("2")
+    up = _up(given) if elliptical else None
+    end = 6 if elliptical else 5
+    value = given.reals(end + further, strings=elliptical)
+    reflectance = given.share("reflectance", value[:3])
+    within(value[3], "specularity", least=0, most=1)
+    slope = value[4:end]
+    not_negative(slope, "roughness")
+    if slope.max() > 0.4:
+        given.doubt(f"roughness is {slope.max():g}; values above 0.2 are unusual")
+    least = f"roughness is {slope.min():g}; more than 0 expected"
+    require(slope.min() > _TINY or not elliptical, least)
+    roughness = slope if elliptical else float(slope[0])
+    return (reflectance, float(value[3]), roughness), up, value[end:]
+
+
+def _up(given: Definition) -> Vector | Pattern:
+    given.strings(4, "up vector, function file and transform")
+    given.oriented(4)
+    vector = given.vector(0, given.placed)
+    return vector if isinstance(vector, Pattern) else unit(vector)
 
 
 def _read(given: Definition) -> Material:
@@ -77,6 +164,4 @@ def _read(given: Definition) -> Material:
     return kind(given.item.name, *gloss, given.source, up)
 
 
-READERS: Mapping[str, Callable[[Definition], Material]] = dict.fromkeys(
-    ("plastic", "metal", "plastic2", "metal2"), _read
-)
+READERS: Readers = dict.fromkeys(("plastic", "metal", "plastic2", "metal2"), _read)

@@ -1,17 +1,17 @@
 """Radiance's trans: a translucent sheet."""
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from clerestory.checks import within
 from clerestory.scene.material import Colour, Material, Plugin, Source, Specification
-from clerestory.scene.materials.highlight import (
+from clerestory.scene.materials.plastic import (
     Roughness,
     Up,
     highlight_parameters,
     highlight_specification,
     read_highlight,
 )
-from clerestory.scene.primitive import Definition
+from clerestory.scene.primitive import Definition, Readers
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,9 +42,6 @@ class Trans(Material):
     def opaque(self) -> bool:
         return self.transmission == 0
 
-    def display_colour(self) -> Colour:
-        return self.reflectance
-
     def plugin(self) -> Plugin:
         return Plugin(
             "radiance_trans",
@@ -62,12 +59,10 @@ class Trans(Material):
 
 def _read(given: Definition) -> Material:
     gloss, up, passed = read_highlight(given, 2)
-    transmission = given.fraction("transmission", passed[0])
-    specular = given.fraction("transmitted specularity", passed[1])
-    return Trans(given.item.name, *gloss, transmission, specular, given.source, up)
+    within(passed[0], "transmission", least=0, most=1)
+    within(passed[1], "transmitted specularity", least=0, most=1)
+    shares = float(passed[0]), float(passed[1])
+    return Trans(given.item.name, *gloss, *shares, given.source, up)
 
 
-READERS: Mapping[str, Callable[[Definition], Material]] = {
-    "trans": _read,
-    "trans2": _read,
-}
+READERS: Readers = {"trans": _read, "trans2": _read}

@@ -4,7 +4,7 @@ import tomllib
 
 import pytest
 
-from clerestory.study.toml_lines import key_lines, line_of
+from clerestory.toml_lines import key_lines, line_of
 
 TEXT = '''# comment
 title = "a"   # key = 3

@@ -1,0 +1,239 @@
+"""JSON and TOML files as pydantic models, with error messages of one line.
+
+A message gives the line in TOML files, the path of the item, its value and the expected
+value, such as `study.toml:27: trace.samples is "many"; a whole number expected`.
+"""
+
+import json
+import re
+import tomllib
+import types
+from pathlib import Path
+from typing import Annotated, Any, TypeVar, get_args, get_origin
+
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    Strict,
+    ValidationError,
+    model_validator,
+)
+from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails
+
+from clerestory.errors import InputError
+from clerestory.files import read_text
+from clerestory.toml_lines import key_lines, line_of
+
+# Numbers that are not booleans or text
+Number = Annotated[float, Strict()]
+Positive = Annotated[Number, Field(gt=0)]
+
+Document = TypeVar("Document", bound=BaseModel)
+
+# Expected value for each type of pydantic error, with the limits in {…}
+_EXPECTED = {
+    "bool_parsing": "true or false",
+    "bool_type": "true or false",
+    "dict_type": "a table",
+    "finite_number": "a finite number",
+    "float_type": "a number",
+    "greater_than": "a number above {gt:g}",
+    "greater_than_equal": "a number of at least {ge:g}",
+    "int_from_float": "a whole number",
+    "int_type": "a whole number",
+    "less_than": "a number below {lt:g}",
+    "less_than_equal": "a number of at most {le:g}",
+    "list_type": "a list in [ ]",
+    "model_attributes_type": "a table",
+    "model_type": "a table",
+    "string_type": "text in quotes",
+    "too_long": "a list of at most {max_length}",
+    "too_short": "a list of at least {min_length}",
+    "tuple_type": "a list in [ ]",
+}
+
+# Number of characters of a value that a message repeats
+_SHOWN = 60
+
+
+class Table(BaseModel):
+    """A table of which all keys are known; types are not converted."""
+
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, strict=True, allow_inf_nan=False
+    )
+
+
+class Item(Table):
+    """A JSON object of which only some members are read; `null` means missing."""
+
+    model_config = ConfigDict(extra="ignore", strict=False)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _without_null(cls, value: Any) -> Any:
+        if not isinstance(value, dict):
+            return value
+        return {key: member for key, member in value.items() if member is not None}
+
+
+def read_json(path: str | Path, model: type[Document]) -> Document:
+    """Return the document in a JSON file."""
+    return parse_json(read_text(path), model, file=path)
+
+
+def parse_json(
+    text: str | bytes, model: type[Document], *, file: str | Path
+) -> Document:
+    """Return the document in a JSON text; `file` is for error messages."""
+    return validated(json_value(text, file=file), model, file=file)
+
+
+def json_value(text: str | bytes, *, file: str | Path) -> Any:
+    """Return the value of a JSON text.
+
+    Raises
+    ------
+    InputError : the text is not JSON, with the line
+    """
+    try:
+        return json.loads(text)
+    except json.JSONDecodeError as error:
+        line = error.lineno
+        raise InputError(f"not JSON: {error.msg}", file=file, line=line) from error
+    except (ValueError, RecursionError) as error:
+        message = "not JSON: a number is too long, or values are nested too deeply"
+        raise InputError(message, file=file) from error
+
+
+def read_toml(
+    path: str | Path, model: type[Document], context: dict[str, Any] | None = None
+) -> Document:
+    """Return the document in a TOML file; messages count tables from 1.
+
+    Parameters
+    ----------
+    context : values for the validators of the model
+
+    Raises
+    ------
+    InputError : the file cannot be read, is not TOML, or a key is missing, unknown or
+        wrong; with the line, and the valid choices
+    """
+    text = read_text(path)
+    value = toml_tables(text, file=path)
+    return validated(value, model, file=path, context=context, toml=text)
+
+
+def toml_tables(text: str, *, file: str | Path) -> dict[str, Any]:
+    """Return the tables of a TOML text.
+
+    Raises
+    ------
+    InputError : the text is not TOML, with the line
+    """
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        reason = str(error)
+        place = re.search(r" \(at line (\d+), column \d+\)$", reason)
+        line = int(place[1]) if place else len(text.splitlines())
+        reason = re.sub(r" \(at .*\)$", "", reason)
+        raise InputError(f"not TOML: {reason}", file=file, line=line) from error
+    except (ValueError, RecursionError) as error:
+        message = "not TOML: a number is too long, or values are nested too deeply"
+        raise InputError(message, file=file) from error
+
+
+def validated(
+    value: Any,
+    model: type[Document],
+    *,
+    file: str | Path,
+    context: dict[str, Any] | None = None,
+    toml: str = "",
+) -> Document:
+    """Return a value as a model; the error is the first in the file.
+
+    Parameters
+    ----------
+    toml : text of the TOML file, for line numbers; its tables are counted from 1
+    """
+    try:
+        return model.model_validate(value, context=context)
+    except ValidationError as error:
+        lines = key_lines(toml)
+        found = [(line_of(each["loc"], lines), each) for each in error.errors()]
+        found.sort(key=lambda pair: pair[0] or len(toml))
+        line, first = found[0]
+        message = _message(first, model, 1 if toml else 0)
+        if len(found) > 1:
+            message += f" (and {len(found) - 1} more)"
+        raise InputError(message, file=file, line=line) from error
+
+
+def _message(details: ErrorDetails, model: type[BaseModel], first: int) -> str:
+    kind, where = details["type"], details["loc"]
+    place = "".join(
+        f"[{part + first}]" if isinstance(part, int) else f".{part}" for part in where
+    ).lstrip(".")
+    if kind == "missing":
+        return f"{place} is missing; {_description(model, where)} expected"
+    if kind == "extra_forbidden":
+        table = _model_at(model, where[:-1])
+        names = ", ".join(_keys(table)) if table else "the documented keys"
+        return f'unknown key "{place}"; one of {names} expected'
+    if kind == "rule":
+        return f"[{place}]: {details['msg']}" if place else str(details["msg"])
+    shown = json.dumps(details["input"], default=str, ensure_ascii=False)
+    shown = shown if len(shown) <= _SHOWN else f"{shown[:_SHOWN]}…"
+    return f"{place or 'the file'} is {shown}; {_expected(details, model)} expected"
+
+
+def _expected(details: ErrorDetails, model: type[BaseModel]) -> str:
+    kind, limits = details["type"], details.get("ctx", {})
+    if kind == "literal_error":
+        return str(limits["expected"]).replace("'", '"')
+    if kind in _EXPECTED:
+        return _EXPECTED[kind].format(**limits)
+    if kind == "string_pattern_mismatch":
+        return _description(model, details["loc"])
+    return details["msg"].removeprefix("Input should be ")
+
+
+def _keys(model: type[BaseModel]) -> list[str]:
+    fields = model.model_fields.items()
+    return [field.alias or name for name, field in fields if not field.exclude]
+
+
+def _model_at(
+    model: type[BaseModel] | None, where: tuple[str | int, ...]
+) -> type[BaseModel] | None:
+    # Table class at a path of keys; None for tables with keys of any name
+    for part in where:
+        if isinstance(part, str):
+            field = _field(model, part)
+            model = None if field is None else _table_of(field.annotation)
+    return model
+
+
+def _description(model: type[BaseModel], where: tuple[str | int, ...]) -> str:
+    names = [part for part in where if isinstance(part, str)]
+    field = _field(_model_at(model, tuple(names[:-1])), names[-1])
+    return (field and field.description) or "a value"
+
+
+def _field(model: type[BaseModel] | None, key: str) -> FieldInfo | None:
+    fields = {} if model is None else model.model_fields
+    return next((f for name, f in fields.items() if key in (name, f.alias)), None)
+
+
+def _table_of(annotation: object) -> type[BaseModel] | None:
+    # Table class in an annotation such as list[WindowTable]
+    if get_origin(annotation) in (list, tuple, types.UnionType):
+        annotation = get_args(annotation)[0]
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    return None

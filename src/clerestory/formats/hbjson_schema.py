@@ -1,0 +1,169 @@
+"""Members of honeybee models that are read.
+
+Reference: ladybug-tools, honeybee-schema, the JSON schema of honeybee models.
+"""
+
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from jaxtyping import Float
+from pydantic import AliasPath, ConfigDict, Field
+
+from clerestory.documents import Item, Number
+
+_Point = tuple[Number, Number, Number]
+_Loop = Annotated[tuple[_Point, ...], Field(min_length=3)]
+_Polygon = Annotated[tuple[Annotated[int, Field(ge=0)], ...], Field(min_length=3)]
+
+
+def _at(path: str, *default: object) -> Any:
+    # Member of an object within the object
+    first = default[0] if default else ...
+    return Field(first, validation_alias=AliasPath(*path.split(".")))
+
+
+class State(Item):
+    """A state of an aperture or a shade."""
+
+    modifier: str = ""
+    shades: tuple[object, ...] = ()
+
+
+class Part(Item):
+    """A face, aperture, door or shade."""
+
+    identifier: str
+    boundary: _Loop = _at("geometry.boundary")
+    holes: tuple[_Loop, ...] | None = _at("geometry.holes", None)
+    modifier: str | None = _at("properties.radiance.modifier", None)
+    states: tuple[State, ...] | None = _at("properties.radiance.states", None)
+    group: str | None = _at("properties.radiance.dynamic_group_identifier", None)
+    exposure: str | None = _at("boundary_condition.type", "Outdoors")
+    twins: tuple[str, ...] | None = _at(
+        "boundary_condition.boundary_condition_objects", None
+    )
+    outdoor_shades: "tuple[Part, ...]" = ()
+    indoor_shades: "tuple[Part, ...]" = ()
+    is_operable: bool = False
+    is_glass: bool = False
+    face_type: Literal["Wall", "Floor", "RoofCeiling", "AirBoundary"] = "Wall"
+    apertures: "tuple[Part, ...]" = ()
+    doors: "tuple[Part, ...]" = ()
+
+    def loops(self) -> list[Float[np.ndarray, "point 3"]]:
+        """The outline and its holes, in units of the model."""
+        return [np.array(loop) for loop in (self.boundary, *(self.holes or ()))]
+
+
+class ShadeMesh(Item):
+    """A mesh that shades."""
+
+    identifier: str
+    vertices: _Loop = _at("geometry.vertices")
+    faces: tuple[_Polygon, ...] = _at("geometry.faces")
+    modifier: str | None = _at("properties.radiance.modifier", None)
+
+
+class Room(Item):
+    """A room with its faces."""
+
+    faces: tuple[Part, ...] = ()
+    modifier_set: str | None = _at("properties.radiance.modifier_set", None)
+    outdoor_shades: tuple[Part, ...] = ()
+    indoor_shades: tuple[Part, ...] = ()
+
+
+class ModifierItem(Item):
+    """A material or a BSDF; members of all types, 0 where they are missing."""
+
+    identifier: str
+    type: str
+    modifier: object = None
+    r_reflectance: Number = 0.0
+    g_reflectance: Number = 0.0
+    b_reflectance: Number = 0.0
+    r_transmissivity: Number = 0.0
+    g_transmissivity: Number = 0.0
+    b_transmissivity: Number = 0.0
+    r_emittance: Number = 0.0
+    g_emittance: Number = 0.0
+    b_emittance: Number = 0.0
+    specularity: Number = 0.0
+    roughness: Number = 0.0
+    refraction_index: Number = 1.52
+    transmitted_diff: Number = 0.0
+    transmitted_spec: Number = 0.0
+    max_radius: Number = 0.0
+    thickness: Number = 0.0
+    transform: object = None
+    up_orientation: _Point = (0.0, 0.0, 1.0)
+    bsdf_data: str = ""
+
+    def colour(self, word: str) -> Float[np.ndarray, "3"]:
+        """Red, green and blue of a member such as `reflectance`."""
+        return np.array([getattr(self, f"{channel}_{word}") for channel in "rgb"])
+
+
+class ModifierSet(Item):
+    """Names of modifiers by kind of surface (in `model_extra`), and modifiers."""
+
+    model_config = ConfigDict(extra="allow")
+
+    identifier: str = ""
+    modifiers: tuple[ModifierItem, ...] = ()
+
+
+class Sensor(Item):
+    """Position and direction of a sensor."""
+
+    pos: _Point
+    dir: _Point
+
+
+class Grid(Item):
+    """A sensor grid."""
+
+    identifier: str
+    display_name: str = ""
+    sensors: tuple[Sensor, ...] = ()
+
+
+class ViewItem(Item):
+    """A view; sizes are angles [deg] or, for parallel views, lengths."""
+
+    identifier: str
+    display_name: str = ""
+    view_type: Literal["v", "l", "h", "a", "s", "c"] = "v"
+    position: _Point
+    direction: _Point
+    up_vector: _Point = (0.0, 0.0, 1.0)
+    h_size: Number = 60.0
+    v_size: Number = 60.0
+    shift: Number = 0.0
+    lift: Number = 0.0
+
+
+class Radiance(Item):
+    """Radiance properties of the model."""
+
+    global_modifier_set: ModifierSet = ModifierSet()
+    modifiers: tuple[ModifierItem, ...] = ()
+    modifier_sets: tuple[ModifierSet, ...] = ()
+    sensor_grids: tuple[Grid, ...] = ()
+    views: tuple[ViewItem, ...] = ()
+
+
+class Model(Item):
+    """The root of the file."""
+
+    type: Literal["Model"] = "Model"
+    identifier: str = "model"
+    display_name: str = ""
+    units: Literal["Meters", "Millimeters", "Centimeters", "Feet", "Inches"] = "Meters"
+    radiance: Radiance = _at("properties.radiance", Radiance())
+    rooms: tuple[Room, ...] = ()
+    orphaned_faces: tuple[Part, ...] = ()
+    orphaned_apertures: tuple[Part, ...] = ()
+    orphaned_doors: tuple[Part, ...] = ()
+    orphaned_shades: tuple[Part, ...] = ()
+    shade_meshes: tuple[ShadeMesh, ...] = ()
