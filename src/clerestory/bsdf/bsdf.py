@@ -34,6 +34,9 @@ from clerestory.hemisphere.partition import RingPartition
 from clerestory.matrix.axis import window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
 
+_Incident = Float[np.ndarray, "*incident 3"]
+_Leaving = Float[np.ndarray, "*leaving 3"]
+_Pair = Float[np.ndarray, "*pair"]
 _Directions = Float[np.ndarray, "pair 3"]
 _Answers = Float[np.ndarray, " pair"]
 
@@ -192,11 +195,11 @@ class Bsdf:
 
     def evaluate(
         self,
-        incident: Float[np.ndarray, "*incident 3"],
-        leaving: Float[np.ndarray, "*leaving 3"],
+        incident: _Incident,
+        leaving: _Leaving,
         *,
         channel: str = "visible",
-    ) -> Float[np.ndarray, "*pair"]:
+    ) -> _Pair:
         """BSDF [1/sr] for pairs of directions that point away from the layer.
 
         The BSDF is zero where the layer has no scattering function.
@@ -207,11 +210,11 @@ class Bsdf:
 
     def resolution(
         self,
-        incident: Float[np.ndarray, "*incident 3"],
-        leaving: Float[np.ndarray, "*leaving 3"],
+        incident: _Incident,
+        leaving: _Leaving,
         *,
         channel: str = "visible",
-    ) -> Float[np.ndarray, "*pair"]:
+    ) -> _Pair:
         """Projected solid angle [sr] of the cell or patch that contains each pair.
 
         Where the layer has no scattering function, the result is π (hemisphere).
@@ -247,11 +250,11 @@ class Bsdf:
     def _over_pairs(
         self,
         ask: Callable[[ScatteringFunction, _Directions, _Directions], _Answers],
-        incident: Float[np.ndarray, "*incident 3"],
-        leaving: Float[np.ndarray, "*leaving 3"],
+        incident: _Incident,
+        leaving: _Leaving,
         channel: str,
         missing: float,
-    ) -> Float[np.ndarray, "*pair"]:
+    ) -> _Pair:
         # Apply to each pair of directions the scattering function of its two sides
         incident, leaving = np.broadcast_arrays(incident, leaving)
         answer = np.full(incident.shape[:-1], missing)

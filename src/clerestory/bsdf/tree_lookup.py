@@ -15,6 +15,9 @@ from clerestory.array_types import Indices, Slots
 
 _TOP_BITS = 16  # the dense table of upper tree levels has at most 2^16 cells
 
+_Places = Int32[np.ndarray, " pairs"]
+_Tops = Int32[np.ndarray, " tops"]
+
 
 class Cells(NamedTuple):
     """Cells of one size in a tree."""
@@ -41,8 +44,8 @@ class Slices(NamedTuple):
 
 
 def look_up(
-    slots: Slots, place: tuple[Int32[np.ndarray, " pairs"], ...], *, depth: int
-) -> tuple[Float32[np.ndarray, " pairs"], Int32[np.ndarray, " pairs"]]:
+    slots: Slots, place: tuple[_Places, ...], *, depth: int
+) -> tuple[Float32[np.ndarray, " pairs"], _Places]:
     """BSDF values at places, and levels of the cells that contain the places."""
     rank = len(place)
     path = _path(place, depth)
@@ -60,9 +63,7 @@ def look_up(
     return code.view(np.float32), level
 
 
-def dense_top(
-    slots: Slots, rank: int, depth: int
-) -> tuple[int, Int32[np.ndarray, " tops"]]:
+def dense_top(slots: Slots, rank: int, depth: int) -> tuple[int, _Tops]:
     """Return an upper tree level and the dense table of the slots on this level.
 
     A lookup reaches this level in a single step. The values of larger cells are
@@ -81,8 +82,8 @@ def dense_top(
 
 def values_at(
     slots: Slots,
-    top: tuple[int, Int32[np.ndarray, " tops"]],
-    place: tuple[Int32[np.ndarray, " pairs"], ...],
+    top: tuple[int, _Tops],
+    place: tuple[_Places, ...],
     *,
     depth: int,
 ) -> Float32[np.ndarray, " pairs"]:
@@ -146,9 +147,7 @@ def slices(
     return Slices(owners[order], corners[:, order], sizes[order], values[order])
 
 
-def _path(
-    place: tuple[Int32[np.ndarray, " pairs"], ...], depth: int
-) -> Int[np.ndarray, " pairs"]:
+def _path(place: tuple[_Places, ...], depth: int) -> Int[np.ndarray, " pairs"]:
     # Morton code: branch numbers of all levels, the coarsest in the highest bits
     rank = len(place)
     spread = _spread(rank, depth)

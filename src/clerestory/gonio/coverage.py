@@ -34,6 +34,8 @@ _HALVINGS = 5
 # Largest asymmetry (fraction of the flux) of a layer that is considered symmetric.
 _ALIKE = 0.1
 
+_Grid = Float[np.ndarray, "row column"]
+
 
 @dataclass(frozen=True)
 class ScanReport:
@@ -171,7 +173,7 @@ def _asymmetry(measurement: Measurement) -> dict[Symmetry, float]:
     return found
 
 
-def _light(scan: Scan) -> Float[np.ndarray, "row column"]:
+def _light(scan: Scan) -> _Grid:
     # BSDF on a coarse grid of the unit square, where mirror images are array flips
     points = condensed_points(scan)
     flux = np.maximum(points.value * points.weight, 0)
@@ -181,8 +183,8 @@ def _light(scan: Scan) -> Float[np.ndarray, "row column"]:
 
 
 def _difference(
-    one: Float[np.ndarray, "row column"],
-    other: Float[np.ndarray, "row column"],
+    one: _Grid,
+    other: _Grid,
     factor: Vector,
 ) -> float:
     axes = [axis for axis in (0, 1) if factor[axis] < 0]

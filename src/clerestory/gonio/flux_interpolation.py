@@ -50,6 +50,10 @@ _AT_NORMAL = 1e-9  # directions with a smaller 1 − cos θ count as normal inci
 # Directions count as equal if they agree to this number of decimal places.
 _DIGITS = 7
 
+# Fluxes and kernel values at the known directions
+_Totals = Float[np.ndarray, " known"]
+_Table = Float[np.ndarray, "known known"]
+
 
 class Flux(Protocol):
     """Hemispherical transmittance or reflectance by incident direction."""
@@ -95,7 +99,7 @@ class FluxProcess:
     """Hemispherical transmittance or reflectance as a Gaussian process."""
 
     kernel: _Kernel
-    weight: Float[np.ndarray, " known"]  # weights of the kernels
+    weight: _Totals  # weights of the kernels
     mean: float
     most: float  # upper limit of transmittance or reflectance
 
@@ -126,7 +130,7 @@ def flux_surface(
 
 def _process(
     known: Float[np.ndarray, "known 3"],
-    totals: Float[np.ndarray, " known"],
+    totals: _Totals,
     factors: Float[np.ndarray, "images 3"],
 ) -> FluxProcess:
     # Select the coordinates with the largest marginal likelihood
@@ -145,9 +149,7 @@ def _process(
     return FluxProcess(kernel, np.asarray(inverse @ (totals - mean)), mean, most)
 
 
-def _likeliest(
-    kernel: _Kernel, totals: Float[np.ndarray, " known"]
-) -> tuple[float, _Kernel, float]:
+def _likeliest(kernel: _Kernel, totals: _Totals) -> tuple[float, _Kernel, float]:
     # Smallest negative log likelihood, with the kernel of its length scales and the
     # noise ratio; one scale or the noise ratio is varied at a time
     seen: dict[tuple[int, ...], float] = {}
@@ -175,8 +177,8 @@ def _likeliest(
 
 
 def _unlikeliness(
-    kernel: Float[np.ndarray, "known known"],
-    totals: Float[np.ndarray, " known"],
+    kernel: _Table,
+    totals: _Totals,
     noise: float,
 ) -> float:
     # Negative log marginal likelihood for the most likely variance of the process
@@ -188,9 +190,7 @@ def _unlikeliness(
     return float(0.5 * count * np.log(scale) + np.log(np.diag(factor)).sum())
 
 
-def _inverse(
-    kernel: Float[np.ndarray, "known known"], noise: float
-) -> tuple[Float[np.ndarray, "known known"], Float[np.ndarray, "known known"]]:
+def _inverse(kernel: _Table, noise: float) -> tuple[_Table, _Table]:
     identity = np.eye(len(kernel))
     factor = linalg.cholesky(kernel + noise * identity, lower=True)
     return factor, linalg.cho_solve((factor, True), identity)

@@ -52,6 +52,10 @@ _EVEN = 0.05  # quantile of the BSDF values that is taken as the uniform backgro
 # Lower limit of the BSDF in statistical weights, as a fraction of the mean BSDF.
 _FLOOR = 1e-2
 
+# Unknown fluxes and their normal equations
+_Unknowns = Float[np.ndarray, " unknowns"]
+_Gram = Float[np.ndarray, "unknowns unknowns"]
+
 
 @dataclass(frozen=True)
 class FitOptions:
@@ -212,9 +216,7 @@ _PATIENCE = 3
 _NEGATIVE = 1e-12
 
 
-def non_negative(
-    gram: Float[np.ndarray, "unknowns unknowns"], target: Float[np.ndarray, " unknowns"]
-) -> Float[np.ndarray, " unknowns"]:
+def non_negative(gram: _Gram, target: _Unknowns) -> _Unknowns:
     """Return x ≥ 0 that minimizes xᵀ·gram·x/2 − targetᵀ·x.
 
     `gram`: symmetric and positive definite.
@@ -241,10 +243,10 @@ def non_negative(
 
 
 def _free_solution(
-    gram: Float[np.ndarray, "unknowns unknowns"],
-    target: Float[np.ndarray, " unknowns"],
+    gram: _Gram,
+    target: _Unknowns,
     free: Bool[np.ndarray, " unknowns"],
-) -> tuple[Float[np.ndarray, " unknowns"], Float[np.ndarray, " unknowns"]]:
+) -> tuple[_Unknowns, _Unknowns]:
     # Solution for the free unknowns, and negative gradient with respect to all unknowns
     found = np.zeros(len(target))
     if np.any(free):

@@ -43,16 +43,21 @@ _STEEPNESS = 2
 # flux of a lobe that must be matched.
 _LEAST_SHARE, _NO_PARTNER = 1e-7, 1e-2
 
+# Lobe indices and fluxes of matches, and angles between lobes
+_Matches = Int[np.ndarray, " moves"]
+_Fluxes = Float[np.ndarray, " moves"]
+_Distances = Float[np.ndarray, "start end"]
+
 
 @dataclass(frozen=True, eq=False)
 class Plan:
     """Transport plan: matches between the lobes of two incident directions."""
 
     # Indices of the lobes of each match, at the start and at the end
-    source: Int[np.ndarray, " moves"]
-    target: Int[np.ndarray, " moves"]
-    sent: Float[np.ndarray, " moves"]  # flux of each match at the start and at the end
-    received: Float[np.ndarray, " moves"]
+    source: _Matches
+    target: _Matches
+    sent: _Fluxes  # flux of each match at the start and at the end
+    received: _Fluxes
     fading: Float[np.ndarray, " start"]  # unmatched flux of each lobe at the start
     rising: Float[np.ndarray, " end"]  # unmatched flux of each lobe at the end
 
@@ -98,9 +103,7 @@ def plan_transport(start: Lobes, end: Lobes, angle: float) -> Plan:
     return plan_moves(start, end, distance, _REACH_PER_ANGLE * angle)
 
 
-def plan_moves(
-    start: Lobes, end: Lobes, distance: Float[np.ndarray, "start end"], slack: float
-) -> Plan:
+def plan_moves(start: Lobes, end: Lobes, distance: _Distances, slack: float) -> Plan:
     """Calculate the transport plan of least cost for given angles between lobes [rad].
 
     `slack`: reach of a lobe beyond its radius [rad].
@@ -139,9 +142,9 @@ def plan_moves(
 def _companions(
     lobes: Lobes,
     taking_part: Bool[np.ndarray, " lobes"],
-    own: Int[np.ndarray, " moves"],
-    other: Int[np.ndarray, " moves"],
-    flux: Float[np.ndarray, " moves"],
+    own: _Matches,
+    other: _Matches,
+    flux: _Fluxes,
 ) -> tuple[Int[np.ndarray, " lone"], Int[np.ndarray, " lone"]]:
     # Unmatched lobes, and for each the lobe at the other end that receives most flux
     # from the nearest matched lobe
@@ -161,9 +164,7 @@ def _companions(
     return lone, most[companion]
 
 
-def _moved(
-    start: Lobes, end: Lobes, distance: Float[np.ndarray, "start end"], slack: float
-) -> Float[np.ndarray, "start end"]:
+def _moved(start: Lobes, end: Lobes, distance: _Distances, slack: float) -> _Distances:
     # Limit the flux of each lobe to the flux at the other end within its reach
     reach, reach_end = _reach(start, slack), _reach(end, slack)
     give = _limited(start, end, distance, reach)

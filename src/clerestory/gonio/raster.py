@@ -42,6 +42,11 @@ _NARROWEST = 0.5
 # Each cell of the projected square has 2^2 × 2^2 sample points.
 _GATHER = 2
 
+# Values and directions of the cells of a grid, and numbers of the lobes drawn on it
+_Cells = Float[np.ndarray, " cells"]
+_Centres = Float[np.ndarray, "cells 3"]
+_Drawn = Int[np.ndarray, " drawn"]
+
 
 @dataclass(frozen=True, eq=False)
 class Raster:
@@ -49,7 +54,7 @@ class Raster:
 
     halvings: int  # 2^halvings cells along each axis of the projected square
     # Unit vectors of the cell centres of each grid, coarsest grid first
-    directions: tuple[Float[np.ndarray, "cells 3"], ...]
+    directions: tuple[_Centres, ...]
     # Interpolation matrix from the finest grid to the projected square
     gather: sparse.csr_array
 
@@ -92,10 +97,10 @@ class Raster:
 
 def _draw_everywhere(
     lobes: Lobes,
-    of: Int[np.ndarray, " drawn"],
-    direction: Float[np.ndarray, "cells 3"],
+    of: _Drawn,
+    direction: _Centres,
     change: float,
-) -> Float[np.ndarray, " cells"]:
+) -> _Cells:
     square = lobes.radius[of] ** 2 + change
     shape = direction @ (lobes.centre[of] / square[:, None]).T
     shape -= 1 / square
@@ -106,10 +111,10 @@ def _draw_everywhere(
 
 def _draw_near(
     lobes: Lobes,
-    of: Int[np.ndarray, " drawn"],
-    direction: Float[np.ndarray, "cells 3"],
+    of: _Drawn,
+    direction: _Centres,
     change: float,
-) -> Float[np.ndarray, " cells"]:
+) -> _Cells:
     wide = round(len(direction) ** 0.5)
     full = wide + 2 * _SIDE
     x, y, z = _with_margin(wide)
@@ -146,7 +151,7 @@ def _with_margin(wide: int) -> tuple[Values, Values, Values]:
     return x, y, z
 
 
-def _refined(values: Float[np.ndarray, " cells"]) -> Float[np.ndarray, " finer"]:
+def _refined(values: _Cells) -> Float[np.ndarray, " finer"]:
     # Interpolate to half the cell width: 3/4 of a cell plus 1/4 of the adjacent cell
     wide = round(len(values) ** 0.5)
     table = values.reshape(wide, wide)

@@ -12,6 +12,7 @@ then rotated by 180° about the up axis.
 Reference: manual page of Radiance's pabopto2bsdf, version 6.0a.
 """
 
+import functools
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -20,7 +21,7 @@ from pathlib import Path
 import numpy as np
 
 from clerestory.array_types import Directions, Points2, Vector
-from clerestory.bsdf.scattering_function import Function
+from clerestory.bsdf.scattering_function import OF_SIDE, Function, Side
 from clerestory.checks import require
 from clerestory.gonio.angles import from_degrees, upper_hemisphere
 from clerestory.gonio.formats.file_format import (
@@ -80,7 +81,7 @@ def _read(path: Path, options: ReadOptions) -> Iterator[Measurement]:
 
 
 def _header(lines: list[Line]) -> _Header:
-    header = _Header()
+    header, angle = _Header(), functools.partial(number, what="an angle [°]")
     for place, line in lines:
         text = line.strip()
         if not text.startswith("#"):
@@ -88,10 +89,10 @@ def _header(lines: list[Line]) -> _Header:
         words = text[1:].replace(":", " ").split()
         key = words[0].lower() if words else ""
         if key == "incident_angle" and len(words) >= 3:
-            header.theta, header.phi = (_angle(w, place) for w in words[1:3])
+            header.theta, header.phi = (angle(word, line=place) for word in words[1:3])
         elif key in ("intheta", "inphi", "upphi") and len(words) >= 2:
-            angle = _angle(words[1], place)
-            setattr(header, {"intheta": "theta", "inphi": "phi"}.get(key, "up"), angle)
+            name = {"intheta": "theta", "inphi": "phi", "upphi": "up"}[key]
+            setattr(header, name, angle(words[1], line=place))
         elif key == "format" and [w.lower() for w in words[1:3]] == ["theta", "phi"]:
             header.kind = words[-1].lower()
             message = f"format is {words[-1]!r}; one of {', '.join(_KINDS)} expected"
@@ -105,10 +106,6 @@ def _header(lines: list[Line]) -> _Header:
     return header
 
 
-def _angle(word: str, line: int) -> float:
-    return number(word, what="an angle [°]", line=line)
-
-
 def _turn(angles: Points2, up: float, facing: Facing) -> Directions:
     # Convert to window coordinates: up at φ = 90°, normal towards the room
     theta, phi = angles.T
@@ -118,7 +115,7 @@ def _turn(angles: Points2, up: float, facing: Facing) -> Directions:
 
 
 def _function(source: Vector, leaving: Directions) -> Function:
-    side = "back" if source[2] > 0 else "front"
+    side: Side = "back" if source[2] > 0 else "front"
     grazing = np.sin(np.radians(_GRAZING_DEG))
     above, below = np.any(leaving[:, 2] > grazing), np.any(leaving[:, 2] < -grazing)
     require(
@@ -126,10 +123,8 @@ def _function(source: Vector, leaving: Directions) -> Function:
         "scattered directions lie on both sides of the sample; one side per file"
         " expected; are the columns of θ and φ swapped?",
     )
-    same = bool(above) == (side == "back")
-    if side == "back":
-        return "reflection_back" if same else "transmission_back"
-    return "reflection_front" if same else "transmission_front"
+    transmission, reflection = OF_SIDE[side]
+    return reflection if bool(above) == (side == "back") else transmission
 
 
 def _recognizes(head: FileHead) -> bool:

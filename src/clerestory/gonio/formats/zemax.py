@@ -22,7 +22,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Values
-from clerestory.bsdf.scattering_function import Function
+from clerestory.bsdf.scattering_function import OF_SIDE, Side
 from clerestory.checks import require
 from clerestory.gonio.angles import angle_between, from_degrees, undeviated
 from clerestory.gonio.formats.file_format import (
@@ -58,7 +58,7 @@ class _Table:
 
 
 def _read(path: Path, options: ReadOptions) -> Iterator[Measurement]:
-    side = "back" if (options.function or "").endswith("back") else "front"
+    side: Side = "back" if (options.function or "").endswith("back") else "front"
     found = _read_file(path)
     scans: list[Scan] = []
     for rotation, block in zip(found.axes[0], found.values, strict=True):
@@ -67,8 +67,7 @@ def _read(path: Path, options: ReadOptions) -> Iterator[Measurement]:
         for incidence, values in zip(found.axes[1], block, strict=True):
             scan = _scan(float(rotation), float(incidence), values, found, path)
             scans.append(scan)
-    kind = "transmission" if found.kind == "btdf" else "reflection"
-    function: Function = f"{kind}_{side}"  # type: ignore[assignment]
+    function = OF_SIDE[side][0 if found.kind == "btdf" else 1]
     claimed: Symmetry | None = "isotropic" if len(found.axes[0]) == 1 else None
     yield Measurement(tuple(scans), function, name=path.stem, claimed=claimed)
 
