@@ -194,11 +194,7 @@ class Bsdf:
         return self.function(function, channel=channel).diffuse()
 
     def evaluate(
-        self,
-        incident: _Incident,
-        leaving: _Leaving,
-        *,
-        channel: str = "visible",
+        self, incident: _Incident, leaving: _Leaving, *, channel: str = "visible"
     ) -> _Pair:
         """BSDF [1/sr] for pairs of directions that point away from the layer.
 
@@ -209,11 +205,7 @@ class Bsdf:
         )
 
     def resolution(
-        self,
-        incident: _Incident,
-        leaving: _Leaving,
-        *,
-        channel: str = "visible",
+        self, incident: _Incident, leaving: _Leaving, *, channel: str = "visible"
     ) -> _Pair:
         """Projected solid angle [sr] of the cell or patch that contains each pair.
 

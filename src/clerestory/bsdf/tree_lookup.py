@@ -81,11 +81,7 @@ def dense_top(slots: Slots, rank: int, depth: int) -> tuple[int, _Tops]:
 
 
 def values_at(
-    slots: Slots,
-    top: tuple[int, _Tops],
-    place: tuple[_Places, ...],
-    *,
-    depth: int,
+    slots: Slots, top: tuple[int, _Tops], place: tuple[_Places, ...], *, depth: int
 ) -> Float32[np.ndarray, " pairs"]:
     """BSDF values at places, looked up from the table of `dense_top` on."""
     rank, (halvings, codes) = len(place), top

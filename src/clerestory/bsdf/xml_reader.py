@@ -135,11 +135,7 @@ def _warn_of_energy(bsdf: Bsdf, path: str | Path) -> None:
 
 
 def _accept_negative(
-    lost: float,
-    data: etree._Element,
-    line: int,
-    document: Document,
-    notes: list[str],
+    lost: float, data: etree._Element, line: int, document: Document, notes: list[str]
 ) -> None:
     # Note a small flux of negative values; a large one is an error
     found = f"negative values contain {lost:.2%} of the flux"

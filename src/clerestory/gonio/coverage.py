@@ -182,11 +182,7 @@ def _light(scan: Scan) -> _Grid:
     return cells.reshape(1 << _HALVINGS, -1)
 
 
-def _difference(
-    one: _Grid,
-    other: _Grid,
-    factor: Vector,
-) -> float:
+def _difference(one: _Grid, other: _Grid, factor: Vector) -> float:
     axes = [axis for axis in (0, 1) if factor[axis] < 0]
     change = np.abs(one - np.flip(other, tuple(axes))).sum() / 2
     return float(change / max(float((one + other).sum()) / 2, 1e-300))

@@ -176,11 +176,7 @@ def _likeliest(kernel: _Kernel, totals: _Totals) -> tuple[float, _Kernel, float]
     return seen[best], scaled(best), _NOISES[best[3]]
 
 
-def _unlikeliness(
-    kernel: _Table,
-    totals: _Totals,
-    noise: float,
-) -> float:
+def _unlikeliness(kernel: _Table, totals: _Totals, noise: float) -> float:
     # Negative log marginal likelihood for the most likely variance of the process
     count = len(totals)
     kernel = kernel * (count / np.trace(kernel))

@@ -11,13 +11,7 @@ from typing import final
 import numpy as np
 from jaxtyping import Float, Int
 
-from clerestory.array_types import (
-    Directions,
-    ExitIncident,
-    Points2,
-    Values,
-    Vector,
-)
+from clerestory.array_types import Directions, ExitIncident, Points2, Values, Vector
 from clerestory.bsdf.inverse_sampling import sample_square
 from clerestory.bsdf.patch_overlap import patches_in_cells
 from clerestory.bsdf.reciprocal_function import ReciprocalFunction

@@ -243,9 +243,7 @@ def non_negative(gram: _Gram, target: _Unknowns) -> _Unknowns:
 
 
 def _free_solution(
-    gram: _Gram,
-    target: _Unknowns,
-    free: Bool[np.ndarray, " unknowns"],
+    gram: _Gram, target: _Unknowns, free: Bool[np.ndarray, " unknowns"]
 ) -> tuple[_Unknowns, _Unknowns]:
     # Solution for the free unknowns, and negative gradient with respect to all unknowns
     found = np.zeros(len(target))

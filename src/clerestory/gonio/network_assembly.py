@@ -21,11 +21,7 @@ from jaxtyping import Float
 
 from clerestory.array_types import Directions, Indices, Points2, Values, Vector2
 from clerestory.checks import require
-from clerestory.gonio.angles import (
-    angle_between,
-    angle_table,
-    directions_over_disc,
-)
+from clerestory.gonio.angles import angle_between, angle_table, directions_over_disc
 from clerestory.gonio.incident_mesh import Mesh, arc_mesh, triangulate
 from clerestory.gonio.lobe_motion import LobeMotion, mean_motion
 from clerestory.gonio.lobes import Lobes

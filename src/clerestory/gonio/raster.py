@@ -96,10 +96,7 @@ class Raster:
 
 
 def _draw_everywhere(
-    lobes: Lobes,
-    of: _Drawn,
-    direction: _Centres,
-    change: float,
+    lobes: Lobes, of: _Drawn, direction: _Centres, change: float
 ) -> _Cells:
     square = lobes.radius[of] ** 2 + change
     shape = direction @ (lobes.centre[of] / square[:, None]).T
@@ -109,12 +106,7 @@ def _draw_everywhere(
     return np.asarray(shape @ (lobes.flux[of] / light))
 
 
-def _draw_near(
-    lobes: Lobes,
-    of: _Drawn,
-    direction: _Centres,
-    change: float,
-) -> _Cells:
+def _draw_near(lobes: Lobes, of: _Drawn, direction: _Centres, change: float) -> _Cells:
     wide = round(len(direction) ** 0.5)
     full = wide + 2 * _SIDE
     x, y, z = _with_margin(wide)
