@@ -107,14 +107,12 @@ def _energy(channel: str, tables: Tables) -> Iterator[Finding]:
             f"; with the reflection of the {other} it would be {swapped.max():.3f}:"
             " front and back are swapped in the transmission or the reflection"
         ) * fits
-        yield Finding(
-            "order" if fits else "energy",
-            severity,
-            excess,
-            f"transmittance and reflectance sum to {share[worst]:.4f}{advice}",
-            f"{channel} {side}, {patch_label(part.incidents, worst)}",
-            f"results are up to {excess:.1%} too high; interreflections may diverge",
-        )
+        name = "order" if fits else "energy"
+        what = f"transmittance and reflectance sum to {share[worst]:.4f}{advice}"
+        where = f"{channel} {side}, {patch_label(part.incidents, worst)}"
+        effect = f"results are up to {excess:.1%} too high"
+        effect += "; interreflections may diverge"
+        yield Finding(name, severity, excess, what, where, effect)
 
 
 def _scattered(
@@ -142,16 +140,13 @@ def _darkness(channel: str, tables: Tables) -> Iterator[Finding]:
             if name.endswith(side) and part.values.shape == dark.values.shape
         )
         if _LIKE_SHARES[0] < np.max(sums) < _LIKE_SHARES[1]:
-            yield Finding(
-                "scaling",
-                "warning",
-                float(share.max()),
-                f"transmittance and reflectance sum to {share.max():.2%} at most, but"
-                f" the values for one incident direction sum to {np.max(sums):.3f}",
-                f"{channel} {side}",
-                "if the values are flux fractions instead of 1/sr, results are about"
-                f" {1 / dark.exits.projected_solid_angles().mean():.0f} times too low",
-            )
+            most, factor = share.max(), 1 / dark.exits.projected_solid_angles().mean()
+            what = f"transmittance and reflectance sum to {most:.2%} at most, but the"
+            what += f" values for one incident direction sum to {np.max(sums):.3f}"
+            effect = "if the values are flux fractions instead of 1/sr, results are"
+            effect += f" about {factor:.0f} times too low"
+            where = f"{channel} {side}"
+            yield Finding("scaling", "warning", float(most), what, where, effect)
 
 
 def _up_and_down(channel: str, tables: Tables) -> Iterator[Finding]:
@@ -167,16 +162,13 @@ def _up_and_down(channel: str, tables: Tables) -> Iterator[Finding]:
     groups = (slant & (y < -0.35), slant & (y > 0.35))
     above, below = (float(share[g].mean()) if np.any(g) else 0.0 for g in groups)
     if above > _FROM_ABOVE * below:
-        yield Finding(
-            "order",
-            "warning",
-            above / max(below, 1e-9),
-            f"the transmittance is {above:.3f} for light from above, {below:.3f} for"
-            " light from below",
-            f"{channel} transmission front, 30° to 70° off the normal",
-            "plausible for light-redirecting louvres; a shading blind with these values"
-            " has its sides swapped or is upside down, and transmits the sun",
-        )
+        what = f"the transmittance is {above:.3f} for light from above, {below:.3f} for"
+        what += " light from below"
+        where = f"{channel} transmission front, 30° to 70° off the normal"
+        effect = "plausible for light-redirecting louvres; a shading blind with these"
+        effect += " values transmits the sun: its sides are swapped or it is inverted"
+        ratio = above / max(below, 1e-9)
+        yield Finding("order", "warning", ratio, what, where, effect)
 
 
 def _shape(channel: str, tables: Tables) -> Iterator[Finding]:

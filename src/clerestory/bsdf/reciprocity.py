@@ -49,26 +49,16 @@ def check_reciprocity(channel: str, tables: Tables) -> Iterator[Finding]:
         )
         least, turn = min(turned, key=lambda pair: pair[0])
         if size > _RECIPROCITY[1] and least < _REPAIRED * size:
-            yield Finding(
-                "azimuth",
-                "error",
-                size,
-                f"the reciprocity mismatch is {size:.0%}; it is {least:.0%} if"
-                f" incident directions are transformed by: {turn}",
-                f"{channel} {title}",
-                "light is scattered to the wrong side; the azimuth convention of"
-                " incident directions differs from WINDOW's",
-            )
+            name, severity = "azimuth", "error"
+            what = f"the reciprocity mismatch is {size:.0%}; it is {least:.0%} if"
+            what += f" incident directions are transformed by: {turn}"
+            effect = "light is scattered to the wrong side; the azimuth convention of"
+            effect += " incident directions differs from WINDOW's"
         else:
-            yield Finding(
-                "reciprocity",
-                severity,
-                size,
-                f"{size:.1%} of the flux violates reciprocity",
-                f"{channel} {title}",
-                "results depend on the side that a program reads and on whether paths"
-                " are traced forwards or backwards",
-            )
+            name, what = "reciprocity", f"{size:.1%} of the flux violates reciprocity"
+            effect = "results depend on the side that a program reads and on whether"
+            effect += " paths are traced forwards or backwards"
+        yield Finding(name, severity, size, what, f"{channel} {title}", effect)
 
 
 def _reverses(
@@ -97,15 +87,10 @@ def check_sides(channel: str, tables: Tables) -> Iterator[Finding]:
     size = abs(front - back) / max(front, back)
     severity = severity_of(size, _SIDES)
     if severity is not None:
-        yield Finding(
-            "sides",
-            severity,
-            size,
-            f"the diffuse transmittance is {front:.4f} from the front and {back:.4f}"
-            " from the back; equal values expected",
-            f"{channel} transmission",
-            f"daylight depends on the side that a program reads, by {size:.0%}",
-        )
+        what = f"the diffuse transmittance is {front:.4f} from the front and {back:.4f}"
+        what += " from the back; equal values expected"
+        effect = f"daylight depends on the side that a program reads, by {size:.0%}"
+        yield Finding("sides", severity, size, what, f"{channel} transmission", effect)
 
 
 def check_scaling(channel: str, tables: Tables) -> Iterator[Finding]:
@@ -121,16 +106,11 @@ def check_scaling(channel: str, tables: Tables) -> Iterator[Finding]:
         least, name = min(divided, key=lambda pair: pair[0])
         if least < _REPAIRED * size:
             severity: Severity = "error" if least < _PROVEN * size else "info"
-            yield Finding(
-                "scaling",
-                severity,
-                size,
-                f"the reciprocity mismatch is {size:.1%}; it is {least:.1%} if"
-                f" values are divided by {name}",
-                f"{channel} {title}",
-                "values may include this weight already; results are then too low or"
-                " wrong per patch",
-            )
+            what = f"the reciprocity mismatch is {size:.1%}; it is {least:.1%} if"
+            what += f" values are divided by {name}"
+            effect = "values may include this weight already; results are then too low"
+            effect += " or wrong per patch"
+            yield Finding("scaling", severity, size, what, f"{channel} {title}", effect)
 
 
 def _weights(part: ScatteringMatrix) -> dict[str, ExitIncident]:

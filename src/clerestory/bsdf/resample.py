@@ -20,10 +20,10 @@ from clerestory.bsdf.tree_arithmetic import (
     float_bits,
     full_levels,
     level_slots,
+    reduce_tree,
     xyz_functions,
 )
 from clerestory.bsdf.tree_parser import morton_order
-from clerestory.bsdf.tree_reduction import reduce_tree
 from clerestory.checks import within
 from clerestory.errors import InputError
 from clerestory.hemisphere.partition import RingPartition

@@ -104,7 +104,7 @@ class ScatteringTree(ScatteringFunction):
 
     def hemispherical(self, incident: Directions) -> Values:
         """Directional-hemispherical transmittance or reflectance."""
-        x, y, _ = _components(incident)
+        x, y, _ = np.reshape(np.asarray(incident, dtype=float), (-1, 3)).T
         share = np.empty(len(x))
         for found, owner, of in self._slices(x, y):
             share[of] = np.pi * np.bincount(found.owner, found.flux)[owner]
@@ -112,7 +112,7 @@ class ScatteringTree(ScatteringFunction):
 
     def sample(self, incident: Directions, u: Points2) -> tuple[Directions, Values]:
         """Exit directions and their probability density [1/sr]."""
-        x, y, _ = _components(incident)
+        x, y, _ = np.reshape(np.asarray(incident, dtype=float), (-1, 3)).T
         u = np.reshape(u, (-1, 2))
         leaving, density = np.empty((len(x), 3)), np.empty(len(x))
         for found, owner, of in self._slices(x, y):
@@ -212,11 +212,6 @@ class ScatteringTree(ScatteringFunction):
             of = np.flatnonzero((which >= start) & (which < start + together))
             part = place[:, start : start + together]
             yield slices(self.slots, part, depth=self.depth), which[of] - start, of
-
-
-def _components(direction: Directions) -> tuple[_Pairs, _Pairs, _Pairs]:
-    x, y, z = np.reshape(np.asarray(direction, dtype=float), (-1, 3)).T
-    return x, y, z
 
 
 def _azimuth(x: _Pairs, y: _Pairs) -> tuple[_Pairs, _Pairs]:

@@ -48,7 +48,7 @@ def look_up(
 ) -> tuple[Float32[np.ndarray, " pairs"], _Places]:
     """BSDF values at places, and levels of the cells that contain the places."""
     rank = len(place)
-    path = _path(place, depth)
+    path = morton_codes(place, depth)
     code = np.full(len(path), slots[0], dtype=np.int32)
     level = np.zeros(len(path), dtype=np.int32)
     for height in reversed(range(depth)):
@@ -85,7 +85,7 @@ def values_at(
 ) -> Float32[np.ndarray, " pairs"]:
     """BSDF values at places, looked up from the table of `dense_top` on."""
     rank, (halvings, codes) = len(place), top
-    path = _path(place, depth)
+    path = morton_codes(place, depth)
     code = np.take(codes, path >> rank * (depth - halvings))
     for height in reversed(range(depth - halvings)):
         inner = np.flatnonzero(code < 0)
@@ -143,8 +143,8 @@ def slices(
     return Slices(owners[order], corners[:, order], sizes[order], values[order])
 
 
-def _path(place: tuple[_Places, ...], depth: int) -> Int[np.ndarray, " pairs"]:
-    # Morton code: branch numbers of all levels, the coarsest in the highest bits
+def morton_codes(place: tuple[_Places, ...], depth: int) -> Int[np.ndarray, " pairs"]:
+    """Morton codes: branch numbers of all levels, the coarsest in the highest bits."""
     rank = len(place)
     spread = _spread(rank, depth)
     path: Int[np.ndarray, " pairs"] = spread[place[0]]

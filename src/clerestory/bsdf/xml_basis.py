@@ -55,10 +55,10 @@ def read_bases(definition: etree._Element, document: Document) -> Bases:
 
 def choose_bases(
     block: etree._Element, bases: Bases, *, count: int, document: Document
-) -> tuple[RingPartition, RingPartition, str]:
+) -> tuple[RingPartition, RingPartition]:
     """Return the partitions of rows and columns that fit the number of values.
 
-    The third value is a note, which is empty for partitions as defined in the file.
+    Partitions other than those defined in the file are noted in the document.
     """
     names = [document.text(block, f"{side}AngleBasis") for side in ("Row", "Column")]
     known = ", ".join(map(repr, bases.known))
@@ -74,15 +74,13 @@ def choose_bases(
         f" {len(rows[0]) * len(columns[0])} expected for {names[0]!r}",
     )
     chosen = fits[0]
-    note = ""
     if (rows[0], columns[0]) != chosen:
-        note = (
-            f"line {document.line(block)}: {count} values do not fit the {len(rows[0])}"
-            f" patches of {names[0]!r}; read as {len(chosen[0])} patches"
-        )
+        fault = f"{count} values do not fit the {len(rows[0])} patches of {names[0]!r}"
+        document.note(block, f"{fault}; read as {len(chosen[0])} patches")
     elif not bases.defined.issuperset(name.lower() for name in names):
-        note = f"the rings of {names[0]!r} are not in the file; standard ones are used"
-    return *chosen, note
+        missing = f"the rings of {names[0]!r} are not in the file"
+        document.notes.append(f"{missing}; standard ones are used")
+    return chosen
 
 
 def _well_known() -> dict[str, tuple[RingPartition, ...]]:

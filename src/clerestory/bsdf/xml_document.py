@@ -21,6 +21,9 @@ from clerestory.files import read_bytes
 _START = re.compile(rb"<ScatteringData(?:\s[^<>]*)?>\s*(?=\{)")
 _NUMBER = re.compile(r"\s*\{(\d{1,9})\}\s*")
 
+# Largest tolerated flux of negative BSDF values, as a fraction of the incident flux.
+_NEGLIGIBLE = 1e-3
+
 
 @dataclass(frozen=True)
 class TreeTexts:
@@ -81,7 +84,7 @@ class Document:
     path: str | Path  # path of the file, for error messages
     root: etree._Element  # root element
     lines_before: int = 0  # number of lines before the start of the XML
-    notes: tuple[str, ...] = ()  # irregularities of the file
+    notes: list[str] = field(default_factory=list)  # irregularities of the file
     # Extracted texts of tensor trees
     trees: TreeTexts = field(default_factory=TreeTexts)
 
@@ -98,6 +101,21 @@ class Document:
         """Raise an input error at an element unless a condition is true."""
         if not valid:
             raise self.error(element, message)
+
+    def note(self, element: etree._Element, text: str) -> None:
+        """Note an irregularity at an element."""
+        self.notes.append(f"line {self.line(element)}: {text}")
+
+    def accept_negative(self, lost: float, element: etree._Element) -> None:
+        """Note a small flux of negative BSDF values; a large one is an error.
+
+        `lost`: flux as a fraction of the incident flux.
+        """
+        message = f"negative values contain {lost:.2%} of the flux; a BSDF without"
+        self.check(lost <= _NEGLIGIBLE, element, f"{message} negative values expected")
+        if lost > 0:
+            values = f"negative values, {lost:.1e} of the flux,"
+            self.note(element, f"{values} are read as zero")
 
     def children(self, element: etree._Element, name: str) -> list[etree._Element]:
         """Child elements with a given name, in any namespace."""
@@ -151,8 +169,10 @@ def parse_document(path: str | Path) -> Document:
         raise InputError(
             f"unreadable XML: {error}; a BSDF file expected", file=path
         ) from error
-    notes = (f"text before the XML is skipped: {_quote(before)}",) if before else ()
-    document = Document(path, root, lines_before, notes, trees)
+    document = Document(path, root, lines_before, trees=trees)
+    if before:
+        skipped = " ".join(before.decode("latin-1").split())[:60]
+        document.notes.append(f"text before the XML is skipped: {skipped!r}")
     message = "the file has a DOCTYPE declaration; plain XML without it expected"
     document.check(not root.getroottree().docinfo.doctype, root, message)
     message = f"root element is {_name(root)}; WindowElement expected"
@@ -186,8 +206,3 @@ def is_number(word: str) -> bool:
 
 def _name(element: etree._Element) -> str:
     return str(etree.QName(element).localname)
-
-
-def _quote(data: bytes) -> str:
-    text = " ".join(data.decode("latin-1").split())
-    return repr(text if len(text) < 60 else text[:57] + "...")

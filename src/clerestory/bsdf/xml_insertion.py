@@ -47,12 +47,6 @@ def insert_blocks(
         of the source
     source_channel : channel of the source that is inserted as each of `channels`, for
         example visible data as NIR of a grey layer; default: channel of the same name
-
-    Raises
-    ------
-    InputError : a file is not a BSDF file, the data structures differ, a channel is
-        missing, or angle bases with equal names differ
-    OutputError : the file cannot be written
     """
     giver, taker = parse_document(source), parse_document(template)
     _demand_same_structure(giver, taker)

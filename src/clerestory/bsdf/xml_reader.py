@@ -23,9 +23,6 @@ from clerestory.bsdf.xml_product import read_product
 from clerestory.errors import ClerestoryWarning
 from clerestory.hemisphere.klems import klems
 
-# Largest tolerated flux of negative BSDF values, as a fraction of the incident flux.
-_NEGLIGIBLE_NEGATIVE = 1e-3
-
 # Functions by WavelengthDataDirection in lower case.
 _NAMES: dict[str, Function] = {name.replace("_", " "): name for name in FUNCTIONS}
 
@@ -66,46 +63,38 @@ def read_bsdf(path: str | Path) -> Bsdf:
     bases = read_bases(definition, document)
 
     functions: dict[tuple[str, Function], ScatteringFunction] = {}
-    notes = list(document.notes)
     for data in document.children(layer, "WavelengthData"):
         channel = document.text(data, "Wavelength").lower()
         for block in document.children(data, "WavelengthDataBlock"):
             direction = document.text(block, "WavelengthDataDirection")
             name = _NAMES.get(" ".join(direction.lower().split()))
             if name is None:
-                notes.append(f"line {document.line(block)}: {direction!r} is ignored")
+                document.note(block, f"{direction!r} is ignored")
                 continue
             if (channel, name) in functions:
-                notes.append(
-                    f"{channel} {direction} is given twice; the last one is used"
-                )
+                twice = f"{channel} {direction} is given twice"
+                document.notes.append(f"{twice}; the last one is used")
             functions[channel, name] = (
-                _read_matrix(block, bases, kind.lower() == "rows", document, notes)
+                _read_matrix(block, bases, kind.lower() == "rows", document)
                 if rank is None
-                else _read_tree(block, rank, document, notes)
+                else _read_tree(block, rank, document)
             )
     message = "no scattering data; WavelengthDataBlock expected"
     document.check(functions, layer, message)
-    bsdf = Bsdf(functions, read_product(layer, document), tuple(notes), str(path))
+    bsdf = Bsdf(
+        functions, read_product(layer, document), tuple(document.notes), str(path)
+    )
     _warn_of_energy(bsdf, path)
     return bsdf
 
 
 def _read_matrix(
-    block: etree._Element,
-    bases: Bases,
-    by_rows: bool,
-    document: Document,
-    notes: list[str],
+    block: etree._Element, bases: Bases, by_rows: bool, document: Document
 ) -> ScatteringMatrix:
     # Find the partitions that fit the names and the number of values
     data = document.require(block, "ScatteringData")
     values = read_numbers(data, document)
-    rows, columns, note = choose_bases(
-        block, bases, count=len(values), document=document
-    )
-    if note:
-        notes.append(note)
+    rows, columns = choose_bases(block, bases, count=len(values), document=document)
     table = values.reshape(len(rows), len(columns))
 
     # "Columns": one incident direction per column; "Rows": one per row
@@ -115,7 +104,7 @@ def _read_matrix(
     # Set small negative BSDF values (noise, interpolation) to zero
     weights = exits.projected_solid_angles()
     lost = float(np.max(weights @ np.maximum(-table, 0)))
-    _accept_negative(lost, data, document.line(data), document, notes)
+    document.accept_negative(lost, data)
     return ScatteringMatrix(np.maximum(table, 0), exits, incidents)
 
 
@@ -134,20 +123,8 @@ def _warn_of_energy(bsdf: Bsdf, path: str | Path) -> None:
             )
 
 
-def _accept_negative(
-    lost: float, data: etree._Element, line: int, document: Document, notes: list[str]
-) -> None:
-    # Note a small flux of negative values; a large one is an error
-    found = f"negative values contain {lost:.2%} of the flux"
-    message = f"{found}; a BSDF without negative values expected"
-    document.check(lost <= _NEGLIGIBLE_NEGATIVE, data, message)
-    if lost > 0:
-        found = f"negative values, {lost:.1e} of the flux, are read as zero"
-        notes.append(f"line {line}: {found}")
-
-
 def _read_tree(
-    block: etree._Element, rank: Literal[3, 4], document: Document, notes: list[str]
+    block: etree._Element, rank: Literal[3, 4], document: Document
 ) -> ScatteringTree:
     data = document.require(block, "ScatteringData")
     basis = document.text(block, "AngleBasis")
@@ -166,5 +143,5 @@ def _read_tree(
 
     # Half of a rank 3 tree is unused
     lost = 3.1416 * table.negative * (2 if rank == 3 else 1)
-    _accept_negative(lost, data, line, document, notes)
+    document.accept_negative(lost, data)
     return ScatteringTree(table.slots, rank, table.depth)

@@ -149,10 +149,6 @@ def cross_validate(
     Parameters
     ----------
     symmetry, options, processes, progress : as in `fit_measurement`
-
-    Raises
-    ------
-    InputError : fewer than three scans
     """
     scans, workers = measurement.scans, Workers(processes, progress)
     message = f"number of scans is {len(scans)}; {_FEWEST} or more expected"

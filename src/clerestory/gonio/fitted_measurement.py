@@ -26,21 +26,13 @@ from clerestory.progress import Progress
 
 @dataclass(frozen=True, eq=False)
 class Fitted:
-    """One scattering function of a layer, fitted to its measurement.
+    """One scattering function of a layer, fitted to its measurement."""
 
-    Attributes
-    ----------
-    interpolant : interpolated scattering function
-    function, channel : such as "transmission_front" and "visible"
-    name : name of the sample
-    options : options of the lobe fits
-    """
-
-    interpolant: Interpolant
-    function: Function
-    channel: str = "visible"
-    name: str = ""
-    options: FitOptions = DEFAULT
+    interpolant: Interpolant  # interpolated scattering function
+    function: Function  # such as "transmission_front" and "visible"
+    channel: str = "visible"  # such as "transmission_front" and "visible"
+    name: str = ""  # name of the sample
+    options: FitOptions = DEFAULT  # options of the lobe fits
 
 
 def fit_measurement(

@@ -107,10 +107,8 @@ class Interpolant(ScatteringFunction):
         """BSDF [1/sr] for pairs of directions."""
         incident, leaving = np.broadcast_arrays(incident, leaving)
         shape = incident.shape[:-1]
-        source, exits = (
-            incident.reshape(-1, 3),
-            upper_hemisphere(leaving.reshape(-1, 3)),
-        )
+        source = incident.reshape(-1, 3)
+        exits = upper_hemisphere(leaving.reshape(-1, 3))
         value = np.empty(len(source))
         for group, lobes in self._grouped(source):
             value[group] = lobes.evaluate(exits[group])

@@ -59,17 +59,13 @@ _Gram = Float[np.ndarray, "unknowns unknowns"]
 
 @dataclass(frozen=True)
 class FitOptions:
-    """Parameters of the lobe fits.
+    """Parameters of the lobe fits."""
 
-    Attributes
-    ----------
-    lobes : largest number of lobes per scan; doubled if more than 5 % of the flux is
-        misplaced, as for beams with steep edges
-    smoothing : relative width of lobes; smaller values than 1 give sharper fits that
-        are more sensitive to noise
-    """
-
+    # Largest number of lobes per scan; doubled if more than 5 % of the flux is
+    # misplaced, as for beams with steep edges
     lobes: int = 200
+    # Relative width of lobes; smaller values than 1 give sharper fits that are more
+    # sensitive to noise
     smoothing: float = 1.0
 
     def __post_init__(self) -> None:

@@ -12,7 +12,8 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from clerestory.array_types import Directions, Indices, Values
-from clerestory.hemisphere.shirley_chiu import square_from_disc
+from clerestory.bsdf.tree_lookup import morton_codes
+from clerestory.hemisphere.shirley_chiu import cells_from_disc, square_from_disc
 
 # Finest level: the square has 2^9 × 2^9 cells, 0.3° wide.
 FINEST = 9
@@ -69,8 +70,10 @@ class Quadtree:
 
     def __init__(self, direction: Directions, values: Values) -> None:
         scale = 1 / np.sqrt(1 + direction[:, 2])
-        a, b = square_from_disc(direction[:, 0] * scale, direction[:, 1] * scale)
-        code = _interleave(_whole(a), _whole(b))
+        x, y = direction[:, 0] * scale, direction[:, 1] * scale
+        row, column = cells_from_disc(x, y, halvings=FINEST)
+        code = morton_codes((column, row), FINEST)
+        a, b = square_from_disc(x, y)
         self._order = np.argsort(code, kind="stable")
         self._levels = _levels(code[self._order], a, b, values, self._order)
 
@@ -161,15 +164,3 @@ def _loss(
     explained = (yy * vx * vx - 2 * xy * vx * vy + xx * vy * vy) / safe
     left = np.maximum(vv - np.where(flat, 0, explained), 0)
     return np.asarray(np.sqrt(left) / np.sqrt(np.maximum(v, 0) + floor))
-
-
-def _whole(coordinate: Values) -> Indices:
-    wide = 1 << FINEST
-    return np.clip((coordinate * wide).astype(np.int64), 0, wide - 1)
-
-
-def _interleave(a: Indices, b: Indices) -> Indices:
-    code = np.zeros_like(a)
-    for bit in range(FINEST):
-        code |= ((a >> bit) & 1) << (2 * bit + 1) | ((b >> bit) & 1) << (2 * bit)
-    return code

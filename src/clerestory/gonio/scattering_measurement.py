@@ -98,23 +98,17 @@ _FEWEST_POINTS = 4
 class Scan:
     """BSDF values measured for one incident direction.
 
-    Attributes
-    ----------
-    incident : unit vector towards the source
-    leaving : unit vectors of the scattered directions
-    values : BSDF [1/sr]; negative values from noise are allowed
-    source : file name, for error messages
-
     Raises
     ------
     InputError : array lengths differ, a value is not finite, no value is positive, or
         there are fewer than four values
     """
 
-    incident: Float[np.ndarray, "3"]
-    leaving: Float[np.ndarray, "points 3"]
+    incident: Float[np.ndarray, "3"]  # unit vector towards the source
+    leaving: Float[np.ndarray, "points 3"]  # unit vectors of the scattered directions
+    # BSDF [1/sr]; negative values from noise are allowed
     values: Float[np.ndarray, " points"]
-    source: str | None = None
+    source: str | None = None  # file name, for error messages
 
     def __post_init__(self) -> None:
         with located(file=self.source):
@@ -157,26 +151,17 @@ class Scan:
 class Measurement:
     """Scans of one scattering function of a sample, in one channel.
 
-    Attributes
-    ----------
-    scans : scans with different incident directions
-    function : name of the scattering function, such as "transmission_front"
-    channel : spectral channel, such as "visible" or "cie-x"
-    name : name of the sample
-    claimed : symmetry stated in the file; None if not stated
-    notes : irregularities of the files and their treatment
-
     Raises
     ------
     InputError : there is no scan, or two scans have the same incident direction
     """
 
-    scans: tuple[Scan, ...]
-    function: Function
-    channel: str = "visible"
-    name: str = ""
-    claimed: Symmetry | None = None
-    notes: tuple[str, ...] = ()
+    scans: tuple[Scan, ...]  # scans with different incident directions
+    function: Function  # name of the scattering function, such as "transmission_front"
+    channel: str = "visible"  # spectral channel, such as "visible" or "cie-x"
+    name: str = ""  # name of the sample
+    claimed: Symmetry | None = None  # symmetry stated in the file; None if not stated
+    notes: tuple[str, ...] = ()  # irregularities of the files and their treatment
 
     def __post_init__(self) -> None:
         require(self.scans, "no scan; one per incident direction expected")
