@@ -5,8 +5,10 @@ condition holds. The location of a fault is added by `errors.located`, or by the
 arguments `file` and `line` of `require`.
 """
 
-from collections.abc import Collection, Sized
+from collections import Counter
+from collections.abc import Collection, Iterable, Sized
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -103,6 +105,36 @@ def same_length(one: Sized, other: Sized, what: str, of: str) -> None:
     """
     counts = f"{len(one)} {what} for {len(other)} {of}"
     require(len(one) == len(other), f"{counts}; equal numbers expected")
+
+
+def has_shape(
+    array: npt.NDArray[Any],
+    shape: tuple[int, ...],
+    what: str,
+    *,
+    file: str | Path | None = None,
+    error: type[InputError] = InputError,
+) -> None:
+    """Require an array of a given shape.
+
+    >>> has_shape(np.zeros(3), (2, 3), "score")
+    Traceback (most recent call last):
+    clerestory.errors.InputError: score has shape (3,); (2, 3) expected
+    """
+    message = f"{what} has shape {array.shape}; {shape} expected"
+    require(array.shape == shape, message, file=file, error=error)
+
+
+def distinct(names: Iterable[str], what: str) -> None:
+    """Require names of which none is repeated.
+
+    >>> distinct(["a", "b", "a"], "windows")
+    Traceback (most recent call last):
+    clerestory.errors.InputError: several windows are named 'a'; unique names expected
+    """
+    repeated = [repr(name) for name, count in Counter(names).items() if count > 1]
+    message = f"several {what} are named {', '.join(repeated)}; unique names expected"
+    require(not repeated, message)
 
 
 def _require_all(

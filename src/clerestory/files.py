@@ -50,6 +50,14 @@ def write_text(path: str | Path, text: str) -> None:
         stream.write(text.encode())
 
 
+def is_file(path: str | Path) -> bool:
+    """Whether a file exists; False for names that the system refuses as too long."""
+    try:
+        return Path(path).is_file()
+    except OSError:
+        return False
+
+
 def read_text(path: str | Path) -> str:
     """Return the text of a file; bytes that are not UTF-8 are read as Latin-1."""
     data = read_bytes(path)

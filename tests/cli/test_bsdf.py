@@ -222,7 +222,7 @@ def test_a_layer_is_packaged_for_a_scene(call, room, slats):
     ("words", "message"),
     [
         (["diffuser.xml", "-o", "x.rad"], "diffuser.xml: the BSDF file has no width"),
-        (["ball.xml", "--xform", "-t 0"], "3 number(s) expected"),
+        (["ball.xml", "--xform", "-t 0"], "3 numbers expected"),
         (["ball.xml", "--xform", "spin"], "options of xform expected"),
     ],
 )

@@ -41,7 +41,7 @@ class Agreement:
     """
 
     count: int
-    within: tuple[float, float, float]
+    within: tuple[float, ...]
     measured: float
     simulated: float
     mean_bias: float
@@ -67,10 +67,9 @@ def agreement(
     relative = np.abs(deviation) / measured
     mean, bias = float(measured.mean()), float(deviation.mean())
     rmse = float(np.sqrt(np.mean(deviation**2)))
-    first, second, third = (float(np.mean(relative < limit)) for limit in LIMITS)
     return Agreement(
         count=measured.size,
-        within=(first, second, third),
+        within=tuple(float(np.mean(relative < limit)) for limit in LIMITS),
         measured=mean,
         simulated=float(simulated.mean()),
         mean_bias=bias,

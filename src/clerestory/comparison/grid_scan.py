@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Float
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
+from scipy.spatial import cKDTree
 
 from clerestory.checks import require, same_length
 from clerestory.comparison.logger_files import CsvFormat
@@ -106,25 +107,20 @@ def sensors_at(layout: GridLayout, near: Series) -> list[list[str]]:
             "no positions of sensors; scans need the results.nc of a run",
             file=near.source,
         )
-    ours = [
+    known = [
         i
         for i, name in enumerate(near.names)
-        if not layout.grid or name.rpartition(".")[0] == layout.grid
+        if (not layout.grid or name.rpartition(".")[0] == layout.grid)
+        and not np.any(np.isnan(near.position[i]))
     ]
-    places = near.position[ours]
-    message = f'no sensors in grid "{layout.grid}"'
-    require(ours and not np.all(np.isnan(places)), message, file=near.source)
-    found = []
-    for row in layout.positions():
-        away = np.linalg.norm(row[:, None] - places[None], axis=-1)
-        best = np.nanargmin(away, axis=1)
-        far = away[np.arange(len(row)), best]
-        x, y, z = row[int(np.argmax(far))]
-        require(
-            np.all(far <= layout.tolerance),
-            f"no sensor within {layout.tolerance:g} m of ({x:g} {y:g} {z:g}); the"
-            f" nearest sensor is {far.max():.3g} m away",
-            file=near.source,
-        )
-        found.append([near.names[ours[i]] for i in best])
-    return found
+    require(known, f'no sensors in grid "{layout.grid}"', file=near.source)
+    points = layout.positions()
+    away, best = cKDTree(near.position[known]).query(points)
+    x, y, z = points[np.unravel_index(away.argmax(), away.shape)]
+    require(
+        away.max() <= layout.tolerance,
+        f"no sensor within {layout.tolerance:g} m of ({x:g} {y:g} {z:g}); the nearest"
+        f" sensor is {away.max():.3g} m away",
+        file=near.source,
+    )
+    return [[near.names[known[i]] for i in row] for row in best]

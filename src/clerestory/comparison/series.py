@@ -6,7 +6,6 @@ The quantity of a series is the part of the name after the last dot if this is a
 `UNITS`, otherwise illuminance.
 """
 
-from collections import Counter
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import final
@@ -15,7 +14,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float
 
-from clerestory.checks import require
+from clerestory.checks import distinct, has_shape, require
 from clerestory.errors import InputError, located
 from clerestory.glare.indices import INDICES
 from clerestory.study.results import read_results
@@ -78,20 +77,11 @@ class Series:
 
     def __post_init__(self) -> None:
         with located(file=self.source):
-            twice = [name for name, n in Counter(self.names).items() if n > 1]
-            require(
-                not twice,
-                f"several series are named {', '.join(twice)}; unique names expected",
-            )
-            require(
-                self.values.shape == (len(self.names), len(self.times)),
-                f"values of shape {self.values.shape}; ({len(self.names)} series,"
-                f" {len(self.times)} steps) expected",
-            )
-            require(
-                np.all(np.diff(self.times) > np.timedelta64(0)),
-                "times do not increase; increasing times expected",
-            )
+            distinct(self.names, "series")
+            shape = len(self.names), len(self.times)
+            has_shape(self.values, shape, "array of series over time")
+            increasing = np.all(np.diff(self.times) > np.timedelta64(0))
+            require(increasing, "times do not increase; increasing times expected")
 
     def on_clock(self, utc_offset_hours: float) -> "Series":
         """Return the series with times converted to another UTC offset [h]."""

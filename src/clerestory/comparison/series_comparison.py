@@ -56,22 +56,14 @@ class Rules:
 
     def __post_init__(self) -> None:
         not_negative(self.above_lux, "limit of illuminance", unit="lux")
-        require(
-            0 < self.coverage <= 1,
-            f"coverage is {self.coverage}; above 0 and at most 1 expected",
-        )
+        expected = "a number above 0, at most 1, expected"
+        require(0 < self.coverage <= 1, f"coverage is {self.coverage}; {expected}")
 
 
 @final
 @dataclass(frozen=True)
 class Offset:
-    """Shift of the measured times with the best agreement.
-
-    Attributes
-    ----------
-    minutes : time shift added to the measured times [min]
-    rmse, rmse_unmoved : CV(RMSE) with and without the time shift
-    """
+    """Shift [min] of the measured times with the best agreement, and its CV(RMSE)."""
 
     minutes: int
     rmse: float
@@ -91,13 +83,10 @@ class Comparison:
     Attributes
     ----------
     name : name of the simulation
-    pairs : included pairs
     below : number of pairs of each series that are excluded by `above_lux`
-    rules : settings of the comparison
     offset : time shift of best agreement for each quantity; it is not applied
     unmatched : names of measured series that were not simulated
     years_ignored : whether times were matched by month, day and time of day only
-    step_minutes : time step of the simulation [min]
     """
 
     name: str

@@ -29,10 +29,8 @@ class Pairs:
 
     Attributes
     ----------
-    names : names of the series
     series : index of the series of each pair
     times : centre of the step of each pair, local standard time
-    measured, simulated : measured and simulated value of each pair
     error : standard error of the simulated value; NaN if unknown
     gaps : number of missing measured values of each series
     outside : number of measured values of each series at times without simulation

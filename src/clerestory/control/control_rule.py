@@ -4,7 +4,7 @@ A study may refer to a function in a Python file. The file is imported, so its c
 with the permissions of the user.
 """
 
-import importlib.util
+import runpy
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,7 +13,7 @@ from typing import final
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from clerestory.checks import require, within
+from clerestory.checks import has_shape, require, within
 from clerestory.errors import InputError
 
 
@@ -44,7 +44,7 @@ class Situation:
         shape: tuple[int, ...] = (len(self.times),)
         for values in (over_time, self.by_state):
             for name, array in values.items():
-                _require_shape(array, shape, name)
+                has_shape(array, shape, name)
             shape = self.states, *shape
 
 
@@ -62,44 +62,21 @@ def apply_rule(rule: Rule, situation: Situation) -> Int[np.ndarray, " time"]:
     """
     states = np.asarray(rule(situation))
     what = f"the result of {getattr(rule, '__name__', 'the rule')}"
-    _require_shape(states, (len(situation.times),), what)
-    require(
-        np.issubdtype(states.dtype, np.integer),
-        f"{what} has {states.dtype} values; whole numbers expected",
-    )
+    has_shape(states, situation.times.shape, what)
+    whole = np.issubdtype(states.dtype, np.integer)
+    require(whole, f"{what} has {states.dtype} values; whole numbers expected")
     within(states, f"a state in {what}", least=0, most=situation.states - 1)
     return states
 
 
-def _require_shape(array: np.ndarray, shape: tuple[int, ...], what: str) -> None:
-    require(array.shape == shape, f"{what} has shape {array.shape}; {shape} expected")
-
-
 def load_rule(path: str | Path, name: str) -> Rule:
-    r"""Return the function of the given name in a Python file.
-
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     file = Path(folder, "rules.py")
-    ...     _ = file.write_text("def closed(situation):\n    return 1")
-    ...     rule = load_rule(file, "closed")
-    >>> rule(None)
-    1
-    """
-    path = Path(path)
-    spec = importlib.util.spec_from_file_location(f"rules_of_{path.stem}", path)
-    if spec is None or spec.loader is None:
-        raise InputError(
-            "not a Python file; a name that ends in .py expected", file=path
-        )
-    module = importlib.util.module_from_spec(spec)
+    """Return the function of the given name in a Python file."""
     try:
-        spec.loader.exec_module(module)
+        found: Rule | None = runpy.run_path(str(path)).get(name)
     except Exception as error:  # user code may raise any exception
         text = " ".join(f"{type(error).__name__}: {error}".split())[:200]
         message = f"{text}; a file without errors expected"
         raise InputError(message, file=path) from error
-    found: Rule | None = getattr(module, name, None)
     if not callable(found):
         raise InputError(f'no function "{name}" in the file', file=path)
     return found

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from clerestory.checks import require
+from clerestory.checks import has_shape, require
 
 SUN_LUX = 1000.0
 MOST_SENSORS = 0.02
@@ -67,13 +67,10 @@ def operate_by_direct_sun(
     [1, 0]
     """
     require(direct, "no window group with blinds; at least one expected")
-    shapes = {values.shape[1:] for values in direct.values()}
-    base = np.zeros(next(iter(shapes))) if static is None else static
-    require(
-        {base.shape} == shapes,
-        f"direct illuminance of shapes {shapes | {base.shape}}; equal numbers of"
-        " sensors and time steps expected",
-    )
+    first = next(iter(direct.values()))
+    base = np.zeros(first.shape[1:]) if static is None else static
+    for group, values in direct.items():
+        has_shape(values, (len(values), *base.shape), f"direct illuminance of {group}")
     counts = [len(values) for values in direct.values()]
     if math.prod(counts) > _MOST_COMBINATIONS:
         return _one_by_one(direct, base, sun_lux, most_sensors)

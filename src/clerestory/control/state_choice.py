@@ -7,7 +7,7 @@ from typing import Literal, final
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from clerestory.checks import require
+from clerestory.checks import has_shape, require
 
 
 @final
@@ -72,11 +72,7 @@ def best_states(
     if not limits:
         return np.asarray(score.argmax(axis=0))
     excess = _worst(limits)
-    require(
-        excess.shape == score.shape,
-        f"scores of shape {score.shape} and limits of shape {excess.shape}; equal"
-        " shapes expected",
-    )
+    has_shape(score, excess.shape, "score")
     good = excess <= 0
     best = np.where(good, score, -np.inf).argmax(axis=0)
     return np.asarray(np.where(good.any(axis=0), best, excess.argmin(axis=0)))
@@ -98,9 +94,8 @@ def when_occupied(
 
 def _worst(limits: Sequence[Limit]) -> Float[np.ndarray, "state time"]:
     # Largest relative excess over all limits
-    require(
-        len({limit.values.shape for limit in limits}) == 1,
-        "no limits, or limits of different shapes; equal (state, time) expected",
-    )
+    require(limits, "no limits; at least one expected")
+    for limit in limits:
+        has_shape(limit.values, limits[0].values.shape, "limit")
     shares = [limit.excess() / max(abs(limit.bound), 1e-12) for limit in limits]
     return np.asarray(np.max(shares, axis=0))

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 from jaxtyping import Float, Int
 
-from clerestory.checks import require
+from clerestory.checks import one_of, positive, require, same_length
 
 
 def threshold_states(
@@ -41,15 +41,10 @@ def threshold_states(
     [0, 0, 0, 0, 0, 0]
     """
     low = close_above if open_below is None else open_below
-    require(
-        low <= close_above,
-        f"open_below is {low:g}; at most close_above = {close_above:g} expected",
-    )
-    require(
-        min(close_after, open_after) >= 1 and start in (0, 1),
-        f"delays of {close_after} and {open_after} steps from state {start}; 1 or more"
-        " steps, and state 0 or 1, expected",
-    )
+    message = f"open_below is {low:g}; at most close_above = {close_above:g} expected"
+    require(low <= close_above, message)
+    positive((close_after, open_after), "delay in steps")
+    one_of(start, "start", choices=(0, 1))
     states = np.empty(len(quantity), dtype=int)
     closed, run = bool(start), 0
     above, below = quantity > close_above, quantity < low
@@ -80,11 +75,9 @@ def staged_states(
     [0, 1, 2, 0]
     """
     low = close_above if open_below is None else open_below
-    require(
-        len(low) == len(close_above) and np.all(np.diff(close_above) > 0),
-        f"thresholds are {close_above} and {low}; two increasing numbers per stage"
-        " expected",
-    )
+    same_length(low, close_above, "thresholds to open", "thresholds to close")
+    increasing = np.all(np.diff(close_above) > 0)
+    require(increasing, f"close_above is {close_above}; increasing numbers expected")
     stage = partial(
         threshold_states, quantity, close_after=close_after, open_after=open_after
     )

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from clerestory.errors import ClerestoryWarning, InputError
-from clerestory.files import read_bytes, read_text
+from clerestory.files import is_file, read_bytes, read_text
 from clerestory.formats.obj_text import ObjPart, ObjText, parse_obj
 from clerestory.scene.material import Source
 from clerestory.scene.materials.plastic import Plastic
@@ -119,7 +119,7 @@ def _library(text: ObjText, path: Path) -> dict[str, Material]:
     made: dict[str, Material] = {}
     for name in text.libraries:
         file = path.parent / name
-        if not file.is_file():
+        if not is_file(file):
             raise InputError(f'the library "{name}" is missing', file=path)
         current = ""
         for i, line in enumerate(read_text(file).splitlines(), start=1):

@@ -31,12 +31,6 @@ class RingPartition:
     theta : polar angles of the ring limits [rad], from 0 to π/2 or from π/2 to 0
     azimuth : "compass" from +y towards +x (skies) or "polar" from +x towards +y
         (windows)
-
-    Examples
-    --------
-    >>> halves = RingPartition("two halves", np.array([2]), np.array([0, np.pi / 2]))
-    >>> halves.projected_solid_angles().round(4).tolist()
-    [1.5708, 1.5708]
     """
 
     name: str

@@ -5,7 +5,6 @@ boundary crosses. Directions in the remaining few per cent of cells are looked u
 partition, so that results equal those of `RingPartition.find`.
 """
 
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal
 
@@ -30,32 +29,6 @@ _NOT_UNIT = 1e-5
 _FEW = 1 << 11
 
 
-@dataclass(frozen=True, eq=False)
-class PatchTable:
-    """Patch index of each cell, x-major, of a grid over the unit disc.
-
-    The index is -1 if a patch boundary crosses the cell.
-    """
-
-    partition: RingPartition
-    patch: Int16[np.ndarray, " cells"]
-
-    def find(self, x: Values, y: Values, z: Values) -> Indices:
-        """Patch index of each direction; downward directions are mirrored upwards."""
-        length = x * x + y * y + z * z
-        length -= 1
-        if np.abs(length, out=length).max(initial=0) > _NOT_UNIT:
-            return _find(self.partition, x, y, z)
-        scale = _CELLS / (_MOST - _LEAST)
-        column, row = ((c * scale - _LEAST * scale).astype(np.int32) for c in (x, y))
-        column *= _CELLS
-        column += row
-        patch = np.take(self.patch, column, mode="clip")
-        border = np.flatnonzero(patch == _BORDER)
-        patch[border] = _find(self.partition, x[border], y[border], z[border])
-        return patch
-
-
 def find_patches(partition: RingPartition, direction: Directions) -> Indices:
     """Patch index of each unit vector; downward vectors are mirrored upwards.
 
@@ -66,15 +39,27 @@ def find_patches(partition: RingPartition, direction: Directions) -> Indices:
     x, y, z = direction.T
     if len(x) < _FEW or len(partition) > np.iinfo(np.int16).max:
         return _find(partition, x, y, z)
+    length = x * x + y * y + z * z
+    length -= 1
+    if np.abs(length, out=length).max(initial=0) > _NOT_UNIT:
+        return _find(partition, x, y, z)
     theta, count = np.asarray(partition.theta, float), np.asarray(partition.count, int)
-    return _table(partition.azimuth, theta.tobytes(), count.tobytes()).find(x, y, z)
+    table = _table(partition.azimuth, theta.tobytes(), count.tobytes())
+    scale = _CELLS / (_MOST - _LEAST)
+    column, row = ((c * scale - _LEAST * scale).astype(np.int32) for c in (x, y))
+    column *= _CELLS
+    column += row
+    patch: np.ndarray = np.take(table, column, mode="clip")
+    border = np.flatnonzero(patch == _BORDER)
+    patch[border] = _find(partition, x[border], y[border], z[border])
+    return patch
 
 
 @lru_cache(maxsize=8)
 def _table(
     azimuth: Literal["compass", "polar"], theta: bytes, count: bytes
-) -> PatchTable:
-    # Partitions that differ only in name share one table
+) -> Int16[np.ndarray, " cells"]:
+    # Patch of each cell, x-major. Partitions that differ only in name share one table
     partition = RingPartition(
         "table", np.frombuffer(count, dtype=int), np.frombuffer(theta), azimuth
     )
@@ -90,8 +75,7 @@ def _table(
     inside = ring[one] == ring[middle]
     for other in (corner[:-1, :-1], corner[1:, :-1], corner[:-1, 1:]):
         inside &= one == other
-    patch = np.where(inside, one, _BORDER).astype(np.int16)
-    return PatchTable(partition, patch.ravel())
+    return np.where(inside, one, _BORDER).astype(np.int16).ravel()
 
 
 def _on_disc(

@@ -65,10 +65,8 @@ def reinhart(subdivision: int) -> SkyPartition:
     ------
     InputError : the subdivision is not 1…6
     """
-    require(
-        subdivision in range(1, 7),
-        f"sky subdivision is {subdivision!r}; a whole number from 1 to 6 expected",
-    )
+    message = f"sky subdivision is {subdivision!r}; a whole number from 1 to 6 expected"
+    require(subdivision in range(1, 7), message)
     rows = 7 * subdivision
     altitude = np.append(np.arange(rows + 1) * np.pi / (2 * rows + 1), np.pi / 2)
     count = subdivision * np.repeat(np.array(_TREGENZA_COUNT), subdivision)

@@ -40,22 +40,7 @@ _TIME = "datetime64[ns]"
 
 
 def write_netcdf(path: str | Path, matrix: TransferMatrix) -> None:
-    """Write a matrix with its error components, bands and axes.
-
-    Raises
-    ------
-    OutputError : the file cannot be written
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from clerestory.matrix.axis import sensor_axis, unknown_axis
-    >>> matrix = TransferMatrix(np.ones((1, 2, 3)), sensor_axis(2), unknown_axis(3))
-    >>> path = Path(tempfile.mkdtemp()) / "matrix.nc"
-    >>> write_netcdf(path, matrix)
-    >>> read_netcdf(path).rows.kind
-    'sensor'
-    """
+    """Write a matrix with its error components, bands and axes."""
     buffer = io.BytesIO()
     with h5netcdf.File(buffer, "w") as file:
         file.attrs["format"] = _FORMAT
@@ -75,17 +60,12 @@ def write_netcdf(path: str | Path, matrix: TransferMatrix) -> None:
 
 
 def read_netcdf(path: str | Path) -> TransferMatrix:
-    """Return the matrix of a file written by `write_netcdf`.
-
-    Raises
-    ------
-    InputError : the file is damaged or has another format
-    """
+    """Return the matrix of a file written by `write_netcdf`."""
     data = read_bytes(path)
     with located(file=path):
+        complete = data[-SEAL_LENGTH:] == seal(memoryview(data)[:-SEAL_LENGTH])
         require(
-            data[-SEAL_LENGTH:] == seal(memoryview(data)[:-SEAL_LENGTH]),
-            "damaged, or not written by Clerestory; a complete matrix file expected",
+            complete, "damaged, or not of Clerestory; a complete matrix file expected"
         )
         try:
             return _read(data)
@@ -176,15 +156,11 @@ def _read_floats(file: h5py.File, name: str, length: int) -> np.ndarray:
     # The data are not compressed, so they cannot be longer than the file
     variable = file[name]
     kind, item = variable.dtype.kind, variable.dtype.itemsize
-    require(
-        kind == "f" and item <= 8,
-        f"{name} of type {variable.dtype}; floating point expected",
-    )
+    message = f"{name} of type {variable.dtype}; floating point expected"
+    require(kind == "f" and item <= 8, message)
     size = math.prod(variable.shape) * item
-    require(
-        size <= length,
-        f"{name} of {size} bytes in a file of {length}; a complete file expected",
-    )
+    message = f"{name} of {size} bytes in a file of {length}; a complete file expected"
+    require(size <= length, message)
     data: np.ndarray = variable[...]
     return data
 
@@ -205,10 +181,8 @@ def _read_axis(file: h5py.File, side: str) -> Axis:
     elif "sky_subdivision" in attributes:
         partition = reinhart(int(np.ravel(attributes["sky_subdivision"])[0]))
     size = int(variable.shape[0])
-    require(
-        partition is None or len(partition) == size,
-        f"{size} {side}s of a partition with {partition and len(partition)} patches",
-    )
+    count = size if partition is None else len(partition)
+    require(count == size, f"{size} {side}s of a partition with {count} patches")
     times, names = file.get(f"{side}_times"), file.get(f"{side}_names")
     return Axis(
         kind,

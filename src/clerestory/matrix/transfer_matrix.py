@@ -18,7 +18,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bands import GREY, RGB, Bands, common_bands, weighted_sum
-from clerestory.checks import require
+from clerestory.checks import has_shape, require
 from clerestory.errors import MatrixError
 from clerestory.matrix.axis import Axis
 
@@ -60,25 +60,19 @@ class TransferMatrix:
     def __post_init__(self) -> None:
         shape, bands = self.values.shape, len(self.bands)
         parts = self.components
-        require_matrix(
-            len(shape) == 3 and shape[0] in (1, bands),
-            f"matrix of shape {shape}; (1 or {bands} channels, rows, columns) expected",
-        )
+        axes = f"(1 or {bands} channels, rows, columns)"
+        valid = len(shape) == 3 and shape[0] in (1, bands)
+        require_matrix(valid, f"matrix of shape {shape}; {axes} expected")
         require_matrix(
             shape[1:] == (self.rows.size, self.columns.size),
             f"matrix of {' x '.join(map(str, shape[1:]))} coefficients;"
             f" {self.rows.describe()} by {self.columns.describe()} expected",
         )
         if parts is not None:
-            require_matrix(
-                parts.shape[1:] == shape,
-                f"error components of shape {parts.shape};"
-                f" (n, {', '.join(map(str, shape))}) expected",
-            )
-        require_matrix(
-            np.all(np.isfinite(self.values)),
-            "the matrix has values that are not finite; finite numbers expected",
-        )
+            expected = len(parts), *shape
+            has_shape(parts, expected, "array of error components", error=MatrixError)
+        finite = np.all(np.isfinite(self.values))
+        require_matrix(finite, "values are not finite; finite numbers expected")
 
     @property
     def standard_error(self) -> Float[np.ndarray, "channel row column"]:

@@ -97,10 +97,9 @@ def useful_illuminance(
     >>> useful_illuminance(lux, np.ones(4, bool)).sel(sensor=0).values.tolist()
     [0.25, 0.25, 0.25, 0.25]
     """
-    require(
-        0 < limits_lux[0] < limits_lux[1] < limits_lux[2],
-        f"limits are {limits_lux} lux; three increasing numbers expected",
-    )
+    increasing = 0 < limits_lux[0] < limits_lux[1] < limits_lux[2]
+    message = f"limits are {limits_lux} lux; three increasing numbers expected"
+    require(increasing, message)
     counted = within_hours(illuminance, hours)
     low, middle, high = ((counted >= limit).mean("time") for limit in limits_lux)
     shares = [1 - low, low - middle, middle - high, high]

@@ -22,10 +22,7 @@ def daylight_factor(
 ) -> Float[np.ndarray, "*sensor"]:
     """Daylight factor of each sensor, as a fraction.
 
-    Parameters
-    ----------
-    illuminance : illuminance of the sensors under an overcast sky [lux]
-    outdoor_lux : unobstructed horizontal illuminance outdoors, under the same sky [lux]
+    `outdoor_lux` is the unobstructed horizontal illuminance under the same sky.
 
     >>> daylight_factor(np.array([200.0]), outdoor_lux=10_000.0).tolist()
     [0.02]

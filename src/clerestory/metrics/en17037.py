@@ -54,8 +54,8 @@ class DaylightProvision(NamedTuple):
     target_level, minimum_level : highest level reached, 0…3
     """
 
-    target: tuple[RoomShare, RoomShare, RoomShare]
-    minimum: tuple[RoomShare, RoomShare, RoomShare]
+    target: tuple[RoomShare, ...]
+    minimum: tuple[RoomShare, ...]
     target_level: int
     minimum_level: int
 
@@ -114,11 +114,8 @@ def daylight_provision(
         share_of_hours=SHARE_OF_HOURS,
     )
 
-    def shares(lux: tuple[float, ...]) -> tuple[RoomShare, RoomShare, RoomShare]:
-        first, second, third = (share(target_lux=limit) for limit in lux)
-        return first, second, third
-
-    target, minimum = shares(TARGET_LUX), shares(MINIMUM_LUX)
+    target = tuple(share(target_lux=lux) for lux in TARGET_LUX)
+    minimum = tuple(share(target_lux=lux) for lux in MINIMUM_LUX)
     wanted = MINIMUM_AREA if roof else TARGET_AREA
     return DaylightProvision(
         target, minimum, _level(target, wanted), _level(minimum, MINIMUM_AREA)
@@ -213,16 +210,15 @@ def glare_level(
 
 def target_factors(
     median_diffuse_lux: float,
-) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Target and minimum daylight factors of each level, by method 1.
 
     >>> [round(100 * d, 2) for d in target_factors(14_900.0)[0]]
     [2.01, 3.36, 5.03]
     """
     positive(median_diffuse_lux, "median diffuse illuminance", unit="lux")
-    a, b, c = (lux / median_diffuse_lux for lux in TARGET_LUX)
-    d, e, f = (lux / median_diffuse_lux for lux in MINIMUM_LUX)
-    return (a, b, c), (d, e, f)
+    target = tuple(lux / median_diffuse_lux for lux in TARGET_LUX)
+    return target, tuple(lux / median_diffuse_lux for lux in MINIMUM_LUX)
 
 
 def _level(shares: tuple[RoomShare, ...], wanted: float) -> int:

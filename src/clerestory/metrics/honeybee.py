@@ -19,7 +19,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float, Int
 
-from clerestory.checks import one_of, require, within
+from clerestory.checks import has_shape, one_of, require, within
 from clerestory.documents import json_value
 from clerestory.errors import InputError, located
 from clerestory.files import make_folder, read_text, replace_file, write_text
@@ -111,11 +111,9 @@ class HoneybeeFolder:
         except (OSError, ValueError, EOFError) as error:
             raise InputError(f"cannot be read: {error}", file=file) from error
         shape = self.counts[grid], len(self.sun_up_hours)
-        require(
-            array.shape == shape and np.issubdtype(array.dtype, np.floating),
-            f"{array.dtype} values of shape {array.shape}; floats of {shape} expected",
-            file=file,
-        )
+        has_shape(array, shape, "array of illuminance", file=file)
+        floating = np.issubdtype(array.dtype, np.floating)
+        require(floating, f"values are {array.dtype}; floats expected", file=file)
         return np.asarray(array)
 
 
@@ -141,11 +139,9 @@ def read_honeybee(folder: str | Path) -> HoneybeeFolder:
         hours = np.array([float(word) for word in read_text(file).split()])
     with located(file=file):
         within(hours, "hour of the year", least=0, most=np.nextafter(_HOURS_A_YEAR, 0))
-    require(
-        len(np.unique(hours.astype(int))) == len(hours),
-        "several steps in an hour; one step per hour expected",
-        file=file,
-    )
+    hourly = len(np.unique(hours.astype(int))) == len(hours)
+    message = "several steps in an hour; one step per hour expected"
+    require(hourly, message, file=file)
     return HoneybeeFolder(folder, paths, states, hours, counts)
 
 
@@ -167,25 +163,16 @@ def write_honeybee(
 ) -> None:
     """Write the illuminance of grids in the format of honeybee-radiance-postprocess.
 
-    Parameters
-    ----------
-    total : total illuminance of each grid [lux]
-    times : centres of hourly steps of one year; hours in which the illuminance of all
-        grids is 0 are omitted
-    direct : illuminance of each grid from the sun alone [lux]; default: 0
+    `total` illuminance and `direct` illuminance from the sun alone are in lux; `times`
+    are centres of hourly steps. Hours in which all grids have 0 lux are omitted.
     """
     moments = times.astype("datetime64[s]")
     hours = (moments - moments.astype("datetime64[Y]")) / np.timedelta64(3600, "s")
-    require(
-        len(np.unique(hours.astype(int))) == len(hours)
-        and np.all(hours < _HOURS_A_YEAR),
-        "steps are not hourly; hours of one year of 365 days expected",
-    )
+    hourly = len(np.unique(hours.astype(int))) == len(hours)
+    message = "steps are not hourly; hours of one year of 365 days expected"
+    require(hourly and np.all(hours < _HOURS_A_YEAR), message)
     for name, lux in total.items():
-        require(
-            lux.ndim == 2 and lux.shape[1] == len(times),
-            f"grid {name!r} has shape {lux.shape}; (sensor, {len(times)}) expected",
-        )
+        has_shape(lux, (len(lux), len(times)), f"illuminance of grid {name!r}")
     lit = np.any([lux.max(axis=0) > 0 for lux in total.values()], axis=0)
     folder = make_folder(folder)
     info = [

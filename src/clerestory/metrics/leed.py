@@ -33,14 +33,7 @@ _OPTION_2: _Limits = {
 
 
 class Credit(NamedTuple):
-    """Points of a credit.
-
-    Attributes
-    ----------
-    points : number of points
-    share : fraction of the area that meets the criterion, 0…1
-    note : further requirement of LEED; empty if there is none
-    """
+    """Points, fraction of the area that meets the criterion, further requirement."""
 
     points: int
     share: float

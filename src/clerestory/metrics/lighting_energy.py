@@ -83,12 +83,8 @@ def lighting_use(
 ) -> LightingUse:
     """Return light output, electric power and energy of the luminaires of a zone.
 
-    Parameters
-    ----------
-    daylight, standard_error : daylight illuminance at the photosensor and its standard
-        error [lux]
-    occupied : whether the zone is occupied; the luminaires are off otherwise
-    step_hours : length of a time step [h]
+    Daylight illuminance and its standard error are in lux. The luminaires are off in
+    unoccupied steps.
 
     >>> zone = LightingZone(power=100, full_lux=500, least_output=0, least_power=0)
     >>> use = lighting_use(zone, np.array([0.0, 250.0, 900.0]), np.ones(3, bool))

@@ -32,18 +32,8 @@ def sensor_metrics(
 ) -> xr.Dataset:
     """Return the metrics of each sensor over the selected hours.
 
-    Parameters
-    ----------
-    hourly : `illuminance` and `standard_error` [lux] over (sensor, time)
-    hours : mask of the selected time steps
-    target_lux : target illuminance of daylight autonomy [lux]
-
-    Returns
-    -------
-    dataset of `mean_illuminance`, `median_illuminance`, `maximum_illuminance` [lux];
-    `daylight_autonomy`, `continuous_autonomy`, `useful` (100…3000 lux) and
-    `useful_bands` over (band, sensor) as fractions 0…1. Standard errors are variables
-    `…_error`, except of the median, the maximum and the bands.
+    Statistics of illuminance are in lux, the others are fractions 0…1. `useful` is the
+    range 100…3000 lux; `useful_bands` are the four ranges, over (band, sensor).
     """
     lux = hourly["illuminance"]
     autonomy = partial(daylight_autonomy, hours=hours, target_lux=target_lux)
@@ -78,16 +68,11 @@ def error_of_group_mean(
 ) -> float:
     """Standard error of the mean over a group of sensors.
 
-    Parameters
-    ----------
-    errors : standard error of each sensor
-    components : independent error components of each sensor; default: errors of all
-        sensors are assumed to be fully correlated, which gives an upper limit
+    Without independent error components, errors of all sensors are assumed to be fully
+    correlated, which gives an upper limit.
 
     >>> error_of_group_mean(np.array([3.0, 5.0]))
     4.0
-    >>> error_of_group_mean(np.array([3.0, 3.0]), np.array([[3.0, 0.0], [0.0, 3.0]]))
-    2.1213203435596424
     """
     if components is None:
         return float(errors.mean())
@@ -106,15 +91,7 @@ def _mean_error(hourly: xr.Dataset, hours: Bool[np.ndarray, " time"]) -> xr.Data
 def metric_error(
     metric: Callable[[xr.DataArray], xr.DataArray], hourly: xr.Dataset
 ) -> xr.DataArray:
-    """Standard error of a metric that increases with the illuminance.
-
-    >>> axes = ("sensor", "time")
-    >>> lux, error = [[290.0, 310.0, 900.0]], [[20.0, 20.0, 20.0]]
-    >>> data = {"illuminance": (axes, lux), "standard_error": (axes, error)}
-    >>> half = metric_error(lambda e: (e >= 300).mean("time"), xr.Dataset(data))
-    >>> round(float(half[0]), 4)
-    0.3333
-    """
+    """Standard error of a metric that increases with the illuminance."""
     lux, error = hourly["illuminance"], hourly["standard_error"]
     return (metric(lux + error) - metric(lux - error)) / 2
 

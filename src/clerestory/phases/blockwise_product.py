@@ -42,7 +42,6 @@ from clerestory.phases.receivers import (
     chain_components,
     coefficients_cost_less,
     component_count,
-    readable,
     shining_columns,
     side_by_side,
 )
@@ -58,11 +57,8 @@ _LIGHT, _LIGHT_OF_FILES, _RECEIVED = 1 << 27, 1 << 29, 1 << 26
 class Components:
     """Error components of a block of receivers, from one independent estimate.
 
-    Attributes
-    ----------
-    source : identifier of the estimate, the same in all blocks
-    steps : indices into the time steps of the block
-    values : error components, multiplied by the sign of their term
+    The source identifies the estimate in all blocks. Values are multiplied by the sign
+    of their term.
     """
 
     source: tuple[int, int, int]
@@ -76,8 +72,6 @@ class Block:
 
     Attributes
     ----------
-    rows : range of receivers
-    times : range of time steps
     steps : indices, within `times`, of the steps with sky or sun light
     terms : signed values of each term of the matrix equation
     """
@@ -206,7 +200,7 @@ class BlockwiseProduct:
         if found[0].factors:
             sky = skies.patches(term)
             passed = exiting_light(found, sky, states, self.weights, errors=self.errors)
-            views = [readable(chain.receiving[0]) for chain in found]
+            views = [chain.view for chain in found]
             yield _Factor((number, 0), term.sign, views, passed, every)
             return
         for window, chain in enumerate(found):
@@ -226,11 +220,12 @@ class BlockwiseProduct:
         steps: Int[np.ndarray, " step"],
     ) -> tuple[Readable, Light]:
         # Coefficients from the sky patches or the suns straight to the receivers
-        if term.part != "sun" or skies.suns is None:
-            sky = skies.patches(term).select(steps)
-            return readable(matrix), SkyLight(sky, self.weights)
-        columns, normal = shining_columns(matrix, skies.suns.direct_normal[:, steps])
-        return columns, SunLight(normal, self.weights)
+        if term.part == "sun" and skies.suns is not None:
+            normal = skies.suns.direct_normal[:, steps]
+            columns, normal = shining_columns(matrix, normal)
+            return columns, SunLight(normal, self.weights)
+        assert not callable(matrix)
+        return matrix, SkyLight(skies.patches(term).select(steps), self.weights)
 
     def _block(
         self,

@@ -18,7 +18,11 @@ from scipy.sparse import csc_array
 
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.matrix_equation import MatrixChain
-from clerestory.phases.receivers import chain_components, channel_count
+from clerestory.phases.receivers import (
+    chain_components,
+    channel_count,
+    side_by_side,
+)
 from clerestory.sky.patch_radiance import SkyMatrix
 from clerestory.sky.sky_product import fold
 
@@ -50,7 +54,7 @@ class PatchLight:
         if not self.summed:
             return np.asarray(matrix @ self.values)
         layers, _, rows, _ = matrix.shape
-        flat = _side_by_side(matrix, len(self.values)).reshape(layers * rows, -1)
+        flat = _wide(matrix, len(self.values)).reshape(layers * rows, -1)
         found = flat @ self.values.reshape(-1, self.values.shape[-1])
         return np.asarray(found).reshape(layers, 1, rows, -1)
 
@@ -61,13 +65,13 @@ class PatchLight:
         found = []
         for columns, parts in zip(self.columns, self.components, strict=True):
             if len(parts):
-                own = _side_by_side(values[None, :, :, columns], parts.shape[1])[0]
+                own = _wide(values[None, :, :, columns], parts.shape[1])[0]
                 flat = parts.reshape(len(parts), -1, parts.shape[-1])
                 found.append((own @ flat)[:, None])
         return found
 
 
-def _side_by_side(matrix: Layers, channels: int) -> np.ndarray:
+def _wide(matrix: Layers, channels: int) -> np.ndarray:
     # (layer, channel, row, column) as (layer, row, channel × column)
     layers, _, rows, columns = matrix.shape
     wide = np.broadcast_to(matrix, (layers, channels, rows, columns))
@@ -189,7 +193,8 @@ def _exiting(
         sources.setdefault(id(chain.factors[number][-1]), []).append(number)
     for numbers in sources.values():
         steps = np.flatnonzero(np.isin(state, numbers))
-        daylight = _layers(chain.factors[numbers[0]][-1], errors=errors)
+        last = chain.factors[numbers[0]][-1]
+        daylight = side_by_side([last], slice(None), errors=errors)
         arrived = SkyLight(sky.select(steps), weights).received(daylight)
         for number in numbers:
             acts = state[steps] == number
@@ -198,13 +203,6 @@ def _exiting(
                 light = _passed(factor, light, errors=errors)
             found[: len(light), :, :, steps[acts]] = light
     return found
-
-
-def _layers(matrix: TransferMatrix, *, errors: bool) -> Layers:
-    values = matrix.values[None].astype(np.float32)
-    if matrix.components is None or not errors:
-        return values
-    return np.concatenate([values, matrix.components.astype(np.float32)])
 
 
 def _passed(

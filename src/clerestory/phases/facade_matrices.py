@@ -126,10 +126,6 @@ def facade_daylight(
     ----------
     facade : F of each port, from one call of `facade_matrices`
     daylight : D of each port, from `daylight_matrices`
-
-    Raises
-    ------
-    MatrixError : the ports of `facade` and `daylight` or the matrix axes differ
     """
     require_matrix(
         facade and facade.keys() == daylight.keys(),

@@ -45,12 +45,9 @@ def illuminance(
 
     Parameters
     ----------
-    windows : matrices of the window groups, all for the same sensors
-    terms : terms of the matrix equation
     states : index of the shade state at each time step, per window group; default 0
     hours : mask of the time steps averaged in `mean_components`
     file : NetCDF file for the hourly values; by default they are kept in memory
-    progress : callback with the completed fraction (0…1) and a status text
 
     Returns
     -------

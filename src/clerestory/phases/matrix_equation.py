@@ -18,6 +18,7 @@ import numpy as np
 from jaxtyping import Int
 
 from clerestory.bands import Bands, common_bands
+from clerestory.checks import has_shape
 from clerestory.errors import MatrixError
 from clerestory.matrix.axis import Axis, sensor_axis
 from clerestory.matrix.transfer_matrix import (
@@ -61,16 +62,10 @@ class MatrixChain:
     factors: tuple[tuple[TransferMatrix, ...], ...] = ()
 
     def __post_init__(self) -> None:
-        require_matrix(
-            self.receiving and (len(self.receiving) == 1 or not self.factors),
-            f"{len(self.receiving)} view matrices for {len(self.factors)} shade states;"
-            " one view matrix and at least one shade state expected",
-        )
+        valid = self.receiving and (len(self.receiving) == 1 or not self.factors)
+        require_matrix(valid, "no view matrix, or several; one expected")
         for factors in self.factors:
-            view = self.receiving[0]
-            if not isinstance(view, TransferMatrix | StoredColumns):
-                raise MatrixError("direct-sun coefficients times T D; a V expected")
-            columns: Axis = view.columns
+            columns: Axis = self.view.columns
             for factor in factors:
                 require_fit(columns, factor.rows)
                 columns = factor.columns.at_window(columns.window or factor.rows.window)
@@ -79,6 +74,14 @@ class MatrixChain:
     def states(self) -> int:
         """Number of states of the shades."""
         return max(len(self.receiving), len(self.factors))
+
+    @property
+    def view(self) -> TransferMatrix | StoredColumns:
+        """View matrix V, common to all shade states."""
+        first = self.receiving[0]
+        if not isinstance(first, TransferMatrix | StoredColumns):
+            raise MatrixError("no view matrix in memory or in files; one expected")
+        return first
 
     @property
     def receivers(self) -> Axis | None:
@@ -184,10 +187,8 @@ class Skies:
 
     def __post_init__(self) -> None:
         for other in (self.sun, self.suns):
-            require_matrix(
-                other is None or np.array_equal(self.times, other.times),
-                "the sky and the sun have different time steps; equal steps expected",
-            )
+            same = other is None or np.array_equal(self.times, other.times)
+            require_matrix(same, "different time steps of skies; equal steps expected")
 
     @property
     def times(self) -> np.ndarray:
@@ -236,15 +237,10 @@ def checked_states(
     if not states:
         states = [np.zeros(steps, int)] * len(windows)
     for window, state in zip(windows, states, strict=True):
-        require_matrix(
-            len(state) == steps,
-            f"{len(state)} states for {steps} time steps; equal numbers expected",
-        )
-        require_matrix(
-            np.isin(state, np.arange(window.states)).all(),
-            f"states from {min(state, default=0)} to {max(state, default=0)}; 0 to"
-            f" {window.states - 1} expected",
-        )
+        has_shape(state, (steps,), "array of shade states", error=MatrixError)
+        invalid = np.setdiff1d(state, np.arange(window.states))
+        expected = f"0 to {window.states - 1} expected"
+        require_matrix(not invalid.size, f"shade states {invalid}; {expected}")
     return states
 
 

@@ -17,34 +17,20 @@ from clerestory.files import make_folder
 from clerestory.matrix.netcdf import read_netcdf, write_netcdf
 from clerestory.matrix.transfer_matrix import TransferMatrix
 
+# Functions that trace matrices by name, and a block of rows of a matrix
+Maker = Callable[[], Mapping[str, TransferMatrix]]
+BlockMaker = Callable[[slice], TransferMatrix]
+
 # Number of hexadecimal digits of the fingerprint in a file name (128 bits)
 _DIGITS = 32
 
 
 def block_names(name: str, count: int) -> list[str]:
-    """Return the names of the blocks of a matrix, numbered from 1.
-
-    >>> block_names("views", 2)
-    ['views-0001', 'views-0002']
-    """
+    """Return the names of the blocks of a matrix, such as "views-0001"."""
     return [f"{name}-{number:04d}" for number in range(1, count + 1)]
 
 
-class BlockStore(Protocol):
-    """Cache of matrices larger than memory."""
-
-    def blocks(
-        self,
-        name: str,
-        fingerprint: str,
-        rows: Sequence[slice],
-        make: Callable[[slice], TransferMatrix],
-        /,
-    ) -> tuple[Path, ...]:
-        """Store a matrix with one file per block of rows; return the files."""
-
-
-class Store(BlockStore, Protocol):
+class Store(Protocol):
     """Cache of matrices: a folder, or a dry run that only records requests."""
 
     def path(self, name: str, fingerprint: str) -> Path:
@@ -54,12 +40,14 @@ class Store(BlockStore, Protocol):
         """Whether a matrix is in the cache."""
 
     def matrices(
-        self,
-        names: Sequence[str],
-        fingerprint: str,
-        make: Callable[[], Mapping[str, TransferMatrix]],
+        self, names: Sequence[str], fingerprint: str, make: Maker
     ) -> dict[str, TransferMatrix]:
         """Return cached matrices; if one is missing, trace and store all of them."""
+
+    def blocks(
+        self, name: str, fingerprint: str, rows: Sequence[slice], make: BlockMaker
+    ) -> tuple[Path, ...]:
+        """Store a matrix larger than memory; return the file of each block of rows."""
 
 
 @dataclass(frozen=True)
@@ -80,25 +68,11 @@ class MatrixStore:
     def matrix(
         self, name: str, fingerprint: str, make: Callable[[], TransferMatrix]
     ) -> TransferMatrix:
-        """Return the cached matrix of this name and fingerprint, or trace and store it.
-
-        >>> import numpy as np, tempfile
-        >>> from clerestory.matrix.axis import unknown_axis
-        >>> store = MatrixStore(Path(tempfile.mkdtemp()))
-        >>> axis = unknown_axis(1)
-        >>> make = lambda: TransferMatrix(np.ones((1, 1, 1)), axis, axis)
-        >>> store.matrix("one", "00ff", make).values.item()
-        1.0
-        >>> store.holds("one", "00ff")
-        True
-        """
+        """Return the cached matrix, or trace and store it."""
         return self.matrices([name], fingerprint, lambda: {name: make()})[name]
 
     def matrices(
-        self,
-        names: Sequence[str],
-        fingerprint: str,
-        make: Callable[[], Mapping[str, TransferMatrix]],
+        self, names: Sequence[str], fingerprint: str, make: Maker
     ) -> dict[str, TransferMatrix]:
         """Return cached matrices; if one is missing, trace and store all of them."""
         kept = {name: self._read(self.path(name, fingerprint)) for name in names}
@@ -112,11 +86,7 @@ class MatrixStore:
         return {name: matrix for name, matrix in kept.items() if matrix is not None}
 
     def blocks(
-        self,
-        name: str,
-        fingerprint: str,
-        rows: Sequence[slice],
-        make: Callable[[slice], TransferMatrix],
+        self, name: str, fingerprint: str, rows: Sequence[slice], make: BlockMaker
     ) -> tuple[Path, ...]:
         """Store a matrix larger than memory; return the file of each block of rows."""
         names = block_names(name, len(rows))

@@ -42,8 +42,7 @@ class PhaseMethod:
     whole : result variable of the term with interreflections
     windows : True for V T D, False for daylight coefficients C
     facade : whether the method includes façade matrices (F)
-    correction : whether the direct correction is applied "always", "never" or by
-        "choice"
+    correction : when the direct correction is applied
     """
 
     whole: str
@@ -92,14 +91,8 @@ def three_phase(
 
     With F D in place of D, this is the four-phase method.
 
-    Parameters
-    ----------
-    windows : matrices of the window groups; view matrices traced together
-    states : index of the shade state at each time step, per window group; default 0
-
-    Returns
-    -------
-    `illuminance` and `standard_error` over (sensor, time), float32
+    View matrices of the window groups are traced together. `states` are indices of
+    shade states at each time step, per window group, by default 0.
     """
     return illuminance(windows, THREE_PHASE, Skies(sky), states)
 
@@ -117,7 +110,6 @@ def five_phase(
 
     Parameters
     ----------
-    windows : matrices of the window groups, all for the same sensors
     sky : S, radiance of sky, sun and ground
     sun_in_patches : S_ds, radiance of the sun alone, spread over the same patches
     suns : S_sun, irradiance of the suns at their true positions, the columns of C_ds
@@ -126,7 +118,7 @@ def five_phase(
     Returns
     -------
     `illuminance`, `standard_error` and the terms `three_phase`, `direct_in_patches` and
-    `direct_sun` over (sensor, time), float32
+    `direct_sun` over (sensor, time)
     """
     skies = Skies(sky, sun_in_patches, suns)
     return illuminance(windows, FIVE_PHASE, skies, states)

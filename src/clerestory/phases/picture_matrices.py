@@ -87,13 +87,10 @@ def picture_view_matrices(
 
     Parameters
     ----------
-    scene : room surfaces, without the windows
-    windows : polygons whose front faces the room
     direct : V_d instead of V: view of the windows, and one reflection in the room
     samples : number of paths per pixel
     relative_error : instead of samples: target RMS of the pixels' standard errors for
         windows of uniform radiance, relative to the mean pixel
-    bounces : maximum number of diffuse reflections, as Radiance -ab; default unlimited
 
     The other parameters are those of `view_matrix`.
     """

@@ -14,7 +14,6 @@ from jaxtyping import Float, Float32, Int
 from scipy.sparse import csc_array
 
 from clerestory.bands import common_bands
-from clerestory.errors import MatrixError
 from clerestory.matrix.transfer_matrix import Entries, TransferMatrix
 from clerestory.phases.matrix_equation import MatrixChain, Readable, Receiving
 from clerestory.phases.stored_views import StoredColumns
@@ -55,10 +54,8 @@ def sky_coefficients(windows: Sequence[MatrixChain], rows: slice) -> TransferMat
     products: list[TransferMatrix] = []
     views: list[int] = []
     for window in windows:
-        view = window.receiving[0]
-        if not isinstance(view, TransferMatrix):
-            raise MatrixError("view matrices in files; matrices in memory expected")
-        view = view.select_rows(rows)
+        assert isinstance(window.view, TransferMatrix)
+        view = window.view.select_rows(rows)
         views.append(0 if view.components is None else len(view.components))
         products.append(reduce(matmul, (view, *window.factors[0])))
     total = np.sum([product.values for product in products], axis=0)
@@ -144,13 +141,5 @@ def shining_columns(matrix: Receiving, normal: csc_array) -> tuple[Columns, csc_
     normal = csc_array(normal.tocsr()[shining])
     if isinstance(matrix, TransferMatrix):
         return Columns(matrix.values, matrix.components, shining), normal
-    if not callable(matrix):
-        raise MatrixError("coefficients of window patches; those of suns expected")
+    assert callable(matrix)
     return Columns(matrix(shining), None, slice(None)), normal
-
-
-def readable(matrix: Receiving) -> Readable:
-    """Return the matrix unchanged if its rows can be read."""
-    if callable(matrix):
-        raise MatrixError("coefficients of suns; those of patches expected")
-    return matrix

@@ -37,14 +37,7 @@ _DEFAULT = Goal(samples=None, relative_error=0.02)
 
 @dataclass(frozen=True, eq=False)
 class Rendering:
-    """A picture and its standard errors.
-
-    Attributes
-    ----------
-    picture : radiance of the pixels [W/(m²·sr)], or irradiance [W/m²]
-    error : standard error of each value
-    paths : total number of traced paths
-    """
+    """A picture of radiance [W/(m²·sr)] or irradiance [W/m²], and its error."""
 
     picture: Picture
     error: Float[np.ndarray, "row column band"]
@@ -53,15 +46,7 @@ class Rendering:
 
 @dataclass(frozen=True, eq=False)
 class Gathered:
-    """Irradiance of sensors at one instant.
-
-    Attributes
-    ----------
-    irradiance : irradiance in each band [W/m²]
-    error : standard error of each value
-    paths : total number of traced paths
-    bands : spectral bands of the scene
-    """
+    """Irradiance [W/m²] of sensors at one instant, and its standard error."""
 
     irradiance: Float[np.ndarray, "sensor band"]
     error: Float[np.ndarray, "sensor band"]
@@ -129,10 +114,8 @@ def _picture(
     scene: Scene, view: View, size: tuple[int, int], effort: Effort, quantity: Quantity
 ) -> Rendering:
     columns, rows = size
-    require(
-        min(size) >= 1 and columns * rows <= 1 << 26,
-        f"a picture of {columns} × {rows} pixels; 1 to 2^26 pixels expected",
-    )
+    message = f"a picture of {columns} × {rows} pixels; 1 to 2^26 expected"
+    require(min(size) >= 1 and columns * rows <= 1 << 26, message)
     _check_light(scene)
     job = PictureJob(
         scene=scene,
@@ -174,7 +157,5 @@ def irradiance(
 
 
 def _check_light(scene: Scene) -> None:
-    require(
-        any(hasattr(material, "radiance") for material in scene.materials.values()),
-        "nothing in the scene shines; a light, a glow or a sky expected",
-    )
+    shining = any(hasattr(each, "radiance") for each in scene.materials.values())
+    require(shining, "nothing in the scene shines; a light, a glow or a sky expected")

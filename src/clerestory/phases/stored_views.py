@@ -9,7 +9,7 @@ several batches is a batch as well, so the expected variance is unchanged. Fewer
 components need less memory and time, but the standard error is less precise.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from pathlib import Path
@@ -24,7 +24,7 @@ from clerestory.engine.matrix_jobs import ViewJob
 from clerestory.matrix.axis import Axis, sensor_axis, unknown_axis
 from clerestory.matrix.netcdf import read_netcdf
 from clerestory.matrix.transfer_matrix import Entries, TransferMatrix, require_matrix
-from clerestory.phases.matrix_store import BlockStore
+from clerestory.phases.matrix_store import BlockMaker
 from clerestory.phases.traced_matrices import (
     matrix_effort,
     patch_axes,
@@ -42,22 +42,11 @@ FEW = 4
 
 @dataclass(frozen=True, eq=False)
 class StoredViews:
-    """View matrices in files.
-
-    Attributes
-    ----------
-    files : paths of the files, one per block of sensors
-    blocks : range of sensors in each file
-    """
+    """View matrices in files, one for each block of sensors."""
 
     files: tuple[Path, ...]
     blocks: tuple[slice, ...]
     _last: dict[int, TransferMatrix] = field(default_factory=dict)
-
-    @property
-    def sensors(self) -> int:
-        """Number of sensors."""
-        return int(self.blocks[-1].stop)
 
     @cached_property
     def counts(self) -> tuple[int, int]:
@@ -107,14 +96,7 @@ class StoredViews:
 
 @dataclass(frozen=True, eq=False)
 class StoredColumns:
-    """View matrix of one window group in files.
-
-    Attributes
-    ----------
-    views : matrices of all window groups side by side
-    columns : interior patches of this group
-    first : index of its first column among the columns of all groups
-    """
+    """View matrix of one window group: columns from number `first` on."""
 
     views: StoredViews
     columns: Axis
@@ -123,7 +105,7 @@ class StoredColumns:
     @property
     def rows(self) -> Axis:
         """Axis of the sensors."""
-        return sensor_axis(self.views.sensors)
+        return sensor_axis(self.views.blocks[-1].stop)
 
     @property
     def part(self) -> slice:
@@ -148,27 +130,22 @@ def stored_columns(
 
 
 def store_views(
-    store: BlockStore,
+    store: Callable[[Sequence[slice], BlockMaker], tuple[Path, ...]],
     scene: Scene,
     windows: Sequence[Window],
     *,
-    name: str,
-    key: str,
     sensors: Sensors,
     **keywords: Unpack[EffortKeywords],
 ) -> StoredViews:
     """Trace the view matrices of all windows into files; see `view_matrices`.
 
-    Parameters
-    ----------
-    store : cache of the blocks
-    name, key : name of the matrices in the cache, and fingerprint of all their inputs
+    `store` is a function that stores blocks of rows, such as `MatrixStore.blocks` of a
+    name and a fingerprint of all inputs.
     """
     effort = replace(matrix_effort(store_views, keywords), components=True)
     job = view_job(scene, windows, sensors, effort)
     rows = tuple(row_blocks(job))
-    make = partial(_traced_block, job, effort)
-    return StoredViews(store.blocks(name, key, rows, make), rows)
+    return StoredViews(store(rows, partial(_traced_block, job, effort)), rows)
 
 
 def _traced_block(job: ViewJob, effort: Effort, rows: slice) -> TransferMatrix:
@@ -203,10 +180,8 @@ def pooled(
     (4, 1, 1, 1)
     """
     batches = len(components)
-    require_matrix(
-        batches % count == 0,
-        f"{batches} error components; a multiple of {count} expected",
-    )
+    message = f"{batches} error components; a multiple of {count} expected"
+    require_matrix(batches % count == 0, message)
     each = batches // count
     groups = components.reshape(count, each, *components.shape[1:]).sum(axis=1)
     scale = np.sqrt(batches * (batches - 1) / (count * (count - 1))) / each

@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.checks import one_of, require
+from clerestory.checks import has_shape, one_of, require
 from clerestory.engine.controller import estimate
 from clerestory.engine.direct_sun_jobs import SunJob
 from clerestory.engine.effort import Effort, EffortKeywords, effort_of
@@ -65,18 +65,10 @@ def sun_coefficients(
     windows : all windows; windows other than `window` are opaque
     window : name of the window for which coefficients are computed
     bsdf : BSDF of this window, matrix or tensor tree, at full resolution
-    sensors : points and directions of irradiance sensors, on the room side
     suns : unit vectors to the suns
     peak : whether direct-direct transmission is extracted from the BSDF, as by Radiance
         aBSDF
     samples : number of paths per sensor and sun
-    seed : random seed ≥ 0; same seed and device, bitwise identical results
-    executor : executor of the tracing jobs, such as a `Cluster`; default: local
-
-    Raises
-    ------
-    InputError : no such window, no transmission, or numbers out of range
-    DeviceError : no usable device
     """
     effort = sun_effort(sun_coefficients, keywords, samples=_SAMPLES)
     number = window_number(windows, window, bsdf, suns)
@@ -127,8 +119,5 @@ def window_number(
         "the BSDF has no visible transmission; a transmitting layer expected",
         file=bsdf.source,
     )
-    require(
-        suns.ndim == 2 and suns.shape[1:] == (3,),
-        f"suns have shape {suns.shape}; unit vectors as rows expected",
-    )
+    has_shape(suns, (len(suns), 3), "array of unit vectors to the suns")
     return names.index(window)

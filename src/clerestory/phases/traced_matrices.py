@@ -17,7 +17,7 @@ from typing import Literal, Unpack
 import numpy as np
 
 from clerestory.bands import Bands
-from clerestory.checks import require
+from clerestory.checks import distinct, require
 from clerestory.engine.controller import EstimatedJob, estimate
 from clerestory.engine.effort import Effort, EffortKeywords, effort_of
 from clerestory.engine.matrix_jobs import CoefficientsJob, DaylightJob, ViewJob
@@ -185,12 +185,8 @@ def matrix_effort(function: Callable[..., object], keywords: EffortKeywords) -> 
 
 def require_distinct(windows: Sequence[Window]) -> None:
     """Require at least one window, and distinct window names."""
-    names = [window.name for window in windows]
-    require(names, "no window given; at least one expected")
-    repeated = ", ".join(sorted({repr(n) for n in names if names.count(n) > 1}))
-    require(
-        not repeated, f"several windows are named {repeated}; unique names expected"
-    )
+    require(windows, "no window given; at least one expected")
+    distinct((window.name for window in windows), "windows")
 
 
 def require_sensors(sensors: Sensors, effort: Effort) -> None:

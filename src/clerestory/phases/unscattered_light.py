@@ -44,20 +44,16 @@ def unscattered_coefficients(
 ) -> TransferMatrix:
     """Direct part C_d of the daylight coefficients [sr]; zero for the ground.
 
-    Parameters
-    ----------
-    scene : surfaces, including the glazing
-    subdivision : MF of the Reinhart sky subdivision, 1…6
-    samples : rays per sensor and sky patch
+    `samples` is the number of rays per sensor and sky patch.
     """
     effort = sun_effort(unscattered_coefficients, keywords, samples=_PATCH_SAMPLES)
     sky = reinhart(subdivision)
     directions = _in_patches(sky.dome, _points(len(sky.dome), effort))
     found = _traced(scene, sensors, directions, effort)
-    # Irradiance per patch radiance
+    # Irradiance per patch radiance; zero for the ground, which is patch 0
     angle = sky.dome.solid_angles()
     values, components = (
-        _after_ground(part * angle.astype(part.dtype)) for part in found
+        np.insert(part * angle.astype(part.dtype), 0, 0, axis=-1) for part in found
     )
     axes = sensors_axis(sensors), sky_axis(sky)
     return TransferMatrix(values, *axes, components, scene.bands)
@@ -72,11 +68,8 @@ def unscattered_sun(
 ) -> TransferMatrix:
     """Direct-sun coefficients C_ds: irradiance per direct normal irradiance.
 
-    Parameters
-    ----------
-    scene : surfaces, including the glazing
-    suns : unit vectors to the suns; the solar disc has a diameter of 0.533°
-    samples : rays per sensor and sun
+    `suns` are unit vectors, `samples` the number of rays per sensor and sun. The solar
+    disc has a diameter of 0.533°.
     """
     effort = sun_effort(unscattered_sun, keywords, samples=_SUN_SAMPLES)
     directions = _on_discs(suns, _points(len(suns), effort))
@@ -120,11 +113,6 @@ def _traced(
     found = estimate(job, effort)
     assert found.components is not None
     return found.values, found.components
-
-
-def _after_ground(values: np.ndarray) -> np.ndarray:
-    # Zero for the ground, which is patch 0
-    return np.concatenate([np.zeros_like(values[..., :1]), values], axis=-1)
 
 
 def _points(columns: int, effort: Effort) -> Float[np.ndarray, "column point 2"]:

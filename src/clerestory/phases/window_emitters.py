@@ -13,7 +13,7 @@ from jaxtyping import Float
 
 from clerestory.bands import RGB
 from clerestory.checks import one_of, require, within
-from clerestory.directions import unit
+from clerestory.directions import Frame, unit
 from clerestory.engine.effort import EffortKeywords, effort_of
 from clerestory.engine.radiance_jobs import (
     PICTURE_BATCHES,
@@ -141,7 +141,6 @@ def _patches(pieces: list[Polygon]) -> EmitterPatches:
 
 def _frame(normal: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
     # Two axes in the plane, the second as close to vertical as possible, and the normal
-    facing = unit(normal)
-    up = np.array([0.0, 1, 0]) if abs(facing[2]) > 0.999 else np.array([0.0, 0, 1])
-    right = unit(np.cross(up, facing))
-    return np.array([right, np.cross(facing, right), facing])
+    up = np.eye(3)[1 if abs(unit(normal)[2]) > 0.999 else 2]
+    frame = Frame.from_normal_up(normal, up)
+    return np.array([frame.right, frame.up, frame.normal])

@@ -2,24 +2,30 @@
 
 Both kinds of file have a text header, an octree (skipped by this reader) and primitives
 in a portable binary format. Numbers are big-endian; real numbers have a mantissa of
-four bytes and an exponent of one byte.
+four bytes and an exponent of one byte. The vertices of a mesh are stored in patches of
+up to 256, as fractions of a bounding cube. Most triangles have all vertices in one
+patch; some have one or two vertices in other patches. Vertex normals and texture
+coordinates are ignored.
 
-Reference: Radiance, src/common: portio.c, octree.h, sceneio.c, readoct.c, readmesh.c.
+Reference: Radiance, src/common: portio.c, octree.h, sceneio.c, readoct.c, mesh.c.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
-from clerestory.errors import InputError
+from clerestory.array_types import Faces, Vector, Vertices
+from clerestory.checks import require
 from clerestory.files import read_bytes
 from clerestory.radiance.statements import MODIFIER_KINDS, SURFACE_KINDS
 from clerestory.scene.primitive import Primitive
+from clerestory.scene.transform import number
 
 _OCTREE = (b"Radiance_octree", 4 * 8 + 251)
 MESH_HEADER = (b"Radiance_tmesh", 1 * 8 + 311)
 _LARGEST_INTEGER = 8
+_MOST = 2**15
 
 _EMPTY, _FULL, _TREE = range(3)
 
@@ -49,51 +55,60 @@ def read_octree(path: str | Path) -> Octree:
 
 
 class Reader:
-    """Sequential reader of a compiled file."""
+    """Sequential reader of a compiled file; sizes are numbers of bytes."""
 
     def __init__(self, path: str | Path) -> None:
         self.data, self.path, self.at = read_bytes(path), path, 0
 
     def header(self, form: bytes, magic: int) -> int:
-        """Skip the header; return the number of bytes of an object index."""
+        """Skip the header; return the size of an object index."""
         end = self.data.find(b"\n\n")
-        if end < 0 or b"FORMAT=" + form not in self.data[:end].replace(b" ", b""):
-            raise self.error(f"the header has no FORMAT={form.decode()}")
+        known = end >= 0 and b"FORMAT=" + form in self.data[:end].replace(b" ", b"")
+        self.require(known, f"the header has no FORMAT={form.decode()}")
         self.at = end + 2
         size = self.whole(2) - magic
-        if not 0 < size <= _LARGEST_INTEGER:
-            raise self.error("the version of the format is not supported")
+        supported = 0 < size <= _LARGEST_INTEGER
+        self.require(supported, "the version of the format is not supported")
         return size
 
-    def error(self, message: str) -> InputError:
-        """Return an error about the file."""
+    def require(self, valid: object, message: str) -> None:
+        """Raise an error about the file unless a condition is true."""
         expected = "a file compiled by Radiance expected"
-        return InputError(f"{message}; {expected}", file=self.path)
+        require(valid, f"{message}; {expected}", file=self.path)
 
     def take(self, count: int) -> bytes:
         """Read `count` bytes."""
         part = self.data[self.at : self.at + count]
-        if len(part) < count:
-            raise self.error("the file ends early")
+        self.require(len(part) == count, "the file ends early")
         self.at += count
         return part
 
     def whole(self, size: int) -> int:
-        """Read a signed integer of `size` bytes."""
+        """Read a signed integer."""
         return int.from_bytes(self.take(size), "big", signed=True)
+
+    def within(self, size: int, low: int, high: int, what: str) -> int:
+        """Read a signed integer within limits."""
+        value = self.whole(size)
+        self.require(low <= value <= high, f"{what} is {value}")
+        return value
 
     def text(self) -> str:
         """Read a zero-terminated string."""
         end = self.data.find(b"\0", self.at)
-        if end < 0:
-            raise self.error("the file ends early")
+        self.require(end >= 0, "the file ends early")
         text = self.data[self.at : end].decode("utf-8", errors="replace")
         self.at = end + 1
         return text
 
+    def table(self, kind: str, rows: int, columns: int) -> np.ndarray:
+        """Read numbers of a NumPy data type."""
+        raw = self.take(np.dtype(kind).itemsize * rows * columns)
+        return np.frombuffer(raw, dtype=kind).reshape(rows, columns)
+
     def reals(self, count: int) -> tuple[float, ...]:
         """Read `count` real numbers."""
-        raw = np.frombuffer(self.take(5 * count), dtype=np.uint8).reshape(count, 5)
+        raw = self.table("u1", count, 5)
         mantissa = np.ascontiguousarray(raw[:, :4]).view(">i4")[:, 0].astype(float)
         exponent = raw[:, 4].view(np.int8).astype(int)
         # The mantissa is a fraction of 2³¹-1, rounded towards 0
@@ -110,13 +125,11 @@ class Reader:
                     left += 8
                 elif kind == _FULL:
                     count = int.from_bytes(data[at : at + size], "big", signed=True)
-                    if count < 0:
-                        raise self.error("damaged octree")
-                    at += size * (count + 1)
+                    at += size * (count + 1) if count >= 0 else len(data)
                 elif kind != _EMPTY:
-                    raise self.error("damaged octree")
+                    at = len(data)
         except IndexError:
-            raise self.error("the file ends early") from None
+            self.require(False, "the octree is damaged or ends early")
         self.at = at
 
     def primitives(self, size: int) -> tuple[Primitive, ...]:
@@ -126,29 +139,136 @@ class Reader:
             kinds.append(kind)
         items: list[Primitive] = []
         while (number := self.whole(1)) != -1:
-            if not 0 <= number < len(kinds):
-                raise self.error(f"a primitive of unknown type {number}")
+            known = 0 <= number < len(kinds)
+            self.require(known, f"a primitive has the unknown type {number}")
             items.append(self._primitive(kinds[number], items, size))
         return tuple(items)
 
     def _primitive(self, kind: str, before: list[Primitive], size: int) -> Primitive:
         modifier = self.whole(size)
-        if modifier >= len(before):
-            raise self.error(f"the modifier of a {kind} is defined after it")
+        defined = modifier < len(before)
+        self.require(defined, f"the modifier of a {kind} is defined after it")
         by = "void" if modifier < 0 else before[modifier].name
         name = self.text()
-        strings = tuple(self.text() for _ in range(self._count(2)))
-        reals = self.reals(self._count(2))
+        count = self.within(2, 0, _MOST, "the number of arguments")
+        strings = tuple(self.text() for _ in range(count))
+        reals = self.reals(self.within(2, 0, _MOST, "the number of arguments"))
         if kind == "alias":
             target = strings[0] if strings else by
             by = by if strings else "inherit"
             return Primitive(by, kind, name, (target,), (), 0)
-        if kind not in SURFACE_KINDS and kind not in MODIFIER_KINDS:
-            raise self.error(f'a primitive of unknown type "{kind}"')
+        known = kind in SURFACE_KINDS | MODIFIER_KINDS
+        self.require(known, f'a primitive has the unknown type "{kind}"')
         return Primitive(by, kind, name, strings, reals, 0)
 
-    def _count(self, size: int) -> int:
-        count = self.whole(size)
-        if count < 0:
-            raise self.error("a negative count")
-        return count
+
+_VERTICES, _NORMALS, _COORDINATES = 1, 2, 4
+
+# Range of vertex indices reserved for each patch
+_PATCH = 256
+_MOST_TRIANGLES = 512
+
+_NO_MATERIAL = -1
+
+
+@dataclass(frozen=True, eq=False)
+class CompiledMesh:
+    """Material primitives and triangles of a compiled mesh.
+
+    Faces are counter-clockwise as seen from the front; the material of a face is an
+    empty name if the face has none.
+    """
+
+    items: tuple[Primitive, ...]
+    vertices: Vertices
+    faces: Faces
+    material: tuple[str, ...]
+
+
+def read_compiled_mesh(path: str | Path) -> CompiledMesh:
+    """Return the triangles of a compiled mesh."""
+    reader = Reader(path)
+    size = reader.header(*MESH_HEADER)
+    cube = [number(reader.text()) for _ in range(4)]
+    known = [value for value in cube if value is not None]
+    reader.require(len(known) == 4 and known[3] > 0, "the bounds are not a cube")
+    reader.reals(4)
+    reader.skip_tree(size)
+    items = reader.primitives(size)
+    patches = _Patches(reader)
+    for i in range(reader.whole(4)):
+        patches.add(i)
+    return patches.mesh(np.array(known[:3]), known[3], items)
+
+
+@dataclass
+class _Patches:
+    reader: Reader
+    vertices: list[np.ndarray] = field(default_factory=list)
+    faces: list[np.ndarray] = field(default_factory=list)
+    materials: list[np.ndarray] = field(default_factory=list)
+
+    def add(self, patch: int) -> None:
+        flags = self.reader.within(1, 0, 7, "the value of the flags of a patch")
+        self.reader.require(flags & _VERTICES, "a patch has no vertices")
+        count = self.reader.within(2, 1, _PATCH, "the number of vertices of a patch")
+        self.vertices.append(self.reader.table(">u4", count, 3).astype(float))
+        if flags & _NORMALS:
+            self.reader.take(4 * count)
+        if flags & _COORDINATES:
+            self.reader.take(8 * count)
+        self._own(patch)
+        self._joining(patch, foreign=1)
+        self._joining(patch, foreign=2)
+
+    def _own(self, patch: int) -> None:
+        # Triangles with all vertices in the patch, of one or several materials
+        count = self.reader.within(
+            2, 0, _MOST_TRIANGLES, "the number of triangles of a patch"
+        )
+        corners = self.reader.table("u1", count, 3).astype(np.int64) + _PATCH * patch
+        if self.reader.whole(2) > 1:
+            material = self.reader.table(">i2", count, 1)[:, 0]
+        else:
+            material = np.full(count, self.reader.whole(2))
+        self.faces.append(corners)
+        self.materials.append(material.astype(int))
+
+    def _joining(self, patch: int, *, foreign: int) -> None:
+        # Triangles with one or two vertices in other patches
+        count = self.reader.within(
+            2, 0, _PATCH, "the number of joining triangles of a patch"
+        )
+        width = 4 * foreign + (3 - foreign) + 2
+        raw = self.reader.table("u1", count, width)
+        split = 4 * foreign
+        others = np.ascontiguousarray(raw[:, :split]).view(">i4").astype(np.int64)
+        own = raw[:, split:-2].astype(np.int64) + _PATCH * patch
+        self.faces.append(np.concatenate([others.reshape(count, foreign), own], axis=1))
+        ends = np.ascontiguousarray(raw[:, -2:]).view(">i2").reshape(count)
+        self.materials.append(ends.astype(int))
+
+    def mesh(
+        self, origin: Vector, size: float, items: tuple[Primitive, ...]
+    ) -> CompiledMesh:
+        self.reader.require(self.vertices, "the mesh has no triangles")
+        # Vertex indices are renumbered without gaps between patches
+        counts = np.array([len(v) for v in self.vertices])
+        start = np.cumsum(counts) - counts
+        given = np.concatenate(self.faces)
+        patch, inside = given // _PATCH, given % _PATCH
+        wrong = (given < 0) | (patch >= len(counts))
+        patch = np.where(wrong, 0, patch)
+        complete = not np.any(wrong | (inside >= counts[patch]))
+        self.reader.require(complete, "a triangle has vertices that do not exist")
+        points = (np.concatenate(self.vertices) + 0.5) / 2.0**32
+        material = np.concatenate(self.materials)
+        defined = material.max(initial=-1) < len(items)
+        self.reader.require(defined, "a triangle has a material that does not exist")
+        names = [item.name for item in items]
+        return CompiledMesh(
+            items,
+            origin + size * points,
+            start[patch] + inside,
+            tuple("" if m <= _NO_MATERIAL else names[m] for m in material.tolist()),
+        )

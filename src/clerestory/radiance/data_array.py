@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.checks import finite, require
 from clerestory.errors import InputError, located
 from clerestory.files import read_text
 
@@ -32,27 +33,26 @@ class DataArray:
     values: Float[np.ndarray, "..."]
 
     def __post_init__(self) -> None:
-        if tuple(len(a) for a in self.axes) != self.values.shape:
-            raise InputError(
-                f"values of shape {self.values.shape} on axes of"
-                f" {[len(a) for a in self.axes]} positions; as many expected"
-            )
+        lengths = tuple(len(axis) for axis in self.axes)
+        require(
+            lengths == self.values.shape,
+            f"values of shape {self.values.shape} on axes of {lengths} positions; equal"
+            " numbers expected",
+        )
         for axis in self.axes:
             step = np.diff(axis)
-            if len(axis) < 2 or not (np.all(step > 0) or np.all(step < 0)):
-                raise InputError(
-                    "the positions of an axis are neither ascending nor descending"
-                )
-        if not np.all(np.isfinite(self.values)):
-            raise InputError("a value is not finite; finite numbers expected")
+            require(
+                len(axis) > 1 and (np.all(step > 0) or np.all(step < 0)),
+                "the positions of an axis neither ascend nor descend; two or more"
+                " positions in order expected",
+            )
+        finite(self.values, "a value of the table")
 
     def value(
         self, position: Float[np.ndarray, "points axes"]
     ) -> Float[np.ndarray, " points"]:
         """Return interpolated values at positions.
 
-        Examples
-        --------
         >>> line = DataArray((np.array([0.0, 1, 3]),), np.array([0.0, 10, 20]))
         >>> line.value(np.array([[0.5], [2.0], [5.0]])).tolist()
         [5.0, 15.0, 30.0]
@@ -85,20 +85,18 @@ class _Reader:
 
     def take(self, count: int, what: str) -> Float[np.ndarray, " count"]:
         part = self.numbers[self.at : self.at + count]
-        if len(part) < count:
-            raise InputError(
-                f"the file ends after {len(part)} of {count} {what}", file=self.path
-            )
+        message = f"the file ends after {len(part)} of {count} {what}"
+        require(len(part) == count, message, file=self.path)
         self.at += count
         return part
 
     def whole(self, what: str, least: int, most: int) -> int:
         [number] = self.take(1, what)
-        if not (least <= number <= most and number == int(number)):
-            raise InputError(
-                f"{what} is {number:g}; a whole number from {least} to {most} expected",
-                file=self.path,
-            )
+        require(
+            least <= number <= most and number == int(number),
+            f"{what} is {number:g}; a whole number from {least} to {most} expected",
+            file=self.path,
+        )
         return int(number)
 
 

@@ -13,8 +13,7 @@ from clerestory.files import read_text
 from clerestory.radiance.command import parse_command
 from clerestory.radiance.instance import INSTANCE_KINDS, Loaded, read_instance
 from clerestory.radiance.placement import Placement
-from clerestory.radiance.polygon_checks import checked
-from clerestory.radiance.primitives import surface
+from clerestory.radiance.primitives import checked, surface
 from clerestory.radiance.search_path import found_in
 from clerestory.radiance.statements import (
     SURFACE_KINDS,

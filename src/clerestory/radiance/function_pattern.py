@@ -46,8 +46,6 @@ class FunctionPattern:
     expression for all channels, or one per channel, and one table per expression.
     `transform` leads from function to scene coordinates.
 
-    Examples
-    --------
     >>> from clerestory.radiance.cal.syntax import parse_expression
     >>> upwards = FunctionPattern(Program(), (parse_expression("noneg(Dz)"),))
     >>> upwards.value(np.array([[0.0, 0.6, 0.8]]))[0, 0]

@@ -18,7 +18,9 @@ from clerestory.radiance.cal.program import Program
 from clerestory.radiance.cal.syntax import Name, parse_expression
 from clerestory.radiance.data_array import DataArray
 from clerestory.radiance.function_pattern import FunctionPattern
+from clerestory.radiance.rad_writer import primitive_text
 from clerestory.scene.model import Illum, Polygon, Scene
+from clerestory.scene.primitive import primitive
 
 # Polar angle of the emission direction −D from the normal A1–A3, and its azimuth from
 # A4–A6 towards A7–A9
@@ -59,8 +61,6 @@ def light_pattern(light: LeavingLight) -> FunctionPattern:
     The table has values at the centres of rings and sectors. They are scaled so that
     the exitance of the interpolated table equals that of `light`.
 
-    Examples
-    --------
     >>> even = LeavingLight(np.eye(3), np.full((9, 18, 3), 2.0))
     >>> pattern = light_pattern(even)
     >>> pattern.value(np.eye(3), np.eye(3), np.eye(3))[2].round(3).tolist()
@@ -129,12 +129,15 @@ def write_illums(scene: Scene, path: str | Path) -> list[Path]:
     lines, files = ["# Precomputed window emitters, by Clerestory"], []
     for number, surface in enumerate(scene.surfaces):
         lamp = scene.materials[surface.material]
-        if (
-            not isinstance(surface, Polygon)
-            or not isinstance(lamp, Illum)
-            or not isinstance(lamp.pattern, FunctionPattern)
+        if not (
+            isinstance(surface, Polygon)
+            and isinstance(lamp, Illum)
+            and isinstance(lamp.pattern, FunctionPattern)
         ):
-            raise InputError(f'surface "{surface.name}" is not a window emitter')
+            raise InputError(
+                f'surface "{surface.name}" is not a window emitter; polygons of'
+                " `precompute_illums` expected"
+            )
         names = []
         for table, channel in zip(lamp.pattern.tables, "rgb", strict=False):
             names.append(f"{path.stem}_{number}{channel}.dat")
@@ -150,20 +153,17 @@ def write_illums(scene: Scene, path: str | Path) -> list[Path]:
 def _lamp_lines(
     surface: Polygon, lamp: Illum, pattern: FunctionPattern, names: list[str]
 ) -> list[str]:
-    kind = "colordata" if len(names) == 3 else "brightdata"
-    functions = _COLOUR if len(names) == 3 else _GREY
-    words = [*functions, *names, ".", _FROM_NORMAL, _AROUND]
-    axes = " ".join(f"{x:.9g}" for x in pattern.arguments)
-    seen = lamp.alternate.name
-    radiance = " ".join(f"{c:.9g}" for c in lamp.radiance)
-    corners = " ".join(f"{x:.9g}" for x in surface.vertices.ravel())
-    name = f"{lamp.name}_light"
+    coloured = len(names) == 3
+    kind, functions = ("colordata", _COLOUR) if coloured else ("brightdata", _GREY)
+    light = f"{lamp.name}_light"
+    words = (*functions, *names, ".", _FROM_NORMAL, _AROUND)
+    polygon = surface.name or lamp.name
     return [
-        f"\nvoid {kind} {name}",
-        f"{len(words)} {' '.join(words)}\n0\n{len(pattern.arguments)} {axes}",
-        f"{name} illum {lamp.name}\n1 {seen}\n0\n3 {radiance}",
-        f"{lamp.name} polygon {surface.name or lamp.name}",
-        f"0\n0\n{surface.vertices.size} {corners}",
+        primitive_text(primitive("void", kind, light, pattern.arguments, words)),
+        primitive_text(
+            primitive(light, "illum", lamp.name, lamp.radiance, (lamp.alternate.name,))
+        ),
+        primitive_text(primitive(lamp.name, "polygon", polygon, surface.vertices)),
     ]
 
 

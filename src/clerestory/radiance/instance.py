@@ -16,11 +16,15 @@ import numpy as np
 
 from clerestory.checks import require
 from clerestory.errors import InputError
-from clerestory.files import read_bytes
+from clerestory.files import is_file, read_bytes
 from clerestory.formats.obj import obj_meshes
 from clerestory.formats.obj_text import ObjText, parse_obj
-from clerestory.radiance.compiled import Octree, read_octree
-from clerestory.radiance.compiled_mesh import CompiledMesh, read_compiled_mesh
+from clerestory.radiance.compiled import (
+    CompiledMesh,
+    Octree,
+    read_compiled_mesh,
+    read_octree,
+)
 from clerestory.radiance.placement import Placement
 from clerestory.scene.model import Source, TriangleMesh
 from clerestory.scene.primitive import Arguments, Primitive
@@ -96,7 +100,7 @@ def _octree(
             " octree (oconv -f) expected",
         )
         beside = path.parent / name
-        files.append(beside if beside.is_file() else find(name))
+        files.append(beside if is_file(beside) else find(name))
     return Instance(tuple(files), octree.items, placement)
 
 

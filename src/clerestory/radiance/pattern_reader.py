@@ -13,7 +13,7 @@ import numpy as np
 from clerestory.array_types import Vector
 from clerestory.checks import require
 from clerestory.errors import located
-from clerestory.files import read_text
+from clerestory.files import is_file, read_text
 from clerestory.formats.photometry.read import LUMINAIRE_SUFFIXES, read_luminaire
 from clerestory.radiance.cal.files import FUNCTION_FILES
 from clerestory.radiance.cal.program import Program
@@ -30,7 +30,7 @@ from clerestory.radiance.function_pattern import (
     constant_value,
     constant_vector,
 )
-from clerestory.radiance.intensity_table import intensity_table
+from clerestory.radiance.generators.luminaire import intensity_table
 from clerestory.radiance.modifiers import Modifiers
 from clerestory.radiance.search_path import library_file
 from clerestory.scene.pattern import Pattern
@@ -156,7 +156,7 @@ def _program(given: Arguments, at: int) -> Program:
     if name == ".":
         return Program()
     beside = (Path(given.file).parent / name, Path(name))
-    if Path(name).name in FUNCTION_FILES and not any(p.is_file() for p in beside):
+    if Path(name).name in FUNCTION_FILES and not any(is_file(p) for p in beside):
         return Program(FUNCTION_FILES[Path(name).name])
     path = library_file(name, beside=given.file, line=given.item.line)
     return Program(parse_definitions(read_text(path), file=str(path)))

@@ -1,14 +1,121 @@
-"""Reading and writing of surface primitives of Radiance scene files."""
+"""Reading, checks and writing of surface primitives of Radiance scene files."""
 
+import warnings
 from collections.abc import Callable, Mapping
 
 import numpy as np
+from jaxtyping import Bool
 
 from clerestory.checks import require
 from clerestory.directions import unit
+from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.radiance.statements import PolygonRun
 from clerestory.scene.material import Specification
 from clerestory.scene.model import Cone, DistantSource, Polygon, Ring, Simple, Sphere
 from clerestory.scene.primitive import Arguments, Primitive
+from clerestory.scene.surface import area_vectors
+from clerestory.scene.transform import LARGEST
+
+# Planarity tolerance relative to the polygon's size; absolute tolerance for coordinates
+# with six decimals [m]
+_ROUNDING, _SIX_DECIMALS = 1e-4, 2e-6
+
+# Maximum number of polygons per file that are reported individually
+_NAMED = 5
+
+
+def checked(run: PolygonRun, *, file: str) -> PolygonRun:
+    """Return the polygons of non-zero area, without repeated last vertices.
+
+    Warnings are given for polygons of zero area, which Radiance ignores too, and for
+    non-planar polygons, with the largest distance of a vertex from the mean plane.
+    """
+    _refuse_beyond_measure(run, file)
+    run = _without_closing_vertex(run)
+    normal = area_vectors(run.vertices, run.first)
+    area = np.linalg.norm(normal, axis=1)
+    middle = _per_polygon(np.add, run.vertices, run) / np.diff(run.first)[:, None]
+    away = run.vertices - np.repeat(middle, np.diff(run.first), axis=0)
+    size = _per_polygon(np.maximum, np.linalg.norm(away, axis=1), run)
+
+    # Areas within the rounding error of the coordinates count as zero
+    magnitude = _per_polygon(np.maximum, np.abs(run.vertices).max(axis=1), run)
+    flat = area <= 1e-15 * magnitude * size + 1e-300
+    _warn(run, flat, file, lambda i: "it has no area and is omitted")
+
+    with np.errstate(invalid="ignore", divide="ignore"):
+        plane = np.repeat(normal / area[:, None], np.diff(run.first), axis=0)
+        deviation = _per_polygon(np.maximum, np.abs((away * plane).sum(axis=1)), run)
+    bent = ~flat & (deviation > _ROUNDING * size + _SIX_DECIMALS)
+    _warn(
+        run,
+        bent,
+        file,
+        lambda i: (
+            f"a vertex is {deviation[i]:.3g} m off its plane; a planar polygon expected"
+        ),
+    )
+    return _subset(run, ~flat) if flat.any() else run
+
+
+def _refuse_beyond_measure(run: PolygonRun, file: str) -> None:
+    beyond = np.flatnonzero(np.abs(run.vertices).max(axis=1) > LARGEST)
+    if len(beyond):
+        i = int(np.searchsorted(run.first, beyond[0], side="right")) - 1
+        message = f'polygon "{run.name[i]}": a number beyond {LARGEST:.0e}'
+        raise InputError(message, file=file, line=run.line[i])
+
+
+def _without_closing_vertex(run: PolygonRun) -> PolygonRun:
+    # A last vertex equal to the first is removed, as in Radiance
+    last = run.first[1:] - 1
+    length = np.diff(run.first)
+    same = (
+        np.linalg.norm(run.vertices[run.first[:-1]] - run.vertices[last], axis=1)
+        <= 1e-6
+    )
+    closing = (length > 3) & same
+    if not closing.any():
+        return run
+    keep = np.ones(len(run.vertices), dtype=bool)
+    keep[last[closing]] = False
+    first = np.concatenate([[0], np.cumsum(length - closing)])
+    return PolygonRun(run.modifier, run.name, run.line, first, run.vertices[keep])
+
+
+def _subset(run: PolygonRun, keep: Bool[np.ndarray, " polygons"]) -> PolygonRun:
+    length = np.diff(run.first)
+    chosen = np.flatnonzero(keep)
+    return PolygonRun(
+        [run.modifier[i] for i in chosen],
+        [run.name[i] for i in chosen],
+        [run.line[i] for i in chosen],
+        np.concatenate([[0], np.cumsum(length[keep])]),
+        run.vertices[np.repeat(keep, length)],
+    )
+
+
+def _per_polygon(
+    operation: np.ufunc, values: np.ndarray, run: PolygonRun
+) -> np.ndarray:
+    return np.asarray(operation.reduceat(values, run.first[:-1], axis=0))
+
+
+def _warn(
+    run: PolygonRun,
+    doubtful: Bool[np.ndarray, " polygons"],
+    file: str,
+    message: Callable[[int], str],
+) -> None:
+    found = np.flatnonzero(doubtful).tolist()
+    for i in found[:_NAMED]:
+        text = f'{file}:{run.line[i]}: polygon "{run.name[i]}": {message(i)}'
+        warnings.warn(text, ClerestoryWarning, stacklevel=2)
+    if len(found) > _NAMED:
+        text = f"{file}: {len(found) - _NAMED} more polygons of this kind"
+        text += f", the first on line {run.line[found[_NAMED]]}"
+        warnings.warn(text, ClerestoryWarning, stacklevel=2)
+
 
 # Radiance's FTINY: lengths up to it are treated as zero
 _TINY = 1e-6

@@ -79,17 +79,15 @@ def read_rad(*paths: str | Path) -> Scene:
 
 @dataclass
 class _Reading:
-    # Scene read so far; `in_force`: key of the current material of each name
+    # Scene read so far
     materials: dict[str, Material] = field(default_factory=dict)
-    in_force: dict[str, str] = field(default_factory=lambda: {"void": _VOID})
     surfaces: list[Surface] = field(default_factory=list)
     distant: list[DistantSource] = field(default_factory=list)
     bsdfs: dict[Path, Bsdf] = field(default_factory=dict)
-    # Patterns and textures by name, including their own modifiers; `bare` excludes them
-    modifiers: dict[str, Modifiers] = field(default_factory=dict)
-    outside: list[tuple[dict[str, str], dict[str, Modifiers]]] = field(
-        default_factory=list
-    )
+    # Current meaning of each name: key of a material, or patterns and textures
+    # including their own modifiers, which `bare` excludes
+    named: dict[str, str | Modifiers] = field(default_factory=lambda: {"void": _VOID})
+    outside: list[dict[str, str | Modifiers]] = field(default_factory=list)
     bare: dict[str, Modifiers] = field(default_factory=dict)
     # Materials by key, without the patterns and textures that modify them
     unmodified: dict[str, Material] = field(default_factory=dict)
@@ -105,9 +103,9 @@ class _Reading:
             case DistantSource():
                 self._add_distant(placed.item)
             case Scope(opens=True):
-                self.outside.append((dict(self.in_force), dict(self.modifiers)))
+                self.outside.append(dict(self.named))
             case Scope():
-                self.in_force, self.modifiers = self.outside.pop()
+                self.named = self.outside.pop()
             case Scene():
                 self._add_scene(placed.item, placed.file, placed.placement)
             case Directive():
@@ -119,17 +117,18 @@ class _Reading:
                     self.surfaces.append(replace(surface, material=key))
 
     def _key(self, modifier: str, source: Source) -> str:
-        if modifier in self.modifiers:
-            raise error_at(
-                source, f'the modifier "{modifier}" is a pattern; a material expected'
-            )
-        if modifier not in self.in_force:
+        found = self.named.get(modifier)
+        if isinstance(found, str):
+            return found
+        if found is None:
             raise error_at(
                 source,
                 f'undefined modifier "{modifier}"; a material defined before this line,'
                 " or in a file given before this one, expected",
             )
-        return self.in_force[modifier]
+        raise error_at(
+            source, f'the modifier "{modifier}" is a pattern; a material expected'
+        )
 
     def _add_polygons(self, run: PolygonRun, file: str) -> None:
         ends = run.first.tolist()
@@ -157,7 +156,7 @@ class _Reading:
                 name = placement.name(surface.name)
                 self.surfaces.append(replace(turned, material=key, name=name))
         if placement.modifier is None:
-            self.in_force |= keys
+            self.named |= keys
 
     def _add_distant(self, item: DistantSource) -> None:
         source = item.source or Source("", 0)
@@ -191,16 +190,15 @@ class _Reading:
         self, value: Material, modifiers: Modifiers | None, given: Arguments
     ) -> None:
         made = value if modifiers is None else modified(value, modifiers, given)
-        self.modifiers.pop(given.item.name, None)
-        key = insert_material(self.materials, made)
-        self.in_force[given.item.name] = key
+        key = self.named[given.item.name] = insert_material(self.materials, made)
         if modifiers is not None:
             self.unmodified[key] = value
 
     def _define_modifiers(self, given: Arguments, placement: Placement) -> None:
         modifiers = read_modifiers(given, placed=placement.transform)
         item = given.item
-        if item.modifier in self.modifiers or item.modifier == "void":
+        outer = self.named.get(item.modifier)
+        if isinstance(outer, Modifiers) or item.modifier == "void":
             self._name_modifiers(item.name, modifiers, self._modifying(given))
             return
         # A pattern modified by a material defines a new material, as in Radiance
@@ -211,14 +209,14 @@ class _Reading:
         self, name: str, modifiers: Modifiers, outer: Modifiers | None
     ) -> None:
         self.bare[name] = modifiers
-        self.modifiers[name] = modifiers.within(outer)
-        self.in_force.pop(name, None)
+        self.named[name] = modifiers.within(outer)
 
     def _modifying(self, given: Arguments) -> Modifiers | None:
         # Patterns and textures that modify a primitive; None for void
         modifier = given.item.modifier
-        if modifier in self.modifiers:
-            return self.modifiers[modifier]
+        found = self.named.get(modifier)
+        if isinstance(found, Modifiers):
+            return found
         if self._key(modifier, given.source) != _VOID:
             raise error_at(
                 given.source,
@@ -246,14 +244,13 @@ class _Reading:
             raise error_at(given.source, message)
         inherits = given.item.modifier == "inherit"
         outer = None if inherits else self._modifying(given)
-        if target in self.modifiers:
-            whole, bare = self.modifiers[target], self.bare[target]
-            self._name_modifiers(name, whole if inherits else bare, outer)
+        whole = self.named.get(target)
+        if isinstance(whole, Modifiers):
+            self._name_modifiers(name, whole if inherits else self.bare[target], outer)
             return
         key = self._key(target, given.source)
         if not inherits and (outer or key in self.unmodified):
             value = self.unmodified.get(key, self.materials[key])
             self._name_material(altered(value, name=name), outer, given)
             return
-        self.modifiers.pop(name, None)
-        self.in_force[name] = key
+        self.named[name] = key

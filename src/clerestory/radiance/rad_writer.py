@@ -56,7 +56,8 @@ def format_rad(scene: Scene, *, bsdf_file: Mapping[str, str | Path]) -> str:
         name = surface.name or f"surface{number}"
         for shape in _shapes(surface):
             modifier = name_of[surface.material]
-            writer.put(primitive(modifier, shape.kind, name, shape.reals))
+            made = primitive(modifier, shape.kind, name, shape.reals)
+            writer.text.append(primitive_text(made))
     return "\n".join(writer.text)
 
 
@@ -65,14 +66,6 @@ class _Writer:
         self.text: list[str] = []
         self.written: dict[str, Material] = {}
         self.bsdf_file = bsdf_file
-
-    def put(self, item: Primitive) -> None:
-        """Add a primitive to the text."""
-        words = " ".join([str(len(item.strings)), *map(_quoted, item.strings)])
-        values = [f"{value:.12g}" for value in item.reals]
-        numbers = " ".join([str(len(values)), *values])
-        head = f"{_quoted(item.modifier)} {item.kind} {_quoted(item.name)}"
-        self.text.append(f"{head}\n{words}\n0\n{numbers}\n")
 
     def define(self, material: Material, key: str) -> str:
         """Add a material, after the materials it is composed of; return its name."""
@@ -86,7 +79,8 @@ class _Writer:
             )
         strings = tuple(self.word(each, material, key) for each in given.strings)
         self.written[key] = material
-        self.put(primitive("void", given.kind, key, given.reals, strings))
+        made = primitive("void", given.kind, key, given.reals, strings)
+        self.text.append(primitive_text(made))
         return key
 
     def word(self, value: Argument, material: Material, key: str) -> str:
@@ -125,6 +119,14 @@ def _shapes(surface: Polygon | Simple) -> Iterator[Specification]:
             yield Specification("polygon", (), (*corners.ravel(),))
     else:
         yield specification(surface)
+
+
+def primitive_text(item: Primitive) -> str:
+    """Return a primitive as text."""
+    words = " ".join([str(len(item.strings)), *map(_quoted, item.strings)])
+    numbers = " ".join([str(len(item.reals)), *(f"{v:.12g}" for v in item.reals)])
+    head = f"{_quoted(item.modifier)} {item.kind} {_quoted(item.name)}"
+    return f"{head}\n{words}\n0\n{numbers}\n"
 
 
 def _quoted(word: str) -> str:

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from clerestory.errors import InputError, located
+from clerestory.files import is_file
 
 
 def library_file(name: str, *, beside: str | Path, line: int) -> Path:
@@ -21,7 +22,7 @@ def library_file(name: str, *, beside: str | Path, line: int) -> Path:
 def found_in(name: str, folders: Sequence[Path]) -> Path:
     """Return the path of a file in the first folder that contains it."""
     for folder in dict.fromkeys(folders):
-        if (folder / name).is_file():
+        if is_file(folder / name):
             return folder / name
     tried = ", ".join(str(folder) for folder in dict.fromkeys(folders))
     raise InputError(f'the file "{name}" is missing; searched in {tried}')

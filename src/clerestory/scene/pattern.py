@@ -3,9 +3,9 @@
 Patterns correspond to Radiance's brightfunc and brightdata. Arguments by emitter type:
 
 - surface of the scene: `direction` points from the surface to the viewer; `normal` and
-  `point` are normal and point of the surface;
+  `point` [m] are normal and point of the surface;
 - source at infinity (sky, sun, ground): `direction` points to the source; `normal` and
-  `point` are None.
+  `point` are None. Directions and normals are unit vectors.
 
 The rendering engine tabulates patterns over directions, and over points if necessary.
 """
@@ -40,23 +40,13 @@ class Pattern(Protocol):
         normal: RayVectors | None = None,
         point: RayVectors | None = None,
     ) -> RayVectors:
-        """Return the multipliers of red, green and blue radiance, 0 or more.
-
-        Parameters
-        ----------
-        direction : unit vectors from a surface to the viewer, or from the scene to a
-            source at infinity
-        normal : unit normals of the surface; None at infinity
-        point : points of emission [m]; None at infinity
-        """
+        """Return the multipliers of red, green and blue radiance, 0 or more."""
 
 
 @dataclass(frozen=True, eq=False)
 class Product:
     """A product of patterns.
 
-    Examples
-    --------
     >>> class Half:
     ...     needs_normal, needs_point, grey = False, False, True
     ...     def value(self, direction, normal=None, point=None):

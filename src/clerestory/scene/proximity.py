@@ -47,8 +47,6 @@ def distances(
 ) -> Float[np.ndarray, " triangles"]:
     """Return the distances from a point to triangles [m].
 
-    Examples
-    --------
     >>> triangle = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]])
     >>> distances(np.array([0.2, 0.2, 3.0]), triangle).tolist()
     [3.0]
@@ -79,8 +77,6 @@ def first_hits(
 
     References: T. Möller, B. Trumbore, Journal of Graphics Tools 2 (1), 1997.
 
-    Examples
-    --------
     >>> triangle = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]])
     >>> up_and_down = np.array([[0.0, 0, 1], [0, 0, -1]])
     >>> first_hits(np.array([0.2, 0.2, 3.0]), up_and_down, triangle).tolist()

@@ -31,6 +31,7 @@ _SMALLEST, _LARGEST = 0.1, 2000.0
 _EFFORT = 300_000_000
 
 _RAYS = 64
+_DOWN = np.array([[0.0, 0.0, -1.0]])
 
 
 def check_scene(
@@ -41,24 +42,18 @@ def check_scene(
     Warnings are given for sensors outside the scene, on a surface, enclosed by
     surfaces, without a surface below, in the plane of a window, or duplicate; for
     windows whose back faces the sensors, that are outside the scene, or that are
-    covered by a surface; and for scenes of implausible size. In large scenes a subset
-    of the sensors is checked for surrounding surfaces; the warnings give the size of
-    the subset.
+    covered by a surface; and for scenes of implausible size. The scene is without the
+    windows. In large scenes a subset of the sensors is checked for surrounding
+    surfaces; the warnings give the size of the subset.
 
-    Parameters
-    ----------
-    scene : scene without the windows
-    windows : window groups
-    sensors : illuminance sensors; None for images
-
-    Examples
-    --------
     >>> check_scene(Scene())
     ('the scene has no surfaces',)
     """
     if not scene.surfaces:
         return ("the scene has no surfaces",)
-    triangles = _triangles(scene)
+    parts = meshes(scene)
+    corner = np.concatenate([m.vertices[m.faces] for m in parts])
+    triangles = Triangulation(corner, np.concatenate([m.surface for m in parts]))
     box = scene.bounds()
     findings = [*_size(box)]
     for window in windows:
@@ -66,25 +61,10 @@ def check_scene(
     if sensors is not None and len(sensors):
         findings += _sensors(sensors, box, windows)
         opaque = np.array([scene.materials[s.material].opaque for s in scene.surfaces])
-        findings += _surroundings(sensors, box, _solid(triangles, opaque))
+        kept = opaque[triangles.surface]
+        solid = Triangulation(triangles.corner[kept], triangles.surface[kept])
+        findings += _surroundings(sensors, box, solid)
     return tuple(findings)
-
-
-def _triangles(scene: Scene) -> Triangulation:
-    parts = meshes(scene)
-    return Triangulation(
-        np.concatenate([m.vertices[m.faces] for m in parts]),
-        np.concatenate([m.surface for m in parts]),
-    )
-
-
-def _solid(
-    triangles: Triangulation, opaque: Bool[np.ndarray, " surfaces"]
-) -> Triangulation:
-    if opaque.all():
-        return triangles
-    kept = opaque[triangles.surface]
-    return Triangulation(triangles.corner[kept], triangles.surface[kept])
 
 
 def _size(box: Float[np.ndarray, "2 3"]) -> Iterator[str]:
@@ -125,15 +105,14 @@ def _window(
     for part in window.triangles():
         for middle in part.vertices[part.faces].mean(axis=1):
             near = triangles.near(middle, _TOUCH)
-            covers |= set(
-                near.surface[distances(middle, near.corner) < _TOUCH].tolist()
-            )
+            touching = distances(middle, near.corner) < _TOUCH
+            covers |= set(near.surface[touching].tolist())
     names = [scene.surfaces[i].name for i in sorted(covers)]
     if names:
+        more = f" and {len(names) - 1} more" if len(names) > 1 else ""
         yield (
-            f'{label} is covered by the surface "{names[0]}"'
-            + (f" and {len(names) - 1} more" if len(names) > 1 else "")
-            + "; a window replaces its glazing, which should not be in the scene"
+            f'{label} is covered by the surface "{names[0]}"{more}; a window replaces'
+            " its glazing, which should not be in the scene"
         )
 
 
@@ -182,9 +161,7 @@ def _surroundings(
         touching[i] = distances(point, near.corner).min(initial=np.inf) < _TOUCH
         sees = first_hits(point, _hemisphere(direction), near.corner)
         shut_in[i] = not touching[i] and np.median(sees) < _SHUT_IN
-        down = first_hits(
-            point, np.array([[0.0, 0.0, -1.0]]), solid.beneath(point).corner
-        )
+        down = first_hits(point, _DOWN, solid.beneath(point).corner)
         floating[i] = not (touching[i] or out[i]) and np.isinf(down[0])
     for which, where in (
         (touching, f"nearer than {_TOUCH * 1e3:.0f} mm to a surface"),
@@ -220,12 +197,11 @@ def _finding(
     found = np.flatnonzero(which).tolist()
     if not found:
         return
-    names = [
-        sensors.names[i] if sensors.names is not None else str(i + 1) for i in found[:5]
-    ]
-    shown = ", ".join(names) + (", …" if len(found) > len(names) else "")
-    all_looked = looked in (None, len(sensors))
-    note = "" if all_looked else f", {looked} of which were checked,"
+    known = sensors.names or range(1, len(sensors) + 1)
+    shown = ", ".join(str(known[i]) for i in found[:5])
+    shown += ", …" if len(found) > 5 else ""
+    checked_all = looked in (None, len(sensors))
+    note = "" if checked_all else f", {looked} of which were checked,"
     if len(found) == 1:
         yield f"sensor {shown} of {len(sensors)}{note} is {where}"
     else:

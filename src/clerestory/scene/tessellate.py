@@ -1,4 +1,12 @@
-"""Tessellation of scenes into one triangle mesh per material."""
+"""Tessellation of scenes into one triangle mesh per material.
+
+Spheres, cones and rings keep their areas. A circle becomes a regular polygon of 64
+sides with the area of the circle, so that the areas of discs, rings and tube openings
+are exact. The lateral area of a cylinder is 0.04 % too large; points deviate from the
+true surface by at most 0.13 % of the radius. A sphere becomes 1280 triangles with the
+exact surface area and mean projected area of the sphere; points deviate by at most
+0.5 % of the radius.
+"""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -6,9 +14,17 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from clerestory.array_types import Faces, Vertices
-from clerestory.scene.curved import curved_triangles
-from clerestory.scene.model import Material, Polygon, Scene, Surface, TriangleMesh
+from clerestory.array_types import Faces, Vector, Vertices
+from clerestory.scene.model import (
+    Cone,
+    Material,
+    Polygon,
+    Ring,
+    Scene,
+    Sphere,
+    Surface,
+    TriangleMesh,
+)
 from clerestory.scene.triangulate import Triangles, triangulate
 
 
@@ -25,22 +41,12 @@ class Mesh:
     surface: Int[np.ndarray, " triangles"]
 
 
-@dataclass(frozen=True, eq=False)
-class _Part:
-    # Triangles, with the index of the surface of each triangle
-    vertices: Vertices
-    faces: Faces
-    surface: Int[np.ndarray, " triangles"]
-
-
 def meshes(scene: Scene) -> tuple[Mesh, ...]:
     """Return the surfaces of a scene as triangles, one mesh per material in use.
 
     Polygons are filled by the even–odd rule, with new vertices only if they intersect
     themselves; for curved surfaces see `curved`.
 
-    Examples
-    --------
     >>> from clerestory.scene.model import Light
     >>> pane = Polygon(np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]), "sky")
     >>> [mesh] = meshes(Scene({"sky": Light("sky", np.ones(3))}, (pane,)))
@@ -58,20 +64,21 @@ def meshes(scene: Scene) -> tuple[Mesh, ...]:
 
 
 def _mesh(material: Material, surfaces: Sequence[Surface], chosen: list[int]) -> Mesh:
-    parts = list(_parts(surfaces, chosen))
-    start = np.cumsum([0, *(len(p.vertices) for p in parts)])
+    parts, surface = zip(*_parts(surfaces, chosen), strict=True)
+    start = np.cumsum([0, *(len(p.vertices) for p in parts[:-1])])
+    faces = [p.faces + s for p, s in zip(parts, start, strict=True)]
     return Mesh(
         material,
         np.concatenate([p.vertices for p in parts]),
-        np.concatenate(
-            [p.faces + s for p, s in zip(parts, start, strict=False)]
-        ).astype(np.int32),
-        np.concatenate([p.surface for p in parts]).astype(np.int32),
+        np.concatenate(faces).astype(np.int32),
+        np.concatenate(surface).astype(np.int32),
     )
 
 
-def _parts(surfaces: Sequence[Surface], chosen: list[int]) -> Iterator[_Part]:
-    # Convex polygons are processed together by number of corners, other surfaces singly
+def _parts(
+    surfaces: Sequence[Surface], chosen: list[int]
+) -> Iterator[tuple[Triangles, Int[np.ndarray, " triangles"]]]:
+    # Triangles, and the surface of each; convex polygons together by number of corners
     by_corners: dict[int, list[int]] = {}
     rest: list[int] = []
     for i in chosen:
@@ -85,11 +92,11 @@ def _parts(surfaces: Sequence[Surface], chosen: list[int]) -> Iterator[_Part]:
         convex = _convex(corner)
         rest += index[~convex].tolist()
         if convex.any():
-            yield _fans(corner[convex], index[convex])
+            fans = _fans(corner[convex])
+            yield fans, np.repeat(index[convex], corner.shape[1] - 2)
     for i in rest:
         triangles = _triangles(surfaces[i])
-        origin = np.full(len(triangles.faces), i)
-        yield _Part(triangles.vertices, triangles.faces, origin)
+        yield triangles, np.full(len(triangles.faces), i)
 
 
 def _triangles(surface: Surface) -> Triangles:
@@ -107,14 +114,12 @@ def _corners(
     return np.concatenate([p.vertices for p in polygons]).reshape(len(polygons), -1, 3)
 
 
-def _fans(
-    corner: Float[np.ndarray, "polygons corners 3"], index: Int[np.ndarray, " polygons"]
-) -> _Part:
-    # Triangle fan around the first corner
+def _fans(corner: Float[np.ndarray, "polygons corners 3"]) -> Triangles:
+    # Triangle fans around the first corners
     count, corners = corner.shape[:2]
     fan = np.array([(0, k, k + 1) for k in range(1, corners - 1)])
     faces = (corners * np.arange(count)[:, None, None] + fan).reshape(-1, 3)
-    return _Part(corner.reshape(-1, 3), faces, np.repeat(index, corners - 2))
+    return Triangles(corner.reshape(-1, 3), faces)
 
 
 def _convex(
@@ -133,3 +138,113 @@ def _convex(
     share = np.einsum("pcx,px->pc", np.concatenate([turn, fan, sweep], axis=1), whole)
     size = np.einsum("px,px->p", whole, whole)
     return np.asarray(np.all(share > 1e-9 * size[:, None], axis=1))
+
+
+SIDES = 64
+
+# Circumradius of the regular polygon with the area of the unit circle
+_CIRCUMRADIUS = np.sqrt(2 * np.pi / (SIDES * np.sin(2 * np.pi / SIDES)))
+
+
+def curved_triangles(surface: Sphere | Cone | Ring) -> Triangles:
+    """Return triangles that approximate a curved surface, oriented like its front.
+
+    >>> ball = Sphere(np.zeros(3), 1.0, False, "grey")
+    >>> t = curved_triangles(ball)
+    >>> corner = t.vertices[t.faces]
+    >>> edges = corner[:, 1:] - corner[:, :1]
+    >>> area = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1).sum() / 2
+    >>> round(float(area / np.pi), 9)
+    4.0
+    """
+    match surface:
+        case Sphere():
+            ball = _unit_sphere()
+            vertices = surface.centre + surface.radius * ball.vertices
+            return _turned(Triangles(vertices, ball.faces), surface.inward)
+        case Cone():
+            axis = surface.top - surface.base
+            lower = surface.base + surface.base_radius * _circle(axis)
+            upper = surface.top + surface.top_radius * _circle(axis)
+            return _turned(_band(lower, upper), surface.inward)
+        case Ring():
+            circle = _circle(surface.normal)
+            inner = surface.centre + surface.inner_radius * circle
+            outer = surface.centre + surface.outer_radius * circle
+            return _band(outer, inner)
+
+
+def _turned(triangles: Triangles, inward: bool) -> Triangles:
+    if not inward:
+        return triangles
+    return Triangles(triangles.vertices, triangles.faces[:, ::-1])
+
+
+def _circle(axis: Vector) -> Float[np.ndarray, "sides 3"]:
+    # Polygon corners around an axis; equal for the opposite axis (discs fit tubes)
+    along = axis / np.linalg.norm(axis)
+    first = np.cross(np.eye(3)[np.argmin(np.abs(along).round(9))], along)
+    first = first / np.linalg.norm(first)
+    second = np.cross(along, first)
+    angle = 2 * np.pi * np.arange(SIDES) / SIDES
+    corners = np.outer(np.cos(angle), first) + np.outer(np.sin(angle), second)
+    return np.asarray(_CIRCUMRADIUS * corners)
+
+
+def _band(
+    lower: Float[np.ndarray, "sides 3"], upper: Float[np.ndarray, "sides 3"]
+) -> Triangles:
+    # Two triangles per side; one triangle if the radius of an end is zero
+    i = np.arange(SIDES)
+    j = (i + 1) % SIDES
+    faces = np.empty((0, 3), dtype=int)
+    if np.ptp(lower, axis=0).any():
+        faces = np.concatenate([faces, np.stack([i, j, SIDES + j], axis=1)])
+    if np.ptp(upper, axis=0).any():
+        faces = np.concatenate([faces, np.stack([i, SIDES + j, SIDES + i], axis=1)])
+    return Triangles(np.concatenate([lower, upper]), faces)
+
+
+def _unit_sphere() -> Triangles:
+    # An icosahedron of which each face is subdivided into four, three times
+    golden = (1 + np.sqrt(5)) / 2
+    flat = np.array([(0, s, t * golden) for s in (-1, 1) for t in (-1, 1)])
+    vertices = np.concatenate([np.roll(flat, k, axis=1) for k in range(3)])
+    vertices = vertices / np.linalg.norm(vertices[0])
+    faces = _hull_faces(vertices)
+    for _ in range(3):
+        vertices, faces = _subdivided(vertices, faces)
+    corner = vertices[faces]
+    doubled = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    area = np.linalg.norm(doubled, axis=1).sum() / 2
+    return Triangles(vertices * np.sqrt(4 * np.pi / area), faces)
+
+
+def _hull_faces(vertices: Float[np.ndarray, "12 3"]) -> Int[np.ndarray, "20 3"]:
+    # Triples of adjacent icosahedron vertices, counter-clockwise as seen from outside
+    near = vertices @ vertices.T > 0.4
+    faces = [
+        (a, b, c)
+        for a in range(12)
+        for b in range(12)
+        for c in range(12)
+        if a < min(b, c) and near[a, b] and near[b, c] and near[c, a]
+        if np.linalg.det(vertices[[a, b, c]]) > 0 and len({a, b, c}) == 3
+    ]
+    return np.array(faces)
+
+
+def _subdivided(
+    vertices: Vertices, faces: Faces
+) -> tuple[Float[np.ndarray, "more 3"], Int[np.ndarray, "fourfold 3"]]:
+    a, b, c = faces.T
+    edges = np.sort(
+        np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    )
+    unique, place = np.unique(edges, axis=0, return_inverse=True)
+    middle = vertices[unique].sum(axis=1)
+    middle = middle / np.linalg.norm(middle, axis=1, keepdims=True)
+    ab, bc, ca = np.split(len(vertices) + place.ravel(), 3)
+    quarters = [(a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca)]
+    faces = np.concatenate([np.stack(q, axis=1) for q in quarters])
+    return np.concatenate([vertices, middle]), faces

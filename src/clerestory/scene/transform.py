@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Directions
+from clerestory.checks import require
 from clerestory.errors import InputError
 
 _AXES = "xyz"
@@ -22,14 +23,9 @@ LARGEST = 1e15
 class Transform:
     """A similarity transform: rotation, uniform scaling, reflection and translation.
 
-    Attributes
-    ----------
-    matrix : matrix that multiplies row vectors (x, y, z, 1) from the right
-    scale : scale factor, positive
-    mirrored : whether the transform reverses handedness
+    The matrix multiplies row vectors (x, y, z, 1) from the right. The scale factor is
+    positive; `mirrored` tells whether the transform reverses handedness.
 
-    Examples
-    --------
     >>> move, _ = parse_transform(["-rz", "90", "-t", "1", "0", "0"])
     >>> move.points(np.array([[1.0, 0.0, 0.0]])).round(9).tolist()
     [[1.0, 1.0, 0.0]]
@@ -54,11 +50,11 @@ class Transform:
             self.scale * outer.scale,
             self.mirrored != outer.mirrored,
         )
-        if np.abs(both.matrix).max() > LARGEST or both.scale < 1 / LARGEST:
-            raise InputError(
-                "the xform options scale or translate beyond"
-                f" {LARGEST:.0e}; smaller values expected"
-            )
+        require(
+            np.abs(both.matrix).max() <= LARGEST and both.scale >= 1 / LARGEST,
+            f"the xform options scale or translate beyond {LARGEST:.0e}; smaller values"
+            " expected",
+        )
         return both
 
 
@@ -96,8 +92,7 @@ def _step(option: str, value: list[float]) -> Transform:
             matrix[3, :3] = value
             return Transform(matrix)
         case "s":
-            if value[0] == 0:
-                raise InputError("xform -s 0: a factor other than zero is expected")
+            require(value[0], "xform -s is 0; a factor other than 0 expected")
             matrix[:3, :3] *= value[0]
             return Transform(matrix, abs(value[0]), value[0] < 0)
         case "m":
@@ -131,20 +126,18 @@ def _numbers(words: list[str], at: int, count: int) -> list[float]:
     given = words[at + 1 : at + 1 + count]
     values = [number(word) for word in given]
     if len(values) < count or None in values:
+        noun = "1 number" if count == 1 else f"{count} numbers"
         raise InputError(
-            f'xform {words[at]} is followed by "{" ".join(given)}";'
-            f" {count} number(s) expected"
+            f'xform {words[at]} is followed by "{" ".join(given)}"; {noun} expected'
         )
     return [v for v in values if v is not None]
 
 
 def _whole(words: list[str], at: int) -> int:
-    given = words[at + 1 : at + 2]
-    if not given or not given[0].lstrip("+-").isdecimal():
-        raise InputError(
-            f'xform {words[at]} is followed by "{"".join(given)}"; a count expected'
-        )
-    return int(given[0])
+    given = "".join(words[at + 1 : at + 2])
+    unclear = f'xform {words[at]} is followed by "{given}"; a count expected'
+    require(given.lstrip("+-").isdecimal(), unclear)
+    return int(given)
 
 
 def number(word: str) -> float | None:

@@ -125,17 +125,12 @@ class View:
     ) -> tuple[int, int]:
         """Return the columns and rows of the largest image within `resolution`.
 
-        Parameters
-        ----------
-        resolution : maximum numbers of columns and rows, or one number for both
-        pixel_aspect : ratio of pixel height to pixel width
+        `pixel_aspect` is the ratio of pixel height to pixel width.
 
         >>> View(horizontal=60, vertical=40).size_for(400)
         (400, 252)
         """
-        columns, rows = (
-            (resolution, resolution) if isinstance(resolution, int) else resolution
-        )
+        columns, rows = np.broadcast_to(resolution, 2).tolist()
         positive([columns, rows], "resolution")
         aspect = self.aspect()
         # Rounding as in Radiance's function normaspect
@@ -151,13 +146,10 @@ class View:
         rows: int,
         jitter: Float[np.ndarray, "row column 2"] | None = None,
     ) -> Rays:
-        """Return rays through the pixels of an image.
+        """Return rays through the pixels of an image, by default through their centres.
 
-        Parameters
-        ----------
-        columns, rows : size of the image in pixels
-        jitter : position in each pixel, 0…1 to the right and up from its lower left
-            corner; None: the centre
+        `jitter` is the position in each pixel, 0…1 to the right and up from its lower
+        left corner.
         """
         offset = np.full((rows, columns, 2), 0.5) if jitter is None else jitter
         x = (np.arange(columns)[None, :] + offset[..., 0]) / columns

@@ -18,6 +18,7 @@ from pydantic_core import PydanticCustomError
 
 from clerestory.documents import Table
 from clerestory.engine.device import Device
+from clerestory.files import is_file
 from clerestory.metrics.climate_based_metrics import TARGET_LUX
 from clerestory.metrics.en17037 import FIRST_DAY, LAST_DAY
 from clerestory.sky.station_file import MeasuredTable
@@ -28,7 +29,7 @@ def _input_file(value: Any, info: Any) -> Any:
     if not isinstance(value, str) or not value:
         raise PydanticCustomError("file", "the name of a file in quotes")
     path: Path = (info.context or {}).get("folder", Path()) / value
-    if not path.is_file():
+    if not is_file(path):
         raise PydanticCustomError("file", "the name of a file that exists")
     return path
 

@@ -10,7 +10,7 @@ from clerestory.engine.effort import Effort
 from clerestory.engine.work_units import Executor, Local
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.fingerprint import fingerprint
-from clerestory.phases.matrix_store import Store, block_names
+from clerestory.phases.matrix_store import BlockMaker, Store, block_names
 from clerestory.progress import Progress
 from clerestory.scene.model import Scene
 from clerestory.scene.window import Window
@@ -163,11 +163,7 @@ class Job:
         return self.store.matrices(names, key, make)
 
     def blocks(
-        self,
-        name: str,
-        key: str,
-        rows: Sequence[slice],
-        make: Callable[[slice], TransferMatrix],
+        self, name: str, key: str, rows: Sequence[slice], make: BlockMaker
     ) -> tuple[Path, ...]:
         """Return the files of a matrix larger than memory; trace missing ones."""
         kept = [self.store.holds(n, key) for n in block_names(name, len(rows))]

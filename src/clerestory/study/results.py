@@ -18,7 +18,7 @@ import xarray as xr
 from clerestory.checks import require
 from clerestory.documents import json_value
 from clerestory.errors import InputError
-from clerestory.files import read_bytes, read_text, replace_path, write_text
+from clerestory.files import is_file, read_bytes, read_text, replace_path, write_text
 from clerestory.phases.illuminance import hourly_variable
 
 RESULTS_FILE = "results.nc"
@@ -158,7 +158,7 @@ def read_results(path: str | Path) -> Results:
     """
     path = Path(path)
     path = path / RESULTS_FILE if path.is_dir() else path
-    large = path.is_file() and path.stat().st_size > 2 * _LARGE
+    large = is_file(path) and path.stat().st_size > 2 * _LARGE
     source = path if large else io.BytesIO(read_bytes(path))
     try:
         data = xr.open_dataset(source, engine="h5netcdf", cache=False)

@@ -132,12 +132,11 @@ def _views(job: Job, *, stored: bool) -> Sequence[TransferMatrix | StoredColumns
         trace = partial(view_matrices, job.scene, windows, sensors=sensors)
         found = job.matrices("view", windows, trace, effort, shown="view matrices")
         return list(found.values())
+    key = fingerprint("views", job.scene_key, windows, sensors, effort)
     views = store_views(
-        job,
+        partial(job.blocks, f"{job.prefix}views", key),
         job.scene,
         windows,
-        name=f"{job.prefix}views",
-        key=fingerprint("views", job.scene_key, windows, sensors, effort),
         sensors=sensors,
         effort=effort,
         progress=job.display(f"{job.prefix}view matrices"),

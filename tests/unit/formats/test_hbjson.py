@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.formats.hbjson import read_hbjson
-from clerestory.radiance.polygon_checks import area_vectors
 from clerestory.scene.model import Glass, Plastic, Trans
+from clerestory.scene.surface import area_vectors
 
 GLASS = {
     "type": "Glass",

@@ -154,5 +154,5 @@ def test_views_of_other_windows_do_not_fit(tmp_path):
 
 def test_states_that_do_not_exist_are_refused(tmp_path, sky):
     windows = [shaded(np.random.default_rng(6), 1, 2)]
-    with pytest.raises(MatrixError, match="states from 2 to 2; 0 to 1 expected"):
+    with pytest.raises(MatrixError, match=r"shade states \[2\]; 0 to 1 expected"):
         streamed(tmp_path, windows, sky, [np.full(48, 2)])

@@ -93,7 +93,7 @@ CASES = {
         2,
         "more than 100000 copies",
     ),
-    "zero": ("!xform -s 0 part.rad", 2, "other than zero"),
+    "zero": ("!xform -s 0 part.rad", 2, "other than 0"),
     "lists": ("!xform -f absent part.rad", 2, 'the file "absent" is missing'),
     "no list": ("!xform -f", 2, "xform -f has no file"),
     "name": ("!xform -m", 2, "xform -m has no value"),

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from clerestory.scene.curved import curved_triangles
 from clerestory.scene.model import Cone, Ring, Sphere
+from clerestory.scene.tessellate import curved_triangles
 
 
 def area_vectors(triangles):

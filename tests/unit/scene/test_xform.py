@@ -64,7 +64,7 @@ def test_options_stop_at_the_first_word_that_is_none():
         ("-rz", "1 number"),
         ("-rz nan", "1 number"),
         ("-s inf", "1 number"),
-        ("-s 0", "other than zero"),
+        ("-s 0", "other than 0"),
         ("-t 1e300 0 0 -s 1e300", "beyond"),
         ("-i", "count"),
         ("-i 1.5", "count"),

@@ -15,7 +15,7 @@ import numpy as np
 
 from clerestory.checks import require
 from clerestory.errors import located
-from clerestory.files import read_text
+from clerestory.files import is_file, read_text
 from clerestory.formats.photometry.luminaire import (
     Luminaire,
     LuminousShape,
@@ -90,7 +90,7 @@ def _tilt(how: str, numbers: WordReader, path: Path, line: int) -> TiltTable | N
         return _tilt_table(numbers)
     other = path.parent / how
     message = f"TILT={how}: NONE, INCLUDE or the name of a file beside it expected"
-    require(how and other.is_file(), message, file=path, line=line)
+    require(how and is_file(other), message, file=path, line=line)
     return _tilt_table(_words(read_text(other), other, 1))
 
 

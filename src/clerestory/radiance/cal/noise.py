@@ -102,8 +102,6 @@ def noise_of_arrays(
 ) -> Float[np.ndarray, " points"]:
     """Return the noise at the points (x, y, z).
 
-    Examples
-    --------
     >>> here = np.array([0.5])
     >>> noise_of_arrays(here, here, here).tolist()
     [-0.25]

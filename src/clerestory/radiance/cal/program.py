@@ -25,8 +25,6 @@ from clerestory.radiance.cal.syntax import (
 class Program:
     """Definitions of a function file together with the predefined functions.
 
-    Examples
-    --------
     >>> from clerestory.radiance.cal.syntax import parse_definitions
     >>> program = Program(parse_definitions("fall(n) = if(n-.5, n*fall(n-1), 1);"))
     >>> [four] = parse_definitions("x = fall(4);").values()

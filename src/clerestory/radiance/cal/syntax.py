@@ -11,7 +11,9 @@ Reference: G. Ward, Radiance, "calcomp" (icalc manual page, section Expressions)
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import reduce
 
+from clerestory.checks import require
 from clerestory.errors import InputError
 
 # Maximum depth of nested brackets, which limits recursion
@@ -84,8 +86,6 @@ class Definition:
 def parse_definitions(text: str, *, file: str | None = None) -> dict[str, Definition]:
     """Return the definitions in a text by name; of equal names, the last is valid.
 
-    Examples
-    --------
     >>> made = parse_definitions("{ square } sq(x) : x*x; two = 2;")
     >>> sorted(made), made["sq"].parameters
     (['sq', 'two'], ('x',))
@@ -93,25 +93,21 @@ def parse_definitions(text: str, *, file: str | None = None) -> dict[str, Defini
     cursor = _Cursor(_without_comments(text, file), file)
     definitions = {}
     while cursor.kind != "end":
-        if cursor.text == ";":
-            cursor.advance()
-            continue
-        definition = _definition(cursor)
-        definitions[definition.name] = definition
-        if cursor.kind != "end":
-            cursor.expect(";")
+        if not cursor.skip(";"):
+            definition = _definition(cursor)
+            definitions[definition.name] = definition
+            if cursor.kind != "end":
+                cursor.expect(";")
     return definitions
 
 
-def parse_expression(text: str, *, file: str | None = None, line: int = 1) -> Node:
+def parse_expression(text: str, *, file: str | None = None) -> Node:
     """Return the expression tree of a single expression.
 
-    Examples
-    --------
     >>> parse_expression("-x^2")
     Power(base=Negative(value=Name(name='x')), exponent=Number(value=2.0))
     """
-    cursor = _Cursor(_without_comments(text, file), file, line=line)
+    cursor = _Cursor(_without_comments(text, file), file)
     node = _expression(cursor)
     if cursor.kind != "end":
         raise cursor.error(f'"{cursor.text}" follows a complete expression')
@@ -128,22 +124,24 @@ def _without_comments(text: str, file: str | None) -> str:
         kept.append(letter if depth == 0 or letter == "\n" else " ")
         if letter == "}":
             depth = max(depth - 1, 0)
-    if depth:
-        line = text.count("\n", 0, opened) + 1
-        raise InputError('a comment is not closed; "}" expected', file=file, line=line)
+    line = text.count("\n", 0, opened) + 1
+    unclosed = 'a comment is not closed; "}" expected'
+    require(depth == 0, unclosed, file=file, line=line)
     return "".join(kept)
 
 
 class _Cursor:
     # Current token and its position in the text
 
-    def __init__(self, text: str, file: str | None, *, line: int = 1) -> None:
-        self.source, self.file, self.line = text, file, line
+    def __init__(self, text: str, file: str | None) -> None:
+        self.source, self.file, self.line = text, file, 1
         self.at, self.depth = 0, 0
         self.kind, self.text = "", ""
-        self.advance()
+        self.take()
 
-    def advance(self) -> None:
+    def take(self) -> str:
+        # Returns the current token and reads the next
+        taken = self.text
         match = _TOKEN.match(self.source, self.at)
         if match is None:
             left = self.source[self.at :].lstrip()
@@ -151,55 +149,48 @@ class _Cursor:
             if left:
                 raise self.error(f'unexpected character "{left[0]}"')
             self.kind, self.text, self.at = "end", "", len(self.source)
-            return
-        self.kind = match.lastgroup or ""
-        self.line += self.source.count("\n", self.at, match.start(self.kind))
-        self.text, self.at = match[self.kind], match.end()
+        else:
+            self.kind = match.lastgroup or ""
+            self.line += self.source.count("\n", self.at, match.start(self.kind))
+            self.text, self.at = match[self.kind], match.end()
+        return taken
 
-    def take(self) -> str:
-        text = self.text
-        self.advance()
-        return text
+    def skip(self, sign: str) -> bool:
+        # Reads the sign if it is the current token
+        found = self.text == sign
+        if found:
+            self.take()
+        return found
 
     def expect(self, sign: str) -> None:
-        if self.text != sign:
-            found = f'"{self.text}"' if self.text else "the end"
-            raise self.error(f'unexpected {found}; "{sign}" expected')
-        self.advance()
+        if not self.skip(sign):
+            raise self.unexpected(f'"{sign}"')
+
+    def name(self, what: str) -> str:
+        if self.kind != "name":
+            raise self.unexpected(what)
+        return plain_name(self.take())
+
+    def unexpected(self, expected: str) -> InputError:
+        found = f'"{self.text}"' if self.text else "the end"
+        return self.error(f"unexpected {found}; {expected} expected")
 
     def error(self, message: str) -> InputError:
-        if self.file is None:
-            return InputError(message)
-        return InputError(message, file=self.file, line=self.line)
+        line = None if self.file is None else self.line
+        return InputError(message, file=self.file, line=line)
 
 
 def _definition(cursor: _Cursor) -> Definition:
-    if cursor.kind != "name":
-        raise cursor.error(f'unexpected "{cursor.text}"; a name expected')
-    name, parameters = plain_name(cursor.take()), None
-    if cursor.text == "(":
-        cursor.advance()
-        parameters = _parameters(cursor)
-    if cursor.text not in ("=", ":"):
-        found = f'"{cursor.text}"' if cursor.text else "the end"
-        raise cursor.error(f'unexpected {found}; "=" or ":" expected')
-    cursor.advance()
+    name, parameters = cursor.name("a name"), None
+    if cursor.skip("("):
+        names = [cursor.name("the name of a parameter")]
+        while cursor.skip(","):
+            names.append(cursor.name("the name of a parameter"))
+        cursor.expect(")")
+        parameters = tuple(names)
+    if not (cursor.skip("=") or cursor.skip(":")):
+        raise cursor.unexpected('"=" or ":"')
     return Definition(name, parameters, _expression(cursor))
-
-
-def _parameters(cursor: _Cursor) -> tuple[str, ...]:
-    names = []
-    while True:
-        if cursor.kind != "name":
-            raise cursor.error(
-                f'unexpected "{cursor.text}"; the name of a parameter expected'
-            )
-        names.append(plain_name(cursor.take()))
-        if cursor.text != ",":
-            break
-        cursor.advance()
-    cursor.expect(")")
-    return tuple(names)
 
 
 def plain_name(name: str) -> str:
@@ -233,43 +224,34 @@ def _chain(cursor: _Cursor, signs: str, operand: Callable[[_Cursor], Node]) -> N
 def _power(cursor: _Cursor) -> Node:
     # a ^ b ^ c is right-associative
     operands = [_signed(cursor)]
-    while cursor.text == "^":
-        cursor.advance()
+    while cursor.skip("^"):
         operands.append(_signed(cursor))
         if len(operands) > _DEEPEST:
             raise cursor.error(f"more than {_DEEPEST} nested powers")
-    node = operands.pop()
-    while operands:
-        node = Power(operands.pop(), node)
-    return node
+    return reduce(lambda exponent, base: Power(base, exponent), reversed(operands))
 
 
 def _signed(cursor: _Cursor) -> Node:
-    if cursor.text == "-":
-        cursor.advance()
+    if cursor.skip("-"):
         value = _primary(cursor)
         return Number(-value.value) if isinstance(value, Number) else Negative(value)
-    if cursor.text == "+":
-        cursor.advance()
+    cursor.skip("+")
     return _primary(cursor)
 
 
 def _primary(cursor: _Cursor) -> Node:
-    kind = cursor.kind
-    if kind == "number":
-        return Number(float(cursor.take()))
-    if kind == "channel":
-        return Name(cursor.take())
-    if kind == "name":
-        name = plain_name(cursor.take())
-        if cursor.text != "(":
-            return Name(name)
-        return Call(name, _inside(cursor))
+    match cursor.kind:
+        case "number":
+            return Number(float(cursor.take()))
+        case "channel":
+            return Name(cursor.take())
+        case "name":
+            name = cursor.name("a name")
+            return Call(name, _inside(cursor)) if cursor.text == "(" else Name(name)
     if cursor.text == "(":
         (node,) = _inside(cursor, one=True)
         return node
-    found = f'"{cursor.text}"' if cursor.text else "the end"
-    raise cursor.error(f"unexpected {found}; a value expected")
+    raise cursor.unexpected("a value")
 
 
 def _inside(cursor: _Cursor, *, one: bool = False) -> tuple[Node, ...]:
@@ -279,8 +261,7 @@ def _inside(cursor: _Cursor, *, one: bool = False) -> tuple[Node, ...]:
         raise cursor.error(f"brackets are nested too deep, more than {_DEEPEST}")
     cursor.expect("(")
     nodes = [_sum(cursor)]
-    while cursor.text == "," and not one:
-        cursor.advance()
+    while not one and cursor.skip(","):
         nodes.append(_sum(cursor))
     cursor.expect(")")
     cursor.depth -= 1

@@ -11,6 +11,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 from jaxtyping import Bool, Float
 
 from clerestory.array_types import Vector
@@ -44,6 +45,9 @@ class _Formulas:
     program: Program
     nodes: tuple[Node, ...]
 
+    def part(self, kind: str, label: str, reals: npt.ArrayLike) -> Primitive:
+        return primitive(self.material, kind, f"{self.name}.{label}", reals)
+
     def at(self, **places: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n values"]:
         """Return the values of the formulas; NaN where undefined."""
         count = len(next(iter(places.values())))
@@ -72,8 +76,7 @@ def revolution(words: WordReader, find: Find) -> list[Primitive]:
             kind, reals = "ring", (0.0, 0.0, z1, 0.0, 0.0, facing, r0, r1)
         else:
             kind, reals = "cup" if z1 < z0 else "cone", (*axis, r0, r1)
-        label = f"{formulas.name}.{i}"
-        made.append(primitive(formulas.material, kind, label, reals))
+        made.append(formulas.part(kind, str(i), reals))
     return made
 
 
@@ -86,16 +89,15 @@ def worm(words: WordReader, find: Find) -> list[Primitive]:
     value = _finite(formulas.at(t=np.linspace(0, 1, count + 1)), words)
     if value[:, 3].min() <= 0:
         raise words.error(f"the radius is {value[:, 3].min():g}; above 0 expected")
-    material, name = formulas.material, formulas.name
-    made = [primitive(material, "sphere", f"{name}.s0", value[0])]
+    made = [formulas.part("sphere", "s0", value[0])]
     for i, (last, this) in enumerate(pairwise(value), 1):
-        made += _link(material, name, i, last, this)
-        made.append(primitive(material, "sphere", f"{name}.s{i}", this))
+        made += _link(formulas, f"c{i}", last, this)
+        made.append(formulas.part("sphere", f"s{i}", this))
     return made
 
 
 def _link(
-    material: str, name: str, i: int, last: np.ndarray, this: np.ndarray
+    formulas: _Formulas, label: str, last: np.ndarray, this: np.ndarray
 ) -> list[Primitive]:
     # Cone tangent to two spheres; none if one sphere contains the other
     step = this[:3] - last[:3]
@@ -105,13 +107,13 @@ def _link(
         return []
     if abs(fall) <= _TINY:
         reals = [*last[:3], *this[:3], this[3]]
-        return [primitive(material, "cylinder", f"{name}.c{i}", reals)]
+        return [formulas.part("cylinder", label, reals)]
     sine = fall / length
     cosine = np.sqrt(1 - sine**2)
     along = step / length
     ends = [end[:3] + end[3] * sine * along for end in (last, this)]
     reals = [*ends[0], *ends[1], last[3] * cosine, this[3] * cosine]
-    return [primitive(material, "cone", f"{name}.c{i}", reals)]
+    return [formulas.part("cone", label, reals)]
 
 
 def surface(words: WordReader, find: Find) -> list[Primitive]:
@@ -121,12 +123,8 @@ def surface(words: WordReader, find: Find) -> list[Primitive]:
     negative are omitted.
     """
     formulas, [m, n] = _read(words, find, 3, ("rows", "columns"))
-    s, t = (
-        grid.ravel()
-        for grid in np.meshgrid(
-            np.arange(m + 1) / m, np.arange(n + 1) / n, indexing="ij"
-        )
-    )
+    steps = np.arange(m + 1) / m, np.arange(n + 1) / n
+    s, t = (grid.ravel() for grid in np.meshgrid(*steps, indexing="ij"))
     valid = np.ones(len(s), dtype=bool)
     if formulas.program.arity("valid") == 2:
         check = parse_expression("valid(s,t)")
@@ -137,10 +135,7 @@ def surface(words: WordReader, find: Find) -> list[Primitive]:
         points[valid] = _finite(formulas.at(s=s[valid], t=t[valid]), words)
     grid = points.reshape(m + 1, n + 1, 3)
     shapes = _facets(grid, valid.reshape(m + 1, n + 1))
-    return [
-        primitive(formulas.material, "polygon", f"{formulas.name}.{i}", corners)
-        for i, corners in enumerate(shapes, 1)
-    ]
+    return [formulas.part("polygon", str(i), c) for i, c in enumerate(shapes, 1)]
 
 
 def _facets(

@@ -11,11 +11,13 @@ from pathlib import Path
 
 import numpy as np
 
+from clerestory.constants import LUMINOUS_EFFICACY
+from clerestory.errors import InputError
 from clerestory.formats.photometry.luminaire import Luminaire
 from clerestory.formats.photometry.read import read_luminaire
 from clerestory.formats.photometry.shining import faces, shining_surfaces
 from clerestory.formats.word_reader import WordReader
-from clerestory.radiance.intensity_table import table_coordinates
+from clerestory.radiance.data_array import DataArray
 from clerestory.radiance.primitives import specification
 from clerestory.scene.primitive import Primitive, primitive
 from clerestory.scene.surface import transformed
@@ -100,3 +102,24 @@ def _distribution(lamp: Luminaire, path: Path, factor: float, name: str) -> Prim
     place = str(path.resolve())
     strings = (correction, place, "source.cal", *table_coordinates(lamp))
     return primitive("void", "brightdata", f"{name}_dist", reals, strings)
+
+
+def intensity_table(luminaire: Luminaire) -> DataArray:
+    """Return the radiant intensity [W/sr] as a table over `table_coordinates`."""
+    value = luminaire.intensity / LUMINOUS_EFFICACY
+    if len(luminaire.horizontal_deg) == 1:
+        return DataArray((luminaire.vertical_deg,), value[0])
+    return DataArray((luminaire.horizontal_deg, luminaire.vertical_deg), value)
+
+
+def table_coordinates(luminaire: Luminaire) -> tuple[str, ...]:
+    """Return the functions of source.cal for the angles along the table's axes."""
+    if luminaire.photometry == "A":
+        raise InputError(
+            f'luminaire "{luminaire.name}" has photometry of type A; B or C expected'
+        )
+    if luminaire.photometry == "B":
+        return ("srcB_horiz", "srcB_vert")
+    if len(luminaire.horizontal_deg) == 1:
+        return ("src_theta",)
+    return ("src_phi", "src_theta")
