@@ -166,7 +166,9 @@ def _up_and_down(channel: str, tables: Tables) -> Iterator[Finding]:
         what += " light from below"
         where = f"{channel} transmission front, 30° to 70° off the normal"
         effect = "plausible for light-redirecting louvres; a shading blind with these"
-        effect += " values transmits the sun: its sides are swapped or it is inverted"
+        effect += (
+            " values transmits the sun and has its sides swapped or is upside down"
+        )
         ratio = above / max(below, 1e-9)
         yield Finding("order", "warning", ratio, what, where, effect)
 
