@@ -56,8 +56,8 @@ def check_angle_bases(bsdf: Bsdf) -> Iterator[Finding]:
 # warning and error.
 _ENERGY = (0.001, 0.01, 0.05)
 
-# If the values of all exit patches have a sum in this range, they probably are flux
-# fractions instead of BSDF values.
+# Values whose sum over the exit patches is in this range are probably flux fractions
+# instead of BSDF values.
 _LIKE_SHARES = (0.3, 1.01)
 
 # A larger ratio of the transmittances of light from above and from below suggests that

@@ -28,8 +28,8 @@ class ScatteringMatrix(ScatteringFunction):
 
     # BSDF from each incident patch to each exit patch [1/sr]
     values: Float[np.ndarray, "exit incident"]
-    exits: RingPartition  # partitions of the exit and incident hemispheres
-    incidents: RingPartition  # partitions of the exit and incident hemispheres
+    exits: RingPartition  # partition of the exit hemisphere
+    incidents: RingPartition  # partition of the incident hemisphere
     # Standard error of each value [1/sr]; None if unknown
     standard_error: Float[np.ndarray, "exit incident"] | None = None
 

@@ -96,7 +96,8 @@ def xyz_functions(
     trees = [part for part in (luminance, u, v) if isinstance(part, ScatteringTree)]
     require(
         len(trees) == 3 and len({tree.rank for tree in trees}) == 1,
-        "CIE Y, u' and v' differ in kind; three tensor trees of equal rank expected",
+        "CIE Y, u' and v' are not trees of one rank; three tensor trees of equal rank"
+        " expected",
     )
     # CIE 15:2004, eq. 8.24 and 8.25, solved for X/Y and Z/Y; both are 1 where v' is 0
     x = combine(lambda y, u, v: y * _over(9 * u, 4 * v), *trees)
@@ -118,8 +119,8 @@ class Reduction:
     """A reduced tree and the effect of the reduction."""
 
     tree: ScatteringTree  # the reduced tree
-    cells_before: int  # number of cells before and after the reduction
-    cells_after: int  # number of cells before and after the reduction
+    cells_before: int  # number of cells before the reduction
+    cells_after: int  # number of cells after the reduction
     # Flux whose exit cell changes, as a fraction of the incident flux, under a uniform
     # sky
     moved: float
@@ -154,7 +155,7 @@ def reduce_tree(tree: ScatteringTree, percent: float) -> Reduction:
     regions = level_slots(_merged(levels, tree.rank, threshold), tree.rank)
     reduced = ScatteringTree(np.concatenate(regions), tree.rank, len(regions) - 1)
 
-    # Half the sum of absolute changes: a decrease in a cell is an increase in another
+    # Half the sum of absolute changes: a decrease in one cell is an increase in another
     change = combine(lambda a, b: np.abs(a - b), tree, reduced)
     live = 2 if tree.rank == 3 else 1
     incident = klems("full").centres()

@@ -21,6 +21,7 @@ from jaxtyping import Float
 
 from clerestory.array_types import Directions, Indices, Points2, Values, Vector2
 from clerestory.checks import require
+from clerestory.errors import InputError
 from clerestory.gonio.angles import angle_between, angle_table, directions_over_disc
 from clerestory.gonio.incident_mesh import Mesh, arc_mesh, triangulate
 from clerestory.gonio.lobe_motion import LobeMotion, mean_motion
@@ -159,11 +160,9 @@ def _isotropic(
     lobes = [fits[k].transformed(rotation_about_normal(-azimuth[k])) for k in order]
     theta = theta[order]
     same = theta[:-1][np.diff(theta) < SAME_DIRECTION]
-    require(
-        not same.size,
-        f"two scans of an isotropic layer at θ {np.degrees([*same, 0])[0]:.1f}°;"
-        " one scan per polar angle expected",
-    )
+    if same.size:
+        found = f"two scans of an isotropic layer at θ {np.degrees(same[0]):.1f}°"
+        raise InputError(f"{found}; one scan per polar angle expected")
     if theta[0] > SAME_DIRECTION:
         theta = np.concatenate([[-theta[0]], theta])
         lobes.insert(0, lobes[0].transformed(rotation_about_normal(np.pi)))

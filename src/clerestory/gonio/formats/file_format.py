@@ -16,6 +16,7 @@ from jaxtyping import Float
 from clerestory.array_types import Values
 from clerestory.bsdf.scattering_function import Function
 from clerestory.checks import require
+from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.gonio.angles import from_degrees
 from clerestory.gonio.scattering_measurement import Measurement, Scan
@@ -113,11 +114,9 @@ def table(
 def check_angles(theta_deg: Values, *, most: float, what: str = "θ") -> None:
     """Require polar angles from 0 to `most` [°]."""
     wrong = theta_deg[(theta_deg < 0) | (theta_deg > most)]
-    require(
-        not wrong.size,
-        f"{what} is {np.ravel([*wrong, 0])[0]:g}°; 0 to {most:g}° expected; are the"
-        " columns of θ and φ swapped?",
-    )
+    if wrong.size:
+        found = f"{what} is {wrong[0]:g}°; 0 to {most:g}° expected"
+        raise InputError(f"{found}; are the columns of θ and φ swapped?")
 
 
 def scan_of_rows(
