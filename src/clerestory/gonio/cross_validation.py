@@ -106,8 +106,8 @@ class LeftOut:
     phi_deg: float  # azimuth of the incident direction [°]
     # Whether the prediction is interpolated (True) or extrapolated (False)
     inside: bool
-    measured: float  # hemispherical transmittance or reflectance
-    predicted: float  # the same, predicted
+    measured: float  # measured hemispherical transmittance or reflectance
+    predicted: float  # predicted hemispherical transmittance or reflectance
     peak_deg: float  # angle between the measured and the predicted beam direction [°]
     # Earth mover's distance between the predicted and the fitted distribution [°]; NaN
     # if the predicted flux is zero

@@ -29,8 +29,8 @@ class Fitted:
     """One scattering function of a layer, fitted to its measurement."""
 
     interpolant: Interpolant  # interpolated scattering function
-    function: Function  # such as "transmission_front" and "visible"
-    channel: str = "visible"  # such as "transmission_front" and "visible"
+    function: Function  # such as "transmission_front"
+    channel: str = "visible"  # such as "visible" or "cie-x"
     name: str = ""  # name of the sample
     options: FitOptions = DEFAULT  # options of the lobe fits
 

@@ -53,11 +53,10 @@ _Distances = Float[np.ndarray, "start end"]
 class Plan:
     """Transport plan: matches between the lobes of two incident directions."""
 
-    # Indices of the lobes of each match, at the start and at the end
-    source: _Matches
-    target: _Matches
-    sent: _Fluxes  # flux of each match at the start and at the end
-    received: _Fluxes
+    source: _Matches  # index of the lobe of each match at the start
+    target: _Matches  # index of the lobe of each match at the end
+    sent: _Fluxes  # flux of each match at the start
+    received: _Fluxes  # flux of each match at the end
     fading: Float[np.ndarray, " start"]  # unmatched flux of each lobe at the start
     rising: Float[np.ndarray, " end"]  # unmatched flux of each lobe at the end
 

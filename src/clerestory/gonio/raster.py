@@ -27,11 +27,9 @@ from clerestory.hemisphere.shirley_chiu import (
 # The coarsest grid has 2^4 × 2^4 cells, 9° wide.
 _COARSEST = 4
 
-# Smallest radius of the lobes evaluated on a grid, in cell widths …
-_CELLS_PER_RADIUS = 0.75
-
-# … and number of cells evaluated on each side of the lobe centre, in 3.3 lobe radii.
-_SIDE = 5
+# Smallest radius of the lobes evaluated on a grid [cell widths], and number of cells
+# that are evaluated on each side of the lobe centre (3.3 lobe radii).
+_CELLS_PER_RADIUS, _SIDE = 0.75, 5
 
 # z of the cells in the margin around the grid, so that lobes are zero there.
 _UNREACHED = -1e4
