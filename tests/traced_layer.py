@@ -103,9 +103,9 @@ class TracedLayer:
             rows = np.array([number])
             paths = lanes(sequence, rows=rows, batches=1, seed=self.seed, stream=0)
             front = dr.opaque(mi.Bool, False)
-            ray = start(self._slab, sequence, paths, table, mi.UInt32(0), front)
-            limit = dr.opaque(mi.UInt32, 1 << 20)
-            follow(self._slab, _Cells(target), sequence, paths, ray, limit)
+            numbers = paths.numbers(sequence)
+            ray = start(self._slab, numbers, table, mi.UInt32(0), front)
+            follow(self._slab, _Cells(target), numbers, ray, 1 << 20)
             dr.eval(target.sums)
         flux = target.sums.numpy()[:-1] / (FIXED_POINT * self.paths)
         cell = np.flatnonzero(flux)
@@ -133,7 +133,7 @@ class _Disc:
 class _Cells:
     target: MatrixSink
 
-    def receive(self, _paths, direction, weight, active):
+    def receive(self, direction, weight, active):
         place = square_from_disc(direction.x, direction.y) * (1 << HALVINGS)
         a, b = (
             mi.UInt32(dr.clip(mi.Int32(c), 0, (1 << HALVINGS) - 1))

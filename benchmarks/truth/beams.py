@@ -63,7 +63,8 @@ def beams(film: LoweredScene, sky: DistantEmitters) -> Beams:
 def _through(film: LoweredScene, sky: DistantEmitters, seed: mi.UInt32):
     """Return where rays of the sun go, their cosine to the film, whether they left."""
     rng = random_numbers(dr.arange(mi.UInt32, _RAYS), seed)
-    sun, _, _ = sky.sample_sun(mi.Float(0.5), rng.next_float32(), rng.next_float32())
+    u, v = rng.next_float32(), rng.next_float32()
+    sun = sky.sample_sun(mi.Float(0.5), u, v).direction
     place = mi.Point3f(rng.next_float32() - 0.5, -0.02, rng.next_float32() - 0.5)
     context = mi.BSDFContext()
 

@@ -150,7 +150,8 @@ def follow(room: FilmRoom, rng, ray, weight, sharp, active):
         indoors = si.p.y > 0
         a, b, c = rng.next_float32(), rng.next_float32(), rng.next_float32()
         towards, irradiance, distance = _borrowed(room, si.p, a)
-        itself, density, radiance = sky.sample_sun(a, b, c)
+        direct = sky.sample_sun(a, b, c)
+        itself, density, radiance = direct.direction, direct.pdf, direct.radiance
         towards = dr.select(indoors, towards, itself)
         start = offset(model, si, towards, matt)
         far = dr.select(indoors, distance - 1e-4, dr.largest(mi.Float))

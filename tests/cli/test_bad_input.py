@@ -66,7 +66,7 @@ BAD = {
         f"{VIEW} --samples 64 --relative-error 0.1",
         "both samples and relative_error given; one of them expected",
     ),
-    "error above one": (nothing, f"{VIEW} --relative-error 3", "relative_error = 3.0"),
+    "error above one": (nothing, f"{VIEW} --relative-error 3", "relative_error is 3.0"),
     "no samples": (nothing, f"{VIEW} --samples 0", "--samples"),
     "half a sample": (nothing, f"{VIEW} --samples 0.5", "--samples"),
     "negative bounces": (nothing, f"{VIEW} --bounces -1", "--bounces"),

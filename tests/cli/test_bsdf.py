@@ -83,7 +83,7 @@ def test_plot_writes_a_picture(call, room, suffix):
     ("words", "complaint"),
     [
         (("--from", "40"), "'40'; two angles"),
-        (("--from", "95,0"), "95.0°; from 0"),
+        (("--from", "95,0"), "95.0°; an angle from 0"),
         (("--patch", "145"), "0 to 144 expected"),
         (("--channel", "solar"), "no solar transmission front"),
     ],

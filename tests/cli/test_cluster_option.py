@@ -5,7 +5,7 @@ import sys
 import pytest
 
 import clerestory as cl
-from clerestory.cluster import optional
+from clerestory.cluster import cluster
 
 NOWHERE = "tcp://127.0.0.1:9"
 VIEW = ("trace", "view", "--scene", "room.rad", "--window", "window.rad")
@@ -13,7 +13,7 @@ VIEW = ("trace", "view", "--scene", "room.rad", "--window", "window.rad")
 
 @pytest.fixture(autouse=True)
 def hurried(monkeypatch):
-    monkeypatch.setattr(optional, "_PATIENCE", 1)
+    monkeypatch.setattr(cluster, "_SCHEDULER", 1)
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ of Tregenza, as if they were equal in solid angle, with the sun turned to azimut
 import os
 import re
 import subprocess
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -89,7 +89,7 @@ def coarse_sum(sky: PointSky) -> float:
     glow = sky.distribution.centre
     points = reinhart(1).dome.centres()
     turned = np.array([0.0, np.hypot(glow[0], glow[1]), glow[2]])
-    relative = sky.distribution.shape.relative(points, sun=turned)
+    relative = replace(sky.distribution, centre=turned)(points, turned)
     return float(2 * np.pi / 145 * relative @ points[:, 2])
 
 
@@ -118,7 +118,7 @@ def likeness(random, folder: Path) -> Likeness:
     text = gendaylit(weather, day, hour)
     found = re.search(r"perezlum.cal\n0\n10 (.*)", text)
     _, ground, *parameters = map(float, found.group(1).split())
-    shape = sky.distribution.shape
+    shape = sky.distribution
     ours = np.array([shape.a, shape.b, shape.c, shape.d, shape.e])
 
     # Radiance in some directions, by either scale

@@ -19,9 +19,9 @@ from clerestory.scene.model import Plastic, Polygon, Scene, Sphere
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.surface import DistantSource
 from clerestory.sky.luminance_distribution import (
-    Overcast,
     cie_general,
     horizontal_integral,
+    overcast,
 )
 
 WEIGHTS = np.array([0.265, 0.670, 0.065]) * 179
@@ -138,11 +138,11 @@ def patch_radiances(sun_y):
     sky = reinhart(6)
     patch = sky.find(directions).ravel()
     sun = np.array([0.0, sun_y * 0.5, np.sqrt(0.75)])
-    skies = [cie_general(number) for number in range(1, 16)] + [Overcast()]
+    skies = [cie_general(number) for number in range(1, 16)] + [overcast]
     count = np.bincount(patch, minlength=len(sky))
     found = np.zeros((len(skies), len(sky)))
     for i, one in enumerate(skies):
-        light = one.relative(directions, sun=sun).ravel()
+        light = one(directions, sun).ravel()
         total = np.bincount(patch, light, minlength=len(sky))
         found[i] = total / np.maximum(count, 1) / horizontal_integral(one, sun=sun)
     return found

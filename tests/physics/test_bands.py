@@ -9,7 +9,7 @@ from physics_scenes import box, endless_ground, sensor
 import clerestory as cl
 from clerestory.bands import RGB
 from clerestory.bsdf.analytic import lambertian
-from clerestory.bsdfgen.flat_panes import diffuse_pane
+from clerestory.bsdfgen.panes_and_fabrics import diffuse_pane
 from clerestory.colorimetry import wavelength_bands
 from clerestory.errors import InputError, MatrixError
 from clerestory.phases.picture_matrices import Camera, picture_view_matrices

@@ -92,7 +92,7 @@ def test_an_error_of_a_unit_is_that_of_one_process(tmp_path):
 
 
 def test_where_no_scheduler_answers_is_bad_input(monkeypatch):
-    monkeypatch.setattr("clerestory.cluster.optional._PATIENCE", 1)
+    monkeypatch.setattr("clerestory.cluster.cluster._SCHEDULER", 1)
     with pytest.raises(InputError, match="no dask scheduler answers at"):
         cl.Cluster("tcp://127.0.0.1:9")
 

@@ -99,9 +99,9 @@ def test_any_expression_is_computed_alike(text):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("fall(Px)", "does not end|without an end"),
-        ("fnoise3(Px, Py, Pz)", '"fnoise3" does not work'),
-        ("there", '"there" is not known'),
+        ("fall(Px)", "nested calls; one whose recursion ends"),
+        ("fnoise3(Px, Py, Pz)", '"fnoise3" is not defined for patterns'),
+        ("there", '"there" is not defined for patterns'),
         ("arg(3)", "real argument 3 is asked for; 2 given"),
     ],
 )

@@ -7,11 +7,10 @@ import clerestory as cl
 from clerestory.bsdf.analytic import glass_properties
 from clerestory.bsdf.patch_overlap import patches_in_cells
 from clerestory.bsdf.resample import to_matrices
-from clerestory.bsdfgen.fabric import fabric
 from clerestory.bsdfgen.film_geometry import mirrored_channels, prismatic
-from clerestory.bsdfgen.flat_panes import clear_pane, diffuse_pane
 from clerestory.bsdfgen.mirror_symmetry import Orbits
 from clerestory.bsdfgen.morton_codes import incident_code
+from clerestory.bsdfgen.panes_and_fabrics import clear_pane, diffuse_pane, fabric
 from clerestory.bsdfgen.screen_geometry import perforated, woven
 from clerestory.bsdfgen.shading_system import SampleArea
 from clerestory.bsdfgen.venetian_geometry import microlouvre, venetian

@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 from jaxtyping import Float
+from scipy.ndimage import maximum_filter
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.patch_overlap import patches_in_cells
@@ -27,9 +28,15 @@ from clerestory.bsdf.tree_parser import morton_order
 from clerestory.checks import within
 from clerestory.errors import InputError
 from clerestory.hemisphere.partition import RingPartition
+from clerestory.hemisphere.shirley_chiu import directions_from_square
 
 # A rank 4 tree of 2⁶ cells along each axis has 17 million values before reduction.
 _FINEST = 6
+
+# A tree with exchanged directions is resampled at this many points per cell and axis;
+# share of a cell's value added to its neighbours
+_WITHIN = 3
+_SPILL = 0.03
 
 
 def to_matrices(bsdf: Bsdf, partition: RingPartition) -> Bsdf:
@@ -108,6 +115,29 @@ def full_tree(
     upper = level_slots(full_levels(rank, halvings), rank)
     leaves = float_bits(value.ravel()[morton_order(rank, halvings)])
     return ScatteringTree(np.concatenate([*upper, leaves]), rank, halvings)
+
+
+def exchanged_tree(tree: ScatteringTree) -> ScatteringTree:
+    """Rank 3 tree with incident and leaving directions exchanged, for sampling."""
+    edge = 1 << tree.depth
+    grid = (np.arange(_WITHIN) + 0.5) / _WITHIN
+    radial = (np.arange(edge // 2)[:, None] + grid).ravel() / edge
+    square_axis = (np.arange(edge)[:, None] + grid).ravel() / edge
+    a, b = np.meshgrid(square_axis, square_axis, indexing="ij")
+    other = directions_from_square(a.ravel(), b.ravel())
+    value = np.zeros((edge, edge, edge))
+    for step, inwards in enumerate(radial):
+        # A given direction with a direct-transmission azimuth of zero
+        radius = 1 - 2 * inwards
+        known = np.array([-radius, 0.0, np.sqrt(1 - radius * radius)])
+        found = tree.evaluate(other, np.broadcast_to(known, other.shape))
+        cells = found.reshape(edge, _WITHIN, edge, _WITHIN).mean(axis=(1, 3))
+        value[step // _WITHIN] += cells / _WITHIN
+
+    # Cells before and after the exchange overlap only partly: spread to neighbours
+    value += _SPILL * maximum_filter(value, size=3, mode="nearest")
+    value[edge // 2 :] = 0
+    return full_tree(value, tree.depth, rank=3)
 
 
 def _tristimulus(bsdf: Bsdf) -> dict[tuple[str, Function], ScatteringFunction]:

@@ -214,3 +214,22 @@ def _merged(levels: list[_Level], rank: int, threshold: float) -> Iterator[Nodes
             break
         number = np.cumsum(inner) - 1
         at = ((number[at[keep]] << rank)[:, None] + np.arange(1 << rank)).ravel()
+
+
+def slot_means(tree: ScatteringTree) -> Float32[np.ndarray, " slots"]:
+    """Mean value of the cells below each slot of a tree."""
+    width = 1 << tree.rank
+    values = np.where(tree.slots < 0, 0, tree.slots).astype(np.int32)
+    means = values.view(np.float32).astype(np.float64)
+    levels, code, at = [], tree.slots[:1], np.zeros(1, dtype=np.int64)
+    while True:
+        inner = code < 0
+        if not inner.any():
+            break
+        below = ~code[inner].astype(np.int64)
+        levels.append((at[inner], below))
+        at = (below[:, None] + np.arange(width)).ravel()
+        code = tree.slots[at]
+    for slot, below in reversed(levels):
+        means[slot] = means[below[:, None] + np.arange(width)].mean(axis=1)
+    return means.astype(np.float32)

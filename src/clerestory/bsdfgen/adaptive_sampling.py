@@ -39,12 +39,10 @@ _MOST = 1 << 20
 class FunctionEstimate:
     """Estimates of one scattering function in one block.
 
-    Attributes
-    ----------
-    finest : BSDF values of the smallest cells
-    incident : directional-hemispherical transmittance or reflectance per incident cell
-    leaving : contribution of the block to the directional-hemispherical transmittance
-        or reflectance for light incident along each exit cell; rank 4 only
+    `finest` has the BSDF of the smallest cells; `incident` the directional-
+    hemispherical transmittance or reflectance of each incident cell; `leaving`, for
+    rank 4, the contribution of the block to that of each exit cell with reversed
+    directions.
     """
 
     finest: NodeValues
@@ -54,14 +52,7 @@ class FunctionEstimate:
 
 @dataclass(frozen=True, eq=False)
 class BlockEstimate:
-    """Estimates of the scattering functions of one block.
-
-    Attributes
-    ----------
-    parts : transmission and reflection
-    paths : number of traced paths
-    reached : whether the target error was reached
-    """
+    """Estimates of transmission and reflection of one block."""
 
     parts: list[FunctionEstimate]
     paths: int
@@ -77,7 +68,6 @@ class BlockEstimator:
     engine : module of the ray-tracing kernel
     slab : geometry in the sample area, as lowered by the kernel
     grid : angular grid of the tree, divided into blocks
-    back : whether light is incident from the room
     weights : weight of each channel in the luminance
     """
 

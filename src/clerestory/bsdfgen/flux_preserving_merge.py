@@ -48,10 +48,9 @@ _TOGETHER = 1 << 20
 
 @dataclass(frozen=True, eq=False)
 class HemisphericalFlux:
-    """Hemispherical transmittance or reflectance of incident cells, or of exit cells
-    with incident and exit directions exchanged.
+    """Luminous transmittance or reflectance of cells, 0…1, and its variance.
 
-    `share` is the luminous transmittance or reflectance, 0…1.
+    Values are of incident cells, or of exit cells with reversed directions.
     """
 
     share: Float[np.ndarray, " incident"]
@@ -73,18 +72,7 @@ def preserve_flux(
     ----------
     pieces : subcells by their height above the smallest cells, up to the root
     luminous : luminous BSDF of each cell [1/sr]
-    light : estimated hemispherical transmittance or reflectance
     by_leaving : whether `light` has one value per exit cell (rank 4 only)
-
-    One cell merged from 2 × 2 incident and 2 × 2 exit cells:
-
-    >>> from clerestory.bsdfgen.subcells import whole_cells
-    >>> one = whole_cells(np.array([0]), np.array([1]), depth=1)
-    >>> share = np.pi * np.array([0.1, 0.3, 0.1, 0.3])
-    >>> light = HemisphericalFlux(share, np.zeros(4))
-    >>> kept = preserve_flux(one, np.array([0.2]), light, rank=4)
-    >>> kept[0].factor[:4].round(3).tolist()
-    [0.5, 1.5, 0.5, 1.5]
     """
     depth = len(pieces) - 1
     tally = _Tally(luminous, len(light.share), rank, depth, 2 if by_leaving else 0)
@@ -111,20 +99,7 @@ def preserve_flux_on_both_sides(
     incident: HemisphericalFlux,
     leaving: HemisphericalFlux,
 ) -> list[Subcells]:
-    """Subdivide rank 4 cells so that the flux of incident and exit cells is preserved.
-
-    See `preserve_flux`; `incident` and `leaving` have the transmittance or reflectance
-    of incident and of exit cells. One cell merged from exit cells of different BSDF:
-
-    >>> from clerestory.bsdfgen.subcells import whole_cells
-    >>> one = whole_cells(np.array([0]), np.array([1]), depth=1)
-    >>> even = HemisphericalFlux(np.pi * np.full(4, 0.2), np.zeros(4))
-    >>> share = np.pi * np.array([0.1, 0.3, 0.1, 0.3])
-    >>> varied = HemisphericalFlux(share, np.zeros(4))
-    >>> kept = preserve_flux_on_both_sides(one, np.array([0.2]), even, varied)
-    >>> kept[0].factor[::4].round(3).tolist()
-    [0.5, 1.5, 0.5, 1.5]
-    """
+    """Preserve the flux of incident and of exit cells; see `preserve_flux`."""
     for light, by_leaving in ((incident, False), (leaving, True), (incident, False)):
         pieces = preserve_flux(pieces, luminous, light, rank=4, by_leaving=by_leaving)
     return pieces

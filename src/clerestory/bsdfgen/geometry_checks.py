@@ -9,6 +9,7 @@ from collections.abc import Iterator
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
+from scipy.sparse import coo_array
 
 from clerestory.bsdfgen.shading_system import SampleArea
 from clerestory.checks import require
@@ -31,13 +32,6 @@ def check_system(scene: Scene, area: SampleArea) -> tuple[str, ...]:
 
     Checks for surfaces at z > 0, systems far behind z = 0, units other than metres,
     open or inverted dielectric solids, and overlapping coplanar surfaces.
-
-    >>> from clerestory.scene.model import Plastic, Polygon
-    >>> corner = np.array([[0, 0, 0.01], [1, 0, -0.1], [0, 1, -0.1]])
-    >>> slat = Polygon(corner, "grey", "slat")
-    >>> scene = Scene({"grey": Plastic("grey", np.full(3, 0.5))}, (slat,))
-    >>> check_system(scene, SampleArea(scene.bounds()))[0]
-    'polygon "slat" reaches 10 mm into the room; nothing at z > 0 expected'
     """
     if not scene.surfaces:
         return ()
@@ -191,12 +185,7 @@ def _overlap(
 
 
 def surface_label(surface: Surface) -> str:
-    """File, line, type and name of a surface as text.
-
-    >>> from clerestory.scene.model import Sphere
-    >>> surface_label(Sphere(np.zeros(3), 1.0, False, "grey", "ball"))
-    'sphere "ball"'
-    """
+    """File, line, type and name of a surface as text."""
     kind, source = type(surface).__name__.lower(), surface.source
     place = f"{source.file}:{source.line}: " if source and source.file else ""
     return f'{place}{kind} "{surface.name}"'
@@ -241,14 +230,10 @@ def _welded(
 
 def _lone(edges: Int[np.ndarray, "edge 2"]) -> Bool[np.ndarray, " edge"]:
     # Edges that are not traversed equally often in both directions
+    start, end = edges.T
     count = int(edges.max()) + 1
-    forth = edges[:, 0].astype(np.int64) * count + edges[:, 1]
-    back = edges[:, 1].astype(np.int64) * count + edges[:, 0]
-    keys, number = np.unique(forth, return_counts=True)
-    place = np.minimum(np.searchsorted(keys, back), len(keys) - 1)
-    reverse = np.where(keys[place] == back, number[place], 0)
-    own = number[np.searchsorted(keys, forth)]
-    return np.asarray((own != reverse) & (edges[:, 0] != edges[:, 1]))
+    forth = coo_array((np.ones(len(edges), int), (start, end)), shape=(count, count))
+    return np.asarray((forth - forth.T).tocsr()[start, end] != 0)
 
 
 def _in_sides(

@@ -27,9 +27,6 @@ class SampleArea:
     The bounds are the lower and the upper corner [m]. A periodic box is the unit cell
     of an infinite system: rays that leave through a side re-enter through the opposite
     side.
-
-    >>> SampleArea(np.array([[0, 0, -0.08], [1, 0.72, 0]])).thickness
-    0.08
     """
 
     bounds: Float[np.ndarray, "2 3"]
@@ -87,14 +84,9 @@ def unit_cell(width: float, height: float, depth: float) -> SampleArea:
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """Shading system: the input of BSDF generation.
+    """Shading system, the input of BSDF generation, in coordinates of genBSDF [m].
 
-    Attributes
-    ----------
-    scene : geometry in coordinates of genBSDF [m]
-    area : sample area
-    bands : weights of the scene bands for each BSDF channel, by channel name
-    product : product name and dimensions for the BSDF file
+    `bands` has the weights of the scene bands for each BSDF channel, by channel name.
     """
 
     scene: Scene

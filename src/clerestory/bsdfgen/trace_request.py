@@ -13,11 +13,9 @@ Functions = dict[tuple[str, Function], ScatteringFunction]
 class TraceRequest:
     """Request for the tracing of a BSDF.
 
-    Attributes
-    ----------
-    backs : sides of incidence: True for back (room), False for front (outdoors)
-    colour : whether to add channels CIE X and Z (trees: u' and v')
-    symmetry : whether to trace only one of several mirror-image incident patches
+    `backs`: sides of incidence, True for the back (room). `colour`: whether to add
+    channels CIE X and Z (trees: u' and v'). `symmetry`: whether to trace only one of
+    several mirror-image incident patches.
     """
 
     system: System

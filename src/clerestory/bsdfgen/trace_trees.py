@@ -34,16 +34,13 @@ _MOST_SUMS = 1 << 24
 def trace_trees(request: TraceRequest, engine: Any, *, rank: int, depth: int) -> Traced:
     """Return trees of transmission and reflection for the requested incident sides.
 
-    Parameters
-    ----------
-    engine : module `engine.sample_area_tree`
-    rank : 3 for isotropic systems, 4 otherwise
-    depth : number of tree levels below the root
+    `engine`: module `engine.sample_area_tree`. `rank`: 3 for isotropic systems,
+    otherwise 4. `depth`: number of tree levels below the root.
     """
     area, effort = request.system.area, request.effort
     scene = request.system.scene
     slab = engine.lower_slab(scene, area.slab(), periodic=area.periodic)
-    weights = np.array([1.0]) if slab.grey else RGB.shares
+    weights = np.array([1.0]) if slab.model.grey else RGB.shares
     grid = engine.Grid(rank, depth, _block(rank, depth, len(weights) + 1))
     functions: Functions = {}
     paths, reached = 0, True

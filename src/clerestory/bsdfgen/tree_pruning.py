@@ -30,11 +30,8 @@ _CAUTION = 1.5
 class NodeValues:
     """BSDF of the nodes of one tree level; nodes with zero BSDF are omitted.
 
-    Attributes
-    ----------
-    place : Morton codes of the nodes in ascending order
-    mean : mean BSDF per channel over the smallest cells in the node [1/sr]
-    noise : sum of the luminance variances of the smallest cells in the node
+    `place` has ascending Morton codes; `mean` the mean BSDF over the smallest cells in
+    the node [1/sr]; `noise` the sum of the luminance variances of these cells.
     """
 
     place: Int[np.ndarray, " node"]
@@ -91,12 +88,9 @@ def _cost(luminous: Values, noise: Values, cells: int) -> Values:
 class Cells:
     """Selected cells of one or more (sub)trees.
 
-    Attributes
-    ----------
-    value : BSDF [1/sr]
-    noise : variance of the luminous BSDF
-    place : Morton code on the tree level of the cell
-    height : number of levels above the smallest cells
+    `value` is the BSDF [1/sr], `noise` the variance of the luminous BSDF, `place` the
+    Morton code on the tree level, `height` the number of levels above the smallest
+    cells.
     """
 
     value: Float[np.ndarray, "cell channel"]

@@ -10,21 +10,26 @@ so anyone with access to the port of the scheduler can execute code. Pickled val
 never written to files. See `docs/cluster.md`.
 """
 
+import importlib
 import time
 import warnings
 from collections import deque
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from types import TracebackType
-from typing import Any, Literal, cast
+from types import ModuleType, TracebackType
+from typing import Any, cast
 
 import numpy as np
 
-from clerestory.cluster import optional
-from clerestory.engine.device import Device
+from clerestory.engine.device import Device, Processor
 from clerestory.engine.work_units import Executor, Goal, Job, Local, Unit, UnitSize
-from clerestory.errors import ClerestoryError, ClerestoryWarning, DeviceError
+from clerestory.errors import (
+    ClerestoryError,
+    ClerestoryWarning,
+    DeviceError,
+    InputError,
+)
 from clerestory.scene.model import Scene
 
 # Units are smaller than on one machine: they are distributed over many workers, and
@@ -34,9 +39,10 @@ _UNIT_SIZE = UnitSize(paths=1 << 20, sums=1 << 25)
 # Units submitted in advance per worker; results are returned in the order of the units
 _AHEAD = 3
 
-# Number of attempts per unit if workers are lost, and time to wait for a worker [s]
+# Number of attempts per unit if workers are lost; times to wait for a worker and for
+# the scheduler [s]
 _TRIES = 10
-_PATIENCE = 60.0
+_WORKER, _SCHEDULER = 60.0, 10
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,12 +69,12 @@ class Cluster:
     """
 
     def __init__(self, address: str):
-        self._dask = optional.load()
+        dask = _distributed()
         self.address = address
-        self._client = optional.connect(self._dask, address)
+        self._client = _client(dask, address)
         self._scene = self._job = _NOTHING
         try:
-            self._worker = optional.load_worker()
+            self._worker = importlib.import_module("clerestory.cluster.worker")
             self._wait_for_workers()
             self._compare_versions()
             self._client.register_plugin(self._worker.Bench())
@@ -96,7 +102,7 @@ class Cluster:
         """Return the current number of workers, each of which traces one unit."""
         return len(self._client.scheduler_info(n_workers=-1)["workers"])
 
-    def resolve(self, device: Device) -> Literal["cpu", "cuda"]:
+    def resolve(self, device: Device) -> Processor:
         """Return the device used by all workers: a GPU only if every worker has one."""
         found = set(self._client.run(self._worker.device_of, device).values())
         if found == {"cuda"}:
@@ -114,17 +120,12 @@ class Cluster:
         """Return True: every job is accepted."""
         return True
 
-    def unit_size(self, device: Literal["cpu", "cuda"]) -> UnitSize:
+    def unit_size(self, device: Processor) -> UnitSize:
         """Return the largest size of a unit."""
         return _UNIT_SIZE
 
     def map(self, job: Job, units: Iterable[Unit]) -> Iterator[np.ndarray]:
-        """Yield the sums of each unit, in the order of the units.
-
-        Raises
-        ------
-        DeviceError : no workers are left, or a unit fails on every attempt
-        """
+        """Yield the sums of each unit, in the order of the units."""
         waiting, running = iter(units), deque[tuple[Unit, Any]]()
         try:
             while True:
@@ -152,8 +153,7 @@ class Cluster:
         return self._client.submit(self._worker.do_unit, *copies, unit, pure=False)
 
     def _send(self, value: object, plain: object) -> "_Sent":
-        copies = self._client.scatter(plain, broadcast=True, hash=False)
-        return _Sent(value, copies)
+        return _Sent(value, self._client.scatter(plain, broadcast=True, hash=False))
 
     def _result(self, job: Job, unit: Unit, future: Any) -> np.ndarray:
         # Wait for the result; repeat the unit if its worker was lost
@@ -163,7 +163,7 @@ class Cluster:
                 return sums
             except ClerestoryError:
                 raise
-            except optional.losses(self._dask):
+            except _losses():
                 # The copies of the scene may be lost with the workers
                 self._wait_for_workers()
                 self._scene = self._job = _NOTHING
@@ -174,13 +174,11 @@ class Cluster:
         )
 
     def _wait_for_workers(self) -> None:
-        until = time.monotonic() + _PATIENCE
+        until = time.monotonic() + _WORKER
         while not self.workers():
             if time.monotonic() > until:
-                raise DeviceError(
-                    f"the cluster at {self.address} has no workers; at least one"
-                    " expected"
-                )
+                what = f"the cluster at {self.address} has no workers"
+                raise DeviceError(f"{what}; at least one expected")
             time.sleep(0.2)
 
     def _compare_versions(self) -> None:
@@ -202,3 +200,29 @@ def executor_at(address: str | None) -> Iterator[Executor]:
         return
     with Cluster(address) as cluster:
         yield cluster
+
+
+def _distributed() -> ModuleType:
+    try:
+        return importlib.import_module("distributed")
+    except ImportError as error:
+        raise DeviceError(
+            "a cluster requires dask.distributed; pip install 'clerestory[cluster]'"
+        ) from error
+
+
+def _client(dask: ModuleType, address: str) -> Any:
+    try:
+        return dask.Client(address, timeout=_SCHEDULER, set_as_default=False)
+    except (OSError, ValueError, TimeoutError) as error:
+        raise InputError(
+            f"no dask scheduler answers at {address!r}; an address such as"
+            " tcp://10.0.0.1:8786 expected"
+        ) from error
+
+
+def _losses() -> tuple[type[BaseException], ...]:
+    # Types of the errors raised when a worker and its data are lost
+    client = importlib.import_module("distributed.client")
+    killed = importlib.import_module("distributed.scheduler").KilledWorker
+    return client.FutureCancelledError, killed, OSError

@@ -24,20 +24,15 @@ LIMITS = (0.05, 0.10, 0.20)
 @final
 @dataclass(frozen=True)
 class Agreement:
-    """Agreement of simulated with measured values.
+    """Agreement of simulated with measured values, in the unit of the series.
 
     Attributes
     ----------
-    count : number of pairs of values
     within : fraction of the pairs with absolute relative deviations below 5, 10, 20 %
-    measured, simulated : mean measured and simulated value, in the unit of the series
-    mean_bias : mean bias error (MBE), in the unit of the series
-    relative_bias : mean bias error divided by the measured mean
-    rmse : root mean square error, in the unit of the series
-    variation : RMSE divided by the measured mean, CV(RMSE)
+    measured, simulated : mean measured and simulated value
+    relative_bias, variation : mean bias error and RMSE, divided by the measured mean
     median_deviation : median of the absolute relative deviations
-    correlation : Pearson correlation coefficient; NaN for fewer than two pairs or a
-        constant series
+    correlation : NaN for fewer than two pairs or a constant series
     """
 
     count: int

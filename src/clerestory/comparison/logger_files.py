@@ -105,10 +105,7 @@ def read_plain(path: str | Path, *, utc_offset_hours: float) -> Series:
 def _header(path: Path) -> Sequence[str]:
     rows = csv.reader(read_text(path).splitlines()[:1])
     names = [name.strip() for row in rows for name in row]
-    require(
-        len(names) > 1 and all(names) and len(set(names)) == len(names),
-        "a header with a column of times and unique names of series expected",
-        file=path,
-        line=1,
-    )
+    valid = len(names) > 1 and all(names) and len(set(names)) == len(names)
+    message = "a header with a column of times and unique names of series expected"
+    require(valid, message, file=path, line=1)
     return names

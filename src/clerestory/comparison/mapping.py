@@ -1,26 +1,8 @@
 """Mapping files (.toml): assignment of measured columns to the series of a study.
 
-    utc_offset_hours = 1
-
-    [[logger]]
-    file = "desk.csv"
-    time = "TIMESTAMP"
-    stands_for = "end"
-    columns = { "desks.1" = "E1_lx", "eye.dgp" = "DGP" }
-
-    [layout.classroom]
-    columns = ["N1", "N2"]
-    column_axis = "y"
-    column_at = [0.5, 1.5]
-    row_at = [1.0, 2.0, 3.0]
-    height = 0.75
-
-    [[scan]]
-    file = "0900.csv"
-    at = 2024-06-26T09:00:00
-    layout = "classroom"
-
-File names are relative to the folder of the mapping file.
+Tables are [[logger]] for files of data loggers, [layout.NAME] for the measuring points
+of grid scans, and [[scan]] for files of grid scans. File names are relative to the
+folder of the mapping file.
 """
 
 from pathlib import Path

@@ -7,6 +7,7 @@ The quantity of a series is the part of the name after the last dot if this is a
 """
 
 from dataclasses import dataclass, replace
+from math import nan
 from pathlib import Path
 from typing import final
 
@@ -120,34 +121,32 @@ def simulated_series(path: str | Path) -> Series:
     data = read_results(path).data
     if "utc_offset_hours" not in data.attrs:
         raise InputError("results without UTC offset; run the study again", file=path)
-    names = [str(name) for name in data["sensor"].values]
-    values = [np.asarray(data["illuminance"].transpose("sensor", "time").values)]
-    errors = [np.asarray(data["standard_error"].transpose("sensor", "time").values)]
-    places = [np.asarray(data["position"].values, dtype=float)]
-    for name, view in _views(data):
-        names.append(name)
-        values.append(view[None])
-        errors.append(np.full((1, view.size), np.nan))
-        places.append(np.full((1, 3), np.nan))
+    hourly = data[["illuminance", "standard_error"]].transpose("sensor", "time")
+    views = _views(data)
+
+    # Standard errors and positions of views are unknown
+    error, position = (
+        np.pad(
+            each.values.astype(float), ((0, len(views)), (0, 0)), constant_values=nan
+        )
+        for each in (hourly["standard_error"], data["position"])
+    )
     return Series(
-        tuple(names),
+        (*map(str, data["sensor"].values), *views),
         data["time"].values.astype("datetime64[s]"),
-        np.concatenate(values).astype(float),
+        np.vstack([hourly["illuminance"].values, *views.values()]).astype(float),
         float(data.attrs["step_minutes"]),
         float(data.attrs["utc_offset_hours"]),
-        np.concatenate(errors).astype(float),
-        np.concatenate(places),
+        error,
+        position,
         str(path),
     )
 
 
-def _views(data: xr.Dataset) -> list[tuple[str, np.ndarray]]:
-    if "view" not in data.dims:
-        return []
-    kinds = [*GLARE, "illuminance"]
-    return [
-        (f"{view}.{kind}", data[f"glare_{kind}"].sel(view=view).values)
-        for view in data["view"].values
-        for kind in kinds
+def _views(data: xr.Dataset) -> dict[str, np.ndarray]:
+    return {
+        f"{view}.{kind}": data[f"glare_{kind}"].sel(view=view).values
+        for view in (data["view"].values if "view" in data.dims else ())
+        for kind in (*GLARE, "illuminance")
         if f"glare_{kind}" in data
-    ]
+    }

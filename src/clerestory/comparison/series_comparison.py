@@ -13,12 +13,7 @@ import numpy as np
 
 from clerestory.checks import not_negative, require
 from clerestory.comparison.agreement import Agreement, agreement
-from clerestory.comparison.series import (
-    ILLUMINANCE,
-    Series,
-    group_of,
-    quantity_of,
-)
+from clerestory.comparison.series import ILLUMINANCE, Series, group_of, quantity_of
 from clerestory.comparison.time_alignment import (
     COVERAGE,
     Pairs,
@@ -158,8 +153,7 @@ def compare_series(
     ((0.5, 0.5, 1.0), 35.0)
     """
     rules = rules or Rules()
-    known = [s.select([n for n in s.names if n in simulated.names]) for s in measured]
-    known = [series for series in known if series.names]
+    known = _selected(measured, simulated.names)
     example = f'measured names such as "{simulated.names[0]}" expected'
     require(known, f"no series in common; {example}")
     moved, ignored = _in_the_same_years(known, simulated)
@@ -180,6 +174,14 @@ def compare_series(
         ignored,
         simulated.step_minutes,
     )
+
+
+def _selected(measured: Sequence[Series], names: Sequence[str]) -> list[Series]:
+    # Series with the given names
+    found = [
+        series.select([n for n in series.names if n in names]) for series in measured
+    ]
+    return [series for series in found if series.names]
 
 
 def _pairs(
@@ -209,11 +211,9 @@ def _offsets(
     measured: Sequence[Series], simulated: Series, rules: Rules
 ) -> dict[str, Offset]:
     found = {}
-    for kind in dict.fromkeys(quantity_of(n) for s in measured for n in s.names):
-        parts = [
-            s.select([n for n in s.names if quantity_of(n) == kind]) for s in measured
-        ]
-        parts = [part for part in parts if part.names]
+    names = [name for series in measured for name in series.names]
+    for kind in dict.fromkeys(map(quantity_of, names)):
+        parts = _selected(measured, [n for n in names if quantity_of(n) == kind])
 
         def at(minutes: int, parts: Sequence[Series] = parts) -> Pairs:
             pairs = _pairs(parts, simulated, rules, rules.shift_minutes + minutes)
@@ -248,12 +248,10 @@ def _in_the_same_years(
     measured: Sequence[Series], simulated: Series
 ) -> tuple[list[Series], bool]:
     # The year of a typical year is arbitrary, so match month, day and time of day
-    ours = set(simulated.times.astype("datetime64[Y]").astype(int).tolist())
-    theirs = {
-        int(year)
-        for series in measured
-        for year in np.unique(series.times.astype("datetime64[Y]").astype(int))
-    }
+    ours, theirs = (
+        set(np.concatenate(times).astype("datetime64[Y]").astype(int).tolist())
+        for times in ([simulated.times], [series.times for series in measured])
+    )
     if ours & theirs or len(ours) > 1 or not theirs:
         return list(measured), False
     (year,) = ours

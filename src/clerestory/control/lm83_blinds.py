@@ -26,13 +26,7 @@ _MOST_COMBINATIONS = 256
 
 
 class Operation(NamedTuple):
-    """Blind operation over time.
-
-    Attributes
-    ----------
-    states : state number of each window group over time
-    kept : whether the criterion is met at each step
-    """
+    """States of each window group over time, and whether the criterion is met."""
 
     states: dict[str, Int[np.ndarray, " time"]]
     kept: Bool[np.ndarray, " time"]
@@ -55,8 +49,6 @@ def operate_by_direct_sun(
     sun_lux : direct illuminance from which a sensor is in direct sunlight [lux]
     most_sensors : largest permitted fraction of sensors in direct sunlight
 
-    Notes
-    -----
     The most open combination has the smallest sum of state numbers; among equal sums,
     the first in the order of the groups is chosen. With more than 256 combinations, the
     group that adds most direct illuminance to sensors in direct sunlight is closed by

@@ -19,14 +19,9 @@ def profile_angle(
 ) -> Float[np.ndarray, " time"]:
     """Profile angle of the sun [rad], measured upwards from the window normal.
 
-    The angle is NaN if the sun is behind the window. For vertical slats it is measured
-    to the right as seen from the room.
-
-    Parameters
-    ----------
-    sun : unit vectors to the sun
-    frame : frame of the window, with the normal into the room
-    vertical : whether the slats are vertical
+    `sun` are unit vectors; `frame` is the frame of the window, with the normal into the
+    room. The angle is NaN if the sun is behind the window. For vertical slats it is
+    measured to the right as seen from the room.
 
     >>> y, z = np.eye(3)[1:]
     >>> south = Frame.from_normal_up(y, z)

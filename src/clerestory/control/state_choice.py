@@ -15,11 +15,7 @@ from clerestory.checks import has_shape, require
 class Limit:
     """Limit of a quantity, such as DGP, in every state.
 
-    Attributes
-    ----------
-    values : values of the quantity over (state, time)
-    bound : limit; values equal to the limit are permitted
-    side : whether values "below" or "above" the limit are permitted
+    Values on the given side of the bound and values equal to it are permitted.
     """
 
     values: Float[np.ndarray, "state time"]
@@ -29,11 +25,6 @@ class Limit:
     def __post_init__(self) -> None:
         shape = self.values.shape
         require(len(shape) == 2, f"values of shape {shape}; (state, time) expected")
-
-    def excess(self) -> Float[np.ndarray, "state time"]:
-        """Absolute difference of values from the limit; 0 for permitted values."""
-        over = self.values - self.bound
-        return np.asarray(np.maximum(over if self.side == "below" else -over, 0))
 
 
 def least_closed(limits: Sequence[Limit]) -> Int[np.ndarray, " time"]:
@@ -58,11 +49,6 @@ def best_states(
 
     Among states of equal score, the most open state is returned; if no state is within
     the limits, the state of smallest relative excess.
-
-    Parameters
-    ----------
-    score : quantity to be maximised, such as illuminance at the desk
-    limits : limits of other quantities
 
     >>> lux = np.array([[900.0, 800.0], [500.0, 300.0]])
     >>> dgp = np.array([[0.5, 0.3], [0.3, 0.2]])
@@ -95,7 +81,9 @@ def when_occupied(
 def _worst(limits: Sequence[Limit]) -> Float[np.ndarray, "state time"]:
     # Largest relative excess over all limits
     require(limits, "no limits; at least one expected")
+    worst = np.zeros(limits[0].values.shape)
     for limit in limits:
-        has_shape(limit.values, limits[0].values.shape, "limit")
-    shares = [limit.excess() / max(abs(limit.bound), 1e-12) for limit in limits]
-    return np.asarray(np.max(shares, axis=0))
+        has_shape(limit.values, worst.shape, "limit")
+        over = (limit.values - limit.bound) * (1 if limit.side == "below" else -1)
+        worst = np.maximum(worst, over / max(abs(limit.bound), 1e-12))
+    return worst

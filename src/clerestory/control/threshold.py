@@ -26,8 +26,7 @@ def threshold_states(
 
     Parameters
     ----------
-    quantity : irradiance [W/m²], illuminance [lux] or another quantity; at NaN the
-        state does not change
+    quantity : irradiance, illuminance or another quantity; at NaN the state is kept
     close_above, open_below : upper and lower threshold; default of `open_below`:
         `close_above`
     close_after, open_after : number of consecutive steps above or below the threshold

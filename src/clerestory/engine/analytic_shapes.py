@@ -7,9 +7,8 @@ and proxies stay tessellated: their tables consist of triangles.
 from dataclasses import replace
 
 import mitsuba as mi
-import numpy as np
-from jaxtyping import Float
 
+from clerestory.engine.origin import Origin
 from clerestory.scene.model import (
     BsdfSurface,
     Cone,
@@ -34,24 +33,17 @@ def without_analytic(scene: Scene) -> tuple[Scene, tuple[Sphere | Cone, ...]]:
     return replace(scene, surfaces=left), tuple(exact)
 
 
-def analytic_shape(
-    surface: Sphere | Cone, bsdf: mi.BSDF, origin: Float[np.ndarray, "3"]
-) -> mi.Shape:
-    """Return the Mitsuba shape of a sphere or cylinder.
-
-    Parameters
-    ----------
-    origin : scene point at the origin of device coordinates [m]
-    """
+def analytic_shape(surface: Sphere | Cone, bsdf: mi.BSDF, origin: Origin) -> mi.Shape:
+    """Return the Mitsuba shape of a sphere or cylinder."""
     shared = {"flip_normals": surface.inward, "bsdf": bsdf}
     if isinstance(surface, Sphere):
-        centre = _point(surface.centre - origin)
+        centre = (surface.centre - origin).tolist()
         ball = {"type": "sphere", "center": centre, "radius": float(surface.radius)}
         return mi.load_dict(ball | shared)
     tube = {
         "type": "cylinder",
-        "p0": _point(surface.base - origin),
-        "p1": _point(surface.top - origin),
+        "p0": (surface.base - origin).tolist(),
+        "p1": (surface.top - origin).tolist(),
         "radius": float(surface.base_radius),
     }
     # Suppress Mitsuba's warnings of shear, caused by rounding in long oblique tubes
@@ -69,7 +61,3 @@ def _is_analytic(surface: Sphere | Cone, material: Material) -> bool:
     if isinstance(material, BsdfSurface) and material.thickness:
         return False
     return isinstance(surface, Sphere) or surface.base_radius == surface.top_radius
-
-
-def _point(point: Float[np.ndarray, "3"]) -> list[float]:
-    return [float(c) for c in point]

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from jaxtyping import Float
 
 from clerestory.engine.upload import on_device, vectors
 from clerestory.scene.view import View
@@ -42,16 +41,17 @@ class CameraRays:
 
         def change(one, two, what: str):
             both = (one.valid & two.valid)[..., None]
-            return np.where(both, getattr(two, what) - getattr(one, what), 0)
+            step = np.where(both, getattr(two, what) - getattr(one, what), 0)
+            return vectors(mi.Vector3f, step.reshape(-1, 3))
 
         moving = view.kind == "parallel" or view.fore > 0
         return cls(
-            _rays(mi.Point3f, middle.origin - view.position),
-            _rays(mi.Vector3f, middle.direction),
-            _rays(mi.Vector3f, change(left, right, "direction")),
-            _rays(mi.Vector3f, change(below, above, "direction")),
-            _rays(mi.Vector3f, change(left, right, "origin")) if moving else None,
-            _rays(mi.Vector3f, change(below, above, "origin")) if moving else None,
+            vectors(mi.Point3f, (middle.origin - view.position).reshape(-1, 3)),
+            vectors(mi.Vector3f, middle.direction.reshape(-1, 3)),
+            change(left, right, "direction"),
+            change(below, above, "direction"),
+            change(left, right, "origin") if moving else None,
+            change(below, above, "origin") if moving else None,
             on_device(mi.Bool, middle.valid),
         )
 
@@ -69,7 +69,3 @@ class CameraRays:
             origin += dr.gather(mi.Vector3f, self.origin_upwards, pixel) * y
         valid = dr.gather(mi.Bool, self.valid, pixel)
         return mi.Ray3f(origin, dr.normalize(direction)), valid
-
-
-def _rays(kind: type, values: Float[np.ndarray, "row column 3"]):
-    return vectors(kind, values.reshape(-1, 3))

@@ -9,11 +9,10 @@ from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
-from jaxtyping import Float, Int
 
 from clerestory.bands import RGB
 from clerestory.bsdf.scattering_function import FUNCTIONS
-from clerestory.errors import InputError
+from clerestory.checks import require
 from clerestory.scene.material import (
     Colour,
     Emitter,
@@ -39,10 +38,6 @@ def band_groups(scene: Scene) -> tuple[Scene, ...]:
 
     The last group repeats the last band if fewer than three remain. A scene in RGB is
     returned unchanged.
-
-    Raises
-    ------
-    InputError : a pattern or BSDF is in RGB, but the scene has other bands
     """
     return (scene,) if scene.bands == RGB else _groups(scene)
 
@@ -52,23 +47,19 @@ def _groups(scene: Scene) -> tuple[Scene, ...]:
     # Cache the groups of the last scene, so that its jobs share one device scene
     for material in scene.materials.values():
         _refuse_rgb(material)
+    return tuple(_group(scene, n) for n in range(0, len(scene.bands), GROUP))
+
+
+def _group(scene: Scene, first: int) -> Scene:
+    # The scene in three bands, from the first on
     count = len(scene.bands)
-    groups = []
-    for first in range(0, count, GROUP):
-        chosen = np.minimum(np.arange(first, first + GROUP), count - 1)
+    chosen = np.minimum(np.arange(first, first + GROUP), count - 1)
 
-        def group(
-            colour: Colour, chosen: Int[np.ndarray, "3"] = chosen
-        ) -> Float[np.ndarray, "3"]:
-            grey = len(colour) != count
-            return np.full(GROUP, colour[0]) if grey else colour[chosen]
+    def group(colour: Colour) -> Colour:
+        return colour[chosen if len(colour) == count else np.zeros(GROUP, dtype=int)]
 
-        materials = {
-            name: with_colours(material, group)
-            for name, material in scene.materials.items()
-        }
-        groups.append(replace(scene, materials=materials, bands=RGB))
-    return tuple(groups)
+    materials = {n: with_colours(m, group) for n, m in scene.materials.items()}
+    return replace(scene, materials=materials, bands=RGB)
 
 
 def is_grey(material: Material) -> bool:
@@ -83,11 +74,11 @@ def is_grey(material: Material) -> bool:
 
 
 def _refuse_rgb(material: Material) -> None:
-    if _has_rgb(material):
-        raise InputError(
-            f'the material "{material.name}" has a pattern or BSDF in red, green and'
-            " blue; one that is the same in all bands of the scene expected"
-        )
+    require(
+        not _has_rgb(material),
+        f'the material "{material.name}" has a pattern or BSDF in red, green and blue;'
+        " one that is the same in all bands of the scene expected",
+    )
     for part in parts(material):
         _refuse_rgb(part)
 

@@ -11,7 +11,7 @@ the work into units, adds their sums in order, and reports progress.
 
 import time
 from abc import abstractmethod
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
@@ -42,12 +42,9 @@ _PILOT_ROWS = 64
 class Growth:
     """Growth of the batches towards a target error.
 
-    Attributes
-    ----------
-    pilot : sample points of a batch in the pilot run
-    longest : largest number of sample points in a batch; smaller errors cannot be
-        reached
-    most : largest growth factor per step
+    `pilot` and `longest` are the first and the largest number of sample points of a
+    batch; `most` is the largest growth factor per step. Smaller errors than those of
+    the longest batches cannot be reached.
     """
 
     pilot: int
@@ -59,12 +56,9 @@ class Growth:
 class EstimatedJob(Job):
     """A job with batches of increasing length, by default with fixed-point sums.
 
-    Attributes
-    ----------
-    together : whether convergence is tested for all rows together
-    growth : growth of the batches; a fixed-point sum can hold 2^22 weights of π
-    cut : size of units; default: chosen by the executor, since fixed-point sums do not
-        depend on the division into units
+    Convergence is tested for all rows `together`, or for each. A fixed-point sum can
+    hold 2^22 weights of π. `cut` is the size of units; by default it is chosen by the
+    executor, since fixed-point sums do not depend on the division into units.
     """
 
     together: ClassVar[bool]
@@ -98,22 +92,21 @@ class EstimatedJob(Job):
         points = min(_LONGEST_RANGE, max(self.growth.pilot, points))
         for begin in range(first, end, points):
             count = min(end - begin, points)
-            most = min(
-                size.paths // (self.batches * count), size.sums // row_bytes(self)
-            )
-            for row in range(0, len(rows), max(1, most)):
-                yield Unit(rows[row : row + max(1, most)], begin, count)
+            most = size.paths // (self.batches * count)
+            most = max(1, min(most, size.sums // row_bytes(self)))
+            for row in range(0, len(rows), most):
+                yield Unit(rows[row : row + most], begin, count)
 
 
 def estimate(job: EstimatedJob, effort: Effort) -> Estimate:
     """Estimate a matrix, one block of rows after another."""
     if not effort.executor.accepts(job, effort.goal):
         return _blank(job, effort)
-    whole = job.shape[0]
-    blocks = [
-        estimate_rows(job, rows, _part_of_progress(effort, rows, whole))
-        for rows in row_blocks(job)
-    ]
+    whole, blocks = job.shape[0], []
+    for rows in row_blocks(job):
+        first, share = rows.start / whole, (rows.stop - rows.start) / whole
+        part = share_of_progress(effort.progress, first, share)
+        blocks.append(estimate_rows(job, rows, replace(effort, progress=part)))
     kept = [b.components for b in blocks if b.components is not None]
     return Estimate(
         np.concatenate([block.values for block in blocks], axis=1),
@@ -146,9 +139,7 @@ def estimate_rows(job: EstimatedJob, rows: slice, effort: Effort) -> Estimate:
 def sum_rows(job: EstimatedJob, rows: slice, effort: Effort) -> tuple[Sums, bool]:
     """Lengthen the batches until the samples are used up or the error is reached.
 
-    Returns
-    -------
-    sums, and whether the error was reached
+    Return the sums, and whether the error was reached.
     """
     numbers = np.arange(rows.start, rows.stop)
     sums, active = job.empty_sums(len(numbers)), np.full(len(numbers), True)
@@ -191,44 +182,24 @@ def _lengthen(
     size = job.cut or effort.executor.unit_size(job.device)
     units = list(job.units(numbers[todo], int(sums.count[todo[0]]), length, size))
 
-    def add(unit: Unit, part: np.ndarray) -> None:
+    note = f"{job.batches * length:,} paths a row"
+    for unit, part in traced_units(job, units, effort, note):
         sums.add(unit.rows - numbers[0], part, unit.columns)
-
-    trace_units(job, units, effort, add, f"{job.batches * length:,} paths a row")
     sums.count[todo] = length
 
 
-def trace_units(
-    job: Job,
-    units: Sequence[Unit],
-    effort: Effort,
-    add: Callable[[Unit, np.ndarray], None],
-    note: str,
-) -> None:
-    """Trace units, pass their sums to `add` in order, and report progress."""
-    columns, begin, done = job.shape[2], time.perf_counter(), 0.0
-    paths = [
-        job.batches * len(unit.rows) * unit.count * _share(unit, columns)
-        for unit in units
-    ]
-    work = sum(paths)
-    traced = effort.executor.map(job, units)
-    for unit, count, part in zip(units, paths, traced, strict=True):
-        add(unit, part)
-        done += count
+def traced_units(
+    job: Job, units: Sequence[Unit], effort: Effort, note: str
+) -> Iterator[tuple[Unit, np.ndarray]]:
+    """Yield units and their sums in order, and report progress."""
+    begin, done = time.perf_counter(), 0
+    work = sum(unit.paths(job.batches) for unit in units)
+    for unit, part in zip(units, effort.executor.map(job, units), strict=True):
+        yield unit, part
+        done += unit.paths(job.batches)
         if effort.progress is not None:
             rate = done / (time.perf_counter() - begin) * 1e-6
             effort.progress(done / work, f"{note}, {rate:.1f} million a second")
-
-
-def _share(unit: Unit, columns: int) -> float:
-    return 1.0 if unit.columns is None else len(unit.columns) / columns
-
-
-def _part_of_progress(effort: Effort, rows: slice, whole: int) -> Effort:
-    size = rows.stop - rows.start
-    part = share_of_progress(effort.progress, rows.start / whole, size / whole)
-    return replace(effort, progress=part)
 
 
 def _blank(job: EstimatedJob, effort: Effort) -> Estimate:

@@ -10,12 +10,11 @@ a second job of the kind in the same scene.
 import time
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
 from clerestory.engine.controller import CONVERGENCE, EstimatedJob, row_bytes
-from clerestory.engine.device import Device
+from clerestory.engine.device import Device, Processor
 from clerestory.engine.sums import Sums, estimated
 from clerestory.engine.work_units import (
     Executor,
@@ -40,13 +39,7 @@ class PlannedJob:
 
 @dataclass(frozen=True)
 class JobCost:
-    """Estimated cost of a job.
-
-    Attributes
-    ----------
-    paths : total number of paths
-    seconds : wall time [s]
-    """
+    """Estimated total number of paths and wall time [s] of a job."""
 
     paths: int
     seconds: float
@@ -65,18 +58,13 @@ class _Rates:
 
 
 class Plan:
-    """An executor that records jobs without tracing them.
-
-    Parameters
-    ----------
-    place : executor of the actual run
-    """
+    """An executor that records jobs without tracing them, for the executor `place`."""
 
     def __init__(self, place: Executor):
         self.place = place
         self.planned: list[PlannedJob] = []
 
-    def resolve(self, device: Device) -> Literal["cpu", "cuda"]:
+    def resolve(self, device: Device) -> Processor:
         """Return the device of the actual run."""
         return self.place.resolve(device)
 
@@ -85,7 +73,7 @@ class Plan:
         self.planned.append(PlannedJob(job, goal))
         return False
 
-    def unit_size(self, device: Literal["cpu", "cuda"]) -> UnitSize:
+    def unit_size(self, device: Processor) -> UnitSize:
         """Return the limits of the size of units."""
         return self.place.unit_size(device)
 
@@ -145,8 +133,7 @@ def _pilot_run(kind: Sequence[PlannedJob], place: Executor) -> _Rates:
     units = [unit] * workers
     first, _ = _timed(job, units, place)
     seconds, sums = _timed(job, units, place)
-    pairs = len(unit.rows) * (1 if unit.columns is None else len(unit.columns))
-    paths = workers * pairs * unit.count * job.batches
+    paths = workers * unit.paths(job.batches)
     preparation = following = max(0.0, first - seconds)
     for other in [each for each in kind[1:] if each.job.scene is job.scene][:1]:
         taken, _ = _timed(other.job, [_pilot_unit(other)] * workers, place)

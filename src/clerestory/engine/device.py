@@ -23,7 +23,9 @@ from typing import Literal, get_args
 
 from clerestory.errors import ClerestoryWarning, DeviceError, InputError
 
+# Devices that can be asked for, and those that trace
 Device = Literal["auto", "cpu", "cuda"]
+Processor = Literal["cpu", "cuda"]
 
 _VARIANT = {"cpu": "llvm_ad_rgb", "cuda": "cuda_ad_rgb"}
 _LIBRARY = "DRJIT_LIBLLVM_PATH"
@@ -45,17 +47,7 @@ class Finding:
 
 
 def load(device: Device = "auto", module: str = "controller") -> ModuleType:
-    """Start the device and return a module of tracing functions.
-
-    Parameters
-    ----------
-    module : name of a module of this package
-
-    Raises
-    ------
-    InputError : the device is not one of auto, cpu, cuda
-    DeviceError : there is no such device, or no working LLVM library
-    """
+    """Start the device and return a module of this package, such as one of tracers."""
     chosen = resolve(device)
     mitsuba = importlib.import_module("mitsuba")
     if mitsuba.variant() != _VARIANT[chosen]:
@@ -64,14 +56,8 @@ def load(device: Device = "auto", module: str = "controller") -> ModuleType:
 
 
 @cache
-def resolve(device: Device) -> Literal["cpu", "cuda"]:
-    """Return the device to use for a setting; "auto" selects a GPU if one works.
-
-    Raises
-    ------
-    InputError : the device is not one of auto, cpu, cuda
-    DeviceError : the requested device does not work, or none does
-    """
+def resolve(device: Device) -> Processor:
+    """Return the device to use for a setting; "auto" selects a GPU if one works."""
     if device not in get_args(Device):
         raise InputError(f"unknown device {device!r}; one of auto, cpu, cuda expected")
     if device in ("auto", "cuda") and _cuda_driver() is not None:

@@ -14,7 +14,7 @@ from jaxtyping import Float, Int
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.engine.channels import channels_of
-from clerestory.engine.controller import EstimatedJob, trace_units
+from clerestory.engine.controller import EstimatedJob, traced_units
 from clerestory.engine.effort import Effort
 from clerestory.engine.sums import Sums
 from clerestory.engine.work_units import Job, Unit, UnitSize, evenly_spaced
@@ -85,13 +85,10 @@ class _DirectSensorJob(_DirectJob, EstimatedJob):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SunlightJob(_DirectJob):
-    """Light of suns transmitted by one of several windows.
+    """Light of suns transmitted by the window of index `number` among several windows.
 
-    Attributes
-    ----------
-    number : index of the transmitting window among all windows
-    peak : whether unscattered light keeps the angular diameter of the sun
-    samples : paths per receiver and sun
+    If `peak`, unscattered light keeps the angular diameter of the sun. `samples` counts
+    the paths per receiver and sun.
     """
 
     windows: tuple[Window, ...]
@@ -179,13 +176,9 @@ def trace_pixel_sun(
         Unit(np.arange(row.start, row.stop), 0, job.samples, numbers[sun])
         for row, sun in places
     ]
-    remaining = iter(places)
-
-    def add(_unit: Unit, part: np.ndarray) -> None:
-        row, sun = next(remaining)
+    traced = traced_units(job, units, effort, f"{count} suns")
+    for (row, sun), (_, part) in zip(places, traced, strict=True):
         values[:, row, sun] = np.moveaxis(part, -1, 0)
-
-    trace_units(job, units, effort, add, f"{count} suns")
     return values
 
 

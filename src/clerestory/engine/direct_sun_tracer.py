@@ -75,14 +75,9 @@ def prepare_sun(job: SunJob) -> Tracer:
         row, stream, middle = _pairs(job, unit, lane // batches)
         key = mi.sample_tea_32(row * batches + lane % batches, stream)[0]
         with launching():
-            light = irradiance_of(
-                window,
-                sequence,
-                dr.gather(mi.Point3f, position, row),
-                dr.gather(mi.Vector3f, normal, row),
-                middle,
-                key,
-            )
+            o = dr.gather(mi.Point3f, position, row)
+            n = dr.gather(mi.Vector3f, normal, row)
+            light = irradiance_of(window, sequence, o, n, middle, key)
             dr.eval(light)
             values = light.numpy()
         by_pair = values.T.reshape(rows, suns, batches, 3)[..., :channels]
@@ -110,14 +105,12 @@ def prepare_pixel_sun(job: PixelSunJob) -> Tracer:
         pixel, stream, middle = _pairs(job, unit, lane // dr.opaque(mi.UInt32, samples))
         key = mi.sample_tea_32(pixel, stream)[0]
         numbers = PathNumbers(sequence, key, index, mi.UInt32(0))
-        x, y, a, b = (
-            numbers.sobol(n) for n in (DIRECTION_U, DIRECTION_V, CONNECT_U, CONNECT_V)
-        )
+        x, y = numbers.sobol(DIRECTION_U), numbers.sobol(DIRECTION_V)
+        a, b = numbers.sobol(CONNECT_U), numbers.sobol(CONNECT_V)
         ray, valid = rays.through(pixel, x, y)
         tracer = _tracer(window.lit_by(middle, a, b))
         with launching():
-            path, once = tracer.camera_path(ray), mi.UInt32(1)
-            light = tracer.trace(_SINK, _SINK.begin(), path, numbers, once, valid)
+            light = tracer.trace(_SINK, tracer.camera_path(ray), numbers, 1, valid)
             dr.eval(light)
             total = dr.block_reduce(dr.ReduceOp.Add, light, samples).numpy()
         return (total / samples).T.reshape(len(unit.rows), suns, -1)

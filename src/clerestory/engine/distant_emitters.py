@@ -25,15 +25,21 @@ def is_sun(source: DistantSource) -> bool:
 
 
 @dataclass
+class SunSample:
+    """A direction to a sun, its density [1/sr], and the sun's radiance."""
+
+    direction: mi.Vector3f
+    pdf: mi.Float
+    radiance: mi.Color3f
+
+
+@dataclass
 class DistantEmitters:
     """Device arrays of all distant sources.
 
-    Attributes
-    ----------
-    dome : radiance of all distant sources with a large solid angle
-    suns : number of narrow sources; the other arrays are theirs
-    one_minus_cos : 1 − cos of the angular radius
-    chosen : distribution by irradiance
+    The dome is the radiance of all sources of a large solid angle. The arrays are of
+    the narrow sources, the suns: `one_minus_cos` is 1 − cos of the angular radius, and
+    they are chosen in proportion to their irradiance.
     """
 
     dome: DirectionalMap | None
@@ -87,8 +93,8 @@ class DistantEmitters:
             number += 1
         return found, pdf
 
-    def sample_sun(self, pick, u, v):
-        """Sample a direction to a narrow source; return it, its pdf and radiance."""
+    def sample_sun(self, pick, u, v) -> SunSample:
+        """Sample a direction to a narrow source."""
         number, chance, _ = self.chosen.sample(pick)
         depth = dr.gather(mi.Float, self.one_minus_cos, number)
         axis = dr.gather(mi.Vector3f, self.direction, number)
@@ -98,7 +104,7 @@ class DistantEmitters:
         local = mi.Vector3f(flat * cosine, flat * sine, 1 - height)
         pdf = chance / (2 * dr.pi * depth)
         radiance = dr.gather(mi.Color3f, self.radiance, number)
-        return mi.Frame3f(axis).to_world(local), pdf, radiance
+        return SunSample(mi.Frame3f(axis).to_world(local), pdf, radiance)
 
 
 def _at_centre(scene: Scene, source: DistantSource) -> Float[np.ndarray, "3"]:

@@ -9,9 +9,10 @@ import difflib
 import inspect
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, fields, replace
-from typing import Literal, TypedDict
+from typing import TypedDict
 
-from clerestory.engine.device import Device
+from clerestory.checks import not_negative, require, within
+from clerestory.engine.device import Device, Processor
 from clerestory.engine.sums import BATCHES
 from clerestory.engine.work_units import Executor, Goal, Local
 from clerestory.errors import InputError
@@ -26,7 +27,7 @@ class JobOptions(TypedDict):
     bounces: int | None
     seed: int
     batches: int
-    device: Literal["cpu", "cuda"]
+    device: Processor
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,23 +65,19 @@ class Effort:
     components: bool = True
 
     def __post_init__(self) -> None:
-        samples, error = self.samples, self.relative_error
-        if samples is not None and error is not None:
-            raise InputError(
-                "both samples and relative_error given; one of them expected"
-            )
-        if samples is not None:
-            _check_samples(samples, _MOST_SAMPLES)
-        if error is not None:
-            _check_error(error, _MOST_ERROR)
-        if self.bounces is not None and self.bounces < 0:
-            raise InputError(f"bounces = {self.bounces}; 0 or more expected")
-        if not 0 <= self.seed < 1 << 32:
-            raise InputError(
-                f"seed = {self.seed}; a whole number from 0 to 2^32 - 1 expected"
-            )
-        if self.batches is not None and not 2 <= self.batches <= 1 << 10:
-            raise InputError(f"batches = {self.batches}; 2 to 1024 expected")
+        require(
+            self.samples is None or self.relative_error is None,
+            "both samples and relative_error given; one of them expected",
+        )
+        _check_goal(self, _MOST_SAMPLES, _MOST_ERROR)
+        if self.bounces is not None:
+            not_negative(self.bounces, "bounces")
+        require(
+            0 <= self.seed < 1 << 32,
+            f"seed is {self.seed}; a whole number from 0 to 2^32 - 1 expected",
+        )
+        if self.batches is not None:
+            within(self.batches, "batches", least=2, most=1 << 10)
 
     @property
     def goal(self) -> Goal:
@@ -90,9 +87,7 @@ class Effort:
     def job_options(self, batches: int = BATCHES) -> JobOptions:
         """Return the part of the effort that the sums of a job depend on.
 
-        Parameters
-        ----------
-        batches : default number of batches
+        `batches` is the default number of batches.
         """
         return JobOptions(
             bounces=self.bounces,
@@ -100,9 +95,6 @@ class Effort:
             batches=self.batches or batches,
             device=self.executor.resolve(self.device),
         )
-
-
-_PLAIN = Effort()
 
 
 class EffortKeywords(TypedDict, total=False):
@@ -131,18 +123,8 @@ def effort_of(
 ) -> Effort:
     """Return the effort given by the keywords of a public function.
 
-    Parameters
-    ----------
-    function : called function, for messages
-    keywords : `effort` or fields of `Effort`
-    default : effort if neither samples nor an error is given
-    most_samples, most_error : largest permitted values
-    without : fields that do not apply to the function
-
-    Raises
-    ------
-    InputError : a keyword is unknown, both samples and relative_error are given, or a
-        number is out of range
+    The default applies if neither samples nor an error is given; `without` names fields
+    that do not apply to the function.
     """
     given: Mapping[str, object] = {**keywords}
     names = [each.name for each in fields(Effort) if each.name not in without]
@@ -156,43 +138,37 @@ def effort_of(
     base = keywords.get("effort") or Effort()
     effort = replace(base, **changed)  # type: ignore[arg-type]
     for name in without:
-        if getattr(effort, name) != getattr(_PLAIN, name):
-            raise InputError(f"{function.__name__}() takes no {name}; none expected")
+        plain = getattr(effort, name) == getattr(Effort(), name)
+        require(plain, f"{function.__name__}() takes no {name}; none expected")
     if effort.samples is None and effort.relative_error is None:
         return replace(
             effort, samples=default.samples, relative_error=default.relative_error
         )
-    if effort.samples is not None:
-        _check_samples(effort.samples, most_samples)
-    if effort.relative_error is not None:
-        _check_error(effort.relative_error, most_error)
+    _check_goal(effort, most_samples, most_error)
     return effort
 
 
 def _unknown_keyword(
     function: Callable[..., object], name: str, names: list[str]
 ) -> str:
-    own = [
-        each.name
-        for each in inspect.signature(function).parameters.values()
-        if each.kind is each.KEYWORD_ONLY
-    ]
+    parameters = inspect.signature(function).parameters.values()
+    own = [each.name for each in parameters if each.kind is each.KEYWORD_ONLY]
     known = [*own, *names, "effort"]
-    closest = difflib.get_close_matches(name, known, n=1, cutoff=0.0)
+    [closest] = difflib.get_close_matches(name, known, n=1, cutoff=0.0)
     return (
-        f"{function.__name__}() takes no keyword {name!r}; {closest[0]!r} is the"
-        f" closest of {', '.join(known)}"
+        f"{function.__name__}() takes no keyword {name!r}; {closest!r} is the closest"
+        f" of {', '.join(known)}"
     )
 
 
-def _check_samples(samples: int, most: int) -> None:
-    if not 1 <= samples <= most:
-        power = most.bit_length() - 1
-        raise InputError(
-            f"samples = {samples}; a whole number from 1 to 2^{power} expected"
-        )
-
-
-def _check_error(error: float, most: float) -> None:
-    if not _LEAST_ERROR <= error < most:
-        raise InputError(f"relative_error = {error}; 0.00001 to {most:g} expected")
+def _check_goal(effort: Effort, most_samples: int, most_error: float) -> None:
+    samples, error = effort.samples, effort.relative_error
+    power = most_samples.bit_length() - 1
+    require(
+        samples is None or 1 <= samples <= most_samples,
+        f"samples is {samples}; a whole number from 1 to 2^{power} expected",
+    )
+    require(
+        error is None or _LEAST_ERROR <= error < most_error,
+        f"relative_error is {error}; 0.00001 to {most_error:g} expected",
+    )

@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.engine.directional_map import DirectionalMap, map_directions
+from clerestory.engine.origin import Origin
 from clerestory.engine.sampler import Distribution
 from clerestory.engine.spherical_rectangle import Parallelograms, fold
 from clerestory.engine.upload import on_device, vectors
@@ -42,17 +43,15 @@ def is_sampled(material: Emitter) -> bool:
 
 @dataclass
 class Emitters:
-    """Device arrays of all emitting shapes.
+    """Device arrays of all emitting shapes, and of their `count` sampled triangles.
 
     Attributes
     ----------
-    count : number of sampled triangles
     table : 1 + index of the pattern of each emitter, or 0
     view_only : whether an emitter is visible but does not illuminate (glow of negative
         radius)
     illum : whether camera rays see the alternate material of an illum instead
-    patterns : directional tables of all patterns
-    triangles, emitter : sampled triangles, and the emitter of each
+    emitter : emitter of each triangle
     chosen : distribution of the triangles by power
     density : probability of each emitter divided by its area [1/m²]; 0 if not sampled
     """
@@ -69,7 +68,7 @@ class Emitters:
     density: mi.Float
 
     @classmethod
-    def of(cls, shining: list[Mesh], origin: Float[np.ndarray, "3"]) -> "Emitters":
+    def of(cls, shining: list[Mesh], origin: Origin) -> "Emitters":
         """Return the tables of emitting meshes; emitter i is mesh i."""
         radiance = np.array([m.material.radiance for m in shining]).reshape(-1, 3)
         found = [_pattern(mesh) for mesh in shining]

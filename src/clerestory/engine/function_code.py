@@ -6,149 +6,78 @@ so recursion must end by a condition on constants. Undefined values (division by
 root of a negative number) are marked as faulty.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 
 from clerestory.engine.function_library import FUNCTIONS, Value, either_bad, where
+from clerestory.engine.upload import on_device
 from clerestory.errors import InputError
-from clerestory.radiance.cal.library import START_FILE
+from clerestory.radiance.cal.library import START_FILE, Native
 from clerestory.radiance.cal.program import Program
-from clerestory.radiance.cal.run import Frame
-from clerestory.radiance.cal.syntax import (
-    Call,
-    Chain,
-    Definition,
-    Name,
-    Negative,
-    Node,
-    Number,
-    Power,
-)
-
-# Largest depth of calls, and number of nodes of an expression with all its calls
-_DEEPEST = 60
-_MOST_NODES = 20_000
+from clerestory.radiance.cal.run import Evaluation, Frame, Nodes, Rows
+from clerestory.radiance.cal.syntax import Definition, Node
 
 
 @dataclass(eq=False)
-class FunctionCode:
+class FunctionCode(Evaluation[Value]):
     """Expressions of a function file, evaluated in a kernel.
 
-    Attributes
-    ----------
-    program : definitions used by the expressions
-    inputs : variables of the rays, as arrays of doubles
-    arguments : real arguments of the primitive
+    The inputs are the variables of the rays, as arrays of doubles; the arguments are
+    the real arguments of the primitive.
     """
+
+    deepest: ClassVar[int] = 60
+    most_steps: ClassVar[int] = 20_000
+    terminating: ClassVar[str] = (
+        "one whose recursion ends by a condition on constants expected"
+    )
 
     program: Program
     inputs: Mapping[str, Any]
     arguments: tuple[float, ...] = ()
-    _known: dict[Any, Value] = field(default_factory=dict)
-    _depth: int = 0
-    _nodes: int = 0
+    rays: Rows = field(default_factory=lambda: Rows(np.zeros(1, dtype=int)))
 
     def value(self, node: Node) -> Value:
-        """Return the value of an expression.
+        """Return the value of an expression."""
+        return self.node(node, self.rays, None)
 
-        Raises
-        ------
-        InputError : a function is not available in kernels, or a recursion has no end
-        """
-        return self._node(node, None)
+    def lookup(self, name: str) -> Definition | Native | None:
+        """Return the definition of a name; None if it is undefined."""
+        found = self.program.definitions.get(name) or START_FILE.get(name)
+        return found or FUNCTIONS.get(name)
 
-    def call(self, name: str, given: list[Value]) -> Value:
-        """Return the value of a function for array arguments."""
-        names = tuple(f"$argument{i}" for i in range(len(given)))
-        self._known |= dict(zip(names, given, strict=True))
-        return self._node(Call(name, tuple(Name(n) for n in names)), None)
+    def constant(self, number: float, rows: Rows) -> Value:
+        """Return a number, which is not converted to an array."""
+        return Value(number)
 
-    def arity(self, name: str) -> int:
-        """Return the number of arguments of a function."""
-        found = self._definition(name)
-        if found is not None:
-            return len(found.parameters or ())
-        return FUNCTIONS[name][0] if name in FUNCTIONS else 0
+    def negative(self, value: Value) -> Value:
+        """Return the value with the opposite sign."""
+        return Value(-value.value, value.bad)
 
-    def _definition(self, name: str) -> Definition | None:
-        return self.program.definitions.get(name) or START_FILE.get(name)
+    def native(self, found: Native, given: Sequence[Value], rows: Rows) -> Value:
+        """Return the value of a function written in Python."""
+        value: Value = found.compute(self, *given)
+        return value
 
-    def _node(self, node: Node, frame: Frame | None) -> Value:
-        self._depth, self._nodes = self._depth + 1, self._nodes + 1
-        if self._depth > _DEEPEST or self._nodes > _MOST_NODES:
-            raise InputError(
-                "a function calls itself without an end that is known before rays are;"
-                " one that ends by a condition on plain numbers expected"
-            )
-        match node:
-            case Number(number):
-                made = Value(number)
-            case Name(name):
-                made = self._variable(name, frame)
-            case Negative(inner):
-                one = self._node(inner, frame)
-                made = Value(-one.value, one.bad)
-            case Power(base, exponent):
-                made = _power(self._node(base, frame), self._node(exponent, frame))
-            case Chain(first, rest):
-                made = self._node(first, frame)
-                for sign, operand in rest:
-                    made = _combined(made, sign, self._node(operand, frame))
-            case Call():
-                made = self._call(node, frame)
-        self._depth -= 1
-        return made
-
-    def _variable(self, name: str, frame: Frame | None) -> Value:
-        if frame is not None and name in frame.parameters:
-            place = frame.parameters.index(name)
-            key: Any = (frame, place)
-            if key not in self._known:
-                self._known[key] = self._node(frame.arguments[place], frame.outer)
-            return self._known[key]
-        if name not in self._known:
-            self._known[name] = self._named(name)
-        return self._known[name]
-
-    def _named(self, name: str) -> Value:
-        found = self._definition(name)
-        if found is not None and found.parameters is None:
-            return self._node(found.body, None)
+    def variable(self, name: str, rows: Rows) -> Value | None:
+        """Return the value of a ray variable or real argument; None if unknown."""
         if name == "AC":
             return Value(float(len(self.arguments)))
         if name[0] == "A" and name[1:].isdigit():
-            return self._argument(Value(float(name[1:])))
-        if name in self.inputs:
-            return Value(self.inputs[name])
-        raise InputError(f'"{name}" is not known where light meets a surface')
+            return self.argument(Value(float(name[1:])))
+        return Value(self.inputs[name]) if name in self.inputs else None
 
-    def _call(self, call: Call, frame: Frame | None) -> Value:
-        name, around = call.name, frame
-        while around is not None and name in around.parameters:
-            # A parameter may be a function
-            handed = around.arguments[around.parameters.index(name)]
-            name = handed.name if isinstance(handed, Name) else ""
-            around = around.outer
-        found, given = self._definition(name), call.arguments
-        if name == "if":
-            return self._choice(given, frame)
-        if name == "select":
-            return self._selection(given, frame)
-        if found is not None and found.parameters is not None:
-            return self._node(found.body, Frame(found.parameters, given, frame))
-        values = [self._node(argument, frame) for argument in given]
-        if name == "arg":
-            return self._argument(values[0])
-        if name not in FUNCTIONS:
-            raise InputError(f'the function "{name}" does not work on surfaces')
-        return FUNCTIONS[name][1](*values)
+    def undefined(self, name: str) -> InputError:
+        """Return the error of a name that has no definition for kernels."""
+        return InputError(f'"{name}" is not defined for patterns of surfaces')
 
-    def _argument(self, which: Value) -> Value:
+    def argument(self, which: Value) -> Value:
+        """Return the real argument of a number; 0 is their count."""
         if isinstance(which.value, float | int):
             place = int(np.floor(which.value + 0.5))
             if place > len(self.arguments):
@@ -157,40 +86,59 @@ class FunctionCode:
                 )
             given = (float(len(self.arguments)), *self.arguments)
             return Value(given[max(place, 0)])
-        table = mi.Float64([float(len(self.arguments)), *self.arguments])
-        dr.make_opaque(table)
+        table = on_device(mi.Float64, [len(self.arguments), *self.arguments])
         place = mi.Int32(dr.floor(which.value + 0.5))
         bad = (place < 0) | (place > len(self.arguments))
         index = mi.UInt32(dr.clip(place, 0, len(self.arguments)))
         return Value(dr.gather(mi.Float64, table, index), either_bad(which.bad, bad))
 
-    def _choice(self, given: tuple[Node, ...], frame: Frame | None) -> Value:
-        condition = self._node(given[0], frame)
+    def combined(self, one: Value, sign: str, other: Value, rows: Rows) -> Value:
+        """Return the result of an operation: +, -, *, / or ^."""
+        bad = either_bad(one.bad, other.bad)
+        match sign:
+            case "+":
+                return Value(one.value + other.value, bad)
+            case "-":
+                return Value(one.value - other.value, bad)
+            case "*":
+                return Value(one.value * other.value, bad)
+            case "^":
+                return _power(one, other, bad)
+        zero = other.value == 0
+        if isinstance(zero, bool):
+            return Value(0.0, True) if zero else Value(one.value / other.value, bad)
+        quotient = one.value / dr.select(zero, 1, other.value)
+        return Value(dr.select(zero, 0, quotient), either_bad(bad, zero))
+
+    def choice(self, given: Nodes, rows: Rows, frame: Frame | None) -> Value:
+        """Evaluate both branches, unless the condition is constant."""
+        condition = self.node(given[0], rows, frame)
         yes = condition.value > 0
         if isinstance(yes, bool):
-            one = self._node(given[1 if yes else 2], frame)
+            one = self.node(given[1 if yes else 2], rows, frame)
             return Value(one.value, either_bad(one.bad, condition.bad))
-        one, other = self._node(given[1], frame), self._node(given[2], frame)
+        one, other = (self.node(branch, rows, frame) for branch in given[1:3])
         return Value(
             where(yes, one.value, other.value),
             either_bad(condition.bad, _either(yes, one.bad, other.bad)),
         )
 
-    def _selection(self, given: tuple[Node, ...], frame: Frame | None) -> Value:
+    def selection(self, given: Nodes, rows: Rows, frame: Frame | None) -> Value:
+        """Evaluate all choices, unless the number is constant."""
         # select(0, …) returns the number of choices
-        which = self._node(given[0], frame)
+        which = self.node(given[0], rows, frame)
         if isinstance(which.value, float | int):
             number = int(which.value + 0.5)
             if number == 0:
                 return Value(float(len(given) - 1), which.bad)
             if not 0 < number < len(given):
                 return Value(0.0, True)
-            return self._node(given[number], frame)
+            return self.node(given[number], rows, frame)
         number = mi.Int32(dr.floor(which.value + 0.5))
         value = mi.Float64(float(len(given) - 1))
         bad = either_bad(which.bad, (number < 0) | (number >= len(given)))
         for i, choice in enumerate(given[1:], start=1):
-            one = self._node(choice, frame)
+            one = self.node(choice, rows, frame)
             value = where(number == i, one.value, value)
             bad = either_bad(bad, _either(number == i, one.bad, False))
         return Value(value, bad)
@@ -202,25 +150,9 @@ def _either(condition: Any, yes: Any, no: Any) -> Any:
     return dr.select(condition, mi.Bool(yes), mi.Bool(no))
 
 
-def _combined(one: Value, sign: str, other: Value) -> Value:
-    bad = either_bad(one.bad, other.bad)
-    match sign:
-        case "+":
-            return Value(one.value + other.value, bad)
-        case "-":
-            return Value(one.value - other.value, bad)
-        case "*":
-            return Value(one.value * other.value, bad)
-    zero = other.value == 0
-    if isinstance(zero, bool):
-        return Value(0.0, True) if zero else Value(one.value / other.value, bad)
-    quotient = one.value / dr.select(zero, 1, other.value)
-    return Value(dr.select(zero, 0, quotient), either_bad(bad, zero))
-
-
-def _power(base: Value, exponent: Value) -> Value:
+def _power(base: Value, exponent: Value, bad: Any) -> Value:
     # Integer exponents accept any base, other exponents only bases of 0 or more
-    bad, power = either_bad(base.bad, exponent.bad), exponent.value
+    power = exponent.value
     if isinstance(power, float | int) and isinstance(base.value, float | int):
         made = float(np.power(float(base.value), power))
         return Value(made, bad) if np.isfinite(made) else Value(0.0, True)

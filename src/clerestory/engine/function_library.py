@@ -5,12 +5,15 @@ Arguments and results have a mask of faulty values. Python numbers are not conve
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import reduce
 from typing import Any
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from clerestory.engine.upload import on_device
+from clerestory.radiance.cal.library import Native
 from clerestory.radiance.cal.noise import TABLES, noise, slope_of
 
 
@@ -36,7 +39,7 @@ def where(condition: Any, yes: Any, no: Any) -> Any:
 
 def _guarded(function: Callable[..., Any], wrong: Callable[..., Any], safe: float):
     # Function of one number; the result is 0 and faulty where `wrong` is true
-    def compute(x: Value) -> Value:
+    def compute(_: object, x: Value, *_more: Value) -> Value:
         bad = wrong(x.value)
         if isinstance(bad, bool):
             value = 0.0 if bad else function(x.value)
@@ -44,31 +47,24 @@ def _guarded(function: Callable[..., Any], wrong: Callable[..., Any], safe: floa
         value = dr.select(bad, 0, function(dr.select(bad, safe, x.value)))
         return Value(value, either_bad(x.bad, bad))
 
-    return compute
+    return Native(compute, 1)
 
 
 def _plain(function: Callable[..., Any], arity: int = 1):
-    def compute(*given: Value) -> Value:
-        used = given[:arity]
-        bad = False
-        for each in used:
-            bad = either_bad(bad, each.bad)
-        return Value(function(*(each.value for each in used)), bad)
+    def compute(_: object, *given: Value) -> Value:
+        bad = reduce(either_bad, (each.bad for each in given[:arity]))
+        return Value(function(*(each.value for each in given[:arity])), bad)
 
-    return compute
+    return Native(compute, arity)
 
 
 def _folded(function: Callable[[Any, Any], Any]):
     # Function of any number of arguments
-    def compute(*given: Value) -> Value:
-        total = given[0]
-        for each in given[1:]:
-            total = Value(
-                function(total.value, each.value), either_bad(total.bad, each.bad)
-            )
-        return total
+    def compute(_: object, *given: Value) -> Value:
+        value = reduce(function, (each.value for each in given))
+        return Value(value, reduce(either_bad, (each.bad for each in given)))
 
-    return compute
+    return Native(compute, 1)
 
 
 def _random(x: Any) -> Any:
@@ -79,8 +75,7 @@ def _random(x: Any) -> Any:
 
 
 def _noise(x: Any, y: Any, z: Any) -> Any:
-    tables = [mi.Float64(table) for table in TABLES]
-    dr.make_opaque(tables)
+    tables = [on_device(mi.Float64, table) for table in TABLES]
 
     def take(table: int, place: Any) -> Any:
         index = mi.UInt32(mi.Int32(place) & 255)
@@ -90,28 +85,29 @@ def _noise(x: Any, y: Any, z: Any) -> Any:
     return noise(*point, floor=dr.floor, take=take)
 
 
-FUNCTIONS: Mapping[str, tuple[int, Callable[..., Value]]] = {
-    "sqrt": (1, _guarded(dr.sqrt, lambda x: x < 0, 0)),
-    "log": (1, _guarded(dr.log, lambda x: x <= 0, 1)),
-    "log10": (1, _guarded(lambda x: dr.log(x) / np.log(10), lambda x: x <= 0, 1)),
-    "asin": (1, _guarded(dr.asin, lambda x: abs(x) > 1, 0)),
-    "acos": (1, _guarded(dr.acos, lambda x: abs(x) > 1, 0)),
-    "exp": (1, _guarded(dr.exp, lambda x: x > 700, 0)),
-    "sin": (1, _plain(dr.sin)),
-    "cos": (1, _plain(dr.cos)),
-    "tan": (1, _plain(dr.tan)),
-    "atan": (1, _plain(dr.atan)),
-    "atan2": (2, _plain(dr.atan2, 2)),
-    "floor": (1, _plain(dr.floor)),
-    "ceil": (1, _plain(dr.ceil)),
-    "erf": (1, _plain(dr.erf)),
-    "erfc": (1, _plain(lambda x: 1 - dr.erf(x))),
-    "min": (1, _folded(dr.minimum)),
-    "max": (1, _folded(dr.maximum)),
-    "rand": (1, _plain(_random)),
-    "noise3": (3, _plain(_noise, 3)),
+FUNCTIONS: Mapping[str, Native] = {
+    "sqrt": _guarded(dr.sqrt, lambda x: x < 0, 0),
+    "log": _guarded(dr.log, lambda x: x <= 0, 1),
+    "log10": _guarded(lambda x: dr.log(x) / np.log(10), lambda x: x <= 0, 1),
+    "asin": _guarded(dr.asin, lambda x: abs(x) > 1, 0),
+    "acos": _guarded(dr.acos, lambda x: abs(x) > 1, 0),
+    "exp": _guarded(dr.exp, lambda x: x > 700, 0),
+    "sin": _plain(dr.sin),
+    "cos": _plain(dr.cos),
+    "tan": _plain(dr.tan),
+    "atan": _plain(dr.atan),
+    "atan2": _plain(dr.atan2, 2),
+    "floor": _plain(dr.floor),
+    "ceil": _plain(dr.ceil),
+    "erf": _plain(dr.erf),
+    "erfc": _plain(lambda x: 1 - dr.erf(x)),
+    "min": _folded(dr.minimum),
+    "max": _folded(dr.maximum),
+    "rand": _plain(_random),
+    "arg": Native(lambda code, which, *_: code.argument(which), 1),
+    "noise3": _plain(_noise, 3),
     **{
-        f"noise3{name}": (3, _plain(slope_of(_noise, axis), 3))
+        f"noise3{name}": _plain(slope_of(_noise, axis), 3)
         for names in ("xyz", "abc")
         for axis, name in enumerate(names)
     },

@@ -9,7 +9,9 @@ from dataclasses import dataclass
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
+
+from clerestory.engine.upload import vectors
 
 # Cell size [m], increased if an axis would need more cells than the limit; fraction of
 # the given points at either end of an axis that belong to the boundary cells.
@@ -24,12 +26,8 @@ _FACINGS = 6
 class GuidingCells:
     """A grid with six cells per position, one for each class of normals.
 
-    Attributes
-    ----------
-    low : corner of the grid [m]
-    size : cell size along each axis [m]
-    shape : number of cells along each axis
-    count : number of all cells
+    The grid begins at the corner `low` and has `shape` positions of a size [m]; `count`
+    is the number of all cells.
     """
 
     low: mi.Point3f
@@ -40,28 +38,18 @@ class GuidingCells:
     @classmethod
     def around(cls, point: Float[np.ndarray, "n 3"]) -> "GuidingCells":
         """Return a grid that covers points; without points, a grid of one position."""
-        if len(point) == 0:
-            return cls._of(np.zeros(3), np.ones(3), np.ones(3, dtype=int))
-        low, high = np.quantile(point, [_OUTLYING, 1 - _OUTLYING], axis=0)
-        extent = np.maximum(high - low, 1e-3)
-        shape = np.clip(np.ceil(extent / _SIZE), 1, _MOST).astype(int)
-        return cls._of(low, extent / shape, shape)
-
-    @classmethod
-    def _of(
-        cls,
-        low: Float[np.ndarray, "3"],
-        size: Float[np.ndarray, "3"],
-        shape: Int[np.ndarray, "3"],
-    ) -> "GuidingCells":
-        cells = cls(
-            mi.Point3f(*low.tolist()),
-            mi.Vector3f(*size.tolist()),
-            mi.Vector3u(*shape.tolist()),
+        low, size, shape = np.zeros(3), np.ones(3), np.ones(3, dtype=int)
+        if len(point):
+            low, high = np.quantile(point, [_OUTLYING, 1 - _OUTLYING], axis=0)
+            extent = np.maximum(high - low, 1e-3)
+            shape = np.clip(np.ceil(extent / _SIZE), 1, _MOST).astype(int)
+            size = extent / shape
+        return cls(
+            vectors(mi.Point3f, low[None]),
+            vectors(mi.Vector3f, size[None]),
+            vectors(mi.Vector3u, shape[None]),
             int(shape.prod()) * _FACINGS,
         )
-        dr.make_opaque(cells.low, cells.size, cells.shape)
-        return cells
 
     def number(self, point: mi.Point3f, normal: mi.Vector3f) -> mi.UInt32:
         """Return the cell of a surface point from its position and normal."""

@@ -2,13 +2,11 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-from jaxtyping import Float
-
 from clerestory.engine.distant_emitters import DistantEmitters
 from clerestory.engine.emitter_sampling import Environment, SurfaceEmitters
 from clerestory.engine.lower import LoweredScene, lower
 from clerestory.engine.mirrors import Mirrors
+from clerestory.engine.origin import Origin
 from clerestory.engine.path_tracer import PathTracer
 from clerestory.engine.portals import Portals
 from clerestory.engine.sun_lobes import SunLobes
@@ -29,7 +27,7 @@ class Illumination:
     lobes: SunLobes
 
     @classmethod
-    def of(cls, scene: Scene, origin: Float[np.ndarray, "3"]) -> "Illumination":
+    def of(cls, scene: Scene, origin: Origin) -> "Illumination":
         """Return the illuminated scene, with device coordinates around `origin`."""
         return cls(
             lower(scene, origin=origin),

@@ -10,7 +10,7 @@ from functools import lru_cache
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from jaxtyping import Float, UInt64
+from jaxtyping import UInt64
 
 from clerestory.engine.camera_rays import CameraRays
 from clerestory.engine.controller import EstimatedJob
@@ -23,7 +23,7 @@ from clerestory.engine.matrix_jobs import (
     ViewJob,
 )
 from clerestory.engine.next_event_estimation import Source
-from clerestory.engine.origin import middle_of_window, window_origin
+from clerestory.engine.origin import Origin, middle_of_window, window_origin
 from clerestory.engine.patches import SkyTable
 from clerestory.engine.path_tracer import PathTracer, segments_of
 from clerestory.engine.primary_rays import Lanes, lanes, window_ray
@@ -55,7 +55,8 @@ Launch = Callable[[MatrixSink, PathNumbers, Lanes, Unit], None]
 def prepare_view(job: ViewJob) -> Tracer:
     """Return the tracer from sensors to windows."""
     origin = np.mean(job.sensors.position, axis=0)
-    return _from_sensors(job, _to_windows(lower_for(job, origin)), origin)
+    model = lower(job.scene, origin=origin, receivers=job.windows)
+    return _from_sensors(job, _to_windows(model), origin)
 
 
 def prepare_coefficients(job: CoefficientsJob) -> Tracer:
@@ -86,26 +87,18 @@ def prepare_pixel_view(job: PixelViewJob) -> Tracer:
     or specular reflection at the first surface.
     """
     origin = np.asarray(job.view.position, dtype=float)
-    tracer = _to_windows(lower_for(job, origin), direct_only=job.direct)
+    model = lower(job.scene, origin=origin, receivers=job.windows)
+    tracer = _to_windows(model, direct_only=job.direct)
     rays = CameraRays.of(job.view, job.columns, job.rows)
     limit = segments_of(job.bounces)
 
     def launch(sink: MatrixSink, numbers: PathNumbers, paths: Lanes, _: Unit) -> None:
         x, y = numbers.sobol(DIRECTION_U), numbers.sobol(DIRECTION_V)
         ray, valid = rays.through(paths.number, x, y)
-        segments = dr.opaque(mi.UInt32, limit)
-        path = tracer.camera_path(ray)
-        tracer.trace(sink, sink.begin(), path, numbers, segments, valid)
+        tracer.trace(sink, tracer.camera_path(ray), numbers, limit, valid)
 
     stream = _PIXELS_DIRECT if job.direct else _PIXELS
     return matrix_tracer(job, launch, stream=stream)
-
-
-def lower_for(
-    job: ViewJob | PixelViewJob, origin: Float[np.ndarray, "3"]
-) -> LoweredScene:
-    """Return the device scene of a job with its windows as receivers."""
-    return lower(job.scene, origin=origin, receivers=job.windows)
 
 
 def _to_windows(model: LoweredScene, *, direct_only: bool = False) -> PathTracer:
@@ -126,25 +119,20 @@ def _tracer(
 
 
 def _from_window(
-    job: DaylightJob | FacadeJob,
-    tracer: PathTracer,
-    seed: int,
-    origin: Float[np.ndarray, "3"],
+    job: DaylightJob | FacadeJob, tracer: PathTracer, seed: int, origin: Origin
 ) -> Tracer:
     table, _ = window_shapes((job.window,), origin)
     limit = segments_of(job.bounces)
 
     def launch(sink: MatrixSink, numbers: PathNumbers, paths: Lanes, _: Unit) -> None:
-        ray = window_ray(table, paths.number, numbers)
-        segments = dr.opaque(mi.UInt32, limit)
-        path = tracer.camera_path(ray)
-        tracer.trace(sink, sink.begin(), path, numbers, segments, mi.Bool(True))
+        path = tracer.camera_path(window_ray(table, paths.number, numbers))
+        tracer.trace(sink, path, numbers, limit, mi.Bool(True))
 
     return matrix_tracer(job, launch, stream=_WINDOWS, seed=seed)
 
 
 def _from_sensors(
-    job: ViewJob | CoefficientsJob, tracer: PathTracer, origin: Float[np.ndarray, "3"]
+    job: ViewJob | CoefficientsJob, tracer: PathTracer, origin: Origin
 ) -> Tracer:
     position, normal = job.sensors.position - origin, job.sensors.direction
     limit = segments_of(job.bounces, first=0)
@@ -154,10 +142,9 @@ def _from_sensors(
     ) -> None:
         o = dr.gather(mi.Point3f, vectors(mi.Point3f, position[unit.rows]), paths.row)
         n = dr.gather(mi.Vector3f, vectors(mi.Vector3f, normal[unit.rows]), paths.row)
-        total, path = tracer.gather(sink, sink.begin(), numbers, position=o, normal=n)
-        segments = dr.opaque(mi.UInt32, limit)
+        _, path = tracer.gather(sink, numbers, o, n)
         active = dr.max(path.throughput) > 0
-        tracer.trace(sink, total, path, numbers, segments, active)
+        tracer.trace(sink, path, numbers, limit, active)
 
     return matrix_tracer(job, launch, stream=_SENSORS)
 
@@ -167,11 +154,8 @@ def matrix_tracer(
 ) -> Tracer:
     """Return a function that traces a unit of a matrix and returns its sums.
 
-    Parameters
-    ----------
-    launch : function that traces the paths of a unit into the sink
-    stream : stream of random numbers
-    seed : seed of the random numbers; default: the job's seed
+    `launch` traces the paths of a unit into the sink. Random numbers follow from the
+    stream and from `seed`, by default the job's seed.
     """
     _, batches, columns, channels = job.shape
     start = job.seed if seed is None else seed

@@ -25,9 +25,7 @@ Heuristic = Callable[[mi.Float, mi.Float], mi.Float]
 def balance_heuristic(own, other):
     """Return the balance heuristic weight of two techniques, divided by `own` [sr].
 
-    Parameters
-    ----------
-    own, other : densities of the technique and of the other technique [1/sr]
+    The arguments are the densities of the technique and of the other one [1/sr].
     """
     return dr.rcp(own + other)
 
@@ -46,10 +44,8 @@ def power_heuristic(own, other):
 class Densities:
     """Densities of sampling a direction at a vertex [1/sr].
 
-    Attributes
-    ----------
-    path : density of continuing the path
-    sunlit : density of rays towards sunlit surfaces in portals
+    `path` is that of the continued path, `sunlit` that of rays towards sunlit surfaces
+    in portals.
     """
 
     path: mi.Float
@@ -62,7 +58,6 @@ class Vertex:
 
     Attributes
     ----------
-    point : position [m]
     leave : function of direction and mask that returns the point offset from its
         surface
     scatter : function of a direction, and of whether its light comes directly from a
@@ -71,8 +66,7 @@ class Vertex:
     densities : function of direction, density of BSDF sampling and mask that returns
         all densities of the vertex
     active : mask of vertices at which sources are sampled
-    shape : Mitsuba shape index; None for a sensor
-    flags : Mitsuba BSDF flags of the material
+    shape, flags : Mitsuba's shape index, None for a sensor, and BSDF flags
     cell, chance : guiding cell, and probability that a path continues towards a portal
     opaque : whether the material only reflects
     continues : whether the path may continue after the vertex
@@ -97,8 +91,6 @@ class Path:
 
     Attributes
     ----------
-    ray : ray of the segment
-    throughput : throughput of the path, which weights the radiance along the ray
     point : previous vertex at which a direction was sampled [m]
     pdf : density of the segment's direction at that vertex [1/sr]; 0 if sources were
         not sampled there
@@ -119,13 +111,9 @@ class Path:
 class Scattering:
     """Continuation of a path at a vertex.
 
-    Attributes
-    ----------
-    direction, factor : direction of the next segment, and factor of the throughput
-    densities : densities of the direction
-    flags : BSDF flags of the sampled component
-    null, delta : whether the path was transmitted without deflection; whether it was
-        mirrored or refracted
+    The throughput is multiplied by a factor. `flags` are the BSDF flags of the sampled
+    component; `null` marks paths transmitted without deflection, `delta` those mirrored
+    or refracted.
     """
 
     direction: mi.Vector3f
@@ -135,19 +123,20 @@ class Scattering:
     null: mi.Bool
     delta: mi.Bool
 
+    def pass_straight(self, passed: mi.Bool, si: mi.SurfaceInteraction3f) -> None:
+        """Continue the chosen paths unscattered."""
+        self.null |= passed
+        self.delta &= ~passed
+        self.direction = dr.select(passed, -si.to_world(si.wi), self.direction)
+        self.factor = dr.select(passed, 1, self.factor)
+
 
 @dataclass
 class Emission:
-    """Radiance of a source that a path hits.
+    """Radiance of a source that a path hits, or 1 for a receiver in a matrix column.
 
-    Attributes
-    ----------
-    value : radiance, or 1 for a receiver of a matrix
-    active : mask of the paths that hit the source
-    pdf : density of next-event estimation of this direction at the previous vertex
-        [1/sr]; None if the source is not sampled
-    column : of a matrix
-    heuristic : heuristic that weights both techniques
+    `pdf` is the density of next-event estimation of this direction at the previous
+    vertex [1/sr], None if the source is not sampled.
     """
 
     value: mi.Color3f
@@ -170,12 +159,10 @@ class LightSample:
 
     Attributes
     ----------
-    direction : unit vector to the source
     pdf : total density of all sampling techniques of the source [1/sr], or a function
         of the vertex densities that returns it, called after `arriving`
     active : mask of useful samples
     arriving : function of vertex and mask that returns the arriving radiance
-    column : of a matrix
     heuristic : heuristic that weights the sample and continued paths; None if continued
         paths never meet the source
     luminaire : whether the source is a luminaire or the sun, and not a window or sky
@@ -225,20 +212,15 @@ class Source:
     ) -> Iterable[LightSample]:
         """Yield samples of directions from a vertex to the source.
 
-        Parameters
-        ----------
-        path : path that led to the vertex; None at a sensor
+        The path is the one that led to the vertex, or None at a sensor.
         """
         return ()
 
     def begin(self, pdf: mi.Float, sunlit: mi.Float):
         """Return the source's state for the first segment of a path.
 
-        Parameters
-        ----------
-        pdf : density of the segment's direction; 0 for camera rays
-        sunlit : density of rays towards sunlit surfaces in this direction; negative if
-            not sampled
+        `pdf` is the density of the segment's direction, or 0 for camera rays; `sunlit`
+        is that of rays towards sunlit surfaces, negative if none were sampled.
         """
         return
 

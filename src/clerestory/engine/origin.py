@@ -8,6 +8,9 @@ from clerestory.scene.model import Scene
 from clerestory.scene.surface import extent
 from clerestory.scene.window import Window
 
+# Point of the scene at the origin of device coordinates [m]
+Origin = Float[np.ndarray, "3"]
+
 # Windows within this distance of the scene's centre share one origin [m]: ray offsets
 # are at most half a millimetre there
 _NEAR = 128.0
@@ -16,7 +19,7 @@ _NEAR = 128.0
 _SURFACES = 1000
 
 
-def middle_of_scene(scene: Scene) -> Float[np.ndarray, "3"]:
+def middle_of_scene(scene: Scene) -> Origin:
     """Return the median of the surfaces' centres, robust to a distant ground [m]."""
     if not scene.surfaces:
         return np.zeros(3)
@@ -24,13 +27,13 @@ def middle_of_scene(scene: Scene) -> Float[np.ndarray, "3"]:
     return np.asarray(np.median([extent(s).mean(axis=0) for s in few], axis=0))
 
 
-def middle_of_window(window: Window) -> Float[np.ndarray, "3"]:
+def middle_of_window(window: Window) -> Origin:
     """Return the mean of the centres of a window's polygons [m]."""
     middles = [polygon.vertices.mean(axis=0) for polygon in window.polygons]
     return np.asarray(np.mean(middles, axis=0))
 
 
-def window_origin(scene: Scene, window: Window) -> Float[np.ndarray, "3"]:
+def window_origin(scene: Scene, window: Window) -> Origin:
     """Return the origin of device coordinates for rays that start at a window [m].
 
     It is the centre of the scene if that is near, so that all windows of a building

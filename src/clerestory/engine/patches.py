@@ -25,8 +25,7 @@ class PatchTable:
         pole
     low, high : sin² of the polar angle at the limits of each patch
     phi, width : azimuth of each patch's centre, and its width in azimuth [rad]
-    compass : whether azimuth is measured from +y towards +x; otherwise from +x towards
-        +y
+    compass : whether azimuth is measured from +y to +x, and not from +x to +y
     """
 
     inner: list[float]

@@ -17,13 +17,12 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float, Int
 
-from clerestory.engine import sampler
 from clerestory.engine.guiding_cells import GuidingCells
 from clerestory.engine.illumination import Illumination
 from clerestory.engine.path_tracer import SAMPLED_AT_START
 from clerestory.engine.pilot_paths import SurfacePoints
 from clerestory.engine.portals import Portals, Rectangles
-from clerestory.engine.sampler import PathNumbers, points
+from clerestory.engine.sampler import PathNumbers, points, random_numbers
 from clerestory.engine.sinks import RadianceSink
 from clerestory.engine.upload import launching, vectors
 
@@ -43,9 +42,7 @@ def learned_portals(
 ) -> Portals | None:
     """Return windows and sunlit areas as portals, with learned probabilities.
 
-    Parameters
-    ----------
-    places : surface points of the room at which the second moments are measured
+    The second moments are measured at surface points of the room.
     """
     trial = Portals.uniform(windows + patches)
     if trial is None or len(places) == 0:
@@ -97,10 +94,7 @@ def _pilot_samples(
     every = dr.opaque(mi.UInt32, portals.count)
     lanes = dr.arange(mi.UInt32, len(places) * parts)
     place, part = lanes // (every + 1), lanes % (every + 1)
-    seed = mi.UInt32(3)
-    u, v, pick, x, y = (
-        sampler.random_number(seed, lanes, mi.UInt32(n)) for n in range(5)
-    )
+    u, v, pick, x, y = random_numbers(3, lanes, 5)
     origin = dr.gather(mi.Point3f, vectors(mi.Point3f, places.start), place)
     normal = dr.gather(mi.Vector3f, vectors(mi.Vector3f, places.normal), place)
     one = dr.minimum(part, every - 1)
@@ -121,12 +115,12 @@ def _pilot_samples(
     tracer, sink = scene.tracer(portals), RadianceSink()
     with launching():
         path = tracer.path(ray, 1, SAMPLED_AT_START, sunlit=1)
-        limit = dr.opaque(mi.UInt32, _SEGMENTS)
-        onward = tracer.trace(sink, sink.begin(), path, numbers, limit, works)
+        onward = tracer.trace(sink, path, numbers, _SEGMENTS, works)
         sunlit = mi.Color3f(0)
         if scene.distant.suns:
             suns = scene.suns(portals)
-            sunlit = suns.on_surface(suns.sample(pick, x, y), ray, works & in_portal)
+            sun = scene.distant.sample_sun(pick, x, y)
+            sunlit = suns.on_surface(sun, ray, works & in_portal)
         found = [
             dr.select(works, weight * dr.sum(light) / 3, 0).numpy().astype(float)
             for light in (onward, sunlit)

@@ -64,7 +64,6 @@ class PathTracer:
         next-event estimation only
     bounce_to_source : whether the segment to a source is counted as a bounce, as for
         the windows of a matrix
-    split_lobes : see `continue_from_surface`
     """
 
     model: LoweredScene
@@ -91,16 +90,14 @@ class PathTracer:
     def gather(
         self,
         sink: Sink,
-        total: mi.Color3f | None,
         numbers: PathNumbers,
-        *,
         position: mi.Point3f,
         normal: mi.Vector3f,
     ) -> tuple[mi.Color3f | None, Path]:
         """Sample the sources at irradiance sensors; return the sum and the paths."""
         vertex = sensor_vertex(self.portals, position, normal)
         one = mi.Color3f(1)
-        total = self.sample_sources(sink, total, vertex, numbers, one)
+        total = self.sample_sources(sink, sink.begin(), vertex, numbers, one)
         direction, weight, densities = continue_from_sensor(
             self.portals, vertex, normal, numbers
         )
@@ -131,18 +128,20 @@ class PathTracer:
     def trace(
         self,
         sink: Sink,
-        total: mi.Color3f | None,
         path: Path,
         start: PathNumbers,
-        segments: mi.UInt32,
+        limit: int,
         active: mi.Bool,
+        total: mi.Color3f | None = None,
     ):
         """Trace paths to their ends; return the sum including their contributions.
 
-        `start` holds the sample numbers of the paths' first vertex; `segments` is the
+        `start` holds the sample numbers of the paths' first vertex; `limit` is the
         largest number of segments between diffuse reflections.
         """
         model, scene = self.model, self.model.scene
+        segments = dr.opaque(mi.UInt32, limit)
+        total = sink.begin() if total is None else total
 
         # ----------------------------- Loop state -----------------------------
         strongest = dr.maximum(dr.max(path.throughput), 1e-20)
@@ -187,8 +186,10 @@ class PathTracer:
                 # Continue the path; null transmission does not change its state
                 after = continue_from_surface(
                     self.portals, vertex, si, numbers, works,
-                    split_lobes=self.split_lobes, passed=passed,
+                    split_lobes=self.split_lobes,
                 )  # fmt: skip
+                if dr.hint(model.proxies, mode="scalar"):
+                    after.pass_straight(passed, si)
                 path = self._continued(path, vertex, si, after, active)
                 diffuse = mi.has_flag(after.flags, mi.BSDFFlags.Diffuse)
                 diffuse &= ~after.null & ~after.delta

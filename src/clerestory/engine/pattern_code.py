@@ -10,10 +10,11 @@ from typing import Any
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from jaxtyping import Float
 
 from clerestory.engine.function_code import FunctionCode
 from clerestory.engine.function_library import Value
+from clerestory.engine.origin import Origin
+from clerestory.engine.upload import on_device
 from clerestory.errors import InputError
 from clerestory.radiance.data_array import DataArray
 from clerestory.radiance.function_pattern import NUMBERED, READINGS, FunctionPattern
@@ -26,17 +27,8 @@ from clerestory.scene.transform import Transform
 Code = Callable[[Any], tuple[list[Any], Any]]
 
 
-def pattern_code(pattern: Pattern, origin: Float[np.ndarray, "3"]) -> Code:
-    """Return a pattern as a function of an interaction.
-
-    Parameters
-    ----------
-    origin : point of the scene at the origin of device coordinates [m]
-
-    Raises
-    ------
-    InputError : a function is not available in kernels; the message locates the pattern
-    """
+def pattern_code(pattern: Pattern, origin: Origin) -> Code:
+    """Return a pattern as a function of an interaction."""
     match pattern:
         case FunctionPattern():
             code = _function(pattern, origin)
@@ -48,56 +40,51 @@ def pattern_code(pattern: Pattern, origin: Float[np.ndarray, "3"]) -> Code:
     return code
 
 
-def multiplier(
-    pattern: Pattern, origin: Float[np.ndarray, "3"]
-) -> Callable[[Any], Any]:
+def multiplier(pattern: Pattern, origin: Origin) -> Callable[[Any], Any]:
     """Return a pattern as a multiplier of colours; 1 if undefined."""
     code = pattern_code(pattern, origin)
-
-    def factor(si: Any) -> mi.Color3f:
-        values, bad = code(si)
-        colour = [dr.maximum(dr.select(bad, 1.0, value), 0) for value in values]
-        colour = colour * 3 if len(colour) == 1 else colour
-        return mi.Color3f(*(mi.Float(mi.Float64(c)) for c in colour))
-
-    return factor
+    return lambda si: mi.Color3f(*_single(_factors(*code(si))))
 
 
-def share(pattern: Pattern, origin: Float[np.ndarray, "3"]) -> Callable[[Any], Any]:
+def share(pattern: Pattern, origin: Origin) -> Callable[[Any], Any]:
     """Return a pattern as the foreground fraction of a mixture; 0 if undefined."""
     code = pattern_code(pattern, origin)
 
     def amount(si: Any) -> mi.Float:
         values, bad = code(si)
-        return mi.Float(mi.Float64(dr.select(bad, 0.0, dr.clip(values[0], 0, 1))))
+        [fraction] = _single([dr.select(bad, 0.0, dr.clip(values[0], 0, 1))])
+        return fraction
 
     return amount
 
 
-def perturbation(
-    pattern: Pattern, origin: Float[np.ndarray, "3"]
-) -> Callable[[Any], Any]:
+def perturbation(pattern: Pattern, origin: Origin) -> Callable[[Any], Any]:
     """Return a pattern as a vector in scene coordinates that perturbs a normal."""
     if not isinstance(pattern, FunctionPattern):
-        raise InputError(
-            f"a {type(pattern).__name__} is no texture; functions expected"
-        )
+        what = f"a {type(pattern).__name__} is no texture"
+        raise InputError(f"{what}; functions expected")
     code = pattern_code(pattern, origin)
     turn = pattern.transform.matrix[:3, :3] / pattern.transform.scale
 
     def added(si: Any) -> mi.Vector3f:
         values, bad = code(si)
-        scene = [
-            sum(values[i] * float(turn[i, axis]) for i in range(3)) for axis in range(3)
-        ]
-        return mi.Vector3f(
-            *(mi.Float(mi.Float64(dr.select(bad, 0.0, c))) for c in scene)
-        )
+        scene = _turned(values, turn)
+        return mi.Vector3f(*_single([dr.select(bad, 0.0, c) for c in scene]))
 
     return added
 
 
-def _function(pattern: FunctionPattern, origin: Float[np.ndarray, "3"]) -> Code:
+def _single(values: list[Any]) -> list[Any]:
+    return [mi.Float(mi.Float64(value)) for value in values]
+
+
+def _factors(values: list[Any], bad: Any) -> list[Any]:
+    # Multipliers of three channels; 1 if undefined
+    factors = [dr.maximum(dr.select(bad, 1.0, value), 0) for value in values]
+    return factors * 3 if len(factors) == 1 else factors
+
+
+def _function(pattern: FunctionPattern, origin: Origin) -> Code:
     tables = [_table(table) for table in pattern.tables]
 
     def code(si: Any) -> tuple[list[Any], Any]:
@@ -119,12 +106,7 @@ def _product(codes: list[Code]) -> Code:
         # Omit undefined factors
         total: list[Any] = [mi.Float64(1)] * 3
         for one in codes:
-            values, bad = one(si)
-            values = values * 3 if len(values) == 1 else values
-            total = [
-                t * dr.maximum(dr.select(bad, 1.0, v), 0)
-                for t, v in zip(total, values, strict=True)
-            ]
+            total = [t * f for t, f in zip(total, _factors(*one(si)), strict=True)]
         return total, mi.Bool(False)
 
     return code
@@ -138,9 +120,7 @@ def _split(values: list[Value]) -> tuple[list[Any], Any]:
     return [mi.Float64(each.value) for each in values], bad
 
 
-def _inputs(
-    transform: Transform, si: Any, origin: Float[np.ndarray, "3"]
-) -> dict[str, Any]:
+def _inputs(transform: Transform, si: Any, origin: Origin) -> dict[str, Any]:
     # Radiance's ray variables in the function's local coordinates
     back = np.linalg.inv(transform.matrix)
     scale = 1 / transform.scale
@@ -159,14 +139,13 @@ def _inputs(
     return given | {number: given[name] for number, name in NUMBERED.items()}
 
 
-def _turned(vector: Any, matrix: np.ndarray, shift: np.ndarray | None = None) -> list:
-    given = [mi.Float64(vector.x), mi.Float64(vector.y), mi.Float64(vector.z)]
-    turned = [
-        sum(float(matrix[i, axis]) * given[i] for i in range(3)) for axis in range(3)
+def _turned(vector: Any, matrix: np.ndarray, shift: Any = (0, 0, 0)) -> list[Any]:
+    # Product of a vector and the columns of a matrix, plus a shift, in double precision
+    given = [mi.Float64(component) for component in vector]
+    return [
+        sum(float(matrix[i, axis]) * given[i] for i in range(3)) + float(shift[axis])
+        for axis in range(3)
     ]
-    if shift is None:
-        return turned
-    return [t + float(s) for t, s in zip(turned, shift, strict=True)]
 
 
 def _try(code: Code, source: Source | None) -> None:
@@ -183,12 +162,9 @@ def _table(data: DataArray) -> Callable[[list[Any]], Any]:
     """Return a function that interpolates in a table."""
     # Reverse decreasing axes with their positions, as in `scene.data_array`
     signs = [1.0 if axis[0] < axis[-1] else -1.0 for axis in data.axes]
-    axes = [
-        mi.Float64(np.ascontiguousarray(sign * axis))
-        for sign, axis in zip(signs, data.axes, strict=True)
-    ]
-    flat = mi.Float64(np.ascontiguousarray(data.values).ravel())
-    dr.make_opaque(flat, *axes)
+    scaled = [s * axis for s, axis in zip(signs, data.axes, strict=True)]
+    axes = [on_device(mi.Float64, axis) for axis in scaled]
+    flat = on_device(mi.Float64, data.values)
     counts = data.values.shape
     strides = [int(np.prod(counts[i + 1 :])) for i in range(len(counts))]
 
@@ -212,16 +188,9 @@ def _interpolated(flat, cells, shares, strides, index) -> Any:
     # Multilinear interpolation, as in `scene.data_array`
     if not cells:
         return dr.gather(mi.Float64, flat, index)
-    low, high = (
-        _interpolated(
-            flat,
-            cells[1:],
-            shares[1:],
-            strides[1:],
-            index + (cells[0] + i) * strides[0],
-        )
-        for i in (0, 1)
-    )
+    rest = cells[1:], shares[1:], strides[1:]
+    at = [index + (cells[0] + i) * strides[0] for i in (0, 1)]
+    low, high = (_interpolated(flat, *rest, number) for number in at)
     t = shares[0]
     straight = low * (1 - t) + high * t
     above = (2 * high - low) / dr.select(t > 2, t + 1, 1)

@@ -18,6 +18,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from clerestory.engine.guiding_cells import GuidingCells
+from clerestory.engine.origin import Origin
 from clerestory.engine.spherical_rectangle import Parallelograms
 from clerestory.engine.upload import on_device, vectors
 from clerestory.scene.model import BsdfSurface, Glass, Illum, Polygon, Scene, Trans
@@ -65,15 +66,15 @@ class Rectangles:
 
 @dataclass
 class Portals:
-    """Device arrays of rectangles, with their sampling probabilities.
+    """Device arrays of rectangles, with their sampling probabilities by guiding cell.
 
     Attributes
     ----------
     slots : number of rectangle slots in kernels; surplus slots are empty
     facing : normal times area, edge_u × edge_v [m²]
     across, upwards : edges divided by their squared lengths [1/m]
-    share : probability of each rectangle for continued paths, by cell
-    sunlit : probability of each rectangle for rays towards sunlit surfaces, by cell
+    share, sunlit : probability of each rectangle for continued paths, and for rays
+        towards sunlit surfaces
     chance : probability that a path continues towards any rectangle
     sunny : whether any rectangle contains sunlit surfaces
     """
@@ -207,7 +208,7 @@ def _inverse(edges: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
     return edges / np.sum(np.square(edges), axis=1, keepdims=True)
 
 
-def window_rectangles(scene: Scene, origin: Float[np.ndarray, "3"]) -> Rectangles:
+def window_rectangles(scene: Scene, origin: Origin) -> Rectangles:
     """Return rectangles around the largest transmitting polygons, around an origin."""
     found = [
         _rectangle(surface.vertices)

@@ -26,13 +26,9 @@ from clerestory.engine.windows import WindowTable
 class Lanes:
     """Paths of one launch.
 
-    Attributes
-    ----------
-    row : row of the matrix, counted within the launch
-    slot : row and batch within the launch
-    number : index of the row in the whole matrix
-    seed : seed of the row and batch
-    index : index of the sample point in the table
+    Their row is counted within the launch (`row`) and in the whole matrix (`number`);
+    `slot` numbers rows and batches within the launch. `seed` is that of the row and
+    batch, `index` that of the sample point.
     """
 
     row: mi.UInt32
@@ -74,10 +70,6 @@ def window_ray(window: WindowTable, patch: mi.UInt32, numbers: PathNumbers) -> m
 
     A row of a daylight matrix is the radiance incident from one patch. Unscattered
     light keeps its patch index, so rays are traced against the patch's direction.
-
-    Parameters
-    ----------
-    window : table of this window only
     """
     a, b = numbers.sobol(CONNECT_U), numbers.sobol(CONNECT_V)
     u, v = numbers.sobol(DIRECTION_U), numbers.sobol(DIRECTION_V)

@@ -110,12 +110,9 @@ class IrradianceJob(RadianceJob):
 class EmitterPatches:
     """Flat patches cut into triangles.
 
-    Attributes
-    ----------
-    frame : frame of each patch; rows: two axes in the patch and its normal
-    corner : corners of all triangles [m]
-    first : first triangle of each patch, followed by the number of triangles
-    cumulative : cumulative area fraction of the triangles within each patch
+    The rows of a frame are two axes in the patch and its normal. `first` is the index
+    of each patch's first triangle, followed by the number of triangles; `cumulative` is
+    the cumulative area fraction of the triangles within each patch.
     """
 
     frame: Float[np.ndarray, "patch 3 3"]
@@ -131,7 +128,7 @@ class ExitingRadianceJob(RadianceJob):
     Suns seen straight through the patch are excluded.
     """
 
-    tracer: ClassVar[tuple[str, str]] = ("exiting_radiance_tracer", "prepare_outgoing")
+    tracer: ClassVar[tuple[str, str]] = ("radiance_tracers", "prepare_outgoing")
 
     patches: EmitterPatches
     rings: int

@@ -9,13 +9,17 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.engine.camera_rays import CameraRays
-from clerestory.engine.first_hit import first_hit
 from clerestory.engine.illumination import Illumination
+from clerestory.engine.origin import Origin
 from clerestory.engine.path_guiding import learned_portals
-from clerestory.engine.path_tracer import PathTracer, segments_of
+from clerestory.engine.path_tracer import SAMPLED_AT_START, PathTracer, segments_of
 from clerestory.engine.pilot_paths import PILOT_PATHS, sample_surfaces
-from clerestory.engine.portals import window_rectangles
-from clerestory.engine.radiance_jobs import IrradianceJob, PictureJob
+from clerestory.engine.portals import Portals, window_rectangles
+from clerestory.engine.radiance_jobs import (
+    ExitingRadianceJob,
+    IrradianceJob,
+    PictureJob,
+)
 from clerestory.engine.sampler import (
     DIRECTION_U,
     DIRECTION_V,
@@ -24,13 +28,18 @@ from clerestory.engine.sampler import (
     points,
 )
 from clerestory.engine.sinks import RadianceSink
+from clerestory.engine.spherical_rectangle import Parallelograms, fold
 from clerestory.engine.sun_patches import sun_patches
-from clerestory.engine.upload import launching, vectors
+from clerestory.engine.upload import launching, on_device, vectors
+from clerestory.engine.visibility import first_hit
 from clerestory.engine.work_units import Tracer, Unit
 from clerestory.scene.model import Scene
 
-# Dimensions of the hashed random numbers for the point in a pixel
-_PIXEL = 0x40000
+# Dimensions of the hashed random numbers for the point in a pixel or patch
+_PLACE = 0x40000
+
+# Distance of the rays of exiting radiance from the patch [m]
+_BEFORE = 1e-3
 
 _SINK = RadianceSink()
 
@@ -46,7 +55,7 @@ def prepare_picture(job: PictureJob) -> Tracer:
 
     def irradiance(numbers: PathNumbers, row):
         # The low-discrepancy dimensions are left to the surface; the pixel uses hashes
-        x, y = numbers.hashed(_PIXEL), numbers.hashed(_PIXEL + 1)
+        x, y = numbers.hashed(_PLACE), numbers.hashed(_PLACE + 1)
         ray, valid = rays.through(row, x, y)
         position, normal, found = first_hit(tracer.model, ray, valid)
         light = irradiance_at(tracer, numbers, position, normal, limit - 1, found)
@@ -55,9 +64,7 @@ def prepare_picture(job: PictureJob) -> Tracer:
     def radiance(numbers: PathNumbers, row):
         x, y = numbers.sobol(DIRECTION_U), numbers.sobol(DIRECTION_V)
         ray, valid = rays.through(row, x, y)
-        segments = dr.opaque(mi.UInt32, limit)
-        path = tracer.camera_path(ray)
-        return tracer.trace(_SINK, _SINK.begin(), path, numbers, segments, valid)
+        return tracer.trace(_SINK, tracer.camera_path(ray), numbers, limit, valid)
 
     kind = irradiance if job.quantity == "irradiance" else radiance
     return tracer_of(kind, job.seed, job.batches)
@@ -82,27 +89,76 @@ def prepare_irradiance(job: IrradianceJob) -> Tracer:
     return tracer_of(irradiance, job.seed, job.batches)
 
 
+def prepare_outgoing(job: ExitingRadianceJob) -> Tracer:
+    """Return the tracer of the exiting radiance of patches by direction.
+
+    Rays start in the room just in front of a patch, and are traced towards it against
+    the direction of light. Suns visible through the patch are excluded, because
+    pictures sample suns through illums.
+    """
+    patches = job.patches
+    origin = patches.corner.reshape(-1, 3).mean(axis=0)
+    portals = Portals.uniform(window_rectangles(job.scene, origin))
+    tracer = Illumination.of(job.scene, origin).tracer(portals)
+    limit = segments_of(job.bounces)
+    corner, b, c = np.moveaxis(patches.corner, 1, 0)
+    triangles = Parallelograms.of(corner - origin, b - corner, c - corner)
+    axes = [vectors(mi.Vector3f, patches.frame[:, i]) for i in range(3)]
+    first = on_device(mi.UInt32, patches.first)
+    # Patch index plus cumulative area fraction, increasing over all triangles
+    number = np.repeat(np.arange(len(patches.frame)), np.diff(patches.first))
+    cumulative = on_device(mi.Float, number + patches.cumulative)
+    rings, sectors = (dr.opaque(mi.UInt32, n) for n in (job.rings, job.sectors))
+
+    def radiance(numbers: PathNumbers, row):
+        sector, ring = row % sectors, row // sectors % rings
+        patch = row // (sectors * rings)
+        u, v, pick = (numbers.hashed(_PLACE + n) for n in range(3))
+
+        # Sample a point of the patch by area
+        low = dr.gather(mi.UInt32, first, patch)
+        high = dr.gather(mi.UInt32, first, patch + 1)
+        place = mi.Float(patch) + pick
+        number = dr.binary_search(
+            0, len(corner) - 1, lambda i: dr.gather(mi.Float, cumulative, i) <= place
+        )
+        number = dr.clip(mi.UInt32(number), low, high - 1)
+        point = triangles.take(number).point(*fold(u, v))
+
+        # Sample a direction of the ring and sector by projected solid angle
+        step = 0.5 * dr.pi / mi.Float(rings)
+        inner = dr.square(dr.sin(mi.Float(ring) * step))
+        outer = dr.square(dr.sin((mi.Float(ring) + 1) * step))
+        share = numbers.sobol(DIRECTION_U)
+        sine2 = dr.lerp(inner, outer, share)
+        turn = mi.Float(sector) + numbers.sobol(DIRECTION_V)
+        turn = turn * (2 * dr.pi / mi.Float(sectors)) - dr.pi
+        sine, (s, c) = dr.safe_sqrt(sine2), dr.sincos(turn)
+        across, along, normal = (dr.gather(mi.Vector3f, a, patch) for a in axes)
+        leaving = (across * c + along * s) * sine + normal * dr.safe_sqrt(1 - sine2)
+        ray = mi.Ray3f(point + normal * _BEFORE, -leaving)
+        path = tracer.path(ray, 1, SAMPLED_AT_START)
+        return tracer.trace(_SINK, path, numbers, limit, mi.Bool(True))
+
+    return tracer_of(radiance, job.seed, job.batches)
+
+
 def irradiance_at(tracer: PathTracer, numbers, position, normal, limit: int, active):
     """Return the irradiance of points, one path each."""
-    light, path = tracer.gather(
-        _SINK, _SINK.begin(), numbers, position=position, normal=normal
-    )
+    light, path = tracer.gather(_SINK, numbers, position, normal)
     active = active & (dr.max(path.throughput) > 0)
-    segments = dr.opaque(mi.UInt32, max(limit, 0))
-    return tracer.trace(_SINK, light, path, numbers, segments, active)
+    return tracer.trace(_SINK, path, numbers, max(limit, 0), active, light)
 
 
 def radiance_tracer(
     scene: Scene,
-    origin: Float[np.ndarray, "3"],
+    origin: Origin,
     bounces: int | None,
     pilots: Callable[[], mi.Ray3f],
 ) -> PathTracer:
     """Return a path tracer around a point, guided towards windows and sunlit areas.
 
-    Parameters
-    ----------
-    pilots : function that returns the first segments of pilot paths
+    The function `pilots` returns the first segments of pilot paths.
     """
     illuminated = Illumination.of(scene, origin)
     windows = window_rectangles(scene, origin)

@@ -18,11 +18,17 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.engine import sampler
-from clerestory.engine.lower import lower
-from clerestory.engine.primary_rays import Lanes
-from clerestory.engine.sampler import Points
-from clerestory.engine.visibility import offset
+from clerestory.engine.lower import LoweredScene, lower
+from clerestory.engine.sampler import (
+    CONNECT_U,
+    CONNECT_V,
+    DIRECTION_U,
+    DIRECTION_V,
+    LOBE,
+    PathNumbers,
+)
+from clerestory.engine.upload import vectors
+from clerestory.engine.visibility import interaction, offset
 from clerestory.scene.model import Scene
 
 # Paths below this fraction of their initial weight are subject to Russian roulette.
@@ -43,20 +49,12 @@ _MOST_STEPS = 4000
 class Slab:
     """A shading system on the device, with the box that bounds its paths.
 
-    Attributes
-    ----------
-    scene : Mitsuba scene of the system
-    first_face, reach : see `LoweredScene`
-    grey : whether all materials are grey, so that one channel suffices
-    low, high : corners of the box in device coordinates [m]; its lower and upper planes
-        lie just outside the system
-    periodic : whether paths that leave through a side enter through the opposite side
+    The box has two corners in device coordinates [m]; its lower and upper planes lie
+    just outside the system. If `periodic`, paths that leave through a side enter
+    through the opposite side.
     """
 
-    scene: mi.Scene
-    first_face: mi.UInt32
-    reach: mi.Float
-    grey: bool
+    model: LoweredScene
     low: mi.Point3f
     high: mi.Point3f
     periodic: bool
@@ -65,7 +63,7 @@ class Slab:
 class Receiver(Protocol):
     """An object that scores the paths that leave the slab."""
 
-    def receive(self, paths: Lanes, direction, weight, active) -> None:
+    def receive(self, direction, weight, active) -> None:
         """Score the weight of each path that leaves the slab along a direction."""
 
 
@@ -73,12 +71,8 @@ class Receiver(Protocol):
 class Step:
     """Result of tracing a ray to a surface or to a side of the cell.
 
-    Attributes
-    ----------
-    hit : intersection with a surface, if any
-    left : whether the ray leaves the slab
-    origin : origin of the continued ray on the opposite side of a periodic cell
-    way : length of the ray up to the side of the cell [m]
+    `left` tells whether the ray leaves the slab. `origin` is that of the continued ray
+    on the opposite side of a periodic cell; `way` is the distance to the side [m].
     """
 
     hit: mi.PreliminaryIntersection3f
@@ -90,30 +84,18 @@ class Step:
 def lower_slab(scene: Scene, box: Float[np.ndarray, "2 3"], *, periodic: bool) -> Slab:
     """Build the system on the device, with the origin at the centre of the box [m]."""
     origin = box.mean(axis=0)
-    low, high = (mi.Point3f(*(corner - origin).tolist()) for corner in box)
-    dr.make_opaque(low, high)
-    model = lower(scene, origin=origin)
-    return Slab(
-        model.scene, model.first_face, model.reach, model.grey, low, high, periodic
-    )
+    low, high = (vectors(mi.Point3f, corner[None]) for corner in box - origin)
+    return Slab(lower(scene, origin=origin), low, high, periodic)
 
 
-def start(slab: Slab, points: Points, paths: Lanes, table, cell, back) -> mi.Ray3f:
+def start(slab: Slab, numbers: PathNumbers, table, cell, back) -> mi.Ray3f:
     """Return rays from uniform points on the plane in front of the system or behind it.
 
-    Parameters
-    ----------
-    table, cell : partition of the directions of travel, and index of the patch or cell
-        to sample uniformly by projected solid angle
-    back : whether rays start behind the system, on the side of the room
+    Directions of travel are sampled uniformly by projected solid angle in a cell of the
+    table's partition. If `back`, rays start behind the system, on the side of the room.
     """
-
-    def number(purpose: int):
-        return sampler.coordinate(points, paths.seed, paths.index, first, purpose)
-
-    first = mi.UInt32(0)
-    a, b = number(sampler.CONNECT_U), number(sampler.CONNECT_V)
-    u, v = number(sampler.DIRECTION_U), number(sampler.DIRECTION_V)
+    a, b = numbers.sobol(CONNECT_U), numbers.sobol(CONNECT_V)
+    u, v = numbers.sobol(DIRECTION_U), numbers.sobol(DIRECTION_V)
     local = table.sample(cell, u, v)
     o = mi.Point3f(
         dr.lerp(slab.low.x, slab.high.x, a),
@@ -127,7 +109,7 @@ def start(slab: Slab, points: Points, paths: Lanes, table, cell, back) -> mi.Ray
 def _step(slab: Slab, ray: mi.Ray3f, active) -> Step:
     # Intersect a ray with the system within the slab, or within the periodic cell
     if not slab.periodic:
-        hit = slab.scene.ray_intersect_preliminary(ray, active=active)
+        hit = slab.model.scene.ray_intersect_preliminary(ray, active=active)
         return Step(hit, ~hit.is_valid(), mi.Point3f(0), mi.Float(0))
     far = mi.Point3f(dr.select(ray.d > 0, slab.high, slab.low)) - ray.o
     x = dr.select(ray.d.x == 0, dr.inf, far.x / ray.d.x)
@@ -135,7 +117,7 @@ def _step(slab: Slab, ray: mi.Ray3f, active) -> Step:
     way = dr.maximum(dr.minimum(x, y), 0)
     ray = mi.Ray3f(ray)
     ray.maxt = way * (1 + _BEYOND) + 1e-9
-    hit = slab.scene.ray_intersect_preliminary(ray, active=active)
+    hit = slab.model.scene.ray_intersect_preliminary(ray, active=active)
 
     # Continue from the opposite side
     size = slab.high - slab.low
@@ -148,26 +130,18 @@ def _step(slab: Slab, ray: mi.Ray3f, active) -> Step:
 
 @dr.syntax
 def follow(
-    slab: Slab,
-    receiver: Receiver,
-    points: Points,
-    paths: Lanes,
-    ray: mi.Ray3f,
-    segments: mi.UInt32,
+    slab: Slab, receiver: Receiver, first: PathNumbers, ray: mi.Ray3f, limit: int
 ) -> None:
     """Trace paths from their first ray; the receiver scores those that leave the slab.
 
-    Parameters
-    ----------
-    segments : largest number of path segments, counted between diffuse scattering
-        events
+    `first` holds the sample numbers of the paths' start; `limit` is the largest number
+    of segments, counted between diffuse scattering events.
     """
-    context = mi.BSDFContext()
-    seed, index = paths.seed, paths.index
+    context, segments = mi.BSDFContext(), dr.opaque(mi.UInt32, limit)
 
     # ------------------------------- Loop state -------------------------------
     step = _step(slab, ray, mi.Bool(True))  # intersection of the current ray
-    receiver.receive(paths, ray.d, mi.Color3f(1), step.left)
+    receiver.receive(ray.d, mi.Color3f(1), step.left)
     active = ~step.left  # paths within the slab
     weight = mi.Color3f(1)  # throughput of the path
     segment = mi.UInt32(1)  # number of segments, counted between diffuse vertices
@@ -177,15 +151,13 @@ def follow(
     while active:
         # Prepare the vertex, unless the ray only passes a side of the cell
         met = active & step.hit.is_valid()
-        si = step.hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, met)
-        si.sh_frame = mi.Frame3f(si.n)
-        si.wi = si.to_local(-ray.d)
+        si = interaction(step.hit, ray, met)
         si.t = si.t + travelled
         bsdf = si.bsdf()
-        lobe = sampler.coordinate(points, seed, index, vertex, sampler.LOBE)
-        u = sampler.coordinate(points, seed, index, vertex, sampler.DIRECTION_U)
-        v = sampler.coordinate(points, seed, index, vertex, sampler.DIRECTION_V)
-        chance = sampler.random_number(seed, index + points.first, vertex + 0x10000)
+        numbers = first.at(vertex)
+        lobe = numbers.sobol(LOBE)
+        u, v = numbers.sobol(DIRECTION_U), numbers.sobol(DIRECTION_V)
+        chance = first.hashed(vertex + 0x10000)
         count = dr.clip(dr.ceil(dr.max(weight) * BRANCHES), 1, BRANCHES)
         count = dr.select(met, count, 1)
 
@@ -199,7 +171,7 @@ def follow(
                 context, si, _turn(lobe, number / BRANCHES), place, branching & met
             )
             direction = si.to_world(sample.wo)
-            branch = mi.Ray3f(offset(slab, si, direction, met), direction)
+            branch = mi.Ray3f(offset(slab.model, si, direction, met), direction)
             if dr.hint(number == 0, mode="scalar"):
                 branch.o = dr.select(met, branch.o, step.origin)
                 branch.d = dr.select(met, branch.d, before.d)
@@ -208,16 +180,16 @@ def follow(
             grown = segment + dr.select(met & diffuse, mi.UInt32(1), mi.UInt32(0))
             branching &= (dr.max(share) > 0) & (grown <= segments)
             found = _step(slab, branch, branching)
-            receiver.receive(paths, branch.d, share, branching & found.left)
+            receiver.receive(branch.d, share, branching & found.left)
 
             # Select the branch in proportion to its weight
             stays = branching & ~found.left
             bright = dr.select(stays, dr.max(share), 0)
             total += bright
-            limit = bright / dr.maximum(total, 1e-30)
-            chosen = stays & (chance <= limit)
-            rest = (chance - limit) / dr.maximum(1 - limit, 1e-30)
-            chance = dr.select(chosen, chance / dr.maximum(limit, 1e-30), rest)
+            upper = bright / dr.maximum(total, 1e-30)
+            chosen = stays & (chance <= upper)
+            rest = (chance - upper) / dr.maximum(1 - upper, 1e-30)
+            chance = dr.select(chosen, chance / dr.maximum(upper, 1e-30), rest)
             ray.o = dr.select(chosen, branch.o, ray.o)
             ray.d = dr.select(chosen, branch.d, ray.d)
             next_step = dr.select(chosen, found, next_step)
@@ -228,7 +200,7 @@ def follow(
         travelled = dr.select(met, 0, travelled + step.way)
         step, segment = next_step, grown_to
         survive = dr.minimum(total / _ROULETTE, 1)
-        chance = sampler.random_number(seed, index + points.first, vertex + 0x20000)
+        chance = first.hashed(vertex + 0x20000)
         active &= (total > 0) & (chance < survive)
         weight = kept * total / dr.maximum(survive, 1e-30)
         vertex += 1

@@ -33,12 +33,12 @@ class Patches:
     count: int
     back: mi.Bool
 
-    def receive(self, paths: Lanes, direction, weight, active) -> None:
+    def receive(self, direction, weight, active) -> None:
         """Score the weight in the patch of the leaving direction."""
         column = self.table.find(direction)
         reflected = (direction.z > 0) == self.back
         column += dr.select(reflected, mi.UInt32(self.count), 0)
-        self.sink.score(paths.slot, column, weight, active)
+        self.sink.add(None, column, weight, active)
 
 
 def prepare_slab(job: SlabJob) -> Tracer:
@@ -52,8 +52,8 @@ def prepare_slab(job: SlabJob) -> Tracer:
     def launch(sink: MatrixSink, numbers: PathNumbers, paths: Lanes, _: Unit) -> None:
         back = dr.gather(mi.Bool, backs, paths.number // count)
         patch = dr.gather(mi.UInt32, incidents, paths.number % count)
-        ray = start(slab, numbers.points, paths, table, patch, back)
+        ray = start(slab, numbers, table, patch, back)
         receiver = Patches(sink, table, len(job.partition), back)
-        follow(slab, receiver, numbers.points, paths, ray, dr.opaque(mi.UInt32, limit))
+        follow(slab, receiver, numbers, ray, limit)
 
     return matrix_tracer(job, launch, stream=0, seed=job.seed ^ _SALT)

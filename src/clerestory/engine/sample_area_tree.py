@@ -14,7 +14,7 @@ from jaxtyping import Float, Int, Int64
 
 from clerestory.bands import RGB
 from clerestory.engine.matrix_tracers import refuse_out_of_range
-from clerestory.engine.primary_rays import Lanes, lanes
+from clerestory.engine.primary_rays import lanes
 from clerestory.engine.sample_area import Slab, follow, lower_slab, start
 from clerestory.engine.sampler import points
 from clerestory.engine.sinks import MatrixSink
@@ -34,11 +34,9 @@ _PATHS, _STRETCH = 1 << 22, 1 << 16
 class Grid:
     """The finest cells of a tree, divided into blocks.
 
-    Attributes
-    ----------
-    rank : rank of the tree: 3 if the BSDF is isotropic, 4 otherwise
-    depth : number of levels of the tree; the finest cells have an edge of 2^-depth
-    block : number of lowest levels that a block covers in the incident coordinates
+    The tree has rank 3 if the BSDF is isotropic, and 4 otherwise. Its finest cells have
+    an edge of 2^-depth. A block covers the lowest `block` levels in the incident
+    coordinates.
     """
 
     rank: int
@@ -65,10 +63,8 @@ class Grid:
 class Scores:
     """Sums of path weights in the finest cells, without cells of zero sum.
 
-    Attributes
-    ----------
-    cell : index of each cell within the block, ascending
-    sums : sums of each channel, and in the last column of the squared luminance
+    Cells are indexed within the block, in ascending order. The last column of the sums
+    is of the squared luminance, the others are of the channels.
     """
 
     cell: Int64[np.ndarray, " score"]
@@ -105,19 +101,16 @@ class _Cells:
     back: mi.Bool
     turn: mi.Vector2f
 
-    def receive(self, paths: Lanes, direction, weight, active) -> None:
+    def receive(self, direction, weight, active) -> None:
         """Score the weight, and the square of its luminance, in a cell."""
         grid = self.grid
         x = direction.x * self.turn.x + direction.y * self.turn.y
         y = direction.y * self.turn.x - direction.x * self.turn.y
         place = square_from_disc(x, y) * (1 << grid.depth)
-        a, b = (
-            mi.UInt32(dr.clip(mi.Int32(c), 0, (1 << grid.depth) - 1))
-            for c in (place.x, place.y)
-        )
-        cell = _interleave(
-            (a >> grid.block, b >> grid.block), 2, grid.depth - grid.block
-        )
+        last = (1 << grid.depth) - 1
+        a, b = (mi.UInt32(dr.clip(mi.Int32(c), 0, last)) for c in (place.x, place.y))
+        block = a >> grid.block, b >> grid.block
+        cell = _interleave(block, 2, grid.depth - grid.block)
         if grid.rank == 3:
             inside = _interleave((self.incident, a, b), 3, grid.block)
         else:
@@ -148,35 +141,28 @@ def trace_block(
 ) -> tuple[Scores, Scores]:
     """Trace paths from incident cells of a block, and return their sums.
 
-    Parameters
-    ----------
-    groups : indices of incident cells within the block, with the first path number and
-        the number of paths of each cell
-    back : whether paths start behind the system, on the side of the room
-    segments : largest number of path segments, counted between diffuse scattering
-        events
-
-    Returns
-    -------
-    sums of transmission, and of reflection
+    `groups` holds indices of incident cells within the block, with the first path
+    number and the number of paths of each cell; for `back` and `segments`, see `start`
+    and `follow`. Return the sums of transmission, and of reflection.
     """
-    channels = 1 if slab.grey else 3
+    channels = 1 if slab.model.grey else 3
     sink = MatrixSink(dr.zeros(mi.UInt64), 2 * grid.cells, channels + 1)
     sink.sums = dr.zeros(mi.UInt64, sink.columns * sink.channels + 1)
     total = grid.blocks * grid.incidents
     offset = block * grid.incidents + (total if back else 0)
-    behind, limit = dr.opaque(mi.Bool, back), dr.opaque(mi.UInt32, segments)
+    behind = dr.opaque(mi.Bool, back)
     for rows, begin, number in _launches(groups):
         sequence = points(begin, number)
         paths = lanes(
             sequence, rows=rows + offset, batches=1, seed=seed ^ _SALT, stream=0
         )
         incident = paths.number % total
-        ray = start(slab, sequence, paths, _IncidentCells(grid), incident, behind)
+        numbers = paths.numbers(sequence)
+        ray = start(slab, numbers, _IncidentCells(grid), incident, behind)
         # Rank 3: rotate all incident azimuths to one
         turn = _azimuth(ray.d) if grid.rank == 3 else mi.Vector2f(1, 0)
         receiver = _Cells(grid, sink, incident, behind, turn)
-        follow(slab, receiver, sequence, paths, ray, limit)
+        follow(slab, receiver, numbers, ray, segments)
         dr.eval(sink.sums)
     return _scores(sink, grid)
 
@@ -185,10 +171,8 @@ def _scores(sink: MatrixSink, grid: Grid) -> tuple[Scores, Scores]:
     # Scores of transmission and reflection, without cells of zero sum
     cell = dr.arange(mi.UInt32, sink.columns)
     first = cell * sink.channels + 1
-    parts = [
-        dr.gather(mi.UInt64, sink.sums, first + channel)
-        for channel in range(sink.channels)
-    ]
+    channels = range(sink.channels)
+    parts = [dr.gather(mi.UInt64, sink.sums, first + channel) for channel in channels]
     lit = dr.compress(sum(parts[1:], parts[0]) > 0)
     taken = [dr.gather(mi.UInt64, part, lit).numpy() for part in parts]
     refuse_out_of_range(int(dr.gather(mi.UInt64, sink.sums, 0)[0]))

@@ -73,6 +73,11 @@ def random_number(seed, index, dimension):
     return to_unit(mix(mix(index, seed), dimension * mi.UInt32(0x9E3779B9) + 1))
 
 
+def random_numbers(seed: int, index, count: int) -> list[mi.Float]:
+    """Return several hashed random numbers in [0, 1)."""
+    return [random_number(mi.UInt32(seed), index, mi.UInt32(n)) for n in range(count)]
+
+
 def coordinate(sequence: Points, seed, index, vertex, purpose: int):
     """Return one coordinate, scrambled for its row and batch, in [0, 1)."""
     dimension = vertex * PER_VERTEX + purpose

@@ -60,9 +60,8 @@ class SceneCache:
 def cached(key: tuple[object, ...], build: Callable[[], Any]) -> Any:
     """Return the object cached for a key, or build it; without a cache, always build.
 
-    Parameters
-    ----------
-    key : all inputs of the object; scenes and windows are compared by identity
+    The key consists of all inputs of the object; scenes and windows are compared by
+    identity.
     """
     cache = _in_use.get()
     return build() if cache is None else cache.take(key, build)

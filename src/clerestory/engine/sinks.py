@@ -22,13 +22,9 @@ _LARGEST = 2000.0
 class MatrixSink:
     """Sums of a matrix in fixed point.
 
-    Attributes
-    ----------
-    sums : first the number of weights outside the range of the sums, then a sum for
-        each (row and batch, column, channel)
-    columns, channels : numbers of columns and channels of the matrix; one channel if
-        all channels are equal
-    slot : row and batch of each path
+    The first sum counts the weights outside the range of the sums; then follows a sum
+    for each (row and batch, column, channel). A matrix of equal channels has one.
+    `slot` is the row and batch of each path.
     """
 
     sums: mi.UInt64

@@ -75,7 +75,6 @@ class SphericalRectangle:
     x0, x1, y0, y1 : limits of the rectangle in local coordinates [m]
     depth : local z coordinate of the rectangle's plane, negative (the paper's z0) [m]
     b0, b1, k : constants of the parametrization
-    solid_angle : solid angle that the rectangle subtends [sr]
     usable : whether to sample by solid angle; otherwise by area
     """
 

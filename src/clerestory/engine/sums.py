@@ -23,15 +23,10 @@ FIXED_POINT = float(1 << 40)
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """A traced matrix.
+    """Mean values of a traced matrix over its batches, and their error components.
 
-    Attributes
-    ----------
-    values : mean over the batches
-    components : error components, whose sum of squares is the variance; None if not
-        kept
-    paths : total number of paths
-    reached : whether the target relative error was reached in all rows
+    The variance is the sum of the squared components, which may be discarded. `reached`
+    tells whether all rows reached the target relative error.
     """
 
     values: Float[np.ndarray, "channel row column"]
@@ -42,13 +37,10 @@ class Estimate:
 
 @dataclass
 class Sums:
-    """Sums of the path contributions of some rows.
+    """Sums of the path contributions of some rows, in fixed or floating point.
 
-    Attributes
-    ----------
-    total : 64-bit fixed-point or floating-point sums
-    count : number of sample points of each batch so far
-    one : value added by a path of weight 1
+    `count` is the number of sample points of each batch so far; a path of weight 1 adds
+    `one`.
     """
 
     total: np.ndarray
@@ -71,12 +63,7 @@ class Sums:
         part: np.ndarray,
         columns: Int[np.ndarray, " some_columns"] | None = None,
     ) -> None:
-        """Add the sums of a unit.
-
-        Parameters
-        ----------
-        columns : consecutive column indices; None for all
-        """
+        """Add the sums of a unit, of all columns or of consecutive ones."""
         chosen: slice | np.ndarray = rows
         if rows[-1] - rows[0] == len(rows) - 1:
             chosen = slice(rows[0], rows[-1] + 1)

@@ -42,12 +42,9 @@ _SIDES: dict[int, Function] = {1: "transmission_front", -1: "transmission_back"}
 class Lobes:
     """Lobes of sunlight transmitted by windows of one BSDF and one orientation.
 
-    Attributes
-    ----------
-    table : BSDF, sampled for a given incident direction
-    frame : local frame of the BSDF; its normal is that of the surfaces
-    side : 1 if the sun is behind the surfaces, -1 if it is in front of them
-    chance : probability of sampling the lobes of these windows
+    The table samples the BSDF for a given incident direction, in a local frame whose
+    normal is that of the surfaces. The sun is behind the surfaces if `side` is 1, and
+    in front of them if it is -1. `chance` is the probability of sampling these lobes.
     """
 
     table: Table

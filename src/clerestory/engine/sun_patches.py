@@ -12,10 +12,10 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.ndimage import binary_dilation, label
 
-from clerestory.engine import sampler
 from clerestory.engine.illumination import Illumination
 from clerestory.engine.pilot_paths import SurfacePoints
 from clerestory.engine.portals import MOST, Rectangles
+from clerestory.engine.sampler import random_numbers
 from clerestory.engine.upload import launching, vectors
 from clerestory.engine.visibility import along, offset, transmittance
 
@@ -53,11 +53,8 @@ def sun_patches(scene: Illumination, places: SurfacePoints) -> Rectangles:
 
 def _sunlit_share(scene: Illumination, places: SurfacePoints) -> float:
     # Share of the surface points lit directly by a sun
-    index, seed = dr.arange(mi.UInt32, len(places)), mi.UInt32(1)
-    u, v, pick = (
-        sampler.random_number(seed, index, mi.UInt32(number)) for number in range(3)
-    )
-    sun, _, _ = scene.distant.sample_sun(pick, u, v)
+    u, v, pick = random_numbers(1, dr.arange(mi.UInt32, len(places)), 3)
+    sun = scene.distant.sample_sun(pick, u, v).direction
     start, ray = vectors(mi.Point3f, places.start), along(sun)
     shone = dr.dot(sun, vectors(mi.Vector3f, places.normal)) > 0
     with launching():
@@ -70,12 +67,9 @@ def _sunbeams(scene: Illumination, places: SurfacePoints):
     model = scene.model
     low, high = np.quantile(places.point, [_OUTLYING, 1 - _OUTLYING], axis=0)
     middle, radius = (low + high) / 2, float(np.linalg.norm(high - low)) * _WIDENED / 2
-    index, seed = dr.arange(mi.UInt32, _SUNBEAMS), mi.UInt32(2)
-    a, b, pick, u, v = (
-        sampler.random_number(seed, index, mi.UInt32(number)) for number in range(5)
-    )
+    a, b, pick, u, v = random_numbers(2, dr.arange(mi.UInt32, _SUNBEAMS), 5)
     # Directions cover the whole solar disc, so that portals include the penumbra
-    sun, _, _ = scene.distant.sample_sun(pick, a, b)
+    sun = scene.distant.sample_sun(pick, a, b).direction
     frame = mi.Frame3f(sun)
     disc = mi.warp.square_to_uniform_disk_concentric(mi.Point2f(u, v))
     disc *= dr.opaque(mi.Float, radius)

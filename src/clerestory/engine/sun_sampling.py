@@ -13,7 +13,7 @@ from typing import ClassVar
 import drjit as dr
 import mitsuba as mi
 
-from clerestory.engine.distant_emitters import DistantEmitters
+from clerestory.engine.distant_emitters import DistantEmitters, SunSample
 from clerestory.engine.lower import LoweredScene
 from clerestory.engine.mirrors import Mirrors, is_mirror, reflected
 from clerestory.engine.next_event_estimation import (
@@ -43,15 +43,6 @@ _LOBES = 0.5
 
 # Stored density of a path segment for which no ray to sunlit surfaces was sampled.
 NOT_SAMPLED = -1.0
-
-
-@dataclass
-class SunSample:
-    """A direction to a sun, its density [1/sr], and the sun's radiance."""
-
-    direction: mi.Vector3f
-    pdf: mi.Float
-    radiance: mi.Color3f
 
 
 @dataclass
@@ -103,17 +94,13 @@ class Suns(Source):
         shown = active & (mirrors != 1)
         return Emission(radiance, shown, pdf, heuristic=power_heuristic)
 
-    def sample(self, pick, u, v) -> SunSample:
-        """Return a direction to one of the suns."""
-        return SunSample(*self.distant.sample_sun(pick, u, v))
-
     def samples(
         self, vertex: Vertex, path: Path | None, numbers: PathNumbers
     ) -> Iterator[LightSample]:
         """Yield directions to a sun, to sunlit surfaces, and to a sun in a mirror."""
         u, v = numbers.sobol(CONNECT_U), numbers.sobol(CONNECT_V)
         pick = numbers.extra(0) if self.distant.suns > 1 else mi.Float(0)
-        sun = self.sample(pick, u, v)
+        sun = self.distant.sample_sun(pick, u, v)
         share = mi.Float(1)
         if path is not None and self.seeks_sunlit:
             share = self._share_of_path(vertex, path, sun)
@@ -139,8 +126,9 @@ class Suns(Source):
 
         always = mi.Bool(True)
         return LightSample(
-            sun.direction, sun.pdf, always, arriving, None, power_heuristic, True
-        )
+            sun.direction, sun.pdf, always, arriving,
+            heuristic=power_heuristic, luminaire=True,
+        )  # fmt: skip
 
     def _seen(self, start: mi.Point3f, sun: SunSample, active):
         # Transmittance from a point to the sun
@@ -153,15 +141,15 @@ class Suns(Source):
         # Sample along a window's lobe of sunlight, or towards a portal
         u, v, pick = (numbers.extra(purpose) for purpose in (8, 9, 10))
         direction, valid = mi.Vector3f(0, 0, 1), mi.Bool(False)
-        sunny = self.portals is not None and self.portals.sunny
-        if self.portals is not None and sunny:
-            direction, valid = self.portals.sample(
-                self.portals.sunlit, vertex.point, vertex.cell, u, v
+        portals = self.portals if self.portals and self.portals.sunny else None
+        if portals:
+            direction, valid = portals.sample(
+                portals.sunlit, vertex.point, vertex.cell, u, v
             )
         if self.lobes.groups:
-            along = self.lobes.sample(dr.minimum(pick / _LOBES, 1), sun.direction, u, v)
-            chosen = pick < _LOBES if sunny else mi.Bool(True)
-            direction = dr.select(chosen, along, direction)
+            lobe = self.lobes.sample(dr.minimum(pick / _LOBES, 1), sun.direction, u, v)
+            chosen = pick < _LOBES if portals else mi.Bool(True)
+            direction = dr.select(chosen, lobe, direction)
             valid |= chosen
         active = vertex.opaque & vertex.continues & valid
 
@@ -192,13 +180,13 @@ class Suns(Source):
         # Density of sampling a direction as a ray to sunlit surfaces [1/sr]
         if not self.lobes.groups:
             return in_portals
-        along = self.lobes.pdf(direction, sun.direction)
+        in_lobes = self.lobes.pdf(direction, sun.direction)
         if not (self.portals and self.portals.sunny):
-            return along
-        return _LOBES * along + (1 - _LOBES) * in_portals
+            return in_lobes
+        return _LOBES * in_lobes + (1 - _LOBES) * in_portals
 
     def _in_mirror(self, numbers: PathNumbers) -> LightSample:
-        sun = self.sample(*(numbers.extra(purpose) for purpose in (4, 5, 6)))
+        sun = self.distant.sample_sun(*(numbers.extra(n) for n in (4, 5, 6)))
         normal, chance = self.mirrors.choose(numbers.extra(7))
         cosine = dr.dot(sun.direction, normal)
         direction = sun.direction - 2 * cosine * normal
@@ -210,8 +198,10 @@ class Suns(Source):
             light = sun.radiance * share * self._seen(point, sun, lit)
             return dr.select(lit, light, 0)
 
-        pdf = sun.pdf * chance
-        return LightSample(direction, pdf, cosine > 0, arriving, None, None, True)
+        return LightSample(
+            direction, sun.pdf * chance, cosine > 0, arriving,
+            heuristic=None, luminaire=True,
+        )  # fmt: skip
 
 
 def _is_sought(model: LoweredScene, shape, active):

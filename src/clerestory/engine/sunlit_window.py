@@ -13,7 +13,6 @@ from typing import ClassVar
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from jaxtyping import Float
 
 from clerestory.engine.direct_sun_jobs import SunlightJob
 from clerestory.engine.lower import LoweredScene, lower
@@ -25,6 +24,7 @@ from clerestory.engine.next_event_estimation import (
     Source,
     Vertex,
 )
+from clerestory.engine.origin import Origin
 from clerestory.engine.peak_extraction import PeakTable
 from clerestory.engine.sampler import (
     CONNECT_U,
@@ -73,7 +73,7 @@ class SunlitWindow(Source):
     sun: mi.Vector3f | None = None
 
     @classmethod
-    def of(cls, job: SunlightJob, origin: Float[np.ndarray, "3"]) -> "SunlitWindow":
+    def of(cls, job: SunlightJob, origin: Origin) -> "SunlitWindow":
         """Return the window of a job, without a sun."""
         own, _ = window_shapes((job.windows[job.number],), origin)
         frame = mi.Frame3f(own.right, own.up, own.normal)

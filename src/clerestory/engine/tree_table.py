@@ -15,10 +15,10 @@ from collections.abc import Sequence
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from scipy.ndimage import maximum_filter
 
-from clerestory.bsdf.resample import full_tree
+from clerestory.bsdf.resample import exchanged_tree
 from clerestory.bsdf.tensor_tree import ScatteringTree
+from clerestory.bsdf.tree_arithmetic import slot_means
 from clerestory.colorimetry import RADIANCE
 from clerestory.engine.square import (
     cell_of_disc,
@@ -35,11 +35,8 @@ _GRID = 32
 # Least tabulated value, so that every function can be sampled.
 _LEAST = 1e-3
 
-# Rank 3 trees with exchanged directions are resampled at this many points per cell and
-# axis; share of a cell's value added to its neighbours; probability of sampling the
-# whole hemisphere, for directions that the resampled tree misses.
-_WITHIN = 3
-_SPILL = 0.03
+# Probability of sampling the whole hemisphere, for directions that a resampled tree of
+# rank 3 misses.
 _DEFENSIVE = 0.05
 
 
@@ -77,7 +74,7 @@ class TreeTable:
                 part = functions[own[number]]
                 tree = None if part is None else part[self.middle]
                 # A function evaluated with directions exchanged is sampled directly
-                trees.append(_exchanged(tree) if tree and known[number] else tree)
+                trees.append(exchanged_tree(tree) if tree and known[number] else tree)
         self._tabulate(trees)
         shares = [self._shares(functions[n], functions[own[n]]) for n in numbers]
         self.share = on_device(mi.Float, np.concatenate(shares))
@@ -86,7 +83,9 @@ class TreeTable:
         # Concatenate the trees
         zero = np.zeros(1, dtype=np.int32)
         slots = [zero if tree is None else tree.slots for tree in trees]
-        means = [zero.view("f4") if tree is None else _means(tree) for tree in trees]
+        means = [
+            zero.view("f4") if tree is None else slot_means(tree) for tree in trees
+        ]
         depth = [0 if tree is None else tree.depth for tree in trees]
         start = np.concatenate([[0], np.cumsum([len(part) for part in slots])[:-1]])
         self.slots = on_device(mi.Int32, np.concatenate(slots))
@@ -272,45 +271,3 @@ def _azimuth(direction):
     upright = radius == 0
     scale = 1 / dr.select(upright, 1, radius)
     return dr.select(upright, -1, -direction.x * scale), -direction.y * scale
-
-
-def _means(tree: ScatteringTree) -> np.ndarray:
-    # Mean value of the cells below each slot, computed from the finest cells upwards
-    width = 1 << tree.rank
-    values = np.where(tree.slots < 0, 0, tree.slots).astype(np.int32)
-    means = values.view(np.float32).astype(np.float64)
-    levels, code, at = [], tree.slots[:1], np.zeros(1, dtype=np.int64)
-    while True:
-        inner = code < 0
-        if not inner.any():
-            break
-        below = ~code[inner].astype(np.int64)
-        levels.append((at[inner], below))
-        at = (below[:, None] + np.arange(width)).ravel()
-        code = tree.slots[at]
-    for slot, below in reversed(levels):
-        means[slot] = means[below[:, None] + np.arange(width)].mean(axis=1)
-    return means.astype(np.float32)
-
-
-def _exchanged(tree: ScatteringTree) -> ScatteringTree:
-    # Rank 3 tree of the function with incident and leaving directions exchanged
-    edge = 1 << tree.depth
-    grid = (np.arange(_WITHIN) + 0.5) / _WITHIN
-    radial = (np.arange(edge // 2)[:, None] + grid).ravel() / edge
-    square_axis = (np.arange(edge)[:, None] + grid).ravel() / edge
-    a, b = np.meshgrid(square_axis, square_axis, indexing="ij")
-    other = directions_from_square(a.ravel(), b.ravel())
-    value = np.zeros((edge, edge, edge))
-    for step, inwards in enumerate(radial):
-        # A given direction with a direct-transmission azimuth of zero
-        radius = 1 - 2 * inwards
-        known = np.array([-radius, 0.0, np.sqrt(1 - radius * radius)])
-        found = tree.evaluate(other, np.broadcast_to(known, other.shape))
-        cells = found.reshape(edge, _WITHIN, edge, _WITHIN).mean(axis=(1, 3))
-        value[step // _WITHIN] += cells / _WITHIN
-
-    # Cells before and after the exchange overlap only partly: spread to neighbours
-    value += _SPILL * maximum_filter(value, size=3, mode="nearest")
-    value[edge // 2 :] = 0
-    return full_tree(value, tree.depth, rank=3)

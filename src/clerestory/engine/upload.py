@@ -13,6 +13,7 @@ from clerestory.errors import DeviceError
 
 _NUMBERS = {
     dr.VarType.Float32: np.float32,
+    dr.VarType.Float64: np.float64,
     dr.VarType.UInt32: np.uint32,
     dr.VarType.Int32: np.int32,
     dr.VarType.Bool: np.bool_,
@@ -43,7 +44,9 @@ def on_device(kind: type, values: ArrayLike):
 
 def vectors(kind: type, values: Float[np.ndarray, "n 3"]):
     """Return the rows of an array as device points, vectors or colours."""
-    return kind(*(on_device(mi.Float, column) for column in np.asarray(values).T))
+    return kind(
+        *(on_device(dr.value_t(kind), column) for column in np.asarray(values).T)
+    )
 
 
 @contextmanager

@@ -31,11 +31,10 @@ def sensor_vertex(
         return mi.Color3f(cosine), cosine * dr.inv_pi
 
     always = mi.Bool(True)
-    guided, cell, chance = _guiding(portals, point, normal, mi.Float(1))
+    cell, chance, densities = _guiding(portals, point, normal, mi.Float(1))
     return Vertex(
-        point, lambda direction, active: point, scatter,
-        _densities(portals, point, guided, cell, chance),
-        active=always, shape=None, flags=mi.UInt32(0), cell=cell, chance=chance,
+        point, lambda direction, active: point, scatter, densities, active=always,
+        shape=None, flags=mi.UInt32(0), cell=cell, chance=chance,
         opaque=always, continues=always,
     )  # fmt: skip
 
@@ -49,14 +48,10 @@ def surface_vertex(
     continues: mi.Bool,
     thickness: mi.Float | None = None,
 ) -> Vertex:
-    """Return a path vertex on a surface.
+    """Return a path vertex on a surface; see `Vertex`.
 
-    Parameters
-    ----------
-    shape : Mitsuba's number of the surface's shape
-    continues : whether the path may continue after the vertex
-    thickness : thickness of the geometry that a proxy surface stands for; transmitted
-        rays start on its far side [m]
+    `thickness` is that of the geometry that a proxy surface stands for [m]; transmitted
+    rays start on its far side.
     """
     bsdf = si.bsdf()
     contexts = {False: mi.BSDFContext(), True: materials.lamp_context()}
@@ -67,7 +62,7 @@ def surface_vertex(
     share = dr.select(diffuse, mi.Float(1), _GLOSSY)
     share = dr.select(active & smooth & opaque, share, 0)
     facing = dr.mulsign(si.n, si.wi.z)
-    guided, cell, chance = _guiding(portals, si.p, facing, share)
+    cell, chance, densities = _guiding(portals, si.p, facing, share)
 
     def leave(direction, lit):
         moved = offset(model, si, direction, lit)
@@ -81,29 +76,24 @@ def surface_vertex(
         return bsdf.eval_pdf(contexts[luminaire], si, local, active)
 
     return Vertex(
-        si.p, leave, scatter, _densities(portals, si.p, guided, cell, chance),
-        active=active, shape=shape, flags=flags, cell=cell, chance=chance,
-        opaque=opaque, continues=continues,
+        si.p, leave, scatter, densities, active=active, shape=shape, flags=flags,
+        cell=cell, chance=chance, opaque=opaque, continues=continues,
     )  # fmt: skip
 
 
 def _guiding(portals: Portals | None, point, normal, share):
-    # Whether guiding applies, the guiding cell, and the guiding probability
+    # Guiding cell, guiding probability, and density function of a vertex
     if portals is None:
-        return mi.Bool(False), mi.UInt32(0), mi.Float(0)
-    cell = portals.cells.number(point, normal)
-    chance = dr.gather(mi.Float, portals.chance, cell, share > 0)
-    return share > 0, cell, share * chance
+        zero = mi.Float(0)
+        return mi.UInt32(0), zero, lambda _, own, active: Densities(own, mi.Float(0))
+    cell, guided = portals.cells.number(point, normal), share > 0
+    chance = share * dr.gather(mi.Float, portals.chance, cell, guided)
 
-
-def _densities(portals: Portals | None, point, guided, cell, chance):
     def densities(direction, own, active) -> Densities:
-        if portals is None:
-            return Densities(own, mi.Float(0))
         onward, sunlit = portals.pdf(point, cell, direction, active & guided)
         return Densities(chance * onward + (1 - chance) * own, sunlit)
 
-    return densities
+    return cell, chance, densities
 
 
 def continue_from_sensor(
@@ -131,35 +121,12 @@ def continue_from_surface(
     active: mi.Bool,
     *,
     split_lobes: bool,
-    passed: mi.Bool | None = None,
 ) -> Scattering:
-    """Sample the continuation of a path at a surface.
+    """Sample the continuation of a path at a surface, from the BSDF or to a portal.
 
-    Parameters
-    ----------
-    split_lobes : whether a guided direction counts as diffuse only by the diffuse share
-        of its BSDF value; relevant for few diffuse bounces; costs one BSDF evaluation
-    passed : paths that pass a proxy unscattered
+    With `split_lobes`, a guided direction counts as diffuse only by the diffuse share
+    of its BSDF value. This matters for few diffuse bounces; it costs an evaluation.
     """
-    after = _scattering(portals, vertex, si, numbers, active, split_lobes=split_lobes)
-    if passed is not None:
-        after.null |= passed
-        after.delta &= ~passed
-        after.direction = dr.select(passed, -si.to_world(si.wi), after.direction)
-        after.factor = dr.select(passed, 1, after.factor)
-    return after
-
-
-def _scattering(
-    portals: Portals | None,
-    vertex: Vertex,
-    si: mi.SurfaceInteraction3f,
-    numbers: PathNumbers,
-    active: mi.Bool,
-    *,
-    split_lobes: bool,
-) -> Scattering:
-    # Sample from the BSDF or towards a portal
     context, bsdf = mi.BSDFContext(), si.bsdf()
     lobe, u, v = (numbers.sobol(n) for n in (LOBE, DIRECTION_U, DIRECTION_V))
     place = mi.Point2f(u, v)

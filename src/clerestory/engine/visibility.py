@@ -87,13 +87,10 @@ def transmittance(
 ) -> mi.Color3f:
     """Return the unscattered transmittance along shadow rays, by channel.
 
-    Parameters
-    ----------
-    shadow_ray : function from a point to the ray towards the light source
-    direct : whether the rays pass proxies, as direct rays do; indirect rays are
-        blocked by proxies that scatter them
-    through_illums : whether illums transmit like their alternate material; True for
-        suns, which are not included in the illums' distributions
+    `shadow_ray` is a function from a point to the ray towards the light source. If
+    `direct`, rays pass proxies; otherwise proxies that scatter them block them. With
+    `through_illums`, illums transmit like their alternate material, as for suns, which
+    are not included in the illums' distributions.
     """
     if not model.panes:
         blocked = model.scene.ray_test(shadow_ray(origin), active)
@@ -160,3 +157,36 @@ def _through_panes(
         ray.d = dr.select(looking, onward.d, ray.d)
         ray.maxt = dr.select(looking, onward.maxt, ray.maxt)
     return share, ray, hit
+
+
+@dr.syntax
+def first_hit(model: LoweredScene, ray: mi.Ray3f, active: mi.Bool):
+    """Trace camera rays to the first surface that blocks them, for its irradiance.
+
+    As in `rpict -i`, rays pass straight through clear panes, refracting solids and
+    proxies. Emitters have no irradiance.
+
+    Return the point, offset from the surface towards the eye, the normal towards the
+    eye, and whether a surface was found.
+    """
+    point, normal = mi.Point3f(0), mi.Vector3f(0, 0, 1)
+    found = mi.Bool(False)
+    looking = mi.Bool(active)
+    while looking:
+        hit = model.scene.ray_intersect_preliminary(ray, active=looking)
+        looking &= hit.is_valid()
+        si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, looking)
+        shape = dr.reinterpret_array(mi.UInt32, si.shape)
+        emitter = dr.gather(mi.UInt32, model.emitter_of_shape, shape, looking) > 0
+        proxy = dr.gather(mi.Float, model.thickness_of_shape, shape, looking) != 0
+        flags = si.bsdf().flags()
+        through = ~only_reflects(flags) & ~mi.has_flag(flags, mi.BSDFFlags.Smooth)
+        through |= proxy
+        shown = looking & ~through & ~emitter
+        facing = dr.mulsign(si.n, -dr.dot(si.n, ray.d))
+        point = dr.select(shown, offset(model, si, -ray.d, shown), point)
+        normal = dr.select(shown, facing, normal)
+        found |= shown
+        looking &= through & ~emitter
+        ray.o = dr.select(looking, offset(model, si, ray.d, looking), ray.o)
+    return point, normal, found

@@ -14,6 +14,7 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float, Int
 
+from clerestory.engine.origin import Origin
 from clerestory.engine.patches import PatchTable
 from clerestory.engine.sampler import Distribution
 from clerestory.engine.spherical_rectangle import (
@@ -89,12 +90,9 @@ class WindowTable:
     def sample_direction(self, origin, u, v):
         """Sample a direction from a point to the windows, regardless of visibility.
 
-        Returns
-        -------
-        point, direction, window : sampled point, unit vector to it, number of its
-            window
-        cosine : cosine of the angle between window normal and reversed direction
-        pdf : probability density of the direction [1/sr]
+        Return the sampled point, the direction to it, its window, the cosine of the
+        angle between window normal and reversed direction, and the density of the
+        direction [1/sr].
         """
         element, _, rest = self.chosen.sample(u)
         by_area, window = self.sample_point(u, v)
@@ -140,7 +138,7 @@ class _Element:
 
 
 def window_shapes(
-    windows: Sequence[Window], origin: Float[np.ndarray, "3"]
+    windows: Sequence[Window], origin: Origin
 ) -> tuple[
     WindowTable | None, list[tuple[Float[np.ndarray, "v 3"], Int[np.ndarray, "f 3"]]]
 ]:
@@ -182,7 +180,7 @@ def _elements(window: Window) -> list[_Element]:
 def _table(
     windows: Sequence[Window],
     elements: list[list[_Element]],
-    origin: Float[np.ndarray, "3"],
+    origin: Origin,
 ) -> WindowTable:
     flat = [element for own in elements for element in own]
     corner, edge_u, edge_v = (

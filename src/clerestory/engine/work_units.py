@@ -12,13 +12,13 @@ plan is an executor that records jobs without tracing them (`engine.cost_estimat
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import ClassVar, Literal, Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.engine.channels import GROUP, band_groups, channels_of
-from clerestory.engine.device import Device, free_memory, load, resolve
+from clerestory.engine.device import Device, Processor, free_memory, load, resolve
 from clerestory.engine.scene_cache import SceneCache
 from clerestory.scene.model import Scene
 
@@ -34,19 +34,20 @@ _MOST_PATHS, _MOST_SUMS = 1 << 26, 1 << 33
 
 @dataclass(frozen=True, eq=False)
 class Unit:
-    """A part of a job.
+    """A part of a job: rows of the matrix, and a range of the sample points.
 
-    Attributes
-    ----------
-    rows : indices of rows of the whole matrix
-    first, count : range of the sequence of sample points
-    columns : indices of columns, such as suns; None: all columns
+    It has some of the columns, such as suns, or all of them (None).
     """
 
     rows: Int[np.ndarray, " row"]
     first: int
     count: int
     columns: Int[np.ndarray, " column"] | None = None
+
+    def paths(self, batches: int) -> int:
+        """Return the number of paths."""
+        columns = 1 if self.columns is None else len(self.columns)
+        return batches * len(self.rows) * columns * self.count
 
 
 Tracer = Callable[[Unit], Float[np.ndarray, "*shape channel"]]
@@ -66,13 +67,9 @@ def evenly_spaced(count: int, most: int) -> Int[np.ndarray, " number"]:
 class Job(ABC):
     """Plain values that an estimate depends on.
 
-    Attributes
-    ----------
-    tracer : names of an engine module and of its function that returns the tracer of
-        the job's units
-    scene : scene in which paths are traced
-    batches : number of independent estimates of each row
-    bounces : largest number of diffuse reflections; None: no limit
+    `tracer` names an engine module and its function that returns the tracer of the
+    job's units. `batches` is the number of independent estimates of each row; for
+    `bounces`, see `Effort`.
     """
 
     tracer: ClassVar[tuple[str, str]]
@@ -81,7 +78,7 @@ class Job(ABC):
     batches: int
     bounces: int | None = None
     seed: int
-    device: Literal["cpu", "cuda"]
+    device: Processor
 
     @property
     @abstractmethod
@@ -100,12 +97,9 @@ class Job(ABC):
 
 @dataclass(frozen=True)
 class Goal:
-    """Stopping criterion of a job.
+    """Stopping criterion of a job: samples, or a target relative standard error.
 
-    Attributes
-    ----------
-    samples : paths per row, or per pair of row and column; None if an error is given
-    relative_error : target relative standard error; None if samples are given
+    Samples are paths per row, or per pair of row and column.
     """
 
     samples: int | None
@@ -114,13 +108,7 @@ class Goal:
 
 @dataclass(frozen=True)
 class UnitSize:
-    """Limits of the size of a unit.
-
-    Attributes
-    ----------
-    paths : largest number of paths of a unit
-    sums : largest size of the sums of a unit [bytes]
-    """
+    """Largest number of paths of a unit, and largest size of its sums [bytes]."""
 
     paths: int
     sums: int
@@ -129,13 +117,13 @@ class UnitSize:
 class Executor(Protocol):
     """An object that traces units."""
 
-    def resolve(self, device: Device) -> Literal["cpu", "cuda"]:
+    def resolve(self, device: Device) -> Processor:
         """Return the device chosen for a request such as "auto"."""
 
     def accepts(self, job: Job, goal: Goal) -> bool:
         """Return whether to trace a job; the result of a rejected job is zero."""
 
-    def unit_size(self, device: Literal["cpu", "cuda"]) -> UnitSize:
+    def unit_size(self, device: Processor) -> UnitSize:
         """Return the largest size of a unit."""
 
     def workers(self) -> int:
@@ -181,7 +169,7 @@ class Local:
         self._tracer: Tracer | None = None
         self._cache = SceneCache()
 
-    def resolve(self, device: Device) -> Literal["cpu", "cuda"]:
+    def resolve(self, device: Device) -> Processor:
         """Return the device of this machine for a request such as "auto"."""
         return resolve(device)
 
@@ -193,7 +181,7 @@ class Local:
         """Return one: a unit uses the whole machine."""
         return 1
 
-    def unit_size(self, device: Literal["cpu", "cuda"]) -> UnitSize:
+    def unit_size(self, device: Processor) -> UnitSize:
         """Return the size of one launch; on a GPU, it depends on the free memory."""
         if device == "cpu":
             return UnitSize(_PATHS, _SUMS)

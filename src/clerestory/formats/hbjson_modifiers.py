@@ -9,7 +9,8 @@ from typing import final
 
 import numpy as np
 
-from clerestory.errors import InputError, located
+from clerestory.checks import require
+from clerestory.errors import located
 from clerestory.formats.hbjson_schema import ModifierItem, ModifierSet, Radiance
 from clerestory.scene.materials.emitters import Glow, Light
 from clerestory.scene.model import Glass, Material, Metal, Mirror, Plastic, Trans
@@ -37,14 +38,7 @@ _GENERIC_GLASS = {
 @final
 @dataclass(frozen=True, eq=False)
 class BsdfModifier:
-    """A modifier given by a BSDF.
-
-    Attributes
-    ----------
-    name : name of the modifier
-    xml : content of the BSDF file
-    up : up vector of the BSDF
-    """
+    """A modifier given by the XML text of a BSDF file, and the up vector."""
 
     name: str
     xml: str
@@ -58,7 +52,6 @@ Modifier = Material | BsdfModifier
 class Modifiers:
     """Modifiers and modifier sets of a model, and descriptions of unsupported ones."""
 
-    file: str | Path
     named: dict[str, Modifier] = field(default_factory=dict)
     sets: dict[str, ModifierSet] = field(default_factory=dict)
     standard: ModifierSet = field(default_factory=ModifierSet)
@@ -67,17 +60,13 @@ class Modifiers:
     def of(self, name: str | None, place: str, room_set: str = "") -> Modifier:
         """Return the modifier of an object: its own, its room's, or the default.
 
-        Parameters
-        ----------
-        name : name of the object's own modifier, if it has one
-        place : key in a modifier set, such as `wall_set.exterior_modifier`
-        room_set : name of the room's modifier set; empty if it has none
+        `name`: the object's own modifier, if it has one. `place`: key in a modifier
+        set, such as `wall_set.exterior_modifier`. `room_set`: modifier set of the room,
+        if it has one.
         """
         if name:
-            known = self.named.get(name)
-            if known is None:
-                raise InputError(f'no modifier "{name}" in the model', file=self.file)
-            return known
+            require(name in self.named, f'no modifier "{name}" in the model')
+            return self.named[name]
         for chosen in (self.sets.get(room_set), self.standard):
             found: object = chosen.model_extra if chosen else None
             for key in place.split("."):
@@ -91,7 +80,7 @@ def read_modifiers(radiance: Radiance, file: str | Path) -> Modifiers:
     """Return the modifiers in the radiance properties of a model."""
     standard = radiance.global_modifier_set
     sets = {one.identifier: one for one in radiance.modifier_sets}
-    found = Modifiers(file, sets=sets, standard=standard)
+    found = Modifiers(sets=sets, standard=standard)
     for item in (*standard.modifiers, *radiance.modifiers):
         with located(file=file, subject=f'modifier "{item.identifier}"'):
             modifier = _modifier(item, found.unsupported)

@@ -19,10 +19,15 @@ from pathlib import Path
 
 import numpy as np
 
+from clerestory.checks import require
 from clerestory.errors import ClerestoryWarning, InputError, located
-from clerestory.files import read_text
-from clerestory.formats.mgf_context import MgfMaterial, MgfVertex
-from clerestory.formats.mgf_definitions import DEFINING, Definitions, numbers
+from clerestory.formats.mgf_definitions import (
+    DEFINING,
+    Definitions,
+    MgfMaterial,
+    MgfVertex,
+    numbers,
+)
 from clerestory.formats.mgf_material import scene_material
 from clerestory.formats.mgf_shape import Frustum, faces, joined_holes, prism, torus
 from clerestory.formats.mgf_transform import TransformStack
@@ -44,16 +49,6 @@ from clerestory.scene.transform import Transform
 _MOST_STATEMENTS = 2_000_000
 
 
-def read_mgf(path: str | Path) -> Scene:
-    """Return the scene of an MGF file; lengths in the file are metres.
-
-    Raises
-    ------
-    InputError : a statement is malformed; the error gives file and line
-    """
-    return parse_mgf(read_text(path), file=path)
-
-
 def parse_mgf(
     text: str,
     *,
@@ -67,14 +62,6 @@ def parse_mgf(
     ----------
     file, line : file and first line of the text, for messages
     transform : transform of the scene, applied after the transforms in the text
-
-    Raises
-    ------
-    InputError : a statement is malformed; the error gives file and line
-
-    Warns
-    -----
-    ClerestoryWarning : a statement is unknown and ignored
 
     Examples
     --------
@@ -95,16 +82,13 @@ def parse_mgf(
     reading = _Reading(file, TransformStack(transform or Transform()))
     statements = list(_statements(text, line))
     at = count = 0
+    too_many = f"arrays repeat more than {_MOST_STATEMENTS} statements"
     while at < len(statements):
         number_of_line, words = statements[at]
         reading.line = number_of_line
         with located(file=file, line=number_of_line):
             count += 1
-            if count > _MOST_STATEMENTS:
-                raise InputError(
-                    f"more than {_MOST_STATEMENTS} statements, arrays included; fewer"
-                    " expected"
-                )
+            require(count <= _MOST_STATEMENTS, too_many)
             back = reading.follow(words, at)
         at = at + 1 if back is None else back
     return Scene(reading.materials, tuple(reading.surfaces))
@@ -151,21 +135,18 @@ class _Reading:
             raise InputError(f"{keyword} names another file; one text alone expected")
         elif keyword not in self.unknown:
             self.unknown.add(keyword)
-            warnings.warn(
-                f"{self.file or 'MGF'}:{self.line}: unknown statement"
-                f" {keyword[:20]!r} is left out",
-                ClerestoryWarning,
-                stacklevel=4,
-            )
+            place = f"{self.file or 'MGF'}:{self.line}"
+            message = f"{place}: unknown statement {keyword[:20]!r} is omitted"
+            warnings.warn(message, ClerestoryWarning, stacklevel=4)
         return None
 
     def object(self, keyword: str, words: list[str]) -> None:
         """Open an object with a name, or close the innermost open object."""
-        if len(words) > 1 or not (words or self.objects):
-            raise InputError(
-                f"{len(words)} names after {keyword} with {len(self.objects)} objects"
-                " open; one name, or none to close an object, expected"
-            )
+        require(
+            len(words) == 1 or (self.objects and not words),
+            f"{len(words)} names after {keyword} with {len(self.objects)} objects open;"
+            " one name, or none to close an object, expected",
+        )
         if words:
             self.objects.append(words[0])
         else:
@@ -175,25 +156,24 @@ class _Reading:
         """Add a face, with holes for the keyword fh."""
         if keyword == "fh":
             words = joined_holes(words)
-        if len(words) < 3:
-            raise InputError(f"{len(words)} vertices of a face; 3 or more expected")
+        require(len(words) > 2, f"{len(words)} vertices of a face; 3 or more expected")
         self.add_face([self.defined.vertices[name] for name in words])
 
     def prism(self, keyword: str, words: list[str]) -> None:
         """Add the faces of a prism."""
-        if len(words) < 4:
-            raise InputError(f"{len(words)} words after {keyword}; 3 vertices expected")
+        count = len(words)
+        require(count > 3, f"{count} words after {keyword}; 3 vertices expected")
         [length] = numbers(keyword, words[-1:], 1)
-        for corner in prism(
-            [self.defined.vertices[name] for name in words[:-1]], length
-        ):
+        base = [self.defined.vertices[name] for name in words[:-1]]
+        for corner in prism(base, length):
             self.add_face(corner)
 
     def cone(self, keyword: str, words: list[str]) -> None:
         """Add a cylinder or a cone."""
-        expected = 3 if keyword == "cyl" else 4
-        if len(words) != expected:
-            raise InputError(f"{len(words)} words after {keyword}; {expected} expected")
+        count, expected = len(words), 3 if keyword == "cyl" else 4
+        require(
+            count == expected, f"{count} words after {keyword}; {expected} expected"
+        )
         radii = numbers(keyword, [words[1], words[-1 if keyword == "cone" else 1]], 2)
         base, top = (np.array(self.defined.vertices[words[k]].point) for k in (0, 2))
         self.add_frustum(Frustum(base, radii[0], top, radii[1]))
@@ -203,16 +183,15 @@ class _Reading:
         radii = numbers(keyword, words[1:], 1 if keyword == "sph" else 2)
         vertex = self.defined.vertices[words[0]]
         if keyword == "sph":
-            if radii[0] == 0:
-                raise InputError("a sphere of radius 0; a radius expected")
+            require(radii[0] != 0, "a sphere of radius 0; a radius expected")
             centre, inward = np.array(vertex.point), radii[0] < 0
             self.add("s", partial(Sphere, centre, abs(radii[0]), inward))
         elif keyword == "ring":
-            if vertex.normal is None or not 0 <= radii[0] < radii[1]:
-                raise InputError(
-                    f"ring from {radii[0]:g} to {radii[1]:g}; increasing radii and a"
-                    " vertex with a normal expected"
-                )
+            require(
+                vertex.normal is not None and 0 <= radii[0] < radii[1],
+                f"ring from {radii[0]:g} to {radii[1]:g}; increasing radii and a vertex"
+                " with a normal expected",
+            )
             centre, normal = np.array(vertex.point), np.array(vertex.normal)
             self.add("r", partial(Ring, centre, normal, radii[0], radii[1]))
         else:
@@ -227,13 +206,13 @@ class _Reading:
     def add_frustum(self, part: Frustum) -> None:
         """Add a frustum as a cone."""
         radii = part.base_radius, part.top_radius
-        if radii == (0, 0) or min(radii) < 0 < max(radii):
-            raise InputError(
-                f"cone of radii {radii[0]:g} and {radii[1]:g}; one at least other than"
-                " 0, and no change of sign, expected"
-            )
-        if np.array_equal(part.base, part.top):
-            raise InputError("a cone without height; two different points expected")
+        require(
+            radii != (0, 0) and not min(radii) < 0 < max(radii),
+            f"cone of radii {radii[0]:g} and {radii[1]:g}; equal signs, and a radius"
+            " other than 0, expected",
+        )
+        flat = np.array_equal(part.base, part.top)
+        require(not flat, "a cone without height; two different points expected")
         low, high = map(abs, radii)
         self.add("c", partial(Cone, part.base, part.top, low, high, min(radii) < 0))
 

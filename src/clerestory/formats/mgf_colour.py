@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.checks import not_negative, positive, require
 from clerestory.colorimetry import OBSERVER, OBSERVER_NM, rgb_from_xyz
-from clerestory.errors import InputError
 
 _SECOND_RADIATION_CONSTANT = 1.4388e-2  # m·K
 _COOLEST = 1000.0
@@ -32,47 +32,34 @@ GREY = Chromaticity(1 / 3, 1 / 3)
 
 def chromaticity(x: float, y: float) -> Chromaticity:
     """Return the chromaticity with the given coordinates."""
-    if not (x >= 0 and y >= 1e-4 and x + y <= 1):
-        raise InputError(
-            f"chromaticity {x:g}, {y:g}; x of 0 or more, y above 0, and together at"
-            " most 1 expected"
-        )
+    require(
+        x >= 0 and y >= 1e-4 and x + y <= 1,
+        f"chromaticity {x:g}, {y:g}; x of 0 or more, y above 0, and a sum of at most 1"
+        " expected",
+    )
     return Chromaticity(x, y)
 
 
 def from_spectrum(values: list[float]) -> Chromaticity:
     """Return the chromaticity of a spectral power distribution.
 
-    Parameters
-    ----------
-    values : first and last wavelength [nm], then two or more equidistant samples
-
-    Examples
-    --------
-    >>> [round(c, 3) for c in from_spectrum([380, 780, 1, 1])]  # equal energy is grey
-    [0.333, 0.333]
+    `values`: first and last wavelength [nm], then two or more equidistant samples.
     """
     first, last, *samples = values
-    if not (2 <= len(samples) <= _MOST_SAMPLES and 0 < first < last):
-        raise InputError(
-            f"spectrum of {len(samples)} samples from {first:g} to {last:g} nm; two or"
-            " more at growing wavelengths expected"
-        )
+    require(
+        2 <= len(samples) <= _MOST_SAMPLES and 0 < first < last,
+        f"spectrum of {len(samples)} samples from {first:g} to {last:g} nm; two or more"
+        " at increasing wavelengths expected",
+    )
     known = np.linspace(first, last, len(samples))
     outside = {"left": 0.0, "right": 0.0}
     return _of_light(np.interp(OBSERVER_NM, known, samples, **outside))
 
 
 def from_temperature(kelvin: float) -> Chromaticity:
-    """Return the chromaticity of a black body.
-
-    Examples
-    --------
-    >>> [round(c, 2) for c in from_temperature(2856)]  # illuminant A: 0.4476, 0.4074
-    [0.45, 0.41]
-    """
-    if kelvin < _COOLEST:
-        raise InputError(f"colour temperature {kelvin:g} K; {_COOLEST:g} K or more")
+    """Return the chromaticity of a black body."""
+    message = f"colour temperature is {kelvin:g} K; {_COOLEST:g} K or more expected"
+    require(kelvin >= _COOLEST, message)
     metres = OBSERVER_NM * 1e-9
     exponent = _SECOND_RADIATION_CONSTANT / (metres * kelvin)
     # Normalized to the maximum, to avoid overflow and underflow
@@ -81,29 +68,18 @@ def from_temperature(kelvin: float) -> Chromaticity:
 
 
 def mixed(weights: list[float], colours: list[Chromaticity]) -> Chromaticity:
-    """Return the chromaticity of colours mixed by luminance.
-
-    Examples
-    --------
-    >>> two = [Chromaticity(0.4, 0.4), Chromaticity(0.2, 0.4)]
-    >>> [round(c, 3) for c in mixed([1.0, 1.0], two)]
-    [0.3, 0.4]
-    """
+    """Return the chromaticity of colours mixed by luminance."""
     weight = np.array(weights)
     x, y = np.array(colours).T
     total = float(np.sum(weight / y))
-    if not (np.all(weight >= 0) and total > 0):
-        raise InputError("colours are mixed by negative or zero weights")
+    not_negative(weight, "the weight of a colour")
+    positive(total, "the sum of weights of colours")
     mean_x = float(np.sum(weight * x / y)) / total
     return Chromaticity(mean_x, float(weight.sum()) / total)
 
 
 def rgb(colour: Chromaticity, luminance: float) -> Float[np.ndarray, "3"]:
-    """Return a colour of luminance Y as RGB in Radiance's primaries.
-
-    >>> rgb(GREY, 0.5).round(6).tolist()
-    [0.5, 0.5, 0.5]
-    """
+    """Return a colour of luminance Y as RGB in Radiance's primaries."""
     x, y = colour
     xyz = luminance * np.array([x / y, 1.0, (1 - x - y) / y])
     return np.asarray(rgb_from_xyz(xyz[:, None, None])[:, 0, 0])
@@ -116,7 +92,7 @@ def is_grey(colour: Chromaticity) -> bool:
 
 def _of_light(power: Float[np.ndarray, " wavelength"]) -> Chromaticity:
     total = OBSERVER @ power
-    if not (np.all(total >= 0) and total[1] > 0):
-        raise InputError("a spectrum without visible light; positive samples expected")
+    visible = np.all(total >= 0) and total[1] > 0
+    require(visible, "a spectrum without visible light; positive samples expected")
     x, y, _ = total / total.sum()
     return Chromaticity(float(x), float(y))

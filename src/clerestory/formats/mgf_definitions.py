@@ -1,17 +1,106 @@
-"""Statements of MGF that define vertices, colours and materials."""
+"""Vertices, colours and materials of MGF, and the statements that define them.
+
+A named context can become current again, or serve as template of another context.
+
+Reference: G. Ward, "The Materials and Geometry Format", version 2, LBNL, 1996.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
+from clerestory.checks import not_negative, one_of, positive, require, within
 from clerestory.errors import InputError
 from clerestory.formats import mgf_colour
-from clerestory.formats.mgf_context import Contexts, MgfMaterial, MgfVertex, Share
+from clerestory.formats.mgf_colour import GREY, Chromaticity
 from clerestory.scene.transform import LARGEST, number
 
 _SHARES = ("rd", "td", "rs", "ts")
 _HIGHLIGHTS = ("rs", "ts")
+
+Value = TypeVar("Value")
+
+
+@dataclass(frozen=True)
+class MgfVertex:
+    """A point with an optional normal."""
+
+    point: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    normal: tuple[float, float, float] | None = None
+
+
+class Share(NamedTuple):
+    """A reflectance, transmittance or emittance, with colour and roughness.
+
+    `value` is a fraction 0…1; for emittance ("ed"), the luminous exitance [lm/m²].
+    """
+
+    value: float = 0.0
+    colour: Chromaticity = GREY
+    roughness: float = 0.0
+
+
+@dataclass(frozen=True)
+class MgfMaterial:
+    """A material of MGF.
+
+    `shares` has the reflectances, transmittances and emittance by keyword: "rd", "td",
+    "rs", "ts" and "ed".
+    """
+
+    one_sided: bool = False
+    index: float = 1.0
+    shares: tuple[tuple[str, Share], ...] = ()
+
+    def share(self, keyword: str) -> Share:
+        """Return the `Share` of a keyword; zero if it is not set."""
+        return dict(self.shares).get(keyword, Share())
+
+
+@dataclass
+class Contexts(Generic[Value]):
+    """All contexts of one type: the current one and the named ones."""
+
+    default: Value
+    name: str | None = None
+    named: dict[str, Value] = field(default_factory=dict)
+    unnamed: Value = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.unnamed = self.default
+
+    @property
+    def current(self) -> Value:
+        """The current context."""
+        return self.unnamed if self.name is None else self.named[self.name]
+
+    @current.setter
+    def current(self, value: Value) -> None:
+        if self.name is None:
+            self.unnamed = value
+        else:
+            self.named[self.name] = value
+
+    def __getitem__(self, name: str) -> Value:
+        require(name in self.named, f'undefined name "{name}"; a defined name expected')
+        return self.named[name]
+
+    def choose(self, words: list[str]) -> None:
+        """Select a context by `name`, `name =`, `name = template` or no words."""
+        valid = len(words) <= 3 and words[1:2] in ([], ["="])
+        shown = " ".join(words[:4])
+        require(valid, f'context "{shown}"; a name, = and a template expected')
+        if not words:
+            self.name, self.unnamed = None, self.default
+            return
+        if len(words) == 1:
+            value = self[words[0]]
+        else:
+            value = self[words[2]] if len(words) == 3 else self.default
+        self.named[words[0]] = value
+        self.name = words[0]
 
 
 @dataclass
@@ -19,22 +108,16 @@ class Definitions:
     """Current and named vertices, colours and materials."""
 
     vertices: Contexts[MgfVertex] = field(default_factory=lambda: Contexts(MgfVertex()))
-    colours: Contexts[mgf_colour.Chromaticity] = field(
-        default_factory=lambda: Contexts(mgf_colour.GREY)
-    )
+    colours: Contexts[Chromaticity] = field(default_factory=lambda: Contexts(GREY))
     materials: Contexts[MgfMaterial] = field(
         default_factory=lambda: Contexts(MgfMaterial())
     )
 
     def context(self, keyword: str, words: list[str]) -> None:
         """Select the current vertex, colour or material."""
-        match keyword:
-            case "v":
-                self.vertices.choose(words)
-            case "c":
-                self.colours.choose(words)
-            case _:
-                self.materials.choose(words)
+        contexts: dict[str, Contexts[Any]]
+        contexts = {"v": self.vertices, "c": self.colours, "m": self.materials}
+        contexts[keyword].choose(words)
 
     def vertex(self, keyword: str, words: list[str]) -> None:
         """Set the point or the normal of the current vertex."""
@@ -57,11 +140,11 @@ class Definitions:
                 values = numbers(keyword, words, max(4, len(words)))
                 colour = mgf_colour.from_spectrum(values)
             case _:
-                if len(words) < 4 or len(words) % 2:
-                    raise InputError(
-                        f"{len(words)} words after {keyword}; weights and colours in"
-                        " turn, at least two each, expected"
-                    )
+                require(
+                    len(words) > 3 and len(words) % 2 == 0,
+                    f"{len(words)} words after {keyword}; weights and colours in turn,"
+                    " at least two each, expected",
+                )
                 weights = numbers(keyword, words[::2], len(words) // 2)
                 parts = [self.colours[name] for name in words[1::2]]
                 colour = mgf_colour.mixed(weights, parts)
@@ -70,10 +153,9 @@ class Definitions:
     def share(self, keyword: str, words: list[str]) -> None:
         """Set a reflectance, transmittance or emittance of the current material."""
         value, *rough = numbers(keyword, words, 2 if keyword in _HIGHLIGHTS else 1)
-        if not 0 <= value <= (1 if keyword in _SHARES else LARGEST):
-            raise InputError(f"{keyword} {value:g}; 0 to 1 expected")
-        if min(rough, default=0) < 0:
-            raise InputError(f"{keyword} with roughness {rough[0]:g}; 0 or more")
+        most = 1 if keyword in _SHARES else LARGEST
+        within(value, keyword, least=0, most=most)
+        not_negative(rough, f"roughness of {keyword}")
         current = self.materials.current
         share = Share(value, self.colours.current, *rough)
         shares = {**dict(current.shares), keyword: share}
@@ -83,12 +165,10 @@ class Definitions:
         """Set the number of sides or the refractive index of the current material."""
         if keyword == "ir":
             index, _ = numbers(keyword, words, 2)
-            if index <= 0:
-                raise InputError(f"ir {index:g}; an index above 0 expected")
+            positive(index, "index of refraction")
             self.materials.current = replace(self.materials.current, index=index)
             return
-        if words not in (["1"], ["2"]):
-            raise InputError(f"sides {' '.join(words)[:20]!r}; 1 or 2 expected")
+        one_of(" ".join(words), "number of sides", choices=("1", "2"))
         one = words == ["1"]
         self.materials.current = replace(self.materials.current, one_sided=one)
 
@@ -106,8 +186,6 @@ def numbers(keyword: str, words: list[str], count: int) -> list[float]:
     """Return the numbers after a keyword, after checking their count."""
     values = [v for v in map(number, words) if v is not None and abs(v) <= LARGEST]
     if not len(values) == len(words) == count:
-        raise InputError(
-            f'{keyword} is followed by "{" ".join(words)[:60]}"; {count} number(s)'
-            " expected"
-        )
+        given = f'{keyword} is followed by "{" ".join(words)[:60]}"'
+        raise InputError(f"{given}; {count} number(s) expected")
     return values

@@ -8,10 +8,10 @@ MGF and back preserves materials.
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.checks import require
 from clerestory.constants import LUMINOUS_EFFICACY
-from clerestory.errors import InputError
 from clerestory.formats.mgf_colour import is_grey, rgb
-from clerestory.formats.mgf_context import MgfMaterial
+from clerestory.formats.mgf_definitions import MgfMaterial
 from clerestory.scene.material import Source
 from clerestory.scene.materials.dielectric import Dielectric
 from clerestory.scene.materials.glass import Glass
@@ -33,26 +33,18 @@ _MOST_LIGHT = 1.001
 
 
 def scene_material(given: MgfMaterial, name: str, source: Source | None) -> Material:
-    """Return the scene material for an MGF material.
-
-    Examples
-    --------
-    >>> from clerestory.formats.mgf_context import Share
-    >>> matt = MgfMaterial(shares=(("rd", Share(0.5)),))
-    >>> scene_material(matt, "grey", None).reflectance
-    array([0.5, 0.5, 0.5])
-    """
+    """Return the scene material for an MGF material."""
     emitted = given.share("ed")
     if emitted.value > _LEAST_EMITTANCE:
         radiance = emitted.value / (np.pi * LUMINOUS_EFFICACY)
         return Light(name, rgb(emitted.colour, radiance), source)
     rd, td, rs, ts = (given.share(keyword) for keyword in ("rd", "td", "rs", "ts"))
     total = rd.value + td.value + rs.value + ts.value
-    if total > _MOST_LIGHT:
-        raise InputError(
-            f'material "{name}" reflects and transmits {total:.3f} of the light; 1 at'
-            " most expected"
-        )
+    require(
+        total <= _MOST_LIGHT,
+        f'material "{name}" reflects and transmits {total:.3f} of the light; at most 1'
+        " expected",
+    )
     if _is_clear(given):
         return _clear(given, name, source)
     if max(td.value, ts.value) > _NEGLIGIBLE:

@@ -7,8 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.checks import require
 from clerestory.errors import InputError
-from clerestory.formats.mgf_context import MgfVertex
+from clerestory.formats.mgf_definitions import MgfVertex
 
 # Segments per quarter circle of a torus, as in Radiance
 _PARTS_OF_QUARTER = 5
@@ -51,22 +52,11 @@ def faces(corner: list[MgfVertex]) -> list[list[MgfVertex]]:
 
 
 def joined_holes(names: list[str]) -> list[str]:
-    """Return one contour of a face with holes; a hyphen precedes each hole.
-
-    >>> " ".join(joined_holes("a b c - x y z".split()))
-    'a b c z x y z c'
-    """
-    loops: list[list[str]] = [[]]
-    for name in names:
-        if name == "-":
-            loops.append([])
-        else:
-            loops[-1].append(name)
-    if loops[-1] == []:
-        loops.pop()
-    if not loops or any(len(loop) < 3 for loop in loops):
-        raise InputError("a face or a hole of fewer than 3 vertices; 3 expected")
-    outside, *holes = loops
+    """Return one contour of a face with holes; a hyphen precedes each hole."""
+    text = " ".join(names).removesuffix(" -")
+    outside, *holes = (loop.split() for loop in f" {text} ".split(" - "))
+    valid = all(len(loop) > 2 for loop in (outside, *holes))
+    require(valid, "a face or a hole of fewer than 3 vertices; 3 expected")
     if not holes:
         return outside
     seams = [name for hole in holes for name in (hole[-1], *hole)]
@@ -83,8 +73,8 @@ def prism(corner: list[MgfVertex], length: float) -> Iterator[list[MgfVertex]]:
     spoke = point - point[0]
     across = np.cross(spoke[1:-1], spoke[2:]).sum(axis=0)
     size = math.sqrt(across @ across)
-    if size == 0 or length == 0:
-        raise InputError("a prism without extent; a flat face and a length expected")
+    solid = size > 0 and length != 0
+    require(solid, "a prism without extent; a flat face and a length expected")
     moved = point - length * across / size
     far = [
         MgfVertex((float(x), float(y), float(z)), v.normal)
@@ -101,10 +91,8 @@ def torus(centre: MgfVertex, inner: float, outer: float) -> Iterator[Frustum]:
     if centre.normal is None:
         raise InputError("a torus around a vertex without normal; one expected")
     sign = -1.0 if inner < 0 or (inner == 0 and outer < 0) else 1.0
-    if sign * (outer - inner) <= 0:
-        raise InputError(
-            f"torus from {inner:g} to {outer:g}; increasing radii expected"
-        )
+    grows = sign * (outer - inner) > 0
+    require(grows, f"torus from {inner:g} to {outer:g}; increasing radii expected")
     axis, middle = np.array(centre.normal), np.array(centre.point)
     half, mean = (outer - inner) / 2, (outer + inner) / 2
     parts = 2 * _PARTS_OF_QUARTER

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, field
 
-from clerestory.errors import InputError
+from clerestory.checks import require
 from clerestory.scene.transform import Transform, parse_transform
 
 _DEEPEST = 64
@@ -28,18 +28,14 @@ class _Level:
 
     def transform(self) -> Transform:
         own, taken = parse_transform(self.words)
-        if taken < len(self.words):
-            raise InputError(
-                f"xf with {self.words[taken][:20]!r}; -t, -rx, -ry, -rz, -s, -mx, -my,"
-                " -mz, -i and -a expected"
-            )
+        rest = " ".join(self.words[taken:])[:20]
+        options = "-t, -rx, -ry, -rz, -s, -mx, -my, -mz, -i and -a"
+        require(not rest, f"xf with {rest!r}; {options} expected")
         return own.then(self.outer)
 
     def advance(self) -> bool:
         # Advances to the next instance, last dimension first; False if there is none
-        for at, count in zip(
-            reversed(self.counters), reversed(self.counts), strict=True
-        ):
+        for at, count in reversed(list(zip(self.counters, self.counts, strict=True))):
             following = int(self.words[at]) + 1
             if following < count:
                 self.words[at] = str(following)
@@ -50,21 +46,7 @@ class _Level:
 
 @dataclass
 class TransformStack:
-    """Stack of open transforms, outermost first.
-
-    Attributes
-    ----------
-    transform : current transform
-
-    Examples
-    --------
-    >>> stack = TransformStack(Transform())
-    >>> stack.follow(["-a", "2", "-t", "3", "0", "0"], 7)
-    >>> stack.follow([], 9), stack.instances  # back to the statement after 7
-    (8, ['a1'])
-    >>> stack.follow([], 9), stack.instances
-    (None, [])
-    """
+    """Stack of open transforms, outermost first."""
 
     transform: Transform
     levels: list[_Level] = field(default_factory=list)
@@ -78,26 +60,20 @@ class TransformStack:
     def follow(self, words: list[str], at: int) -> int | None:
         """Open or close a transform; return the index of a statement to repeat from.
 
-        Parameters
-        ----------
-        words : options of xform; if empty, the innermost transform is closed
-        at : index of the current statement
+        `words`: options of xform; without options, the innermost transform is closed.
+        `at`: index of the current statement.
         """
         if words:
-            if len(self.levels) >= _DEEPEST:
-                raise InputError(f"more than {_DEEPEST} nested transforms")
+            nested = len(self.levels)
+            require(nested < _DEEPEST, f"more than {_DEEPEST} nested transforms")
             level = _level(words, self.transform, at + 1)
             instances = math.prod(n for x in [*self.levels, level] for n in x.counts)
-            if instances > _MOST_INSTANCES:
-                raise InputError(
-                    f"arrays of {instances:.3g} instances within each other;"
-                    f" {_MOST_INSTANCES} at most expected"
-                )
+            message = f"{instances:.3g} instances; {_MOST_INSTANCES} at most expected"
+            require(instances <= _MOST_INSTANCES, message)
             self.transform = level.transform()
             self.levels.append(level)
             return None
-        if not self.levels:
-            raise InputError("xf without options ends a transform, but none is open")
+        require(self.levels, "xf without options ends a transform, but none is open")
         level = self.levels[-1]
         if level.advance():
             self.transform = level.transform()
@@ -113,11 +89,11 @@ def _level(words: list[str], outer: Transform, start: int) -> _Level:
         if word != "-a":
             continue
         count = words[at + 1] if at + 1 < len(words) else ""
-        if not (count.isascii() and count.isdecimal() and len(count) < 10):
-            raise InputError(f"xf -a {count[:20]!r}; a number of instances expected")
+        whole = count.isascii() and count.isdecimal() and len(count) < 10
+        require(whole, f"xf -a {count[:20]!r}; a number of instances expected")
         level.words[at : at + 2] = ["-i", "0"]
         level.counters.append(at + 1)
         level.counts.append(int(count))
-    if len(level.counts) > _MOST_DIMENSIONS:
-        raise InputError(f"an array of more than {_MOST_DIMENSIONS} dimensions")
+    message = f"an array of more than {_MOST_DIMENSIONS} dimensions"
+    require(len(level.counts) <= _MOST_DIMENSIONS, message)
     return level

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from clerestory.checks import require
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.files import is_file, read_bytes, read_text
 from clerestory.formats.obj_text import ObjPart, ObjText, parse_obj
@@ -91,11 +92,8 @@ def obj_meshes(text: ObjText, *, file: str) -> tuple[TriangleMesh, ...]:
             )
         )
     if flat:
-        warnings.warn(
-            f"{file}: {flat} triangles without area are left out",
-            ClerestoryWarning,
-            stacklevel=3,
-        )
+        message = f"{file}: {flat} triangles without area are omitted"
+        warnings.warn(message, ClerestoryWarning, stacklevel=3)
     return tuple(made)
 
 
@@ -107,11 +105,8 @@ def _material(
             return given[name]
     what = f'material "{part.material}"' if part.material else f'group "{part.group}"'
     known = ", ".join(given) or "none"
-    raise InputError(
-        f"no material for {what}; given: {known} (`*` stands for any)",
-        file=path,
-        line=part.line,
-    )
+    message = f"no material for {what}; given: {known} (`*` stands for any)"
+    raise InputError(message, file=path, line=part.line)
 
 
 def _library(text: ObjText, path: Path) -> dict[str, Material]:
@@ -119,8 +114,7 @@ def _library(text: ObjText, path: Path) -> dict[str, Material]:
     made: dict[str, Material] = {}
     for name in text.libraries:
         file = path.parent / name
-        if not is_file(file):
-            raise InputError(f'the library "{name}" is missing', file=path)
+        require(is_file(file), f'the library "{name}" is missing', file=path)
         current = ""
         for i, line in enumerate(read_text(file).splitlines(), start=1):
             words = line.split()
@@ -129,14 +123,8 @@ def _library(text: ObjText, path: Path) -> dict[str, Material]:
             elif words[:1] == ["Kd"] and current:
                 colour = [number(word) for word in words[1:4]]
                 values = [c for c in colour if c is not None and 0 <= c <= 1]
-                if len(values) != 3:
-                    raise InputError(
-                        f'colour "{line.strip()}"; three numbers from 0 to 1 expected',
-                        file=file,
-                        line=i,
-                    )
-                reflectance = np.array(values)
-                made[current] = Plastic(
-                    current, reflectance, source=Source(str(file), i)
-                )
+                message = f'colour "{line.strip()}"; three numbers from 0 to 1 expected'
+                require(len(values) == 3, message, file=file, line=i)
+                source = Source(str(file), i)
+                made[current] = Plastic(current, np.array(values), source=source)
     return made

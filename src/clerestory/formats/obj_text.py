@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from jaxtyping import Bool, Float, Int, UInt8
 
+from clerestory.checks import require
 from clerestory.errors import InputError
 from clerestory.scene.triangulate import triangulate
 
@@ -31,13 +32,9 @@ _MOST_CORNERS = 100_000
 
 @dataclass(frozen=True, eq=False)
 class ObjPart:
-    """Triangles of one group and one material.
+    """Triangles of one group and one material, as vertex indices from 0.
 
-    Attributes
-    ----------
-    group, material : names of group and material; empty if not given
-    faces : vertex indices of each triangle, starting at 0
-    line : line number of the first face
+    `group` and `material` are empty if not given; `line` is that of the first face.
     """
 
     group: str
@@ -48,13 +45,8 @@ class ObjPart:
 
 @dataclass(frozen=True, eq=False)
 class ObjText:
-    """The content of an OBJ file.
-
-    Attributes
-    ----------
-    vertices : vertex coordinates in the file's units
-    parts : parts in order of appearance
-    libraries : paths of material libraries
+    """The content of an OBJ file: vertices in the file's units, parts in order of
+    appearance, and paths of material libraries.
     """
 
     vertices: Float[np.ndarray, "vertices 3"]
@@ -63,15 +55,7 @@ class ObjText:
 
 
 def parse_obj(data: bytes, *, file: str) -> ObjText:
-    r"""Return the vertices and triangles of an OBJ file.
-
-    Examples
-    --------
-    >>> text = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl wood\nf 1 2 3 4\n"
-    >>> made = parse_obj(text, file="desk.obj")
-    >>> made.parts[0].material, made.parts[0].faces.tolist()
-    ('wood', [[0, 1, 2], [0, 2, 3]])
-    """
+    r"""Return the vertices and triangles of an OBJ file."""
     if b"\\" in data:
         data = data.replace(b"\\\r\n", b"   ").replace(b"\\\n", b"  ")
     reading = _Reading(file)
@@ -120,42 +104,29 @@ class _Reading:
 
     def add_vertices(self, letters: UInt8[np.ndarray, " bytes"], line: int) -> None:
         values, words = self._numbers(letters, line)
-        short = np.flatnonzero(words < 3)
-        if len(short):
-            at = line + int(short[0])
-            raise InputError(
-                f"a vertex of {words[short[0]]} numbers; 3 expected",
-                file=self.file,
-                line=at,
-            )
+        short = int(np.argmin(words >= 3))
+        message = f"a vertex of {words[short]} numbers; 3 expected"
+        require(words[short] >= 3, message, file=self.file, line=line + short)
         first = np.cumsum(words) - words
         points = values[first[:, None] + np.arange(3)]
-        if not np.all(np.isfinite(points)):
-            bad = line + int(np.argmin(np.isfinite(points).all(axis=1)))
-            raise InputError("a coordinate is not finite", file=self.file, line=bad)
+        known = np.isfinite(points).all(axis=1)
+        bad = line + int(np.argmin(known))
+        require(known.all(), "a coordinate is not finite", file=self.file, line=bad)
         self.vertices.append(points)
         self.count += len(points)
 
     def add_faces(self, letters: UInt8[np.ndarray, " bytes"], line: int) -> None:
         values, words = self._numbers(_without_slashes(letters), line)
-        short = np.flatnonzero((words < 3) | (words > _MOST_CORNERS))
-        if len(short):
-            raise InputError(
-                f"a face of {words[short[0]]} vertices; 3 or more expected",
-                file=self.file,
-                line=line + int(short[0]),
-            )
+        valid = (words >= 3) & (words <= _MOST_CORNERS)
+        bad = int(np.argmin(valid))
+        message = f"a face of {words[bad]} vertices; 3 to {_MOST_CORNERS} expected"
+        require(valid[bad], message, file=self.file, line=line + bad)
         corner = np.where(values < 0, values + self.count, values - 1)
         wrong = (corner < 0) | (corner >= self.count) | (corner != np.trunc(corner))
-        if wrong.any():
-            at = int(np.argmax(wrong))
-            face = int(np.searchsorted(np.cumsum(words), at, side="right"))
-            raise InputError(
-                f"a face refers to vertex {values[at]:g}; {self.count} were given"
-                " before it",
-                file=self.file,
-                line=line + face,
-            )
+        at = int(np.argmax(wrong))
+        face = int(np.searchsorted(np.cumsum(words), at, side="right"))
+        message = f"a face refers to vertex {values[at]:g}; {self.count} known before"
+        require(not wrong[at], message, file=self.file, line=line + face)
         key = (self.group, self.material)
         self.lines.setdefault(key, line)
         part = self.parts.setdefault(key, [])
@@ -208,14 +179,11 @@ class _Reading:
                     one = np.frombuffer((" ".join(words) + "\n").encode(), np.uint8)
                     add = self.add_vertices if words[0] == "v" else self.add_faces
                     add(one, line + i)
-                case [word] if not word.isprintable():
-                    raise InputError(
-                        "not a text; an OBJ file expected",
-                        file=self.file,
-                        line=line + i,
-                    )
-                case _:
-                    pass  # smoothing, lines, points and curves are ignored
+                case [word]:
+                    # Smoothing, lines, points and curves are ignored
+                    message = "not a text; an OBJ file expected"
+                    valid = word.isprintable()
+                    require(valid, message, file=self.file, line=line + i)
 
     def _numbers(
         self, letters: UInt8[np.ndarray, " bytes"], line: int
@@ -239,18 +207,16 @@ class _Reading:
         return values, words
 
     def _bad_number(self, text: bytes, line: int) -> InputError:
-        for i, raw in enumerate(text.split(b"\n")):
+        message = "a number cannot be read"
+        for at, raw in enumerate(text.split(b"\n"), line):
             for word in raw.split():
                 try:
                     float(word)
                 except ValueError:
                     shown = word[:40].decode("latin-1")
-                    return InputError(
-                        f'"{shown}" is found where a number is expected',
-                        file=self.file,
-                        line=line + i,
-                    )
-        return InputError("a number cannot be read", file=self.file, line=line)
+                    message = f'"{shown}" is found where a number is expected'
+                    return InputError(message, file=self.file, line=at)
+        return InputError(message, file=self.file, line=line)
 
     def result(self) -> ObjText:
         parts = tuple(

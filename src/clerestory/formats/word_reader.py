@@ -19,15 +19,9 @@ class WordReader:
     ----------
     words : words of a file, or arguments of a command
     program : name of the command; empty for a file
-    path, lines : path of the file, and line number of each word
+    lines : line number of each word
     decimal_comma : whether a comma is a decimal separator and an empty word means 0
     at : number of words read so far
-
-    Examples
-    --------
-    >>> reader = WordReader(["wood", "desk", "1.5"], "genbox")
-    >>> reader.word("a material"), reader.word("a name"), reader.positive("its width")
-    ('wood', 'desk', 1.5)
     """
 
     words: Sequence[str]

@@ -28,11 +28,9 @@ def cgi(sources: GlareSources, *, illuminance: float, direct: float) -> float:
 
 CGI = GlareIndex(
     name="cgi",
-    title="CIE glare index",
     formula=lambda eye: cgi(
         eye.sources, illuminance=eye.illuminance, direct=eye.direct_illuminance
     ),
-    reference="Einhorn 1979; thresholds: Jakubiec and Reinhart 2012",
-    thresholds=(13.0, 22.0, 28.0),
+    thresholds=(13.0, 22.0, 28.0),  # Jakubiec and Reinhart 2012
     column="cgi",
 )

@@ -58,7 +58,7 @@ def check_picture(
 
 
 def _primaries(colour: Colour) -> Vector:
-    # RGB radiance of the colour at a weighted sum (luminance / 179 lm/W) of one
+    # RGB radiance of the colour for a luminance of 179 cd/m²
     shares = np.asarray(colour, dtype=float)
     require(
         shares.min() >= 0 and 0 < shares.sum() < np.inf,

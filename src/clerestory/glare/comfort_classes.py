@@ -1,6 +1,6 @@
 """Annual glare metrics, and glare classes of EN 17037 and EN 14501."""
 
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from jaxtyping import Float
@@ -48,7 +48,7 @@ def protection_level(exceeded: float) -> Protection:
     >>> protection_level(0.38), protection_level(0.5)
     ('medium', 'none')
     """
-    levels: tuple[Protection, ...] = ("high", "medium", "minimum", "none")
+    levels: tuple[Protection, ...] = get_args(Protection)
     return levels[int(np.searchsorted(LIMITS, exceeded, side="left"))]
 
 

@@ -54,16 +54,12 @@ def modified_dgi(sources: GlareSources, *, average: float) -> float:
 
 DGI = GlareIndex(
     name="dgi",
-    title="daylight glare index",
     formula=lambda eye: dgi(eye.sources, background=eye.background),
-    reference="Hopkinson 1972; thresholds: Jakubiec and Reinhart 2012",
-    thresholds=(18.0, 24.0, 31.0),
+    thresholds=(18.0, 24.0, 31.0),  # Jakubiec and Reinhart 2012
     column="dgi",
 )
 MODIFIED_DGI = GlareIndex(
     name="modified_dgi",
-    title="daylight glare index modified by Fisekis et al.",
     formula=lambda eye: modified_dgi(eye.sources, average=eye.illuminance / math.pi),
-    reference="Fisekis et al. 2003, equation 11",
     column="dgi_mod",
 )

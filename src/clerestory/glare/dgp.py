@@ -84,16 +84,12 @@ def age_correction(age: float) -> float:
 
 DGP = GlareIndex(
     name="dgp",
-    title="daylight glare probability",
     formula=lambda eye: dgp(eye.sources, illuminance=eye.eye_illuminance),
-    reference="Wienold and Christoffersen 2006; thresholds: Wienold 2009",
-    thresholds=(0.35, 0.40, 0.45),
+    thresholds=(0.35, 0.40, 0.45),  # Wienold 2009
     column="dgp",
 )
 SIMPLIFIED_DGP = GlareIndex(
     name="simplified_dgp",
-    title="simplified daylight glare probability",
     formula=lambda eye: float(simplified_dgp(np.array(eye.eye_illuminance))),
-    reference="Wienold 2007; thresholds: as DGP",
     thresholds=DGP.thresholds,
 )

@@ -18,13 +18,7 @@ _BROW = np.radians(60)
 _CHEEK = np.radians(135)
 
 
-def in_field(
-    sigma: Values,
-    tau: Values,
-    below: Mask,
-    *,
-    field: FieldOfView,
-) -> Mask:
+def in_field(sigma: Values, tau: Values, below: Mask, *, field: FieldOfView) -> Mask:
     """Whether directions lie in the field of view of one eye ("total") or both eyes.
 
     Directions are given by their angle sigma from the line of sight, and their azimuth
@@ -33,10 +27,8 @@ def in_field(
     Reference: Guth, S. K. (1958): Light and comfort. Industrial Medicine and Surgery
     27. The fitted curves are those of evalglare 3.06 (options -g and -G).
 
-    >>> up, far_up = np.radians(40), np.radians(80)
-    >>> in_field(
-    ...     np.array([up, far_up]), np.zeros(2), np.zeros(2, bool), field="total"
-    ... ).tolist()
+    >>> up = np.radians([40.0, 80.0])
+    >>> in_field(up, np.zeros(2), np.zeros(2, bool), field="total").tolist()
     [True, False]
     """
     around = np.degrees(tau)

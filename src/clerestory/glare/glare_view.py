@@ -41,14 +41,9 @@ class Pitch(NamedTuple):
 class GlareView:
     """Pixel quantities of a view.
 
-    Attributes
-    ----------
-    direction : unit vectors of the pixel centres
-    solid_angle : solid angle of valid pixels; zero for other pixels [sr]
-    cosine : cosine of the angle from the line of sight; zero for other pixels
-    position_index : position index; 1 on the line of sight
-    sigma : angle from the line of sight [rad]
-    tau : azimuth around the line of sight, from the upward vertical [rad]
+    The angle sigma is that from the line of sight, tau the azimuth around it from the
+    upward vertical [rad]. Solid angle [sr] and cosine of sigma are zero for pixels that
+    are not valid.
     """
 
     view: View
@@ -126,11 +121,7 @@ class GlareView:
 
 
 def glare_view(
-    view: View,
-    columns: int,
-    rows: int,
-    *,
-    model: PositionModel = "guth",
+    view: View, columns: int, rows: int, *, model: PositionModel = "guth"
 ) -> GlareView:
     """Return the pixel quantities of a view; the last results are cached.
 
@@ -208,14 +199,7 @@ def _tau(view: View, direction: np.ndarray, cosine: np.ndarray) -> np.ndarray:
 
 
 def pixel_pitch(direction: Float[np.ndarray, "row column 3"]) -> Pitch:
-    """Return the angles per pixel [rad], from the gradient of the directions.
-
-    >>> x = np.arange(5.0) * 0.01
-    >>> level = np.stack(np.broadcast_arrays(x, 2 * x[:, None], 0 * x), axis=-1)
-    >>> pitch = pixel_pitch(level)
-    >>> float(pitch.least[2, 2].round(6)), float(pitch.most[2, 2].round(6))
-    (0.01, 0.02)
-    """
+    """Return the angles per pixel [rad], from the gradient of the directions."""
     rows, columns = direction.shape[:2]
     pitch = Pitch(np.empty((rows, columns)), np.empty((rows, columns)))
 

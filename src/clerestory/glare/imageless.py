@@ -37,13 +37,8 @@ def imageless_dgp(
     simulation for visual comfort evaluations. Energy and Buildings 267.
 
     >>> one = np.ones((1, 1))
-    >>> dgp = imageless_dgp(
-    ...     np.array([3000.0]),
-    ...     luminance=1e6 * one,
-    ...     solid_angle=6.8e-5 * one,
-    ...     index=3 * one,
-    ... )
-    >>> dgp.round(3).tolist()
+    >>> sun = {"luminance": 1e6 * one, "solid_angle": 6.8e-5 * one, "index": 3 * one}
+    >>> imageless_dgp(np.array([3000.0]), **sun).round(3).tolist()
     [0.384]
     """
     require(
@@ -61,10 +56,7 @@ def imageless_dgp(
 
 
 def position_of(
-    direction: Directions,
-    view: View,
-    *,
-    model: PositionModel = "guth",
+    direction: Directions, view: View, *, model: PositionModel = "guth"
 ) -> Values:
     """Position index of directions from the eye; infinite behind the eye.
 

@@ -1,4 +1,4 @@
-"""Definition of a glare index: formula, reference and thresholds.
+"""Definition of a glare index: formula and thresholds.
 
 The formula of every index is in a module that also defines a `GlareIndex`. Results,
 tables and comparisons contain all indices listed in the module `indices`.
@@ -22,13 +22,9 @@ CATEGORIES = ("imperceptible", "perceptible", "disturbing", "intolerable")
 class EyePhotometry:
     """Photometric quantities of a field of view: the inputs of the glare indices.
 
-    Attributes
-    ----------
-    illuminance : vertical illuminance at the eye, from the picture [lux]
-    average : mean luminance of the picture, weighted by solid angle [cd/m²]
-    reference : mean luminance of the task, or of the picture without a task [cd/m²]
-    brightest : largest luminance of a pixel [cd/m²]
-    solid_angle : solid angle of all pixels in view [sr]
+    The illuminance at the eye is vertical [lux]. Luminances are the mean of the
+    picture, the mean of the task (of the picture without a task), and that of the
+    brightest pixel [cd/m²]. The solid angle is that of all pixels in view [sr].
     """
 
     sources: GlareSources
@@ -77,7 +73,6 @@ class Quantity:
     """
 
     name: str
-    title: str
     formula: Callable[[EyePhotometry], float]
     unit: str = "1"
     column: str | None = None
@@ -85,17 +80,12 @@ class Quantity:
 
 @dataclass(frozen=True, kw_only=True)
 class GlareIndex(Quantity):
-    """An index of discomfort glare.
+    """An index of discomfort glare, which increases with glare, except for VCP.
 
-    Attributes
-    ----------
-    reference : publications of the formula and of the thresholds
-    thresholds : values from which glare is perceptible, disturbing and intolerable;
-        empty if not published
-    glare_increases : whether a higher value means more glare; False for VCP
+    `thresholds` are the values from which glare is perceptible, disturbing and
+    intolerable; empty if not published.
     """
 
-    reference: str
     thresholds: tuple[float, ...] = ()
     glare_increases: bool = True
 

@@ -28,38 +28,19 @@ _CD = "cd/m2"
 # Ordered as the columns of evalglare -d
 REPORTED: tuple[Quantity, ...] = (
     DGP,
-    Quantity("average_luminance", "mean luminance", lambda e: e.average, _CD, "av_lum"),
-    Quantity(
-        "illuminance", "illuminance at the eye", lambda e: e.illuminance, "lux", "E_v"
-    ),
-    Quantity(
-        "background_luminance",
-        "luminance of the background",
-        lambda e: e.background,
-        _CD,
-        "lum_backg",
-    ),
-    Quantity(
-        "direct_illuminance",
-        "illuminance at the eye from the sources",
-        lambda e: e.direct_illuminance,
-        "lux",
-        "E_v_dir",
-    ),
+    Quantity("average_luminance", lambda e: e.average, _CD, "av_lum"),
+    Quantity("illuminance", lambda e: e.illuminance, "lux", "E_v"),
+    Quantity("background_luminance", lambda e: e.background, _CD, "lum_backg"),
+    Quantity("direct_illuminance", lambda e: e.direct_illuminance, "lux", "E_v_dir"),
     DGI,
     UGR,
     VCP,
     CGI,
     Quantity(
-        "source_luminance",
-        "mean luminance of the sources",
-        lambda e: e.sources.average_luminance(),
-        _CD,
-        "lum_sources",
+        "source_luminance", lambda e: e.sources.average_luminance(), _CD, "lum_sources"
     ),
     Quantity(
         "source_solid_angle",
-        "solid angle of the sources",
         lambda e: float(e.sources.solid_angle.sum()),
         "sr",
         "omega_sources",
@@ -72,14 +53,9 @@ REPORTED: tuple[Quantity, ...] = (
     MODIFIED_DGI,
     LOGISTIC_UGP,
     SIMPLIFIED_DGP,
-    Quantity("source_count", "number of sources", lambda e: float(e.sources.count)),
-    Quantity("brightest_luminance", "largest luminance", lambda e: e.brightest, _CD),
-    Quantity(
-        "reference_luminance",
-        "mean luminance of the task, or of the picture",
-        lambda e: e.reference,
-        _CD,
-    ),
+    Quantity("source_count", lambda e: float(e.sources.count)),
+    Quantity("brightest_luminance", lambda e: e.brightest, _CD),
+    Quantity("reference_luminance", lambda e: e.reference, _CD),
 )
 
 INDICES = tuple(one for one in REPORTED if isinstance(one, GlareIndex))

@@ -49,16 +49,10 @@ def field_luminances(luminance: Image, eye: GlareView) -> FieldLuminances:
 
 @dataclass(frozen=True)
 class RegionStatistics:
-    """Luminance statistics of a region of a picture.
+    """Pixels, solid angle [sr], luminances [cd/m²] and illuminance of a region.
 
-    Attributes
-    ----------
-    pixels : number of pixels
-    solid_angle : solid angle of the region [sr]
-    average : mean luminance weighted by solid angle [cd/m²]
-    median, deviation, percentile_75, percentile_95, least, most : median, standard
-        deviation, percentiles, minimum and maximum of luminance over pixels [cd/m²]
-    illuminance : vertical illuminance at the eye from the region [lux]
+    The average luminance is weighted by solid angle; the other luminances are
+    statistics over pixels. The illuminance is vertical, at the eye [lux].
     """
 
     pixels: int
@@ -74,19 +68,9 @@ class RegionStatistics:
 
 
 def region_statistics(
-    luminance: Image,
-    eye: GlareView,
-    region: ImageMask,
+    luminance: Image, eye: GlareView, region: ImageMask
 ) -> RegionStatistics:
-    """Return the luminance statistics of the pixels of a region that are in view.
-
-    >>> from clerestory.glare.glare_view import glare_view
-    >>> from clerestory.scene.view import View
-    >>> eye = glare_view(View(kind="angular", horizontal=180, vertical=180), 64, 64)
-    >>> whole = region_statistics(np.full((64, 64), 50.0), eye, eye.valid)
-    >>> round(whole.average), round(whole.illuminance / np.pi)
-    (50, 50)
-    """
+    """Return the luminance statistics of the pixels of a region that are in view."""
     inside = region & eye.valid
     values = np.sort(luminance[inside].astype(float))
     require(values.size, "the region has no pixel in view; a larger region expected")

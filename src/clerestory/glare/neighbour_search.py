@@ -34,13 +34,9 @@ class Window(NamedTuple):
 class Neighbourhood:
     """Pixels within a search angle [rad] of a pixel.
 
-    Attributes
-    ----------
-    chord : distance between unit vectors at this angle
-    reach : search radius: upper limit of the distance, in rows or columns, of pixels
-        within the search angle
-    sure_reach : distance in pixels up to which other pixels are within the search
-        angle, for each pixel
+    `chord` is the distance between unit vectors at this angle. Pixels within the angle
+    are at most `reach` rows or columns apart; pixels within `sure_reach` are always
+    within the angle.
     """
 
     def __init__(self, eye: GlareView, angle: float) -> None:

@@ -17,10 +17,7 @@ _BEFORE = ((1, 0), (1, -1), (0, -1), (-1, -1))
 
 
 def split_peaks(
-    peaks: ScannedPixels,
-    solid_angle: Image,
-    near: Neighbourhood,
-    nearer: Neighbourhood,
+    peaks: ScannedPixels, solid_angle: Image, near: Neighbourhood, nearer: Neighbourhood
 ) -> Int[np.ndarray, " pixel"]:
     """Group the peak pixels of one source; return a label per pixel, from 1.
 
@@ -52,8 +49,8 @@ def split_peaks(
 def _is_alone(
     row: np.ndarray, column: np.ndarray, place: np.ndarray, nearer: Neighbourhood
 ) -> np.ndarray:
-    # Whether no adjacent pixel scanned before a pixel is a peak pixel; the search would
-    # always find it
+    # Whether none of the adjacent pixels scanned before a pixel is a peak pixel, which
+    # the search would always find
     rows, _ = place.shape
     alone = np.ones(row.size, dtype=bool)
     close = nearer.sure_reach[row, column] >= np.sqrt(2)

@@ -75,11 +75,8 @@ def pgsv(
     >>> round(pgsv(**window, illuminance=1900.0, task=200.0), 2)
     0.92
     """
-    rest = surround_luminance(
-        window=window, window_solid_angle=window_solid_angle, average=average
-    )
+    seen = {"window": window, "window_solid_angle": window_solid_angle}
+    rest = surround_luminance(**seen, average=average)
     if window / rest > illuminance / (math.pi * task):
-        return contrast_pgsv(
-            window=window, window_solid_angle=window_solid_angle, average=average
-        )
+        return contrast_pgsv(**seen, average=average)
     return saturation_pgsv(illuminance)

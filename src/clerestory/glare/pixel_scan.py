@@ -72,11 +72,7 @@ def islands(mask: ImageMask, reach: int) -> Int[np.ndarray, " pixel"]:
 
 
 def first_scan(
-    pixels: ScannedPixels,
-    mask: ImageMask,
-    near: Neighbourhood,
-    *,
-    single: bool,
+    pixels: ScannedPixels, mask: ImageMask, near: Neighbourhood, *, single: bool
 ) -> Int[np.ndarray, " pixel"]:
     """Source label of each pixel after the first scan, from 1 in order of creation.
 
@@ -147,16 +143,14 @@ def _scan_runs(
     wanted[0] = False
     for place, run in enumerate(members):
         row, column = int(pixels.row[start[run]]), int(pixels.column[start[run]])
-        if only > 0 and not alone[place]:
-            label = only
-        else:
+        label = only
+        if only <= 0 or alone[place]:
             label = _find(labels, wanted, row, column, near, alone=alone[place])
         if not label:
             label = int(run) + 1
             only = -1 if only else label
         birth[place] = label - 1
-        bottom = row + 1
-        labels[bottom - (ends[run] - start[run]) : bottom, column] = label
+        labels[row + 1 - (ends[run] - start[run]) : row + 1, column] = label
     return birth
 
 
@@ -176,11 +170,8 @@ def _find(
             return label
     # If all labels in the window are equal, the search returns this label
     if not alone:
-        reach = near.reach
-        around = labels[
-            max(row - reach, 0) : row + reach + 1,
-            max(column - reach, 0) : column + 1,
-        ]
+        top, left = max(row - near.reach, 0), max(column - near.reach, 0)
+        around = labels[top : row + near.reach + 1, left : column + 1]
         label = int(around.max())
         if ((around == 0) | (around == label)).all():
             return label

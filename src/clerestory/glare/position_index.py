@@ -19,11 +19,7 @@ LARGEST = 16.0
 
 
 def position_index(
-    sigma: Values,
-    tau: Values,
-    below: Mask,
-    *,
-    model: PositionModel = "guth",
+    sigma: Values, tau: Values, below: Mask, *, model: PositionModel = "guth"
 ) -> Values:
     """Position index of directions; 1 on the line of sight, except Kim's.
 

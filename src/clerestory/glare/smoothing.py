@@ -1,7 +1,6 @@
 """Smoothing of glare sources: dark pixels surrounded by a source are added to it."""
 
 import numpy as np
-from jaxtyping import Int
 from scipy import fft
 
 from clerestory.array_types import Image, ImageMask
@@ -10,11 +9,7 @@ from clerestory.array_types import Image, ImageMask
 _SHARE = 0.2
 
 
-def surrounded(
-    mine: ImageMask,
-    solid_angle: Image,
-    radius: float,
-) -> ImageMask:
+def surrounded(mine: ImageMask, solid_angle: Image, radius: float) -> ImageMask:
     """Whether more than a fifth of the disc around each pixel belongs to a source.
 
     `mine` are the pixels of the source; the radius of the disc is in pixels. Fractions
@@ -30,6 +25,8 @@ def surrounded(
 
     over_right = np.arange(columns) + np.floor(radius) > columns - 1
     over_top = np.arange(rows) - np.floor(radius) < 0
+    line = np.arange(-np.floor(radius), np.floor(radius) + 1)
+    disc = (np.hypot(*np.meshgrid(line, line)) <= radius).astype(int)
     inside = np.zeros(mine.shape, dtype=bool)
     for past_right in (False, True):
         for past_top in (False, True):
@@ -39,7 +36,6 @@ def surrounded(
             here = np.outer(over_top == past_top, over_right == past_right)[wide]
             if not here.any():
                 continue
-            disc = _disc(radius)
             held = _around((weight * mine)[wide], disc)
             total = _around(weight[wide], disc)
             inside[wide] |= here & (held > _SHARE * total) & (total > 0)
@@ -67,9 +63,3 @@ def _box(mine: np.ndarray, reach: int) -> tuple[int, int, int, int]:
         max(int(columns[0]) - reach, 0),
         min(int(columns[-1]) + reach + 1, mine.shape[1]),
     )
-
-
-def _disc(radius: float) -> Int[np.ndarray, "height width"]:
-    reach = int(np.floor(radius))
-    line = np.arange(-reach, reach + 1)
-    return np.asarray(np.hypot(*np.meshgrid(line, line)) <= radius, dtype=int)

@@ -75,11 +75,15 @@ class _Merging:
         # Pairs of an outer pixel and the label of a source within the search angle
         outer = np.flatnonzero(self._is_outer(np.arange(self.labels.size)))
         row, column = self.pixels.row[outer], self.pixels.column[outer]
-        direction = self.near.direction[row, column]
+        direction, reach = self.near.direction[row, column], self.near.reach
         found = []
         for label in np.unique(self.labels):
             mine = self.labels[outer] == label
-            about = ~mine & self._in_box(row, column, row[mine], column[mine])
+            # Restrict the search to the bounding box of the source
+            about = ~mine
+            for place in (row, column):
+                least, most = place[mine].min(), place[mine].max()
+                about &= (place >= least - reach) & (place <= most + reach)
             distance, _ = cKDTree(direction[mine]).query(
                 direction[about], distance_upper_bound=self.near.chord
             )
@@ -87,16 +91,6 @@ class _Merging:
             found.append((pixel, np.full(pixel.size, label)))
         pixel, neighbour = (np.concatenate(part) for part in zip(*found, strict=True))
         return pixel, neighbour
-
-    def _in_box(
-        self, row: np.ndarray, column: np.ndarray, rows: np.ndarray, columns: np.ndarray
-    ) -> np.ndarray:
-        # Whether pixels are in the bounding box of other pixels, enlarged by the search
-        # radius
-        reach = self.near.reach
-        inside: np.ndarray = (row >= rows.min() - reach) & (row <= rows.max() + reach)
-        inside &= (column >= columns.min() - reach) & (column <= columns.max() + reach)
-        return inside
 
     def _is_outer(self, index: np.ndarray) -> np.ndarray:
         # Whether pixels have an adjacent pixel of another label or are at the edge

@@ -71,9 +71,7 @@ def in_zone(eye: GlareView, zone: Zone) -> np.ndarray:
 
 
 def find_sources(
-    luminance: Image,
-    eye: GlareView,
-    rules: SourceRules | None = None,
+    luminance: Image, eye: GlareView, rules: SourceRules | None = None
 ) -> Members:
     """Return the pixels of the glare sources of a picture.
 
@@ -173,28 +171,23 @@ def tabulate(
     def total(values: np.ndarray) -> np.ndarray:
         return np.asarray(np.bincount(label, weights=values)[used], dtype=float)
 
-    solid_angle, power = total(omega), total(flux)
     # Centre of each source, weighted by luminance; the pixel at the centre defines
     # position index and direction. evalglare counts rows from below and truncates
     # coordinates
-    rows, _ = eye.shape
-    up = total(flux * (rows - 1 - row)) / power
-    across = total(flux * column) / power
-    at = (
-        rows - 1 - up.astype(np.float32).astype(int),
-        across.astype(np.float32).astype(int),
-    )
-
-    lit = total(bright * eye.eye_weight[row, column])
+    solid_angle, power = total(omega), total(flux)
+    last = eye.shape[0] - 1
+    up, across = total(flux * (last - row)) / power, total(flux * column) / power
+    up_pixel, column_pixel = (x.astype(np.float32).astype(int) for x in (up, across))
+    at = last - up_pixel, column_pixel
     return GlareSources(
         luminance=power / solid_angle,
         solid_angle=solid_angle,
         position_index=eye.position_index[at],
         sigma=eye.sigma[at],
         direction=eye.direction[at],
-        illuminance=lit,
+        illuminance=total(bright * eye.eye_weight[row, column]),
         pixels=pixels[used],
-        row=rows - 1 - up,
+        row=last - up,
         column=across,
         zone=np.zeros(used.size, dtype=np.int64) if zone is None else zone[used],
     )

@@ -40,15 +40,11 @@ def logistic_ugp(sources: GlareSources, *, background: float) -> float:
 
 UGP = GlareIndex(
     name="ugp",
-    title="unified glare probability",
     formula=lambda eye: ugp(eye.sources, background=eye.background),
-    reference="Hirning, Isoardi and Cowling 2014",
     column="ugp",
 )
 LOGISTIC_UGP = GlareIndex(
     name="logistic_ugp",
-    title="unified glare probability in logistic form",
     formula=lambda eye: logistic_ugp(eye.sources, background=eye.background),
-    reference="Hirning et al. 2016",
     column="ugp2",
 )

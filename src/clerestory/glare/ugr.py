@@ -44,18 +44,14 @@ def experimental_ugr(
 
 UGR = GlareIndex(
     name="ugr",
-    title="unified glare rating",
     formula=lambda eye: ugr(eye.sources, background=eye.background),
-    reference="CIE 117-1995; thresholds: Jakubiec and Reinhart 2012",
-    thresholds=(13.0, 22.0, 28.0),
+    thresholds=(13.0, 22.0, 28.0),  # Jakubiec and Reinhart 2012
     column="ugr",
 )
 EXPERIMENTAL_UGR = GlareIndex(
     name="experimental_ugr",
-    title="unified glare rating with the luminance of the field of view",
     formula=lambda eye: experimental_ugr(
         eye.sources, average=eye.illuminance / math.pi, background=eye.cie_background
     ),
-    reference="Fisekis et al. 2003",
     column="ugr_exp",
 )

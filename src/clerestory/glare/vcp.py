@@ -48,17 +48,13 @@ def vcp(rating: float) -> float:
 
 DGR = GlareIndex(
     name="dgr",
-    title="discomfort glare rating",
     formula=lambda eye: dgr(eye.sources, average=eye.average),
-    reference="Guth 1963",
     column="dgr",
 )
 VCP = GlareIndex(
     name="vcp",
-    title="visual comfort probability",
     formula=lambda eye: vcp(DGR.formula(eye)),
-    reference="Guth 1963; thresholds: Jakubiec and Reinhart 2012",
-    thresholds=(80.0, 60.0, 40.0),
+    thresholds=(80.0, 60.0, 40.0),  # Jakubiec and Reinhart 2012
     glare_increases=False,
     unit="%",
     column="vcp",

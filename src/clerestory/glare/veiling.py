@@ -20,10 +20,8 @@ def veiling_luminance(sources: GlareSources) -> Float[np.ndarray, " source"]:
     glare angle, age and ocular pigmentation. Clinical and Experimental Optometry 86(6).
     CIE 146:2002.
 
-    >>> at = np.radians(10)
-    >>> lamp = GlareSources.of(
-    ...     luminance=[1e4], solid_angle=[0.01], position_index=[1], sigma=[at]
-    ... )
+    >>> lamp = {"luminance": [1e4], "solid_angle": [0.01], "position_index": [1]}
+    >>> lamp = GlareSources.of(**lamp, sigma=np.radians([10]))
     >>> veiling_luminance(lamp).round(2).tolist()
     [9.85]
     """
@@ -34,10 +32,8 @@ def veiling_luminance(sources: GlareSources) -> Float[np.ndarray, " source"]:
 def poynter_veiling_luminance(sources: GlareSources) -> float:
     """Veiling luminance of all sources after Poynter [cd/m²], Lveil of evalglare.
 
-    >>> at = np.radians(10)
-    >>> lamp = GlareSources.of(
-    ...     luminance=[1e4], solid_angle=[0.01], position_index=[1], sigma=[at]
-    ... )
+    >>> lamp = {"luminance": [1e4], "solid_angle": [0.01], "position_index": [1]}
+    >>> lamp = GlareSources.of(**lamp, sigma=np.radians([10]))
     >>> round(poynter_veiling_luminance(lamp), 2)
     49.24
     """
@@ -47,14 +43,12 @@ def poynter_veiling_luminance(sources: GlareSources) -> float:
 
 POYNTER_VEILING_LUMINANCE = Quantity(
     name="veiling_luminance",
-    title="veiling luminance after Poynter",
     formula=lambda eye: poynter_veiling_luminance(eye.sources),
     unit="cd/m2",
     column="Lveil",
 )
 CIE_VEILING_LUMINANCE = Quantity(
     name="cie_veiling_luminance",
-    title="veiling luminance after Stiles and Holladay",
     formula=lambda eye: float(veiling_luminance(eye.sources).sum()),
     unit="cd/m2",
     column="Lveil_cie",

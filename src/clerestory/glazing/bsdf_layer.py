@@ -14,14 +14,15 @@ from clerestory.array_types import ExitIncident, Values
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.scattering_function import Function, ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
-from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.checks import require
+from clerestory.errors import ClerestoryWarning
 from clerestory.glazing.layer import Layer, mirrored_patches
 from clerestory.glazing.optics import Optics
 from clerestory.glazing.pane import (
     GLASS_EMISSIVITY,
-    invisible,
     is_visible,
     two_band_wavelengths,
+    two_bands,
 )
 from clerestory.glazing.standard import Channel
 from clerestory.hemisphere.partition import RingPartition
@@ -39,11 +40,10 @@ _OPPOSITE: dict[Function, Function] = {
 @final
 @dataclass(frozen=True, eq=False)
 class BsdfLayer(Layer):
-    """A layer with known BSDF.
+    """A layer with known BSDF, whose front faces the sky.
 
     Attributes
     ----------
-    bsdf : BSDF matrices or tensor trees; the front faces the sky
     conductivity : thermal conductivity [W/(m K)]
     infrared_transmittance : transmittance in the far infrared
     permeability : area fraction that is permeable to air
@@ -55,28 +55,24 @@ class BsdfLayer(Layer):
     permeability: float = 0.0
 
     def __post_init__(self) -> None:
-        if not any(self.bsdf.has("transmission_front", channel=c) for c in _BANDS):
-            raise InputError(
-                f"BSDF {self.bsdf.product.name!r} has neither visible nor solar"
-                " transmission; one of them expected in a layer",
-                file=self.bsdf.source,
-            )
-        for lacking, used in (("solar", "visible"), ("visible", "solar")):
-            if not self.bsdf.has("transmission_front", channel=lacking):
-                warnings.warn(
-                    f"BSDF {self.bsdf.product.name!r} has no {lacking} data; its"
-                    f" {used} data are used",
-                    ClerestoryWarning,
-                    stacklevel=3,
-                )
-        for part in ("reflection_front", "reflection_back"):
-            if not self.bsdf.has(part, channel=self.channel("visible")):
-                warnings.warn(
-                    f"BSDF {self.bsdf.product.name!r} has no"
-                    f" {part.replace('_', ' ')} data; zero is assumed",
-                    ClerestoryWarning,
-                    stacklevel=3,
-                )
+        require(
+            any(self.bsdf.has("transmission_front", channel=c) for c in _BANDS),
+            f"BSDF {self.bsdf.product.name!r} has neither visible nor solar"
+            " transmission; one of them expected in a layer",
+            file=self.bsdf.source,
+        )
+        missing = [
+            f"{lacking} data; its {used} data are used"
+            for lacking, used in (("solar", "visible"), ("visible", "solar"))
+            if not self.bsdf.has("transmission_front", channel=lacking)
+        ] + [
+            f"{part.replace('_', ' ')} data; zero is assumed"
+            for part in ("reflection_front", "reflection_back")
+            if not self.bsdf.has(part, channel=self.channel("visible"))
+        ]
+        for text in missing:
+            message = f"BSDF {self.bsdf.product.name!r} has no {text}"
+            warnings.warn(message, ClerestoryWarning, stacklevel=3)
 
     @property
     def name(self) -> str:
@@ -104,12 +100,7 @@ class BsdfLayer(Layer):
     def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
         """BSDFs [1/sr] over (wavelength, exit, incident)."""
         visible, solar = (self.band(channel, partition) for channel in _BANDS)
-        inside = is_visible(wavelength_nm).astype(bool)[:, None, None]
-        return Optics.gather(
-            lambda name: np.where(
-                inside, visible.of(name), invisible(visible.of(name), solar.of(name))
-            )
-        )
+        return two_bands(visible, solar, is_visible(wavelength_nm)[:, None, None])
 
     def band(self, channel: Channel, partition: RingPartition) -> Optics:
         """BSDFs [1/sr] of one band over (exit, incident)."""
@@ -128,21 +119,17 @@ class BsdfLayer(Layer):
         functions: dict[tuple[str, Function], ScatteringFunction] = {}
         for channel, name in self.bsdf.functions:
             part = self.bsdf.function(name, channel=channel)
-            exits, incidents = (
-                mirrored_patches(side) for side in (part.exits, part.incidents)
-            )
-            functions[channel, _OPPOSITE[name]] = ScatteringMatrix(
-                part.values[np.ix_(exits, incidents)], part.exits, part.incidents
-            )
+            image = np.ix_(*map(mirrored_patches, (part.exits, part.incidents)))
+            turned = ScatteringMatrix(part.values[image], part.exits, part.incidents)
+            functions[channel, _OPPOSITE[name]] = turned
         product = self.bsdf.product
-        turned = replace(
+        product = replace(
             product,
             emissivity_front=product.emissivity_back,
             emissivity_back=product.emissivity_front,
         )
-        return replace(
-            self, bsdf=replace(self.bsdf, functions=functions, product=turned)
-        )
+        bsdf = replace(self.bsdf, functions=functions, product=product)
+        return replace(self, bsdf=bsdf)
 
     def channel(self, wanted: Channel) -> Channel:
         """Return the given channel, or the other channel if the file lacks it."""

@@ -23,15 +23,16 @@ Layers and gaps are listed from outdoors to indoors. File paths are relative to 
 TOML file.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, final
 
 from pydantic import Field
 
+from clerestory.checks import not_negative, one_of, positive, require
 from clerestory.documents import Positive, read_toml
-from clerestory.errors import InputError, located
+from clerestory.errors import located
 from clerestory.glazing.layer import Diffuser, Layer
 from clerestory.glazing.layer_files import read_layer, read_pane
 from clerestory.glazing.shade_parameters import (
@@ -52,21 +53,8 @@ ATMOSPHERE = 101_325.0
 class Gap:
     """The space between two layers.
 
-    Attributes
-    ----------
-    thickness : distance between the layers [m]
-    gases : volume fraction of each gas; the fractions sum to 1
-    pressure : gas pressure [Pa]
-
-    Raises
-    ------
-    InputError : thickness or pressure not above 0, unknown gases, or a wrong sum of
-        fractions
-
-    Examples
-    --------
-    >>> Gap(0.016, {"argon": 0.9, "air": 0.1}).thickness
-    0.016
+    `thickness` is the distance between the layers [m], `gases` the volume fraction of
+    each gas, `pressure` the gas pressure [Pa].
     """
 
     thickness: float
@@ -74,19 +62,13 @@ class Gap:
     pressure: float = ATMOSPHERE
 
     def __post_init__(self) -> None:
-        if not (self.thickness > 0 and self.pressure > 0):
-            raise InputError(
-                f"gap of {self.thickness:g} m at {self.pressure:g} Pa; thickness and"
-                " pressure above 0 expected"
-            )
-        unknown = [name for name in self.gases if name not in GASES]
-        if unknown:
-            raise InputError(
-                f"unknown gas {unknown[0]!r}; one of {', '.join(GASES)} expected"
-            )
+        positive(self.thickness, "thickness of the gap", unit="m")
+        positive(self.pressure, "pressure in the gap", unit="Pa")
+        for gas, fraction in self.gases.items():
+            one_of(gas, "the gas", choices=GASES)
+            not_negative(fraction, f"fraction of {gas}")
         total = sum(self.gases.values())
-        if min(self.gases.values(), default=0) < 0 or abs(total - 1) > 1e-6:
-            raise InputError(f"gas fractions sum to {total:g}; 1 expected")
+        require(abs(total - 1) <= 1e-6, f"gas fractions sum to {total:g}; 1 expected")
 
 
 _MILLIMETRE = 1e-3
@@ -96,31 +78,21 @@ _DEFAULT_GAP = 0.0127
 @final
 @dataclass(frozen=True, eq=False)
 class GlazingSystem:
-    """Layers and gaps from outdoors to indoors.
-
-    Attributes
-    ----------
-    name : name in reports
-    layers : layers from outdoors to indoors, at least one
-    gaps : gaps between the layers, one fewer than layers
-
-    Raises
-    ------
-    InputError : no layers, or a wrong number of gaps
-    """
+    """At least one layer, from outdoors to indoors, and the gaps between them."""
 
     name: str
     layers: tuple[Layer, ...]
     gaps: tuple[Gap, ...] = ()
 
     def __post_init__(self) -> None:
-        if not self.layers:
-            raise InputError("glazing system without layers; at least one expected")
-        if len(self.gaps) != len(self.layers) - 1:
-            raise InputError(
-                f"{len(self.gaps)} gaps between {len(self.layers)} layers;"
-                f" {len(self.layers) - 1} expected"
-            )
+        require(self.layers, "glazing system without layers; at least one expected")
+        check_gaps(self.layers, self.gaps)
+
+
+def check_gaps(layers: Sequence[Layer], gaps: Sequence[Gap]) -> None:
+    """Require one gap fewer than layers."""
+    between, count = len(layers) - 1, f"{len(gaps)} gaps between {len(layers)} layers"
+    require(len(gaps) == between, f"{count}; {between} expected")
 
 
 def system_with_equal_gaps(
@@ -175,11 +147,11 @@ class _Plan(GlazingTable):
 
 def _layer(row: _Row, folder: Path) -> Layer:
     kinds = row.model_fields_set - {"flipped"}
-    if len(kinds) != 1:
-        raise InputError(
-            f"{' and '.join(sorted(kinds)) or 'nothing'} defined; one of file,"
-            " venetian, woven, perforated or diffuser expected"
-        )
+    require(
+        len(kinds) == 1,
+        f"{' and '.join(sorted(kinds)) or 'nothing'} defined; one of file, venetian,"
+        " woven, perforated or diffuser expected",
+    )
     shade = row.venetian or row.woven or row.perforated
     if shade is not None:
         layer = shade.layer(read_pane(folder / shade.material))

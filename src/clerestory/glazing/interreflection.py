@@ -9,6 +9,7 @@ Reference: J. H. Klems, ASHRAE Transactions 100 (1), 1994: I. Optical properties
 """
 
 from collections.abc import Sequence
+from itertools import accumulate
 from typing import NamedTuple
 
 import numpy as np
@@ -19,35 +20,25 @@ from clerestory.glazing.optics import Optics
 
 
 class StackProperties(NamedTuple):
-    """Optical properties of a stack of layers.
-
-    Attributes
-    ----------
-    system : flux matrices of the whole stack, (…, n, n)
-    absorbed_front, absorbed_back : absorptance of each layer, per incident patch of the
-        front or the back of the stack, (layer, …, n)
+    """Flux matrices of a stack (…, n, n), and absorptance of each layer per incident
+    patch of the front and of the back of the stack.
     """
 
     system: Optics
-    absorbed_front: Float[np.ndarray, "layer *batch n"]
-    absorbed_back: Float[np.ndarray, "layer *batch n"]
+    absorbed: Float[np.ndarray, "2 layer *batch n"]
 
 
 def stack_properties(layers: Sequence[Optics]) -> StackProperties:
     """Return the optical properties of a stack from flux matrices of its layers.
 
     `layers`: flux matrices from outdoors to indoors, each of shape (…, n, n).
-
-    >>> half = Optics.alike(0.5, 0.2).map(lambda share: share.reshape(1, 1))
-    >>> passage = stack_properties([half, half])
-    >>> round(passage.system.transmission_front.item(), 6)  # 0.25 / (1 - 0.04)
-    0.260417
     """
     reverse = [layer.swapped() for layer in reversed(layers)]
-    outer, inner = _accumulate(layers), _accumulate(reverse)
+    # Stacks of the first one, two, … layers, and of the last ones
+    outer, inner = (list(accumulate(some, combine)) for some in (layers, reverse))
     front = _absorbed(layers, outer, inner)
     back = _absorbed(reverse, inner, outer)
-    return StackProperties(outer[-1], np.stack(front), np.stack(back[::-1]))
+    return StackProperties(outer[-1], np.array([front, back[::-1]]))
 
 
 def combine(outer: Optics, inner: Optics) -> Optics:
@@ -75,21 +66,11 @@ def between(
 ) -> Float[np.ndarray, "*batch n n"]:
     """Flux incident on the layer ahead of a gap, after all interreflections.
 
-    Parameters
-    ----------
-    behind, ahead : reflection flux matrices of the layers on both sides of the gap
-    arriving : flux that enters the gap through the layer behind
+    `behind`, `ahead`: reflection flux matrices of the layers on both sides of the gap.
+    `arriving`: flux that enters the gap through the layer behind.
     """
     loop = np.eye(behind.shape[-1]) - behind @ ahead
     return np.asarray(np.linalg.solve(loop, arriving))
-
-
-def _accumulate(layers: Sequence[Optics]) -> list[Optics]:
-    # Stacks of the first one, two, … layers
-    stacks = [layers[0]]
-    for layer in layers[1:]:
-        stacks.append(combine(stacks[-1], layer))
-    return stacks
 
 
 def _absorbed(

@@ -8,8 +8,8 @@ Reference: J. H. Klems, ASHRAE Transactions 100 (1), 1994, 1065â€“1072 and 1073â
 """
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
-from typing import final
+from dataclasses import dataclass, replace
+from typing import Self, final
 
 import numpy as np
 from jaxtyping import Float
@@ -61,26 +61,16 @@ class Layer(ABC):
     def openness(self, direction: Directions) -> Values:
         """Fraction of the flux along each direction that passes without scattering.
 
-        `direction`: directions of travel into the room; reversed directions give equal
-        values.
+        `direction`: directions of travel, into the room or reversed.
         """
         return np.zeros(len(direction))
 
 
+@dataclass(frozen=True, eq=False)
 class MaterialLayer(Layer):
-    """A layer made of one sheet material.
-
-    Attributes
-    ----------
-    material : properties of the sheet
-    """
+    """A layer made of one sheet material."""
 
     material: Pane
-
-    @property
-    def name(self) -> str:
-        """Name of the material."""
-        return self.material.name
 
     @property
     def wavelength_nm(self) -> PerWavelength:
@@ -88,33 +78,38 @@ class MaterialLayer(Layer):
         return self.material.wavelength_nm
 
     @property
-    def thickness(self) -> float:
-        """Thickness of the material [m]."""
-        return self.material.thickness
-
-    @property
     def emissivities(self) -> tuple[float, float]:
         """Emissivities of the material."""
         return self.material.emissivity_front, self.material.emissivity_back
 
 
+@dataclass(frozen=True, eq=False)
+class Sheet(MaterialLayer):
+    """A flat layer, as thick as its material."""
+
+    @property
+    def name(self) -> str:
+        """Name of the material."""
+        return self.material.name
+
+    @property
+    def thickness(self) -> float:
+        """Thickness of the material [m]."""
+        return self.material.thickness
+
+    def flipped(self) -> Self:
+        """Return the layer with its material reversed."""
+        return replace(self, material=self.material.flipped())
+
+
 @final
 @dataclass(frozen=True, eq=False)
-class Glass(MaterialLayer):
+class Glass(Sheet):
     """A pane of glass in a glazing system.
 
     Scattered light is distributed uniformly over all patches except that of the
     undeviated direction, as in WINDOW.
-
-    >>> from clerestory.hemisphere.klems import klems
-    >>> air = Pane("nothing", np.array([300.0, 2500.0]),
-    ...            Optics(np.ones(2), np.ones(2), np.zeros(2), np.zeros(2)))
-    >>> T = Glass(air).matrices(np.array([550.0]), klems("quarter")).transmission_front
-    >>> (T[0] @ klems("quarter").projected_solid_angles()).round(9)[:3].tolist()
-    [1.0, 1.0, 1.0]
     """
-
-    material: Pane
 
     def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
         """BSDFs [1/sr] over (wavelength, exit, incident)."""
@@ -142,10 +137,6 @@ class Glass(MaterialLayer):
             return None
         return self.material.angular(wavelength_nm, cosine)
 
-    def flipped(self) -> "Glass":
-        """Return the pane reversed."""
-        return Glass(self.material.flipped())
-
 
 def diagonal(
     entries: Float[np.ndarray, "wavelength patch"],
@@ -165,33 +156,20 @@ def mirrored_patches(partition: RingPartition) -> Indices:
 
 @final
 @dataclass(frozen=True, eq=False)
-class Diffuser(MaterialLayer):
-    """A Lambertian sheet.
-
-    Attributes
-    ----------
-    material : transmittances and reflectances, used at all angles of incidence
-    """
-
-    material: Pane
+class Diffuser(Sheet):
+    """A Lambertian sheet, with equal properties at all angles of incidence."""
 
     def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
         """BSDFs [1/sr] over (wavelength, exit, incident)."""
         covered = np.ones(len(partition))
         return lambertian_matrices(self.material.at(wavelength_nm), covered)
 
-    def flipped(self) -> "Diffuser":
-        """Return the layer reversed."""
-        return Diffuser(self.material.flipped())
-
 
 def lambertian_matrices(shares: Optics, covered: Values) -> Optics:
     """BSDFs [1/sr] of a Lambertian material that covers part of the area.
 
-    Parameters
-    ----------
-    shares : transmittances and reflectances of the material, over wavelength
-    covered : covered area fraction, as seen from the direction of each incident patch
+    `shares`: properties of the material over wavelength. `covered`: covered fraction of
+    the area, as seen from the direction of each incident patch.
     """
     even = covered / np.pi * np.ones((len(covered), 1))
     return shares.map(lambda share: share[:, None, None] * even)

@@ -21,7 +21,7 @@ from clerestory.bsdf.product_data import Product
 from clerestory.bsdf.resample import full_tree
 from clerestory.bsdf.scattering_function import OF_SIDE, Function, ScatteringFunction
 from clerestory.bsdf.tensor_tree import ScatteringTree
-from clerestory.errors import InputError
+from clerestory.checks import require, within
 from clerestory.glazing.layer import Layer
 from clerestory.glazing.scatterer import Scatterer, scatterer
 from clerestory.glazing.standard import CHANNELS, Channel, Standard, nfrc
@@ -39,13 +39,10 @@ _FAINT = 0.05
 @final
 @dataclass(frozen=True, eq=False)
 class WalkedLayers:
-    """Optical properties of a stack of layers as tensor trees.
+    """Optical properties of a stack of layers: tensor trees of rank 4.
 
-    Attributes
-    ----------
-    bsdf : tensor trees of rank 4 with standard errors
-    diffuse : diffuse transmittance or reflectance and its standard error, per channel
-        and function
+    `diffuse` has the diffuse transmittance or reflectance and its standard error, per
+    channel and function.
     """
 
     bsdf: Bsdf
@@ -93,28 +90,25 @@ def walk_layers(
     >>> abs(share - 0.25 / 0.96) < 4 * error < 0.02
     True
     """
-    if not layers or not 0 <= halvings <= _FINEST or batches < 2 or walkers < batches:
-        raise InputError(
-            f"{len(layers)} layers, {halvings} halvings, {walkers} walkers in {batches}"
-            f" batches; at least one layer, at most {_FINEST} halvings, at least 2"
-            " batches and one walker per batch expected"
-        )
+    require(layers, "no layers; at least one expected")
+    within(halvings, "halvings", least=0, most=_FINEST)
+    require(batches >= 2, f"batches is {batches}; 2 or more expected")
+    require(walkers >= batches, f"walkers is {walkers}; one or more per batch expected")
     standard = standard or nfrc()
     functions: dict[tuple[str, Function], ScatteringFunction] = {}
     diffuse: dict[tuple[Channel, Function], tuple[float, float]] = {}
     seeds = np.random.SeedSequence(seed).spawn(2 * len(channels))
     for number, channel in enumerate(channels):
-        met = [scatterer(layer, standard.band(channel), channel) for layer in layers]
+        met = [scatterer(layer, standard, channel) for layer in layers]
         for back in (False, True):
             plan = _Plan(met, halvings, walkers // batches, back)
             part = 2 * number + back
             tallies = [
-                _Tally.of(plan, np.random.default_rng(child))
+                _tally(plan, np.random.default_rng(child))
                 for child in seeds[part].spawn(batches)
             ]
-            passed, sent = OF_SIDE["back" if back else "front"]
-            for function in (passed, sent):
-                counts = [t.passed if function == passed else t.sent for t in tallies]
+            for row, function in enumerate(OF_SIDE["back" if back else "front"]):
+                counts = [tally[row] for tally in tallies]
                 functions[channel, function] = _tree(counts, halvings)
                 diffuse[channel, function] = _diffuse(counts, halvings)
             report((part + 1) / (2 * len(channels)), f"{channel}")
@@ -140,28 +134,21 @@ class _Plan:
         return 1 << 2 * self.halvings
 
 
-@dataclass(frozen=True, eq=False)
-class _Tally:
-    # Mean exit flux per walk, over (incident cell, exit cell)
-    passed: Float[np.ndarray, "incident leaving"]
-    sent: Float[np.ndarray, "incident leaving"]
-
-    @classmethod
-    def of(cls, plan: _Plan, rng: np.random.Generator) -> "_Tally":
-        size = plan.cells * plan.cells
-        sums = np.zeros((2, size))
-        step = max(1, _TOGETHER // plan.walkers)
-        for start in range(0, plan.cells, step):
-            cell = np.repeat(
-                np.arange(start, min(start + step, plan.cells)), plan.walkers
-            )
-            travel, weight, passed = _walk(plan.met, _start(cell, plan, rng), rng)
-            place = cell * plan.cells + _cell(travel, plan.halvings)
-            for row, some in enumerate((passed, ~passed)):
-                sums[row] += np.bincount(place[some], weight[some], minlength=size)
-        sums /= plan.walkers
-        shape = plan.cells, plan.cells
-        return cls(sums[0].reshape(shape), sums[1].reshape(shape))
+def _tally(
+    plan: _Plan, rng: np.random.Generator
+) -> Float[np.ndarray, "2 incident leaving"]:
+    # Mean exit flux per walk, transmitted and reflected
+    size = plan.cells * plan.cells
+    sums = np.zeros((2, size))
+    step = max(1, _TOGETHER // plan.walkers)
+    for start in range(0, plan.cells, step):
+        several = np.arange(start, min(start + step, plan.cells))
+        cell = np.repeat(several, plan.walkers)
+        travel, weight, passed = _walk(plan.met, _start(cell, plan, rng), rng)
+        place = cell * plan.cells + _cell(travel, plan.halvings)
+        for row, some in enumerate((passed, ~passed)):
+            sums[row] += np.bincount(place[some], weight[some], minlength=size)
+    return np.asarray((sums / plan.walkers).reshape(2, plan.cells, plan.cells))
 
 
 def _start(cell: Indices, plan: _Plan, rng: np.random.Generator) -> Directions:

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Values
-from clerestory.bsdf.scattering_function import FUNCTIONS, Function, Side
+from clerestory.bsdf.scattering_function import FUNCTIONS, OF_SIDE, Function, Side
 
 
 @final
@@ -16,15 +16,8 @@ from clerestory.bsdf.scattering_function import FUNCTIONS, Function, Side
 class Optics:
     """Transmittances and reflectances as arrays of equal shape.
 
-    Attributes
-    ----------
-    transmission_front, transmission_back, reflection_front, reflection_back : fractions
-        of the flux incident on the named side; the front is the outdoor side
-
-    Examples
-    --------
-    >>> round(Optics.alike(0.8, 0.1).absorption("front").item(), 12)
-    0.1
+    They are fractions of the flux that is incident on the named side; the front is the
+    outdoor side.
     """
 
     transmission_front: Float[np.ndarray, "*batch"]
@@ -53,6 +46,14 @@ class Optics:
         """Return the four properties, each transformed by the same function."""
         return Optics.gather(lambda name: change(self.of(name)))
 
+    def plus(self, other: "Optics") -> "Optics":
+        """Return the sums of equal properties."""
+        return Optics.gather(lambda name: self.of(name) + other.of(name))
+
+    def averaged(self, weight: Values) -> "Optics":
+        """Return weighted sums over the first axis."""
+        return self.map(lambda share: np.asarray(np.tensordot(weight, share, axes=1)))
+
     def swapped(self) -> "Optics":
         """Return the same sheet seen from the other side."""
         return Optics(
@@ -64,6 +65,5 @@ class Optics:
 
     def absorption(self, side: Side) -> Values:
         """Absorptance: fraction that is neither transmitted nor reflected."""
-        if side == "front":
-            return np.asarray(1 - self.transmission_front - self.reflection_front)
-        return np.asarray(1 - self.transmission_back - self.reflection_back)
+        passed, reflected = (self.of(name) for name in OF_SIDE[side])
+        return np.asarray(1 - passed - reflected)

@@ -10,8 +10,10 @@ from typing import final
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.array_types import PerWavelength, Values
-from clerestory.errors import InputError
+from clerestory.array_types import Mask, PerWavelength, Values
+from clerestory.bsdf.scattering_function import Function
+from clerestory.checks import not_negative, positive, same_length
+from clerestory.errors import located
 from clerestory.glazing.angular_dependence import coated, uncoated
 from clerestory.glazing.optics import Optics
 from clerestory.spectra import check_wavelengths
@@ -71,37 +73,21 @@ class Pane:
     source: str | None = None
 
     def __post_init__(self) -> None:
-        try:
+        with located(file=None, subject=f"pane {self.name!r}"):
             check_wavelengths(self.wavelength_nm)
-        except InputError as error:
-            raise InputError(f"pane {self.name!r}: {error.message}") from error
-        for optics in (self.direct, self.diffuse):
-            if optics is None:
-                continue
-            part = np.stack(np.broadcast_arrays(*vars(optics).values()))
-            if part.shape[1:] != self.wavelength_nm.shape:
-                raise InputError(
-                    f"pane {self.name!r} has {part.shape[1:]} values at"
-                    f" {len(self.wavelength_nm)} wavelengths; one value each expected"
-                )
-            if not np.all(np.isfinite(part) & (part >= 0)):
-                raise InputError(
-                    f"pane {self.name!r} has a value of {np.nanmin(part):g}; numbers of"
-                    " 0 or more expected"
-                )
-        if not (self.thickness > 0 and self.conductivity > 0):
-            raise InputError(
-                f"pane {self.name!r} is {self.thickness:g} m thick and conducts"
-                f" {self.conductivity:g} W/(m K); values above 0 expected"
-            )
+            for optics in filter(None, (self.direct, self.diffuse)):
+                part = np.stack(np.broadcast_arrays(*vars(optics).values()))
+                same_length(part[0], self.wavelength_nm, "values", "wavelengths")
+                not_negative(part, "a transmittance or reflectance")
+            positive(self.thickness, "thickness", unit="m")
+            positive(self.conductivity, "thermal conductivity", unit="W/(m K)")
 
     def at(self, wavelength_nm: Values) -> Optics:
         """Total (direct plus diffuse) properties at normal incidence."""
         total = self.direct.map(lambda share: self._at(share, wavelength_nm))
         if self.diffuse is None:
             return total
-        scattered = self.diffuse.map(lambda share: self._at(share, wavelength_nm))
-        return Optics.gather(lambda name: total.of(name) + scattered.of(name))
+        return total.plus(self.diffuse.map(lambda part: self._at(part, wavelength_nm)))
 
     def haze(self, wavelength_nm: Values) -> Optics:
         """Ratio of diffuse to total values, 0…1; 0 where the total is 0."""
@@ -120,10 +106,7 @@ class Pane:
         wavelength_nm: Float[np.ndarray, " wanted"],
         cosine: Float[np.ndarray, " angle"],
     ) -> Optics:
-        """Total properties at oblique incidence, over (wavelength, angle).
-
-        `cosine`: cosine of each angle of incidence.
-        """
+        """Total properties over (wavelength, angle); `cosine` of the incidence."""
         course = coated if self.coated else uncoated
         normal = self.at(wavelength_nm).map(lambda share: share[:, None])
         front, back = (
@@ -162,40 +145,29 @@ def two_band_pane(name: str, *, solar: Optics, visible: Optics) -> Pane:
 
     Values at invisible wavelengths follow from the solar average, with 49 % of solar
     energy in the visible range as in WINDOW.
-
-    >>> grey = two_band_pane("cloth", solar=Optics.alike(0.3, 0.2),
-    ...                      visible=Optics.alike(0.1, 0.2))
-    >>> grey.at(np.array([550.0, 1000.0])).transmission_front.round(3).tolist()
-    [0.1, 0.492]
     """
-    low, high = _VISIBLE_NM
     wavelength = two_band_wavelengths()
-    inside = (wavelength >= low) & (wavelength <= high)
-    optics = Optics.gather(
-        lambda part: np.where(
-            inside, visible.of(part), invisible(visible.of(part), solar.of(part))
-        )
-    )
-    return Pane(name, wavelength, optics)
+    return Pane(name, wavelength, two_bands(visible, solar, is_visible(wavelength)))
 
 
 def grey_pane(transmittance: float, reflectance: float, *, name: str = "grey") -> Pane:
-    """Return a sheet with equal values at all wavelengths and on both sides.
-
-    >>> float(grey_pane(0.2, 0.5).at(np.array([550.0])).reflection_back[0])
-    0.5
-    """
+    """Return a sheet with equal values at all wavelengths and on both sides."""
     shares = Optics.alike(transmittance, reflectance)
     return two_band_pane(name, solar=shares, visible=shares)
 
 
-def invisible(visible: Values, solar: Values) -> Values:
-    """Value at invisible wavelengths that yields the given solar average.
+def two_bands(visible: Optics, solar: Optics, inside: Mask) -> Optics:
+    """Visible values inside the visible range; outside, those that yield `solar`.
 
     Negative values are set to zero.
     """
-    rest = (solar - VISIBLE_SHARE * visible) / (1 - VISIBLE_SHARE)
-    return np.asarray(np.maximum(rest, 0))
+
+    def part(name: Function) -> Values:
+        known = visible.of(name)
+        rest = (solar.of(name) - VISIBLE_SHARE * known) / (1 - VISIBLE_SHARE)
+        return np.where(inside, known, np.maximum(rest, 0))
+
+    return Optics.gather(part)
 
 
 def two_band_wavelengths() -> Values:
@@ -206,7 +178,7 @@ def two_band_wavelengths() -> Values:
     )
 
 
-def is_visible(wavelength_nm: Values) -> Values:
-    """1 for visible wavelengths (380 to 780 nm), 0 for all others."""
+def is_visible(wavelength_nm: Values) -> Mask:
+    """Whether wavelengths are from 380 to 780 nm."""
     low, high = _VISIBLE_NM
-    return ((wavelength_nm >= low) & (wavelength_nm <= high)).astype(float)
+    return np.asarray((wavelength_nm >= low) & (wavelength_nm <= high))

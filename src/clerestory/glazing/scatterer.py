@@ -23,7 +23,8 @@ from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.glazing.bsdf_layer import BsdfLayer
 from clerestory.glazing.layer import Layer, diagonal
 from clerestory.glazing.optics import Optics
-from clerestory.glazing.standard import Band, Channel
+from clerestory.glazing.stack import layer_band
+from clerestory.glazing.standard import Channel, Standard
 from clerestory.hemisphere.klems import klems
 
 # Number of cosines in the specular table of a pane.
@@ -41,13 +42,10 @@ _Directions = Float[np.ndarray, "walker 3"]
 @final
 @dataclass(frozen=True, eq=False)
 class Scatterer:
-    """One layer in one spectral band.
+    """One layer in one spectral band; its openings transmit light undeviated.
 
-    Attributes
-    ----------
-    layer : layer that is sampled; its openings transmit light undeviated
-    mirror : specular T and R over the cosine of incidence; None for scattering layers
-    bsdf : BSDF of the scattered light, in the channel "visible"; None for panes
+    `mirror`: specular T and R over the cosine of incidence; None for scattering layers.
+    `bsdf`: BSDF of the scattered light, in the channel "visible"; None for panes.
     """
 
     layer: Layer
@@ -71,12 +69,9 @@ class Scatterer:
     def leave(
         self, travel: _Directions, passed: Mask, rng: np.random.Generator
     ) -> _Directions:
-        """Directions of travel after the layer.
+        """Directions of travel after the layer; `travel`, before it, as in `shares`.
 
-        Parameters
-        ----------
-        travel : directions of travel before the layer, all with the same sign of z
-        passed : whether each walk is transmitted instead of reflected
+        `passed`: whether each walk is transmitted instead of reflected.
         """
         leaving = np.where(passed[:, None], travel, travel * [1, 1, -1])
         if self.mirror is not None:
@@ -101,29 +96,26 @@ class Scatterer:
         return self.layer.openness(travel * sign)
 
 
-def scatterer(layer: Layer, band: Band, channel: Channel) -> Scatterer:
+def scatterer(layer: Layer, standard: Standard, channel: Channel) -> Scatterer:
     """Return the sampler of a layer in one spectral band."""
     known = layer.wavelength_nm
-    weights = band.weights(known)
     cosine = np.linspace(0, 1, _TABLE)
     clear = layer.specular(known, np.maximum(cosine, 1e-6))
     if clear is not None:
+        weights = standard.band(channel).weights(known)
         return Scatterer(layer, clear.map(lambda share: weights @ share), None)
     functions: dict[tuple[str, Function], ScatteringFunction] = {}
     if isinstance(layer, BsdfLayer):
+        used = layer.channel(channel)
         for name in FUNCTIONS:
-            if layer.bsdf.has(name, channel=layer.channel(channel)):
-                functions["visible", name] = layer.bsdf.scattering(
-                    name, channel=layer.channel(channel)
-                )
+            if layer.bsdf.has(name, channel=used):
+                part = layer.bsdf.scattering(name, channel=used)
+                functions["visible", name] = part
         return Scatterer(layer, None, Bsdf(functions))
 
     # BSDF of the layer without its openings, in the full Klems basis
     partition = klems("full")
-    counts = np.flatnonzero(weights)
-    shares = layer.matrices(known[counts], partition).map(
-        lambda f: np.asarray(np.tensordot(weights[counts], f, axes=1))
-    )
+    shares = layer_band(layer, standard, channel, partition)
     measure = partition.projected_solid_angles()
     for name in FUNCTIONS:
         rest = shares.of(name)

@@ -8,7 +8,7 @@ References: W. R. McCluney, L. Mills, ASHRAE Transactions 99 (2), 1993 (woven); 
 WINDOW 7 technical documentation (perforated screens).
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal, final
 
 import numpy as np
@@ -16,10 +16,9 @@ from jaxtyping import Float
 
 from clerestory.array_types import Directions, PerWavelength, Values
 from clerestory.bsdf.scattering_function import Function
-from clerestory.errors import InputError
-from clerestory.glazing.layer import MaterialLayer, diagonal, lambertian_matrices
+from clerestory.checks import positive, require
+from clerestory.glazing.layer import Sheet, diagonal, lambertian_matrices
 from clerestory.glazing.optics import Optics
-from clerestory.glazing.pane import Pane
 from clerestory.hemisphere.partition import RingPartition
 
 Opening = Literal["circular", "rectangular"]
@@ -27,48 +26,29 @@ Opening = Literal["circular", "rectangular"]
 
 @final
 @dataclass(frozen=True, eq=False)
-class PerforatedScreen(MaterialLayer):
-    """A sheet with holes in a regular grid.
+class PerforatedScreen(Sheet):
+    """A sheet with holes in a regular grid; its thickness limits oblique transmission.
 
     Attributes
     ----------
-    material : material of the sheet; its thickness limits oblique transmission
     shape : shape of the holes
     spacing : horizontal and vertical distance between the hole centres [m]
     size : width and height of rectangular holes, or radius of circular holes (first
         number) [m]
-
-    Raises
-    ------
-    InputError : holes that overlap, or lengths that are not positive
-
-    Examples
-    --------
-    >>> from clerestory.glazing.pane import grey_pane
-    >>> screen = PerforatedScreen(
-    ...     grey_pane(0, 0), "rectangular", (0.02, 0.02), (0.01, 0.01)
-    ... )
-    >>> float(screen.openness(np.array([[0.0, 0.0, 1.0]]))[0])
-    0.25
     """
 
-    material: Pane
     shape: Opening
     spacing: tuple[float, float]
     size: tuple[float, float]
 
     def __post_init__(self) -> None:
         widest = [2 * self.size[0]] * 2 if self.shape == "circular" else self.size
-        if min(*self.spacing, *widest) <= 0:
-            raise InputError(
-                f"screen {self.name!r} has holes of {self.size} m every"
-                f" {self.spacing} m; lengths above 0 expected"
-            )
-        if any(w > s for w, s in zip(widest, self.spacing, strict=True)):
-            raise InputError(
-                f"screen {self.name!r} has holes of {tuple(widest)} m every"
-                f" {self.spacing} m, which overlap; smaller holes expected"
-            )
+        positive([*self.spacing, *widest], f"a length of {self.name!r}", unit="m")
+        require(
+            all(w <= s for w, s in zip(widest, self.spacing, strict=True)),
+            f"screen {self.name!r} has holes of {tuple(widest)} m every"
+            f" {self.spacing} m, which overlap; smaller holes expected",
+        )
 
     def openness(self, direction: Directions) -> Values:
         """Fraction of the flux along each direction that passes through the holes."""
@@ -93,45 +73,21 @@ class PerforatedScreen(MaterialLayer):
         even = lambertian_matrices(self.material.at(wavelength_nm), 1 - free)
         return _with_openings(even, free, partition)
 
-    def flipped(self) -> "PerforatedScreen":
-        """Return the screen reversed."""
-        return replace(self, material=self.material.flipped())
-
 
 @final
 @dataclass(frozen=True, eq=False)
-class WovenShade(MaterialLayer):
-    """A fabric of threads that cross at right angles.
+class WovenShade(Sheet):
+    """A fabric of threads that cross at right angles; lengths in metres."""
 
-    Attributes
-    ----------
-    material : material of the threads
-    thread_diameter, thread_spacing : diameter and spacing of the threads [m]
-
-    Raises
-    ------
-    InputError : threads thicker than their spacing
-
-    Examples
-    --------
-    >>> from clerestory.glazing.pane import grey_pane
-    >>> cloth = WovenShade(
-    ...     grey_pane(0, 0), thread_diameter=0.5e-3, thread_spacing=1e-3
-    ... )
-    >>> float(cloth.openness(np.array([[0.0, 0.0, 1.0]]))[0])
-    0.25
-    """
-
-    material: Pane
     thread_diameter: float
     thread_spacing: float
 
     def __post_init__(self) -> None:
-        if not 0 < self.thread_diameter <= self.thread_spacing:
-            raise InputError(
-                f"fabric {self.name!r} has threads of {self.thread_diameter:g} m every"
-                f" {self.thread_spacing:g} m; 0 < diameter ≤ spacing expected"
-            )
+        require(
+            0 < self.thread_diameter <= self.thread_spacing,
+            f"fabric {self.name!r} has threads of {self.thread_diameter:g} m every"
+            f" {self.thread_spacing:g} m; 0 < diameter ≤ spacing expected",
+        )
 
     def openness(self, direction: Directions) -> Values:
         """Fraction of the flux along each direction that passes between the threads."""
@@ -161,10 +117,6 @@ class WovenShade(MaterialLayer):
             return np.maximum(even.of(name) + gain[kind] * forwards[side], 0)
 
         return _with_openings(Optics.gather(total), free, partition)
-
-    def flipped(self) -> "WovenShade":
-        """Return the fabric reversed."""
-        return replace(self, material=self.material.flipped())
 
     def _scattered_forwards(
         self, reflectance: PerWavelength, direction: Float[np.ndarray, "direction 3"]

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import ConfigDict, Field
 
 from clerestory.checks import require
-from clerestory.documents import Positive, Table, validated
+from clerestory.documents import Table, validated
 from clerestory.errors import InputError
 from clerestory.glazing.layer import Layer
 from clerestory.glazing.pane import Pane
@@ -18,7 +18,9 @@ from clerestory.glazing.venetian import VenetianBlind
 
 _MILLIMETRE = 1e-3
 
-_Pair = tuple[Positive, Positive]
+# Numbers in the IGSDB may be text
+_Length = Annotated[float, Field(gt=0)]
+_Pair = tuple[_Length, _Length]
 
 
 class GlazingTable(Table):
@@ -31,8 +33,8 @@ class SlatParameters(GlazingTable):
     """Slats of a venetian blind."""
 
     material: Path
-    width_mm: Positive
-    spacing_mm: Positive
+    width_mm: _Length
+    spacing_mm: _Length
     tilt_deg: Annotated[float, Field(ge=-90, le=90)] = 0.0
     curvature_radius_mm: float = 0.0
     segments: int = 5
@@ -55,8 +57,8 @@ class ThreadParameters(GlazingTable):
     """Threads of a woven shade."""
 
     material: Path
-    thread_diameter_mm: Positive
-    thread_spacing_mm: Positive
+    thread_diameter_mm: _Length
+    thread_spacing_mm: _Length
 
     def layer(self, material: Pane) -> Layer:
         """Return the fabric."""
@@ -73,7 +75,7 @@ class HoleParameters(GlazingTable):
     material: Path
     shape: Literal["circular", "rectangular"] = "circular"
     spacing_mm: _Pair
-    radius_mm: Positive | None = None
+    radius_mm: _Length | None = None
     size_mm: _Pair | None = None
 
     def layer(self, material: Pane) -> Layer:

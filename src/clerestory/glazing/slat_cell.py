@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Indices, Points2, Values
-from clerestory.errors import InputError
+from clerestory.checks import positive, require, within
 
 # Points and angles per face for view factors, and rays per opening for beams.
 _POINTS, _ANGLES, _BEAMS = 16, 128, 1024
@@ -32,11 +32,6 @@ class SlatGeometry:
     curvature_radius : radius of curvature of the slats [m]; 0 for flat slats, positive
         if the middle of an untilted slat is above its edges
     segments : number of straight segments per slat
-
-    Raises
-    ------
-    InputError : lengths that are not positive, slats bent beyond half a circle, or a
-        tilt beyond 90°
     """
 
     width: float
@@ -46,23 +41,16 @@ class SlatGeometry:
     segments: int = 5
 
     def __post_init__(self) -> None:
-        if not (self.width > 0 and self.spacing > 0):
-            raise InputError(
-                f"slats {self.width:g} m wide every {self.spacing:g} m; width and"
-                " spacing above 0 expected"
-            )
-        if not abs(self.tilt) <= np.pi / 2:
-            raise InputError(
-                f"slats tilted by {np.degrees(self.tilt):g}°; -90 to 90° expected"
-            )
+        positive([self.width, self.spacing], "width or spacing of the slats", unit="m")
+        tilt_deg = np.degrees(self.tilt)
+        within(tilt_deg, "tilt of the slats", least=-90, most=90, unit="°")
         radius = abs(self.curvature_radius)
-        if radius and radius <= self.width / 2:
-            raise InputError(
-                f"slats {self.width:g} m wide bent to a radius of {radius:g} m; more"
-                " than half the width expected, or 0 for flat slats"
-            )
-        if not 1 <= self.segments <= 100:
-            raise InputError(f"{self.segments} segments per slat; 1 to 100 expected")
+        require(
+            radius == 0 or radius > self.width / 2,
+            f"slats {self.width:g} m wide bent to a radius of {radius:g} m; more than"
+            " half the width expected, or 0 for flat slats",
+        )
+        within(self.segments, "number of segments per slat", least=1, most=100)
 
     def polyline(self) -> Points2:
         """Points of a slat from outdoors to indoors, relative to its mid-chord [m]."""
@@ -82,17 +70,11 @@ class SlatGeometry:
 @final
 @dataclass(frozen=True, eq=False)
 class SlatCell:
-    """Faces of the space between two slats.
+    """Faces of the space between two slats, with unit normals into the space.
 
     Faces are, in this order: the segments of the upper face of the lower slat from
     outdoors to indoors, the segments of the lower face of the upper slat, the opening
     to the sky and the opening to the room.
-
-    Attributes
-    ----------
-    start, end : end points of each face [m]
-    normal : unit normal of each face, into the space
-    segments : number of segments per slat
     """
 
     start: Float[np.ndarray, "face 2"]
@@ -152,10 +134,7 @@ class SlatCell:
     ) -> Float[np.ndarray, "direction face"]:
         """Fraction of a collimated beam through an opening that reaches each face.
 
-        Parameters
-        ----------
-        direction : directions of travel, into the space
-        opening : face number of the opening, `sky` or `room`
+        `direction`: directions of travel, into the space. `opening`: `sky` or `room`.
         """
         part = ((np.arange(_BEAMS) + 0.5) / _BEAMS)[:, None]
         origin = self.start[opening] + part * (self.end - self.start)[opening]

@@ -12,7 +12,7 @@ from typing import Literal, final
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.array_types import ExitIncident, Values
+from clerestory.array_types import Values
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product_data import Product
 from clerestory.bsdf.scattering_function import (
@@ -23,12 +23,13 @@ from clerestory.bsdf.scattering_function import (
     Side,
 )
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
+from clerestory.checks import require
 from clerestory.errors import InputError
 from clerestory.glazing.bsdf_layer import BsdfLayer
 from clerestory.glazing.interreflection import StackProperties, stack_properties
 from clerestory.glazing.layer import Layer, diagonal
 from clerestory.glazing.optics import Optics
-from clerestory.glazing.standard import CHANNELS, Band, Channel, Standard, nfrc
+from clerestory.glazing.standard import CHANNELS, Channel, Standard, nfrc
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.progress import Progress
@@ -43,14 +44,11 @@ Method = Literal["wavelengths", "bands"]
 @final
 @dataclass(frozen=True, eq=False)
 class StackedLayers:
-    """Optical properties of a stack of layers.
+    """Optical properties of a stack of layers, with visible and solar channels.
 
-    Attributes
-    ----------
-    bsdf : BSDF of the whole stack, with visible and solar channels
-    absorptance : absorptance over (layer, incident patch), per channel and side
-    layers : names of the layers, from outdoors to indoors
-    standard : name of the standard of the spectral averages
+    `absorptance` is that of each layer and incident patch, per channel and side;
+    `layers` are the names from outdoors to indoors; `standard` is that of the spectral
+    averages.
     """
 
     bsdf: Bsdf
@@ -114,30 +112,30 @@ def stack_layers(
     >>> round(pair.diffuse("transmission_front"), 4)  # 0.25 / (1 - 0.04)
     0.2604
     """
-    if not layers:
-        raise InputError("stack without layers; at least one expected")
+    require(layers, "stack without layers; at least one expected")
     partition = partition or klems("full")
     standard = standard or nfrc()
     single = len(layers) == 1 and isinstance(layers[0], BsdfLayer)
     if single or method == "bands":
         sums = {
-            channel: _band_by_band(layers, standard.band(channel), channel, partition)
+            channel: _band_by_band(layers, standard, channel, partition)
             for channel in CHANNELS
         }
     else:
         sums = _by_wavelength(layers, standard, partition, report)
-    functions: dict[tuple[str, Function], ScatteringFunction] = {
-        (channel, part): ScatteringMatrix(
-            _bsdf(sums[channel].system.of(part), partition), partition, partition
-        )
-        for channel in ("visible", "solar")
-        for part in FUNCTIONS
-    }
+    functions: dict[tuple[str, Function], ScatteringFunction] = {}
+    for channel in reversed(CHANNELS):
+        for part in FUNCTIONS:
+            # Clip rounding errors
+            flux = np.maximum(sums[channel].system.of(part), 0)
+            value = flux / partition.projected_solid_angles()[:, None]
+            matrix = ScatteringMatrix(value, partition, partition)
+            functions[channel, part] = matrix
     names = tuple(layer.name for layer in layers)
     absorptance = {
-        (channel, side): getattr(sums[channel], f"absorbed_{side}")
+        (channel, side): absorbed
         for channel in CHANNELS
-        for side in SIDES
+        for side, absorbed in zip(SIDES, sums[channel].absorbed, strict=True)
     }
     bsdf = Bsdf(functions, _product(layers, gap_thickness, name))
     return StackedLayers(bsdf, absorptance, names, standard.name, partition)
@@ -169,39 +167,47 @@ def _by_wavelength(
         part = counts[start : start + chunk]
         passage = _passage(layers, grid[part], partition)
         for channel in CHANNELS:
-            found = _weighted(passage, weights[channel][part])
-            total[channel] = _sum(total[channel], found) if channel in total else found
+            weight, before = weights[channel][part], total.get(channel)
+            system = passage.system.averaged(weight)
+            sides = passage.absorbed
+            absorbed = np.array([np.tensordot(a, weight, axes=(1, 0)) for a in sides])
+            if before is not None:
+                system = before.system.plus(system)
+                absorbed = before.absorbed + absorbed
+            total[channel] = StackProperties(system, absorbed)
         report((start + len(part)) / len(counts), f"{grid[part[-1]]:.0f} nm")
     return total
 
 
 def _band_by_band(
-    layers: Sequence[Layer], band: Band, channel: Channel, partition: RingPartition
+    layers: Sequence[Layer],
+    standard: Standard,
+    channel: Channel,
+    partition: RingPartition,
 ) -> StackProperties:
     measure = partition.projected_solid_angles()[:, None]
     averages = [
-        _layer_band(layer, band, channel, partition).map(lambda f: measure * f)
+        layer_band(layer, standard, channel, partition).map(lambda f: measure * f)
         for layer in layers
     ]
     return stack_properties(averages)
 
 
-def _layer_band(
-    layer: Layer, band: Band, channel: Channel, partition: RingPartition
+def layer_band(
+    layer: Layer, standard: Standard, channel: Channel, partition: RingPartition
 ) -> Optics:
-    # Band average of a single layer
+    """Band average of the BSDFs of a layer [1/sr] over (exit, incident)."""
     if isinstance(layer, BsdfLayer):
         return layer.band(channel, partition)
-    weights = band.weights(layer.wavelength_nm)
+    weights = standard.band(channel).weights(layer.wavelength_nm)
     counts = np.flatnonzero(weights)
     chunk = max(1, _TOGETHER // len(partition) ** 2)
     total: Optics | None = None
     for start in range(0, len(counts), chunk):
         part = counts[start : start + chunk]
-        shares = _mean(
-            layer.matrices(layer.wavelength_nm[part], partition), weights[part]
-        )
-        total = shares if total is None else _add(total, shares)
+        matrices = layer.matrices(layer.wavelength_nm[part], partition)
+        shares = matrices.averaged(weights[part])
+        total = shares if total is None else total.plus(shares)
     if total is None:
         raise InputError(f"layer {layer.name!r} has no data in the {channel} band")
     return total
@@ -225,37 +231,5 @@ def _passage(
     single = stack_properties(
         [p.map(lambda share: share[..., None, None]) for p in panes]
     )
-    return StackProperties(
-        single.system.map(lambda share: diagonal(share[..., 0, 0])),
-        single.absorbed_front[..., 0],
-        single.absorbed_back[..., 0],
-    )
-
-
-def _weighted(passage: StackProperties, weight: Values) -> StackProperties:
-    return StackProperties(
-        _mean(passage.system, weight),
-        np.tensordot(passage.absorbed_front, weight, axes=(1, 0)),
-        np.tensordot(passage.absorbed_back, weight, axes=(1, 0)),
-    )
-
-
-def _mean(optics: Optics, weight: Values) -> Optics:
-    return optics.map(lambda share: np.asarray(np.tensordot(weight, share, axes=1)))
-
-
-def _sum(one: StackProperties, other: StackProperties) -> StackProperties:
-    return StackProperties(
-        _add(one.system, other.system),
-        one.absorbed_front + other.absorbed_front,
-        one.absorbed_back + other.absorbed_back,
-    )
-
-
-def _add(one: Optics, other: Optics) -> Optics:
-    return Optics.gather(lambda name: one.of(name) + other.of(name))
-
-
-def _bsdf(flux: ExitIncident, partition: RingPartition) -> ExitIncident:
-    # Clip rounding errors
-    return np.asarray(np.maximum(flux, 0) / partition.projected_solid_angles()[:, None])
+    system = single.system.map(lambda share: diagonal(share[..., 0, 0]))
+    return StackProperties(system, single.absorbed[..., 0])

@@ -15,7 +15,7 @@ from typing import Literal, final
 import numpy as np
 
 from clerestory.array_types import PerWavelength, Values
-from clerestory.errors import InputError
+from clerestory.checks import one_of, require
 from clerestory.spectra import Spectrum, interpolation_matrix
 
 Channel = Literal["solar", "visible"]
@@ -28,28 +28,14 @@ _ROUNDING_NM = 1e-3
 @final
 @dataclass(frozen=True, eq=False)
 class Band:
-    """Weights of a spectral average.
-
-    Attributes
-    ----------
-    wavelength_nm : wavelengths of the weights [nm]
-    weight : weights that sum to 1
-
-    Examples
-    --------
-    >>> band = Band(np.array([400.0, 700.0]), np.array([0.5, 0.5]))
-    >>> band.average(Spectrum(np.array([300.0, 800.0]), np.array([0.0, 1.0])))
-    0.5
-    """
+    """Weights of a spectral average; their sum is 1."""
 
     wavelength_nm: PerWavelength
     weight: PerWavelength
 
     def __post_init__(self) -> None:
-        if abs(float(self.weight.sum()) - 1) > 1e-9:
-            raise InputError(
-                f"weights of a band sum to {self.weight.sum():.6g}; 1 expected"
-            )
+        total = float(self.weight.sum())
+        require(abs(total - 1) <= 1e-9, f"the weights sum to {total:.6g}; 1 expected")
 
     def average(self, spectrum: Spectrum) -> float:
         """Average of a spectrum over the band."""
@@ -65,13 +51,7 @@ class Band:
 @final
 @dataclass(frozen=True, eq=False)
 class Standard:
-    """The solar and the visible band of a standard.
-
-    Attributes
-    ----------
-    name : name shown in reports
-    solar, visible : bands of the solar and the visible average
-    """
+    """The solar and the visible band of a standard."""
 
     name: str
     solar: Band
@@ -83,12 +63,7 @@ class Standard:
 
 
 def nfrc() -> Standard:
-    """Return the bands of NFRC 300: direct solar AM 1.5, and D65 with CIE 1931 Y.
-
-    >>> flat = Spectrum(np.array([300.0, 2500.0]), np.array([0.4, 0.4]))
-    >>> round(nfrc().solar.average(flat), 12)
-    0.4
-    """
+    """Return the bands of NFRC 300: direct solar AM 1.5, and D65 with CIE 1931 Y."""
     solar = trapezoidal_band(_table("astm_e891_direct"), low_nm=300, high_nm=2500)
     daylight, eye = _table("cie_d65"), _table("cie_1931_y")
     photopic = Spectrum(daylight.wavelength_nm, daylight.value * eye.value)
@@ -108,8 +83,7 @@ def standard(name: str) -> Standard:
     """Return a standard by its name, "nfrc" or "en410"."""
     known = {"nfrc": nfrc, "en410": en410}
     word = name.lower().replace(" ", "")
-    if word not in known:
-        raise InputError(f"unknown standard {name!r}; {' or '.join(known)} expected")
+    one_of(word, "the standard", choices=known)
     return known[word]()
 
 
@@ -119,15 +93,13 @@ def trapezoidal_band(source: Spectrum, *, low_nm: float, high_nm: float) -> Band
         source.wavelength_nm <= high_nm + _ROUNDING_NM
     )
     wavelength, power = source.wavelength_nm[inside], source.value[inside]
-    if len(wavelength) < 2:
-        raise InputError(
-            f"the source has no interval from {low_nm:g} to {high_nm:g} nm"
-        )
+    require(
+        len(wavelength) > 1 and power.sum() > 0,
+        f"the source has no power from {low_nm:g} to {high_nm:g} nm",
+    )
     step = np.diff(wavelength)
     half = (np.append(step, 0) + np.insert(step, 0, 0)) / 2
     weight = half * power
-    if weight.sum() <= 0:
-        raise InputError(f"the source has no power from {low_nm:g} to {high_nm:g} nm")
     return Band(wavelength, weight / weight.sum())
 
 

@@ -9,15 +9,14 @@ spectra, venetian, woven and perforated shades as geometry, BSDFs as two-band ma
 from collections.abc import Sequence
 from dataclasses import dataclass
 from types import ModuleType
-from typing import Literal, NamedTuple, final
+from typing import Any, Literal, NamedTuple, final
 
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.array_types import Points2
 from clerestory.errors import InputError
 from clerestory.glazing.bsdf_layer import BsdfLayer
-from clerestory.glazing.glazing_system import Gap, GlazingSystem
+from clerestory.glazing.glazing_system import Gap, GlazingSystem, check_gaps
 from clerestory.glazing.layer import Diffuser, Glass, Layer
 from clerestory.glazing.stack import StackedLayers, stack_layers
 from clerestory.glazing.standard import Standard
@@ -85,28 +84,8 @@ def thermal_figures(
     InputError : numbers of gaps and layers do not match, or pywincalc rejects a layer
     ClerestoryError : pywincalc is not installed
     """
-    if len(gaps) != len(layers) - 1:
-        raise InputError(
-            f"{len(gaps)} gaps between {len(layers)} layers; {len(layers) - 1} expected"
-        )
+    check_gaps(layers, gaps)
     engine = load_engine()
-    try:
-        return _calculate(
-            engine, layers, gaps, basis, wavelengths, (width, height), tilt_deg
-        )
-    except RuntimeError as error:
-        raise InputError(f"pywincalc rejects the layers: {error}") from error
-
-
-def _calculate(
-    engine: ModuleType,
-    layers: Sequence[Layer],
-    gaps: Sequence[Gap],
-    basis: Basis,
-    wavelengths: Wavelengths,
-    size: tuple[float, float],
-    tilt_deg: float,
-) -> ThermalFigures:
     scattering = any(
         not isinstance(layer, Glass) or layer.material.diffuse for layer in layers
     )
@@ -115,54 +94,53 @@ def _calculate(
     basis_object = hemisphere(engine, "full" if full else basis) if scattering else None
     ranges = engine.SpectalDataWavelengthRangeMethodType
     spectrum = ranges.FULL if wavelengths == "full" else ranges.CONDENSED
-    systems = [
-        engine.GlazingSystem(
-            [engine_layer(engine, layer, partition) for layer in layers],
-            [engine_gap(engine, gap) for gap in gaps],
-            width_meters=size[0],
-            height_meters=size[1],
-            tilt_degrees=tilt_deg,
-            environment=environment,
-            bsdf_hemisphere=basis_object,
-            spectral_data_wavelength_range_method=spectrum,
+    try:
+        winter, summer = (
+            engine.GlazingSystem(
+                [engine_layer(engine, layer, partition) for layer in layers],
+                [engine_gap(engine, gap) for gap in gaps],
+                width_meters=width,
+                height_meters=height,
+                tilt_degrees=tilt_deg,
+                environment=environment(),
+                bsdf_hemisphere=basis_object,
+                spectral_data_wavelength_range_method=spectrum,
+            )
+            for environment in (
+                engine.nfrc_u_environments,
+                engine.nfrc_shgc_environments,
+            )
         )
-        for environment in (
-            engine.nfrc_u_environments(),
-            engine.nfrc_shgc_environments(),
-        )
-    ]
-    winter, summer = systems
+        return _figures(engine, winter, summer)
+    except RuntimeError as error:
+        raise InputError(f"pywincalc rejects the layers: {error}") from error
+
+
+def _figures(engine: ModuleType, winter: Any, summer: Any) -> ThermalFigures:
     solar, visible = (
         summer.optical_method_results(method).system_results.front.transmittance
         for method in ("SOLAR", "PHOTOPIC")
+    )
+    cold, hot = (
+        np.array(system.layer_temperatures(kind)).reshape(-1, 2)
+        for system, kind in (
+            (winter, engine.TarcogSystemType.U),
+            (summer, engine.TarcogSystemType.SHGC),
+        )
     )
     return ThermalFigures(
         u=winter.u(),
         shgc=summer.shgc(),
         solar_transmittance=solar.direct_hemispherical,
         visible_transmittance=visible.direct_hemispherical,
-        temperatures_winter=_pairs(
-            winter.layer_temperatures(engine.TarcogSystemType.U)
-        ),
-        temperatures_summer=_pairs(
-            summer.layer_temperatures(engine.TarcogSystemType.SHGC)
-        ),
+        temperatures_winter=cold,
+        temperatures_summer=hot,
         relative_heat_gain=summer.relative_heat_gain(),
     )
 
 
-def _pairs(temperatures: list[float]) -> Points2:
-    return np.array(temperatures).reshape(-1, 2)
-
-
 class LightAndHeat(NamedTuple):
-    """Optical and thermal properties of a glazing system.
-
-    Attributes
-    ----------
-    light : BSDF of the system and absorptances of the layers
-    heat : U-value, SHGC and temperatures
-    """
+    """Optical and thermal properties of a glazing system."""
 
     light: StackedLayers
     heat: ThermalFigures

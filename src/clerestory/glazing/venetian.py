@@ -19,9 +19,8 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Directions, PerWavelength, Points2, Values
-from clerestory.glazing.layer import Layer, diagonal
+from clerestory.glazing.layer import MaterialLayer, diagonal
 from clerestory.glazing.optics import Optics
-from clerestory.glazing.pane import Pane
 from clerestory.glazing.slat_cell import SlatCell, SlatGeometry
 from clerestory.hemisphere.partition import RingPartition
 
@@ -37,7 +36,7 @@ class _Beams(NamedTuple):
 
 @final
 @dataclass(frozen=True, eq=False)
-class VenetianBlind(Layer):
+class VenetianBlind(MaterialLayer):
     """A blind of parallel slats.
 
     Attributes
@@ -48,19 +47,8 @@ class VenetianBlind(Layer):
         patch; "uniform" distributes exit radiance uniformly
     vertical : whether slats are vertical; positive tilt then turns the outdoor edge to
         the left, as seen from the room
-
-    Examples
-    --------
-    >>> from clerestory.glazing.pane import grey_pane
-    >>> from clerestory.hemisphere.klems import klems
-    >>> slats = SlatGeometry(width=0.05, spacing=0.05, tilt=np.pi / 6)
-    >>> blind = VenetianBlind(grey_pane(0, 0), slats)
-    >>> seen = blind.matrices(np.array([550.0]), klems("quarter")).transmission_front
-    >>> round(float(seen[0, 0, 0] * klems("quarter").projected_solid_angles()[0]), 2)
-    0.5
     """
 
-    material: Pane
     slats: SlatGeometry
     distribution: Distribution = "directional"
     vertical: bool = False
@@ -72,52 +60,35 @@ class VenetianBlind(Layer):
         return f"{self.material.name}, slats at {tilt:.0f}°"
 
     @property
-    def wavelength_nm(self) -> Values:
-        """Wavelengths of the material data [nm]."""
-        return self.material.wavelength_nm
-
-    @property
     def thickness(self) -> float:
         """Depth of the tilted slats plus the thickness of the material [m]."""
         return float(np.ptp(self.slats.polyline()[:, 0])) + self.material.thickness
-
-    @property
-    def emissivities(self) -> tuple[float, float]:
-        """Emissivities of the material."""
-        return self.material.emissivity_front, self.material.emissivity_back
 
     def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
         """BSDFs [1/sr] over (wavelength, exit, incident)."""
         section = self._section(partition)
         measure = partition.projected_solid_angles()
-        front, back = (
-            self._beams(section * [1, 1], self._cell.sky),
-            self._beams(section * [-1, 1], self._cell.room),
-        )
+        front = self._beams(section * [1, 1], self._cell.sky)
+        back = self._beams(section * [-1, 1], self._cell.room)
         sent = [self._sent(beams.entering, wavelength_nm) for beams in (front, back)]
 
         # By reciprocity, visible fractions equal sunlit fractions for reversed rays
-        to_room, to_sky = (
-            self._beams(section * [-1, -1], self._cell.room).entering,
-            self._beams(section * [1, -1], self._cell.sky).entering,
-        )
+        to_room = self._beams(section * [-1, -1], self._cell.room).entering
+        to_sky = self._beams(section * [1, -1], self._cell.sky).entering
         if self.distribution == "uniform":
+            # View factors from each opening to the faces
+            faces, openings = to_room.shape[1], (self._cell.room, self._cell.sky)
             to_room, to_sky = (
-                np.broadcast_to(seen, to_room.shape) for seen in self._mean_view()
+                np.broadcast_to(self._view[opening, :faces], to_room.shape)
+                for opening in openings
             )
+        pairs = ((to_room, 0), (to_sky, 1), (to_sky, 0), (to_room, 1))
         parts = [
-            np.einsum("of,wfi->woi", seen, light) / np.pi
-            for seen, light in (
-                (to_room, sent[0]),
-                (to_sky, sent[1]),
-                (to_sky, sent[0]),
-                (to_room, sent[1]),
-            )
+            np.einsum("of,wfi->woi", seen, sent[side]) / np.pi for seen, side in pairs
         ]
         straight = [diagonal((b.straight / measure)[None]) for b in (front, back)]
-        return Optics(
-            parts[0] + straight[0], parts[1] + straight[1], parts[2], parts[3]
-        )
+        parts[:2] = [part + beam for part, beam in zip(parts, straight, strict=False)]
+        return Optics(*parts)
 
     def openness(self, direction: Directions) -> Values:
         """Fraction of the flux along each direction that passes between the slats."""
@@ -188,8 +159,3 @@ class VenetianBlind(Layer):
             for one, two in (upper, lower)
         ]
         return np.concatenate(rows, axis=1)
-
-    def _mean_view(self) -> tuple[Values, Values]:
-        # View factors from each opening to the faces
-        count = 2 * self.slats.segments
-        return self._view[self._cell.room, :count], self._view[self._cell.sky, :count]

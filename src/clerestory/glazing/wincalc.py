@@ -11,7 +11,6 @@ from clerestory.errors import ClerestoryError, InputError
 from clerestory.glazing.bsdf_layer import BsdfLayer
 from clerestory.glazing.glazing_system import Gap
 from clerestory.glazing.layer import Diffuser, Glass, Layer
-from clerestory.glazing.optics import Optics
 from clerestory.glazing.pane import Pane
 from clerestory.glazing.screen import PerforatedScreen, WovenShade
 from clerestory.glazing.venetian import VenetianBlind
@@ -33,21 +32,17 @@ def load_engine() -> ModuleType:
 
 def hemisphere(engine: ModuleType, basis: Basis) -> Any:
     """Return a Klems basis of the engine."""
-    kinds = engine.BSDFBasisType
-    kind = {"full": kinds.FULL, "half": kinds.HALF, "quarter": kinds.QUARTER}[basis]
+    kind = getattr(engine.BSDFBasisType, basis.upper())
     return engine.BSDFHemisphere.create(kind)
 
 
 def engine_gap(engine: ModuleType, gap: Gap) -> Any:
     """Return a gap for the engine."""
-    kinds = engine.PredefinedGasType
-    known = {
-        "air": kinds.AIR,
-        "argon": kinds.ARGON,
-        "krypton": kinds.KRYPTON,
-        "xenon": kinds.XENON,
-    }
-    gas = engine.create_gas([[share, known[name]] for name, share in gap.gases.items()])
+    gases = [
+        [share, getattr(engine.PredefinedGasType, name.upper())]
+        for name, share in gap.gases.items()
+    ]
+    gas = engine.create_gas(gases)
     return engine.Layers.gap(gas=gas, thickness=gap.thickness, pressure=gap.pressure)
 
 
@@ -56,36 +51,51 @@ def engine_layer(engine: ModuleType, layer: Layer, partition: RingPartition) -> 
 
     `partition`: full Klems basis, for layers that are passed as matrices.
     """
-    if isinstance(layer, Glass):
-        return _sheet(engine, layer.material)
-    if isinstance(layer, (VenetianBlind, WovenShade, PerforatedScreen)):
-        return _shade(engine, layer)
-    if isinstance(layer, BsdfLayer):
+    if isinstance(layer, BsdfLayer | Diffuser):
         return _matrices(engine, layer, partition)
-    if isinstance(layer, Diffuser):
-        return _even(engine, layer, partition)
-    raise InputError(f"pywincalc has no model for the layer {layer.name!r}")
-
-
-def _sheet(engine: ModuleType, pane: Pane) -> Any:
-    return engine.ProductDataOpticalAndThermal(
-        _optical(engine, pane), _thermal(engine, pane)
+    if not isinstance(layer, Glass | VenetianBlind | WovenShade | PerforatedScreen):
+        raise InputError(f"pywincalc has no model for the layer {layer.name!r}")
+    pane = layer.material
+    sheet = (
+        _optical(engine, pane),
+        engine.ProductDataThermal(pane.conductivity, pane.thickness),
     )
+    if isinstance(layer, Glass):
+        return engine.ProductDataOpticalAndThermal(*sheet)
+    if isinstance(layer, VenetianBlind):
+        return engine.create_venetian_blind(_slats(engine, layer), *sheet)
+    if isinstance(layer, WovenShade):
+        woven = engine.WovenGeometry(
+            layer.thread_diameter, layer.thread_spacing, pane.thickness
+        )
+        return engine.create_woven_shade(woven, *sheet)
+    kinds = engine.PerforatedGeometry.Type
+    kind = kinds.CIRCULAR if layer.shape == "circular" else kinds.RECTANGULAR
+    holes = engine.PerforatedGeometry(*layer.spacing, *layer.size, kind)
+    return engine.create_perforated_screen(holes, *sheet)
 
 
 def _optical(engine: ModuleType, pane: Pane) -> Any:
     kind = engine.MaterialType.COATED if pane.coated else engine.MaterialType.MONOLITHIC
-    sides = engine.CoatedSide
-    coated = {"front": sides.FRONT, "back": sides.BACK, "both": sides.BOTH}
+    # Front and back transmittance, front and back reflectance
+    parts = [pane.direct] if pane.diffuse is None else [pane.direct, pane.diffuse]
     rows = [
-        engine.WavelengthData(wavelength * 1e-3, *_components(engine, pane, row))
+        engine.WavelengthData(
+            wavelength * 1e-3,
+            *(
+                engine.OpticalMeasurementComponent(
+                    *(float(share[row]) for share in vars(part).values())
+                )
+                for part in parts
+            ),
+        )
         for row, wavelength in enumerate(pane.wavelength_nm)
     ]
     return engine.ProductDataOpticalNBand(
         kind,
         pane.thickness,
         rows,
-        coated_side=coated.get(pane.coated_side, sides.NEITHER),
+        coated_side=getattr(engine.CoatedSide, pane.coated_side.upper()),
         ir_transmittance_front=pane.infrared_transmittance,
         ir_transmittance_back=pane.infrared_transmittance,
         emissivity_front=pane.emissivity_front,
@@ -93,91 +103,45 @@ def _optical(engine: ModuleType, pane: Pane) -> Any:
     )
 
 
-def _components(engine: ModuleType, pane: Pane, row: int) -> list[Any]:
-    # Front and back transmittance, front and back reflectance
-    parts = [pane.direct] if pane.diffuse is None else [pane.direct, pane.diffuse]
-    return [
-        engine.OpticalMeasurementComponent(
-            *(float(share[row]) for share in vars(part).values())
-        )
-        for part in parts
-    ]
+def _slats(engine: ModuleType, blind: VenetianBlind) -> Any:
+    methods, slats = engine.DistributionMethodType, blind.slats
+    return engine.VenetianGeometry(
+        slat_tilt_degrees=float(np.degrees(slats.tilt)),
+        slat_width_meters=slats.width,
+        slat_spacing_meters=slats.spacing,
+        slat_curvature_meters=slats.curvature_radius,
+        is_horizontal=not blind.vertical,
+        distribution_method=methods.DIRECTIONAL_DIFFUSE
+        if blind.distribution == "directional"
+        else methods.UNIFORM_DIFFUSE,
+        number_slat_segments=slats.segments,
+    )
 
 
-def _thermal(engine: ModuleType, pane: Pane) -> Any:
-    return engine.ProductDataThermal(pane.conductivity, pane.thickness)
-
-
-def _shade(
-    engine: ModuleType, layer: VenetianBlind | WovenShade | PerforatedScreen
+def _matrices(
+    engine: ModuleType, layer: BsdfLayer | Diffuser, partition: RingPartition
 ) -> Any:
-    optical, thermal = (
-        _optical(engine, layer.material),
-        _thermal(engine, layer.material),
-    )
-    if isinstance(layer, VenetianBlind):
-        methods, slats = engine.DistributionMethodType, layer.slats
-        geometry = engine.VenetianGeometry(
-            slat_tilt_degrees=float(np.degrees(slats.tilt)),
-            slat_width_meters=slats.width,
-            slat_spacing_meters=slats.spacing,
-            slat_curvature_meters=slats.curvature_radius,
-            is_horizontal=not layer.vertical,
-            distribution_method=methods.DIRECTIONAL_DIFFUSE
-            if layer.distribution == "directional"
-            else methods.UNIFORM_DIFFUSE,
-            number_slat_segments=slats.segments,
-        )
-        return engine.create_venetian_blind(geometry, optical, thermal)
-    if isinstance(layer, WovenShade):
-        woven = engine.WovenGeometry(
-            layer.thread_diameter, layer.thread_spacing, layer.material.thickness
-        )
-        return engine.create_woven_shade(woven, optical, thermal)
-    kinds = engine.PerforatedGeometry.Type
-    holes = engine.PerforatedGeometry(
-        *layer.spacing,
-        *layer.size,
-        kinds.CIRCULAR if layer.shape == "circular" else kinds.RECTANGULAR,
-    )
-    return engine.create_perforated_screen(holes, optical, thermal)
-
-
-def _matrices(engine: ModuleType, layer: BsdfLayer, partition: RingPartition) -> Any:
-    thickness, emissivities = layer.thickness, layer.emissivities
+    # Solar and visible matrices
+    if isinstance(layer, BsdfLayer):
+        bands = [layer.band("solar", partition), layer.band("visible", partition)]
+        infrared, conductivity = layer.infrared_transmittance, layer.conductivity
+        permeability = [layer.permeability]
+    else:
+        wavelengths = (np.array([1000.0]), np.array([550.0]))
+        bands = [
+            layer.matrices(wavelength, partition).map(lambda f: f[0])
+            for wavelength in wavelengths
+        ]
+        infrared = layer.material.infrared_transmittance
+        conductivity, permeability = layer.material.conductivity, []
     optical = engine.ProductDataOpticalDualBandBSDF(
-        *_lists(layer.band("solar", partition)),
-        *_lists(layer.band("visible", partition)),
+        *(band.of(name).tolist() for band in bands for name in FUNCTIONS),
         hemisphere(engine, "full"),
-        thickness,
-        layer.infrared_transmittance,
-        layer.infrared_transmittance,
-        *emissivities,
-        layer.permeability,
+        layer.thickness,
+        infrared,
+        infrared,
+        *layer.emissivities,
+        *permeability,
     )
-    thermal = engine.ProductDataThermal(layer.conductivity, thickness)
+    thermal = engine.ProductDataThermal(conductivity, layer.thickness)
     return engine.ProductDataOpticalAndThermal(optical, thermal)
-
-
-def _even(engine: ModuleType, layer: Diffuser, partition: RingPartition) -> Any:
-    # A Lambertian sheet is passed as a two-band matrix
-    pane = layer.material
-    bands = [
-        layer.matrices(np.array([wavelength]), partition).map(lambda f: f[0])
-        for wavelength in (1000.0, 550.0)
-    ]
-    optical = engine.ProductDataOpticalDualBandBSDF(
-        *_lists(bands[0]),
-        *_lists(bands[1]),
-        hemisphere(engine, "full"),
-        pane.thickness,
-        pane.infrared_transmittance,
-        pane.infrared_transmittance,
-        pane.emissivity_front,
-        pane.emissivity_back,
-    )
-    return engine.ProductDataOpticalAndThermal(optical, _thermal(engine, pane))
-
-
-def _lists(optics: Optics) -> list[list[list[float]]]:
-    return [optics.of(name).tolist() for name in FUNCTIONS]

@@ -1,9 +1,8 @@
 """Klems angle bases of LBNL WINDOW.
 
-The name of a basis is ambiguous: "LBNL/Klems Half" has 73 patches in old Radiance and
-77 in WINDOW, and the ring limits of the quarter basis have changed. File readers
-therefore build the partition from the rings in the file; the bases here are WINDOW's
-present definitions, used for traced matrices.
+Names of bases are ambiguous: "LBNL/Klems Half" has 73 patches in old Radiance and 77 in
+WINDOW. File readers therefore build the partition from the rings in the file; the bases
+here are WINDOW's present definitions, used for traced matrices.
 
 In the frame of a window (right, up, normal into the room) the first patch of a ring is
 to the right and the following ones run upwards. Exit patch i contains the direction of

@@ -34,12 +34,6 @@ class ResponseCurve:
     Attributes
     ----------
     exposure : relative exposure at the pixel values 0…255, normalised to 1 at 128
-
-    Examples
-    --------
-    >>> curve = srgb_response()
-    >>> curve.exposure[[0, 128, 255], 1].round(3).tolist()
-    [0.0, 1.0, 4.633]
     """
 
     exposure: Float[np.ndarray, "256 3"]
@@ -93,12 +87,10 @@ def recover_response(
     Requires a scene with smooth gradients, a fixed camera, and overlapping exposures
     about one stop apart.
 
-    References
-    ----------
-    Debevec, P. E. and Malik, J. (1997): Recovering high dynamic range radiance maps
-    from photographs. SIGGRAPH. Robertson, M. A. et al. (2003): Estimation-theoretic
-    approach to dynamic range enhancement using multiple exposures. Journal of
-    Electronic Imaging 12(2). Both as in OpenCV.
+    Sources: Debevec, P. E. and Malik, J. (1997): Recovering high dynamic range radiance
+    maps from photographs. SIGGRAPH. Robertson, M. A. et al. (2003):
+    Estimation-theoretic approach to dynamic range enhancement using multiple exposures.
+    Journal of Electronic Imaging 12(2). Both as in OpenCV.
     """
     check_bracket(photographs, exposures)
     times = np.array([exposure.relative() for exposure in exposures], dtype=np.float32)

@@ -31,12 +31,6 @@ class ColourScale:
     palette : name of a matplotlib colour map; "gnuplot" resembles Radiance's pm3d
     ends : positions in the palette of the first and the last colour, 0…1
     steps : number of colours
-
-    Examples
-    --------
-    >>> scale = ColourScale(0, 1000, levels=(0, 500, 1000))
-    >>> scale.place(np.array([250.0, 2000.0])).tolist()
-    [0.25, 1.0]
     """
 
     smallest: float
@@ -95,14 +89,8 @@ def linear_scale(
 ) -> ColourScale:
     """Return a linear scale for a picture.
 
-    Parameters
-    ----------
-    picture : picture whose pixel values determine the automatic range
-    smallest, largest : limits of the scale; default of `largest`: a round number above
-        99.5 % of the pixels
-    divisions : number of intervals between levels; approximate, with round levels, if
-        the range is automatic
-    palette : name of a matplotlib colour map
+    By default the scale ends at a round number above 99.5 % of the pixels, and the
+    number of divisions between its levels, which are round, is approximate.
     """
     require(divisions >= 1, f"{divisions} divisions; 1 or more expected")
     if largest is None:
@@ -125,12 +113,7 @@ def logarithmic_scale(
 ) -> ColourScale:
     """Return a logarithmic scale for a picture, with levels at 1, 2, 5, 10, ….
 
-    Parameters
-    ----------
-    picture : picture whose pixel values determine the automatic range
-    largest : upper limit; default: a round number above 99.5 % of the pixels
-    decades : number of decades that the scale spans
-    palette : name of a matplotlib colour map
+    By default the scale ends at a round number above 99.5 % of the pixels.
     """
     require(
         0 < decades <= 30,

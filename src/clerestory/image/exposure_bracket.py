@@ -32,14 +32,10 @@ _DARKEST, _BRIGHTEST = 3, 252
 
 
 class Merged(NamedTuple):
-    """High-dynamic-range picture of an exposure bracket.
+    """High-dynamic-range picture, with radiances up to a common factor.
 
-    Attributes
-    ----------
-    picture : radiances, known up to a common factor
-    overflow : whether each pixel is saturated in the shortest exposure; its radiance is
-        too low
-    underflow : whether each pixel is too dark in the longest exposure
+    Pixels with overflow are saturated in the shortest exposure: their radiance is too
+    low. Pixels with underflow are too dark in the longest exposure.
     """
 
     picture: Picture
@@ -87,18 +83,6 @@ def merge_bracket(
 
     The weight of a pixel value is the smaller of its distances from 0 and 255, times
     the exposure, because relative noise decreases with exposure.
-
-    Examples
-    --------
-    >>> from clerestory.image.camera_response import linear_response
-    >>> scene = np.array([[[10, 20, 30], [100, 110, 120]]])
-    >>> shots = [(scene * k).clip(0, 255).astype(np.uint8) for k in (1, 2)]
-    >>> merged = merge_bracket(
-    ...     shots, [Exposure(time=1), Exposure(time=2)], linear_response()
-    ... )
-    >>> values = merged.picture.radiance[0]
-    >>> (values[1] / values[0]).round(4).tolist()
-    [10.0, 5.5, 4.0]
     """
     check_bracket(photographs, exposures)
     order = np.argsort([exposure.relative() for exposure in exposures])
@@ -138,10 +122,9 @@ def _radiance(
 def align(photographs: Sequence[Photograph]) -> list[Photograph]:
     """Return the photographs of a moving camera shifted into alignment.
 
-    References
-    ----------
-    Ward, G. (2003): Fast, robust image registration for compositing high dynamic range
-    photographs from hand-held exposures. Journal of Graphics Tools 8(2). As in OpenCV.
+    Source: Ward, G. (2003): Fast, robust image registration for compositing high
+    dynamic range photographs from hand-held exposures. Journal of Graphics Tools 8(2).
+    As in OpenCV.
     """
     require(photographs, "no photographs; two or more expected")
     images = [np.ascontiguousarray(photograph) for photograph in photographs]

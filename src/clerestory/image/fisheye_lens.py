@@ -35,11 +35,6 @@ class Lens:
         ("equidistant"), sin θ/2 ("equisolid"), sin θ ("orthographic"), tan θ/2
         ("stereographic"), or a polynomial of θ
     coefficients : polynomial coefficients of θ, θ², … [1/rad, 1/rad², …], to any scale
-
-    Examples
-    --------
-    >>> Lens("equisolid").radius(np.radians([45.0, 90.0])).round(4).tolist()
-    [0.5412, 1.0]
     """
 
     mapping: Mapping = "equidistant"
@@ -110,21 +105,6 @@ def reproject(
     n × n samples, where n is about the number of photograph pixels across the pixel.
     Flux is approximately conserved, so that the illuminance computed from the new view
     is correct.
-
-    Examples
-    --------
-    >>> flat = Picture(np.ones((40, 40, 3), dtype=np.float32))
-    >>> eye = View(kind="angular", horizontal=180, vertical=180)
-    >>> seen = reproject(
-    ...     flat,
-    ...     Lens("equisolid"),
-    ...     ImageCircle(20, 20, 20),
-    ...     view=eye,
-    ...     columns=30,
-    ...     rows=30,
-    ... )
-    >>> seen.radiance[15, 15].tolist(), seen.radiance[0, 0].tolist()
-    ([1.0, 1.0, 1.0], [0.0, 0.0, 0.0])
     """
     require(
         0 <= circle.row <= picture.rows and 0 <= circle.column <= picture.columns,

@@ -5,6 +5,8 @@ read from the EXIF data.
 """
 
 import struct
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -41,11 +43,6 @@ class Exposure:
     time : exposure time [s]
     aperture : f-number
     sensitivity : ISO speed
-
-    Examples
-    --------
-    >>> round(Exposure(time=1 / 60, aperture=4.0).relative(), 7)
-    0.0010417
     """
 
     time: float
@@ -64,25 +61,28 @@ class Exposure:
 
 def read_photograph(path: str | Path) -> Photograph:
     """Return the pixels of a JPEG, PNG or TIFF photograph, row 0 at the top."""
+    with _opened(path) as image:
+        require(
+            image.mode in ("RGB", "RGBA", "L", "P"),
+            f"pixels of mode {image.mode}; red, green and blue of 8 bits expected",
+            file=path,
+        )
+        return np.asarray(image.convert("RGB"))
+
+
+@contextmanager
+def _opened(path: str | Path) -> Iterator[Image.Image]:
     try:
         with Image.open(path) as image:
-            require(
-                image.mode in ("RGB", "RGBA", "L", "P"),
-                f"pixels of mode {image.mode}; red, green and blue of 8 bits expected",
-                file=path,
-            )
-            return np.asarray(image.convert("RGB"))
+            yield image
     except _BROKEN as error:
         raise InputError(f"not a photograph: {error}", file=path) from error
 
 
 def read_exposure(path: str | Path) -> Exposure:
     """Return the exposure in the EXIF data of a photograph."""
-    try:
-        with Image.open(path) as image:
-            data = image.getexif().get_ifd(ExifTags.IFD.Exif)
-    except _BROKEN as error:
-        raise InputError(f"not a photograph: {error}", file=path) from error
+    with _opened(path) as image:
+        data = image.getexif().get_ifd(ExifTags.IFD.Exif)
     tags = {
         "time": ExifTags.Base.ExposureTime,
         "aperture": ExifTags.Base.FNumber,

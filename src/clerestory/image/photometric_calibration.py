@@ -21,14 +21,10 @@ _COMPLETE = 0.80
 
 
 class Calibration(NamedTuple):
-    """A calibrated picture and its calibration factor.
+    """A picture in absolute radiance, and the factor by which it was scaled.
 
-    Attributes
-    ----------
-    picture : picture in absolute radiance
-    factor : factor by which the picture was scaled
-    illuminance : mean of the measured illuminances at the camera [lux]
-    drift : relative change of the illuminance during the bracket
+    `illuminance` is the mean of the measured illuminances at the camera [lux], `drift`
+    their relative change during the bracket.
     """
 
     picture: Picture
@@ -38,16 +34,7 @@ class Calibration(NamedTuple):
 
 
 def eye_illuminance(picture: Picture) -> float:
-    """Illuminance on the plane perpendicular to the view direction [lux].
-
-    Examples
-    --------
-    >>> from clerestory.scene.view import View
-    >>> eye = View(kind="angular", horizontal=180, vertical=180)
-    >>> flat = Picture(np.full((90, 90, 3), 1 / 179, np.float32), view=eye)
-    >>> round(eye_illuminance(flat), 2)
-    3.14
-    """
+    """Illuminance on the plane perpendicular to the view direction [lux]."""
     return float((picture.luminance() * _projected_solid_angles(picture)).sum())
 
 

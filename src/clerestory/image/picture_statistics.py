@@ -18,12 +18,8 @@ from clerestory.image.picture import (
 class Statistics:
     """Distribution of luminance [cd/m²], or illuminance [lux], over pixels.
 
-    Attributes
-    ----------
-    pixels : number of evaluated pixels
-    smallest, mean, largest : minimum, mean and maximum over pixels, equally weighted
-    percentile : pairs (percentage, luminance not exceeded by that percentage of pixels)
-    unit : cd/m² or lux
+    Pixels have equal weights. Percentiles are pairs: a percentage, and the value that
+    this percentage of the pixels does not exceed.
     """
 
     pixels: int
@@ -45,14 +41,7 @@ def statistics(
     *,
     percentages: tuple[float, ...] = (1.0, 10.0, 25.0, 50.0, 75.0, 90.0, 99.0),
 ) -> Statistics:
-    """Return the statistics of the pixels of a picture where the mask is true.
-
-    Examples
-    --------
-    >>> ramp = np.arange(3, dtype=np.float32)[None, :, None] * np.ones(3, np.float32)
-    >>> round(statistics(Picture(ramp)).median)
-    179
-    """
+    """Return the statistics of the pixels of a picture where the mask is true."""
     values = photometric(picture)
     if mask is not None:
         same_size(mask, values, "the mask")

@@ -7,6 +7,7 @@ with a tab and are ignored.
 import re
 import warnings
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Float, UInt8
@@ -25,25 +26,25 @@ _RESOLUTION = re.compile(r"([-+])([XY]) *(\d{1,9}) +([-+])([XY]) *(\d{1,9})\s*$"
 
 # Programs that write irradiance pictures with the option -i
 _RENDERERS = re.compile(r"(?:\S*/)?(?:rpict|rtpict|rvu|rpiece|rtrace)\s")
-_FORMATS = {"32-bit_rle_rgbe": "rgb", "32-bit_rle_xyze": "xyz"}
+_FORMATS: dict[str, Literal["rgb", "xyz"]] = {
+    "32-bit_rle_rgbe": "rgb",
+    "32-bit_rle_xyze": "xyz",
+}
 
 
 @dataclass(frozen=True)
 class Resolution:
-    """Order of the pixels in a file.
+    """Size of a picture, and order of its pixels in the file.
 
-    Attributes
-    ----------
-    columns, rows : size of the picture
-    by_column : whether scanlines are columns
-    upward, leftward : whether rows start at the bottom, and columns at the right
+    Scanlines may be columns (`by_column`); rows may start at the bottom (`upward`), and
+    columns at the right (`leftward`).
     """
 
     columns: int
     rows: int
-    by_column: bool = False
-    upward: bool = False
-    leftward: bool = False
+    by_column: bool
+    upward: bool
+    leftward: bool
 
     @property
     def scanlines(self) -> tuple[int, int]:
@@ -64,13 +65,11 @@ class Resolution:
 class Header:
     """Contents of a header.
 
-    Attributes
-    ----------
-    encoding : "rgb" or "xyz"
-    scale : factor contained in the pixel values of each channel (exposure, COLORCORR)
+    `scale` is the factor contained in the pixel values of each channel, the product of
+    exposures and colour corrections.
     """
 
-    encoding: str = "rgb"
+    encoding: Literal["rgb", "xyz"] = "rgb"
     scale: Float[np.ndarray, "3"] = field(default_factory=lambda: np.ones(3))
     pixel_aspect: float = 1.0
     primaries: Primaries = RADIANCE
@@ -99,11 +98,7 @@ def _text(data: bytes) -> str:
 
 
 def parse_resolution(line: str) -> Resolution:
-    """Return the pixel order that a line such as "-Y 600 +X 800" describes.
-
-    >>> parse_resolution("+X 3 -Y 4")
-    Resolution(columns=3, rows=4, by_column=True, upward=False, leftward=False)
-    """
+    """Return the pixel order that a line such as "-Y 600 +X 800" describes."""
     match = _RESOLUTION.match(line)
     if match is None or match[2] == match[5]:
         raise InputError(

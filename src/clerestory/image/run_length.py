@@ -8,7 +8,7 @@ repetitions give the bytes of the count, lowest first.
 """
 
 import numpy as np
-from jaxtyping import Bool, Int, UInt8
+from jaxtyping import Bool, UInt8
 
 from clerestory.checks import require
 
@@ -39,7 +39,10 @@ def decode(
     while row < rows:
         if _is_new(data, start, width):
             # Decode all successive scanlines in the new format
-            codes, starts, end = _find_codes(data, start, rows - row, width)
+            arguments = data, start, rows - row, width
+            found = _find_together(*arguments) or _find_in_order(*arguments)
+            codes, starts, end = found
+            require(end <= data.size, _TRUNCATED)
             part = _expand(data[start:end], codes - start, starts - start, width)
         else:
             part, end = _decode_old(data, start, width)
@@ -63,20 +66,11 @@ def _is_new(data: _Bytes, start: int, width: int) -> bool:
     return True
 
 
-def _find_codes(
-    data: _Bytes, start: int, most: int, width: int
-) -> tuple[Int[np.ndarray, " codes"], Int[np.ndarray, " rows"], int]:
-    # Positions of codes and scanlines from `start` on, and end of the scanlines
-    arguments = data, start, most, width
-    codes, starts, end = _find_together(*arguments) or _find_in_order(*arguments)
-    require(end <= data.size, _TRUNCATED)
-    return codes, starts, end
-
-
 def _find_in_order(
     data: _Bytes, start: int, most: int, width: int
 ) -> tuple[np.ndarray, np.ndarray, int]:
-    # Sequential search; trailing run codes terminate damaged data
+    # Positions of codes and scanlines from `start` on, and end of the scanlines, by a
+    # sequential search; trailing run codes terminate damaged data
     raw = data.tobytes() + bytes([255]) * 2
     head = bytes([2, 2, width >> 8, width & 255])
     codes: list[int] = []

@@ -29,10 +29,7 @@ def to_srgb(
     """Convert linear display values to sRGB code values.
 
     White is preserved. Values above white or outside the sRGB gamut are clipped.
-
-    References
-    ----------
-    IEC 61966-2-1:1999
+    Source: IEC 61966-2-1:1999.
 
     >>> to_srgb(np.array([[[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]]])).tolist()
     [[[0, 0, 0], [255, 255, 255]]]

@@ -57,10 +57,6 @@ def filmic(picture: Picture, *, white: float | None = None) -> Display:
 
     `white` is the luminance that a linear mapping would show as white [cd/m²]; the
     curve reaches white at about five times this value. The default is `key_luminance`.
-
-    References
-    ----------
-    J. Hable, "Uncharted 2: HDR lighting", Game Developers Conference 2010
     """
     exposed = _BIAS * np.maximum(linear(picture, white=white), 0)
     shown = _curve(exposed) / _curve(np.array(_WHITE))

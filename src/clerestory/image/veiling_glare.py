@@ -1,6 +1,7 @@
 """Veiling glare by intraocular scattering over the whole view."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float32
@@ -24,15 +25,8 @@ _PAIRS = 1 << 22
 _MOST_SAMPLES = 8192
 
 
-@dataclass(frozen=True)
-class FovealView:
-    """A view divided into samples of one degree.
-
-    Attributes
-    ----------
-    view : view of the picture, or a perspective 40° wide if it is unknown or unsuitable
-    columns, rows : numbers of samples, each one degree wide at the centre
-    """
+class FovealView(NamedTuple):
+    """A view, and the numbers of its samples, one degree wide at the centre."""
 
     view: View
     columns: int
@@ -65,12 +59,8 @@ def with_veil(picture: Picture) -> Picture:
 
     8 % of the luminous flux is scattered over the view in proportion to cos θ / θ²,
     where θ is the angle to the source; total flux is approximately conserved. Sources
-    are averages over one degree, or two degrees in a fisheye view.
-
-    References
-    ----------
-    G. Ward Larson, H. Rushmeier, C. Piatko, "A visibility matching tone reproduction
-    operator for high dynamic range scenes" (1997), section 5.1
+    are averages over one degree, or two degrees in a fisheye view. Source: G. Ward
+    Larson et al. (1997), section 5.1, see `visibility_matching`.
     """
     fovea = foveal_view(picture)
     coarser = max(np.sqrt(fovea.columns * fovea.rows / _MOST_SAMPLES), 1)

@@ -20,11 +20,6 @@ class Vignetting:
     Attributes
     ----------
     coefficients : coefficients c₁, c₂, … [1/rad², …] of 1 + c₁ θ² + c₂ θ⁴ + …
-
-    Examples
-    --------
-    >>> Vignetting((-0.1,)).passed(np.array([0.0, 1.0])).tolist()
-    [1.0, 0.9]
     """
 
     coefficients: tuple[float, ...] = ()
@@ -53,13 +48,6 @@ def fit_vignetting(
 
     `theta` are the angles between target and axis [rad], `luminance` is that of the
     target in the photographs, to any scale, and `terms` the number of even powers of θ.
-
-    Examples
-    --------
-    >>> theta = np.linspace(0, 1.5, 12)
-    >>> fitted = fit_vignetting(theta, 40 * (1 - 0.2 * theta**2), terms=1)
-    >>> round(fitted.coefficients[0], 3)
-    -0.2
     """
     least = terms + 2
     require(theta.size >= least, f"{theta.size} angles; {least} or more expected")

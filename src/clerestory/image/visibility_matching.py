@@ -72,24 +72,12 @@ def human_vision(
     veil: bool = False,
     screen: Screen | None = None,
 ) -> Float32[np.ndarray, "row column 3"]:
-    """Display values, 0…1, that reproduce what an observer would see.
+    """Display values, 0…1, that reproduce what an observer would see on a screen.
 
-    Parameters
-    ----------
-    picture : picture to map; without a view, a width of 40° is assumed
-    contrast_sensitivity : whether to model the lower contrast sensitivity of the eye in
-        the dark; otherwise contrast is limited to that of the scene
-    colour_loss : whether to model the loss of colour vision in the dark
-    veil : whether to add veiling luminance around bright sources; slow for fisheyes
-    screen : display on which the result is shown
-
-    Examples
-    --------
-    >>> values = np.geomspace(1e-3, 1e3, 300, dtype=np.float32)
-    >>> ramp = Picture(values[None, :, None] * np.ones(3, dtype=np.float32))
-    >>> shown = human_vision(ramp)
-    >>> bool((np.diff(shown[0, :, 1]) >= 0).all() and 0 <= shown.min() < shown.max())
-    True
+    In the dark, the contrast sensitivity of the eye is lower and colour vision is lost.
+    Without `contrast_sensitivity`, contrast is limited to that of the scene. With
+    `veil`, veiling luminance is added around bright sources, which is slow for fisheye
+    views. A picture without a view is assumed to be 40° wide.
     """
     screen = screen or Screen()
     seen = with_veil(picture) if veil else picture
@@ -116,7 +104,9 @@ class _Histogram(NamedTuple):
 
 def _histogram(picture: Picture) -> _Histogram | None:
     pixels = photometric(picture).ravel()
-    fovea = photometric(foveal_samples(picture)).ravel()
+    view = foveal_view(picture)
+    columns, rows = min(view.columns, picture.columns), min(view.rows, picture.rows)
+    fovea = photometric(reduce(picture, columns=columns, rows=rows)).ravel()
     low, high = min(pixels.min(), fovea.min()), max(pixels.max(), fovea.max())
     high = min(1.01 * float(high), _BRIGHTEST)
     if high <= _DARKEST:
@@ -140,13 +130,6 @@ def _histogram(picture: Picture) -> _Histogram | None:
         weight[1] *= 0.5
         weight[0] += weight[1]
     return _Histogram(weight, np.linspace(bottom, top, _BINS + 1), float(mean))
-
-
-def foveal_samples(picture: Picture) -> Picture:
-    """Return the picture averaged over one-degree samples, if pixels are smaller."""
-    view = foveal_view(picture)
-    columns = min(view.columns, picture.columns)
-    return reduce(picture, columns=columns, rows=min(view.rows, picture.rows))
 
 
 def _shown(
@@ -202,11 +185,9 @@ def threshold(
 ) -> Float[np.ndarray, "*batch"]:
     """Just noticeable luminance difference at an adaptation luminance [cd/m²].
 
-    References
-    ----------
-    J. Ferwerda, S. Pattanaik, P. Shirley, D. Greenberg, "A model of visual adaptation
-    for realistic image synthesis", SIGGRAPH 96; pieces as in Ward Larson et al.,
-    table 1
+    Source: J. Ferwerda, S. Pattanaik, P. Shirley, D. Greenberg, "A model of visual
+    adaptation for realistic image synthesis", SIGGRAPH 96; pieces as in Ward Larson et
+    al., table 1.
 
     >>> round(float(threshold(100.0)), 2)  # a Weber fraction of 1/18
     5.56

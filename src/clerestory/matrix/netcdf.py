@@ -64,9 +64,10 @@ def read_netcdf(path: str | Path) -> TransferMatrix:
     data = read_bytes(path)
     with located(file=path):
         complete = data[-SEAL_LENGTH:] == seal(memoryview(data)[:-SEAL_LENGTH])
-        require(
-            complete, "damaged, or not of Clerestory; a complete matrix file expected"
+        message = (
+            "damaged, or not written by Clerestory; a complete matrix file expected"
         )
+        require(complete, message)
         try:
             return _read(data)
         except InputError:

@@ -207,10 +207,7 @@ def illuminance_dataset(
     axes, long_name = ("sensor", "time"), "standard error of the illuminance"
     error = axes, standard_error, {"units": "lux", "long_name": long_name}
     labelled: xr.Dataset = importlib.import_module("xarray").Dataset(
-        {
-            "illuminance": (axes, illuminance, {"units": "lux"}),
-            "standard_error": error,
-        },
+        {"illuminance": (axes, illuminance, {"units": "lux"}), "standard_error": error},
         coords={"sensor": names, "time": moments},
         attrs={"quantity": "illuminance", "units": "lux"},
     )

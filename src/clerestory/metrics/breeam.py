@@ -36,12 +36,8 @@ def illuminance_criterion(
 ) -> IlluminanceCriterion:
     """Return the result of the illuminance criterion for one room.
 
-    Parameters
-    ----------
-    illuminance : illuminance of all hours [lux], over (sensor, time)
-    mean_lux, worst_lux : limits of the mean and of the lowest illuminance [lux]
-    hours : required hours [h]
-    step_hours : length of a time step [h]
+    The mean and the lowest illuminance over (sensor, time) reach their limits in the
+    required number of hours.
 
     >>> lux = xr.DataArray(np.full((2, 2100), 350.0), dims=("sensor", "time"))
     >>> illuminance_criterion(lux).passed
@@ -65,12 +61,8 @@ def factor_criterion(
 ) -> bool:
     """Return whether a room meets the daylight factor criterion.
 
-    Parameters
-    ----------
-    factor : daylight factor of each sensor, as a fraction
-    mean, uniformity : limits of the mean daylight factor and of the uniformity
-    minimum : limit of the minimum daylight factor, alternative to the uniformity;
-        default: `uniformity` times `mean`
+    The limits are those of the mean, the uniformity and, as an alternative to the
+    uniformity, the minimum; default: `uniformity` times `mean`.
 
     >>> factor_criterion(np.array([0.01, 0.03, 0.05]))
     True

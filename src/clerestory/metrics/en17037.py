@@ -45,13 +45,10 @@ _FLAT_DEG = 15.0
 
 
 class DaylightProvision(NamedTuple):
-    """Daylight provision of a room.
+    """Daylight provision of a room, and the highest levels reached, 0…3.
 
-    Attributes
-    ----------
-    target, minimum : fraction of the area that reaches the target and the minimum
-        illuminance of each level in half of the daylight hours
-    target_level, minimum_level : highest level reached, 0…3
+    `target` and `minimum` are the fractions of the area that reach the target and the
+    minimum illuminance of each level in half of the daylight hours.
     """
 
     target: tuple[RoomShare, ...]
@@ -91,8 +88,7 @@ def daylight_provision(
 
     Parameters
     ----------
-    illuminance, standard_error : illuminance and its standard error [lux], over
-        (sensor, time)
+    illuminance, standard_error : in lux, over (sensor, time)
     hours : mask of the daylight hours, from `daylight_hours`
     area : area represented by each sensor [m²]; default: equal areas
     roof : whether the openings are horizontal, so that the target is required on 95 %
@@ -143,12 +139,8 @@ def reference_point(
     The point is at least 1.2 m above the floor and 0.3 m above the sill, or at half the
     height of openings that end lower. In roof windows it is the centre.
 
-    Parameters
-    ----------
-    corners : corners of the opening [m]
-    normal : normal of the opening, a unit vector into the room
-    floor : height of the floor [m]
-    depth : distance from the plane of the opening to the inner face of the wall [m]
+    `normal` is the normal into the room, `floor` the height of the floor, `depth` the
+    distance from the plane of the opening to the inner face of the wall.
 
     >>> window = np.array([[1.0, 0, 0.8], [3, 0, 0.8], [3, 0, 2.2], [1, 0, 2.2]])
     >>> inwards = np.array([0.0, 1, 0])
@@ -177,12 +169,8 @@ def hours_of_sun(
 ) -> tuple[Float[np.ndarray, " opening"], float]:
     """Return the hours of sun at every opening and in the room with these openings.
 
-    A step with sun at several openings counts once for the room.
-
-    Parameters
-    ----------
-    reached : whether the sun reaches the reference point, over (opening, step)
-    step_minutes : length of a time step [min]
+    `reached` tells whether the sun reaches the reference point of each opening. A step
+    with sun at several openings counts once for the room.
 
     >>> morning, noon = [True] * 90 + [False] * 90, [False] * 60 + [True] * 120
     >>> each, room = hours_of_sun(np.array([morning, noon]))

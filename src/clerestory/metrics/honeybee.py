@@ -38,7 +38,6 @@ class HoneybeeFolder:
 
     Attributes
     ----------
-    folder : path of the folder
     paths : names of the light paths (window groups) of each grid
     states : folder names of the states of each dynamic light path
     sun_up_hours : hours of the year with results, at their centres, such as 7.5

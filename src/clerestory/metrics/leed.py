@@ -45,11 +45,8 @@ def simulated_daylight(
 ) -> Credit:
     """Return the points of option 1.
 
-    If ASE is above 10 %, v4 gives no points and v4.1 requires a statement on glare.
-
-    Parameters
-    ----------
-    autonomy, exposure : sDA and ASE of the regularly occupied floor area, 0…1
+    The arguments are sDA and ASE of the regularly occupied floor area. If ASE is above
+    10 %, v4 gives no points and v4.1 requires a statement on glare.
 
     >>> simulated_daylight(0.60, 0.05).points
     2
@@ -76,13 +73,9 @@ def clear_sky_illuminance(
 ) -> Credit:
     """Return the points of option 2.
 
-    Parameters
-    ----------
-    illuminance : illuminance of the sensors at 9 h and at 15 h of a clear equinox day
-        [lux]
-    view_preserving_blinds : whether there are automatic blinds that preserve the view,
-        so that only the lower limit applies
-    area : area represented by each sensor [m²]; default: equal areas
+    Illuminance is given at 9 h and at 15 h of a clear equinox day [lux]. With automatic
+    blinds that preserve the view, only the lower limit applies. The default of `area`
+    is the same area for each sensor.
 
     >>> lux = np.array([200.0, 400.0, 900.0, 2000.0])
     >>> clear_sky_illuminance([lux, lux]).points  # 75 % of the sensors

@@ -55,15 +55,10 @@ class LightingZone:
 @final
 @dataclass(frozen=True, eq=False)
 class LightingUse:
-    """Light output and electric energy of the luminaires.
+    """Light output, electric power [W] and energy [Wh] of the luminaires.
 
-    Attributes
-    ----------
-    output : light output over time, as a fraction of full output
-    power : electric power over time [W]
-    illuminance : illuminance at the sensor from daylight and luminaires [lux]
-    energy : electric energy of all steps [Wh]
-    error : standard error of the energy, due to the error of the daylight [Wh]
+    Light output is a fraction of full output, `illuminance` [lux] includes daylight;
+    `error` is the standard error of the energy due to the error of daylight.
     """
 
     output: Float[np.ndarray, " time"]

@@ -54,8 +54,7 @@ def spatial_autonomy(
 
     Parameters
     ----------
-    illuminance, standard_error : illuminance with operated blinds and its standard
-        error [lux], over (sensor, time)
+    illuminance, standard_error : with operated blinds [lux], over (sensor, time)
     hours : mask of the occupied hours; in LM-83, 8 to 18 h every day
     area : area represented by each sensor [m²]; default: equal areas
 

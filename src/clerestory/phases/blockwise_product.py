@@ -188,10 +188,7 @@ class BlockwiseProduct:
             yield slice(first, last), lit[(lit >= first) & (lit < last)]
 
     def _factors(
-        self,
-        number: int,
-        found: list[MatrixChain],
-        inside: Int[np.ndarray, " step"],
+        self, number: int, found: list[MatrixChain], inside: Int[np.ndarray, " step"]
     ) -> Iterator[_Factor]:
         term = self.terms[number]
         skies = self.skies.select(inside)

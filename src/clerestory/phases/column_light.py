@@ -18,11 +18,7 @@ from scipy.sparse import csc_array
 
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.matrix_equation import MatrixChain
-from clerestory.phases.receivers import (
-    chain_components,
-    channel_count,
-    side_by_side,
-)
+from clerestory.phases.receivers import chain_components, channel_count, side_by_side
 from clerestory.sky.patch_radiance import SkyMatrix
 from clerestory.sky.sky_product import fold
 
@@ -40,13 +36,11 @@ class PatchLight:
     ----------
     values : radiance, multiplied by the band weights if `summed`
     components : error components of each window; windows are independent
-    columns : range of patches of each window
     summed : whether the result is the sum over all channels
     """
 
     values: Float32[np.ndarray, "channel patch step"]
     components: tuple[Float32[np.ndarray, "component channel own step"], ...]
-    columns: tuple[slice, ...]
     summed: bool
 
     def received(self, matrix: Layers) -> Received:
@@ -62,8 +56,10 @@ class PatchLight:
         self, values: Float32[np.ndarray, "channel row column"]
     ) -> list[Received]:
         """Return the products of a matrix and the error components of each window."""
-        found = []
-        for columns, parts in zip(self.columns, self.components, strict=True):
+        found, first = [], 0
+        for parts in self.components:
+            columns = slice(first, first + parts.shape[2])
+            first = columns.stop
             if len(parts):
                 own = _wide(values[None, :, :, columns], parts.shape[1])[0]
                 flat = parts.reshape(len(parts), -1, parts.shape[-1])
@@ -157,16 +153,8 @@ def exiting_light(
         _exiting(chain, sky, state, each, errors=errors)
         for chain, state in zip(chains, states, strict=True)
     ]
-    ends = np.cumsum([part.shape[2] for part in parts]).tolist()
-    return PatchLight(
-        np.concatenate([part[0] for part in parts], axis=1),
-        tuple(part[1:] for part in parts),
-        tuple(
-            slice(end - part.shape[2], end)
-            for end, part in zip(ends, parts, strict=True)
-        ),
-        summed,
-    )
+    values = np.concatenate([part[0] for part in parts], axis=1)
+    return PatchLight(values, tuple(part[1:] for part in parts), summed)
 
 
 def _is_grey(chain: MatrixChain) -> bool:

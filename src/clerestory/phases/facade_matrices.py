@@ -4,14 +4,10 @@
 
 *Ports* (F apertures) are virtual surfaces that, with the wall, enclose the window and
 its shade. They are `Window` objects whose front faces the enclosed space. Light enters
-through a port and reaches the window directly or via the shade:
-
-    I = V T F D S                                           four phases
-    I = V T F D S − V_d T F_d D_d S_ds + C_ds S_sun         six phases
-
-D leads from the sky to the ports. A change of the shade changes F alone, not V or D.
-With the sum of F D over the ports in place of D, `three_phase` and `five_phase` compute
-the four-phase and six-phase methods.
+through a port and reaches the window directly or via the shade. D leads from the sky to
+the ports. A change of the shade changes F alone, not V or D. With the sum of F D over
+the ports in place of D, `three_phase` and `five_phase` compute the four-phase and
+six-phase methods.
 
 Reference: S. Subramaniam, Daylighting simulations with Radiance using matrix-based
 methods, LBNL, 2017, chapter 7; the F matrix is due to G. Ward (2015).
@@ -40,10 +36,7 @@ from clerestory.scene.window import Window
 
 
 def facade_matrix(
-    scene: Scene,
-    window: Window,
-    port: Window,
-    **keywords: Unpack[EffortKeywords],
+    scene: Scene, window: Window, port: Window, **keywords: Unpack[EffortKeywords]
 ) -> TransferMatrix:
     """Façade matrix of one port: window patch radiance per port patch radiance.
 

@@ -27,9 +27,6 @@ from clerestory.progress import Progress
 # sensors or few time steps
 _CHUNK = 256, 730
 
-# Destination of hourly values: an array in memory or a NetCDF variable
-Target = Any
-
 
 def illuminance(
     windows: Sequence[WindowMatrices],
@@ -97,11 +94,12 @@ def illuminance(
 
 
 def _fill(
-    targets: Mapping[str, Target],
+    targets: Mapping[str, Any],
     product: BlockwiseProduct,
     means: "MeanComponents | None",
     progress: Progress | None,
 ) -> None:
+    # Targets are arrays in memory or NetCDF variables
     done, whole = 0, product.count * len(product.skies.times)
     for block in product.blocks():
         terms = block.terms[:, 0]

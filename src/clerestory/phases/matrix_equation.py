@@ -138,14 +138,14 @@ class WindowMatrices:
     sun : direct-sun coefficients C_ds
     """
 
-    whole: MatrixChain
+    whole: MatrixChain | None
     direct: MatrixChain | None = None
     sun: MatrixChain | None = None
 
     @property
     def states(self) -> int:
         """Number of states of the shades."""
-        return self.whole.states
+        return next(c for c in (self.whole, self.direct, self.sun) if c).states
 
 
 Part = Literal["whole", "direct", "sun"]

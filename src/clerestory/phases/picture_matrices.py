@@ -55,10 +55,10 @@ class Camera:
     rows: int
 
     def __post_init__(self) -> None:
-        require(
-            min(self.columns, self.rows) >= 1 and self.columns * self.rows <= 1 << 24,
-            f"a picture of {self.columns} × {self.rows} pixels; 1 to 2^24 expected",
+        message = (
+            f"a picture of {self.columns} × {self.rows} pixels; 1 to 2^24 expected"
         )
+        require(min(self.columns, self.rows) >= 1 and len(self) <= 1 << 24, message)
 
     def __len__(self) -> int:
         return self.columns * self.rows

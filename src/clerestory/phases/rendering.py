@@ -138,9 +138,7 @@ def _picture(
 
 
 def irradiance(
-    scene: Scene,
-    sensors: Sensors,
-    **keywords: Unpack[EffortKeywords],
+    scene: Scene, sensors: Sensors, **keywords: Unpack[EffortKeywords]
 ) -> Gathered:
     """Trace the irradiance of sensors due to the sky and lamps of the scene [W/m²].
 

@@ -114,10 +114,7 @@ def window_number(
     """Return the index of a window, after a check of the inputs."""
     names = [each.name for each in windows]
     one_of(window, "window", choices=names)
-    require(
-        bsdf.has("transmission_front"),
-        "the BSDF has no visible transmission; a transmitting layer expected",
-        file=bsdf.source,
-    )
+    message = "the BSDF has no visible transmission; a transmitting layer expected"
+    require(bsdf.has("transmission_front"), message, file=bsdf.source)
     has_shape(suns, (len(suns), 3), "array of unit vectors to the suns")
     return names.index(window)

@@ -199,7 +199,7 @@ def require_gather(effort: Effort) -> None:
     """Require at least one bounce, without which irradiance is zero."""
     require(
         effort.bounces != 0,
-        "bounces = 0; 1 or more expected, as the gather at the receiver is a bounce",
+        "bounces is 0; 1 or more expected, as the gather at the receiver is a bounce",
     )
 
 

@@ -118,7 +118,7 @@ def _zones(pane: object, zone: float) -> list[Polygon]:
 
 
 def _patches(pieces: list[Polygon]) -> EmitterPatches:
-    frames, corners, cumulative, first = [], [], [], [0]
+    frames, corners, cumulative = [], [], []
     for piece in pieces:
         triangles = triangulate(piece.vertices)
         corner = triangles.vertices[triangles.faces]
@@ -130,11 +130,10 @@ def _patches(pieces: list[Polygon]) -> EmitterPatches:
         frames.append(_frame(doubled.sum(axis=0)))
         corners.append(corner)
         cumulative.append(share)
-        first.append(first[-1] + len(corner))
     return EmitterPatches(
         np.array(frames),
         np.concatenate(corners),
-        np.array(first),
+        np.cumsum([0, *map(len, corners)]),
         np.concatenate(cumulative),
     )
 

@@ -41,19 +41,8 @@ def layer_geometry(bsdf: Bsdf, *, transform: Transform | None = None) -> Scene:
 def package(bsdf: Bsdf, name: str, *, transform: Transform | None = None) -> Scene:
     """Return surfaces with the layer's BSDF, enclosing the layer's geometry if any.
 
-    Parameters
-    ----------
-    name : prefix of the names of surfaces and materials
-    transform : transform from BSDF to scene coordinates; None: identity
-
-    Examples
-    --------
-    >>> from clerestory.bsdf.analytic import lambertian
-    >>> from clerestory.bsdf.product_data import Product
-    >>> from dataclasses import replace
-    >>> cloth = replace(lambertian(0.4, klems()), product=Product(width=2, height=1))
-    >>> package(cloth, "cloth").bounds().tolist()
-    [[-1.0, -0.5, 0.0], [1.0, 0.5, 0.0]]
+    `name` is the prefix of the names of surfaces and materials; `transform` leads from
+    BSDF to scene coordinates.
     """
     product, place = bsdf.product, transform or Transform()
     if not (product.width and product.height):

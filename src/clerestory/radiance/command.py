@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from clerestory.checks import require
 from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.formats.word_reader import WordReader
@@ -55,13 +56,12 @@ def parse_command(text: str, *, find: Callable[[str], Path]) -> Inclusion:
     else:
         files, placements = _first_stage(words, text, find)
     for words in stages[1:]:
-        outer, more = (
-            _xform(words[1:], find) if _program(words) == "xform" else ([], ["?"])
-        )
+        if _program(words) != "xform":
+            raise _refusal(text, " ".join(words))
+        outer, more = _xform(words[1:], find)
         if more:
             raise _refusal(text, " ".join(words))
-        if len(outer) * len(placements) > _MOST_COPIES:
-            raise InputError(f"the command creates more than {_MOST_COPIES} copies")
+        _require_few(len(outer) * len(placements))
         placements = [inner.then(o) for o in outer for inner in placements]
     return Inclusion(tuple(files), tuple(placements), tuple(items), build)
 
@@ -85,8 +85,7 @@ def _stages(text: str) -> list[list[str]]:
             raise _refusal(text, word)
         else:
             stages[-1].append(word)
-    if not all(stages):
-        raise InputError("an empty command; !xform FILE expected")
+    require(all(stages), "a command is empty; !xform FILE expected")
     return stages
 
 
@@ -102,8 +101,8 @@ def _first_stage(
             placements, files = _xform(words[1:], find)
         case _:
             raise _refusal(text, words[0])
-    if not files:
-        raise InputError(f'"{text.strip()}" has no file; !xform OPTIONS FILE expected')
+    missing = f'"{text.strip()}" has no file; !xform OPTIONS FILE expected'
+    require(files, missing)
     return files, placements
 
 
@@ -127,9 +126,13 @@ def _xform(
     for arguments in _copies(words, find):
         placement, files = _single(arguments)
         placements.append(placement)
-        if len(placements) > _MOST_COPIES:
-            raise InputError(f"xform makes more than {_MOST_COPIES} copies")
+        _require_few(len(placements))
     return placements, files
+
+
+def _require_few(copies: int) -> None:
+    most = f"the command creates more than {_MOST_COPIES} copies; fewer expected"
+    require(copies <= _MOST_COPIES, most)
 
 
 def _copies(
@@ -157,13 +160,12 @@ def _array_count(words: list[str]) -> int:
     counts = []
     for at in (i for i, word in enumerate(words) if word == "-a"):
         count = "".join(words[at + 1 : at + 2])
-        if not (count.isascii() and count.isdecimal() and int(count) > 0):
-            raise InputError(
-                f'xform -a is followed by "{count}"; a count above 0 expected'
-            )
+        require(
+            count.isascii() and count.isdecimal() and int(count) > 0,
+            f'xform -a is followed by "{count}"; a count above 0 expected',
+        )
         counts.append(int(count))
-    if math.prod(counts) > _MOST_COPIES:
-        raise InputError(f"xform makes more than {_MOST_COPIES} copies")
+    _require_few(math.prod(counts))
     return counts[0]
 
 
@@ -181,10 +183,9 @@ def _option_lines(
     name: list[str], find: Callable[[str], Path], reading: tuple[str, ...]
 ) -> list[list[str]]:
     # Argument lists in the file of option -f, one per line
-    if not name or name[0].startswith("-"):
-        raise InputError("xform -f has no file; a file of xform options expected")
-    if name[0] in reading:
-        raise InputError(f'xform -f: the file "{name[0]}" refers to itself')
+    missing = "xform -f has no file; a file of xform options expected"
+    require(name and not name[0].startswith("-"), missing)
+    require(name[0] not in reading, f'xform -f: the file "{name[0]}" refers to itself')
     lines = []
     for line in read_text(find(name[0])).replace("\\\n", "").splitlines():
         if line and not line.startswith("#"):
@@ -193,8 +194,7 @@ def _option_lines(
             except ValueError as error:
                 raise InputError(f'xform -f {name[0]}: "{line}": {error}') from error
             lines.append(words[1:] if words[:1] == ["xform"] else words)
-    if not lines:
-        raise InputError(f'xform -f: the file "{name[0]}" is empty')
+    require(lines, f'xform -f: the file "{name[0]}" is empty; options expected')
     return lines
 
 
@@ -205,8 +205,7 @@ def _single(words: list[str]) -> tuple[Placement, list[str]]:
         option = words[at]
         if option in ("-m", "-n"):
             at += 1
-            if at == len(words):
-                raise InputError(f"xform {option} has no value; a name expected")
+            require(at < len(words), f"xform {option} has no value; a name expected")
             if option == "-n":
                 prefixes.append(words[at])
             elif modifier is None:
@@ -215,9 +214,10 @@ def _single(words: list[str]) -> tuple[Placement, list[str]]:
         at += 1
     transform, taken = parse_transform(words[at:])
     files = words[at + taken :]
-    if files and files[0].startswith("-"):
-        raise InputError(
-            f'xform does not accept "{files[0]}" here; first -m -n -I, then'
-            " -t -rx -ry -rz -s -mx -my -mz -i expected, with -a and -f anywhere"
-        )
+    first = files[0] if files else ""
+    require(
+        not first.startswith("-"),
+        f'xform does not accept "{first}" here; first -m -n -I, then'
+        " -t -rx -ry -rz -s -mx -my -mz -i expected, with -a and -f anywhere",
+    )
     return Placement(transform, modifier, ".".join(prefixes), inverted), files

@@ -45,11 +45,6 @@ class FunctionPattern:
     functions of the values interpolated in the tables at the coordinates. There is one
     expression for all channels, or one per channel, and one table per expression.
     `transform` leads from function to scene coordinates.
-
-    >>> from clerestory.radiance.cal.syntax import parse_expression
-    >>> upwards = FunctionPattern(Program(), (parse_expression("noneg(Dz)"),))
-    >>> upwards.value(np.array([[0.0, 0.6, 0.8]]))[0, 0]
-    np.float64(0.8)
     """
 
     program: Program
@@ -63,7 +58,8 @@ class FunctionPattern:
     @cached_property
     def names(self) -> frozenset[str]:
         """Names of the ray variables used in the expressions."""
-        return _aliases(self.program.uses(*self.coordinates, *self.expressions))
+        used = self.program.uses(*self.coordinates, *self.expressions)
+        return frozenset(NUMBERED.get(name, name) for name in used)
 
     @property
     def grey(self) -> bool:
@@ -144,10 +140,6 @@ def constant_vector(pattern: FunctionPattern) -> Vector | None:
     return vector / pattern.transform.scale
 
 
-def _aliases(names: frozenset[str]) -> frozenset[str]:
-    return frozenset(NUMBERED.get(name, name) for name in names)
-
-
 def _inputs(
     transform: Transform,
     direction: RayVectors,
@@ -166,12 +158,10 @@ def _inputs(
         "P": np.zeros((count, 3))
         if point is None
         else point @ back[:3, :3] + back[3, :3],
-        "T": np.broadcast_to(back[3, :3], (count, 3)),
-        **{
-            k: np.broadcast_to(back[i, :3] / scale, (count, 3))
-            for i, k in enumerate("IJK")
-        },
     }
+    rows = {"I": back[0] / scale, "J": back[1] / scale, "K": back[2] / scale}
+    for name, row in (rows | {"T": back[3]}).items():
+        vectors[name] = np.broadcast_to(row[:3], (count, 3))
     given = {k + a: v[:, i] for k, v in vectors.items() for i, a in enumerate("xyz")}
     given |= {f"N{a}P": given[f"N{a}"] for a in "xyz"}
     rdot = np.clip(-np.einsum("rx,rx->r", sight, facing), -1, 1)

@@ -6,32 +6,20 @@ from pathlib import Path
 
 import numpy as np
 
-from clerestory.errors import InputError
+from clerestory.checks import require
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.scene.model import Scene
 from clerestory.sky.weather import Weather
 
 # Distant sources for sky and ground: hemispheres above and below the horizon
 _DOMES = """
-skyfunc glow sky_glow
-0
-0
-4 1 1 1 0
-sky_glow source sky
-0
-0
-4 0 0 1 180
-skyfunc glow ground_glow
-0
-0
-4 1 1 1 0
-ground_glow source ground
-0
-0
-4 0 0 -1 180
+skyfunc glow sky_glow 0 0 4 1 1 1 0
+sky_glow source sky 0 0 4 0 0 1 180
+skyfunc glow ground_glow 0 0 4 1 1 1 0
+ground_glow source ground 0 0 4 0 0 -1 180
 """
 
-_COMMANDS = ("gensky", "gendaylit")
+_COMMANDS = (["gensky"], ["gendaylit"])
 
 
 def sky_scene(command: str) -> Scene:
@@ -47,11 +35,11 @@ def sky_scene(command: str) -> Scene:
     >>> sorted(source.name for source in clear.distant)
     ['ground', 'sky', 'sun']
     """
-    if (command.split()[:1] and command.split()[0] not in _COMMANDS) or "\n" in command:
-        raise InputError(
-            f'sky "{command}"; a command that begins with {" or ".join(_COMMANDS)}'
-            " expected"
-        )
+    require(
+        command.split()[:1] in ([], *_COMMANDS) and "\n" not in command,
+        f'the sky is "{command}"; a command that begins with gensky or gendaylit'
+        " expected",
+    )
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder, "sky.rad")
         file.write_text(f"!{command}\n{_DOMES}", encoding="utf-8")
@@ -78,14 +66,13 @@ def sky_at(weather: Weather, moment: datetime) -> Scene:
         distance = np.abs(times - (times.astype("datetime64[Y]") + within))
     else:
         distance = np.abs(times - asked)
-    if not len(times) or distance.min() > half:
-        raise InputError(
-            f"the weather has no time step at {moment}; a moment within it expected"
-        )
+    require(
+        len(times) and distance.min() <= half,
+        f"the weather has no time step at {moment}; a moment within it expected",
+    )
     step = int(np.argmin(distance))
     normal, diffuse = weather.direct_normal[step], weather.diffuse_horizontal[step]
-    if diffuse <= 0:
-        raise InputError(f"no light from the sky at {moment}; daytime expected")
+    require(diffuse > 0, f"no light from the sky at {moment}; daytime expected")
     hour = moment.hour + moment.minute / 60 + moment.second / 3600
     return sky_scene(
         f"gendaylit {moment.month} {moment.day} {hour:.5f} -W {normal:g} {diffuse:g}"

@@ -60,11 +60,6 @@ def light_pattern(light: LeavingLight) -> FunctionPattern:
 
     The table has values at the centres of rings and sectors. They are scaled so that
     the exitance of the interpolated table equals that of `light`.
-
-    >>> even = LeavingLight(np.eye(3), np.full((9, 18, 3), 2.0))
-    >>> pattern = light_pattern(even)
-    >>> pattern.value(np.eye(3), np.eye(3), np.eye(3))[2].round(3).tolist()
-    [2.0, 2.0, 2.0]
     """
     grey = bool(np.ptp(light.radiance, axis=2).max() == 0)
     tables = [_table(light.radiance[..., c]) for c in range(1 if grey else 3)]

@@ -8,7 +8,7 @@ scene.
 References: G. Ward, "The RADIANCE 6.0 Synthetic Imaging System", section 2.1.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -70,7 +70,9 @@ def read_instance(
             case Octree() as octree:
                 return _octree(octree, path, placement, find)
             case ObjText() as text:
-                return Instance((), _obj(text, path, item), placement)
+                meshes = obj_meshes(text, file=str(path))
+                _require_materials(item, path, (mesh.material for mesh in meshes))
+                return Instance((), meshes, placement)
             case CompiledMesh() as mesh:
                 return Instance(
                     (), _compiled(mesh, path, item, given.source), placement
@@ -104,23 +106,17 @@ def _octree(
     return Instance(tuple(files), octree.items, placement)
 
 
-def _require_materials(item: Primitive, path: Path, *, complete: bool) -> None:
+def _require_materials(item: Primitive, path: Path, names: Iterable[str]) -> None:
     require(
-        complete or item.modifier != "void",
+        all(names) or item.modifier != "void",
         f"{path} has faces without material; a modifier other than void expected",
     )
-
-
-def _obj(text: ObjText, path: Path, item: Primitive) -> tuple[TriangleMesh, ...]:
-    meshes = obj_meshes(text, file=str(path))
-    _require_materials(item, path, complete=all(mesh.material for mesh in meshes))
-    return meshes
 
 
 def _compiled(
     mesh: CompiledMesh, path: Path, item: Primitive, source: Source
 ) -> tuple[Primitive | TriangleMesh, ...]:
-    _require_materials(item, path, complete="" not in mesh.material)
+    _require_materials(item, path, mesh.material)
     names = np.array(mesh.material)
     parts: list[Primitive | TriangleMesh] = list(mesh.items)
     for name in np.unique(names).tolist():

@@ -49,13 +49,10 @@ class _MapFile(Table):
 @final
 @dataclass(frozen=True, eq=False)
 class MaterialMap:
-    """Materials for the material names in a mesh file.
+    """Materials for the material names in a mesh file; "*" for all other names.
 
-    Attributes
-    ----------
-    materials : materials by name; "*" for all other names
-    scale : metres per unit of the mesh file
-    up : axis that points up; None for the default of the file format
+    `scale` is in metres per unit of the file. The default of the axis that points up
+    is that of the file format.
     """
 
     materials: Mapping[str, Material]

@@ -20,6 +20,9 @@ from clerestory.scene.transform import LARGEST
 # with six decimals [m]
 _ROUNDING, _SIX_DECIMALS = 1e-4, 2e-6
 
+# Radiance's FTINY: lengths up to it are treated as zero
+_TINY = 1e-6
+
 # Maximum number of polygons per file that are reported individually
 _NAMED = 5
 
@@ -70,11 +73,8 @@ def _without_closing_vertex(run: PolygonRun) -> PolygonRun:
     # A last vertex equal to the first is removed, as in Radiance
     last = run.first[1:] - 1
     length = np.diff(run.first)
-    same = (
-        np.linalg.norm(run.vertices[run.first[:-1]] - run.vertices[last], axis=1)
-        <= 1e-6
-    )
-    closing = (length > 3) & same
+    gap = run.vertices[run.first[:-1]] - run.vertices[last]
+    closing = (length > 3) & (np.linalg.norm(gap, axis=1) <= _TINY)
     if not closing.any():
         return run
     keep = np.ones(len(run.vertices), dtype=bool)
@@ -117,10 +117,6 @@ def _warn(
         warnings.warn(text, ClerestoryWarning, stacklevel=2)
 
 
-# Radiance's FTINY: lengths up to it are treated as zero
-_TINY = 1e-6
-
-
 def surface(item: Primitive, *, file: str) -> Simple | None:
     """Return the surface of a primitive other than a polygon.
 
@@ -155,7 +151,7 @@ def _cone(given: Arguments) -> Simple | None:
         raise given.error(f"radius is {listed}; a positive number expected")
     if radii.min() < -_TINY:
         given.doubt(
-            f"radius is {radii.min():g}; the surface is inverted, as in Radiance",
+            f"radius is {radii.min():g}; the surface is inverted, as in Radiance"
         )
         radii, inward = -radii, not inward
     if np.linalg.norm(value[3:6] - value[:3]) <= _TINY:

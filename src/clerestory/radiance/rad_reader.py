@@ -37,7 +37,7 @@ from clerestory.scene.materials.emitters import Glow, Light
 from clerestory.scene.materials.mixture import Void
 from clerestory.scene.model import Scene
 from clerestory.scene.primitive import Arguments, Definition, Primitive
-from clerestory.scene.surface import DistantSource, Polygon, Surface
+from clerestory.scene.surface import DistantSource, Surface
 
 # Key of the modifier "void", which stands for no material
 _VOID = ""
@@ -95,7 +95,8 @@ class _Reading:
     def add(self, placed: Placed) -> None:
         match placed.item:
             case PolygonRun():
-                self._add_polygons(placed.item, placed.file)
+                made = placed.item.polygons(placed.file, self._key)
+                self.surfaces += (p for p in made if p.material != _VOID)
             case Primitive(kind="alias"):
                 self._alias(Arguments(placed.item, placed.file))
             case Primitive():
@@ -130,23 +131,10 @@ class _Reading:
             source, f'the modifier "{modifier}" is a pattern; a material expected'
         )
 
-    def _add_polygons(self, run: PolygonRun, file: str) -> None:
-        ends = run.first.tolist()
-        for i, (modifier, name, line) in enumerate(
-            zip(run.modifier, run.name, run.line, strict=True)
-        ):
-            source = Source(file, line)
-            key = self._key(modifier, source)
-            if key != _VOID:
-                vertices = run.vertices[ends[i] : ends[i + 1]]
-                self.surfaces.append(Polygon(vertices, key, name, source))
-
     def _add_scene(self, scene: Scene, file: str, placement: Placement) -> None:
         # Adds transformed surfaces; a modifier of xform replaces their materials
-        keys = {
-            name: insert_material(self.materials, material)
-            for name, material in scene.materials.items()
-        }
+        given = scene.materials.items()
+        keys = {name: insert_material(self.materials, m) for name, m in given}
         for surface in scene.surfaces:
             key = keys[surface.material]
             if placement.modifier is not None:
@@ -164,8 +152,8 @@ class _Reading:
         if key == _VOID:
             return
         if not isinstance(self.materials[key], Glow | Light):
-            message = f'source "{item.name}" has the material "{key}"'
-            raise error_at(source, f"{message}; a glow or a light expected")
+            wrong = f'source "{item.name}" has the material "{key}"'
+            raise error_at(source, f"{wrong}; a glow or a light expected")
         self.distant.append(replace(item, material=key))
 
     def _define(self, given: Arguments, placement: Placement) -> None:

@@ -8,12 +8,7 @@ from clerestory.bsdf.bsdf import Bsdf
 from clerestory.checks import require
 from clerestory.errors import InputError
 from clerestory.radiance.primitives import specification
-from clerestory.scene.material import (
-    Argument,
-    Material,
-    Specification,
-    insert_material,
-)
+from clerestory.scene.material import Argument, Material, Specification, insert_material
 from clerestory.scene.materials.mixture import Void
 from clerestory.scene.model import Scene
 from clerestory.scene.pattern import Pattern
@@ -24,28 +19,7 @@ from clerestory.scene.surface import Polygon, Simple, TriangleMesh
 def format_rad(scene: Scene, *, bsdf_file: Mapping[str, str | Path]) -> str:
     """Return a scene as the text of a Radiance scene file.
 
-    Parameters
-    ----------
-    bsdf_file : paths of BSDF files by key of the material
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from clerestory.scene.model import Sphere
-    >>> from clerestory.scene.materials.plastic import Plastic
-    >>> ball = Sphere(np.zeros(3), 0.5, False, "grey", "ball")
-    >>> grey = Plastic("grey", np.full(3, 0.4))
-    >>> print(format_rad(Scene({"grey": grey}, (ball,)), bsdf_file={}))
-    void plastic grey
-    0
-    0
-    5 0.4 0.4 0.4 0 0
-    <BLANKLINE>
-    grey sphere ball
-    0
-    0
-    4 0 0 0 0.5
-    <BLANKLINE>
+    `bsdf_file` has the paths of BSDF files by key of the material.
     """
     require(
         scene.bands == RGB, f"the scene is in the bands {scene.bands}; {RGB} expected"

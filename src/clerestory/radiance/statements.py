@@ -5,6 +5,7 @@ expression and converted together; other statements are read word by word.
 """
 
 import re
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,7 +13,9 @@ from jaxtyping import Int
 
 from clerestory.array_types import Vertices
 from clerestory.errors import InputError
+from clerestory.scene.material import Source
 from clerestory.scene.primitive import Primitive
+from clerestory.scene.surface import Polygon
 from clerestory.scene.transform import number
 
 
@@ -25,6 +28,16 @@ class PolygonRun:
     line: list[int]
     first: Int[np.ndarray, " polygons_and_end"]
     vertices: Vertices
+
+    def polygons(
+        self, file: str, key: Callable[[str, Source], str] = lambda name, _: name
+    ) -> Iterator[Polygon]:
+        """Yield the polygons; `key` returns the material of a modifier."""
+        ends = self.first.tolist()
+        for i, modifier in enumerate(self.modifier):
+            source = Source(file, self.line[i])
+            vertices = self.vertices[ends[i] : ends[i + 1]]
+            yield Polygon(vertices, key(modifier, source), self.name[i], source)
 
 
 @dataclass(frozen=True)
@@ -103,12 +116,17 @@ class _Cursor:
         self.counted = self.at
         return self.newlines + 1
 
+    def matched(self, pattern: re.Pattern[str]) -> str:
+        # Reads the text that matches a pattern
+        match = pattern.match(self.text, self.at)
+        self.at = match.end() if match else self.at
+        return match.group() if match else ""
+
     def word(self, what: str) -> str:
         match = _WORD.match(self.text, self.at)
         if match is None:
-            raise self.error(
-                f"the file ends where {what} is expected", at=len(self.text.rstrip())
-            )
+            end = len(self.text.rstrip())
+            raise self.error(f"the file ends where {what} is expected", at=end)
         double, double_end, single, single_end, plain = match.groups()
         if plain is None and double_end is None and single_end is None:
             raise self.error("a quotation mark is not closed", at=match.start())
@@ -116,44 +134,33 @@ class _Cursor:
         return next(w for w in (plain, double, single) if w is not None)
 
     def error(self, message: str, *, at: int | None = None) -> InputError:
-        at = self.at if at is None else at
-        return InputError(
-            message, file=self.file, line=self.text.count("\n", 0, at) + 1
-        )
+        line = self.text.count("\n", 0, self.at if at is None else at) + 1
+        return InputError(message, file=self.file, line=line)
 
 
 def _statement(cursor: _Cursor) -> Statement:
     line = cursor.line()
     start = cursor.text[cursor.at]
     if start == "#":
-        match = _LINE.match(cursor.text, cursor.at)
-        cursor.at = match.end() if match else cursor.at
-        return Directive(
-            match.group().removeprefix("#@rfluxmtx") if match else "", line
-        )
+        return Directive(cursor.matched(_LINE).removeprefix("#@rfluxmtx"), line)
     if start == "!":
-        match = _COMMAND.match(cursor.text, cursor.at)
-        cursor.at = match.end() if match else cursor.at
-        return Command(match.group(1).replace("\\\n", "") if match else "", line)
+        return Command(cursor.matched(_COMMAND)[1:].replace("\\\n", ""), line)
 
     modifier = cursor.word("a modifier")
     here = cursor.at
     kind = cursor.word(f'the type of a primitive modified by "{modifier}"')
-    name = cursor.word(f"the name of the {kind}") if _is_kind(kind) else ""
+    known = kind == "alias" or kind in SURFACE_KINDS or kind in MODIFIER_KINDS
+    name = cursor.word(f"the name of the {kind}") if known else ""
     if kind == "alias":
         target = cursor.word(f'the original of alias "{name}"')
         return Primitive(modifier, kind, name, (target,), (), line)
-    if kind not in SURFACE_KINDS and kind not in MODIFIER_KINDS:
+    if not known:
         hint = "a type such as polygon or plastic expected"
         if number(modifier) is not None and number(kind) is not None:
             hint = "does the previous primitive have more numbers than its count?"
         cursor.at = here + len(cursor.text[here:]) - len(cursor.text[here:].lstrip())
         raise cursor.error(f'unknown type "{kind}" of primitive; {hint}')
     return _primitive(cursor, modifier=modifier, kind=kind, name=name, line=line)
-
-
-def _is_kind(word: str) -> bool:
-    return word == "alias" or word in SURFACE_KINDS or word in MODIFIER_KINDS
 
 
 def _primitive(

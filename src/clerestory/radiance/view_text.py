@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from clerestory.checks import require
 from clerestory.errors import InputError, located
 from clerestory.files import read_bytes
 from clerestory.scene.projection import LETTERS, Kind
@@ -78,19 +79,18 @@ def parse_view(text: str, base: View | None = None) -> View:
 
 
 def _kind(word: str) -> Kind:
-    if word[3:] not in LETTERS:
-        raise InputError(
-            f'unknown view type "{word}"; -vt and one of {" ".join(LETTERS)} expected'
-        )
+    require(
+        word[3:] in LETTERS,
+        f'unknown view type "{word}"; -vt and one of {" ".join(LETTERS)} expected',
+    )
     return LETTERS[word[3:]]
 
 
 def _numbers(option: str, words: list[str], count: int) -> list[float]:
     values = [number(word) for word in words]
     found = [value for value in values if value is not None]
-    if len(found) < count or len(values) < count:
-        noun = "a number" if count == 1 else f"{count} numbers"
-        raise InputError(f"view option {option} without {noun} after it")
+    noun = "1 number" if count == 1 else f"{count} numbers"
+    require(len(found) == count, f"view option {option} without {noun} after it")
     return found
 
 

@@ -16,7 +16,7 @@ from clerestory.hemisphere.klems import klems
 from clerestory.radiance.expansion import Placed, placed_items
 from clerestory.radiance.statements import Directive, PolygonRun
 from clerestory.scene.material import error_at
-from clerestory.scene.model import Polygon, Scene, Source
+from clerestory.scene.model import Polygon, Scene
 from clerestory.scene.transform import number
 from clerestory.scene.window import Window, window_of
 
@@ -54,12 +54,7 @@ def read_window(path: str | Path) -> Window:
 
 
 def read_windows(*paths: str | Path) -> tuple[Window, ...]:
-    """Read windows from .rad files, one for each modifier, in order of appearance.
-
-    Raises
-    ------
-    InputError : as for `read_window`
-    """
+    """Read windows from .rad files, one for each modifier, in order of appearance."""
     groups: dict[str, list[_Pane]] = {}
     for path in paths:
         for name, panes in _groups(path).items():
@@ -85,7 +80,7 @@ def _groups(path: str | Path) -> dict[str, list[_Pane]]:
                 with located(file=placed.file, line=placed.item.line):
                     basis, up = _variables(placed.item, basis, up)
             case PolygonRun():
-                for polygon in _polygons(placed.item, placed.file):
+                for polygon in placed.item.polygons(placed.file):
                     groups.setdefault(polygon.material, []).append(
                         _Pane(polygon, basis, up)
                     )
@@ -93,16 +88,6 @@ def _groups(path: str | Path) -> dict[str, list[_Pane]]:
                 _refuse_surface(placed)
     require(groups, "no polygons; the polygons of a window expected", file=path)
     return groups
-
-
-def _polygons(run: PolygonRun, file: str) -> list[Polygon]:
-    parts = np.split(run.vertices, run.first[1:-1])
-    return [
-        Polygon(vertices, modifier, name, Source(file, line))
-        for vertices, modifier, name, line in zip(
-            parts, run.modifier, run.name, run.line, strict=True
-        )
-    ]
 
 
 def _refuse_surface(placed: Placed) -> None:

@@ -10,20 +10,25 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.scattering_function import Function
+from clerestory.bsdf.scattering_function import Function, ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
-from clerestory.errors import InputError
+from clerestory.checks import require, within
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.partition import RingPartition
+from clerestory.report.figure_axes import (
+    colour_bar,
+    disc_place,
+    draw_disc,
+    log_norm,
+    mark_undeviated,
+    polar_degrees,
+)
 
 _PIXELS = 480
 _DECADES = 5
-_PALETTE = "inferno"
 _LINE: dict[str, Any] = {"color": "white", "linewidth": 0.35, "alpha": 0.35}
 
 # Step of the polar angle in curves of direct-hemispherical values [°].
@@ -31,17 +36,12 @@ _CURVE_DEG = 2.5
 
 
 def patch_direction(patch: int, function: Function) -> Float[np.ndarray, "3"]:
-    """Incident direction, from its source, at the centre of a full-basis Klems patch.
-
-    Examples
-    --------
-    >>> patch_direction(0, "transmission_front").tolist()  # from outside
-    [-0.0, -0.0, -1.0]
-    """
+    """Incident direction at the centre of a patch of the full Klems basis."""
     centres = klems("full").centres()
-    if not 0 <= patch < len(centres):
-        raise InputError(f"patch {patch}; 0 to {len(centres) - 1} expected")
-    return _from_straight_on(centres[patch], function)
+    within(patch, "patch", least=0, most=len(centres) - 1)
+    # The undeviated direction is the centre (room) or its mirror image (outdoors)
+    signs = (-1.0, -1.0, -1.0 if function.endswith("front") else 1.0)
+    return np.asarray(centres[patch] * signs)
 
 
 def direction_from_angles(
@@ -51,8 +51,10 @@ def direction_from_angles(
 
     The azimuth is measured from the right upwards, as seen from the room.
     """
-    if not 0 <= theta_deg < 90:
-        raise InputError(f"polar angle {theta_deg}°; from 0 to below 90° expected")
+    require(
+        0 <= theta_deg < 90,
+        f"polar angle is {theta_deg}°; an angle from 0° to below 90° expected",
+    )
     theta, phi = np.radians([theta_deg, phi_deg])
     flat = np.sin(theta) * np.array([np.cos(phi), np.sin(phi)])
     z = -np.cos(theta) if function.endswith("front") else np.cos(theta)
@@ -81,25 +83,25 @@ def lobe_figure(
     ]
     for bsdf in bsdfs:
         bsdf.function(function, channel=channel)
-    norm = _scale(np.array(rows)[..., inside])
+    norm = log_norm(np.array(rows)[..., inside], decades=_DECADES, quantile=0.01)
     size = (3.3 * len(bsdfs) + 1.1, 3.5 * len(directions) + 0.5)
     figure = Figure(figsize=size, layout="constrained")
     axes = figure.subplots(len(directions), len(bsdfs), squeeze=False)
     titles = list(names) or [bsdf.product.name for bsdf in bsdfs]
     for k, (direction, row) in enumerate(zip(directions, rows, strict=True)):
-        for m, values in enumerate(row):
-            _draw_disc(axes[k, m], np.where(inside, values, np.nan), norm)
-            _draw_marks(axes[k, m], bsdfs[m], direction, function, channel)
-            (share,) = bsdfs[m].hemispherical(
+        for panel, bsdf, title, values in zip(axes[k], bsdfs, titles, row, strict=True):
+            draw_disc(panel, np.where(inside, values, np.nan), norm)
+            _draw_patches_or_rings(panel, bsdf.scattering(function, channel=channel))
+            mark_undeviated(panel, -disc_place(direction))
+            panel.set(xticks=[], yticks=[], frame_on=False)
+            (share,) = bsdf.hemispherical(
                 direction[None], function=function, channel=channel
             )
-            head = f"{titles[m]}\n" if k == 0 else ""
-            axes[k, m].set_title(f"{head}{share:.3f} in all", fontsize=9)
+            head = f"{title}\n" if k == 0 else ""
+            panel.set_title(f"{head}{share:.3f} in all directions", fontsize=9)
         axes[k, 0].set_ylabel(_source_words(direction), fontsize=9)
-    bar = figure.colorbar(
-        ScalarMappable(norm, _PALETTE), ax=axes, shrink=0.8, extend="min"
-    )
-    bar.set_label(f"{channel} {function.replace('_', ' ')} [1/sr]")
+    label = f"{channel} {function.replace('_', ' ')} [1/sr]"
+    colour_bar(figure, axes.flat, norm, label)
     return figure
 
 
@@ -122,14 +124,14 @@ def share_figure(
         (panels[0], 90.0, "from below | from above"),
         (panels[1], 0.0, "from the left | from the right"),
     ):
-        for bsdf, title in zip(bsdfs, titles, strict=True):
-            sources = [
+        sources = np.array(
+            [
                 direction_from_angles(abs(a), azimuth + 180 * (a < 0), function)
                 for a in angle
             ]
-            share = bsdf.hemispherical(
-                np.array(sources), function=function, channel=channel
-            )
+        )
+        for bsdf, title in zip(bsdfs, titles, strict=True):
+            share = bsdf.hemispherical(sources, function=function, channel=channel)
             panel.plot(angle, share, drawstyle="steps-mid", label=title, linewidth=1.4)
         panel.set_xlabel(f"angle of the source to the normal [°]: {ends}", fontsize=8)
         panel.set_xlim(-90, 90)
@@ -139,14 +141,6 @@ def share_figure(
     panels[0].set_ylabel(f"{channel}, {function.replace('_', ' ')}", fontsize=9)
     panels[0].legend(fontsize=8, frameon=False)
     return figure
-
-
-def _from_straight_on(
-    centre: Float[np.ndarray, "3"], function: Function
-) -> Float[np.ndarray, "3"]:
-    # Light whose undeviated direction is `centre` (room) or its mirror image (outdoors)
-    back = np.array([-1.0, -1.0, 1.0])
-    return np.asarray(centre * (-1.0 if function.endswith("front") else back))
 
 
 def _disc(
@@ -163,45 +157,13 @@ def _disc(
     return np.stack([x * scale, y * scale, z], axis=-1), radius < 1
 
 
-def _scale(values: Float[np.ndarray, "*batch"]) -> LogNorm:
-    # From the first percentile of positive values to the maximum, at most five decades
-    top = float(values.max()) or 1.0
-    some = values[values > 0]
-    low = float(np.quantile(some, 0.01)) if some.size else top
-    return LogNorm(min(max(low, top * 10.0**-_DECADES), top / 10), top)
-
-
-def _draw_disc(
-    axes: Axes, values: Float[np.ndarray, "row column"], norm: LogNorm
-) -> None:
-    palette = ScalarMappable(norm, _PALETTE).get_cmap()
-    floor = np.where(np.isnan(values), np.nan, np.maximum(values, norm.vmin or 0))
-    axes.imshow(
-        floor, norm=norm, cmap=palette, origin="lower", extent=(-90, 90, -90, 90)
-    )
-    axes.set_xticks([])
-    axes.set_yticks([])
-    axes.set_frame_on(False)
-
-
-def _draw_marks(
-    axes: Axes,
-    bsdf: Bsdf,
-    direction: Float[np.ndarray, "3"],
-    function: Function,
-    channel: str,
-) -> None:
-    # Draw patch outlines, or circles of equal polar angle, and the undeviated direction
-    part = bsdf.scattering(function, channel=channel)
+def _draw_patches_or_rings(axes: Axes, part: ScatteringFunction) -> None:
+    # Draw patch outlines, or circles of equal polar angle, and the rim
     if isinstance(part, ScatteringMatrix):
         _draw_patches(axes, part.exits)
     else:
         _draw_rings(axes, np.radians([30.0, 60.0]))
     _draw_rings(axes, np.array([np.pi / 2]), color="black", alpha=1.0, linewidth=0.6)
-    across = np.hypot(*direction[:2])
-    polar = np.degrees(np.arctan2(across, abs(direction[2])))
-    on = -direction[:2] / max(float(across), 1e-9) * polar
-    axes.plot(*on, "o", markersize=9, fillstyle="none", color="#37c0ff")
 
 
 def _draw_patches(axes: Axes, partition: RingPartition) -> None:
@@ -210,24 +172,17 @@ def _draw_patches(axes: Axes, partition: RingPartition) -> None:
     for low, high, count in zip(theta, theta[1:], partition.count, strict=False):
         if count > 1:
             phi = (np.arange(count) + 0.5) * 2 * np.pi / count
-            for p in phi:
-                axes.plot(
-                    [low * np.cos(p), high * np.cos(p)],
-                    [low * np.sin(p), high * np.sin(p)],
-                    **_LINE,
-                )
+            ends = np.array([[low], [high]])
+            axes.plot(ends * np.cos(phi), ends * np.sin(phi), **_LINE)
 
 
 def _draw_rings(axes: Axes, theta: Float[np.ndarray, " ring"], **style: Any) -> None:
-    phi = np.linspace(0, 2 * np.pi, 181)
-    for radius in np.degrees(theta):
-        line = {**_LINE, **style}
-        axes.plot(radius * np.cos(phi), radius * np.sin(phi), **line)
+    phi, radius = np.linspace(0, 2 * np.pi, 181)[:, None], np.degrees(theta)
+    axes.plot(radius * np.cos(phi), radius * np.sin(phi), **{**_LINE, **style})
 
 
 def _source_words(direction: Float[np.ndarray, "3"]) -> str:
-    theta = np.degrees(np.arctan2(np.hypot(*direction[:2]), abs(direction[2])))
-    phi = np.degrees(np.arctan2(direction[1], direction[0])) % 360
+    theta, phi = polar_degrees(direction)
     if theta < 0.5:
         return "light along the normal"
     return f"light from {theta:.0f}° off the normal,\nazimuth {phi:.0f}°"

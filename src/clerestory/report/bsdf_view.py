@@ -5,7 +5,6 @@ values, is averaged over cells of about three degrees and the 145 incident patch
 the full Klems basis, conserving flux.
 """
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +13,9 @@ from jaxtyping import Float, UInt16
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.quality_checks import check
-from clerestory.bsdf.scattering_function import Function, ScatteringFunction
+from clerestory.bsdf.scattering_function import Function
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
-from clerestory.errors import InputError
+from clerestory.checks import require
 from clerestory.files import write_text
 from clerestory.hemisphere.klems import from_rings, klems
 from clerestory.hemisphere.partition import RingPartition
@@ -25,6 +24,12 @@ from clerestory.report.embedded_data import packed
 from clerestory.report.markup import render
 from clerestory.report.page_assets import asset, render_page
 
+_FUNCTIONS: tuple[Function, ...] = (
+    "transmission_front",
+    "reflection_front",
+    "transmission_back",
+    "reflection_back",
+)
 _SCRIPTS = ("raster.js", "solids.js", "bsdf_discs.js", "bsdf_lobes.js", "bsdf_view.js")
 
 # Width of the cells on which a tensor tree is shown [°].
@@ -48,10 +53,11 @@ def write_view(bsdf: Bsdf, path: str | Path) -> None:
 
 def view_page(bsdf: Bsdf) -> str:
     """Return the view as HTML."""
-    if not bsdf.functions:
-        raise InputError(
-            "BSDF without data; at least one function expected", file=bsdf.source
-        )
+    require(
+        bsdf.functions,
+        "BSDF without data; at least one function expected",
+        file=bsdf.source,
+    )
     name = bsdf.product.name.strip()
     file = Path(bsdf.source).name if bsdf.source else ""
     title = file if name in ("", "Name") else name
@@ -81,16 +87,23 @@ def view_data(bsdf: Bsdf) -> dict[str, Any]:
     """
     functions: list[dict[str, Any]] = []
     left_out: list[str] = []
-    room = _MOST_VALUES
+    room, coarse = _MOST_VALUES, (fine_partition(), klems("full"))
     for channel in sorted(bsdf.channels, key=lambda name: name != "visible"):
-        for name in _known(bsdf, channel):
-            size = _size_shown(bsdf, name, channel)
-            if size > room:
+        for name in _FUNCTIONS:
+            if not bsdf.has(name, channel=channel):
+                continue
+            part = bsdf.scattering(name, channel=channel)
+            # Patches of the file, unless it has none or too many
+            exits, incidents = part.own_partitions() or coarse
+            if len(exits) * len(incidents) > _MOST_VALUES_OF_ONE:
+                exits, incidents = coarse
+            if len(exits) * len(incidents) > room:
                 left_out.append(f"{channel} {name.replace('_', ' ')}")
                 continue
-            room -= size
-            part = _shown(bsdf, name, channel)
-            functions.append(_function_data(part, channel, name))
+            room -= len(exits) * len(incidents)
+            values = part.average(exits, incidents)
+            shown = ScatteringMatrix(values, exits, incidents)
+            functions.append(_function_data(shown, channel, name))
     return {
         "functions": functions,
         "left_out": left_out,
@@ -99,45 +112,12 @@ def view_data(bsdf: Bsdf) -> dict[str, Any]:
 
 
 def fine_partition() -> RingPartition:
-    """Return patches about three degrees wide, on which tensor trees are shown.
-
-    >>> len(fine_partition())
-    2353
-    """
+    """Return patches about three degrees wide, on which tensor trees are shown."""
     limits = np.concatenate([[0.0], np.arange(_CELL_DEG / 2, 90, _CELL_DEG), [90.0]])
     middle = np.radians((limits[1:] + limits[:-1]) / 2)
     count = np.maximum(1, np.round(360 / _CELL_DEG * np.sin(middle) / 4) * 4)
     count[0] = 1
     return from_rings("View", limits_deg=limits, count=count.astype(int))
-
-
-def _known(bsdf: Bsdf, channel: str) -> Sequence[Function]:
-    names: tuple[Function, ...] = (
-        "transmission_front",
-        "reflection_front",
-        "transmission_back",
-        "reflection_back",
-    )
-    return [name for name in names if bsdf.has(name, channel=channel)]
-
-
-def _shown(bsdf: Bsdf, name: Function, channel: str) -> ScatteringMatrix:
-    part = bsdf.scattering(name, channel=channel)
-    exits, incidents = _patches_shown(part)
-    return ScatteringMatrix(part.average(exits, incidents), exits, incidents)
-
-
-def _patches_shown(part: ScatteringFunction) -> tuple[RingPartition, RingPartition]:
-    # Patches of the file, unless it has none or too many
-    own = part.own_partitions()
-    if own is None or len(own[0]) * len(own[1]) > _MOST_VALUES_OF_ONE:
-        return fine_partition(), klems("full")
-    return own
-
-
-def _size_shown(bsdf: Bsdf, name: Function, channel: str) -> int:
-    exits, incidents = _patches_shown(bsdf.scattering(name, channel=channel))
-    return len(exits) * len(incidents)
 
 
 def _function_data(

@@ -1,9 +1,8 @@
 """HTML page of a comparison with measurements: tables, figures and notes."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import final
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -33,17 +32,8 @@ PAGE_FILE = "comparison.html"
 _MOST_SERIES = 9
 
 
-@final
-@dataclass(frozen=True, eq=False)
-class Drawing:
-    """Figure of a comparison.
-
-    Attributes
-    ----------
-    name : file name without extension
-    words : caption
-    png : PNG data
-    """
+class Drawing(NamedTuple):
+    """Figure of a comparison: file name without extension, caption and PNG data."""
 
     name: str
     words: str
@@ -56,9 +46,7 @@ def comparison_drawings(
 ) -> list[Drawing]:
     """Return all figures of a comparison, overviews first.
 
-    Parameters
-    ----------
-    places : positions of the sensors by name, for maps of grids [m]
+    `places` are the positions of the sensors by name [m], for maps of grids.
     """
     kinds = dict.fromkeys(kind for c in comparisons for kind in c.table())
     drawings = []

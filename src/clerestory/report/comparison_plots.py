@@ -9,7 +9,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from clerestory.comparison.agreement import agreement
-from clerestory.comparison.series import GLARE, UNITS, group_of, quantity_of
+from clerestory.comparison.series import (
+    GLARE,
+    ILLUMINANCE,
+    UNITS,
+    group_of,
+    quantity_of,
+)
 from clerestory.comparison.series_comparison import Comparison
 from clerestory.comparison.time_alignment import Pairs
 from clerestory.report.period import evenly
@@ -20,7 +26,7 @@ _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9")
 _MOST_DAYS = 6
 _MOST_SCANS = 6
 _WIDE_RANGE = 30.0
-_SAVED: dict[str, Any] = {"loc": "left", "fontsize": 10}
+_TITLE: dict[str, Any] = {"loc": "left", "fontsize": 10}
 
 
 def scatter_figure(comparisons: Sequence[Comparison], quantity: str) -> Figure | None:
@@ -28,7 +34,7 @@ def scatter_figure(comparisons: Sequence[Comparison], quantity: str) -> Figure |
 
     Bands mark deviations of 10 and 20 %. None if no simulation has the quantity.
     """
-    panels = [(c.name, _of_quantity(c, quantity)) for c in comparisons]
+    panels = [(c.name, _pairs(c, quantity)) for c in comparisons]
     panels = [(name, pairs) for name, pairs in panels if pairs.measured.size]
     if not panels:
         return None
@@ -36,31 +42,24 @@ def scatter_figure(comparisons: Sequence[Comparison], quantity: str) -> Figure |
     high = max(max(p.measured.max(), p.simulated.max()) for _, p in panels)
     wide = high > _WIDE_RANGE * low and quantity not in GLARE
     ends = np.array([low / 1.2 if wide else 0.0, high * (1.2 if wide else 1.05)])
-    size = (4.4 * len(panels) + 0.4, 4.6)
-    figure = Figure(figsize=size, layout="constrained")
+    figure = Figure(figsize=(4.4 * len(panels) + 0.4, 4.6), layout="constrained")
     axes = figure.subplots(1, len(panels), squeeze=False)[0]
     for number, ((name, pairs), panel) in enumerate(zip(panels, axes, strict=True)):
         panel.fill_between(ends, 0.8 * ends, 1.2 * ends, color="#eceff2", lw=0)
         panel.fill_between(ends, 0.9 * ends, 1.1 * ends, color="#d5dbe2", lw=0)
         panel.plot(ends, ends, color=_MEASURED, lw=0.8)
-        size_of = 14 if pairs.measured.size < 300 else 5
+        size, colour = 14 if pairs.measured.size < 300 else 5, _colour(number)
         panel.scatter(
-            pairs.measured,
-            pairs.simulated,
-            s=size_of,
-            color=_colour(number),
-            alpha=0.6,
-            lw=0,
+            pairs.measured, pairs.simulated, s=size, color=colour, alpha=0.6, lw=0
         )
-        if wide:
-            panel.set(xscale="log", yscale="log")
-        panel.set(xlim=ends, ylim=ends, aspect="equal")
-        panel.set(xlabel=f"measured {_unit(quantity)}")
+        scale = "log" if wide else "linear"
+        panel.set(xscale=scale, yscale=scale, xlim=ends, ylim=ends, aspect="equal")
+        panel.set_xlabel(f"measured {_unit(quantity)}")
         found = agreement(pairs.measured, pairs.simulated)
         panel.set_title(
             f"{name}: bias {100 * found.relative_bias:+.0f} %, CV(RMSE)"
             f" {100 * found.variation:.0f} %, r {found.correlation:.2f}",
-            **_SAVED,
+            **_TITLE,
         )
     axes[0].set_ylabel(f"simulated {_unit(quantity)}")
     return figure
@@ -69,11 +68,15 @@ def scatter_figure(comparisons: Sequence[Comparison], quantity: str) -> Figure |
 def days_figure(comparisons: Sequence[Comparison], name: str) -> Figure:
     """Draw the daily curves of one series, measured and simulated."""
     found = [(c.name, c.pairs.of(name)) for c in comparisons if name in c.pairs.names]
-    days = _chosen_days(np.concatenate([pairs.times for _, pairs in found]))
+    times = np.concatenate([pairs.times for _, pairs in found])
+    days, counts = np.unique(times.astype("datetime64[D]"), return_counts=True)
+    # Evenly spaced days with nearly complete data
+    days = days[counts >= max(1, 0.6 * counts.max())]
+    days = days[evenly(len(days), _MOST_DAYS)]
     columns = min(len(days), 3)
     rows = -(-len(days) // columns)
-    figure = Figure(figsize=(3.7 * columns + 0.4, 2.6 * rows + 0.5))
-    figure.set_layout_engine("constrained")
+    size = (3.7 * columns + 0.4, 2.6 * rows + 0.5)
+    figure = Figure(figsize=size, layout="constrained")
     panels = figure.subplots(rows, columns, squeeze=False, sharey=True)
     for panel in panels.flat[len(days) :]:
         panel.set_visible(False)
@@ -81,12 +84,10 @@ def days_figure(comparisons: Sequence[Comparison], name: str) -> Figure:
         for number, (label, pairs) in enumerate(found):
             part = pairs.where(pairs.times.astype("datetime64[D]") == day)
             _draw_day(panel, part, label=label, number=number)
-        panel.set_title(str(day), **_SAVED)
-        panel.set(xlabel="hour, local standard time")
+        panel.set_title(str(day), **_TITLE)
+        panel.set_xlabel("hour, local standard time")
         panel.grid(lw=0.3)
-    panels[0, 0].set_ylim(bottom=0)
-    panels[0, 0].set_ylabel(_unit(quantity_of(name)))
-    panels[0, 0].legend(frameon=False, fontsize=8)
+    _finish(panels[0, 0], quantity_of(name))
     figure.suptitle(name, x=0.01, ha="left", fontsize=11)
     return figure
 
@@ -95,7 +96,7 @@ def time_figure(comparisons: Sequence[Comparison], group: str, quantity: str) ->
     """Draw the time series of the mean over a group of sensors, without nights."""
     figure = Figure(figsize=(10.5, 3.2), layout="constrained")
     axes = figure.subplots()
-    drawn = [_means(_of_group(c, group, quantity)) for c in comparisons]
+    drawn = [_means(_pairs(c, quantity, group)) for c in comparisons]
     stamps = np.unique(np.concatenate([times for times, _, _ in drawn]))
     marker = "o" if len(stamps) < 100 else ""
     style: dict[str, Any] = {"lw": 0.9, "marker": marker, "ms": 3.5}
@@ -106,12 +107,16 @@ def time_figure(comparisons: Sequence[Comparison], group: str, quantity: str) ->
         name = comparisons[number].name
         axes.plot(place, lines[1], color=_colour(number), label=name, **style)
     _mark_days(axes, stamps)
-    axes.set_ylabel(_unit(quantity))
-    axes.set_ylim(bottom=0)
-    axes.set_title(f"{group}: mean of its series at each moment", **_SAVED)
-    axes.legend(frameon=False, fontsize=8)
+    axes.set_title(f"{group}: mean over its series at each time", **_TITLE)
     axes.grid(lw=0.3, axis="y")
+    _finish(axes, quantity)
     return figure
+
+
+def _finish(axes: Axes, quantity: str) -> None:
+    axes.set_ylim(bottom=0)
+    axes.set_ylabel(_unit(quantity))
+    axes.legend(frameon=False, fontsize=8)
 
 
 def scan_figure(
@@ -119,13 +124,10 @@ def scan_figure(
 ) -> Figure | None:
     """Draw maps of a grid at several times: measured, simulated and deviation.
 
-    None if fewer than nine sensors have simultaneous measurements.
-
-    Parameters
-    ----------
-    places : positions of the sensors by name [m]
+    `places` are the positions of the sensors by name [m]. None if fewer than nine
+    sensors have simultaneous measurements.
     """
-    pairs = _of_group(comparison, group, "illuminance")
+    pairs = _pairs(comparison, ILLUMINANCE, group)
     stamps, counts = np.unique(pairs.times.astype("datetime64[h]"), return_counts=True)
     stamps = stamps[counts >= 9]
     if not len(stamps):
@@ -136,8 +138,8 @@ def scan_figure(
         return None
     tall = np.ptp(spots[:, 1]) / max(np.ptp(spots[:, 0]), 0.1)
     height = float(np.clip(1.75 * tall, 1.1, 2.6))
-    figure = Figure(figsize=(1.9 * len(stamps) + 1.2, 3 * height + 1))
-    figure.set_layout_engine("constrained")
+    size = (1.9 * len(stamps) + 1.2, 3 * height + 1)
+    figure = Figure(figsize=size, layout="constrained")
     panels = figure.subplots(3, len(stamps), squeeze=False)
     values = np.concatenate([pairs.measured, pairs.simulated])
     limits = np.percentile(values, [2, 98])
@@ -192,20 +194,14 @@ def _draw_day(panel: Axes, part: Pairs, *, label: str, number: int) -> None:
         panel.fill_between(hour, low, high, color=_colour(number), alpha=0.25, lw=0)
 
 
-def _of_quantity(comparison: Comparison, quantity: str) -> Pairs:
-    names = comparison.pairs.names
-    rows = [i for i, name in enumerate(names) if quantity_of(name) == quantity]
-    return comparison.pairs.where(np.isin(comparison.pairs.series, rows))
-
-
-def _of_group(comparison: Comparison, group: str, quantity: str) -> Pairs:
-    names = comparison.pairs.names
-    rows = [
-        i
-        for i, name in enumerate(names)
-        if group_of(name) == group and quantity_of(name) == quantity
+def _pairs(comparison: Comparison, quantity: str, group: str | None = None) -> Pairs:
+    # Pairs of one quantity, of all groups or of one
+    pairs = comparison.pairs
+    chosen = [
+        quantity_of(name) == quantity and group in (None, group_of(name))
+        for name in pairs.names
     ]
-    return comparison.pairs.where(np.isin(comparison.pairs.series, rows))
+    return pairs.where(np.array(chosen)[pairs.series])
 
 
 def _means(pairs: Pairs) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -221,14 +217,10 @@ def _by_day(
     # Consecutive axis positions of time steps; lines have gaps between days
     day = times.astype("datetime64[D]").astype(int)
     cuts = np.flatnonzero(np.diff(day)) + 1
-    place = np.searchsorted(stamps, times) + _day_number(stamps, times)
+    days = np.unique(stamps.astype("datetime64[D]").astype(int))
+    place = np.searchsorted(stamps, times) + np.searchsorted(days, day)
     broken = [np.insert(line, cuts, np.nan) for line in (place.astype(float), *lines)]
     return broken[0], broken[1:]
-
-
-def _day_number(stamps: np.ndarray, times: np.ndarray) -> np.ndarray:
-    days = np.unique(stamps.astype("datetime64[D]"))
-    return np.searchsorted(days, times.astype("datetime64[D]"))
 
 
 def _mark_days(axes: Axes, stamps: np.ndarray) -> None:
@@ -239,13 +231,6 @@ def _mark_days(axes: Axes, stamps: np.ndarray) -> None:
     if len(days) <= 40:
         for place in places[1:]:
             axes.axvline(place - 1, color="#c9d0d8", lw=0.6)
-
-
-def _chosen_days(times: np.ndarray) -> list[np.datetime64]:
-    # Evenly spaced days with nearly complete data
-    days, counts = np.unique(times.astype("datetime64[D]"), return_counts=True)
-    full = days[counts >= max(1, 0.6 * counts.max())]
-    return [full[k] for k in evenly(len(full), _MOST_DAYS)]
 
 
 def _unit(quantity: str) -> str:

@@ -26,6 +26,7 @@ from clerestory.report.content import (
     SensorPoints,
     WindowSurface,
 )
+from clerestory.report.uncertain_value import setting_label, setting_rows
 from clerestory.report.window_states import rule_words
 from clerestory.study.results import Results
 
@@ -33,9 +34,6 @@ _SHOWN_ELSEWHERE = ("title", "study", "seconds", "warnings", "matrices", "output
 _STUDY_ORDER = ("scene", "window", "sensors", "weather", "sky", "trace", "schedule")
 # Largest number of sensors on a page
 _MOST_SENSORS = 5000
-
-# Length above which lists are abbreviated to their first and last item
-_MOST_ITEMS = 8
 
 _METRICS = ("mean_illuminance", "daylight_autonomy", "useful", "useful_bands")
 
@@ -100,11 +98,9 @@ def schedule_words(schedule: Mapping[str, Any]) -> str:
     """
     if not schedule:
         return "at all hours"
-    start, end = (
-        float(schedule.get(k, d)) for k, d in (("from_hour", 8), ("to_hour", 18))
-    )
-    clock = [f"{int(hour):02d}:{round(hour % 1 * 60):02d}" for hour in (start, end)]
-    return f"every day from {clock[0]} to {clock[1]}"
+    hours = schedule.get("from_hour", 8), schedule.get("to_hour", 18)
+    start, end = (f"{int(hour):02d}:{round(hour % 1 * 60):02d}" for hour in hours)
+    return f"every day from {start} to {end}"
 
 
 def study_tables(study: Mapping[str, Any]) -> tuple[FactTable, ...]:
@@ -123,7 +119,7 @@ def study_tables(study: Mapping[str, Any]) -> tuple[FactTable, ...]:
                 shown = {_label(k): v for k, v in group.items() if k != "name"}
                 if isinstance(group.get("control"), dict):
                     shown["Control"] = rule_words(group["control"])
-                tables.append(FactTable(_label(title), _rows(shown)))
+                tables.append(FactTable(_label(title), setting_rows(shown)))
     return tuple(tables)
 
 
@@ -131,53 +127,25 @@ def run_tables(run: Mapping[str, Any]) -> tuple[FactTable, ...]:
     """Return versions, seeds, device and other records of a run as tables."""
     shown = {k: v for k, v in run.items() if k not in _SHOWN_ELSEWHERE}
     plain = {_label(k): v for k, v in shown.items() if not isinstance(v, dict | list)}
-    tables = [FactTable("Run", _rows(plain))] if plain else []
+    tables = [FactTable("Run", setting_rows(plain))] if plain else []
     for name, value in shown.items():
         if isinstance(value, dict) and value:
-            tables.append(FactTable(_label(name), _rows(value)))
-    matrices = {
-        _short_name(str(name)): "kept from an earlier run"
-        if dict(facts).get("found")
-        else "traced in this run"
-        for name, facts in dict(run.get("matrices", {})).items()
-    }
+            tables.append(FactTable(_label(name), setting_rows(value)))
+    matrices = {}
+    for name, facts in dict(run.get("matrices", {})).items():
+        # Abbreviate the hash in the name of a matrix
+        stem, _, digest = str(name).removesuffix(".nc").rpartition("-")
+        found = dict(facts).get("found")
+        origin = "kept from an earlier run" if found else "traced in this run"
+        matrices[f"{stem}-{digest[:8]}"] = origin
     if matrices:
-        tables.append(FactTable("Matrices", _rows(matrices)))
+        tables.append(FactTable("Matrices", setting_rows(matrices)))
     return tuple(tables)
 
 
-def _short_name(file: str) -> str:
-    # Abbreviate the hash in the name of a matrix
-    stem, _, digest = file.removesuffix(".nc").rpartition("-")
-    return f"{stem}-{digest[:8]}"
-
-
-def _rows(values: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
-    return tuple(
-        (str(key), _one_line(value))
-        for key, value in values.items()
-        if value not in (None, "", [], {})
-    )
-
-
 def _label(key: str) -> str:
-    words = key.replace("_deg", " [°]").replace("_lux", " [lux]").replace("_", " ")
-    words = words.replace("bsdf", "BSDF")
+    words = setting_label(key)
     return words[:1].upper() + words[1:]
-
-
-def _one_line(value: Any) -> str:
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, float):
-        return f"{value:.4g}"
-    if isinstance(value, dict):
-        return ", ".join(f"{label} {text}" for label, text in _rows(value))
-    if isinstance(value, list | tuple):
-        if len(value) > _MOST_ITEMS:
-            return f"{len(value)}, {_one_line(value[0])} to {_one_line(value[-1])}"
-        return ", ".join(_one_line(item) for item in value)
-    return str(value)
 
 
 def _metrics(data: xr.Dataset, occupied: Bool[np.ndarray, " time"]) -> xr.Dataset:
@@ -209,14 +177,12 @@ def _room(data: xr.Dataset) -> Room:
 def _windows(data: xr.Dataset) -> tuple[WindowSurface, ...]:
     if "window_triangle" not in data:
         return ()
-    index = np.asarray(data["window_index"].values)
-    corners = np.asarray(data["window_triangle"].values, dtype=float)
+    index = data["window_index"].values
+    corners, normal, up = (
+        data[name].values.astype(float)
+        for name in ("window_triangle", "window_normal", "window_up")
+    )
     return tuple(
-        WindowSurface(
-            str(name),
-            corners[index == k],
-            np.asarray(data["window_normal"].values[k], dtype=float),
-            np.asarray(data["window_up"].values[k], dtype=float),
-        )
+        WindowSurface(str(name), corners[index == k], normal[k], up[k])
         for k, name in enumerate(data["window"].values)
     )

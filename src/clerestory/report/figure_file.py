@@ -4,7 +4,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from clerestory.errors import InputError
+from clerestory.checks import one_of
 from clerestory.files import replace_file
 
 _FORMATS = (".png", ".svg", ".pdf")
@@ -13,10 +13,7 @@ _FORMATS = (".png", ".svg", ".pdf")
 def figure_format(path: Path) -> str:
     """Return the format of a figure file by its extension."""
     suffix = path.suffix.lower()
-    if suffix not in _FORMATS:
-        raise InputError(
-            f"figure {path.name!r}; a name in {', '.join(_FORMATS)} expected"
-        )
+    one_of(suffix, f"extension of {path.name}", choices=_FORMATS)
     return suffix[1:]
 
 

@@ -12,9 +12,13 @@ from jaxtyping import Float, Int
 from clerestory.image.colour_scale import ColourScale
 from clerestory.report.colour import hexadecimal, value_colours
 from clerestory.report.content import ReportContent, WindowSurface
-from clerestory.report.feature_edges import feature_edges, weld
-from clerestory.report.horizontal_section import horizontal_section, visible_extent
 from clerestory.report.markup import Markup, drawing, element, join
+from clerestory.report.mesh_lines import (
+    feature_edges,
+    horizontal_section,
+    visible_extent,
+    weld,
+)
 from clerestory.report.metric_maps import MetricMap
 from clerestory.report.orientation import orientation
 from clerestory.report.sensor_cells import sensor_cells
@@ -28,24 +32,16 @@ _MOST_SEGMENTS = 12_000
 class PlanFrame:
     """Extent of a plan, and geometry common to the plans of all metrics.
 
-    Attributes
-    ----------
-    identifier : HTML identifier of the walls
-    low, high : corners of the extent [m]
-    scale : drawing units per metre
-    walls : SVG path data of the walls
-    level : whether most sensors face up or down
-    cells : outline of the cell or arrow of each sensor [m]
-    points : positions of the sensors [m]
+    Coordinates are in metres. `identifier` is the HTML identifier of the walls.
     """
 
     identifier: str
     low: Float[np.ndarray, "2"]
     high: Float[np.ndarray, "2"]
-    scale: float
-    walls: str
-    level: bool
-    cells: Float[np.ndarray, "sensor corner 2"]
+    scale: float  # drawing units per metre
+    walls: str  # SVG path data
+    level: bool  # whether most sensors face up or down
+    cells: Float[np.ndarray, "sensor corner 2"]  # outlines of cells or arrows
     points: Float[np.ndarray, "sensor 2"]
 
     def place(

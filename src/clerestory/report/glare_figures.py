@@ -5,9 +5,8 @@ from jaxtyping import Bool, Float
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
-from matplotlib.projections.polar import PolarAxes
 
-from clerestory.errors import InputError
+from clerestory.checks import same_length
 from clerestory.glare.comfort_classes import (
     EXCEEDANCE,
     LIMITS,
@@ -17,17 +16,12 @@ from clerestory.glare.comfort_classes import (
 )
 from clerestory.glare.dgp import DGP
 from clerestory.glare.index import CATEGORIES
+from clerestory.report.figure_axes import compass_axes, draw_year
 from clerestory.report.heat_map import day_hour_grid
+from clerestory.report.view_glare import class_words
 
 # Colours of imperceptible to intolerable glare, which also differ in lightness
 _COLOURS = ("#dce9f2", "#f6d55c", "#ed7d3a", "#9c1b2f")
-_NO_DATA = "#ffffff"
-_WORDS = (
-    f"imperceptible, DGP to {LIMITS[0]:.2f}",
-    f"perceptible, to {LIMITS[1]:.2f}",
-    f"disturbing, to {LIMITS[2]:.2f}",
-    f"intolerable, above {LIMITS[2]:.2f}",
-)
 
 
 def glare_year_figure(
@@ -49,36 +43,20 @@ def glare_year_figure(
     ------
     InputError : the numbers of time steps differ
     """
-    if len(dgp) != len(times):
-        raise InputError(
-            f"{len(times)} times for {len(dgp)} DGPs; equal numbers expected"
-        )
-    grid = day_hour_grid(times)
+    same_length(times, dgp, "times", "DGPs")
     figure = Figure(figsize=(11, 3.9), layout="constrained")
     axes = figure.subplots()
-    axes.set_facecolor(_NO_DATA)
-    axes.imshow(
-        grid.fill(dgp),
-        aspect="auto",
-        origin="lower",
-        interpolation="nearest",
+    draw_year(
+        axes,
+        day_hour_grid(times),
+        dgp,
         cmap=ListedColormap(_COLOURS),
         norm=BoundaryNorm([0, *LIMITS, 1.0001], len(_COLOURS)),
-        extent=(0, grid.days, 0, 24),
     )
-    axes.set(yticks=range(0, 25, 6), ylabel="hour of the day")
-    starts, names = _months(grid.dates)
-    axes.set_xticks(starts, names, ha="left")
+    axes.set_ylabel("hour of the day")
     axes.set_title(_title(dgp if use is None else dgp[use], title), loc="left")
     _legend(figure, len(CATEGORIES))
     return figure
-
-
-def _months(dates: np.ndarray) -> tuple[list[int], list[str]]:
-    month = dates.astype("datetime64[M]")
-    first = np.flatnonzero(np.append(True, month[1:] != month[:-1]))
-    names = [str(dates[i].astype(object).strftime("%b")) for i in first]
-    return first.tolist(), names
 
 
 def _title(dgp: np.ndarray, title: str) -> str:
@@ -93,7 +71,8 @@ def _title(dgp: np.ndarray, title: str) -> str:
 
 
 def _legend(figure: Figure, columns: int) -> None:
-    patches = [Patch(color=c, label=w) for c, w in zip(_COLOURS, _WORDS, strict=True)]
+    pairs = zip(_COLOURS, class_words(), strict=True)
+    patches = [Patch(color=colour, label=words) for colour, words in pairs]
     figure.legend(
         handles=patches, loc="outside lower center", ncols=columns, frameon=False
     )
@@ -116,17 +95,12 @@ def glare_rosette_figure(
     ------
     InputError : the numbers of views differ
     """
-    if dgp.shape[0] != azimuth.size:
-        raise InputError(
-            f"{azimuth.size} azimuths for {dgp.shape[0]} views; equal numbers expected"
-        )
+    same_length(azimuth, dgp, "azimuths", "views")
     count = len(CATEGORIES)
     group = DGP.category(dgp)
     share = np.stack([(group == i).mean(axis=1) for i in range(count)])
     figure = Figure(figsize=(6.4, 7.0), layout="constrained")
-    axes: PolarAxes = figure.add_subplot(projection="polar")  # type: ignore[assignment]
-    axes.set_theta_zero_location("N")
-    axes.set_theta_direction(-1)
+    axes = compass_axes(figure)
     width = 0.86 * 2 * np.pi / max(azimuth.size, 4)
     # The worst category is at the centre, where views are easily compared
     inner = np.zeros(azimuth.size)
@@ -137,8 +111,6 @@ def glare_rosette_figure(
         axes.text(angle, 1.1, f"{top:.2f}", ha="center", va="center", fontsize=9)
     axes.set_ylim(0, 1.0)
     axes.set_yticks([0.25, 0.5, 0.75, 1.0], ["25 %", "50 %", "75 %", ""], fontsize=8)
-    axes.set_xticks(np.radians(np.arange(0, 360, 45)))
-    axes.set_xticklabels(["N", "NE", "E", "SE", "S", "SW", "W", "NW"])
     axes.tick_params(axis="x", pad=26)
     axes.grid(alpha=0.4, linewidth=0.6)
     axes.set_axisbelow(False)

@@ -16,6 +16,12 @@ from clerestory.report.view_glare import view_glare
 
 Members = Int[np.ndarray, " member"]
 
+_TITLES = (
+    "Mean illuminance",
+    "Daylight autonomy",
+    "Useful illuminance",
+    "Too bright",
+)
 _METHODS = {
     "2-phase": "Two-phase method: daylight coefficients",
     "3-phase": "Three-phase method: view, transmission, daylight and sky matrices",
@@ -38,6 +44,7 @@ def headline(content: ReportContent) -> Markup:
         warnings=_warnings(content),
         figures=_key_figures(content, maps),
         errors=error_words(content),
+        titles=_TITLES,
         grids=[
             (name, (f"{len(members):,}", *_grid_figures(content, maps, members)))
             for name, members in content.sensors.by_grid().items()
@@ -90,13 +97,12 @@ def _warnings(content: ReportContent) -> list[str]:
 
 def _grid_figures(
     content: ReportContent, maps: dict[str, MetricMap], members: Members
-) -> tuple[Figure, Figure, Figure, Figure]:
-    return (
-        maps["mean"].mean(members),
-        maps["autonomy"].mean(members),
-        useful_share(content.metrics, members),
-        maps["exceeded"].mean(members),
+) -> list[Figure]:
+    # Figures in the order of `_TITLES`
+    mean, autonomy, exceeded = (
+        maps[key].mean(members) for key in ("mean", "autonomy", "exceeded")
     )
+    return [mean, autonomy, useful_share(content.metrics, members), exceeded]
 
 
 def _key_figures(
@@ -105,16 +111,16 @@ def _key_figures(
     # Title, value, unit with error, and note of each figure of the first grid
     members = next(iter(content.sensors.by_grid().values()))
     low, _, high = (f"{limit:,.0f}" for limit in USEFUL_LIMITS_LUX)
-    titles = (
-        ("Mean illuminance", maps["mean"].note),
-        ("Daylight autonomy", maps["autonomy"].note),
-        ("Useful illuminance", f"hours from {low} to {high} lux"),
-        ("Too bright", f"hours with {high} lux or more"),
+    notes = (
+        maps["mean"].note,
+        maps["autonomy"].note,
+        f"hours from {low} to {high} lux",
+        f"hours with {high} lux or more",
     )
-    figures = []
-    for (title, note), figure in zip(
-        titles, _grid_figures(content, maps, members), strict=True
-    ):
-        value, _, rest = str(figure).partition(" ")
-        figures.append((title, value, rest, note))
-    return figures
+    words = [
+        str(figure).partition(" ") for figure in _grid_figures(content, maps, members)
+    ]
+    return [
+        (title, value, unit, note)
+        for title, (value, _, unit), note in zip(_TITLES, words, notes, strict=True)
+    ]

@@ -27,13 +27,10 @@ DARKEST_LUX = 10.0
 
 @dataclass(frozen=True, eq=False)
 class DayHourGrid:
-    """Cells of a day × hour image.
+    """Cells of an image with one column per day, of `bins` cells.
 
-    Attributes
-    ----------
-    dates : date of each column
-    bins : number of cells per day
-    cell : index of the cell of each time step; cells are ordered by day
+    `dates` are the days of the columns, and `cell` is the index of the cell of each
+    time step; cells are ordered by day.
     """
 
     dates: np.ndarray
@@ -80,16 +77,7 @@ class DayHourGrid:
 
 
 def day_hour_grid(times: np.ndarray) -> DayHourGrid:
-    """Return the grid of cells for the given middles of time steps.
-
-    Examples
-    --------
-    >>> hours = np.arange(8760) * np.timedelta64(1, "h")
-    >>> year = np.datetime64("2023-01-01T00:30") + hours
-    >>> grid = day_hour_grid(year)
-    >>> grid.days, grid.bins, int(grid.cell[25])
-    (365, 24, 25)
-    """
+    """Return the grid of cells for the given middles of time steps."""
     times = np.asarray(times).astype("datetime64[s]")
     day = _folded(times.astype("datetime64[D]"))
     bins = round(24 * 60 / _step_minutes(times))
@@ -131,23 +119,12 @@ def heat_map(
     identifier: str = "heat-map",
 ) -> Markup:
     """Return the heat map: axes around an image given as a data URL."""
-    picture = element(
-        "image",
-        href=image,
-        x=_LEFT,
-        y=_TOP,
-        width=_WIDTH,
-        height=_HEIGHT,
-        preserveAspectRatio="none",
-        class_="pixels",
-    )
-    ground = element(
-        "rect", x=_LEFT, y=_TOP, width=_WIDTH, height=_HEIGHT, class_="no-data"
-    )
+    area = {"x": _LEFT, "y": _TOP, "width": _WIDTH, "height": _HEIGHT}
+    stretched = {"preserveAspectRatio": "none", "class_": "pixels"}
     return drawing(
         label,
-        ground,
-        picture,
+        element("rect", **area, class_="no-data"),
+        element("image", href=image, **area, **stretched),
         _schedule(grid, occupied),
         _hours(),
         _days(grid),

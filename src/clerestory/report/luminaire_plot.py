@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import MaxNLocator
 
-from clerestory.errors import InputError
+from clerestory.checks import within
 from clerestory.formats.photometry.luminaire import Luminaire
 
 # Angular step along a curve [°]
@@ -30,21 +30,9 @@ MOST_PLANES = len(_COLOURS)
 def polar_figure(luminaire: Luminaire, *, planes_deg: Sequence[float]) -> Figure:
     """Return the polar diagram of a luminaire [cd].
 
-    Parameters
-    ----------
-    planes_deg : horizontal angle of each plane, from +x towards +y
-
-    Examples
-    --------
-    >>> from clerestory.formats.photometry.luminaire import LuminousShape
-    >>> disc = LuminousShape("cylinder", 0.2, 0.2, 0.0)
-    >>> angles, table = np.array([0.0, 90.0]), np.array([[100.0, 0.0]])
-    >>> lamp = Luminaire("lamp", "C", np.zeros(1), angles, table, disc)
-    >>> len(polar_figure(lamp, planes_deg=(0.0, 90.0)).axes[0].lines)
-    2
+    `planes_deg` are the horizontal angles of the planes, from +x towards +y.
     """
-    if not 1 <= len(planes_deg) <= MOST_PLANES:
-        raise InputError(f"{len(planes_deg)} planes; 1 to {MOST_PLANES} expected")
+    within(len(planes_deg), "number of planes", least=1, most=MOST_PLANES)
     figure = Figure(figsize=(5.2, 5.6), layout="constrained")
     axes = cast(PolarAxes, figure.add_subplot(projection="polar"))
     axes.set_theta_zero_location("S")
@@ -53,7 +41,8 @@ def polar_figure(luminaire: Luminaire, *, planes_deg: Sequence[float]) -> Figure
         value = luminaire.candela(_directions(angle, plane))
         label = f"{plane:g}° – {(plane + 180) % 360:g}°"
         axes.plot(angle, value, color=colour, linewidth=1.8, label=label)
-    axes.set_thetagrids(range(0, 360, 30), [_from_nadir(a) for a in range(0, 360, 30)])
+    grid = range(0, 360, 30)
+    axes.set_thetagrids(grid, [f"{min(a, 360 - a)}°" for a in grid])
     axes.set_ylim(bottom=0)
     axes.set_rlabel_position(15)
     axes.yaxis.set_major_locator(MaxNLocator(nbins=4, prune="lower"))
@@ -72,7 +61,3 @@ def _directions(
     turn = np.radians(plane_deg)
     side = np.sin(angle)
     return np.stack([side * np.cos(turn), side * np.sin(turn), -np.cos(angle)], axis=1)
-
-
-def _from_nadir(angle_deg: int) -> str:
-    return f"{min(angle_deg, 360 - angle_deg)}°"

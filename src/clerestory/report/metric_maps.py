@@ -13,7 +13,6 @@ from jaxtyping import Float, Int
 
 from clerestory.metrics.climate_based_metrics import USEFUL_LIMITS_LUX, USEFUL_RANGES
 from clerestory.metrics.sensor_metrics import error_of_group_mean
-from clerestory.report.content import ReportContent
 from clerestory.report.uncertain_value import Figure
 
 
@@ -49,51 +48,34 @@ def metric_maps(metrics: xr.Dataset) -> tuple[MetricMap, ...]:
     """Return mean illuminance, daylight autonomy and the four UDI bands of sensors."""
     target = float(metrics.attrs.get("target_lux", 300.0))
     low, middle, high = (f"{limit:,.0f}" for limit in USEFUL_LIMITS_LUX)
-    notes = (f"below {low} lux", f"{low}–{middle} lux", f"{middle}–{high} lux")
+    ranges = (f"below {low} lux", f"{low}–{middle} lux", f"{middle}–{high} lux")
+    known = "mean_components" in metrics
+    components = metrics["mean_components"].values.astype(float) if known else None
+    mean = _with_error(metrics, "mean_illuminance")
+    autonomy = _with_error(metrics, "daylight_autonomy", 100)
+    hours = f"hours with {target:,.0f} lux or more"
+    note = "over the occupied hours"
     maps = [
-        MetricMap(
-            "mean",
-            "Mean illuminance",
-            "over the occupied hours",
-            _values(metrics, "mean_illuminance"),
-            _values(metrics, "mean_illuminance_error"),
-            "lux",
-            _values(metrics, "mean_components")
-            if "mean_components" in metrics
-            else None,
-        ),
-        MetricMap(
-            "autonomy",
-            "Daylight autonomy",
-            f"hours with {target:,.0f} lux or more",
-            100 * _values(metrics, "daylight_autonomy"),
-            100 * _values(metrics, "daylight_autonomy_error"),
-            "%",
-        ),
+        MetricMap("mean", "Mean illuminance", note, *mean, "lux", components),
+        MetricMap("autonomy", "Daylight autonomy", hours, *autonomy, "%"),
     ]
-    for band, note in zip(USEFUL_RANGES, (*notes, f"{high} lux or more"), strict=True):
-        shares, errors = (
-            100 * np.asarray(metrics[name].sel(band=band).values, dtype=float)
-            for name in ("useful_bands", "useful_bands_error")
-        )
+    for band, note in zip(USEFUL_RANGES, (*ranges, f"{high} lux or more"), strict=True):
+        shares = _with_error(metrics.sel(band=band), "useful_bands", 100)
         title = f"Useful illuminance: {band}"
-        maps.append(MetricMap(band.replace(" ", "-"), title, note, shares, errors, "%"))
+        maps.append(MetricMap(band.replace(" ", "-"), title, note, *shares, "%"))
     return tuple(maps)
 
 
 def useful_share(metrics: xr.Dataset, members: Int[np.ndarray, " member"]) -> Figure:
     """Return the mean fraction of hours in the useful range of UDI [%]."""
-    value = 100 * _values(metrics, "useful")[members].mean()
-    error = 100 * _values(metrics, "useful_error")[members].mean()
+    value, error = (x[members].mean() for x in _with_error(metrics, "useful", 100))
     return Figure(float(value), float(error), "%")
 
 
-def relative_errors(content: ReportContent, *, above: float) -> Float[np.ndarray, " n"]:
-    """Relative standard errors [%] of all hourly values above a limit [lux]."""
-    counted = content.illuminance > above
-    lux, error = content.illuminance[counted], content.standard_error[counted]
-    return np.asarray(100 * error / lux)
-
-
-def _values(metrics: xr.Dataset, name: str) -> Float[np.ndarray, "*axes sensor"]:
-    return np.asarray(metrics[name].values, dtype=float)
+def _with_error(
+    metrics: xr.Dataset, name: str, factor: float = 1
+) -> tuple[Float[np.ndarray, " sensor"], Float[np.ndarray, " sensor"]]:
+    value, error = (
+        factor * metrics[n].values.astype(float) for n in (name, f"{name}_error")
+    )
+    return value, error

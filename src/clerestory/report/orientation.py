@@ -22,16 +22,10 @@ _COMPASS = (
 
 @dataclass(frozen=True)
 class Orientation:
-    """Orientation of one window, and its quality check.
+    """Orientation of one window, with compass directions in words.
 
-    Attributes
-    ----------
-    window : name of the window
-    area : area [m²]
-    room_side, outer_side : compass direction of the front and of the back
-    up : compass direction of the up vector of the BSDF
-    in_front : fraction of the sensors in front of the window, 0…1
-    problem : description of a wrong orientation, empty if correct
+    `in_front` is the fraction of the sensors in front of the window, 0…1, and `problem`
+    the description of a wrong orientation; empty if correct.
     """
 
     window: str

@@ -55,16 +55,7 @@ def write_report(
 ) -> None:
     """Write the report of a run as one self-contained HTML file.
 
-    Parameters
-    ----------
-    results : results of the run
-    path : path of the HTML file
-    pictures : folder of the pictures of the run; default: a report without pictures
-
-    Raises
-    ------
-    InputError : the results contain values that are not finite, or a picture is damaged
-    OutputError : the file cannot be written
+    Pictures are read from the folder `pictures` of the run, if it is given.
     """
     write_text(path, report_page(from_results(results, pictures=pictures)))
 

@@ -13,8 +13,12 @@ from clerestory.image.colour_scale import ColourScale
 from clerestory.report.colour import hexadecimal, value_colours
 from clerestory.report.content import ReportContent
 from clerestory.report.embedded_data import packed
-from clerestory.report.feature_edges import feature_edges, weld
-from clerestory.report.horizontal_section import horizontal_section, visible_extent
+from clerestory.report.mesh_lines import (
+    feature_edges,
+    horizontal_section,
+    visible_extent,
+    weld,
+)
 from clerestory.report.orientation import orientation
 
 MOST_TRIANGLES = 40_000
@@ -25,9 +29,7 @@ def room_view(
 ) -> dict[str, Any]:
     """Return the data of the 3-D view as JSON values.
 
-    Parameters
-    ----------
-    means : mean illuminance of each sensor, shown as colour [lux]
+    `means` is the mean illuminance of each sensor [lux], shown as colour.
     """
     chosen = largest_triangles(content.room.corners)
     corners = content.room.corners[chosen]

@@ -15,14 +15,7 @@ _DISC_CORNERS = 16
 def sensor_cells(
     points: Float[np.ndarray, "sensor 2"],
 ) -> Float[np.ndarray, "sensor corner 2"]:
-    """Corners of the cell of each sensor in the plan [m].
-
-    Examples
-    --------
-    >>> row = np.array([[0.0, 0.0], [2.0, 0.0]])
-    >>> sensor_cells(row)[1].round(6).tolist()
-    [[1.0, -1.0], [3.0, -1.0], [3.0, 1.0], [1.0, 1.0]]
-    """
+    """Corners of the cell of each sensor in the plan [m]."""
     places = np.unique(points.round(4), axis=0)
     if len(places) == 1:
         return _rectangles(points, size=(_LONELY_SIZE, _LONELY_SIZE), turn=0.0)
@@ -40,7 +33,9 @@ def sensor_cells(
         if len(places) > 0.25 * len(columns) * len(rows):
             size = (_step(columns, spacing), _step(rows, spacing))
             return _rectangles(points, size=size, turn=turn)
-    return _discs(points, radius=0.45 * spacing)
+    angle = np.arange(_DISC_CORNERS) * 2 * np.pi / _DISC_CORNERS
+    rim = 0.45 * spacing * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    return points[:, None, :] + rim
 
 
 def _rotation(turn: float) -> Float[np.ndarray, "2 2"]:
@@ -67,11 +62,3 @@ def _rectangles(
 ) -> Float[np.ndarray, "sensor 4 2"]:
     corner = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]) * size
     return np.asarray(points[:, None, :] + corner @ _rotation(turn).T)
-
-
-def _discs(
-    points: Float[np.ndarray, "sensor 2"], *, radius: float
-) -> Float[np.ndarray, "sensor corner 2"]:
-    angle = np.arange(_DISC_CORNERS) * 2 * np.pi / _DISC_CORNERS
-    rim = radius * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-    return points[:, None, :] + rim

@@ -4,6 +4,8 @@ The sky dome is drawn as a sun-path diagram: a plan with the zenith at the centr
 up, east to the right, and radii linear in altitude.
 """
 
+from typing import Any
+
 import numpy as np
 from jaxtyping import Float
 from matplotlib.axes import Axes
@@ -12,9 +14,10 @@ from matplotlib.figure import Figure
 from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import FuncFormatter, LogLocator
 
+from clerestory.checks import require
 from clerestory.constants import LUMINOUS_EFFICACY
 from clerestory.directions import from_azimuth
-from clerestory.errors import InputError
+from clerestory.report.figure_axes import compass_axes, draw_year
 from clerestory.report.heat_map import day_hour_grid
 from clerestory.sky.point_sky import perez_point
 from clerestory.sky.solar_position import SunFormula, sun_at
@@ -27,6 +30,17 @@ _ALTITUDES, _AZIMUTHS = 90, 240
 _DARKEST = 1 / 300
 
 _SUN_COLOUR = "#111111"
+
+# Style of the hours on the sun path
+_HOUR: dict[str, Any] = {
+    "xytext": (0, 7),
+    "textcoords": "offset points",
+    "ha": "center",
+    "fontsize": 8,
+    "color": "white",
+    "bbox": {"boxstyle": "round,pad=0.15", "fc": "#000000a0", "ec": "none"},
+}
+
 # Smallest number of days for lines of sunrise and sunset
 _FEWEST_DAYS = 8
 
@@ -37,16 +51,13 @@ _NO_DATA = "#d9d9d9"
 def dome_figure(weather: Weather, *, sun_formula: SunFormula = "spa") -> Figure:
     """Return the luminance of the Perez sky in false colour, with the sun path.
 
-    Parameters
-    ----------
-    weather : weather of a single time step
-    sun_formula : formula of the sun position, see `sky_matrix`
+    The weather is that of a single time step.
     """
     sky = perez_point(weather, sun_formula=sun_formula)
-    if sky.diffuse_horizontal() <= 0:
-        raise InputError(
-            f"no diffuse sky irradiance at {weather.times[0]}; a daytime step expected"
-        )
+    require(
+        sky.diffuse_horizontal() > 0,
+        f"no diffuse sky irradiance at {weather.times[0]}; a daytime step expected",
+    )
     azimuth = np.linspace(0, 2 * np.pi, _AZIMUTHS + 1)
     altitude = np.linspace(0, np.pi / 2, _ALTITUDES + 1)
     middles = np.meshgrid(
@@ -55,8 +66,7 @@ def dome_figure(weather: Weather, *, sun_formula: SunFormula = "spa") -> Figure:
     luminance = LUMINOUS_EFFICACY * sky.radiance(from_azimuth(*middles))
 
     figure = Figure(figsize=(7.6, 6.8), layout="constrained")
-    axes: PolarAxes = figure.add_subplot(projection="polar")  # type: ignore[assignment]
-    _compass(axes)
+    axes = _altitude_axes(figure)
     top = float(luminance.max())
     mesh = axes.pcolormesh(
         azimuth,
@@ -89,20 +99,11 @@ def year_figure(weather: Weather) -> Figure:
         (panels[1], weather.diffuse_horizontal, "diffuse horizontal"),
     ):
         axes.set_facecolor(_NO_DATA)
-        image = axes.imshow(
-            grid.fill(values),
-            aspect="auto",
-            origin="lower",
-            interpolation="nearest",
-            cmap=_PALETTE,
-            vmin=0,
-            vmax=max(float(values.max()), 1.0),
-            extent=(0, grid.days, 0, 24),
-        )
+        top = max(float(values.max()), 1.0)
+        image = draw_year(axes, grid, values, cmap=_PALETTE, vmin=0, vmax=top)
         figure.colorbar(image, ax=axes, pad=0.01).set_label(f"{name} [W/m²]")
         _sunrise_and_sunset(axes, weather, grid.dates)
-        axes.set(yticks=range(0, 25, 6), ylabel="local standard time [h]")
-    _mark_days(panels[1], grid.dates)
+        axes.set_ylabel("local standard time [h]")
     first, last = weather.times[[0, -1]].astype("datetime64[D]")
     figure.suptitle(
         f"{_place(weather)}: irradiance in steps of {weather.step_minutes:g} min,"
@@ -116,18 +117,16 @@ def _place(weather: Weather) -> str:
     return name.replace("$", r"\$")
 
 
-def _compass(axes: PolarAxes) -> None:
-    # Plan with north up and east right; rings every 15° of altitude
-    axes.set_theta_zero_location("N")
-    axes.set_theta_direction(-1)
+def _altitude_axes(figure: Figure) -> PolarAxes:
+    # Rings every 15° of altitude
+    axes = compass_axes(figure)
     axes.set_ylim(0, 90)
-    axes.set_xticks(np.radians(np.arange(0, 360, 45)))
-    axes.set_xticklabels(["N", "NE", "E", "SE", "S", "SW", "W", "NW"])
     rings = np.arange(15, 90, 15)
-    axes.set_yticks(90 - rings)
-    axes.set_yticklabels([f"{ring}°" for ring in rings], fontsize=8, color="white")
+    labels = [f"{ring}°" for ring in rings]
+    axes.set_yticks(90 - rings, labels, fontsize=8, color="white")
     axes.set_rlabel_position(0)
     axes.grid(color="white", alpha=0.35, linewidth=0.6)
+    return axes
 
 
 def _sun_path(axes: PolarAxes, weather: Weather, formula: SunFormula) -> None:
@@ -135,42 +134,18 @@ def _sun_path(axes: PolarAxes, weather: Weather, formula: SunFormula) -> None:
     day = weather.times[0].astype("datetime64[D]").astype("datetime64[s]")
     minutes = day + 60 * np.arange(0, 24 * 60 + 1, 5)
     azimuth, zenith = _sun(weather, minutes, formula)
-    hidden = zenith > 90
-    axes.plot(
-        np.where(hidden, np.nan, azimuth),
-        np.where(hidden, np.nan, zenith),
-        color="white",
-        linewidth=2.6,
-        solid_capstyle="round",
-    )
-    axes.plot(
-        np.where(hidden, np.nan, azimuth),
-        np.where(hidden, np.nan, zenith),
-        color=_SUN_COLOUR,
-        linewidth=1.2,
-    )
+    shown = np.where(zenith > 90, np.nan, zenith)
+    axes.plot(azimuth, shown, color="white", linewidth=2.6, solid_capstyle="round")
+    axes.plot(azimuth, shown, color=_SUN_COLOUR, linewidth=1.2)
     for hour in range(24):
         a, z = (values[12 * hour] for values in (azimuth, zenith))
         if z < 88:
             axes.plot(a, z, "o", color=_SUN_COLOUR, markersize=4, mec="white", mew=0.8)
             if hour % 3 == 0:
-                _label_hour(axes, a, z, hour)
+                axes.annotate(f"{hour} h", (a, z), **_HOUR)
     a, z = (values[0] for values in _sun(weather, weather.times[:1], formula))
     if z <= 90:
         axes.plot(a, z, "o", color="#ffd84d", markersize=13, mec=_SUN_COLOUR, mew=1.4)
-
-
-def _label_hour(axes: PolarAxes, azimuth: float, zenith: float, hour: int) -> None:
-    axes.annotate(
-        f"{hour} h",
-        (azimuth, zenith),
-        xytext=(0, 7),
-        textcoords="offset points",
-        ha="center",
-        fontsize=8,
-        color="white",
-        bbox={"boxstyle": "round,pad=0.15", "fc": "#000000a0", "ec": "none"},
-    )
 
 
 def _sun(
@@ -207,15 +182,3 @@ def _sunrise_and_sunset(axes: Axes, weather: Weather, dates: np.ndarray) -> None
         linewidths=0.9,
         alpha=0.8,
     )
-
-
-def _mark_days(axes: Axes, dates: np.ndarray) -> None:
-    # Months of a long period, days of a short one
-    month = dates.astype("datetime64[M]")
-    if len(dates) > 62:
-        marks = np.flatnonzero(dates == month.astype("datetime64[D]"))
-        names = [f"{m:%b}" for m in month[marks].astype(object)]
-    else:
-        marks = np.arange(0, len(dates), max(1, len(dates) // 8))
-        names = [f"{d.day} {d:%b}" for d in dates[marks].astype(object)]
-    axes.set_xticks(marks, names, ha="left")

@@ -1,6 +1,11 @@
-"""Values with standard errors, and numbers rounded for display."""
+"""Values with standard errors, numbers and settings in words."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
+
+# Length above which lists are abbreviated to their first and last item
+_MOST_ITEMS = 8
 
 
 @dataclass(frozen=True)
@@ -34,3 +39,38 @@ def number(value: float) -> str:
     if abs(value) >= 100:
         return f"{value:,.0f}"
     return f"{value:.3g}"
+
+
+def setting_label(key: str) -> str:
+    """Return the name of a setting, with its unit.
+
+    >>> setting_label("tilt_deg"), setting_label("target_lux")
+    ('tilt [°]', 'target [lux]')
+    """
+    words = key.replace("_deg", " [°]").replace("_lux", " [lux]").replace("_", " ")
+    return words.replace("bsdf", "BSDF")
+
+
+def setting_rows(settings: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
+    """Return names and values of the settings that are given."""
+    return tuple(
+        (str(key), setting_words(value))
+        for key, value in settings.items()
+        if value not in (None, "", [], {})
+    )
+
+
+def setting_words(value: Any) -> str:
+    """Return the value of a setting in one line."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:.4g}"
+    if isinstance(value, dict):
+        return ", ".join(f"{label} {text}" for label, text in setting_rows(value))
+    if isinstance(value, list | tuple):
+        if len(value) > _MOST_ITEMS:
+            ends = f"{setting_words(value[0])} to {setting_words(value[-1])}"
+            return f"{len(value)}, {ends}"
+        return ", ".join(map(setting_words, value))
+    return str(value)

@@ -7,7 +7,6 @@ from jaxtyping import Float
 
 from clerestory.report.content import ReportContent
 from clerestory.report.markup import Markup, drawing, element
-from clerestory.report.metric_maps import relative_errors
 
 # Illuminance above which relative errors are evaluated [lux]
 LIT_LUX = 10.0
@@ -18,21 +17,21 @@ _BARS = 32
 
 def error_words(content: ReportContent) -> str:
     """Return the uncertainty of the hourly values in words."""
-    errors = relative_errors(content, above=LIT_LUX)
+    errors = _relative_errors(content)
     if not errors.size:
         return f"No sensor receives more than {LIT_LUX:.0f} lux in any time step."
     if not errors.any():
-        return "The results carry no statistical error: nothing in them was sampled."
+        return "The results have no statistical error: nothing in them was sampled."
     middle, most = (f"{float(np.quantile(errors, q)):.2g}" for q in (0.5, 0.95))
     return (
-        "Every hour’s illuminance carries a standard error: half of them are below"
+        "The illuminance of every hour has a standard error: half of them are below"
         f" {middle} %, 95 % below {most} %."
     )
 
 
 def error_histogram(content: ReportContent) -> Markup:
     """Return the distribution of the relative standard errors as a bar chart."""
-    errors = relative_errors(content, above=LIT_LUX)
+    errors = _relative_errors(content)
     if not errors.size or not errors.any():
         return element("p", error_words(content), class_="note")
     high = 1.25 * float(np.quantile(errors, 0.99))
@@ -55,7 +54,7 @@ def error_histogram(content: ReportContent) -> Markup:
         label,
         element("g", *bars, class_="bars"),
         element("path", d=f"M{_LEFT},{10 + _HEIGHT}h{_WIDTH}", class_="base"),
-        *(_tick(x, high) for x in _round_values(high)),
+        *_ticks(high),
         element("path", d=f"M{median:.1f},4v{_HEIGHT + 6}", class_="median"),
         element("text", "median", x=f"{median + 5:.1f}", y=14, class_="start"),
         element(
@@ -75,22 +74,30 @@ def error_rows(content: ReportContent) -> list[tuple[str, list[str]]]:
     """Return number, median and 95th percentile of errors per illuminance range."""
     rows = []
     for low, high in pairwise(_BANDS):
-        within = (content.illuminance > low) & (content.illuminance <= high)
-        if not within.any():
-            continue
-        relative = 100 * content.standard_error[within] / content.illuminance[within]
-        name = f"{low:,.0f}–{high:,.0f}" if np.isfinite(high) else f"over {low:,.0f}"
-        shares = [f"{float(np.quantile(relative, q)):.2g} %" for q in (0.5, 0.95)]
-        rows.append((f"{name} lux", [f"{np.count_nonzero(within):,}", *shares]))
+        relative = _relative_errors(content, low, high)
+        if relative.size:
+            known = np.isfinite(high)
+            name = f"{low:,.0f}–{high:,.0f}" if known else f"over {low:,.0f}"
+            shares = [f"{float(np.quantile(relative, q)):.2g} %" for q in (0.5, 0.95)]
+            rows.append((f"{name} lux", [f"{relative.size:,}", *shares]))
     return rows
 
 
-def _round_values(high: float) -> Float[np.ndarray, " tick"]:
+def _relative_errors(
+    content: ReportContent, low: float = LIT_LUX, high: float = np.inf
+) -> Float[np.ndarray, " value"]:
+    # Relative standard errors [%] of the values above `low`, up to `high` [lux]
+    lux = content.illuminance
+    within = (lux > low) & (lux <= high)
+    return np.asarray(100 * content.standard_error[within] / lux[within])
+
+
+def _ticks(high: float) -> list[Markup]:
     step = 10.0 ** np.floor(np.log10(high))
     step *= next(m for m in (0.1, 0.2, 0.5, 1, 2, 5) if high / (m * step) <= 7)
-    return np.arange(0, high, step)
-
-
-def _tick(value: float, high: float) -> Markup:
-    x = _LEFT + _WIDTH * value / high
-    return element("text", f"{value:.3g}", x=f"{x:.1f}", y=_HEIGHT + 26)
+    return [
+        element(
+            "text", f"{x:.3g}", x=f"{_LEFT + _WIDTH * x / high:.1f}", y=_HEIGHT + 26
+        )
+        for x in np.arange(0, high, step).tolist()
+    ]

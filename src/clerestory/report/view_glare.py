@@ -39,14 +39,10 @@ _PALE = np.array([235.0, 243.0, 249.0])
 
 @dataclass(frozen=True, eq=False)
 class ViewGlare:
-    """Annual glare of one view.
+    """Annual glare of one view, NaN in the dark.
 
-    Attributes
-    ----------
-    view : name of the view
-    dgp : DGP of each time step, NaN in the dark
-    illuminance : vertical eye illuminance [lux], NaN in the dark
-    brightest : luminance of the brightest pixel [cd/m²], NaN in the dark
+    `illuminance` is that of the eye [lux], `brightest` the luminance of the brightest
+    pixel [cd/m²].
     """
 
     view: str
@@ -111,13 +107,17 @@ def _steps(dgp: Float[np.ndarray, " time"]) -> Int[np.ndarray, " time"]:
     return np.asarray(np.where(np.isnan(dgp), -1, steps + np.sign(moved)))
 
 
+def class_words() -> list[str]:
+    """Return the glare categories with their limits of DGP."""
+    limits = [*(f"to {limit:.2f}" for limit in LIMITS), f"above {LIMITS[-1]:.2f}"]
+    return [f"{c}, DGP {limit}" for c, limit in zip(CATEGORIES, limits, strict=True)]
+
+
 def glare_section(content: ReportContent) -> Section:
     """Return the annual glare of each view, with categories and worst time steps."""
     views = view_glare(content.data)
     if not views:
         return Section()
-    edges = [*(f"to {x:.2f}" for x in LIMITS), f"above {LIMITS[-1]:.2f}"]
-    words = [f"{c}, DGP {e}" for c, e in zip(CATEGORIES, edges, strict=True)]
     maps = glare_maps(views)
     shown = [
         {
@@ -130,7 +130,7 @@ def glare_section(content: ReportContent) -> Section:
     body = render(
         "glare.html",
         views=shown,
-        classes=keys(words, COLOURS),
+        classes=keys(class_words(), COLOURS),
         categories=[category.capitalize() for category in CATEGORIES],
         shares=_class_rows(views, content),
         worst=_worst_rows(views, content),

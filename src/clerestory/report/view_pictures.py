@@ -21,7 +21,11 @@ from clerestory.image.tone_curves import filmic, key_luminance
 from clerestory.report.colour import logarithmic_scale, value_colours
 from clerestory.report.content import ReportContent
 from clerestory.report.view_glare import glare_note, view_glare
-from clerestory.report.window_states import states_note, window_states
+from clerestory.report.window_states import (
+    states_note,
+    table_name,
+    window_states,
+)
 
 Pixels = UInt8[np.ndarray, "row column 3"]
 
@@ -59,7 +63,7 @@ def view_pictures(content: ReportContent) -> tuple[ViewPictures, ...]:
     stamps = [stamp[5:] for stamp in np.datetime_as_string(content.times, unit="m")]
     found = []
     for table in study.get("view", []):
-        view = str(table.get("name") or Path(str(table.get("file", ""))).stem)
+        view = table_name(table)
         asked = table.get("pictures") or []
         # File names as written by runs
         moments = [
@@ -101,15 +105,6 @@ def exposures(pictures: Sequence[Picture]) -> list[float]:
 
     The value is the geometric mean of the automatic values of the picture and of all
     pictures.
-
-    Examples
-    --------
-    >>> dim, bright = (
-    ...     Picture(np.full((1, 1, 3), x, dtype=np.float32)) for x in (1, 16)
-    ... )
-    >>> low, high = exposures([dim, bright])
-    >>> round(high / low, 3)
-    4.0
     """
     keys = np.log([key_luminance(picture) for picture in pictures])
     mixed = _ADAPTATION * keys + (1 - _ADAPTATION) * keys.mean()

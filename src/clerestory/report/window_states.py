@@ -15,6 +15,7 @@ from clerestory.report.class_map import DayMap, keys
 from clerestory.report.content import ReportContent
 from clerestory.report.markup import render
 from clerestory.report.section import Section
+from clerestory.report.uncertain_value import setting_label, setting_words
 from clerestory.study.window_tables import ControlTable
 
 
@@ -22,12 +23,8 @@ from clerestory.study.window_tables import ControlTable
 class WindowStates:
     """States of a window group over the year.
 
-    Attributes
-    ----------
-    window : name of the window group
-    names : names of the states, most open first
-    rule : description of the control rule; may be empty
-    state : index of the state in each time step
+    The names of the states are ordered from open to closed. The description of the
+    control rule may be empty.
     """
 
     window: str
@@ -47,7 +44,9 @@ def window_states(data: xr.Dataset) -> tuple[WindowStates, ...]:
     if "state" not in data:
         return ()
     study = json.loads(data.attrs.get("study", "{}"))
-    rules = {_label(t): rule_words(t.get("control")) for t in study.get("window", [])}
+    rules = {
+        table_name(t): rule_words(t.get("control")) for t in study.get("window", [])
+    }
     found = []
     for window in data["window"].values.tolist():
         names = state_names(data, str(window))
@@ -110,7 +109,8 @@ def state_names(data: xr.Dataset, window: str) -> tuple[str, ...]:
     return tuple(str(name) for name in names if name)
 
 
-def _label(table: dict[str, Any]) -> str:
+def table_name(table: dict[str, Any]) -> str:
+    """Return the name of a table of the study; default: that of its file."""
     return str(table.get("name") or Path(str(table.get("file", ""))).stem)
 
 
@@ -119,18 +119,11 @@ def rule_words(control: dict[str, Any] | None) -> str:
     if not control:
         return ""
     fields = ControlTable.model_fields
-    words = [
-        f"{key.replace('_deg', ' [°]').replace('_', ' ')} {_plain(value)}"
+    chosen = {
+        setting_label(key): value
         for key, value in control.items()
-        if key != "rule"
-        and key in fields
-        and value not in (fields[key].get_default(), "", [], None)
-    ]
+        if key != "rule" and key in fields and value != fields[key].get_default()
+    }
+    words = setting_words(chosen)
     rule = str(control.get("rule", ""))
-    return f"{rule}: {', '.join(words)}" if words else rule
-
-
-def _plain(value: Any) -> str:
-    if isinstance(value, list):
-        return ", ".join(map(_plain, value))
-    return f"{value:g}" if isinstance(value, float) else str(value)
+    return f"{rule}: {words}" if words else rule

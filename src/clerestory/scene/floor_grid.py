@@ -39,13 +39,9 @@ def floor_grid(
 ) -> Sensors:
     """Return a regular grid of upward-facing sensors in the room behind a window.
 
-    Parameters
-    ----------
-    scene : scene of the room, without its windows
-    window : window of the room; its normal may point inwards or outwards
-    others : other windows of the room, which also bound it
-    spacing : distance between sensors [m]
-    height : height of the sensors above the floor [m]
+    The scene is without its windows; the others also bound the room. The normal of the
+    window may point inwards or outwards. Spacing, and height above the floor, are in
+    metres.
     """
     walls = _walls(scene, [window, *others])
     side = room_side(scene, window)

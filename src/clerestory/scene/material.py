@@ -58,13 +58,9 @@ class Specification:
 
 
 class Material(ABC):
-    """A material of a scene.
+    """A material of a scene; its name is its key in the scene.
 
-    Attributes
-    ----------
-    name : key of the material in the scene
-    source : file and line of the definition
-    takes_pattern : whether a pattern may multiply the colour
+    `takes_pattern` tells whether a pattern may multiply the colour.
     """
 
     name: str
@@ -86,12 +82,9 @@ class Material(ABC):
 
 
 class Emitter(Material, ABC):
-    """A material that emits light from its front.
+    """A material that emits light from its front, with a radiance [W/(m²·sr)].
 
-    Attributes
-    ----------
-    radiance : emitted radiance [W/(m²·sr)]
-    pattern : multiplier of the radiance by direction and point; None: constant radiance
+    A pattern multiplies the radiance by direction and point; None: constant radiance.
     """
 
     radiance: Colour
@@ -118,14 +111,13 @@ def with_colours(
     material: _AnyMaterial, change: Callable[[Colour], Colour]
 ) -> _AnyMaterial:
     """Return a material with converted colours, also of component materials."""
-    known = fields(material)  # type: ignore[arg-type]
-    values = {f.name: getattr(material, f.name) for f in known}
-    changed: dict[str, object] = {
-        f.name: change(values[f.name]) for f in known if f.type is Colour
-    }
-    for name, value in values.items():
-        if isinstance(value, Material):
-            changed[name] = with_colours(value, change)
+    changed: dict[str, object] = {}
+    for known in fields(material):  # type: ignore[arg-type]
+        value = getattr(material, known.name)
+        if known.type is Colour:
+            changed[known.name] = change(value)
+        elif isinstance(value, Material):
+            changed[known.name] = with_colours(value, change)
     return altered(material, **changed)
 
 

@@ -131,11 +131,7 @@ class Scene:
     def __add__(self, other: "Scene") -> "Scene":
         """Return the union of two scenes; clashing material names are numbered.
 
-        A grey scene can be added to a scene in any bands.
-
-        Raises
-        ------
-        InputError : both scenes are coloured, and their bands differ
+        A grey scene can be added to a scene in any bands; otherwise bands must agree.
         """
         if self.bands == RGB != other.bands:
             return replace(self, bands=other.bands) + other

@@ -45,16 +45,7 @@ class Pattern(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Product:
-    """A product of patterns.
-
-    >>> class Half:
-    ...     needs_normal, needs_point, grey = False, False, True
-    ...     def value(self, direction, normal=None, point=None):
-    ...         return np.full(direction.shape, 0.5)
-    >>> both = Product((Half(), Half()))
-    >>> both.value(np.array([[0.0, 0.0, 1.0]])).tolist()
-    [[0.25, 0.25, 0.25]]
-    """
+    """A product of patterns."""
 
     factors: tuple[Pattern, ...]
 

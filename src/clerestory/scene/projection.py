@@ -24,12 +24,7 @@ from clerestory.scene.solid_angle import (
 )
 
 Kind = Literal[
-    "perspective",
-    "parallel",
-    "hemispherical",
-    "angular",
-    "planisphere",
-    "cylindrical",
+    "perspective", "parallel", "hemispherical", "angular", "planisphere", "cylindrical"
 ]
 
 # Radiance's view types by letter, as in the option -vt

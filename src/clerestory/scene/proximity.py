@@ -45,12 +45,7 @@ class Triangulation:
 def distances(
     point: Vector, corner: Float[np.ndarray, "triangles 3 3"]
 ) -> Float[np.ndarray, " triangles"]:
-    """Return the distances from a point to triangles [m].
-
-    >>> triangle = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]])
-    >>> distances(np.array([0.2, 0.2, 3.0]), triangle).tolist()
-    [3.0]
-    """
+    """Return the distances from a point to triangles [m]."""
     edge = np.roll(corner, -1, axis=1) - corner
     away = point - corner
     normal = np.cross(edge[:, 0], edge[:, 1])
@@ -69,9 +64,7 @@ def distances(
 
 
 def first_hits(
-    point: Vector,
-    direction: RayVectors,
-    corner: Float[np.ndarray, "triangles 3 3"],
+    point: Vector, direction: RayVectors, corner: Float[np.ndarray, "triangles 3 3"]
 ) -> RayValues:
     """Return the distances from a point to the first hit of each ray [m]; inf if none.
 

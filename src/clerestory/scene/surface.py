@@ -178,9 +178,7 @@ def _disc_extent(
     return centre + np.outer([-1, 1], radius * np.sqrt(np.clip(1 - axis**2, 0, 1)))
 
 
-def area_vector(
-    vertices: Vertices,
-) -> Vector:
+def area_vector(vertices: Vertices) -> Vector:
     """Return a polygon's normal by Newell's method; its length is the area [m²]."""
     local = vertices - vertices[0]
     return np.asarray(np.cross(local, np.roll(local, -1, axis=0)).sum(axis=0) / 2)

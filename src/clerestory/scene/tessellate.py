@@ -10,6 +10,8 @@ exact surface area and mean projected area of the sphere; points deviate by at m
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
+from itertools import permutations
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -46,12 +48,6 @@ def meshes(scene: Scene) -> tuple[Mesh, ...]:
 
     Polygons are filled by the even–odd rule, with new vertices only if they intersect
     themselves; for curved surfaces see `curved`.
-
-    >>> from clerestory.scene.model import Light
-    >>> pane = Polygon(np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]), "sky")
-    >>> [mesh] = meshes(Scene({"sky": Light("sky", np.ones(3))}, (pane,)))
-    >>> len(mesh.faces)
-    2
     """
     groups: dict[str, list[int]] = {}
     for i, surface in enumerate(scene.surfaces):
@@ -147,16 +143,7 @@ _CIRCUMRADIUS = np.sqrt(2 * np.pi / (SIDES * np.sin(2 * np.pi / SIDES)))
 
 
 def curved_triangles(surface: Sphere | Cone | Ring) -> Triangles:
-    """Return triangles that approximate a curved surface, oriented like its front.
-
-    >>> ball = Sphere(np.zeros(3), 1.0, False, "grey")
-    >>> t = curved_triangles(ball)
-    >>> corner = t.vertices[t.faces]
-    >>> edges = corner[:, 1:] - corner[:, :1]
-    >>> area = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1).sum() / 2
-    >>> round(float(area / np.pi), 9)
-    4.0
-    """
+    """Return triangles that approximate a curved surface, oriented like its front."""
     match surface:
         case Sphere():
             ball = _unit_sphere()
@@ -205,6 +192,7 @@ def _band(
     return Triangles(np.concatenate([lower, upper]), faces)
 
 
+@cache
 def _unit_sphere() -> Triangles:
     # An icosahedron of which each face is subdivided into four, three times
     golden = (1 + np.sqrt(5)) / 2
@@ -225,11 +213,9 @@ def _hull_faces(vertices: Float[np.ndarray, "12 3"]) -> Int[np.ndarray, "20 3"]:
     near = vertices @ vertices.T > 0.4
     faces = [
         (a, b, c)
-        for a in range(12)
-        for b in range(12)
-        for c in range(12)
+        for a, b, c in permutations(range(12), 3)
         if a < min(b, c) and near[a, b] and near[b, c] and near[c, a]
-        if np.linalg.det(vertices[[a, b, c]]) > 0 and len({a, b, c}) == 3
+        if np.linalg.det(vertices[[a, b, c]]) > 0
     ]
     return np.array(faces)
 

@@ -68,9 +68,7 @@ def triangulate(vertices: Vertices) -> Triangles:
     return Triangles(origin + lifted @ frame, _facing_up(corner, faces, size))
 
 
-def _plane(
-    vertices: Vertices,
-) -> tuple[Vector, Float[np.ndarray, "3 3"]]:
+def _plane(vertices: Vertices) -> tuple[Vector, Float[np.ndarray, "3 3"]]:
     # Centroid of the vertices, and right-handed axes: two in the plane, and the normal
     origin = vertices.mean(axis=0)
     away = vertices - origin
@@ -170,11 +168,7 @@ def _doubled_areas(points: Vertices2, faces: Faces) -> Float[np.ndarray, " trian
     return np.asarray(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
 
 
-def _facing_up(
-    points: Vertices2,
-    faces: Faces,
-    size: float,
-) -> Faces:
+def _facing_up(points: Vertices2, faces: Faces, size: float) -> Faces:
     # Triangles oriented like the polygon; triangles of zero area are omitted
     doubled = _doubled_areas(points, faces)
     turned = np.where((doubled < 0)[:, None], faces[:, ::-1], faces)
@@ -188,12 +182,7 @@ _BLOCK = 2_000_000
 def crossings(
     segments: Float[np.ndarray, "edges 2 2"],
 ) -> Float[np.ndarray, " crossings"]:
-    """Return the x coordinates of edge intersections other than common end points.
-
-    >>> cross = np.array([[[0.0, 0.0], [2.0, 2.0]], [[0.0, 2.0], [2.0, 0.0]]])
-    >>> crossings(cross).tolist()
-    [1.0]
-    """
+    """Return the x coordinates of edge intersections other than common end points."""
     step = max(1, _BLOCK // max(1, len(segments)))
     found = [
         _block_crossings(segments[start : start + step], segments)
@@ -205,12 +194,7 @@ def crossings(
 def slab_triangles(
     segments: Float[np.ndarray, "edges 2 2"],
 ) -> Float[np.ndarray, "corners 2"]:
-    """Return the corners, three per triangle, of the region enclosed by edges.
-
-    >>> corner = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
-    >>> slab_triangles(np.stack([corner, np.roll(corner, -1, axis=0)], axis=1)).shape
-    (3, 2)
-    """
+    """Return the corners, three per triangle, of the region enclosed by edges."""
     cuts = np.unique(np.concatenate([segments[:, :, 0].ravel(), crossings(segments)]))
     flip = segments[:, 0, 0] > segments[:, 1, 0]
     left = np.where(flip[:, None], segments[:, 1], segments[:, 0])

@@ -21,14 +21,10 @@ _SAME_NORMAL_DEG = 0.5
 
 @dataclass(frozen=True, eq=False)
 class Window:
-    """A window group: polygons with a common normal.
+    """A window group: polygons with a common normal, whose fronts face the room.
 
-    Attributes
-    ----------
-    name : name of the window group: modifier of the polygons, or name of the file
-    polygons : polygons whose front faces the room
-    frame : coordinate frame whose normal points into the room
-    partition : angular basis on both sides
+    The name is the modifier of the polygons, or the name of the file. The normal of the
+    frame points into the room. The partition is the angular basis on both sides.
 
     Raises
     ------

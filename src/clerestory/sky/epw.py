@@ -46,13 +46,12 @@ def read_epw(path: str | Path) -> Weather:
     require(
         cells[0].strip().upper() == "LOCATION",
         "no LOCATION in the first line; an EPW file expected",
-        file=path,
         line=1,
     )
     place = "_".join(part.strip() for part in (cells[1:2] + cells[3:4]) if part.strip())
-    latitude, longitude, offset, elevation = numbers(cells, _SITE, file=path, line=1)
+    latitude, longitude, offset, elevation = numbers(cells, _SITE)
     site = Site(latitude, longitude, offset, elevation, place)
-    per_hour = _records_per_hour(lines, path)
+    per_hour = _records_per_hour(lines)
     table = (text.split(",") if text.strip() else [] for text in lines)
     rows = DataRows.below(_HEADER_LINES, table, file=path)
 
@@ -75,21 +74,19 @@ def read_epw(path: str | Path) -> Weather:
     )
 
 
-def _records_per_hour(lines: list[str], path: str | Path) -> int:
+def _records_per_hour(lines: list[str]) -> int:
     for line, text in enumerate(lines[:_HEADER_LINES], start=1):
         cells = text.split(",")
         if cells[0].strip().upper() == "DATA PERIODS":
-            (count,) = numbers(cells, {"records per hour": 2}, file=path, line=line)
+            (count,) = numbers(cells, {"records per hour": 2}, line)
             require(
                 count in (1, 2, 3, 4, 5, 6, 10, 12, 15, 20, 30, 60),
                 f"{count:g} records per hour; a divisor of 60 expected",
-                file=path,
                 line=line,
             )
             return int(count)
     raise InputError(
-        f"no DATA PERIODS in the first {_HEADER_LINES} lines; an EPW header expected",
-        file=path,
+        f"no DATA PERIODS in the first {_HEADER_LINES} lines; an EPW header expected"
     )
 
 

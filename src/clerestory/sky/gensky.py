@@ -17,10 +17,10 @@ from clerestory.directions import from_azimuth
 from clerestory.errors import InputError
 from clerestory.sky.luminance_distribution import (
     Distribution,
-    Intermediate,
-    Overcast,
     cie_general,
     horizontal_integral,
+    intermediate,
+    overcast,
 )
 from clerestory.sky.point_sky import PointSky
 
@@ -56,8 +56,8 @@ def cie_sky(
     CIE general skies require the diffuse irradiance. The ground radiance includes
     reflected sunlight also without sun; uniform and overcast skies have no sun.
     """
-    overcast = kind in ("uniform", "overcast")
-    altitude = sun_altitude if overcast else min(sun_altitude, HIGHEST_SUN)
+    is_overcast = kind in ("uniform", "overcast")
+    altitude = sun_altitude if is_overcast else min(sun_altitude, HIGHEST_SUN)
     sun = from_azimuth(np.array(sun_azimuth), np.array(altitude))
     distribution = _distribution(kind)
     total = horizontal_integral(distribution, sun=sun)
@@ -69,12 +69,12 @@ def cie_sky(
             " expected"
         )
     else:
-        at_zenith = float(distribution.relative(np.array([0.0, 0.0, 1.0]), sun=sun))
+        at_zenith = float(distribution(np.array([0.0, 0.0, 1.0]), sun))
         scale = zenith_radiance(kind, altitude, turbidity) / at_zenith
 
     # Radiance of the ground from global horizontal irradiance
     direct = 0.0
-    if not overcast and sun[2] > 0:
+    if not is_overcast and sun[2] > 0:
         direct = sun_radiance(kind, float(sun[2])) * SUN_SOLID_ANGLE
         direct = direct if direct_normal is None else direct_normal
     level = scale * total + direct * max(float(sun[2]), 0.0)
@@ -87,8 +87,8 @@ def _distribution(kind: CieSky | int) -> Distribution:
         return cie_general(kind)
     named: dict[str, Distribution] = {
         "uniform": cie_general(5),
-        "overcast": Overcast(),
-        "intermediate": Intermediate(),
+        "overcast": overcast,
+        "intermediate": intermediate,
         "clear": cie_general(12),
     }
     require(

@@ -9,8 +9,8 @@ with the angles ζ to the zenith and γ to the sun. The CIE traditional overcast
 the intermediate sky have other formulas.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -21,21 +21,16 @@ from clerestory.checks import require
 _LOWEST_COSINE = 1e-3
 
 
-@runtime_checkable
-class Distribution(Protocol):
-    """Relative luminance as a function of direction."""
-
-    def relative(self, direction: Directions, *, sun: Vector) -> Values:
-        """Return relative luminance for unit vectors above the horizon."""
-        ...
+# Relative luminance for unit vectors above the horizon and the unit vector to the sun
+Distribution = Callable[[Directions, Vector], Values]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class FiveParameters:
     """Luminance distribution of the Perez sky and the CIE general skies.
 
     a and b are parameters of the gradation from horizon to zenith, c, d, e and base of
-    the indicatrix around the sun.
+    the indicatrix around the sun, or around `centre` in place of the sun.
     """
 
     a: float
@@ -44,48 +39,41 @@ class FiveParameters:
     d: float
     e: float
     base: float = 1.0
+    centre: Vector | None = None
 
-    def relative(self, direction: Directions, *, sun: Vector) -> Values:
+    def __call__(self, direction: Directions, sun: Vector) -> Values:
         """Return relative luminance, 0 or more."""
         cos_zeta = np.maximum(direction[..., 2], _LOWEST_COSINE)
-        cos_gamma = np.clip(direction @ sun, -1, 1)
+        centre = sun if self.centre is None else self.centre
+        cos_gamma = np.clip(direction @ centre, -1, 1)
         gradation = 1 + self.a * np.exp(self.b / cos_zeta)
         glow = self.c * np.exp(self.d * np.arccos(cos_gamma))
         indicatrix = self.base + glow + self.e * cos_gamma**2
         return np.asarray(np.maximum(gradation * indicatrix, 0))
 
 
-@dataclass(frozen=True)
-class Overcast:
-    """CIE traditional overcast sky: L ∝ 1 + 2 cos ζ.
+def overcast(direction: Directions, sun: Vector) -> Values:
+    """Luminance of the CIE traditional overcast sky, relative to the zenith luminance.
 
-    Reference: P. Moon, D. E. Spencer, Illumination from a non-uniform sky, 1942.
+    L ∝ 1 + 2 cos ζ. Reference: P. Moon, D. E. Spencer, Illumination from a non-uniform
+    sky, 1942.
     """
-
-    def relative(self, direction: Directions, *, sun: Vector) -> Values:
-        """Return the ratio of luminance to zenith luminance."""
-        return np.asarray((1 + 2 * direction[..., 2]) / 3)
+    return np.asarray((1 + 2 * direction[..., 2]) / 3)
 
 
-@dataclass(frozen=True)
-class Intermediate:
-    """CIE intermediate sky, as in gensky.
+def intermediate(direction: Directions, sun: Vector) -> Values:
+    """Relative luminance of the CIE intermediate sky, as in gensky.
 
     Reference: J. Matsuura, T. Iwata, A model of daylight source for the daylight
     illuminance calculations on the all weather conditions, 1990.
     """
-
-    def relative(self, direction: Directions, *, sun: Vector) -> Values:
-        """Return relative luminance."""
-        zeta = np.arccos(np.clip(direction[..., 2], 0, 1))
-        gamma = np.arccos(np.clip(direction @ sun, -1, 1))
-        zenith = np.arccos(np.clip(sun[2], 0, 1))
-        level = (1.35 * np.sin(5.631 - 3.59 * zeta) + 3.12) * np.sin(
-            4.396 - 2.6 * zenith
-        )
-        level = (level + 6.37 - zeta) / 2.326
-        fall = -0.563 * ((2.629 - zeta) * (1.562 - zenith) + 0.812)
-        return np.asarray(level * np.exp(gamma * fall))
+    zeta = np.arccos(np.clip(direction[..., 2], 0, 1))
+    gamma = np.arccos(np.clip(direction @ sun, -1, 1))
+    zenith = np.arccos(np.clip(sun[2], 0, 1))
+    level = (1.35 * np.sin(5.631 - 3.59 * zeta) + 3.12) * np.sin(4.396 - 2.6 * zenith)
+    level = (level + 6.37 - zeta) / 2.326
+    fall = -0.563 * ((2.629 - zeta) * (1.562 - zenith) + 0.812)
+    return np.asarray(level * np.exp(gamma * fall))
 
 
 # ISO 15469 / CIE S 011, table 1: parameters a, b of the gradations I…VI and c, d, e of
@@ -120,7 +108,7 @@ def cie_general(number: int) -> FiveParameters:
     Reference: ISO 15469:2004 / CIE S 011, Spatial distribution of daylight.
 
     >>> up, sun = np.array([0.0, 0.0, 1.0]), np.array([0.0, 0.0, 1.0])
-    >>> float(cie_general(5).relative(up, sun=sun))
+    >>> float(cie_general(5)(up, sun))
     1.0
     """
     require(
@@ -141,13 +129,8 @@ def horizontal_integral(distribution: Distribution, *, sun: Vector) -> float:
     node, weight = np.polynomial.legendre.leggauss(96)
     sine = np.sqrt((node + 1) / 2)
     azimuth = (np.arange(360) + 0.5) * np.pi / 180
-    direction = np.stack(
-        np.broadcast_arrays(
-            sine[:, None] * np.sin(azimuth),
-            sine[:, None] * np.cos(azimuth),
-            np.sqrt(1 - sine**2)[:, None],
-        ),
-        axis=-1,
-    )
-    values = distribution.relative(direction, sun=sun)
+    across, along = np.outer(sine, np.sin(azimuth)), np.outer(sine, np.cos(azimuth))
+    up = np.broadcast_to(np.sqrt(1 - sine**2)[:, None], across.shape)
+    direction = np.stack([across, along, up], axis=-1)
+    values = distribution(direction, sun)
     return float(np.pi / 2 * np.sum(weight * values.mean(axis=1)))

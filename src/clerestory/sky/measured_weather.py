@@ -63,11 +63,8 @@ _Notes = tuple[str, ...]
 class Measurement:
     """Irradiance [W/m²] or illuminance [lux] at one site; NaN where missing.
 
-    Attributes
-    ----------
-    times : centres of the steps, local standard time
-    rows : rows of the file, for line numbers in messages
-    names : column name of each quantity, for messages
+    Times are local standard time at the centres of the steps. The rows of the file and
+    the names of the columns are for messages.
     """
 
     site: Site
@@ -125,22 +122,17 @@ def weather_of(
         )
         parts = split_irradiance(times, sun, lux)
         notes += parts.notes
-        illuminance = Illuminance(
-            parts.direct_normal * _LUX_PER_WATT,
-            parts.diffuse_horizontal * _LUX_PER_WATT,
-        )
+        direct, diffuse = parts.direct_normal, parts.diffuse_horizontal
+        illuminance = Illuminance(direct * _LUX_PER_WATT, diffuse * _LUX_PER_WATT)
     if watts or illuminance is None:
         parts = split_irradiance(times, sun, watts, decomposition=decomposition)
         if set(watts) == {"global_horizontal"}:
-            assumptions = (
-                f"global irradiance decomposed by the {decomposition} model",
-            )
+            note = f"global irradiance decomposed by the {decomposition} model"
+            assumptions = (note,)
     else:
-        parts = Irradiance(
-            *irradiance_of(
-                illuminance, times=times, sun=sun, dew_point_c=measurement.dew_point_c
-            )
-        )
+        dew_point = measurement.dew_point_c
+        found = irradiance_of(illuminance, times=times, sun=sun, dew_point_c=dew_point)
+        parts = Irradiance(*found)
         assumptions = ("irradiance from illuminance by Perez's luminous efficacy",)
     parts = replace(parts, notes=notes + parts.notes)
     return _weather(measurement, parts, illuminance, assumptions)

@@ -201,43 +201,33 @@ class SkyResponse:
         The bands are summed with their luminous efficacies before the matrix product;
         steps without sky and sun radiance are skipped.
         """
-        weights = common_bands(self._parts()).weights
+        weights, sky = common_bands(self._parts()).weights, self.sky
+        lit = lit_steps(sky.diffuse, sky.sun)
         values, components = self.transfer.values[None], self.transfer.components
         _, _, rows, patches = values.shape
-        lux, error = np.zeros((2, rows, len(self.sky.times)))
+        lux, error = np.zeros((2, rows, len(sky.times)))
         layers = 1 if components is None else 1 + len(components)
         for part in row_blocks(rows, layers=layers, patches=patches):
             block = values[:, :, part]
             if components is not None:
                 block = np.concatenate([block, components[:, :, part]])
-            for steps, received in self._blocks(block, weights):
+            folded = (
+                fold(block, np.broadcast_to(tint, (len(weights), patches)), weights)
+                for tint in (sky.colour, sky.sun_colour[:, None])
+            )
+            for steps, received in product_blocks(
+                *(one.reshape(-1, patches) for one in folded),
+                diffuse=sky.diffuse,
+                direct=sky.sun,
+                steps=lit,
+            ):
                 light = received.reshape(layers, -1, len(steps))
                 lux[part][:, steps] = light[0]
                 error[part][:, steps] = np.sqrt(np.sum(np.square(light[1:]), axis=0))
         return illuminance_dataset(
-            lux, error, sensors=self.transfer.rows, times=self.sky.columns
+            lux, error, sensors=self.transfer.rows, times=sky.columns
         )
 
     def rgb(self) -> TransferMatrix:
         """Return the product in all bands as a dense matrix, with error components."""
         return self.transfer @ self.sky.to_transfer_matrix()
-
-    def _blocks(
-        self,
-        values: Float[np.ndarray, "layer channel row patch"],
-        weights: Float[np.ndarray, " band"],
-    ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-        # Yield blocks of time steps and results, with the rows of the coefficients and
-        # of their error components stacked
-        sky = self.sky
-        patches = values.shape[-1]
-        folded = (
-            fold(values, np.broadcast_to(tint, (len(weights), patches)), weights)
-            for tint in (sky.colour, sky.sun_colour[:, None])
-        )
-        return product_blocks(
-            *(part.reshape(-1, patches) for part in folded),
-            diffuse=sky.diffuse,
-            direct=sky.sun,
-            steps=lit_steps(sky.diffuse, sky.sun),
-        )

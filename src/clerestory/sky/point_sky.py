@@ -39,14 +39,9 @@ _MEAN_DAY = np.datetime64("2023-04-04", "s")
 class PointSky:
     """Sky, sun and ground at one moment.
 
-    Attributes
-    ----------
-    scale : radiance at a relative luminance of 1 [W/(m²·sr)]
-    sun : unit vector to the sun
-    direct_normal : direct normal irradiance [W/m²]
-    ground : radiance of the ground [W/(m²·sr)]
-    colour : factor on the sky radiance in each band
-    time : local standard time; NaT if unspecified
+    `scale` is the radiance at a relative luminance of 1, `ground` that of the ground
+    [W/(m²·sr)]; `colour` is a factor on the sky radiance in each band. The time is
+    local standard time, or NaT.
     """
 
     distribution: Distribution
@@ -71,7 +66,7 @@ class PointSky:
 
     def radiance(self, direction: Directions) -> Values:
         """Achromatic radiance of sky and ground, without sun [W/(m²·sr)]."""
-        sky = self.scale * self.distribution.relative(direction, sun=self.sun)
+        sky = self.scale * self.distribution(direction, self.sun)
         return np.where(direction[..., 2] > 0, sky, self.ground)
 
     def diffuse_horizontal(self) -> float:
@@ -147,16 +142,15 @@ def _perez(
     sky_colour: tuple[float, float, float],
 ) -> PointSky:
     sky = perez_sky(conditions.state, azimuth=conditions.sun.azimuth)
-    shape = FiveParameters(*sky.parameters[:, 0].tolist())
     diffuse = float(conditions.diffuse_horizontal[0])
     level = diffuse + float(conditions.direct_horizontal()[0])
 
     # Use the sun direction of the Perez model, with a zenith angle of at least 3°
-    distribution = _Circumsolar(shape, sky.sun[0])
+    parameters = sky.parameters[:, 0].tolist()
+    distribution = replace(FiveParameters(*parameters), centre=sky.sun[0])
     total = horizontal_integral(distribution, sun=sky.sun[0])
     if not total > 0:
-        uniform = FiveParameters(0, 0, 0, 0, 0)
-        distribution, total = _Circumsolar(uniform, sky.sun[0]), np.pi
+        distribution, total = FiveParameters(0, 0, 0, 0, 0), np.pi
     return PointSky(
         distribution,
         diffuse / total,
@@ -165,16 +159,6 @@ def _perez(
         ground_reflectance * level / np.pi,
         sky_colour,
     )
-
-
-@dataclass(frozen=True, eq=False)
-class _Circumsolar:
-    # Distribution whose circumsolar centre may differ from the sun's direction
-    shape: FiveParameters
-    centre: Vector
-
-    def relative(self, direction: Directions, *, sun: Vector) -> Values:
-        return self.shape.relative(direction, sun=self.centre)
 
 
 def sky_vector(

@@ -149,16 +149,14 @@ def describe_weather(weather: Weather) -> list[tuple[str, str]]:
         return f"{irradiance.sum() * weather.step_minutes / 60_000:.0f} kWh/m²"
 
     lit = weather.direct_normal + weather.diffuse_horizontal > 0
+    length = f"{len(weather)} of {weather.step_minutes:g} min"
     rows = [
         ("place", weather.place),
         ("latitude", f"{weather.latitude_deg:.3f}° north"),
         ("longitude", f"{weather.longitude_deg:.3f}° east"),
         ("elevation", f"{weather.elevation:g} m"),
         ("time zone", f"UTC{weather.utc_offset_hours:+g} h"),
-        (
-            "time steps",
-            f"{len(weather)} of {weather.step_minutes:g} min, {first} to {last}",
-        ),
+        ("time steps", f"{length}, {first} to {last}"),
         ("with light", f"{np.count_nonzero(lit)}"),
         ("direct normal", energy(weather.direct_normal)),
         ("direct horizontal", energy(level)),

@@ -22,22 +22,15 @@ from clerestory.sky.table_cells import DataRows, numbers
 from clerestory.sky.time_steps import StandsFor, step_centres
 from clerestory.sky.weather import Site, Weather
 
-# Indices of the cells of a SURFRAD row, from 0; a quality flag follows each value
-_SURFRAD = {
-    "year": 0,
-    "day": 1,
-    "hour": 4,
-    "minute": 5,
-    "direct_normal": 12,
-    "diffuse_horizontal": 14,
+# Index, from 0, and limits of the cells of time in a SURFRAD row, and indices of the
+# cells of irradiance; a quality flag follows each value
+_TIME = {
+    "year": (0, 1900, 2200),
+    "day": (1, 1, 366),
+    "hour": (4, 0, 24),
+    "minute": (5, 0, 60),
 }
-_SURFRAD_LIMITS = {
-    "year": (1900, 2200),
-    "day": (1, 366),
-    "hour": (0, 24),
-    "minute": (0, 60),
-}
-_SURFRAD_SERIES: tuple[Quantity, ...] = ("direct_normal", "diffuse_horizontal")
+_SERIES: dict[Quantity, int] = {"direct_normal": 12, "diffuse_horizontal": 14}
 
 # Values below this are missing; SURFRAD files contain -9999.9
 _MISSING = -9000.0
@@ -67,13 +60,11 @@ def read_surfrad(path: str | Path, *, utc_offset_hours: float | None = None) -> 
         file=path,
         line=1,
     )
-    site = _surfrad_site(lines, utc_offset_hours, path)
+    site = _surfrad_site(lines, utc_offset_hours)
     rows = DataRows.below(2, (text.split() for text in lines), file=path)
-    cells = {name: rows.column(index, name) for name, index in _SURFRAD.items()}
-    series = {
-        q: np.where(cells[q] < _MISSING, np.nan, cells[q]) for q in _SURFRAD_SERIES
-    }
-    return _weather(_surfrad_times(cells, rows), site, series, rows, stands_for="end")
+    cells = {name: rows.column(index, name) for name, index in _SERIES.items()}
+    series = {q: np.where(x < _MISSING, np.nan, x) for q, x in cells.items()}
+    return _weather(_surfrad_times(rows), site, series, rows, stands_for="end")
 
 
 def is_surfrad(head: list[str]) -> bool:
@@ -81,14 +72,14 @@ def is_surfrad(head: list[str]) -> bool:
     return (
         len(head) > 2
         and head[1].split()[3:5] == ["m", "version"]
-        and len(head[2].split()) > max(_SURFRAD.values())
+        and len(head[2].split()) > max(_SERIES.values())
     )
 
 
-def _surfrad_site(lines: list[str], offset: float | None, path: str | Path) -> Site:
+def _surfrad_site(lines: list[str], offset: float | None) -> Site:
     fields = {"latitude": 0, "longitude": 1, "elevation": 2}
     cells = lines[1].split()
-    latitude, longitude, elevation = numbers(cells, fields, file=path, line=2)
+    latitude, longitude, elevation = numbers(cells, fields, 2)
 
     # Stations are west of Greenwich; older files omit the sign of the longitude
     longitude = -abs(longitude)
@@ -97,18 +88,16 @@ def _surfrad_site(lines: list[str], offset: float | None, path: str | Path) -> S
     return Site(latitude, longitude, offset, elevation, lines[0].strip())
 
 
-def _surfrad_times(cells: dict[str, np.ndarray], rows: DataRows) -> np.ndarray:
+def _surfrad_times(rows: DataRows) -> np.ndarray:
     # UTC times from year, day of the year, hour and minute
-    valid = np.ones(len(rows.lines), dtype=bool)
-    for name, (least, most) in _SURFRAD_LIMITS.items():
+    cells, valid = {}, np.ones(len(rows.lines), dtype=bool)
+    for name, (index, least, most) in _TIME.items():
+        cells[name] = rows.column(index, name)
         valid &= (cells[name] >= least) & (cells[name] <= most)
-    rows.require(
-        valid,
-        lambda _: (
-            "a time that is not in the calendar; year, day of year, hour and minute"
-            " expected"
-        ),
+    fault = (
+        "the time is not in the calendar; year, day of year, hour and minute expected"
     )
+    rows.require(valid, lambda _: fault)
     year = (cells["year"].astype(int) - 1970).astype("datetime64[Y]")
     day = year.astype("datetime64[D]") + (cells["day"].astype(int) - 1)
     seconds = np.round(3600 * cells["hour"] + 60 * cells["minute"]).astype(int)

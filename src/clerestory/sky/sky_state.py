@@ -71,11 +71,8 @@ _EFFICACIES = (20.0, 250.0)
 class SkyState:
     """Parameters of the Perez models at each time step.
 
-    Attributes
-    ----------
-    zenith : solar zenith angle, limited to 3°…90° [rad]
-    clearness, brightness : sky clearness ε and sky brightness Δ
-    category : clearness category, from 0 (overcast) to 7 (clear)
+    They are the solar zenith angle, limited to 3°…90° [rad], sky clearness ε and sky
+    brightness Δ, and the clearness category, from 0 (overcast) to 7 (clear).
     """
 
     zenith: Series
@@ -128,9 +125,8 @@ def visible_irradiance(
     diffuse = diffuse_horizontal * np.maximum(efficacy, 0)
 
     a, b, c, d = _DIRECT[state.category].T
-    efficacy = (
-        a + b * water + c * np.exp(5.73 * state.zenith - 5) + d * state.brightness
-    )
+    exponential = np.exp(5.73 * state.zenith - 5)
+    efficacy = a + b * water + c * exponential + d * state.brightness
     direct = direct_normal * np.maximum(efficacy, 0)
     return direct / LUMINOUS_EFFICACY, diffuse / LUMINOUS_EFFICACY
 
@@ -159,9 +155,8 @@ def irradiance_of(
     (103, 132)
     """
     lux = np.stack([illuminance.direct_normal, illuminance.diffuse_horizontal])
-    dew_point = np.full(lux.shape[1], DEFAULT_DEW_POINT_C)
-    if dew_point_c is not None:
-        dew_point = np.where(np.isfinite(dew_point_c), dew_point_c, dew_point)
+    dew_point = np.full(lux.shape[1], np.nan) if dew_point_c is None else dew_point_c
+    dew_point = np.where(np.isfinite(dew_point), dew_point, DEFAULT_DEW_POINT_C)
     efficacy = np.full(lux.shape, _MEAN_EFFICACY)
     day = day_number(times)
     for iteration in range(_ITERATIONS):
@@ -190,6 +185,5 @@ def orbit_factor(day_of_year: Int[np.ndarray, " time"]) -> Series:
 
 def air_mass(zenith: Series) -> Series:
     """Relative air mass (Kasten 1966) by solar zenith angle [rad]."""
-    return np.asarray(
-        1 / (np.cos(zenith) + 0.15 * (93.885 - np.degrees(zenith)) ** -1.253)
-    )
+    term = 0.15 * (93.885 - np.degrees(zenith)) ** -1.253
+    return np.asarray(1 / (np.cos(zenith) + term))

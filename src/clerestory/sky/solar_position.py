@@ -128,11 +128,7 @@ def horizontal_position(
 
 
 def standard_pressure(elevation: float) -> float:
-    """Return the air pressure [hPa] of the standard atmosphere at an elevation [m].
-
-    >>> round(standard_pressure(1000), 1)
-    898.7
-    """
+    """Return the air pressure [hPa] of the standard atmosphere at an elevation [m]."""
     ratio = 1 - _LAPSE * elevation / _TEMPERATURE
     return float(_PRESSURE * ratio**_EXPONENT)
 

@@ -89,10 +89,7 @@ def nearest_patches(
 ) -> Nearest:
     """Return the sky patches whose centres are nearest to the given directions.
 
-    >>> from clerestory.hemisphere.reinhart import reinhart
-    >>> dome = reinhart(1).dome
-    >>> nearest_patches(dome, dome.centres()[[7]], count=2).patch[0].tolist()[0]
-    7
+    scipy.spatial.cKDTree finds the same patches, but takes 0.2 s to load.
     """
     centres = dome.centres()
     rings = min(_RINGS, len(dome.count))

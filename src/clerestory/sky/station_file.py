@@ -19,11 +19,7 @@ A station file is accepted wherever a weather file is expected.
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import (
-    BeforeValidator,
-    Field,
-    model_validator,
-)
+from pydantic import BeforeValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from clerestory.documents import Table, read_toml
@@ -33,16 +29,6 @@ from clerestory.sky.irradiance_decomposition import Decomposition
 from clerestory.sky.radiation_networks import read_srml, read_surfrad
 from clerestory.sky.time_steps import StandsFor
 from clerestory.sky.weather import Site, Weather
-
-# Keys that are passed to `read_measured` as arguments
-_CSV_SETTINGS = {
-    "time_format",
-    "stands_for",
-    "clock",
-    "separator",
-    "skip_lines",
-    "decomposition",
-}
 
 
 def _as_list(value: Any) -> Any:
@@ -127,7 +113,7 @@ def read_with(path: str | Path, how: MeasuredTable) -> Weather:
         return read_srml(path, site=site, decomposition=how.decomposition)
     if how.columns is None:
         raise InputError("no columns; a table [columns] expected", file=path)
-    settings = how.model_dump(include=_CSV_SETTINGS)
+    settings = how.model_dump(exclude={"format", "site", "columns", "file"})
     return read_measured(path, columns=how.columns.columns(), site=site, **settings)
 
 

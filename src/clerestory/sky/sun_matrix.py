@@ -29,14 +29,9 @@ _WIDEST_TOLERANCE_DEG = 10.0
 
 @dataclass(frozen=True, eq=False)
 class SunMatrix:
-    """Direct normal irradiance from every solar position at every time step.
+    """Direct normal irradiance [W/m²] from every solar position at every time step.
 
-    Attributes
-    ----------
-    directions : unit vectors to the sun, one per solar position
-    direct_normal : direct normal irradiance [W/m²], over (sun, time); at most one solar
-        position per step
-    attributes : provenance of the matrix
+    The matrix is over (sun, time), with at most one solar position per step.
     """
 
     directions: Float[np.ndarray, "sun 3"]
@@ -78,20 +73,14 @@ class SunMatrix:
 
 
 def sun_matrix(
-    weather: Weather,
-    *,
-    tolerance_deg: float = 0.0,
-    **options: Unpack[SkyOptions],
+    weather: Weather, *, tolerance_deg: float = 0.0, **options: Unpack[SkyOptions]
 ) -> SunMatrix:
     """Return the sun matrix of all steps with direct irradiance.
 
     Steps with the sun below the horizon are excluded; the attribute
-    "steps_below_horizon" is the number of these steps.
-
-    Parameters
-    ----------
-    tolerance_deg : largest angle between merged solar positions [°]; 0: no merging
-    options : keyword arguments of `sky_conditions`
+    "steps_below_horizon" is the number of these steps. Solar positions are merged
+    within an angle `tolerance_deg` [°]. `options` are keyword arguments of
+    `sky_conditions`.
     """
     most = _WIDEST_TOLERANCE_DEG
     within(tolerance_deg, "tolerance", least=0, most=most, unit="degrees")
@@ -101,9 +90,8 @@ def sun_matrix(
     steps = np.flatnonzero(shining & up)
     irradiance = conditions.direct_normal[steps]
     directions = conditions.sun.directions()[steps]
-    representative = merge_suns(
-        directions, irradiance, tolerance=np.radians(tolerance_deg)
-    )
+    angle = np.radians(tolerance_deg)
+    representative = merge_suns(directions, irradiance, tolerance=angle)
     kept, sun = np.unique(representative, return_inverse=True)
     matrix = coo_array((irradiance, (sun, steps)), shape=(len(kept), len(weather)))
     return SunMatrix(
@@ -119,10 +107,7 @@ def sun_matrix(
 
 
 def patch_suns(
-    weather: Weather,
-    *,
-    subdivision: int = 6,
-    **options: Unpack[SkyOptions],
+    weather: Weather, *, subdivision: int = 6, **options: Unpack[SkyOptions]
 ) -> SunMatrix:
     """Return a sun matrix with one solar position at the centre of every sky patch.
 
@@ -131,12 +116,8 @@ def patch_suns(
     """
     conditions = sky_conditions(weather, **options)
     partition = reinhart(subdivision)
-    radiance = sun_radiance(
-        conditions.direct_normal,
-        conditions.sun.directions(),
-        partition=partition,
-        placement="disc",
-    )
+    direct, towards = conditions.direct_normal, conditions.sun.directions()
+    radiance = sun_radiance(direct, towards, partition=partition, placement="disc")
     solid_angle = np.pi * (SUN_DIAMETER / 2) ** 2
     return SunMatrix(
         partition.dome.centres(),
@@ -169,7 +150,7 @@ def merge_suns(
     count = len(directions)
     if count == 0 or tolerance == 0:
         return np.arange(count)
-    # Imported here, since SciPy loads slowly
+    # Imported here, since scipy.spatial loads slowly
     tree = importlib.import_module("scipy.spatial").cKDTree(directions)
     near = tree.query_ball_point(directions, 2 * np.sin(tolerance / 2))
     representative = np.full(count, -1)

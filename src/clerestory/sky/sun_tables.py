@@ -13,18 +13,14 @@ def sun_path_table(
 ) -> str:
     """Return a line per step: time, altitude [°], azimuth [°], direct irradiance."""
     position = sun_over(weather, rotation_deg=rotation_deg, sun_formula=sun_formula)
-    lines = ["time,altitude,azimuth clockwise from north,direct normal [W/m²]"]
-    rows = zip(
-        weather.times.astype("datetime64[m]"),
+    return _table(
+        "time,altitude,azimuth clockwise from north,direct normal [W/m²]",
+        "{},{:.3f},{:.3f},{:g}",
+        np.char.replace(np.datetime_as_string(weather.times, unit="m"), "T", " "),
         np.degrees(position.altitude),
         np.degrees(position.azimuth) % 360,
         weather.direct_normal,
-        strict=True,
     )
-    lines += [
-        f"{str(t).replace('T', ' ')},{a:.3f},{z:.3f},{d:g}" for t, a, z, d in rows
-    ]
-    return "\n".join(lines) + "\n"
 
 
 def suns_table(suns: SunMatrix, *, step_minutes: float) -> str:
@@ -43,11 +39,14 @@ def suns_table(suns: SunMatrix, *, step_minutes: float) -> str:
     steps = np.diff(suns.direct_normal.tocsr().indptr)
     total = np.asarray(suns.direct_normal.sum(axis=1), dtype=float).ravel()
     energy = total * step_minutes / 60_000
-    header = "altitude,azimuth clockwise from north,x,y,z,time steps"
-    lines = [f"{header},visible direct normal [kWh/m²]"]
-    columns = (altitude, azimuth, x, y, z, steps, energy)
-    lines += [
-        f"{h:.4f},{a:.4f},{u:.6f},{v:.6f},{w:.6f},{n},{e:.3f}"
-        for h, a, u, v, w, n, e in zip(*columns, strict=True)
-    ]
-    return "\n".join(lines) + "\n"
+    return _table(
+        "altitude,azimuth clockwise from north,x,y,z,time steps,"
+        "visible direct normal [kWh/m²]",
+        "{:.4f},{:.4f},{:.6f},{:.6f},{:.6f},{},{:.3f}",
+        *(altitude, azimuth, x, y, z, steps, energy),
+    )
+
+
+def _table(header: str, row_format: str, *columns: np.ndarray) -> str:
+    rows = (row_format.format(*row) for row in zip(*columns, strict=True))
+    return "\n".join([header, *rows]) + "\n"

@@ -8,10 +8,11 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from clerestory.checks import require
+from clerestory.errors import located
 
 
 def numbers(
-    cells: Sequence[str], fields: Mapping[str, int], *, file: str | Path, line: int
+    cells: Sequence[str], fields: Mapping[str, int], line: int = 1
 ) -> list[float]:
     """Return the finite numbers in the cells with the given names and indices."""
     found = []
@@ -19,7 +20,6 @@ def numbers(
         require(
             index < len(cells),
             f"{len(cells)} fields; {name} expected as field {index + 1}",
-            file=file,
             line=line,
         )
         try:
@@ -29,7 +29,6 @@ def numbers(
         require(
             np.isfinite(value),
             f"{name} is {cells[index].strip()!r}; a number expected",
-            file=file,
             line=line,
         )
         found.append(value)
@@ -71,8 +70,8 @@ class DataRows:
         for i, row in enumerate(self.cells):
             blank = index < len(row) and row[index].strip().lower() in ("", "nan", "na")
             if not (may_miss and blank):
-                line = int(self.lines[i])
-                (values[i],) = numbers(row, {name: index}, file=self.file, line=line)
+                with located(file=self.file):
+                    (values[i],) = numbers(row, {name: index}, int(self.lines[i]))
         return values
 
     def require(

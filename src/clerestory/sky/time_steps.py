@@ -18,11 +18,7 @@ _DAYS = np.array([31, 29, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31])
 
 
 def calendar_times(
-    month: Series,
-    day: Series,
-    hour: Series,
-    *,
-    rows: DataRows,
+    month: Series, day: Series, hour: Series, *, rows: DataRows
 ) -> np.ndarray:
     """Return times from month, day and decimal hour, to the second.
 
@@ -70,10 +66,7 @@ def step_centres(
 def _require_increasing(times: np.ndarray, rows: DataRows) -> None:
     rows.require(
         np.diff(times, prepend=times[:1] - 1) > np.timedelta64(0),
-        lambda i: (
-            f"time goes back from {times[i - 1]} to {times[i]}; increasing times"
-            " expected"
-        ),
+        lambda i: f"time {times[i]} follows {times[i - 1]}; increasing times expected",
     )
 
 

@@ -44,7 +44,6 @@ def read_tmy2(path: str | Path) -> Weather:
     require(
         is_tmy2_header(lines[0]),
         "no TMY2 header in the first line; a TMY2 file expected",
-        file=path,
         line=1,
     )
     fields = (_cells(text, _DATA.values()) if text.strip() else [] for text in lines)
@@ -54,7 +53,7 @@ def read_tmy2(path: str | Path) -> Weather:
     )
     times = calendar_times(month, day, hour - 0.5, rows=rows)
     dew_point = np.where(dew_point == _MISSING_DEW_POINT, np.nan, dew_point / 10)
-    site, parts = _site(lines[0], path), Irradiance(direct, diffuse)
+    site, parts = _site(lines[0]), Irradiance(direct, diffuse)
     return weather_of_components(site, times, rows, parts, dew_point_c=dew_point)
 
 
@@ -63,12 +62,10 @@ def is_tmy2_header(line: str) -> bool:
     return line[37:38] in ("N", "S") and line[45:46] in ("E", "W")
 
 
-def _site(header: str, path: str | Path) -> Site:
+def _site(header: str) -> Site:
     cells = _cells(header, _SITE.values())
     indices = {name: i for i, name in enumerate(_SITE)}
-    offset, north, north_minute, east, east_minute, elevation = numbers(
-        cells, indices, file=path, line=1
-    )
+    offset, north, north_minute, east, east_minute, elevation = numbers(cells, indices)
     latitude = (north + north_minute / 60) * (1 if header[37] == "N" else -1)
     longitude = (east + east_minute / 60) * (1 if header[45] == "E" else -1)
     return Site(latitude, longitude, offset, elevation, "_".join(header[7:32].split()))

@@ -37,12 +37,10 @@ def read_tmy3(path: str | Path) -> Weather:
     require(
         len(table) > 2 and DATE in table[1],
         f"no column {DATE!r} in the second line, or no data; a TMY3 file expected",
-        file=path,
         line=2,
     )
     place = "_".join(part.strip() for part in table[0][1:3])
-    header = numbers(table[0], _SITE, file=path, line=1)
-    latitude, longitude, offset, elevation = header
+    latitude, longitude, offset, elevation = numbers(table[0], _SITE)
     site = Site(latitude, longitude, offset, elevation, place)
     rows = DataRows.below(2, table, file=path)
     index = {name: i for i, name in enumerate(table[1])}
@@ -50,7 +48,6 @@ def read_tmy3(path: str | Path) -> Weather:
         require(
             name in index,
             f"no column {name!r}; a TMY3 file with this column expected",
-            file=path,
             line=2,
         )
 

@@ -46,7 +46,7 @@ _KEYS = (
 def read_wea(path: str | Path) -> Weather:
     """Return the weather of a WEA file, in the year 2023 (2024 with a 29 February)."""
     lines = read_text(path).splitlines()
-    site, units = _header(lines, path)
+    site, units = _header(lines)
     rows = DataRows.below(len(_KEYS), (text.split() for text in lines), file=path)
     month, day, hour, direct, diffuse = (
         rows.column(i, name, may_miss=i > 2) for i, name in enumerate(_COLUMNS)
@@ -69,7 +69,7 @@ def read_wea(path: str | Path) -> Weather:
     return weather_of_components(site, times, rows, parts)
 
 
-def _header(lines: list[str], path: str | Path) -> tuple[Site, float]:
+def _header(lines: list[str]) -> tuple[Site, float]:
     values = {}
     place = ""
     for line, key in enumerate(_KEYS, start=1):
@@ -78,26 +78,19 @@ def _header(lines: list[str], path: str | Path) -> tuple[Site, float]:
         require(
             cells and cells[0] == key,
             f"{found} in the header; the key {key!r} expected",
-            file=path,
             line=line,
         )
         if key == "place":
             place = cells[1].strip() if len(cells) > 1 else ""
         else:
-            (values[key],) = numbers(cells, {key: 1}, file=path, line=line)
+            (values[key],) = numbers(cells, {key: 1}, line)
     units = values["weather_data_file_units"]
     require(
         units in (_DIRECT_NORMAL, _DIRECT_HORIZONTAL, _ILLUMINANCE),
         f"weather_data_file_units {units:g}; 1 (direct normal irradiance), 2 (direct"
         " horizontal irradiance) or 3 (illuminance) expected",
-        file=path,
         line=len(_KEYS),
     )
-    site = Site(
-        latitude_deg=values["latitude"],
-        longitude_deg=-values["longitude"],
-        utc_offset_hours=-values["time_zone"] / 15,
-        elevation=values["site_elevation"],
-        place=place,
-    )
+    east, offset = -values["longitude"], -values["time_zone"] / 15
+    site = Site(values["latitude"], east, offset, values["site_elevation"], place)
     return site, units

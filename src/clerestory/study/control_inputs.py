@@ -112,9 +112,9 @@ class ControlInputs:
     def _facade_row(self, group: int) -> TransferMatrix:
         # Irradiance coefficients [sr] of the window: D weighted by projected solid
         # angle, or those of an unobstructed plane if the method has no D
-        factors = self.matrices.windows[group].whole.factors
-        if factors:
-            daylight = factors[0][-1]  # shade state 0
+        whole = self.matrices.windows[group].whole
+        if whole and whole.factors:
+            daylight = whole.factors[0][-1]  # shade state 0
             outer = self.inputs.groups[group].outer.partition
             values = outer.projected_solid_angles()[None, :] @ daylight.values
             return replace(

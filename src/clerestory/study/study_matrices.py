@@ -110,9 +110,7 @@ class StudyMatrices:
 
         parts = (self.windows[number] for number in groups)
         windows = tuple(
-            WindowMatrices(
-                part.whole.without_errors(rows), some(part.direct), some(part.sun)
-            )
+            WindowMatrices(some(part.whole), some(part.direct), some(part.sun))
             for part in parts
         )
         return StudyMatrices(self.terms, windows, self.suns)

@@ -186,7 +186,7 @@ def _view(
         )
         for n, group in enumerate(job.inputs.groups)
     ]
-    whole = chains("whole")
+    whole = chains("whole") if "whole" in parts else none
     direct = chains("direct") if "direct" in parts else none
     windows = map(WindowMatrices, whole, direct, suns if "sun" in parts else none)
     return replace(view, windows=tuple(windows))

@@ -117,7 +117,7 @@ def test_the_default_goal_holds_where_none_is_given():
     ],
 )
 def test_numbers_out_of_range_are_refused(field, value):
-    with pytest.raises(InputError, match=f"{field} = "):
+    with pytest.raises(InputError, match=f"{field} is "):
         Effort(**{field: value})
 
 

@@ -57,7 +57,7 @@ def test_a_description_is_read(plan):
             "layer 1: nothing defined; one of file",
         ),
         ("argon = 0.9", "argon = 0.5", "sum to 0.6; 1 expected"),
-        ("argon", "helium", "unknown gas 'helium'"),
+        ("argon", "helium", "the gas is 'helium'; one of air"),
         ("width_mm = 25", "width_mm = -1", "is -1; a number above 0 expected"),
         ("[[gap]]", "[[gap]]\nthickness_mm = 3\n[[gap]]", "2 gaps between 2 layers"),
         ("name", "= name", "not TOML"),

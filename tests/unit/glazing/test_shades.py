@@ -124,10 +124,10 @@ def test_upright_slats_are_the_blind_turned_by_a_right_angle():
 @pytest.mark.parametrize(
     ("fault", "words"),
     [
-        ({"width": 0.0}, "spacing above 0"),
-        ({"tilt": 2.0}, "-90 to 90"),
+        ({"width": 0.0}, "a positive number expected"),
+        ({"tilt": 2.0}, "from -90 to 90"),
         ({"curvature_radius": 0.01}, "more than half the width"),
-        ({"segments": 0}, "1 to 100"),
+        ({"segments": 0}, "from 1 to 100"),
     ],
 )
 def test_slats_that_cannot_be_are_refused(fault, words):

@@ -59,5 +59,5 @@ def test_layers_that_share_no_wavelength_are_refused():
 
 
 def test_an_unknown_standard_is_refused():
-    with pytest.raises(InputError, match="nfrc or en410"):
+    with pytest.raises(InputError, match="one of nfrc, en410"):
         standard("iso")

@@ -62,7 +62,9 @@ def test_the_last_view_counts_and_builds_on_those_before(tmp_path):
 
 def test_a_view_that_cannot_be_is_told_and_left_out(tmp_path):
     path = picture_file(tmp_path, header="VIEW= -vtv -vh 200\n")
-    with pytest.warns(ClerestoryWarning, match="horizontal size 200"):
+    with pytest.warns(
+        ClerestoryWarning, match="horizontal size of the perspective view is 200"
+    ):
         assert read_picture(path).view is None
 
 

@@ -137,7 +137,7 @@ def test_no_pattern_takes_light_away_from_darkness(read):
         ("void brightfunc p 2 A1 . 0 0", "real argument 1 is asked for; 0 given"),
         ("void brightfunc p 2 f gone.cal 0 0", 'the file "gone.cal" is missing'),
         ("void brightfunc p 2 f bad.cal 0 0", "bad.cal:2: "),
-        ("void brightfunc p 2 f(1) loop.cal 0 0", "terminate?"),
+        ("void brightfunc p 2 f(1) loop.cal 0 0", "recursion terminates"),
         ("void brightfunc p 4 Dx . -rq 3 0 0", '"-rq" in the transform'),
         (
             "void brightfunc p 2 skybr skybright.cal 0 1 1",

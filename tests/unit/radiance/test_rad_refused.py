@@ -78,7 +78,7 @@ CASES = {
     "piped": ("!xform part.rad | sort", 2, '"sort" in the command'),
     "shell": ("!xform part.rad; rm part.rad", 2, '";" in the command'),
     "quotes": ("!xform 'part.rad", 2, "cannot be read"),
-    "nothing": ("!", 2, "an empty command"),
+    "nothing": ("!", 2, "a command is empty"),
     "no file": ("!xform -t 1 2 3", 2, "has no file"),
     "missing": (
         "\n!xform absent.rad",

@@ -7,7 +7,7 @@ import numpy as np
 
 from clerestory.report.colour import illuminance_scale
 from clerestory.report.content_from_results import from_results
-from clerestory.report.feature_edges import feature_edges, weld
+from clerestory.report.mesh_lines import feature_edges, weld
 from clerestory.report.room_view import (
     MOST_TRIANGLES,
     framed_box,

@@ -151,7 +151,7 @@ def test_views_that_cannot_be_are_refused(changes, words):
     [
         ("-vtx", "unknown view type"),
         ("-vp 1 2", "-vp without 3 numbers"),
-        ("-vh wide", "-vh without a number"),
+        ("-vh wide", "-vh without 1 number"),
         ("-vz 3", "unknown view option"),
         ("-vta -vh 361", "between 0 and 360"),
     ],

@@ -11,10 +11,10 @@ from clerestory.errors import InputError
 from clerestory.sky.gensky import cie_sky
 from clerestory.sky.luminance_distribution import (
     FiveParameters,
-    Intermediate,
-    Overcast,
     cie_general,
     horizontal_integral,
+    intermediate,
+    overcast,
 )
 from clerestory.sky.point_sky import perez_moment, perez_point, sky_vector
 from clerestory.sky.sky_matrix import sky_matrix
@@ -45,7 +45,7 @@ def test_a_uniform_sky_sends_pi_times_its_radiance():
 
 def test_the_overcast_sky_sends_seven_ninths_of_pi():
     """∫ (1 + 2 cos ζ)/3 cos ζ dω = 7π/9."""
-    assert horizontal_integral(Overcast(), sun=UP) == pytest.approx(7 * np.pi / 9)
+    assert horizontal_integral(overcast, sun=UP) == pytest.approx(7 * np.pi / 9)
 
 
 def test_a_glow_at_the_zenith_integrates_to_its_closed_form():
@@ -58,8 +58,8 @@ def test_general_sky_one_is_nearly_the_traditional_overcast_sky():
     """CIE S 011 notes that type 1 approximates Moon and Spencer's sky."""
     zeta = np.radians(np.arange(0, 66, 5))
     direction = np.stack([np.sin(zeta), 0 * zeta, np.cos(zeta)], axis=-1)
-    steep = cie_general(1).relative(direction, sun=NORTH_60)
-    old = Overcast().relative(direction, sun=NORTH_60)
+    steep = cie_general(1)(direction, NORTH_60)
+    old = overcast(direction, NORTH_60)
     np.testing.assert_allclose(steep / steep[0], old, atol=0.03)
 
 
@@ -72,7 +72,7 @@ def test_general_sky_twelve_is_the_traditional_clear_sky():
     cosine = direction @ NORTH_60
     glow = 0.91 + 10 * np.exp(-3 * np.arccos(cosine)) + 0.45 * cosine**2
     expected = glow * (1 - np.exp(-0.32 / direction[:, 2]))
-    ours = cie_general(12).relative(direction, sun=NORTH_60)
+    ours = cie_general(12)(direction, NORTH_60)
     np.testing.assert_allclose(ours, expected, rtol=2e-3)
 
 
@@ -91,7 +91,7 @@ def cie171_tables(folder):
 
 def daylight_per_cent(points, normals, opening, outwards, sun):
     """Sky components [% of the level irradiance] through cells of 1 m²."""
-    skies = [cie_general(number) for number in range(1, 16)] + [Overcast()]
+    skies = [cie_general(number) for number in range(1, 16)] + [overcast]
     values = np.zeros((len(skies), len(points)))
     for i, (point, normal) in enumerate(zip(points, normals, strict=True)):
         ray = opening - point
@@ -99,7 +99,7 @@ def daylight_per_cent(points, normals, opening, outwards, sun):
         ray /= distance
         factor = (ray @ normal).clip(0) * (ray @ outwards) / distance[:, 0] ** 2
         for j, sky in enumerate(skies):
-            values[j, i] = factor @ sky.relative(ray, sun=sun)
+            values[j, i] = factor @ sky(ray, sun)
     total = [[horizontal_integral(sky, sun=sun)] for sky in skies]
     return 100 * values / total
 
@@ -149,9 +149,9 @@ def test_a_stated_diffuse_irradiance_is_kept(kind):
 
 
 def test_the_intermediate_sky_is_brightest_at_the_sun():
-    sky = Intermediate()
+    sky = intermediate
     away = np.array([0.0, -np.cos(np.radians(60)), np.sin(np.radians(60))])
-    assert sky.relative(NORTH_60, sun=NORTH_60) > 2 * sky.relative(away, sun=NORTH_60)
+    assert sky(NORTH_60, NORTH_60) > 2 * sky(away, NORTH_60)
 
 
 def test_the_ground_is_what_lies_below():

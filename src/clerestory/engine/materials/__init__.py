@@ -59,9 +59,7 @@ def register() -> None:
 def load(material: Material, origin: np.ndarray | None = None) -> mi.BSDF:
     """Return the Mitsuba BSDF that renders a material.
 
-    Parameters
-    ----------
-    origin : scene point at the origin of device coordinates [m]; None: scene origin
+    Patterns depend on the origin of device coordinates, by default that of the scene.
     """
     origin = np.zeros(3) if origin is None else origin
     plugin = material.plugin()

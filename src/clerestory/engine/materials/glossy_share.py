@@ -13,10 +13,8 @@ import mitsuba as mi
 def credited(number, glossy, matt):
     """Whether a direction is classified as glossy.
 
-    Parameters
-    ----------
-    number : random number, 0…1, independent of the direction
-    glossy, matt : BSDF × cosine of the glossy and the diffuse component
+    The random number, 0…1, is independent of the direction; `glossy` and `matt` are
+    BSDF × cosine of the glossy and of the diffuse component.
     """
     strength = dr.sum(glossy)
     return (strength > 0) & (number * (strength + dr.sum(matt)) <= strength)

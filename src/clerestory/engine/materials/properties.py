@@ -16,10 +16,7 @@ import mitsuba as mi
 class Paint:
     """A colour with an optional pattern.
 
-    Attributes
-    ----------
-    colour : colour without the pattern
-    pattern : function of an interaction that returns the multiplier of the colour
+    The pattern is a function of an interaction that returns a multiplier of the colour.
     """
 
     def __init__(self, props, name: str, default: float):

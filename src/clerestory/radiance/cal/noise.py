@@ -100,12 +100,7 @@ def noise_of_arrays(
     y: Float[np.ndarray, " points"],
     z: Float[np.ndarray, " points"],
 ) -> Float[np.ndarray, " points"]:
-    """Return the noise at the points (x, y, z).
-
-    >>> here = np.array([0.5])
-    >>> noise_of_arrays(here, here, here).tolist()
-    [-0.25]
-    """
+    """Return the noise at the points (x, y, z)."""
     found: np.ndarray = noise(
         x, y, z, floor=np.floor, take=lambda t, i: TABLES[t][i.astype(np.int64) & 255]
     )

@@ -5,8 +5,10 @@ it, so that recursion terminates. Arguments and variables are evaluated lazily, 
 set of rays. The depth of nesting and the number of evaluated nodes are limited.
 """
 
-from collections.abc import Callable, Hashable, Mapping
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any, ClassVar, Generic, TypeVar
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -24,14 +26,12 @@ from clerestory.radiance.cal.syntax import (
     Power,
 )
 
-# Maximum depth of nested expressions and calls
-_DEEPEST = 100
-
-# Maximum number of nodes evaluated in one run
-MOST_STEPS = 100_000
-
 # Functions of which only the selected argument is evaluated
 SPECIAL = ("if", "select")
+
+
+Value = TypeVar("Value")
+Nodes = tuple[Node, ...]
 
 
 class Rows:
@@ -51,13 +51,13 @@ class Rows:
         place: Bool[np.ndarray, " all"] | None = None,
     ) -> None:
         self.index, self.parent, self.place = index, parent, place
-        self.known: dict[Hashable, Values] = {}
+        self.known: dict[Hashable, Any] = {}
 
     def part(self, place: Bool[np.ndarray, " all"]) -> "Rows":
         """Return a subset of these rays."""
         return Rows(self.index[place], self, place)
 
-    def find(self, key: Hashable) -> Values | None:
+    def find(self, key: Hashable) -> Any:
         """Return the value cached for these rays or a superset; None if not cached."""
         value = self.known.get(key)
         if value is None and self.parent is not None:
@@ -66,9 +66,9 @@ class Rows:
                 value = self.known[key] = outer[self.place]
         return value
 
-    def once(self, key: Hashable, compute: Callable[[], Values]) -> Values:
+    def once(self, key: Hashable, compute: Callable[[], Value]) -> Value:
         """Return the cached value; compute it first if necessary."""
-        value = self.find(key)
+        value: Value | None = self.find(key)
         if value is None:
             value = self.known[key] = compute()
         return value
@@ -90,6 +90,144 @@ class Frame:
     outer: "Frame | None"
 
 
+class Evaluation(ABC, Generic[Value]):
+    """Evaluation of expressions, for any representation of the values of rays.
+
+    The depth of nested expressions and calls, and the number of nodes evaluated in one
+    run, are limited.
+    """
+
+    deepest: ClassVar[int]
+    most_steps: ClassVar[int]
+    terminating: ClassVar[str]
+
+    # Current depth of nesting, and number of nodes evaluated so far
+    depth: int = 0
+    steps: int = 0
+
+    @abstractmethod
+    def lookup(self, name: str) -> Definition | Native | None:
+        """Return the definition of a name; None if it is undefined."""
+
+    @abstractmethod
+    def constant(self, number: float, rows: Rows) -> Value:
+        """Return a number as a value."""
+
+    @abstractmethod
+    def negative(self, value: Value) -> Value:
+        """Return the value with the opposite sign."""
+
+    @abstractmethod
+    def combined(self, one: Value, sign: str, other: Value, rows: Rows) -> Value:
+        """Return the result of an operation: +, -, *, / or ^."""
+
+    @abstractmethod
+    def native(self, found: Native, given: Sequence[Value], rows: Rows) -> Value:
+        """Return the value of a function or variable written in Python."""
+
+    @abstractmethod
+    def choice(self, given: Nodes, rows: Rows, frame: Frame | None) -> Value:
+        """Return the value of if(condition, yes, no)."""
+
+    @abstractmethod
+    def selection(self, given: Nodes, rows: Rows, frame: Frame | None) -> Value:
+        """Return the value of select(number, one, two, …)."""
+
+    @abstractmethod
+    def variable(self, name: str, rows: Rows) -> Value | None:
+        """Return the value of a ray variable or real argument; None if unknown."""
+
+    @abstractmethod
+    def undefined(self, name: str) -> InputError:
+        """Return the error of a name without a definition."""
+
+    def node(self, node: Node, rows: Rows, frame: Frame | None) -> Value:
+        """Evaluate an expression for some rays, with the arguments of a call if any."""
+        self.depth, self.steps = self.depth + 1, self.steps + 1
+        if self.depth > self.deepest or self.steps > self.most_steps:
+            raise self.endless()
+        value = self._value(node, rows, frame)
+        self.depth -= 1
+        return value
+
+    def endless(self) -> InputError:
+        """Return the error of a function that may not terminate."""
+        return InputError(
+            f"a function takes more than {self.most_steps} steps or {self.deepest}"
+            f" nested calls; {self.terminating}"
+        )
+
+    def _value(self, node: Node, rows: Rows, frame: Frame | None) -> Value:
+        match node:
+            case Number(value):
+                return self.constant(value, rows)
+            case Name(name):
+                return self._named(name, rows, frame)
+            case Negative(value):
+                return self.negative(self.node(value, rows, frame))
+            case Power(base, exponent):
+                one = self.node(base, rows, frame)
+                other = self.node(exponent, rows, frame)
+                return self.combined(one, "^", other, rows)
+            case Chain(first, rest):
+                total = self.node(first, rows, frame)
+                for sign, operand in rest:
+                    other = self.node(operand, rows, frame)
+                    total = self.combined(total, sign, other, rows)
+                return total
+            case Call():
+                return self._call(node, rows, frame)
+
+    def _named(self, name: str, rows: Rows, frame: Frame | None) -> Value:
+        if frame is not None and name in frame.parameters:
+            place = frame.parameters.index(name)
+            argument = frame.arguments[place]
+            return rows.once(
+                (frame, place), lambda: self.node(argument, rows, frame.outer)
+            )
+        found = self.lookup(name)
+        if isinstance(found, Definition) and found.parameters is None:
+            return rows.once(name, lambda: self.node(found.body, rows, None))
+        if isinstance(found, Native) and found.arity is None:
+            return rows.once(name, lambda: self.native(found, (), rows))
+        value = self.variable(name, rows)
+        if value is not None:
+            return value
+        if found is not None:
+            raise InputError(f'the function "{name}" has no arguments')
+        raise self.undefined(name)
+
+    def _call(self, call: Call, rows: Rows, frame: Frame | None) -> Value:
+        name = self._function_name(call.name, frame)
+        found = self.lookup(name)
+        given = call.arguments
+        if isinstance(found, Definition):
+            if found.parameters is None or len(given) < len(found.parameters):
+                raise _too_few(name, len(given), len(found.parameters or ()))
+            return self.node(found.body, rows, Frame(found.parameters, given, frame))
+        if isinstance(found, Native):
+            if found.arity is None or len(given) < found.arity:
+                raise _too_few(name, len(given), found.arity or 0)
+            values = [self.node(argument, rows, frame) for argument in given]
+            return self.native(found, values, rows)
+        if name == "if" and len(given) >= 3:
+            return self.choice(given, rows, frame)
+        if name == "select" and len(given) >= 2:
+            return self.selection(given, rows, frame)
+        if name in SPECIAL:
+            raise _too_few(name, len(given), 3 if name == "if" else 2)
+        raise self.undefined(name)
+
+    def _function_name(self, name: str, frame: Frame | None) -> str:
+        # Name of the function passed as an argument
+        while frame is not None and name in frame.parameters:
+            handed = frame.arguments[frame.parameters.index(name)]
+            if not isinstance(handed, Name):
+                raise InputError(f'"{name}" is called, but its argument is no function')
+            name, frame = handed.name, frame.outer
+        return name
+
+
 @dataclass(eq=False)
 class _Env:
     # The evaluation context of native functions
@@ -108,8 +246,8 @@ class _Env:
 
 
 @dataclass(eq=False)
-class Run:
-    """One evaluation of expressions.
+class Run(Evaluation[Values]):
+    """One evaluation of expressions for arrays of rays.
 
     Attributes
     ----------
@@ -117,63 +255,40 @@ class Run:
     inputs : values of the ray variables by name; at least the scale S
     arguments : real arguments of the primitive
     faulty : whether the ray is invalid
-    depth, steps : current depth of nesting; number of nodes evaluated so far
     """
+
+    deepest: ClassVar[int] = 100
+    most_steps: ClassVar[int] = 100_000
+    terminating: ClassVar[str] = "one whose recursion terminates expected"
 
     definition: Callable[[str], Definition | Native | None]
     inputs: Mapping[str, Float[np.ndarray, " rays"]]
     arguments: tuple[float, ...]
     faulty: Bool[np.ndarray, " rays"]
-    depth: int = 0
-    steps: int = 0
 
-    def columns(self, nodes: tuple[Node, ...]) -> Float[np.ndarray, "rays expressions"]:
+    def columns(self, nodes: Nodes) -> Float[np.ndarray, "rays expressions"]:
         """Evaluate expressions for all rays."""
         rows = Rows(np.arange(len(self.faulty)))
         try:
             with np.errstate(all="ignore"):
                 return np.stack([self.node(n, rows, None) for n in nodes], axis=1)
         except RecursionError:
-            raise _too_deep() from None
+            raise self.endless() from None
 
-    def node(self, node: Node, rows: Rows, frame: Frame | None) -> Values:
-        """Evaluate an expression for some rays, with the arguments of a call if any."""
-        self.depth, self.steps = self.depth + 1, self.steps + 1
-        if self.depth > _DEEPEST:
-            raise _too_deep()
-        if self.steps > MOST_STEPS:
-            raise InputError(
-                f"the function takes more than {MOST_STEPS} steps; does it terminate?"
-            )
-        value = self._value(node, rows, frame)
-        self.depth -= 1
-        return value
+    def lookup(self, name: str) -> Definition | Native | None:
+        """Return the definition of a name; None if it is undefined."""
+        return self.definition(name)
 
-    def _value(self, node: Node, rows: Rows, frame: Frame | None) -> Values:
-        match node:
-            case Number(value):
-                return np.full(len(rows.index), value)
-            case Name(name):
-                return self._variable(name, rows, frame)
-            case Negative(value):
-                return -self.node(value, rows, frame)
-            case Power(base, exponent):
-                return power(
-                    _Env(self, rows),
-                    self.node(base, rows, frame),
-                    self.node(exponent, rows, frame),
-                )
-            case Chain(first, rest):
-                total = self.node(first, rows, frame)
-                for sign, operand in rest:
-                    total = self._combined(
-                        total, sign, self.node(operand, rows, frame), rows
-                    )
-                return total
-            case Call():
-                return self._call(node, rows, frame)
+    def constant(self, number: float, rows: Rows) -> Values:
+        """Return the number for each ray."""
+        return np.full(len(rows.index), number)
 
-    def _combined(self, one: Values, sign: str, other: Values, rows: Rows) -> Values:
+    def negative(self, value: Values) -> Values:
+        """Return the values with opposite signs."""
+        return -value
+
+    def combined(self, one: Values, sign: str, other: Values, rows: Rows) -> Values:
+        """Return the result of an operation: +, -, *, / or ^."""
         match sign:
             case "+":
                 value: Values = one + other
@@ -181,80 +296,40 @@ class Run:
                 value = one - other
             case "*":
                 value = one * other
-            case _:
+            case "/":
                 value = divide(_Env(self, rows), one, other)
+            case _:
+                value = power(_Env(self, rows), one, other)
         return value
 
-    def _variable(self, name: str, rows: Rows, frame: Frame | None) -> Values:
-        if frame is not None and name in frame.parameters:
-            place = frame.parameters.index(name)
-            argument = frame.arguments[place]
-            return rows.once(
-                (frame, place), lambda: self.node(argument, rows, frame.outer)
-            )
-        found = self.definition(name)
-        if isinstance(found, Definition) and found.parameters is None:
-            return rows.once(name, lambda: self.node(found.body, rows, None))
-        if isinstance(found, Native) and found.arity is None:
-            return rows.once(name, lambda: found.compute(_Env(self, rows)))
-        if name in self.inputs:
-            return np.asarray(self.inputs[name][rows.index])
-        if found is not None:
-            raise InputError(f'the function "{name}" has no arguments')
-        raise InputError(f'"{name}" is not defined')
+    def native(self, found: Native, given: Sequence[Values], rows: Rows) -> Values:
+        """Return the values of a function or variable written in Python."""
+        value: Values = found.compute(_Env(self, rows), *given)
+        return value
 
-    def _call(self, call: Call, rows: Rows, frame: Frame | None) -> Values:
-        name = self._function_name(call.name, frame)
-        found = self.definition(name)
-        given = call.arguments
-        if isinstance(found, Definition):
-            if found.parameters is None or len(given) < len(found.parameters):
-                raise _too_few(name, len(given), len(found.parameters or ()))
-            return self.node(found.body, rows, Frame(found.parameters, given, frame))
-        if isinstance(found, Native):
-            if found.arity is None or len(given) < found.arity:
-                raise _too_few(name, len(given), found.arity or 0)
-            values = [self.node(argument, rows, frame) for argument in given]
-            result: Values = found.compute(_Env(self, rows), *values)
-            return result
-        if name == "if" and len(given) >= 3:
-            return self._choice(
-                self.node(given[0], rows, frame) > 0, given[1:3], rows, frame
-            )
-        if name == "select" and len(given) >= 2:
-            return self._selection(given, rows, frame)
-        if name in SPECIAL:
-            raise _too_few(name, len(given), 3 if name == "if" else 2)
-        raise InputError(f'the function "{name}" is not defined')
+    def variable(self, name: str, rows: Rows) -> Values | None:
+        """Return the values of a ray variable; None if unknown."""
+        given = self.inputs.get(name)
+        return None if given is None else np.asarray(given[rows.index])
 
-    def _function_name(self, name: str, frame: Frame | None) -> str:
-        # Name of the function passed as an argument
-        while frame is not None and name in frame.parameters:
-            handed = frame.arguments[frame.parameters.index(name)]
-            if not isinstance(handed, Name):
-                raise InputError(f'"{name}" is called, but its argument is no function')
-            name, frame = handed.name, frame.outer
-        return name
+    def undefined(self, name: str) -> InputError:
+        """Return the error of a name without a definition."""
+        return InputError(f'"{name}" is not defined')
 
-    def _choice(
-        self,
-        yes: Bool[np.ndarray, " rays"],
-        branches: tuple[Node, ...],
-        rows: Rows,
-        frame: Frame | None,
-    ) -> Values:
+    def choice(self, given: Nodes, rows: Rows, frame: Frame | None) -> Values:
+        """Evaluate each branch for the rays that take it."""
+        yes = self.node(given[0], rows, frame) > 0
         if yes.all():
-            return self.node(branches[0], rows, frame)
+            return self.node(given[1], rows, frame)
         if not yes.any():
-            return self.node(branches[1], rows, frame)
+            return self.node(given[2], rows, frame)
         value = np.empty(len(yes))
-        for place, branch in ((yes, branches[0]), (~yes, branches[1])):
+        for place, branch in ((yes, given[1]), (~yes, given[2])):
             value[place] = self.node(branch, rows.part(place), frame)
         return value
 
-    def _selection(
-        self, given: tuple[Node, ...], rows: Rows, frame: Frame | None
-    ) -> Values:
+    def selection(self, given: Nodes, rows: Rows, frame: Frame | None) -> Values:
+        """Evaluate each choice for the rays that select it."""
         # select(0, …) returns the number of choices
         which = self.node(given[0], rows, frame)
         number = np.trunc(np.where(which < -0.5, -1.0, which + 0.5))
@@ -267,12 +342,6 @@ class Run:
             if place.any():
                 value[place] = self.node(choice, rows.part(place), frame)
         return value
-
-
-def _too_deep() -> InputError:
-    return InputError(
-        f"calls are nested more than {_DEEPEST} deep; does the recursion terminate?"
-    )
 
 
 def _too_few(name: str, given: int, expected: int) -> InputError:

@@ -117,16 +117,7 @@ def levels(kind: CieSky, altitude: float, height: float) -> tuple[float, float]:
     """Return the relative zenith radiance and the normalization factor of a sky.
 
     The normalization factor is the radiance of a white horizontal plane divided by the
-    zenith radiance.
-
-    Parameters
-    ----------
-    altitude, height : altitude of the sun [rad], and its sine
-
-    Examples
-    --------
-    >>> levels("overcast", 0.5, 0.48)
-    (1.0, 0.7777777777777778)
+    zenith radiance. `altitude` is that of the sun [rad], and `height` its sine.
     """
     if kind == "uniform":
         return 1.0, 1.0

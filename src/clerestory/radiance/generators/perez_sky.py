@@ -97,11 +97,7 @@ def _sky(
 
 
 def _lit_sky(
-    request: Request,
-    air: Air,
-    light: Light,
-    sun: Vector,
-    words: WordReader,
+    request: Request, air: Air, light: Light, sun: Vector, words: WordReader
 ) -> list[Primitive]:
     state = air.state(light, request)
     perez = perez_sky(state, azimuth=np.zeros(1))
@@ -123,7 +119,7 @@ def _lit_sky(
     kind = "clear" if clearness >= 6 else kind
     share = levels(kind, air.altitude, float(sun[2]))[1]
     up = np.array([0.0, 0.0, 1.0])
-    ground = scale * float(distribution.relative(up, sun=towards)) * share
+    ground = scale * float(distribution(up, towards)) * share
     shown = request.sun and clearness > 1
     ground += _SUN_ON_GROUND / np.pi * radiance * float(sun[2]) if shown else 0.0
     made = [_sky_pattern([scale, ground * request.ground, *shape], sun)]
@@ -143,5 +139,5 @@ def _tregenza_integral(distribution: FiveParameters, sun: Vector) -> float:
     phi = np.concatenate([2 * np.pi * np.arange(n) / n for _, n in _RINGS])
     sine, cosine = np.sin(theta), np.cos(theta)
     direction = np.stack([sine * np.cos(phi), sine * np.sin(phi), cosine], axis=1)
-    value = distribution.relative(direction, sun=sun)
+    value = distribution(direction, sun)
     return float((value * cosine).sum() * 2 * np.pi / len(theta))

@@ -150,11 +150,7 @@ def read_moment(words: WordReader) -> Moment:
 
 
 def direction(altitude: float, azimuth: float) -> Vector:
-    """Return the unit vector to the sun; azimuth clockwise from south [rad].
-
-    >>> direction(0.0, 0.0).round(6).tolist()
-    [0.0, -1.0, 0.0]
-    """
+    """Return the unit vector to the sun; azimuth clockwise from south [rad]."""
     return from_azimuth(np.array(azimuth + np.pi), np.array(altitude)) + 0.0
 
 

@@ -9,13 +9,7 @@ from clerestory.array_types import Vector
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.directions import unit
 from clerestory.errors import InputError
-from clerestory.scene.material import (
-    Colour,
-    Material,
-    Plugin,
-    Source,
-    Specification,
-)
+from clerestory.scene.material import Colour, Material, Plugin, Source, Specification
 from clerestory.scene.pattern import Pattern
 from clerestory.scene.primitive import Definition, Readers
 from clerestory.scene.transform import Transform

@@ -21,12 +21,9 @@ _MIDDLE = 500.0
 
 @dataclass(frozen=True, eq=False)
 class Dielectric(Material):
-    """The surface of a refracting solid; the solid is behind the surface.
+    """The surface of a refracting solid, which is behind the surface.
 
-    Attributes
-    ----------
-    transmissivity : transmittance per metre
-    index : index of refraction at 500 nm
+    The transmissivity is per metre; the index of refraction is that at 500 nm.
     """
 
     name: str
@@ -49,10 +46,7 @@ class Dielectric(Material):
 class Interface(Material):
     """The interface between two dielectrics; the inside is behind the surface.
 
-    Attributes
-    ----------
-    inside_transmissivity, outside_transmissivity : transmittances per metre
-    inside_index, outside_index : indices of refraction
+    Transmissivities are per metre; indices are those of refraction.
     """
 
     name: str

@@ -24,21 +24,14 @@ from clerestory.scene.materials.mixture import Void
 from clerestory.scene.pattern import Pattern
 from clerestory.scene.primitive import Definition, Readers
 
-_BLACK = Plugin("radiance_plastic", {"reflectance": np.zeros(3)})
-
 
 def _black(_: Emitter) -> Plugin:
-    return _BLACK
+    return Plugin("radiance_plastic", {"reflectance": np.zeros(3)})
 
 
 @dataclass(frozen=True, eq=False)
 class Light(Emitter):
-    """A light source of given radiance [W/(m²·sr)].
-
-    Attributes
-    ----------
-    pattern : multiplier of the radiance by direction and point; None: constant radiance
-    """
+    """A light source of given radiance [W/(m²·sr)], which a pattern may multiply."""
 
     name: str
     radiance: Colour
@@ -54,11 +47,8 @@ class Light(Emitter):
 class Glow(Emitter):
     """A light source that is sampled by shadow rays within a maximum distance only.
 
-    Attributes
-    ----------
-    radius : maximum distance at which the source is sampled [m]; 0: never sampled;
-        negative: without indirect light either
-    pattern : see `Light`
+    The distance is the radius [m]; 0: never sampled; negative: without indirect light
+    either.
     """
 
     name: str
@@ -75,14 +65,9 @@ class Glow(Emitter):
 
 @dataclass(frozen=True, eq=False)
 class Spotlight(Emitter):
-    """A light source that emits within a cone.
+    """A light source that emits within a cone of a full angle around a unit vector.
 
-    Attributes
-    ----------
-    angle_deg : full angle of the cone
-    direction : unit vector of the cone's axis
-    length : distance of the cone's apex behind the surface [m]
-    pattern : see `Light`
+    `length` is the distance of the cone's apex behind the surface [m].
     """
 
     name: str
@@ -102,13 +87,7 @@ class Spotlight(Emitter):
 
 @dataclass(frozen=True, eq=False)
 class Illum(Emitter):
-    """A light source that the camera sees as another material.
-
-    Attributes
-    ----------
-    alternate : material seen by the camera
-    pattern : see `Light`
-    """
+    """A light source that the camera sees as another material."""
 
     name: str
     radiance: Colour

@@ -12,10 +12,7 @@ from clerestory.scene.primitive import Definition, Readers
 class Mirror(Material):
     """A plane mirror with a black back.
 
-    Attributes
-    ----------
-    reflectance : specular reflectance
-    alternate : material for rays other than shadow rays; None: the mirror itself
+    An alternate material is seen by rays other than shadow rays.
     """
 
     name: str

@@ -24,12 +24,9 @@ class Void(Material):
 
 @dataclass(frozen=True, eq=False)
 class Mixture(Material):
-    """A blend of two materials.
+    """A blend of two materials; `amount` is the fraction of the foreground.
 
-    Attributes
-    ----------
-    foreground, background : component materials
-    amount : foreground fraction 0…1, or a pattern whose first channel is the fraction
+    Of a pattern, the first channel is the fraction.
     """
 
     name: str
