@@ -42,11 +42,15 @@ OneOrSeveral = Annotated[list[str], BeforeValidator(_as_list)]
 class SiteTable(Table):
     """Table [site]: location of the measurement."""
 
-    latitude_deg: float = Field(description="degrees, positive north")
-    longitude_deg: float = Field(description="degrees, positive east")
-    utc_offset_hours: float = Field(description="hours ahead of UTC")
-    elevation: float = 0.0
+    latitude_deg: float = Field(ge=-90, le=90, description="degrees, positive north")
+    longitude_deg: float = Field(ge=-180, le=180, description="degrees, positive east")
+    utc_offset_hours: float = Field(ge=-14, le=14, description="hours ahead of UTC")
+    elevation: float = Field(0.0, ge=-500, le=9000)
     place: str = ""
+
+    def site(self) -> Site:
+        """Return the location as a value."""
+        return Site(**self.model_dump(include=set(SiteTable.model_fields)))
 
 
 class ColumnsTable(Table):
@@ -108,7 +112,7 @@ def read_with(path: str | Path, how: MeasuredTable) -> Weather:
         return read_surfrad(path, utc_offset_hours=offset)
     if how.site is None:
         raise InputError("no site; a table [site] expected", file=path)
-    site = Site(**how.site.model_dump())
+    site = how.site.site()
     if how.format == "srml":
         return read_srml(path, site=site, decomposition=how.decomposition)
     if how.columns is None:
