@@ -39,9 +39,6 @@ def channel_values(name: str, value: Share, solar: float | None = None) -> Vecto
     """Return a reflectance or transmittance in the three traced channels.
 
     With a solar value, the channels are visible, solar and solar.
-
-    >>> channel_values("reflectance", 0.5, solar=0.4).tolist()
-    [0.5, 0.4, 0.4]
     """
     channels = np.atleast_1d(np.asarray(value, dtype=float))
     within(channels, name, least=0, most=1)

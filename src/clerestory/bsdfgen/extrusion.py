@@ -16,9 +16,6 @@ def arc(width: float, rise: float) -> Points2:
     """Points (along, above) of a slat profile from edge to edge, with centre (0, 0).
 
     `width` is the chord, `rise` the height of the middle above the chord.
-
-    >>> arc(2.0, 0.0).tolist()
-    [[-1.0, 0.0], [1.0, 0.0]]
     """
     if rise == 0:
         return np.array([[-width / 2, 0.0], [width / 2, 0.0]])

@@ -37,12 +37,6 @@ def prismatic(
     base : thickness of the sheet that carries the prisms [m]
     index : refractive index
     transmissivity : internal transmittance of 1 m of the material
-
-    Examples
-    --------
-    >>> film = prismatic(pitch=1e-3, base=0.5e-3)
-    >>> round(film.area.thickness * 1e3, 6)
-    1.0
     """
     positive(pitch, "pitch", unit="m")
     not_negative(base, "base", unit="m")
@@ -91,11 +85,6 @@ def mirrored_channels(
     reflectance : reflectance of the mirrors on both sides
     index : refractive index of the sheet
     transmissivity : internal transmittance of 1 m of the sheet material
-
-    Examples
-    --------
-    >>> mirrored_channels().area.thickness
-    0.001
     """
     positive([pitch, mirror_depth], "pitch or mirror_depth", unit="m")
     shallow = mirror_depth <= thickness

@@ -73,16 +73,6 @@ def preserve_flux(
     pieces : subcells by their height above the smallest cells, up to the root
     luminous : luminous BSDF of each cell [1/sr]
     by_leaving : whether `light` has one value per exit cell (rank 4 only)
-
-    One cell merged from 2 × 2 incident and 2 × 2 exit cells:
-
-    >>> from clerestory.bsdfgen.subcells import whole_cells
-    >>> one = whole_cells(np.array([0]), np.array([1]), depth=1)
-    >>> share = np.pi * np.array([0.1, 0.3, 0.1, 0.3])
-    >>> light = HemisphericalFlux(share, np.zeros(4))
-    >>> kept = preserve_flux(one, np.array([0.2]), light, rank=4)
-    >>> kept[0].factor[:4].round(3).tolist()
-    [0.5, 1.5, 0.5, 1.5]
     """
     depth = len(pieces) - 1
     tally = _Tally(luminous, len(light.share), rank, depth, 2 if by_leaving else 0)

@@ -111,7 +111,7 @@ def generate_bsdf(
 
     Examples
     --------
-    >>> from clerestory.bsdfgen.flat_panes import diffuse_pane
+    >>> from clerestory.bsdfgen.panes_and_fabrics import diffuse_pane
     >>> sheet = diffuse_pane(transmittance=0.4, reflectance=0.3)
     >>> bsdf = generate_bsdf(sheet, basis="quarter", samples=256)
     >>> round(bsdf.diffuse("transmission_front"), 2)

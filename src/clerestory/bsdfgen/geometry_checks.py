@@ -32,13 +32,6 @@ def check_system(scene: Scene, area: SampleArea) -> tuple[str, ...]:
 
     Checks for surfaces at z > 0, systems far behind z = 0, units other than metres,
     open or inverted dielectric solids, and overlapping coplanar surfaces.
-
-    >>> from clerestory.scene.model import Plastic, Polygon
-    >>> corner = np.array([[0, 0, 0.01], [1, 0, -0.1], [0, 1, -0.1]])
-    >>> slat = Polygon(corner, "grey", "slat")
-    >>> scene = Scene({"grey": Plastic("grey", np.full(3, 0.5))}, (slat,))
-    >>> check_system(scene, SampleArea(scene.bounds()))[0]
-    'polygon "slat" reaches 10 mm into the room; nothing at z > 0 expected'
     """
     if not scene.surfaces:
         return ()
@@ -192,12 +185,7 @@ def _overlap(
 
 
 def surface_label(surface: Surface) -> str:
-    """File, line, type and name of a surface as text.
-
-    >>> from clerestory.scene.model import Sphere
-    >>> surface_label(Sphere(np.zeros(3), 1.0, False, "grey", "ball"))
-    'sphere "ball"'
-    """
+    """File, line, type and name of a surface as text."""
     kind, source = type(surface).__name__.lower(), surface.source
     place = f"{source.file}:{source.line}: " if source and source.file else ""
     return f'{place}{kind} "{surface.name}"'

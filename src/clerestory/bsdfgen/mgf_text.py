@@ -37,14 +37,7 @@ _Colour = Float[np.ndarray, "3"]
 
 
 def mgf_text(scene: Scene, area: SampleArea) -> str:
-    """MGF text of a system in metres; the centre of the sample area is at x = y = 0.
-
-    >>> grey = Plastic("grey", np.full(3, 0.5))
-    >>> slat = Polygon(np.array([[0.0, 0, -1], [2, 0, -1], [2, 2, -1]]), "grey", "slat")
-    >>> scene = Scene({"grey": grey}, (slat,))
-    >>> print(mgf_text(scene, SampleArea(scene.bounds())).splitlines()[0])
-    xf -t -1 -1 0
-    """
+    """MGF text of a system in metres; the centre of the sample area is at x = y = 0."""
     middle = area.bounds[:, :2].mean(axis=0)
     lines = [f"xf -t {_numbers(-middle)} 0"]
     used = dict.fromkeys(surface.material for surface in scene.surfaces)

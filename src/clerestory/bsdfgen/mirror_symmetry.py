@@ -47,11 +47,6 @@ def mirror_flips(scene: Scene, area: SampleArea) -> tuple[Flip, ...]:
 
     The mirror planes pass through the centre of the sample area. Systems with surfaces
     other than polygons and cones, or with anisotropic materials, count as asymmetric.
-
-    >>> from clerestory.bsdfgen.venetian_geometry import venetian
-    >>> blind = venetian(slat_width=0.08, spacing=0.072, tilt_deg=45, reflectance=0.5)
-    >>> mirror_flips(blind.scene, blind.area)
-    ((1, 1), (-1, 1))
     """
     surfaces = [s for s in scene.surfaces if isinstance(s, Polygon | Cone)]
     plain = all(

@@ -18,11 +18,7 @@ _Number = Int[np.ndarray, "*batch"]
 
 
 def incident_code(number: _Number, *, rank: int, levels: int) -> _Number:
-    """Code of the incident cell, from the last `levels` levels of a tree code.
-
-    >>> incident_code(np.array([0b1110_1101]), rank=4, levels=2).tolist()
-    [9]
-    """
+    """Code of the incident cell, from the last `levels` levels of a tree code."""
     found = np.zeros_like(number)
     together = _TABLE_BITS // rank
     for first in range(0, levels, together):
@@ -52,11 +48,7 @@ def pair_code(
     rank: int,
     levels: int,
 ) -> Int[np.ndarray, " *place"]:
-    """Code of a pair of an incident and an exit cell.
-
-    >>> pair_code(np.array([0b10_01]), np.array([0b11_11]), rank=4, levels=2).tolist()
-    [237]
-    """
+    """Code of a pair of an incident and an exit cell."""
     bits = rank - 2
     found = np.zeros(np.broadcast_shapes(incident.shape, leaving.shape), dtype=int)
     for level in range(levels):

@@ -39,12 +39,6 @@ def perforated(
     reflectance : reflectance of the sheet and of the walls of the holes, as in
         Radiance's material `plastic`
     solar_reflectance : reflectance in the solar band; None for the visible band only
-
-    Examples
-    --------
-    >>> screen = perforated(pitch=2e-3, hole=1e-3, shape="square", thickness=0.5e-3)
-    >>> screen.area.thickness
-    0.0005
     """
     rho = channel_values("reflectance", reflectance, solar_reflectance)
     scene, area = sheet_with_holes(
@@ -71,11 +65,6 @@ def woven(
     thread : diameter of the threads [m]
     reflectance : reflectance of the threads, as in Radiance's material `plastic`
     solar_reflectance : reflectance in the solar band; None for the visible band only
-
-    Examples
-    --------
-    >>> round(woven(spacing=1e-3, thread=0.25e-3).area.thickness * 1e3, 6)
-    0.5025
     """
     positive(thread, "thread", unit="m")
     require(thread < spacing, f"thread is {thread} m; less than the spacing expected")

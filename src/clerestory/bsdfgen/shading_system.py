@@ -27,9 +27,6 @@ class SampleArea:
     The bounds are the lower and the upper corner [m]. A periodic box is the unit cell
     of an infinite system: rays that leave through a side re-enter through the opposite
     side.
-
-    >>> SampleArea(np.array([[0, 0, -0.08], [1, 0.72, 0]])).thickness
-    0.08
     """
 
     bounds: Float[np.ndarray, "2 3"]

@@ -49,12 +49,7 @@ class Subcells:
 
 
 def whole_cells(place: Indices, height: Indices, *, depth: int) -> list[Subcells]:
-    """Convert cells to one subcell each, grouped by height above the smallest cells.
-
-    >>> cells = whole_cells(np.arange(16), np.zeros(16, int), depth=1)
-    >>> [len(part) for part in cells]
-    [16, 0]
-    """
+    """Convert cells to one subcell each, grouped by height above the smallest cells."""
     found = []
     for level in range(depth + 1):
         cell = np.flatnonzero(height == level).astype(np.int32)
@@ -69,10 +64,6 @@ def subcell_slots(
     """Slots of a tree, as in `ScatteringTree`, with subcell indices as values.
 
     Subcells are numbered in the given order, from the smallest size to the largest.
-
-    >>> cells = whole_cells(np.arange(16), np.zeros(16, int), depth=1)
-    >>> subcell_slots(cells, rank=4)[:3].tolist()
-    [-2, 0, 1]
     """
     # Ascend from the finest level; merge parent nodes with the subcells one level up
     levels = []

@@ -3,78 +3,51 @@
 import inspect
 import math
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from clerestory.bsdfgen.fabric import fabric
 from clerestory.bsdfgen.film_geometry import mirrored_channels, prismatic
-from clerestory.bsdfgen.flat_panes import clear_pane, diffuse_pane
+from clerestory.bsdfgen.panes_and_fabrics import clear_pane, diffuse_pane, fabric
 from clerestory.bsdfgen.screen_geometry import perforated, woven
 from clerestory.bsdfgen.shading_system import System
 from clerestory.bsdfgen.venetian_geometry import microlouvre, venetian
+from clerestory.checks import one_of, require
 from clerestory.documents import toml_tables
-from clerestory.errors import InputError
+from clerestory.errors import located
 from clerestory.files import read_text
 
-SYSTEMS: Mapping[str, Callable[..., System]] = MappingProxyType(
-    {
-        "venetian": venetian,
-        "microlouvre": microlouvre,
-        "prismatic": prismatic,
-        "mirrored_channels": mirrored_channels,
-        "perforated": perforated,
-        "woven": woven,
-        "fabric": fabric,
-        "diffuse_pane": diffuse_pane,
-        "clear_pane": clear_pane,
-    }
+_MAKERS: tuple[Callable[..., System], ...] = (
+    *(venetian, microlouvre, prismatic, mirrored_channels, perforated, woven, fabric),
+    *(diffuse_pane, clear_pane),
 )
+SYSTEMS = MappingProxyType({make.__name__: make for make in _MAKERS})
 
 
 def make_system(kind: str, values: Mapping[str, Any]) -> System:
-    """Create a parametric system from its kind and its parameters.
-
-    >>> make_system("fabric", {"openness": 0.03, "reflectance": 0.5}).product.name
-    'Fabric, 3.0% open'
-    """
-    if kind not in SYSTEMS:
-        raise InputError(
-            f"unknown system {kind!r}; one of {', '.join(SYSTEMS)} expected"
-        )
+    """Create a parametric system from its kind and its parameters."""
+    one_of(kind, "kind of system", choices=SYSTEMS)
     parameters = inspect.signature(SYSTEMS[kind]).parameters
-    unknown = sorted(set(values) - set(parameters))
-    if unknown:
-        raise InputError(
-            f"{kind} has no parameter {unknown[0]!r}; one of {', '.join(parameters)}"
-            " expected"
-        )
-    needed = [n for n, p in parameters.items() if p.default is p.empty]
-    missing = [n for n in needed if n not in values]
-    if missing:
-        raise InputError(
-            f"{kind} lacks the parameter {missing[0]!r}; {', '.join(needed)} expected"
-        )
+    for name, parameter in parameters.items():
+        given = name in values or parameter.default is not parameter.empty
+        require(given, f"{kind} lacks the parameter {name!r}")
     for name, value in values.items():
+        one_of(name, f"parameter of {kind}", choices=parameters)
         _check_kind(f"{kind} {name}", value, parameters[name].default)
     return SYSTEMS[kind](**values)
 
 
 def _check_kind(name: str, value: Any, default: Any) -> None:
     # Strings and booleans need the type of the default; other parameters are numbers
-    wanted = type(default) if isinstance(default, bool | str) else float
-    numbers = value if isinstance(value, list | tuple) else [value]
-    good = (
-        isinstance(value, wanted)
-        if wanted is not float
-        else all(
-            isinstance(n, int | float) and not isinstance(n, bool) and math.isfinite(n)
-            for n in numbers
-        )
-    )
-    if not good:
-        word = {bool: "true or false", str: "a word", float: "a number"}[wanted]
-        raise InputError(f"{name} = {value!r}; {word} expected")
+    if isinstance(default, bool | str):
+        valid = isinstance(value, type(default))
+        expected = "text" if isinstance(default, str) else "true or false"
+    else:
+        numbers = value if isinstance(value, list | tuple) else [value]
+        valid = all(type(n) in (int, float) and math.isfinite(n) for n in numbers)
+        expected = "a number"
+    require(valid, f"{name} is {value!r}; {expected} expected")
 
 
 def parse_parameters(text: str) -> dict[str, Any]:
@@ -88,11 +61,11 @@ def parse_parameters(text: str) -> dict[str, Any]:
     values: dict[str, Any] = {}
     for part in filter(None, (word.strip() for word in text.split(","))):
         name, sign, value = (piece.strip() for piece in part.partition("="))
-        if not (name and sign and value) or name in values:
-            raise InputError(
-                f"{part!r}; name=value pairs with different names expected, such as"
-                " slat_width=0.08,tilt_deg=45"
-            )
+        require(
+            name and sign and value and name not in values,
+            f"{part!r}; name=value pairs with different names expected, such as"
+            " slat_width=0.08,tilt_deg=45",
+        )
         numbers = [_value(piece) for piece in value.split("/")]
         values[name] = numbers if len(numbers) > 1 else numbers[0]
     return values
@@ -102,32 +75,16 @@ def _value(word: str) -> Any:
     if word in ("true", "false"):
         return word == "true"
     for kind in (int, float):
-        try:
+        with suppress(ValueError):
             return kind(word)
-        except ValueError:
-            continue
     return word
 
 
 def read_system(path: str | Path) -> System:
-    r"""Create the system in a TOML file with `kind` and the parameters of this kind.
-
-    >>> import tempfile
-    >>> text = 'kind = "venetian"\nslat_width = 0.08\nspacing = 0.072\n'
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     file = Path(folder, "blind.toml")
-    ...     _ = file.write_text(text)
-    ...     system = read_system(file)
-    >>> system.area.thickness
-    0.08
-    """
+    r"""Create the system in a TOML file with `kind` and the parameters of this kind."""
     values = toml_tables(read_text(path), file=path)
     kind = values.pop("kind", None)
-    if not isinstance(kind, str):
-        raise InputError(
-            'no kind; a line such as kind = "venetian" expected', file=path
-        )
-    try:
+    known = isinstance(kind, str)
+    require(known, 'no kind; a line such as kind = "venetian" expected', file=path)
+    with located(file=path):
         return make_system(kind, values)
-    except InputError as error:
-        raise InputError(error.message, file=path) from error

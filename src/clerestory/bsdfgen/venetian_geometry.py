@@ -194,12 +194,6 @@ def microlouvre(
     tilt_deg : tilt of the bars; positive if the outer edge is lower
     reflectance : reflectance of the bars
     solar_reflectance : reflectance in the solar band; None for the visible band only
-
-    Examples
-    --------
-    >>> louvre = microlouvre()
-    >>> round(louvre.area.thickness * 1e3, 3)
-    1.25
     """
     require(
         0 < cutoff_deg < 90 and abs(tilt_deg) < 90,

@@ -16,8 +16,9 @@ from typing import final
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.checks import require
 from clerestory.documents import read_json
-from clerestory.errors import ClerestoryWarning, InputError, located
+from clerestory.errors import ClerestoryWarning, located
 from clerestory.formats.hbjson_geometry import (
     plain_name,
     plane_of,
@@ -104,12 +105,8 @@ def read_hbjson(path: str | Path) -> HoneybeeModel:
 def _warn_of_size(scene: Scene, units: str, path: str | Path) -> None:
     size = float(np.ptp(scene.bounds(), axis=0).max()) if scene.surfaces else 1.0
     if not 1 <= size <= 10_000:
-        warnings.warn(
-            f"{path}: the model is {size:.3g} m wide in its units, {units}: are they"
-            " right?",
-            ClerestoryWarning,
-            stacklevel=3,
-        )
+        message = f"{path}: the model is {size:.3g} m wide in its units, {units}"
+        warnings.warn(f"{message}; 1 m to 10 km expected", ClerestoryWarning, 3)
 
 
 @dataclass
@@ -200,9 +197,8 @@ class _Reading:
         """Return the modifiers of the states of an aperture or a shade."""
         states = part.states or ()
         if any(state.shades for state in states):
-            self.modifiers.unsupported.append(
-                f'the shades of states of "{part.identifier}"'
-            )
+            text = f'the shades of states of "{part.identifier}"'
+            self.modifiers.unsupported.append(text)
         return [self.modifiers.of(s.modifier, "") for s in states if s.modifier]
 
     def door(self, door: Part, room_set: str) -> None:
@@ -230,9 +226,8 @@ class _Reading:
         modifier = self.modifiers.of(shade.modifier, place, room_set)
         states, name = self.states(shade), shade.identifier
         if states:
-            self.modifiers.unsupported.append(
-                f'the states of shade "{name}": the first is used'
-            )
+            text = f'the states of shade "{name}": the first is used'
+            self.modifiers.unsupported.append(text)
         self.put(self.outline(shade), states[0] if states else modifier, name)
 
     def shade_mesh(self, mesh: ShadeMesh) -> None:
@@ -240,11 +235,8 @@ class _Reading:
         vertices = np.array(mesh.vertices) * self.scale
         modifier = self.modifiers.of(mesh.modifier, "context_modifier")
         for face in mesh.faces:
-            if max(face) >= len(vertices):
-                raise InputError(
-                    f'a face of mesh "{mesh.identifier}" has vertex {max(face)};'
-                    f" numbers below {len(vertices)} expected"
-                )
+            message = f'a face of mesh "{mesh.identifier}" has vertex {max(face)}'
+            require(max(face) < len(vertices), f"{message}; a known one expected")
             self.put(vertices[list(face)], modifier, mesh.identifier)
 
     def outline(self, part: Part) -> np.ndarray:

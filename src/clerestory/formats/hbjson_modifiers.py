@@ -9,7 +9,8 @@ from typing import final
 
 import numpy as np
 
-from clerestory.errors import InputError, located
+from clerestory.checks import require
+from clerestory.errors import located
 from clerestory.formats.hbjson_schema import ModifierItem, ModifierSet, Radiance
 from clerestory.scene.materials.emitters import Glow, Light
 from clerestory.scene.model import Glass, Material, Metal, Mirror, Plastic, Trans
@@ -51,7 +52,6 @@ Modifier = Material | BsdfModifier
 class Modifiers:
     """Modifiers and modifier sets of a model, and descriptions of unsupported ones."""
 
-    file: str | Path
     named: dict[str, Modifier] = field(default_factory=dict)
     sets: dict[str, ModifierSet] = field(default_factory=dict)
     standard: ModifierSet = field(default_factory=ModifierSet)
@@ -65,10 +65,8 @@ class Modifiers:
         if it has one.
         """
         if name:
-            known = self.named.get(name)
-            if known is None:
-                raise InputError(f'no modifier "{name}" in the model', file=self.file)
-            return known
+            require(name in self.named, f'no modifier "{name}" in the model')
+            return self.named[name]
         for chosen in (self.sets.get(room_set), self.standard):
             found: object = chosen.model_extra if chosen else None
             for key in place.split("."):
@@ -82,7 +80,7 @@ def read_modifiers(radiance: Radiance, file: str | Path) -> Modifiers:
     """Return the modifiers in the radiance properties of a model."""
     standard = radiance.global_modifier_set
     sets = {one.identifier: one for one in radiance.modifier_sets}
-    found = Modifiers(file, sets=sets, standard=standard)
+    found = Modifiers(sets=sets, standard=standard)
     for item in (*standard.modifiers, *radiance.modifiers):
         with located(file=file, subject=f'modifier "{item.identifier}"'):
             modifier = _modifier(item, found.unsupported)

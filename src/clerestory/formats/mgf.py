@@ -21,8 +21,13 @@ import numpy as np
 
 from clerestory.checks import require
 from clerestory.errors import ClerestoryWarning, InputError, located
-from clerestory.formats.mgf_context import MgfMaterial, MgfVertex
-from clerestory.formats.mgf_definitions import DEFINING, Definitions, numbers
+from clerestory.formats.mgf_definitions import (
+    DEFINING,
+    Definitions,
+    MgfMaterial,
+    MgfVertex,
+    numbers,
+)
 from clerestory.formats.mgf_material import scene_material
 from clerestory.formats.mgf_shape import Frustum, faces, joined_holes, prism, torus
 from clerestory.formats.mgf_transform import TransformStack
@@ -130,12 +135,9 @@ class _Reading:
             raise InputError(f"{keyword} names another file; one text alone expected")
         elif keyword not in self.unknown:
             self.unknown.add(keyword)
-            warnings.warn(
-                f"{self.file or 'MGF'}:{self.line}: unknown statement"
-                f" {keyword[:20]!r} is left out",
-                ClerestoryWarning,
-                stacklevel=4,
-            )
+            place = f"{self.file or 'MGF'}:{self.line}"
+            message = f"{place}: unknown statement {keyword[:20]!r} is omitted"
+            warnings.warn(message, ClerestoryWarning, stacklevel=4)
         return None
 
     def object(self, keyword: str, words: list[str]) -> None:

@@ -44,9 +44,6 @@ def from_spectrum(values: list[float]) -> Chromaticity:
     """Return the chromaticity of a spectral power distribution.
 
     `values`: first and last wavelength [nm], then two or more equidistant samples.
-
-    >>> [round(c, 3) for c in from_spectrum([380, 780, 1, 1])]  # equal energy is grey
-    [0.333, 0.333]
     """
     first, last, *samples = values
     require(
@@ -60,11 +57,7 @@ def from_spectrum(values: list[float]) -> Chromaticity:
 
 
 def from_temperature(kelvin: float) -> Chromaticity:
-    """Return the chromaticity of a black body.
-
-    >>> [round(c, 2) for c in from_temperature(2856)]  # illuminant A: 0.4476, 0.4074
-    [0.45, 0.41]
-    """
+    """Return the chromaticity of a black body."""
     message = f"colour temperature is {kelvin:g} K; {_COOLEST:g} K or more expected"
     require(kelvin >= _COOLEST, message)
     metres = OBSERVER_NM * 1e-9
@@ -75,12 +68,7 @@ def from_temperature(kelvin: float) -> Chromaticity:
 
 
 def mixed(weights: list[float], colours: list[Chromaticity]) -> Chromaticity:
-    """Return the chromaticity of colours mixed by luminance.
-
-    >>> two = [Chromaticity(0.4, 0.4), Chromaticity(0.2, 0.4)]
-    >>> [round(c, 3) for c in mixed([1.0, 1.0], two)]
-    [0.3, 0.4]
-    """
+    """Return the chromaticity of colours mixed by luminance."""
     weight = np.array(weights)
     x, y = np.array(colours).T
     total = float(np.sum(weight / y))
@@ -91,11 +79,7 @@ def mixed(weights: list[float], colours: list[Chromaticity]) -> Chromaticity:
 
 
 def rgb(colour: Chromaticity, luminance: float) -> Float[np.ndarray, "3"]:
-    """Return a colour of luminance Y as RGB in Radiance's primaries.
-
-    >>> rgb(GREY, 0.5).round(6).tolist()
-    [0.5, 0.5, 0.5]
-    """
+    """Return a colour of luminance Y as RGB in Radiance's primaries."""
     x, y = colour
     xyz = luminance * np.array([x / y, 1.0, (1 - x - y) / y])
     return np.asarray(rgb_from_xyz(xyz[:, None, None])[:, 0, 0])

@@ -11,7 +11,7 @@ from jaxtyping import Float
 from clerestory.checks import require
 from clerestory.constants import LUMINOUS_EFFICACY
 from clerestory.formats.mgf_colour import is_grey, rgb
-from clerestory.formats.mgf_context import MgfMaterial
+from clerestory.formats.mgf_definitions import MgfMaterial
 from clerestory.scene.material import Source
 from clerestory.scene.materials.dielectric import Dielectric
 from clerestory.scene.materials.glass import Glass

@@ -9,7 +9,7 @@ from jaxtyping import Float
 
 from clerestory.checks import require
 from clerestory.errors import InputError
-from clerestory.formats.mgf_context import MgfVertex
+from clerestory.formats.mgf_definitions import MgfVertex
 
 # Segments per quarter circle of a torus, as in Radiance
 _PARTS_OF_QUARTER = 5
@@ -52,11 +52,7 @@ def faces(corner: list[MgfVertex]) -> list[list[MgfVertex]]:
 
 
 def joined_holes(names: list[str]) -> list[str]:
-    """Return one contour of a face with holes; a hyphen precedes each hole.
-
-    >>> " ".join(joined_holes("a b c - x y z".split()))
-    'a b c z x y z c'
-    """
+    """Return one contour of a face with holes; a hyphen precedes each hole."""
     text = " ".join(names).removesuffix(" -")
     outside, *holes = (loop.split() for loop in f" {text} ".split(" - "))
     valid = all(len(loop) > 2 for loop in (outside, *holes))

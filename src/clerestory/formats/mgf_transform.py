@@ -46,15 +46,7 @@ class _Level:
 
 @dataclass
 class TransformStack:
-    """Stack of open transforms, outermost first.
-
-    >>> stack = TransformStack(Transform())
-    >>> stack.follow(["-a", "2", "-t", "3", "0", "0"], 7)
-    >>> stack.follow([], 9), stack.instances  # back to the statement after 7
-    (8, ['a1'])
-    >>> stack.follow([], 9), stack.instances
-    (None, [])
-    """
+    """Stack of open transforms, outermost first."""
 
     transform: Transform
     levels: list[_Level] = field(default_factory=list)

@@ -92,11 +92,8 @@ def obj_meshes(text: ObjText, *, file: str) -> tuple[TriangleMesh, ...]:
             )
         )
     if flat:
-        warnings.warn(
-            f"{file}: {flat} triangles without area are left out",
-            ClerestoryWarning,
-            stacklevel=3,
-        )
+        message = f"{file}: {flat} triangles without area are omitted"
+        warnings.warn(message, ClerestoryWarning, stacklevel=3)
     return tuple(made)
 
 
@@ -108,11 +105,8 @@ def _material(
             return given[name]
     what = f'material "{part.material}"' if part.material else f'group "{part.group}"'
     known = ", ".join(given) or "none"
-    raise InputError(
-        f"no material for {what}; given: {known} (`*` stands for any)",
-        file=path,
-        line=part.line,
-    )
+    message = f"no material for {what}; given: {known} (`*` stands for any)"
+    raise InputError(message, file=path, line=part.line)
 
 
 def _library(text: ObjText, path: Path) -> dict[str, Material]:

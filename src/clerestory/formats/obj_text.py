@@ -55,15 +55,7 @@ class ObjText:
 
 
 def parse_obj(data: bytes, *, file: str) -> ObjText:
-    r"""Return the vertices and triangles of an OBJ file.
-
-    Examples
-    --------
-    >>> text = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl wood\nf 1 2 3 4\n"
-    >>> made = parse_obj(text, file="desk.obj")
-    >>> made.parts[0].material, made.parts[0].faces.tolist()
-    ('wood', [[0, 1, 2], [0, 2, 3]])
-    """
+    r"""Return the vertices and triangles of an OBJ file."""
     if b"\\" in data:
         data = data.replace(b"\\\r\n", b"   ").replace(b"\\\n", b"  ")
     reading = _Reading(file)
@@ -131,15 +123,10 @@ class _Reading:
         require(valid[bad], message, file=self.file, line=line + bad)
         corner = np.where(values < 0, values + self.count, values - 1)
         wrong = (corner < 0) | (corner >= self.count) | (corner != np.trunc(corner))
-        if wrong.any():
-            at = int(np.argmax(wrong))
-            face = int(np.searchsorted(np.cumsum(words), at, side="right"))
-            raise InputError(
-                f"a face refers to vertex {values[at]:g}; {self.count} were given"
-                " before it",
-                file=self.file,
-                line=line + face,
-            )
+        at = int(np.argmax(wrong))
+        face = int(np.searchsorted(np.cumsum(words), at, side="right"))
+        message = f"a face refers to vertex {values[at]:g}; {self.count} known before"
+        require(not wrong[at], message, file=self.file, line=line + face)
         key = (self.group, self.material)
         self.lines.setdefault(key, line)
         part = self.parts.setdefault(key, [])

@@ -32,7 +32,7 @@ from pydantic import Field
 
 from clerestory.checks import not_negative, one_of, positive, require
 from clerestory.documents import Positive, read_toml
-from clerestory.errors import InputError, located
+from clerestory.errors import located
 from clerestory.glazing.layer import Diffuser, Layer
 from clerestory.glazing.layer_files import read_layer, read_pane
 from clerestory.glazing.shade_parameters import (
@@ -147,11 +147,11 @@ class _Plan(GlazingTable):
 
 def _layer(row: _Row, folder: Path) -> Layer:
     kinds = row.model_fields_set - {"flipped"}
-    if len(kinds) != 1:
-        raise InputError(
-            f"{' and '.join(sorted(kinds)) or 'nothing'} defined; one of file,"
-            " venetian, woven, perforated or diffuser expected"
-        )
+    require(
+        len(kinds) == 1,
+        f"{' and '.join(sorted(kinds)) or 'nothing'} defined; one of file, venetian,"
+        " woven, perforated or diffuser expected",
+    )
     shade = row.venetian or row.woven or row.perforated
     if shade is not None:
         layer = shade.layer(read_pane(folder / shade.material))

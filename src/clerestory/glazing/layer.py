@@ -61,8 +61,7 @@ class Layer(ABC):
     def openness(self, direction: Directions) -> Values:
         """Fraction of the flux along each direction that passes without scattering.
 
-        `direction`: directions of travel into the room; reversed directions give equal
-        values.
+        `direction`: directions of travel, into the room or reversed.
         """
         return np.zeros(len(direction))
 

@@ -9,6 +9,7 @@ from typing import final
 import numpy as np
 
 from clerestory.bsdf.xml_reader import read_bsdf
+from clerestory.checks import require
 from clerestory.documents import read_json
 from clerestory.errors import ClerestoryWarning, InputError, located
 from clerestory.glazing.bsdf_layer import BsdfLayer
@@ -65,12 +66,9 @@ def _pane(path: str | Path, product: Product | None) -> Pane:
     most = 1 - np.minimum(shares.absorption("front"), shares.absorption("back"))
     if most.max() > _MOST_SCATTERED:
         at = pane.wavelength_nm[int(np.argmax(most))]
-        warnings.warn(
-            f"{path}: {pane.name!r} scatters {most.max():.3f} times the incident flux"
-            f" at {at:g} nm; at most 1 expected",
-            ClerestoryWarning,
-            stacklevel=4,
-        )
+        share = f"{pane.name!r} scatters {most.max():.3f} times the incident flux"
+        message = f"{path}: {share} at {at:g} nm; at most 1 expected"
+        warnings.warn(message, ClerestoryWarning, stacklevel=4)
     return pane
 
 
@@ -91,8 +89,7 @@ class Entry:
 def read_catalogue(folder: str | Path) -> tuple[Entry, ...]:
     """Return the products in a folder, sorted by name, including unreadable files."""
     folder = Path(folder)
-    if not folder.is_dir():
-        raise InputError("a folder of products expected", file=folder)
+    require(folder.is_dir(), "a folder of products expected", file=folder)
     files = [
         path
         for path in sorted(folder.iterdir())
@@ -101,10 +98,8 @@ def read_catalogue(folder: str | Path) -> tuple[Entry, ...]:
         and (path.suffix.lower() in (".json", ".xml") or _OPTICS.search(path.name))
     ]
     entries = [_entry(path) for path in files]
-    if not entries:
-        raise InputError(
-            "no product in this folder; files .json, .xml or .dat expected", file=folder
-        )
+    message = "no product in this folder; files .json, .xml or .dat expected"
+    require(entries, message, file=folder)
     return tuple(sorted(entries, key=lambda entry: (entry.name.lower(), entry.path)))
 
 

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.checks import require
 from clerestory.errors import InputError, located
 from clerestory.files import read_text
 from clerestory.glazing.optics import Optics
@@ -34,12 +35,8 @@ def read_optics_file(path: str | Path) -> Pane:
             _note(found[1], found[2].strip(), header)
         elif line.strip():
             rows.append(_row(line, number, path, rows))
-    if not rows:
-        raise InputError(
-            "no rows of wavelength and optical properties; at least one expected",
-            file=path,
-        )
     with located(file=path):
+        require(rows, "no rows of wavelength and optical properties; some expected")
         return _pane(np.array(rows), header, path)
 
 
@@ -57,14 +54,10 @@ def _row(
         row = [float(word) for word in words]
     except ValueError:
         row = []
-    if len(row) not in (4, 9) or (rows and len(row) != len(rows[0])):
-        columns = len(rows[0]) if rows else "4 or 9"
-        raise InputError(
-            f"{line.strip()[:60]!r}; {columns} numbers expected: wavelength,"
-            " transmittance, reflectances",
-            file=path,
-            line=number,
-        )
+    counts = (len(rows[0]),) if rows else (4, 9)
+    columns = " or ".join(map(str, counts))
+    message = f"{line.strip()[:60]!r}; {columns} numbers expected"
+    require(len(row) in counts, message, file=path, line=number)
     return row
 
 

@@ -18,9 +18,6 @@ class Optics:
 
     They are fractions of the flux that is incident on the named side; the front is the
     outdoor side.
-
-    >>> round(Optics.alike(0.8, 0.1).absorption("front").item(), 12)
-    0.1
     """
 
     transmission_front: Float[np.ndarray, "*batch"]

@@ -145,22 +145,13 @@ def two_band_pane(name: str, *, solar: Optics, visible: Optics) -> Pane:
 
     Values at invisible wavelengths follow from the solar average, with 49 % of solar
     energy in the visible range as in WINDOW.
-
-    >>> grey = two_band_pane("cloth", solar=Optics.alike(0.3, 0.2),
-    ...                      visible=Optics.alike(0.1, 0.2))
-    >>> grey.at(np.array([550.0, 1000.0])).transmission_front.round(3).tolist()
-    [0.1, 0.492]
     """
     wavelength = two_band_wavelengths()
     return Pane(name, wavelength, two_bands(visible, solar, is_visible(wavelength)))
 
 
 def grey_pane(transmittance: float, reflectance: float, *, name: str = "grey") -> Pane:
-    """Return a sheet with equal values at all wavelengths and on both sides.
-
-    >>> float(grey_pane(0.2, 0.5).at(np.array([550.0])).reflection_back[0])
-    0.5
-    """
+    """Return a sheet with equal values at all wavelengths and on both sides."""
     shares = Optics.alike(transmittance, reflectance)
     return two_band_pane(name, solar=shares, visible=shares)
 

@@ -35,15 +35,6 @@ class PerforatedScreen(Sheet):
     spacing : horizontal and vertical distance between the hole centres [m]
     size : width and height of rectangular holes, or radius of circular holes (first
         number) [m]
-
-    Examples
-    --------
-    >>> from clerestory.glazing.pane import grey_pane
-    >>> screen = PerforatedScreen(
-    ...     grey_pane(0, 0), "rectangular", (0.02, 0.02), (0.01, 0.01)
-    ... )
-    >>> float(screen.openness(np.array([[0.0, 0.0, 1.0]]))[0])
-    0.25
     """
 
     shape: Opening

@@ -44,14 +44,11 @@ Method = Literal["wavelengths", "bands"]
 @final
 @dataclass(frozen=True, eq=False)
 class StackedLayers:
-    """Optical properties of a stack of layers.
+    """Optical properties of a stack of layers, with visible and solar channels.
 
-    Attributes
-    ----------
-    bsdf : BSDF of the whole stack, with visible and solar channels
-    absorptance : absorptance over (layer, incident patch), per channel and side
-    layers : names of the layers, from outdoors to indoors
-    standard : name of the standard of the spectral averages
+    `absorptance` is that of each layer and incident patch, per channel and side;
+    `layers` are the names from outdoors to indoors; `standard` is that of the spectral
+    averages.
     """
 
     bsdf: Bsdf

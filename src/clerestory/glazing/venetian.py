@@ -47,16 +47,6 @@ class VenetianBlind(MaterialLayer):
         patch; "uniform" distributes exit radiance uniformly
     vertical : whether slats are vertical; positive tilt then turns the outdoor edge to
         the left, as seen from the room
-
-    Examples
-    --------
-    >>> from clerestory.glazing.pane import grey_pane
-    >>> from clerestory.hemisphere.klems import klems
-    >>> slats = SlatGeometry(width=0.05, spacing=0.05, tilt=np.pi / 6)
-    >>> blind = VenetianBlind(grey_pane(0, 0), slats)
-    >>> seen = blind.matrices(np.array([550.0]), klems("quarter")).transmission_front
-    >>> round(float(seen[0, 0, 0] * klems("quarter").projected_solid_angles()[0]), 2)
-    0.5
     """
 
     slats: SlatGeometry

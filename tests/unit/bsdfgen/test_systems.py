@@ -120,9 +120,9 @@ def test_threads_do_not_touch():
 @pytest.mark.parametrize(
     ("kind", "values", "message"),
     [
-        ("blind", {}, "unknown system"),
+        ("blind", {}, "kind of system is 'blind'"),
         ("venetian", {"slat_width": 0.08}, "lacks the parameter 'spacing'"),
-        ("venetian", {**BLIND, "tilt": 3}, "has no parameter 'tilt'"),
+        ("venetian", {**BLIND, "tilt": 3}, "parameter of venetian is 'tilt'"),
         ("venetian", {**BLIND, "tilt_deg": "x"}, "a number expected"),
         ("venetian", {**BLIND, "vertical": 1}, "true or false expected"),
         ("venetian", {**BLIND, "tilt_deg": 91}, "-90 to 90"),

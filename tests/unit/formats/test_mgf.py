@@ -182,7 +182,7 @@ def test_endless_arrays_are_refused(monkeypatch):
 
 
 def test_unknown_statements_are_left_out_with_a_warning():
-    with pytest.warns(ClerestoryWarning, match="'blob' is left out"):
+    with pytest.warns(ClerestoryWarning, match="'blob' is omitted"):
         scene = parse_mgf(SQUARE + "blob 1 2\nf a b c")
     assert len(scene.surfaces) == 1
 

@@ -51,6 +51,7 @@ def read_eulumdat(path: str | Path) -> Luminaire:
     vertical = lines.several(angles, "an angle of an intensity")
     chosen = _planes(symmetry, planes)
     table = lines.several(len(chosen) * angles, "an intensity").reshape(-1, angles)
+    data = {"MANUFAC": maker, "LUMCAT": model, "LAMP": kind}
     with located(file=path):
         horizontal, intensity = _unfolded(symmetry, angle, chosen, table)
         return Luminaire(
@@ -62,12 +63,7 @@ def read_eulumdat(path: str | Path) -> Luminaire:
             shape,
             lamp_lumens=lumens,
             watts=watts,
-            keywords={
-                "MANUFAC": maker,
-                "LUMCAT": model,
-                "LAMP": kind,
-                "LORL": f"{output:g}",
-            },
+            keywords=data | {"LORL": f"{output:g}"},
         )
 
 
@@ -80,10 +76,9 @@ def _lamps(lines: WordReader) -> tuple[str, float, float]:
         kind, lumens = lines.word("a type"), lines.real("the flux of the lamps")
         lines.skip(2)
         found.append((kind, lumens, lines.real("the power of the lamps")))
-    if found[0][1] <= 0:
-        raise lines.error(
-            f"the flux of the lamps is {found[0][1]:g} lm; above 0 expected"
-        )
+    flux = found[0][1]
+    if flux <= 0:
+        raise lines.error(f"the flux of the lamps is {flux:g} lm; above 0 expected")
     return found[0]
 
 

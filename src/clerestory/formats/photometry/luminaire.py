@@ -30,12 +30,10 @@ _SAME_DEG = 1e-6
 
 @dataclass(frozen=True)
 class LuminousShape:
-    """The luminous shape of a luminaire, centred at the origin.
+    """The luminous shape of a luminaire, centred at the origin; sizes in metres.
 
-    Attributes
-    ----------
-    kind : box, vertical cylinder or sphere; a height of 0 means a flat area
-    x, y, z : dimensions [m]; x and y are the diameter of a cylinder or sphere
+    A height `z` of 0 means a flat area; `x` and `y` are the diameter of a cylinder or
+    sphere.
     """
 
     kind: Literal["box", "cylinder", "sphere"]
@@ -109,14 +107,7 @@ class Luminaire:
     def candela(
         self, direction: Float[np.ndarray, "*batch 3"]
     ) -> Float[np.ndarray, "*batch"]:
-        """Return luminous intensities [cd] in directions in the luminaire's frame.
-
-        >>> disc = LuminousShape("cylinder", 0.2, 0.2, 0.0)
-        >>> angles, table = np.array([0.0, 90.0]), np.array([[100.0, 0.0]])
-        >>> lamp = Luminaire("lamp", "C", np.zeros(1), angles, table, disc)
-        >>> lamp.candela(np.array([0.0, 0.0, -1.0])).item()
-        100.0
-        """
+        """Return luminous intensities [cd] in directions in the luminaire's frame."""
         horizontal, vertical = self.angles(direction)
         row, across, inside = _place(self.horizontal_deg, horizontal)
         column, along, within = _place(self.vertical_deg, vertical)
@@ -147,15 +138,7 @@ class Luminaire:
         return np.asarray(horizontal), np.asarray(vertical)
 
     def flux(self) -> float:
-        """Return the luminous flux [lm]: integral of the interpolated intensity.
-
-        >>> disc = LuminousShape("cylinder", 0.2, 0.2, 0.0)
-        >>> angles = np.linspace(0, 90, 901)
-        >>> cosine = 100 * np.cos(np.radians(angles))[None]
-        >>> lamp = Luminaire("lamp", "C", np.zeros(1), angles, cosine, disc)
-        >>> round(lamp.flux() / np.pi, 3)
-        100.0
-        """
+        """Return the luminous flux [lm]: integral of the interpolated intensity."""
         if self.photometry == "B":
             # In type B the horizontal angle is the latitude
             weights = _latitude_weights(self.horizontal_deg)

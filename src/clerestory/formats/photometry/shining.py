@@ -53,14 +53,6 @@ class LuminairePattern:
     """Radiance [W/(m²·sr)] of a luminaire's emitting surfaces by direction.
 
     `transform`: from luminaire to scene coordinates.
-
-    >>> from clerestory.formats.photometry.luminaire import LuminousShape
-    >>> disc = LuminousShape("cylinder", 1.0, 1.0, 0.0)
-    >>> angles, table = np.array([0.0, 90.0]), np.array([[179.0, 179.0]])
-    >>> lamp = Luminaire("lamp", "C", np.zeros(1), angles, table, disc)
-    >>> look = LuminairePattern(lamp, faces(lamp))
-    >>> look.value(np.array([[0.0, 0.0, -1.0]]))[0].round(6).tolist()  # 1 / (π/4)
-    [1.27324, 1.27324, 1.27324]
     """
 
     luminaire: Luminaire

@@ -16,12 +16,6 @@ def unfold_type_c(
 
     Tables of a quadrant (0 to 90°) are reflected twice, those of a half (0 to 180°, 90
     to 270° or −90 to 90°) once; a single angle means rotational symmetry.
-
-    Examples
-    --------
-    >>> angles, table = unfold_type_c(np.array([0.0, 90]), np.array([[1.0], [2.0]]))
-    >>> angles.tolist(), table[:, 0].tolist()
-    ([0.0, 90.0, 180.0, 270.0, 360.0], [1.0, 2.0, 1.0, 2.0, 1.0])
     """
     if len(horizontal_deg) == 1:
         return np.zeros(1), intensity

@@ -1,4 +1,4 @@
-"""Roller-shade fabrics from openness factor and reflectance in product catalogues.
+"""Diffuse and clear panes, and roller-shade fabrics by openness and reflectance.
 
 The fabric is a diffusing sheet with square holes that transmit direct light; its
 thickness shades the holes at oblique incidence.
@@ -11,9 +11,9 @@ import numpy as np
 from clerestory.bsdf.product_data import Product
 from clerestory.bsdfgen.channel_weights import Share, channel_values
 from clerestory.bsdfgen.screen_geometry import sheet_with_holes
-from clerestory.bsdfgen.shading_system import System
+from clerestory.bsdfgen.shading_system import System, unit_cell
 from clerestory.checks import require, within
-from clerestory.scene.model import Plastic, Trans
+from clerestory.scene.model import Glass, Material, Plastic, Polygon, Scene, Trans
 
 # Distance between hole centres [m]; only its ratio to the thickness affects the BSDF.
 _PITCH = 1e-3
@@ -36,12 +36,6 @@ def fabric(
     diffuse_transmittance : diffuse transmittance of the threads
     thickness : ratio of fabric thickness to thread distance; with 0 the openness does
         not depend on the angle of incidence
-
-    Examples
-    --------
-    >>> cloth = fabric(openness=0.05, reflectance=0.6, diffuse_transmittance=0.1)
-    >>> cloth.product.name
-    'Fabric, 5.0% open'
     """
     require(0 <= openness < 1, f"openness is {openness}; 0 ≤ openness < 1 expected")
     within(thickness, "thickness in thread distances", least=0, most=10)
@@ -72,3 +66,32 @@ def diffuse_material(
     alike = np.ptp(known) <= 1e-6
     require(alike, f"{given} differ in colour; equal ratios in all channels expected")
     return Trans(name, both, transmission=float(known[0]))
+
+
+def diffuse_pane(*, transmittance: Share, reflectance: Share = 0.0) -> System:
+    """Return a Lambertian sheet.
+
+    `transmittance`, `reflectance`: values with a sum of at most 1 in each channel.
+    """
+    passed, reflected = (
+        channel_values("transmittance", transmittance),
+        channel_values("reflectance", reflectance),
+    )
+    return _sheet(diffuse_material("pane", reflected, passed), "Diffuse pane")
+
+
+def clear_pane(*, transmissivity: Share = 0.96, index: float = 1.52) -> System:
+    """Return a thin pane of clear glass, as Radiance's material `glass`.
+
+    `transmissivity`: internal transmittance at normal incidence. `index`: refractive
+    index.
+    """
+    require(index >= 1, f"index is {index}; a refractive index of 1 or more expected")
+    glass = Glass("pane", channel_values("transmissivity", transmissivity), index)
+    return _sheet(glass, "Clear pane")
+
+
+def _sheet(material: Material, name: str) -> System:
+    corners = np.array([[-0.1, -0.1, 0], [1.1, -0.1, 0], [1.1, 1.1, 0], [-0.1, 1.1, 0]])
+    scene = Scene({"pane": material}, (Polygon(corners, "pane", "pane"),))
+    return System(scene, unit_cell(1.0, 1.0, 0.0), product=Product(name=name))
