@@ -172,10 +172,8 @@ def trace_pixel_sun(
     every = max(1, min(count, _LANES // job.samples))
     block = max(1, _LANES // (job.samples * every))
     places = _places(pixels, count, block, every)
-    units = [
-        Unit(np.arange(row.start, row.stop), 0, job.samples, numbers[sun])
-        for row, sun in places
-    ]
+    pixel = np.arange(pixels)
+    units = [Unit(pixel[row], 0, job.samples, numbers[sun]) for row, sun in places]
     traced = traced_units(job, units, effort, f"{count} suns")
     for (row, sun), (_, part) in zip(places, traced, strict=True):
         values[:, row, sun] = np.moveaxis(part, -1, 0)
