@@ -56,9 +56,9 @@ class Growth:
 class EstimatedJob(Job):
     """A job with batches of increasing length, by default with fixed-point sums.
 
-    Convergence is tested for all rows `together`, or for each. A fixed-point sum can
-    hold 2^22 weights of π. `cut` is the size of units; by default it is chosen by the
-    executor, since fixed-point sums do not depend on the division into units.
+    `together` tells whether convergence is tested for all rows together. A fixed-point
+    sum can hold 2^22 weights of π. `cut` is the size of units; by default it is chosen
+    by the executor, since fixed-point sums do not depend on the division into units.
     """
 
     together: ClassVar[bool]

@@ -45,7 +45,7 @@ class Parallelograms:
         return self.corner + self.edge_u * u + self.edge_v * v
 
     def seen_from(self, origin, rectangle) -> "SphericalRectangle":
-        """Return them as spherical rectangles; see `SphericalRectangle.of`."""
+        """Return the spherical rectangles, as seen from a point."""
         corner = self.corner - origin
         return SphericalRectangle.of(corner, self.edge_u, self.edge_v, rectangle)
 
