@@ -71,7 +71,7 @@ class EstimatedJob(Job):
 
     def empty_sums(self, rows: int) -> Sums:
         """Return zero sums for a number of rows."""
-        return Sums.fixed_point((rows, *self.shape[1:]))
+        return Sums.empty(np.uint64, (rows, *self.shape[1:]))
 
     def pilot_unit(self, paths: int) -> Unit:
         """Return a unit of rows distributed over the matrix."""

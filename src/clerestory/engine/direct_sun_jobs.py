@@ -65,7 +65,7 @@ class _DirectSensorJob(_DirectJob, EstimatedJob):
 
     def empty_sums(self, rows: int) -> Sums:
         """Return sums of batch means."""
-        return Sums.floating((rows, *self.shape[1:]), 1 / self.points)
+        return Sums.empty(float, (rows, *self.shape[1:]), 1 / self.points)
 
     def error(self, sums: Sums) -> float:
         """Return zero: the number of paths is given."""
