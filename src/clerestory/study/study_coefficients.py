@@ -23,7 +23,7 @@ from clerestory.phases.unscattered_light import (
 )
 from clerestory.scene.model import BsdfSurface, Plastic, Scene
 from clerestory.sky.sun_matrix import SunMatrix
-from clerestory.study.job import COEFFICIENTS, DIRECT, STATE, SUN, Job
+from clerestory.study.job import COEFFICIENTS, STATE, SUN, Job
 from clerestory.study.window_groups import state_label
 
 
@@ -85,9 +85,8 @@ def _traced(job: Job, scene: Scene, stream: int = 0, of: str = "") -> TransferMa
         sensors=sensors,
         subdivision=subdivision,
     )
-    effort, shown = job.effort(stream), f"daylight coefficients{of}"
-    if unscattered:
-        effort = job.direct_effort(COEFFICIENTS + DIRECT)
+    effort = job.direct_effort(COEFFICIENTS) if unscattered else job.effort(stream)
+    shown = f"daylight coefficients{of}"
     return job.matrix(f"coefficients{of}", trace, effort, shown=shown)
 
 
