@@ -34,7 +34,7 @@ from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.hemisphere.klems import klems
 from clerestory.report.page import write_report
 from clerestory.study.config import read_study
-from clerestory.study.demo_study import write_demo
+from clerestory.study.new_study import write_demo
 from clerestory.study.run_plan import plan_study
 from clerestory.study.study_run import run_study
 

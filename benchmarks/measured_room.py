@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 from duel import stamp
 
-from clerestory.comparison.agreement import Agreement, agreement
+from clerestory.metrics.agreement import Agreement, agreement
 
 ROOT = Path(__file__).parents[1]
 STUDY = ROOT / "studies" / "measured_classroom"

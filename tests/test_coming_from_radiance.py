@@ -3,7 +3,7 @@
 import pytest
 
 from clerestory.cli.main import main
-from clerestory.study.demo_study import write_demo
+from clerestory.study.new_study import write_demo
 from test_docs import REPOSITORY, blocks, shell_commands
 
 PAGE = REPOSITORY / "docs" / "coming-from-radiance.md"

@@ -12,7 +12,7 @@ import pytest
 import typer
 
 from clerestory.cli.program import program
-from clerestory.study.demo_study import write_demo
+from clerestory.study.new_study import write_demo
 
 REPOSITORY = Path(__file__).parents[1]
 BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)

@@ -13,7 +13,8 @@ import clerestory
 
 STACK = (
     ("array_types", "errors", "constants", "options", "progress"),
-    ("checks", "files", "directions", "bands", "toml_lines"),
+    ("checks",),
+    ("files", "directions", "bands", "toml_lines"),
     ("colorimetry", "documents"),
     ("hemisphere", "spectra"),
     ("matrix",),

@@ -13,6 +13,7 @@ from typing import final
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.checks import require, same_length
 from clerestory.constants import LUMINOUS_EFFICACY
 from clerestory.errors import InputError, MatrixError
 
@@ -46,25 +47,22 @@ class Bands:
     limits_nm: tuple[tuple[float, float], ...] | None = None
 
     def __post_init__(self) -> None:
-        if not self.names or len(set(self.names)) < len(self.names):
-            raise InputError(f"band names {self.names} repeat; unique names expected")
+        distinct = len(set(self.names)) == len(self.names) > 0
+        require(distinct, f"band names are {self.names}; unique names expected")
         for what, given in (("efficacies", self.efficacy), ("limits", self.limits_nm)):
-            if given is not None and len(given) != len(self.names):
-                raise InputError(
-                    f"{len(given)} {what} for {len(self)} bands; one per band expected"
-                )
+            same_length(self.names if given is None else given, self, what, "bands")
         efficacy = np.array(self.efficacy or (1.0,))
-        if not (np.all(efficacy >= 0) and 0 < efficacy.sum() < np.inf):
-            raise InputError(
-                f"luminous efficacies {self.efficacy}; numbers of 0 or more, not all"
-                " zero, expected"
-            )
+        require(
+            np.all(efficacy >= 0) and 0 < efficacy.sum() < np.inf,
+            f"luminous efficacies are {self.efficacy}; numbers of 0 or more, not all"
+            " zero, expected",
+        )
         for shortest, longest in self.limits_nm or ():
-            if not 0 < shortest < longest < np.inf:
-                raise InputError(
-                    f"a band from {shortest:g} to {longest:g} nm; increasing limits"
-                    " expected"
-                )
+            require(
+                0 < shortest < longest < np.inf,
+                f"a band is from {shortest:g} to {longest:g} nm; increasing limits"
+                " expected",
+            )
 
     def __len__(self) -> int:
         return len(self.names)
@@ -74,12 +72,7 @@ class Bands:
 
     @property
     def weights(self) -> Float[np.ndarray, " band"]:
-        """Luminous efficacy of each band [lm/W].
-
-        Raises
-        ------
-        InputError : the luminous efficacy is unknown
-        """
+        """Luminous efficacy of each band [lm/W]."""
         if self.efficacy is None:
             raise InputError(
                 f"the luminous efficacy of the bands {self} is unknown; bands with"
@@ -95,13 +88,7 @@ class Bands:
     def photometric(
         self, values: Float[np.ndarray, "*batch"], *, axis: int = -1
     ) -> Float[np.ndarray, "..."]:
-        """Convert radiance to luminance [cd/m²], or irradiance to illuminance [lux].
-
-        Parameters
-        ----------
-        values : radiance [W/(m²·sr)] or irradiance [W/m²]
-        axis : index of the channel axis, with one channel per band or a single channel
-        """
+        """Convert radiance to luminance [cd/m²], or irradiance to illuminance [lux]."""
         return weighted_sum(values, self.weights, axis=axis)
 
 
@@ -143,19 +130,16 @@ def common_bands(parts: Iterable[tuple[Bands, int]]) -> Bands:
     Operands are given by their bands and numbers of channels. An operand with one
     channel is compatible with any bands. If all operands have one channel, the bands of
     the last operand are returned.
-
-    Raises
-    ------
-    MatrixError : two operands with several channels have different bands
     """
     pairs = list(parts)
     several = [bands for bands, channels in pairs if channels > 1]
     for bands in several[1:]:
-        if bands != several[0]:
-            raise MatrixError(
-                f"one operand has the bands {several[0]}, another has {bands};"
-                " the same bands expected"
-            )
+        require(
+            bands == several[0],
+            f"one operand has the bands {several[0]}, another has {bands}; the same"
+            " bands expected",
+            error=MatrixError,
+        )
     return several[0] if several else pairs[-1][0]
 
 

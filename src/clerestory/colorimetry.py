@@ -14,8 +14,8 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bands import Bands
+from clerestory.checks import finite, positive, require
 from clerestory.constants import LUMINOUS_EFFICACY
-from clerestory.errors import InputError
 
 OBSERVER_NM = np.arange(380, 790, 10)
 # CIE 1931 colour-matching functions x, y, z every 10 nm (CIE 15:2004)
@@ -47,12 +47,7 @@ _SHARP = np.array(
 
 @dataclass(frozen=True)
 class Primaries:
-    """Chromaticities x, y of red, green, blue and white.
-
-    Raises
-    ------
-    InputError : the white point has y ≤ 0, or the primaries lie on a line
-    """
+    """Chromaticities x, y of red, green, blue and white."""
 
     red: tuple[float, float]
     green: tuple[float, float]
@@ -61,15 +56,12 @@ class Primaries:
 
     def __post_init__(self) -> None:
         points = np.array([self.red, self.green, self.blue, self.white])
-        if not np.isfinite(points).all() or (points[3] <= 0).any():
-            raise InputError(
-                "the white point of the primaries has y ≤ 0; a positive one expected"
-            )
-        corners = np.column_stack([points[:3], 1 - points[:3].sum(axis=1)])
-        if np.linalg.cond(corners) > 1e6 or not self._scale().all():
-            raise InputError(
-                "the chromaticities of the primaries lie on a line; a triangle expected"
-            )
+        finite(points, "a chromaticity")
+        positive(self.white, "the chromaticity of the white point")
+        require(
+            np.linalg.cond(self._corners()) <= 1e6 and self._scale().all(),
+            "the chromaticities of the primaries lie on a line; a triangle expected",
+        )
 
     def _corners(self) -> Float[np.ndarray, "3 3"]:
         xy = np.array([self.red, self.green, self.blue], dtype=float)
@@ -77,13 +69,11 @@ class Primaries:
 
     def _scale(self) -> Float[np.ndarray, "3"]:
         # Amounts of the primaries in white with Y = 1
-        scale: np.ndarray = np.linalg.solve(self._corners(), xyz_of(self.white))
-        return scale
+        return np.asarray(np.linalg.solve(self._corners(), xyz_of(self.white)))
 
     def to_xyz(self) -> Float[np.ndarray, "3 3"]:
         """Matrix from RGB to XYZ; white (1, 1, 1) has Y = 1."""
-        matrix: np.ndarray = self._corners() * self._scale()
-        return matrix
+        return np.asarray(self._corners() * self._scale())
 
 
 def xyz_of(white: tuple[float, float]) -> Float[np.ndarray, "3"]:
@@ -97,8 +87,7 @@ def adaptation(
 ) -> Float[np.ndarray, "3 3"]:
     """Chromatic adaptation matrix for XYZ, from one white point to another."""
     ratio = (_SHARP @ xyz_of(target)) / (_SHARP @ xyz_of(source))
-    matrix: np.ndarray = np.linalg.solve(_SHARP, ratio[:, None] * _SHARP)
-    return matrix
+    return np.asarray(np.linalg.solve(_SHARP, ratio[:, None] * _SHARP))
 
 
 RADIANCE = Primaries((0.640, 0.330), (0.290, 0.600), (0.150, 0.060), (1 / 3, 1 / 3))
@@ -114,14 +103,12 @@ def conversion(source: Primaries, target: Primaries) -> Float[np.ndarray, "3 3"]
     [1.0, 1.0, 1.0]
     """
     white = adaptation(source.white, target.white)
-    matrix: np.ndarray = np.linalg.solve(target.to_xyz(), white @ source.to_xyz())
-    return matrix
+    return np.asarray(np.linalg.solve(target.to_xyz(), white @ source.to_xyz()))
 
 
 def xyz_to_rgb() -> Float[np.ndarray, "3 3"]:
     """Matrix from XYZ to Radiance's RGB."""
-    matrix: np.ndarray = np.linalg.inv(RADIANCE.to_xyz())
-    return matrix
+    return np.asarray(np.linalg.inv(RADIANCE.to_xyz()))
 
 
 def rgb_from_xyz(
@@ -156,10 +143,10 @@ def wavelength_bands(limits_nm: Sequence[float]) -> Bands:
     ('470-515 nm', 179.0)
     """
     limits = np.asarray(limits_nm, dtype=float)
-    if limits.ndim != 1 or len(limits) < 2 or not np.all(np.diff(limits) > 0):
-        raise InputError(
-            f"limits {limits.tolist()} nm; two or more, increasing, expected"
-        )
+    require(
+        limits.ndim == 1 and len(limits) > 1 and np.all(np.diff(limits) > 0),
+        f"limits are {limits.tolist()} nm; two or more increasing numbers expected",
+    )
     fine = np.arange(OBSERVER_NM[0], OBSERVER_NM[-1] + 1)
     sensitivity = np.interp(fine, OBSERVER_NM, OBSERVER[1])
     integral = np.append(0.0, np.cumsum(sensitivity[1:] + sensitivity[:-1]))

@@ -10,17 +10,17 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Directions, Values, Vector
-from clerestory.errors import InputError
+from clerestory.checks import require
 
 
 def unit(vector: Directions) -> Directions:
     """Vectors normalised to unit length."""
     vector = np.asarray(vector, dtype=float)
     length = np.linalg.norm(vector, axis=-1, keepdims=True)
-    if not np.all(np.isfinite(length) & (length > 0)):
-        raise InputError(
-            "a direction is zero or not finite; a vector of non-zero length expected"
-        )
+    require(
+        np.all(np.isfinite(length) & (length > 0)),
+        "a direction is zero or not finite; a vector of non-zero length expected",
+    )
     return np.asarray(vector / length)
 
 
@@ -38,12 +38,7 @@ def from_azimuth(azimuth: Values, altitude: Values) -> Directions:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """Right-handed coordinate frame of a surface: right × up = normal.
-
-    Attributes
-    ----------
-    right, up, normal : unit vectors in scene coordinates
-    """
+    """Right-handed frame of unit vectors of a surface: right × up = normal."""
 
     right: Float[np.ndarray, "3"]
     up: Float[np.ndarray, "3"]
@@ -54,10 +49,10 @@ class Frame:
         """Frame with the given normal and with `up` projected onto the surface."""
         normal, up = unit(normal), unit(up)
         flat = up - np.dot(up, normal) * normal
-        if np.linalg.norm(flat) < 1e-4:
-            raise InputError(
-                f"the up vector {np.round(up, 3).tolist()} is parallel to the normal;"
-                " a direction within the surface is expected"
-            )
+        require(
+            np.linalg.norm(flat) >= 1e-4,
+            f"the up vector {np.round(up, 3).tolist()} is parallel to the normal; a"
+            " direction within the surface is expected",
+        )
         flat = unit(flat)
         return cls(np.cross(flat, normal), flat, normal)

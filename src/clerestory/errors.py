@@ -81,13 +81,6 @@ def located(
 ) -> Iterator[None]:
     """Add a location to input errors without one, raised in the `with` block.
 
-    Parameters
-    ----------
-    file, line : file and line number of the fault
-    subject : name of the faulty object, written before the message
-
-    Examples
-    --------
     >>> with located(file="room.rad", line=41, subject='sphere "s"'):
     ...     raise InputError("radius is 0")
     Traceback (most recent call last):

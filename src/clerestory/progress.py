@@ -6,19 +6,16 @@ from collections.abc import Callable
 Progress = Callable[[float, str], None]
 
 
+def silent(_title: str) -> Progress:
+    """Return a progress callback without effect, for a display of this title."""
+    return lambda _share, _note: None
+
+
 def share_of_progress(
     progress: Progress | None, start: float, share: float, name: str = ""
 ) -> Progress | None:
-    """Return a progress callback for one part of a computation.
+    """Return a progress callback for one part of a computation, with named notes.
 
-    Parameters
-    ----------
-    progress : callback for the whole computation
-    start, share : beginning and length of the part, as fractions of the computation
-    name : prefix of the notes of the part
-
-    Examples
-    --------
     >>> report = share_of_progress(lambda done, note: print(done, note), 0.5, 0.25)
     >>> report(0.5, "second part") if report else None
     0.625 second part

@@ -9,6 +9,7 @@ from typing import final
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.checks import finite, positive, require, same_length
 from clerestory.errors import InputError
 
 # Wavelength units in nanometres, by the first letters of the unit name
@@ -18,19 +19,8 @@ _UNITS_NM = {"nm": 1.0, "nano": 1.0, "um": 1000.0, "µm": 1000.0, "micro": 1000.
 @final
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """A quantity as a function of wavelength.
+    """A quantity as a function of wavelength; wavelengths increase.
 
-    Attributes
-    ----------
-    wavelength_nm : increasing wavelengths [nm]
-    value : value at each wavelength
-
-    Raises
-    ------
-    InputError : wavelengths do not increase, or a value is not finite
-
-    Examples
-    --------
     >>> ramp = Spectrum(np.array([400.0, 500.0]), np.array([0.0, 1.0]))
     >>> ramp.at(np.array([300.0, 450.0, 600.0])).tolist()
     [0.0, 0.5, 1.0]
@@ -41,15 +31,8 @@ class Spectrum:
 
     def __post_init__(self) -> None:
         check_wavelengths(self.wavelength_nm)
-        if self.value.shape != self.wavelength_nm.shape:
-            raise InputError(
-                f"{len(self.value)} values at {len(self.wavelength_nm)} wavelengths;"
-                " one value per wavelength expected"
-            )
-        if not np.all(np.isfinite(self.value)):
-            raise InputError(
-                "a spectrum has values that are not finite; numbers expected"
-            )
+        same_length(self.value, self.wavelength_nm, "values", "wavelengths")
+        finite(self.value, "a value of a spectrum")
 
     def at(
         self, wavelength_nm: Float[np.ndarray, "*batch"]
@@ -59,18 +42,11 @@ class Spectrum:
 
 
 def check_wavelengths(wavelength_nm: Float[np.ndarray, " wavelength"]) -> None:
-    """Check that wavelengths are positive and increasing.
-
-    Raises
-    ------
-    InputError : there are no wavelengths, or one is not positive or not increasing
-    """
+    """Check that wavelengths are positive and increasing."""
     w = wavelength_nm
-    if len(w) == 0 or not np.all(np.isfinite(w)) or w[0] <= 0:
-        raise InputError("wavelengths are missing or not positive; nanometres expected")
-    fall = np.flatnonzero(np.diff(w) <= 0)
-    if len(fall):
-        at = int(fall[0])
+    require(len(w), "no wavelengths; one or more expected")
+    positive(w, "wavelength", unit="nm")
+    for at in np.flatnonzero(np.diff(w) <= 0):
         raise InputError(
             f"wavelength {w[at + 1]:g} nm follows {w[at]:g} nm; increasing wavelengths"
             " expected"
@@ -99,23 +75,17 @@ def common_wavelengths(
 ) -> Float[np.ndarray, " wavelength"]:
     """Union of several wavelength grids within their common range [nm].
 
-    Raises
-    ------
-    InputError : the ranges do not overlap
-
-    Examples
-    --------
     >>> a, b = np.array([300.0, 400.0, 500.0]), np.array([350.0, 600.0])
     >>> common_wavelengths([a, b]).tolist()
     [350.0, 400.0, 500.0]
     """
     low = max(float(grid[0]) for grid in grids)
     high = min(float(grid[-1]) for grid in grids)
-    if low > high:
-        raise InputError(
-            f"the spectrum of one layer begins at {low:g} nm, that of another ends at"
-            f" {high:g} nm; overlapping ranges expected"
-        )
+    require(
+        low <= high,
+        f"the spectrum of one layer begins at {low:g} nm, but that of another layer"
+        f" ends at {high:g} nm; overlapping ranges expected",
+    )
     every = np.unique(np.concatenate(grids))
     return every[(every >= low) & (every <= high)]
 

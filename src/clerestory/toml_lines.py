@@ -16,8 +16,6 @@ def key_lines(text: str) -> dict[Path, int]:
 
     Keys are paths from the root: names, and indices for elements of arrays of tables.
 
-    Examples
-    --------
     >>> key_lines('a = 1\n[[window]]\nfile = "south.rad"\n')[("window", 0, "file")]
     3
     """

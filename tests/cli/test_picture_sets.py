@@ -66,8 +66,8 @@ def test_one_sky_makes_one_picture_without_number(call, room, factors):
 @pytest.mark.parametrize(
     ("command", "said"),
     [
-        ("multiply V_%03d.hdr S.smx -o I.hdr", "I_%04d.hdr expected"),
-        ("multiply V_%s_%d.hdr S.smx -o I.hdr", "one number such as V_%03d.hdr"),
+        ("multiply V_%03d.hdr S.smx -o I.hdr", "such as in V_%03d.hdr expected"),
+        ("multiply V_%s_%d.hdr S.smx -o I.hdr", "one number such as in V_%03d.hdr"),
         ("multiply W_%03d.hdr S.smx -o I.hdr", "W_000.hdr: cannot be read"),
     ],
 )
@@ -82,4 +82,4 @@ def test_pictures_of_another_size_are_refused(call, room, factors):
     write_picture(Picture(np.ones((2, 2, 3), dtype=np.float32)), room / "V_001.hdr")
     outcome = call("multiply", "V_%03d.hdr", "S.smx", "-o", "I_%d.hdr")
     assert outcome.status == 2
-    assert "V_001.hdr: 2 × 2 pixels; 6 × 4 as the first" in outcome.err
+    assert "V_001.hdr: the picture has 2 × 2 pixels; 6 × 4 expected" in outcome.err

@@ -31,8 +31,8 @@ from clerestory.scene.sensors import Sensors
 from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.sky.sun_matrix import sun_matrix
 from clerestory.study.config import read_study
-from clerestory.study.demo_study import write_demo
 from clerestory.study.model_import import sheet_bsdf
+from clerestory.study.new_study import write_demo
 from clerestory.study.study_run import run_study
 
 ROOM = Path(__file__).parents[1] / "cli" / "room"

@@ -5,19 +5,14 @@ from pathlib import Path
 
 import typer
 
-from clerestory.bsdf.bsdf_comparison import compare as compare_bsdfs
+from clerestory.bsdf.patch_symmetry import compare as compare_bsdfs
 from clerestory.bsdf.quality_checks import check as check_bsdf
 from clerestory.bsdf.quality_finding import Finding
 from clerestory.bsdf.xml_insertion import insert_blocks
 from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.checks import require
+from clerestory.cli import bsdf_report
 from clerestory.cli.angle_pair import angle_pair
-from clerestory.cli.bsdf_report import (
-    comparison_lines,
-    finding_lines,
-    findings_json,
-    info_lines,
-)
 from clerestory.cli.progress import say
 from clerestory.cli.requests import bsdf as requests
 from clerestory.errors import InputError
@@ -35,7 +30,7 @@ _UNREADABLE = 2
 
 def info(request: requests.BsdfInfo) -> None:
     """Print a description of a BSDF file."""
-    say(*info_lines(read_bsdf(request.file)))
+    say(*bsdf_report.info_lines(read_bsdf(request.file)))
 
 
 def check(request: requests.CheckBsdf) -> int:
@@ -47,12 +42,12 @@ def check(request: requests.CheckBsdf) -> int:
         except InputError as error:
             reports.append((file, (), str(error)))
     if request.as_json:
-        typer.echo(findings_json(reports))
+        typer.echo(bsdf_report.findings_json(reports))
     for file, findings, reason in reports:
         if reason:
             typer.echo(" ".join(reason.split()), err=True)
         elif not request.as_json:
-            say(*finding_lines(file, findings, all_of_them=request.every))
+            say(*bsdf_report.finding_lines(file, findings, all_of_them=request.every))
     if any(reason for _, _, reason in reports):
         return _UNREADABLE
     return int(any(f.matters for _, findings, _ in reports for f in findings))
@@ -72,7 +67,7 @@ def compare(request: requests.CompareBsdfs) -> None:
         result = compare_bsdfs(
             bsdfs[0], bsdf, function=drawing.function, channel=drawing.channel
         )
-        say(*comparison_lines(result, (str(files[0]), str(file))))
+        say(*bsdf_report.comparison_lines(result, (str(files[0]), str(file))))
     if request.output is not None:
         _draw(files, request.output, drawing)
 

@@ -4,15 +4,11 @@ import time
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
+from clerestory.bsdfgen import system_catalogue
 from clerestory.bsdfgen.channel_weights import Weights
 from clerestory.bsdfgen.generate import generate_bsdf
 from clerestory.bsdfgen.postprocessing import error_functions
 from clerestory.bsdfgen.shading_system import System, area_from_dimensions, area_of
-from clerestory.bsdfgen.system_catalogue import (
-    make_system,
-    parse_parameters,
-    read_system,
-)
 from clerestory.checks import require
 from clerestory.cli.bsdf_report import function_title
 from clerestory.cli.progress import progress_display, say
@@ -64,9 +60,11 @@ def _system(request: GenerateBsdf) -> System:
         "several systems are given; scene files or one system expected",
     )
     if request.system is not None:
-        return read_system(request.system)
+        return system_catalogue.read_system(request.system)
     for kind, text in named.items():
-        return make_system(kind, {} if text == _DEFAULTS else parse_parameters(text))
+        return system_catalogue.make_system(
+            kind, {} if text == _DEFAULTS else system_catalogue.parse_parameters(text)
+        )
     require(
         files or dimensions is not None,
         "no system is given; Radiance files or an option such as --venetian"
@@ -81,7 +79,7 @@ def _system(request: GenerateBsdf) -> System:
 def _bands(texts: list[str] | None) -> dict[str, Weights] | None:
     found: dict[str, Weights] = {}
     for text in texts or []:
-        for name, weights in parse_parameters(text).items():
+        for name, weights in system_catalogue.parse_parameters(text).items():
             numbers = weights if isinstance(weights, list) else [weights]
             valid = [isinstance(each, int | float) for each in numbers]
             require(

@@ -21,15 +21,11 @@ _Request = TypeVar("_Request", bound=type)
 
 @dataclass(frozen=True)
 class Command:
-    """Definition of a command.
+    """Definition of a command, with an example of its arguments.
 
-    Attributes
-    ----------
-    request : dataclass of the options; its docstring is the help text
-    served_by : handler "module:function" in `clerestory.cli`, which takes the request
-        and returns the exit status or None
-    example : example of the arguments
-    alias : second name, which the help does not list
+    The docstring of the request is the help text. The handler `served_by`
+    "module:function" in `clerestory.cli` takes the request and returns the exit status
+    or None. The help does not list the alias.
     """
 
     request: type

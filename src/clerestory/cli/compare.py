@@ -9,17 +9,8 @@ from rich.table import Table
 from clerestory.checks import require, same_length
 from clerestory.cli.progress import say
 from clerestory.cli.requests.study import Compare
-from clerestory.comparison.comparison_output import (
-    comparison_notes,
-    shares_table,
-    write_tables,
-)
+from clerestory.comparison import comparison_output, mapping
 from clerestory.comparison.logger_files import read_plain
-from clerestory.comparison.mapping import (
-    read_mapping,
-    read_measured_series,
-    write_layout_sensors,
-)
 from clerestory.comparison.series import Series, simulated_series
 from clerestory.comparison.series_comparison import (
     Comparison,
@@ -35,7 +26,7 @@ def compare(request: Compare) -> None:
     """Compare simulations with measurements; write tables, figures and a page."""
     measured, sensors, quiet = request.measured, request.sensors, request.quiet
     if sensors is not None:
-        count = write_layout_sensors(sensors, read_mapping(measured))
+        count = mapping.write_layout_sensors(sensors, mapping.read_mapping(measured))
         say(f"sensors: {sensors} ({count})", quiet=quiet)
         return
     simulated = request.simulated or []
@@ -47,12 +38,12 @@ def compare(request: Compare) -> None:
     places: dict[str, np.ndarray] = {}
     for path, name in zip(simulated, names, strict=True):
         ours = _simulated(path)
-        theirs = read_measured_series(measured, near=ours)
+        theirs = mapping.read_measured_series(measured, near=ours)
         found.append(compare_series(theirs, ours, name=name, rules=rules))
         if ours.position is not None:
             places |= dict(zip(ours.names, ours.position, strict=True))
     output = make_folder(request.output)
-    write_tables(found, output)
+    comparison_output.write_tables(found, output)
     page = write_comparison(output, found, title=_title(measured), places=places)
     if not quiet:
         _tell(found)
@@ -60,7 +51,7 @@ def compare(request: Compare) -> None:
 
 
 def _title(measured: Path) -> str:
-    given = read_mapping(measured).title if measured.suffix == ".toml" else ""
+    given = mapping.read_mapping(measured).title if measured.suffix == ".toml" else ""
     return given or f"{measured.stem}, measured and simulated"
 
 
@@ -86,7 +77,7 @@ def _method(path: Path) -> str:
 
 
 def _tell(found: list[Comparison]) -> None:
-    rows = shares_table(found)
+    rows = comparison_output.shares_table(found)
     table = Table(title="Share of values within [%]", title_justify="left")
     for number, heading in enumerate(rows[0]):
         table.add_column(heading, justify="left" if number < 2 else "right")
@@ -103,4 +94,4 @@ def _tell(found: list[Comparison]) -> None:
                 f" {100 * one.relative_bias:+.1f} %, CV(RMSE)"
                 f" {100 * one.variation:.1f} %{correlation}, {one.count} pairs"
             )
-        say(*(f"  {note}" for note in comparison_notes(comparison)))
+        say(*(f"  {note}" for note in comparison_output.comparison_notes(comparison)))

@@ -10,13 +10,7 @@ import numpy as np
 import typer
 
 from clerestory.checks import one_of, require
-from clerestory.cli.glare_text import (
-    long_line,
-    region_line,
-    short_line,
-    source_lines,
-    source_rows,
-)
+from clerestory.cli import glare_text
 from clerestory.cli.progress import progress_display, say
 from clerestory.cli.requests.glare import GlareRequest
 from clerestory.files import replace_file, write_text
@@ -74,15 +68,19 @@ def _text(found: Evaluation, request: GlareRequest) -> list[str]:
         return [f"{found.result.illuminance:.6f}"]
     lines = []
     for name, part in found.regions.items():
-        lines.append(region_line(name, part))
+        lines.append(glare_text.region_line(name, part))
         if name == "mask":
             votes = found.window_votes()
             numbers = " ".join(f"{vote:.6f}" for vote in votes.values())
             lines.append(f"{','.join(votes)}: {numbers}")
     if not request.detail:
-        return [*lines, short_line(found.result)]
+        return [*lines, glare_text.short_line(found.result)]
     field = field_luminances(found.luminance, found.eye)
-    return [*lines, *source_lines(found.result), long_line(found.result, field)]
+    return [
+        *lines,
+        *glare_text.source_lines(found.result),
+        glare_text.long_line(found.result, field),
+    ]
 
 
 def _record(found: Evaluation) -> dict[str, object]:
@@ -93,7 +91,7 @@ def _record(found: Evaluation) -> dict[str, object]:
         **{f"{name}_luminance": value for name, value in field._asdict().items()},
         **{name: asdict(part) for name, part in found.regions.items()},
         **found.window_votes(),
-        "sources": source_rows(found.result.sources),
+        "sources": glare_text.source_rows(found.result.sources),
     }
 
 

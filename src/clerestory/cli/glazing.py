@@ -12,12 +12,7 @@ from clerestory.checks import require
 from clerestory.cli.progress import progress_display, say
 from clerestory.cli.requests.glazing import GlazingInfo, StackLayers
 from clerestory.errors import InputError
-from clerestory.glazing.glazing_system import (
-    Gap,
-    GlazingSystem,
-    read_system,
-    system_with_equal_gaps,
-)
+from clerestory.glazing import glazing_system
 from clerestory.glazing.layer import Glass, Layer
 from clerestory.glazing.layer_files import read_catalogue, read_layer
 from clerestory.glazing.layer_random_walk import walk_layers
@@ -86,14 +81,16 @@ def info(request: GlazingInfo) -> None:
         say(*_about(layer), *_figures(stacked))
 
 
-def _system(files: list[Path], gap: float, gas: str) -> GlazingSystem:
+def _system(files: list[Path], gap: float, gas: str) -> glazing_system.GlazingSystem:
     if any(path.suffix.lower() == ".toml" for path in files):
         require(
             len(files) == 1, "a TOML file is given with other files; one file expected"
         )
-        return read_system(files[0])
+        return glazing_system.read_system(files[0])
     layers = [read_layer(path) for path in files]
-    return system_with_equal_gaps(layers, gap=Gap(gap * _MILLIMETRE, _gases(gas)))
+    return glazing_system.system_with_equal_gaps(
+        layers, gap=glazing_system.Gap(gap * _MILLIMETRE, _gases(gas))
+    )
 
 
 def _gases(text: str) -> dict[str, float]:

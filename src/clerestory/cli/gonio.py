@@ -7,24 +7,22 @@ from clerestory.bsdf.quality_checks import check as check_bsdf
 from clerestory.bsdf.resample import reciprocal_mean
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.checks import require, within
+from clerestory.cli import gonio_text
 from clerestory.cli.angle_pair import angle_pair
 from clerestory.cli.bsdf_report import function_title
-from clerestory.cli.gonio_text import (
-    direction_lines,
-    fit_lines,
-    measurement_lines,
-    validation_lines,
-)
 from clerestory.cli.progress import progress_display, say
 from clerestory.cli.requests import gonio as requests
 from clerestory.errors import InputError
 from clerestory.gonio.angles import from_degrees
-from clerestory.gonio.bsdf_export import export_bsdf
 from clerestory.gonio.coverage import measure_coverage
-from clerestory.gonio.cross_validation import smoothing_study
-from clerestory.gonio.energy_conservation import conserve_energy
+from clerestory.gonio.cross_validation import cross_validate
 from clerestory.gonio.fit_storage import read_fits, write_fits
-from clerestory.gonio.fitted_measurement import Fitted, fit_measurement
+from clerestory.gonio.fitted_measurement import (
+    Fitted,
+    conserve_energy,
+    export_bsdf,
+    fit_measurement,
+)
 from clerestory.gonio.lobe_fitting import FitOptions
 from clerestory.gonio.measurement_files import read_measurement
 from clerestory.gonio.measurement_planning import recommended_directions
@@ -41,7 +39,7 @@ def info(request: requests.MeasurementInfo) -> int:
     for measurement in _read(request.measurement):
         coverage = measure_coverage(measurement)
         findings += len(coverage.doubts())
-        say(*measurement_lines(measurement, coverage))
+        say(*gonio_text.measurement_lines(measurement, coverage))
     return int(findings > 0)
 
 
@@ -49,7 +47,7 @@ def fit(request: requests.FitMeasurement) -> None:
     """Fit lobes and transport plans."""
     fits = _fitted(_read(request.measurement), request.fit, quiet=request.quiet)
     write_fits(request.output, fits)
-    say(*fit_lines(fits), quiet=request.quiet)
+    say(*gonio_text.fit_lines(fits), quiet=request.quiet)
 
 
 def check(request: requests.CrossValidation) -> None:
@@ -64,22 +62,24 @@ def check(request: requests.CrossValidation) -> None:
         )
     for measurement in measurements:
         with progress_display(quiet=request.quiet) as progress:
-            results = smoothing_study(
-                measurement,
-                request.smoothing or [1.0],
-                symmetry=request.symmetry,
-                lobes=request.lobes,
-                processes=request.processes,
-                progress=progress,
-            )
+            results = [
+                cross_validate(
+                    measurement,
+                    symmetry=request.symmetry,
+                    options=FitOptions(lobes=request.lobes, smoothing=smoothing),
+                    processes=request.processes,
+                    progress=progress,
+                )
+                for smoothing in request.smoothing or [1.0]
+            ]
         for result in results:
-            say(*validation_lines(result))
+            say(*gonio_text.validation_lines(result))
         if request.more:
             symmetry = request.symmetry or measurement.symmetry
             found = recommended_directions(
                 results[0], symmetry=symmetry, count=request.more
             )
-            say(*direction_lines(found))
+            say(*gonio_text.direction_lines(found))
         if output is not None:
             write_figure(error_figure(results[0]), output)
 

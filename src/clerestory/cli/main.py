@@ -30,12 +30,7 @@ _UsageError: type[Exception] = next(
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command and return its exit status.
-
-    Parameters
-    ----------
-    arguments : command-line arguments; default: arguments of this process
-    """
+    """Run one command, by default that of this process; return its exit status."""
     words = spread(list(sys.argv[1:] if arguments is None else arguments))
     if words == ["--version"]:
         typer.echo(f"clerestory {__version__}")

@@ -13,26 +13,8 @@ from clerestory.cli.requests.study import Metrics
 from clerestory.control.lm83_blinds import operate_by_direct_sun
 from clerestory.control.schedule import read_schedule
 from clerestory.files import write_text
-from clerestory.metrics.climate_based_metrics import (
-    USEFUL_RANGES,
-    continuous_autonomy,
-    daylight_autonomy,
-    light_exposure,
-    useful_illuminance,
-)
-from clerestory.metrics.en17037 import (
-    GLARE_SHARE,
-    LEVELS,
-    daylight_hours,
-    daylight_provision,
-    glare_level,
-    sunlight_level,
-)
-from clerestory.metrics.honeybee import (
-    HoneybeeFolder,
-    read_honeybee,
-    write_honeybee,
-)
+from clerestory.metrics import climate_based_metrics as climate
+from clerestory.metrics import en17037, honeybee
 from clerestory.metrics.leed import simulated_daylight
 from clerestory.metrics.occupied_hours import occupied_hours
 from clerestory.metrics.spatial_metrics import (
@@ -78,7 +60,7 @@ def metrics(request: Metrics) -> None:
         write_text(request.output, "\n".join([_HEAD, *rows]) + "\n")
     if request.honeybee is not None:
         direct = {g.name: g.direct.values for g in grids if g.direct is not None}
-        write_honeybee(
+        honeybee.write_honeybee(
             request.honeybee,
             {g.name: g.lux.values.astype(float) for g in grids},
             times,
@@ -88,14 +70,14 @@ def metrics(request: Metrics) -> None:
 
 _HEAD = (
     "grid,sensor,daylight autonomy [%],continuous autonomy [%],"
-    + ",".join(f"{band} [%]" for band in USEFUL_RANGES)
+    + ",".join(f"{band} [%]" for band in climate.USEFUL_RANGES)
     + ",light exposure [lux h]"
 )
 
 
 def _grids(path: Path, states: Path | None, operate: bool) -> Iterator[_Grid]:
     if path.is_dir() and (path / "grids_info.json").is_file():
-        folder = read_honeybee(path)
+        folder = honeybee.read_honeybee(path)
         for name in folder.paths:
             chosen = _operated(folder, name) if operate else _scheduled(states)
             lux = folder.illuminance(name, states=chosen)
@@ -125,7 +107,7 @@ def _room_and_views(request: Metrics) -> Iterator[str]:
     if "room_hours_of_sun" in data:
         hours = float(data["room_hours_of_sun"])
         day = np.datetime_as_string(data["moment"].values[0], unit="D")[5:]
-        level = LEVELS[sunlight_level(hours)]
+        level = en17037.LEVELS[en17037.sunlight_level(hours)]
         yield "room"
         yield f"  {'EN 17037 sunlight':28}{level} ({hours:.1f} h of sun on {day})"
     occupied = occupied_hours(
@@ -136,8 +118,8 @@ def _room_and_views(request: Metrics) -> Iterator[str]:
         valid = occupied & ~np.isnan(dgp)
         if not np.any(valid):
             continue
-        level = LEVELS[glare_level(dgp, valid)]
-        top = float(np.quantile(dgp[valid], 1 - GLARE_SHARE))
+        level = en17037.LEVELS[en17037.glare_level(dgp, valid)]
+        top = float(np.quantile(dgp[valid], 1 - en17037.GLARE_SHARE))
         yield f"{view}: view"
         yield f"  {'EN 17037 glare':28}{level} (DGP {top:.2f} in 5 % of the hours)"
 
@@ -154,7 +136,7 @@ def _scheduled(path: Path | None) -> dict[str, np.ndarray]:
     return dict(schedule.states)
 
 
-def _operated(folder: HoneybeeFolder, name: str) -> dict[str, np.ndarray]:
+def _operated(folder: honeybee.HoneybeeFolder, name: str) -> dict[str, np.ndarray]:
     # Direct illuminance per window group and state; groups without states are unshaded
     groups = folder.dynamic_paths(name)
     if not groups:
@@ -174,16 +156,16 @@ def _brightest_half(path: Path, lux: xr.DataArray) -> np.ndarray:
         " weather file of the run expected",
         file=path,
     )
-    return daylight_hours(diffuse)
+    return en17037.daylight_hours(diffuse)
 
 
 def _room(
     grid: _Grid, hours: np.ndarray, half: np.ndarray | None, request: Metrics
 ) -> Iterator[str]:
     target, leed = request.target, request.leed
-    autonomy = daylight_autonomy(grid.lux, hours, target_lux=target)
-    continuous = continuous_autonomy(grid.lux, hours, target_lux=target)
-    bands = useful_illuminance(grid.lux, hours).mean("sensor").values
+    autonomy = climate.daylight_autonomy(grid.lux, hours, target_lux=target)
+    continuous = climate.continuous_autonomy(grid.lux, hours, target_lux=target)
+    bands = climate.useful_illuminance(grid.lux, hours).mean("sensor").values
     yield f"{'daylight autonomy':28}{_percent(float(autonomy.mean()))}"
     yield f"{'continuous autonomy':28}{_percent(float(continuous.mean()))}"
     yield f"{'useful, 100 to 3000 lux':28}{_percent(float(bands[1:3].sum()))}"
@@ -200,12 +182,11 @@ def _room(
     else:
         yield f"{'ASE1000,250':28}unknown: the method 5-phase traces the direct sun"
     if half is not None:
-        level = daylight_provision(grid.lux, half, standard_error=grid.error)
-        yield (
-            f"{'EN 17037 provision':28}{LEVELS[level.level]} (target"
-            f" {LEVELS[level.target_level]}, minimum {LEVELS[level.minimum_level]})"
-        )
-    exposed = light_exposure(grid.lux, np.ones(grid.lux.sizes["time"], bool))
+        level = en17037.daylight_provision(grid.lux, half, standard_error=grid.error)
+        numbers = (level.level, level.target_level, level.minimum_level)
+        both, upper, lower = (en17037.LEVELS[number] for number in numbers)
+        yield f"{'EN 17037 provision':28}{both} (target {upper}, minimum {lower})"
+    exposed = climate.light_exposure(grid.lux, np.ones(grid.lux.sizes["time"], bool))
     yield f"{'light exposure':28}{float(exposed.mean()):.0f} lux h"
 
 
@@ -218,11 +199,13 @@ def _part_of_year(grid: _Grid) -> str:
 
 def _sensors(grid: _Grid, hours: np.ndarray, target: float) -> Iterator[str]:
     shares = [
-        daylight_autonomy(grid.lux, hours, target_lux=target).values,
-        continuous_autonomy(grid.lux, hours, target_lux=target).values,
-        *useful_illuminance(grid.lux, hours).values,
+        climate.daylight_autonomy(grid.lux, hours, target_lux=target).values,
+        climate.continuous_autonomy(grid.lux, hours, target_lux=target).values,
+        *climate.useful_illuminance(grid.lux, hours).values,
     ]
-    exposure = light_exposure(grid.lux, np.ones(grid.lux.sizes["time"], bool)).values
+    exposure = climate.light_exposure(
+        grid.lux, np.ones(grid.lux.sizes["time"], bool)
+    ).values
     columns = np.stack([*(100 * share for share in shares), exposure], axis=1)
     for number, row in enumerate(columns, start=1):
         yield f"{grid.name},{number}," + ",".join(f"{value:.6g}" for value in row)

@@ -12,11 +12,7 @@ from clerestory.cli.matrix_output import write_any_matrix
 from clerestory.cli.progress import progress_display, say
 from clerestory.cli.requests.render import Multiply
 from clerestory.errors import MatrixError
-from clerestory.image.picture_sets import (
-    is_picture_set,
-    read_picture_set,
-    write_picture_set,
-)
+from clerestory.image import picture_sets
 from clerestory.matrix.netcdf import read_netcdf
 from clerestory.matrix.radiance_format import read_matrix
 from clerestory.matrix.transfer_matrix import TransferMatrix
@@ -27,25 +23,23 @@ _COMMAND = "clerestory multiply"
 
 def multiply(request: Multiply) -> None:
     """Multiply matrices and write their product, or pictures of it."""
-    terms = _terms(request.factors)
-    with progress_display(quiet=request.quiet) as display:
+    terms, file = _terms(request.factors), request.file
+    with progress_display(quiet=file.quiet) as display:
         progress = display("multiply")
         progress(0.1, "multiplying")
-        if is_picture_set(request.factors[0]):
-            view, like = read_picture_set(request.factors[0])
+        if picture_sets.is_picture_set(request.factors[0]):
+            view, like = picture_sets.read_picture_set(request.factors[0])
             others = [read_any_matrix(path) for path in request.factors[1:]]
             product = _product([view, *others], request.factors)
             progress(0.8, "writing")
-            write_picture_set(request.output, product, like, command=_COMMAND)
+            picture_sets.write_picture_set(file.output, product, like, command=_COMMAND)
         else:
             product = _sum(terms)
             progress(0.8, "writing")
-            write_any_matrix(
-                request.output, product, encoding=request.encoding, command=_COMMAND
-            )
+            write_any_matrix(file, product, command=_COMMAND)
         progress(1.0, "done")
     size = f"{product.rows.describe()} by {product.columns.describe()}"
-    say(f"{request.output}: {size}", quiet=request.quiet)
+    say(f"{file.output}: {size}", quiet=file.quiet)
 
 
 def read_any_matrix(path: Path) -> TransferMatrix:
@@ -70,7 +64,8 @@ def _terms(factors: list[Path]) -> list[list[Path]]:
     for term in terms:
         within(len(term), "number of matrices in a product", least=2, most=5)
     require(
-        len(terms) == 1 or not any(is_picture_set(factor) for factor in factors),
+        len(terms) == 1
+        or not any(picture_sets.is_picture_set(factor) for factor in factors),
         "a set of pictures is a factor in a sum; a single product expected",
     )
     return terms

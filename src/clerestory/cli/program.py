@@ -30,10 +30,8 @@ _GROUPS = ("trace", "sky", "bsdf", "glazing", "gonio", "luminaire", "picture")
 def program(words: list[str] | None = None) -> typer.Typer:
     """Return the application, complete or limited to the commands of a command line.
 
-    Parameters
-    ----------
-    words : command-line arguments; only the command or group that the first word names
-        is loaded. For another first word, groups are added without their commands.
+    Only the command or group that the first word names is loaded. For another first
+    word, groups are added without their commands.
     """
     app = typer.Typer(
         name="clerestory",

@@ -13,7 +13,7 @@ from typing import Any
 
 import typer
 
-from clerestory.progress import Progress
+from clerestory.progress import Progress, silent
 
 # Delay before progress is shown [s]
 _PATIENCE = 2.0
@@ -35,16 +35,12 @@ def progress_display(*, quiet: bool) -> Iterator[Callable[[str], Progress]]:
     The display is updated by calls with the completed fraction, 0…1, and a note.
     """
     if quiet:
-        yield lambda _name: _nothing
+        yield silent
     elif sys.stderr.isatty():
         with _bars() as bars:
             yield lambda name: _bar(bars, name)
     else:
         yield _lines
-
-
-def _nothing(_share: float, _note: str) -> None:
-    pass
 
 
 def _bars() -> Any:

@@ -34,7 +34,7 @@ def matrix(request: requests.SkyMatrixRequest) -> None:
     include = "sky" if request.no_direct else include
     placement, diameter = _placement(request.sun_size)
     ground, colour = request.ground_reflectance, request.sky_colour
-    with progress_display(quiet=request.quiet) as display:
+    with progress_display(quiet=request.file.quiet) as display:
         progress = display("sky matrix")
         data = selected_weather(request.weather, request.days, request.time)
         if request.daylight_only:
@@ -53,15 +53,14 @@ def matrix(request: requests.SkyMatrixRequest) -> None:
         )
         progress(0.2, "writing")
         sky = sky.mean() if request.average else sky
-        command, encoding = "clerestory sky matrix", request.encoding
+        command = "clerestory sky matrix"
         if request.luminance:
-            matrix = sky.luminance()
-            write_any_matrix(request.output, matrix, encoding=encoding, command=command)
+            write_any_matrix(request.file, sky.luminance(), command=command)
         else:
-            write_sky(request.output, sky, encoding=encoding, command=command)
+            write_sky(request.file, sky, command=command)
         progress(1.0, "done")
     size = f"{sky.rows.describe()} by {sky.columns.describe()}"
-    say(f"{request.output}: {size}", quiet=request.quiet)
+    say(f"{request.file.output}: {size}", quiet=request.file.quiet)
 
 
 def vector(request: requests.SkyVectorRequest) -> None:
@@ -87,9 +86,9 @@ def vector(request: requests.SkyVectorRequest) -> None:
     column = sky_vector(
         sky, subdivision=request.subdivision, sun=placement, sun_diameter_deg=diameter
     )
-    command = "clerestory sky vector"
-    write_sky(request.output, column, encoding=request.encoding, command=command)
-    say(f"{request.output}: {column.rows.describe()}", quiet=request.quiet)
+    file = request.file
+    write_sky(file, column, command="clerestory sky vector")
+    say(f"{file.output}: {column.rows.describe()}", quiet=file.quiet)
 
 
 def sun(request: requests.SunTable) -> None:

@@ -6,16 +6,14 @@ import xarray as xr
 from rich.console import Console
 from rich.table import Table
 
-from clerestory.cli.plan_text import plan_table
 from clerestory.cli.progress import progress_display, say
 from clerestory.cli.requests import study as requests
 from clerestory.metrics.sensor_metrics import error_of_group_mean
 from clerestory.report.page import REPORT_FILE, picture_folder, write_report
 from clerestory.study.config import Study, read_study
-from clerestory.study.demo_study import write_demo
-from clerestory.study.new_study import begin_study
+from clerestory.study.new_study import begin_study, write_demo
 from clerestory.study.results import Results, read_results
-from clerestory.study.run_plan import plan_study
+from clerestory.study.run_plan import PlannedMatrix, StudyPlan, plan_study
 from clerestory.study.study_run import run_study
 
 
@@ -46,7 +44,7 @@ def run(request: requests.RunStudy) -> None:
     )
     folder = request.out or request.study.with_name(f"{request.study.stem}_results")
     if request.plan:
-        Console().print(plan_table(plan_study(study, out=folder)))
+        Console().print(_plan_table(plan_study(study, out=folder)))
         return
     _run(study, folder, quiet=request.quiet)
 
@@ -105,3 +103,54 @@ def _figure(part: xr.Dataset, name: str, factor: float) -> str:
         components = part["mean_components"].values.astype(float)
     error = error_of_group_mean(part[f"{name}_error"].values.astype(float), components)
     return f"{value:.1f} ± {factor * error:.1f}"
+
+
+def _plan_table(plan: StudyPlan) -> Table:
+    # One line per matrix, and the totals as caption
+    where = (
+        f"{plan.workers} workers, {plan.device}" if plan.workers > 1 else plan.device
+    )
+    table = Table(title=f"Matrices, traced on {where}", title_justify="left")
+    table.add_column("matrix")
+    for heading in ("rows", "columns", "paths", "time", "disk"):
+        table.add_column(heading, justify="right")
+    for matrix in plan.matrices:
+        table.add_row(*_line(matrix))
+    if plan.later.paths:
+        paths, seconds = _count(plan.later.paths), _duration(plan.later.seconds)
+        table.add_row("direct sun in pictures", "", "", paths, seconds, "")
+    table.caption = (
+        f"tracing about {_duration(plan.seconds)}, memory about {_size(plan.memory)},"
+        f" disk {_size(plan.disk)}"
+    )
+    table.caption_justify = "left"
+    return table
+
+
+def _line(matrix: PlannedMatrix) -> list[str]:
+    name, _, _ = matrix.file.rpartition("-")
+    shape = [f"{matrix.rows:,}", f"{matrix.columns:,}"]
+    if matrix.kept:
+        return [name, *shape, "", "kept", ""]
+    seconds = _duration(matrix.seconds) if matrix.seconds else "with it"
+    return [name, *shape, _count(matrix.paths), seconds, _size(matrix.bytes)]
+
+
+def _count(paths: int) -> str:
+    if paths < 1e6:
+        return f"{paths:,}"
+    return f"{paths * 1e-6:,.0f} million"
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 100:
+        return f"{max(1, round(seconds))} s"
+    if seconds < 6000:
+        return f"{seconds / 60:.0f} min"
+    return f"{seconds / 3600:.1f} h"
+
+
+def _size(count: float) -> str:
+    if count < 1e9:
+        return f"{max(1, round(count / 1e6))} MB"
+    return f"{count / 1e9:.1f} GB"

@@ -21,6 +21,7 @@ from clerestory.gonio.layer_file import read_layer
 from clerestory.image.picture_files import write_picture
 from clerestory.image.picture_sets import numbered
 from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases import traced_matrices
 from clerestory.phases.facade_matrices import facade_matrices
 from clerestory.phases.picture_matrices import (
     Camera,
@@ -28,11 +29,6 @@ from clerestory.phases.picture_matrices import (
     picture_view_matrices,
 )
 from clerestory.phases.sun_coefficients import blackened, sun_coefficients
-from clerestory.phases.traced_matrices import (
-    daylight_coefficients,
-    daylight_matrices,
-    view_matrices,
-)
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.view_text import view_of
 from clerestory.radiance.window_reader import read_windows
@@ -58,7 +54,9 @@ def view(request: requests.ViewMatrix) -> None:
         else:
             if request.direct:
                 room, effort = blackened(room), replace(effort, bounces=1)
-            traced = view_matrices(room, windows, sensors=receiver, effort=effort)
+            traced = traced_matrices.view_matrices(
+                room, windows, sensors=receiver, effort=effort
+            )
         run.write(traced, receiver)
 
 
@@ -69,7 +67,7 @@ def daylight(request: requests.DaylightMatrix) -> None:
     with _run("daylight", request.file, request.effort) as run:
         effort = run.effort("daylight matrix")
         run.write(
-            daylight_matrices(
+            traced_matrices.daylight_matrices(
                 room, windows, subdivision=request.subdivision, effort=effort
             )
         )
@@ -81,7 +79,7 @@ def coefficients(request: requests.DaylightCoefficients) -> None:
     _warn_of_scene(room, (), points)
     with _run("coefficients", request.file, request.effort) as run:
         effort = run.effort("daylight coefficients")
-        found = daylight_coefficients(
+        found = traced_matrices.daylight_coefficients(
             room, sensors=points, subdivision=request.subdivision, effort=effort
         )
         run.write({"": found})
@@ -145,8 +143,8 @@ class _Run:
             if isinstance(receiver, Camera) and "%" in path.name:
                 _write_pictures(path, matrix, receiver)
             else:
-                encoding = self.file.encoding
-                write_any_matrix(path, matrix, encoding=encoding, command=command)
+                file = replace(self.file, output=path)
+                write_any_matrix(file, matrix, command=command)
             say(f"{path}: {_summary(matrix)}", quiet=self.file.quiet)
         seconds = time.perf_counter() - self.begin
         say(f"done in {seconds:.1f} s", quiet=self.file.quiet)

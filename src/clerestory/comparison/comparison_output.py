@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from clerestory.comparison.agreement import LIMITS, Agreement
 from clerestory.comparison.series import UNITS
 from clerestory.comparison.series_comparison import Comparison, Offset
 from clerestory.files import write_text
+from clerestory.metrics.agreement import LIMITS, Agreement
 
 # Columns of the table of statistics
 _STATISTICS: dict[str, Callable[[Agreement], str]] = {

@@ -12,7 +12,6 @@ from typing import TypeVar, final
 import numpy as np
 
 from clerestory.checks import not_negative, require
-from clerestory.comparison.agreement import Agreement, agreement
 from clerestory.comparison.series import ILLUMINANCE, Series, group_of, quantity_of
 from clerestory.comparison.time_alignment import (
     COVERAGE,
@@ -21,6 +20,7 @@ from clerestory.comparison.time_alignment import (
     pair_series,
 )
 from clerestory.errors import InputError
+from clerestory.metrics.agreement import Agreement, agreement
 
 ABOVE_LUX = 100.0
 

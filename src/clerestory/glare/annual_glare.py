@@ -142,7 +142,5 @@ def _dataset(
     steps = np.arange(len(results)) if times is None else times
 
     # Imported here, since xarray loads slowly
-    labelled: xr.Dataset = importlib.import_module("xarray").Dataset(
-        variables, coords={axis: steps}
-    )
-    return labelled
+    dataset: type[xr.Dataset] = importlib.import_module("xarray").Dataset
+    return dataset(variables, coords={axis: steps})

@@ -20,9 +20,9 @@ class SourceOptions:
 
     threshold: float | None = option(
         None,
-        "Luminance above which pixels are glare [cd/m²]; up to 100 a multiple of"
-        " the mean of the task or the picture. 2000, or 5 with a task, if not"
-        " given.",
+        "Luminance above which pixels are glare pixels [cd/m²]; a number up to 100 is"
+        " a multiple of the mean luminance of the task or the picture. Default: 2000,"
+        " or 5 with a task.",
         "-b",
         metavar="X",
     )
@@ -33,20 +33,20 @@ class SourceOptions:
         metavar="X Y ANGLE",
     )
     merge_angle: float = option(
-        0.2, "Sources closer than half this angle are one [rad].", "-r", metavar="ANGLE"
+        0.2, "Merge sources closer than half this angle [rad].", "-r", metavar="ANGLE"
     )
-    smooth: bool = option(False, "Fill the gaps within sources.", "-s")
+    smooth: bool = option(False, "Add dark pixels surrounded by a source.", "-s")
     peak: float = option(
         50_000.0,
-        "Luminance above which pixels are sources of their own [cd/m²].",
+        "Luminance above which pixels are separate sources [cd/m²].",
         "-Y",
         metavar="L",
     )
     split_peaks: bool = option(
-        True, "Extract peaks from their sources.", "--peaks/--no-peaks", "-y/-x"
+        True, "Extract peaks as separate sources.", "--peaks/--no-peaks", "-y/-x"
     )
     smallest: float = option(
-        0.0, "Ignore sources of less solid angle [sr].", metavar="SR"
+        0.0, "Ignore sources of less than this solid angle [sr].", metavar="SR"
     )
     field: Literal["1", "2"] | None = option(
         None, "Guth's field of view: 1 total, 2 binocular.", "-G"
@@ -62,8 +62,8 @@ class IndexOptions:
     )
     fill: tuple[float, int, int] | None = option(
         None,
-        "As -i, for a picture cropped above and below: from row YMAX upwards and"
-        " from row YMIN downwards, counted from below, the last row is repeated.",
+        "As -i, for a picture cropped above and below: rows above YMAX and below"
+        " YMIN, counted from below, repeat the nearest captured row.",
         "-I",
         metavar="EV YMAX YMIN",
     )
@@ -88,13 +88,13 @@ class RegionOptions:
         None, "Picture whose bright pixels mark a window.", "-A", metavar="F"
     )
     band: float | None = option(
-        None, "Statistics of a horizontal band [rad].", "-B", metavar="ANGLE"
+        None, "Statistics around the centre row [rad].", "-B", metavar="ANGLE"
     )
     zone: Circle | None = option(
         None, "Divide sources along a circle.", "-l", metavar="X Y ANGLE"
     )
     zones: Circles | None = option(
-        None, "… along two circles.", "-L", metavar="X Y ANGLE ANGLE"
+        None, "Divide sources along two circles.", "-L", metavar="X Y ANGLE ANGLE"
     )
 
 

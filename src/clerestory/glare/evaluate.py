@@ -132,16 +132,13 @@ def evaluate_glare(
     >>> round(result.illuminance), round(result.dgp, 3), result.sources.count
     (1462, 0.263, 1)
     """
+    rules = rules or SourceRules()
     settings = IndexSettings(
         background, given_illuminance, low_light, age, coefficients
     )
+    eye = eye_of(picture, view=view, position_model=position_model, trust=trust)
     return evaluate_picture(
-        picture,
-        rules or SourceRules(),
-        settings,
-        eye_of(picture, view=view, position_model=position_model, trust=trust),
-        zones=zones,
-        seen=seen,
+        picture, rules, settings, eye, zones=zones, seen=seen
     ).result
 
 

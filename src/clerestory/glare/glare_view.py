@@ -199,14 +199,7 @@ def _tau(view: View, direction: np.ndarray, cosine: np.ndarray) -> np.ndarray:
 
 
 def pixel_pitch(direction: Float[np.ndarray, "row column 3"]) -> Pitch:
-    """Return the angles per pixel [rad], from the gradient of the directions.
-
-    >>> x = np.arange(5.0) * 0.01
-    >>> level = np.stack(np.broadcast_arrays(x, 2 * x[:, None], 0 * x), axis=-1)
-    >>> pitch = pixel_pitch(level)
-    >>> float(pitch.least[2, 2].round(6)), float(pitch.most[2, 2].round(6))
-    (0.01, 0.02)
-    """
+    """Return the angles per pixel [rad], from the gradient of the directions."""
     rows, columns = direction.shape[:2]
     pitch = Pitch(np.empty((rows, columns)), np.empty((rows, columns)))
 

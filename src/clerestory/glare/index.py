@@ -1,4 +1,4 @@
-"""Definition of a glare index: formula, reference and thresholds.
+"""Definition of a glare index: formula and thresholds.
 
 The formula of every index is in a module that also defines a `GlareIndex`. Results,
 tables and comparisons contain all indices listed in the module `indices`.

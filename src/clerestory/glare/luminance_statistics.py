@@ -70,15 +70,7 @@ class RegionStatistics:
 def region_statistics(
     luminance: Image, eye: GlareView, region: ImageMask
 ) -> RegionStatistics:
-    """Return the luminance statistics of the pixels of a region that are in view.
-
-    >>> from clerestory.glare.glare_view import glare_view
-    >>> from clerestory.scene.view import View
-    >>> eye = glare_view(View(kind="angular", horizontal=180, vertical=180), 64, 64)
-    >>> whole = region_statistics(np.full((64, 64), 50.0), eye, eye.valid)
-    >>> round(whole.average), round(whole.illuminance / np.pi)
-    (50, 50)
-    """
+    """Return the luminance statistics of the pixels of a region that are in view."""
     inside = region & eye.valid
     values = np.sort(luminance[inside].astype(float))
     require(values.size, "the region has no pixel in view; a larger region expected")

@@ -49,8 +49,8 @@ def split_peaks(
 def _is_alone(
     row: np.ndarray, column: np.ndarray, place: np.ndarray, nearer: Neighbourhood
 ) -> np.ndarray:
-    # Whether no adjacent pixel scanned before a pixel is a peak pixel; the search would
-    # always find it
+    # Whether none of the adjacent pixels scanned before a pixel is a peak pixel, which
+    # the search would always find
     rows, _ = place.shape
     alone = np.ones(row.size, dtype=bool)
     close = nearer.sure_reach[row, column] >= np.sqrt(2)

@@ -37,12 +37,7 @@ class PixelRays(NamedTuple):
 def pixel_rays(
     view: View, columns: int, rows: int, some: slice | None = None
 ) -> PixelRays:
-    """Return the directions of the pixel centres in some rows, or in all.
-
-    >>> rays = pixel_rays(View(kind="angular", horizontal=180, vertical=180), 3, 3)
-    >>> rays.direction[1, 1].tolist()
-    [0.0, 1.0, 0.0]
-    """
+    """Return the directions of the pixel centres in some rows, or in all."""
     x = (np.arange(columns) + 0.5) / columns
     y = (np.arange(rows)[::-1] + 0.5) / rows
     return directions(view, x, y if some is None else y[some])
@@ -143,12 +138,7 @@ def _planisphere_size(angle: float) -> float:
 def quadrilaterals(
     view: View, columns: int, rows: int, some: slice | None = None
 ) -> Image:
-    """Return the solid angles of the pixels of a picture [sr].
-
-    >>> view = View(kind="angular", horizontal=180, vertical=180)
-    >>> float(quadrilaterals(view, 100, 100)[50, 50].round(8))
-    0.00098696
-    """
+    """Return the solid angles of the pixels of a picture [sr]."""
     left, right = _sides(columns)
     under, over = _sides(rows)
     # evalglare mirrors the picture vertically, which affects rounding only

@@ -17,13 +17,10 @@ class GlareSources:
     ----------
     luminance : mean luminance of the source [cd/m²]
     solid_angle : solid angle of the source [sr]
-    position_index : position index of the centre of the source
-    sigma : angle of the centre from the line of sight [rad]
-    direction : unit vector to the centre
+    position_index, sigma, direction, row, column : position index, angle from the line
+        of sight [rad], unit vector, row and column of the centre of the source, which
+        is weighted by luminance and solid angle
     illuminance : vertical illuminance at the eye from the source [lux]
-    pixels : number of pixels
-    row, column : row and column of the centre, the mean weighted by luminance and solid
-        angle
     zone : zone number: 0 outside of all zones, 1 inner zone, 2 outer zone
 
     >>> lamp = GlareSources.of(luminance=[5000], solid_angle=[0.01], position_index=[2])

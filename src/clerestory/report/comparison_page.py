@@ -8,7 +8,6 @@ import numpy as np
 from jaxtyping import Float
 from matplotlib.figure import Figure
 
-from clerestory.comparison.agreement import LIMITS
 from clerestory.comparison.comparison_output import (
     comparison_notes,
     shares_table,
@@ -17,6 +16,7 @@ from clerestory.comparison.comparison_output import (
 from clerestory.comparison.series import ILLUMINANCE, group_of, quantity_of
 from clerestory.comparison.series_comparison import Comparison
 from clerestory.files import make_folder, replace_file, write_text
+from clerestory.metrics.agreement import LIMITS
 from clerestory.report.comparison_plots import (
     days_figure,
     scan_figure,

@@ -8,7 +8,6 @@ from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from clerestory.comparison.agreement import agreement
 from clerestory.comparison.series import (
     GLARE,
     ILLUMINANCE,
@@ -18,6 +17,7 @@ from clerestory.comparison.series import (
 )
 from clerestory.comparison.series_comparison import Comparison
 from clerestory.comparison.time_alignment import Pairs
+from clerestory.metrics.agreement import agreement
 from clerestory.report.period import evenly
 
 # Measurements in black, simulations in colour-blind-safe colours (Okabe and Ito)

@@ -2,15 +2,16 @@
 
 import numpy as np
 
+from clerestory.metrics.agreement import LIMITS
 from clerestory.report.content import ReportContent
 from clerestory.report.markup import render
 from clerestory.report.section import Section
 from clerestory.report.uncertain_value import number
-from clerestory.study.method_comparison import LEAST_LUX, WITHIN, differences
+from clerestory.study.method_comparison import LEAST_LUX, differences
 
 
 def methods_section(content: ReportContent) -> Section:
-    """Return deviations of every method and grid; empty if only one method was run."""
+    """Return the deviations of each method, per grid; empty for a single method."""
     if "illuminance_by_method" not in content.data:
         return Section()
     by_method = content.data["illuminance_by_method"]
@@ -19,7 +20,7 @@ def methods_section(content: ReportContent) -> Section:
     methods = content.data["method"].values.tolist()
     hours = np.flatnonzero(content.data["occupied"].values)
     head = ["Method", "Grid", "Mean [lux]", "Mean bias", "Root mean square"]
-    head += [f"Within {100 * share:.0f} %" for share in WITHIN]
+    head += [f"Within {100 * share:.0f} %" for share in LIMITS]
     rows = []
     for name, lux in zip(methods, illuminance, strict=True):
         for grid, members in content.sensors.by_grid().items():

@@ -31,6 +31,11 @@ class Triangles:
     vertices: Vertices
     faces: Faces
 
+    def areas(self) -> Float[np.ndarray, " triangles"]:
+        """Return the areas of the triangles [m²]."""
+        a, b, c = (self.vertices[self.faces[:, k]] for k in range(3))
+        return np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2)
+
 
 def triangulate(vertices: Vertices) -> Triangles:
     """Return triangles that fill a polygon by the even–odd rule.
@@ -39,15 +44,6 @@ def triangulate(vertices: Vertices) -> Triangles:
     vertices are added only if the contour intersects itself.
 
     A square with a square hole of the same orientation, connected by a seam:
-
-    >>> rim = [(0, 0), (4, 0), (4, 4), (0, 4), (0, 0)]
-    >>> hole = [(1, 1), (3, 1), (3, 3), (1, 3), (1, 1)]
-    >>> contour = np.array([(x, y, 0.0) for x, y in rim + hole])
-    >>> t = triangulate(contour)
-    >>> corner = t.vertices[t.faces]
-    >>> edges = corner[:, 1:] - corner[:, :1]
-    >>> float(np.cross(edges[:, 0], edges[:, 1]).sum(axis=0)[2] / 2)
-    12.0
     """
     origin, frame = _plane(vertices)
     flat = (vertices - origin) @ frame.T

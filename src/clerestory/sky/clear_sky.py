@@ -2,7 +2,8 @@
 
 Global horizontal and direct normal irradiance are functions of the solar altitude, the
 Linke turbidity and the elevation; diffuse horizontal irradiance is the global minus the
-direct horizontal irradiance. The model is that of `pvlib.clearsky.ineichen`.
+direct horizontal irradiance. The model is that of `pvlib.clearsky.ineichen`, which is
+not used, since it imports pandas.
 
 References: P. Ineichen, R. Perez, A new airmass independent formulation for the Linke
 turbidity coefficient, Solar Energy 73 (3), 2002; F. Kasten, A. T. Young, Applied
@@ -82,11 +83,8 @@ def clear_sky_irradiance(
     c1, c2 = 5.09e-5 * elevation + 0.868, 3.92e-5 * elevation + 0.0387
     attenuation = np.exp(-c2 * mass * (low + high * (turbidity - 1)))
     total = c1 * extraterrestrial * sine * attenuation
-    beam = (
-        extraterrestrial
-        * (0.664 + 0.163 / low)
-        * np.exp(-0.09 * mass * (turbidity - 1))
-    )
+    factor = 0.664 + 0.163 / low
+    beam = extraterrestrial * factor * np.exp(-0.09 * mass * (turbidity - 1))
     share = 1 - (0.1 - 0.2 * np.exp(-turbidity)) / (0.1 + 0.882 / low)
     direct = np.minimum(beam, np.maximum(total * share / sine, 0))
     up = np.sin(altitude) > 0

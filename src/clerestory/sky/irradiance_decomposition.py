@@ -97,12 +97,8 @@ def limit_to_extraterrestrial(
     direct_normal: Series, times: np.ndarray
 ) -> tuple[Series, tuple[str, ...]]:
     """Return direct normal irradiance [W/m²] limited to extraterrestrial, and notes."""
-    limit = _extraterrestrial(times)
-    return _limited(
-        direct_normal,
-        limit,
-        "direct values above the extraterrestrial irradiance limited to it",
-    )
+    note = "direct values above the extraterrestrial irradiance limited to it"
+    return _limited(direct_normal, _extraterrestrial(times), note)
 
 
 def _limited(
@@ -124,9 +120,8 @@ def _without_direct(level: Series, direct: Series, sun: SunPosition) -> Series:
 def _from_diffuse(
     level: Series, diffuse: Series, times: np.ndarray, sun: SunPosition
 ) -> Irradiance:
-    diffuse, notes = _limited(
-        diffuse, level, "diffuse values above global limited to global"
-    )
+    note = "diffuse values above global limited to global"
+    diffuse, notes = _limited(diffuse, level, note)
     sine = np.maximum(np.sin(sun.altitude), _LOWEST_SINE)
     direct = np.where(sun.altitude > 0, (level - diffuse) / sine, 0)
     direct = np.minimum(direct, _extraterrestrial(times))

@@ -90,11 +90,6 @@ def nearest_patches(
     """Return the sky patches whose centres are nearest to the given directions.
 
     scipy.spatial.cKDTree finds the same patches, but takes 0.2 s to load.
-
-    >>> from clerestory.hemisphere.reinhart import reinhart
-    >>> dome = reinhart(1).dome
-    >>> nearest_patches(dome, dome.centres()[[7]], count=2).patch[0].tolist()[0]
-    7
     """
     centres = dome.centres()
     rings = min(_RINGS, len(dome.count))

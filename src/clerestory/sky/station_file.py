@@ -19,11 +19,7 @@ A station file is accepted wherever a weather file is expected.
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import (
-    BeforeValidator,
-    Field,
-    model_validator,
-)
+from pydantic import BeforeValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from clerestory.documents import Table, read_toml
@@ -33,16 +29,6 @@ from clerestory.sky.irradiance_decomposition import Decomposition
 from clerestory.sky.radiation_networks import read_srml, read_surfrad
 from clerestory.sky.time_steps import StandsFor
 from clerestory.sky.weather import Site, Weather
-
-# Keys that are passed to `read_measured` as arguments
-_CSV_SETTINGS = {
-    "time_format",
-    "stands_for",
-    "clock",
-    "separator",
-    "skip_lines",
-    "decomposition",
-}
 
 
 def _as_list(value: Any) -> Any:
@@ -56,11 +42,15 @@ OneOrSeveral = Annotated[list[str], BeforeValidator(_as_list)]
 class SiteTable(Table):
     """Table [site]: location of the measurement."""
 
-    latitude_deg: float = Field(description="degrees, positive north")
-    longitude_deg: float = Field(description="degrees, positive east")
-    utc_offset_hours: float = Field(description="hours ahead of UTC")
-    elevation: float = 0.0
+    latitude_deg: float = Field(ge=-90, le=90, description="degrees, positive north")
+    longitude_deg: float = Field(ge=-180, le=180, description="degrees, positive east")
+    utc_offset_hours: float = Field(ge=-14, le=14, description="hours ahead of UTC")
+    elevation: float = Field(0.0, ge=-500, le=9000)
     place: str = ""
+
+    def site(self) -> Site:
+        """Return the location as a value."""
+        return Site(**self.model_dump(include=set(SiteTable.model_fields)))
 
 
 class ColumnsTable(Table):
@@ -122,12 +112,12 @@ def read_with(path: str | Path, how: MeasuredTable) -> Weather:
         return read_surfrad(path, utc_offset_hours=offset)
     if how.site is None:
         raise InputError("no site; a table [site] expected", file=path)
-    site = Site(**how.site.model_dump())
+    site = how.site.site()
     if how.format == "srml":
         return read_srml(path, site=site, decomposition=how.decomposition)
     if how.columns is None:
         raise InputError("no columns; a table [columns] expected", file=path)
-    settings = how.model_dump(include=_CSV_SETTINGS)
+    settings = how.model_dump(exclude={"format", "site", "columns", "file"})
     return read_measured(path, columns=how.columns.columns(), site=site, **settings)
 
 

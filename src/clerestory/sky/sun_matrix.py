@@ -78,12 +78,9 @@ def sun_matrix(
     """Return the sun matrix of all steps with direct irradiance.
 
     Steps with the sun below the horizon are excluded; the attribute
-    "steps_below_horizon" is the number of these steps.
-
-    Parameters
-    ----------
-    tolerance_deg : largest angle between merged solar positions [°]; 0: no merging
-    options : keyword arguments of `sky_conditions`
+    "steps_below_horizon" is the number of these steps. Solar positions are merged
+    within an angle `tolerance_deg` [°]. `options` are keyword arguments of
+    `sky_conditions`.
     """
     most = _WIDEST_TOLERANCE_DEG
     within(tolerance_deg, "tolerance", least=0, most=most, unit="degrees")
@@ -119,12 +116,8 @@ def patch_suns(
     """
     conditions = sky_conditions(weather, **options)
     partition = reinhart(subdivision)
-    radiance = sun_radiance(
-        conditions.direct_normal,
-        conditions.sun.directions(),
-        partition=partition,
-        placement="disc",
-    )
+    direct, towards = conditions.direct_normal, conditions.sun.directions()
+    radiance = sun_radiance(direct, towards, partition=partition, placement="disc")
     solid_angle = np.pi * (SUN_DIAMETER / 2) ** 2
     return SunMatrix(
         partition.dome.centres(),

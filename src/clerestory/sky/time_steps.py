@@ -66,10 +66,7 @@ def step_centres(
 def _require_increasing(times: np.ndarray, rows: DataRows) -> None:
     rows.require(
         np.diff(times, prepend=times[:1] - 1) > np.timedelta64(0),
-        lambda i: (
-            f"time goes back from {times[i - 1]} to {times[i]}; increasing times"
-            " expected"
-        ),
+        lambda i: f"time {times[i]} follows {times[i - 1]}; increasing times expected",
     )
 
 

@@ -91,11 +91,6 @@ def _header(lines: list[str]) -> tuple[Site, float]:
         " horizontal irradiance) or 3 (illuminance) expected",
         line=len(_KEYS),
     )
-    site = Site(
-        latitude_deg=values["latitude"],
-        longitude_deg=-values["longitude"],
-        utc_offset_hours=-values["time_zone"] / 15,
-        elevation=values["site_elevation"],
-        place=place,
-    )
+    east, offset = -values["longitude"], -values["time_zone"] / 15
+    site = Site(values["latitude"], east, offset, values["site_elevation"], place)
     return site, units

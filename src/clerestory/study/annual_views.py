@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float, Int
 
-from clerestory.errors import InputError
+from clerestory.checks import require
 from clerestory.files import make_folder
 from clerestory.glare.annual_glare import annual_glare
 from clerestory.image.picture import Picture
@@ -44,17 +44,8 @@ def study_views(
 ) -> xr.Dataset:
     """Return glare metrics of every view and time step; write the selected images.
 
-    Metrics are NaN in time steps without light.
-
-    Parameters
-    ----------
-    states : index of the shade state at each time step, per window group
-    lamps, output : electric light at full output, and dimming level 0…1 of each zone
-
-    Returns
-    -------
-    variables `glare_…` over (view, time), for views wide enough for glare, such as
-    `glare_dgp` and `glare_illuminance`, the vertical illuminance at the eye [lux]
+    Views wide enough for glare have variables `glare_…` (view, time), NaN in time steps
+    without light. `output` is the dimming level 0…1 of each zone.
     """
     times = skies.whole.times
     daylight = skies.whole.diffuse.max(axis=0) > 0
@@ -68,12 +59,12 @@ def study_views(
             continue
         show = _counted(display(f"pictures of {label}"), len(seen))
         lit = _with_lamps(
-            view.pictures(states, skies, seen), lamps.pictures(label), output
+            view.pictures(states, skies, seen), lamps.views.get(label, ()), output
         )
         series = _written(lit, kept, out / PICTURE_FOLDER, label)
         if sees_glare(view.camera.view):
             glare = _glare(series, view, times, seen, states, progress=show)
-            found[label] = glare.sortby("time").reindex(time=times)
+            found[label] = glare.reindex(time=times)
         else:
             for done, _ in enumerate(series, start=1):
                 show(done)
@@ -113,33 +104,23 @@ def glare_function(
         named = [view for view in views if view.table.label in names]
         eyes = [view for view in views if sees_glare(view.camera.view)]
         for view in named or eyes or views:
-            _require_eye(view)
+            require(
+                sees_glare(view.camera.view),
+                f'view "{view.table.label}" is too narrow for the evaluation of glare;'
+                " an angular or hemispherical view of 180° expected",
+                file=view.table.file,
+            )
             if len(bright):
                 series = view.pictures(states, skies, bright)
-                glare = _glare(
-                    (picture.luminance() for _, picture in series),
-                    view,
-                    times,
-                    bright,
-                    states,
-                    progress=_counted(
-                        display(f"glare in {view.table.label}"), len(bright)
-                    ),
-                )
-                dgp = glare.sortby("time")["dgp"].values
-                worst[lit[steps]] = np.maximum(worst[lit[steps]], dgp)
+                pixels = (picture.luminance() for _, picture in series)
+                shown = display(f"glare in {view.table.label}")
+                report = _counted(shown, len(bright))
+                glare = _glare(pixels, view, times, bright, states, progress=report)
+                seen = lit[steps]
+                worst[seen] = np.maximum(worst[seen], glare["dgp"].values)
         return worst
 
     return judge
-
-
-def _require_eye(view: ViewMatrices) -> None:
-    if not sees_glare(view.camera.view):
-        raise InputError(
-            f'view "{view.table.label}" is too narrow for the evaluation of glare; an'
-            " angular or hemispherical view of 180° expected",
-            file=view.table.file,
-        )
 
 
 def _glare(
@@ -149,11 +130,14 @@ def _glare(
     steps: np.ndarray,
     states: States,
     *,
-    progress: Callable[[int], None] | None = None,
+    progress: Callable[[int], None],
 ) -> xr.Dataset:
     # Images are grouped by combination of shade states, not in order of time
     order = view.order(states, steps)
-    return annual_glare(series, view.camera.view, times=times[order], progress=progress)
+    found = annual_glare(
+        series, view.camera.view, times=times[order], progress=progress
+    )
+    return found.sortby("time")
 
 
 def _counted(progress: Progress, count: int) -> Callable[[int], None]:
@@ -164,19 +148,16 @@ def _asked_for(
     table: ViewTable, times: np.ndarray, steps: np.ndarray
 ) -> dict[int, str]:
     # Step index of each selected picture, and its moment as given in the study
-    stamps = {
-        str(np.datetime_as_string(times[step], unit="m"))[5:]: int(step)
-        for step in steps
-    }
-    if EVERY in table.pictures:
-        return {step: stamp for stamp, step in stamps.items()}
-    for moment in table.pictures:
-        if moment not in stamps:
-            raise InputError(
-                f'view "{table.label}": no step with light at {moment}; one such as'
-                f" {list(stamps)[len(stamps) // 2]} expected"
-            )
-    return {stamps[moment]: moment for moment in table.pictures}
+    names = np.datetime_as_string(times[steps], unit="m").tolist()
+    stamps = {name[5:]: int(step) for name, step in zip(names, steps, strict=True)}
+    wanted = list(stamps) if EVERY in table.pictures else table.pictures
+    for moment in wanted:
+        require(
+            moment in stamps,
+            f'view "{table.label}": no step with light at {moment}; a moment such as'
+            f" {[*stamps, 'none'][len(stamps) // 2]} expected",
+        )
+    return {stamps[moment]: moment for moment in wanted}
 
 
 def _with_lamps(

@@ -1,7 +1,7 @@
-"""Schema of the study file (TOML).
+"""Schema of the study file (TOML); see `docs/study-file.md`.
 
 Each table of the file is a class; error messages state the description of a key as
-the expected value. See `docs/study-file.md`.
+the expected value.
 """
 
 import json
@@ -20,22 +20,8 @@ from clerestory.documents import Table, read_toml
 from clerestory.engine.device import Device
 from clerestory.phases.matrix_equation import Term
 from clerestory.phases.methods import METHODS, MethodName
-from clerestory.study.config_tables import (
-    Distinct,
-    MetricsTable,
-    OutputTable,
-    SceneTable,
-    ScheduleTable,
-    SensorsTable,
-    SkyTable,
-    SunlightTable,
-    SunTable,
-    TraceTable,
-    ViewTable,
-    WeatherTable,
-    require_rule,
-    sun_places,
-)
+from clerestory.study import config_tables as tables
+from clerestory.study.config_tables import Distinct, require_rule
 from clerestory.study.lighting_tables import LightingTable, LuminaireTable
 from clerestory.study.window_tables import WindowTable
 
@@ -61,22 +47,26 @@ class Study(Table):
     methods: Annotated[list[MethodName], BeforeValidator(_methods)] = Field(
         alias="method", description=_METHODS
     )
-    scene: SceneTable = Field(description="a table [scene]")
+    scene: tables.SceneTable = Field(description="a table [scene]")
     window: Annotated[list[WindowTable], Distinct] = Field([])
-    sensors: Annotated[list[SensorsTable], Distinct] = Field(
+    sensors: Annotated[list[tables.SensorsTable], Distinct] = Field(
         min_length=1, description="at least one table [[sensors]]"
     )
-    view: Annotated[list[ViewTable], Distinct] = Field([])
+    view: Annotated[list[tables.ViewTable], Distinct] = Field([])
     luminaire: Annotated[list[LuminaireTable], Distinct] = Field([])
     lighting: Annotated[list[LightingTable], Distinct] = Field([])
-    weather: WeatherTable = Field(description="a table [weather]")
-    sky: SkyTable = SkyTable()
-    sun: Annotated[SunTable, BeforeValidator(sun_places)] = SunTable()
-    trace: TraceTable = TraceTable()
-    schedule: ScheduleTable = ScheduleTable()
-    metrics: MetricsTable = MetricsTable()
-    sunlight: SunlightTable | None = Field(None, description="a table [sunlight]")
-    output: OutputTable = OutputTable()
+    weather: tables.WeatherTable = Field(description="a table [weather]")
+    sky: tables.SkyTable = tables.SkyTable()
+    sun: Annotated[tables.SunTable, BeforeValidator(tables.sun_places)] = (
+        tables.SunTable()
+    )
+    trace: tables.TraceTable = tables.TraceTable()
+    schedule: tables.ScheduleTable = tables.ScheduleTable()
+    metrics: tables.MetricsTable = tables.MetricsTable()
+    sunlight: tables.SunlightTable | None = Field(
+        None, description="a table [sunlight]"
+    )
+    output: tables.OutputTable = tables.OutputTable()
 
     @model_validator(mode="after")
     def _windows_for_the_method(self) -> "Study":

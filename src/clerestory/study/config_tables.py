@@ -21,7 +21,7 @@ from clerestory.engine.device import Device
 from clerestory.files import is_file
 from clerestory.metrics.climate_based_metrics import TARGET_LUX
 from clerestory.metrics.en17037 import FIRST_DAY, LAST_DAY
-from clerestory.sky.station_file import MeasuredTable
+from clerestory.sky.station_file import MeasuredTable, SiteTable
 
 
 def _input_file(value: Any, info: Any) -> Any:
@@ -123,14 +123,9 @@ class HoursTable(Table):
         return self
 
 
-class ClearSkyTable(Table):
+class ClearSkyTable(SiteTable):
     """Year of clear skies, in place of a weather file."""
 
-    latitude_deg: float = Field(ge=-90, le=90, description="degrees, positive north")
-    longitude_deg: float = Field(ge=-180, le=180, description="degrees, positive east")
-    utc_offset_hours: float = Field(ge=-14, le=14, description="hours ahead of UTC")
-    elevation: float = Field(0.0, ge=-500, le=9000)
-    place: str = ""
     turbidity: float = Field(3.0, ge=1, le=10)
     step_minutes: int = Field(60, ge=1, le=60)
 

@@ -31,12 +31,7 @@ GlareFunction = Callable[
 
 @dataclass(frozen=True, eq=False)
 class ControlInputs:
-    """Inputs of the control rules of a study.
-
-    Attributes
-    ----------
-    judge : function that returns the maximum DGP of given views at given time steps
-    """
+    """Inputs of the control rules; `judge` returns the largest DGP of some views."""
 
     study: Study
     inputs: Inputs
@@ -105,8 +100,8 @@ class ControlInputs:
 
     def _on_facade(self, name: str, group: int, sky: SkyMatrix) -> np.ndarray:
         if (name, group) not in self._kept:
-            row = self._facade_row(group)
-            self._kept[name, group] = (row @ sky).illuminance()["illuminance"].values[0]
+            product = self._facade_row(group) @ sky
+            self._kept[name, group] = product.illuminance()["illuminance"].values[0]
         return self._kept[name, group]
 
     def _facade_row(self, group: int) -> TransferMatrix:

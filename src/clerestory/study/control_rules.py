@@ -11,12 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
+from clerestory.checks import require, within
 from clerestory.control.control_rule import Situation, apply_rule, load_rule
 from clerestory.control.profile_angle import blocking_states
 from clerestory.control.schedule import read_schedule, states_at
 from clerestory.control.state_choice import Limit, best_states, least_closed
 from clerestory.control.threshold import staged_states, threshold_states
-from clerestory.errors import InputError
+from clerestory.errors import InputError, located
 from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.window_tables import ControlTable
 
@@ -31,14 +32,9 @@ _StateTimes = Int[np.ndarray, " time"]
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """Control problem of one window group.
+    """Control problem of one window group, given by its number.
 
-    Attributes
-    ----------
-    signals : inputs of the control rules
-    number : index of the group
-    control : control rule of the group
-    others : current states of all groups; those of the group itself are ignored
+    The states of the group itself among `others` are ignored.
     """
 
     signals: ControlInputs
@@ -57,9 +53,10 @@ class Case:
         states[self.number] = np.full_like(states[self.number], state)
         return states
 
-    def every_step(self) -> Int[np.ndarray, " time"]:
-        """Indices of all time steps."""
-        return np.arange(len(self.signals.times))
+    def illuminance(self, grid: str) -> list[Float[np.ndarray, "sensor time"]]:
+        """Illuminance of a grid for each state of this group [lux]."""
+        states = map(self.with_state, range(self.count))
+        return [self.signals.illuminance(state, grid) for state in states]
 
 
 def fixed(case: Case) -> _StateTimes:
@@ -71,14 +68,11 @@ def fixed(case: Case) -> _StateTimes:
 def cut_off(case: Case) -> _StateTimes:
     """Return the most open slat tilt that blocks direct sun, at each time step."""
     control = case.control
-    width, spacing = control.slat_width, control.slat_spacing
-    if width is None or spacing is None:
-        raise InputError('rule "cut-off" without the size of the slats')
     return blocking_states(
         case.signals.profile(case.number, vertical=control.vertical),
         tilts=np.radians(control.tilts_deg),
-        width=width,
-        spacing=spacing,
+        width=control.slat_width or 0.0,
+        spacing=control.slat_spacing or 0.0,
         sunny=_sunny(case),
     )
 
@@ -121,18 +115,18 @@ def by_glare(case: Case) -> _StateTimes:
     """Return the most open state with DGP below the limit."""
     bound = case.control.dgp_below or DGP_BELOW
     if case.control.grid:
-        return least_closed([Limit(_simplified_glare(case), bound)])
-    return least_closed([Limit(_glare_until(case, bound), bound)])
+        lux = case.illuminance(case.control.grid)
+        dgp = np.stack([_DGPS_SLOPE * e.max(axis=0) + _DGPS_OFFSET for e in lux])
+    else:
+        dgp = _glare(case, until=bound)
+    return least_closed([Limit(dgp, bound)])
 
 
 def by_score(case: Case) -> _StateTimes:
     """Return the state with the highest mean of min(illuminance, target), in limits."""
-    control, signals = case.control, case.signals
-    target = control.target_lux or signals.study.metrics.target_lux
-    lux = [
-        signals.illuminance(case.with_state(state), control.grid)
-        for state in range(case.count)
-    ]
+    control = case.control
+    target = control.target_lux or case.signals.study.metrics.target_lux
+    lux = case.illuminance(control.grid)
     score = np.stack([np.minimum(each, target).mean(axis=0) for each in lux])
     limits = []
     if control.lux_below is not None:
@@ -150,17 +144,15 @@ def by_schedule(case: Case) -> _StateTimes:
     if file is None:
         raise InputError('rule "schedule" without a file')
     schedule = read_schedule(file)
-    if group.name not in schedule.states:
-        raise InputError(
-            f'no column "{group.name}"; one for each window group that asks expected',
-            file=file,
-        )
+    require(
+        group.name in schedule.states,
+        f'no column "{group.name}"; a column for each window with this rule expected',
+        file=file,
+    )
     states = states_at(schedule, case.signals.times)[group.name]
-    if int(states.max()) >= case.count:
-        raise InputError(
-            f'window "{group.name}" in state {states.max()}; 0 to {case.count - 1}'
-            " expected",
-            file=file,
+    with located(file=file):
+        within(
+            states, f'the state of window "{group.name}"', least=0, most=case.count - 1
         )
     return states
 
@@ -206,11 +198,8 @@ def _wanted(case: Case) -> dict[str, Float[np.ndarray, "state time"]]:
     found, needs = {}, case.control.needs
     if "illuminance" in needs:
         for grid in case.signals.inputs.grids:
-            lux = [
-                case.signals.illuminance(case.with_state(s), grid).mean(axis=0)
-                for s in range(case.count)
-            ]
-            found[f"illuminance {grid}"] = np.stack(lux)
+            lux = case.illuminance(grid)
+            found[f"illuminance {grid}"] = np.stack([e.mean(axis=0) for e in lux])
     if "glare" in needs:
         found["dgp"] = _glare(case)
     return found
@@ -263,31 +252,14 @@ def _quantity(case: Case) -> Float[np.ndarray, " time"]:
             return np.asarray(lux.mean(axis=0))
 
 
-def _glare(case: Case) -> Float[np.ndarray, "state time"]:
-    judge, views = case.signals.judge, case.control.views
-    steps = case.every_step()
-    return np.stack(
-        [judge(case.with_state(s), steps, views) for s in range(case.count)]
-    )
-
-
-def _glare_until(case: Case, bound: float) -> Float[np.ndarray, "state time"]:
-    # Evaluate a state only at time steps at which all more open states exceed the limit
-    steps = case.every_step()
+def _glare(case: Case, *, until: float = -np.inf) -> Float[np.ndarray, "state time"]:
+    # DGP of each state at the time steps at which all more open states exceed a limit
+    steps = np.arange(len(case.signals.times))
     glare = np.full((case.count, len(steps)), np.inf)
     for state in range(case.count):
         if len(steps):
-            found = case.signals.judge(
-                case.with_state(state), steps, case.control.views
-            )
+            states, views = case.with_state(state), case.control.views
+            found = case.signals.judge(states, steps, views)
             glare[state, steps] = found
-            steps = steps[found > bound]
+            steps = steps[found > until]
     return glare
-
-
-def _simplified_glare(case: Case) -> Float[np.ndarray, "state time"]:
-    lux = [
-        case.signals.illuminance(case.with_state(state), case.control.grid)
-        for state in range(case.count)
-    ]
-    return np.stack([_DGPS_SLOPE * e.max(axis=0) + _DGPS_OFFSET for e in lux])

@@ -45,17 +45,15 @@ def window_drawing(windows: Sequence[Window]) -> xr.Dataset:
         return xr.Dataset()
     parts = [_window_corners(window) for window in windows]
     index = np.repeat(np.arange(len(parts)), [len(part) for part in parts])
-    centres = [_centroid(part) for part in parts]
-    normals = [window.frame.normal for window in windows]
-    ups = [window.frame.up for window in windows]
+    frames = [window.frame for window in windows]
     corner_axes = ("window_triangle", "corner", "xyz")
     return xr.Dataset(
         {
             "window_triangle": (corner_axes, _single(parts)),
             "window_index": ("window_triangle", index.astype(np.int32)),
-            "window_centre": (("window", "xyz"), np.stack(centres)),
-            "window_normal": (("window", "xyz"), np.stack(normals)),
-            "window_up": (("window", "xyz"), np.stack(ups)),
+            "window_centre": (("window", "xyz"), [_centroid(part) for part in parts]),
+            "window_normal": (("window", "xyz"), [frame.normal for frame in frames]),
+            "window_up": (("window", "xyz"), [frame.up for frame in frames]),
         },
         coords={"window": np.array([window.name for window in windows], dtype=str)},
     )
@@ -82,14 +80,9 @@ def layer_drawing(groups: Sequence[WindowGroup]) -> xr.Dataset:
         f"{', '.join(windows)}: {state}" if state else ", ".join(windows)
         for (_, state), windows in shown.items()
     ]
+    layers, axes = np.stack(values).astype(np.float32), ("layer", "exit", "incident")
     return xr.Dataset(
-        {
-            "layer_transmission": (
-                ("layer", "exit", "incident"),
-                np.stack(values).astype(np.float32),
-                {"units": "1/sr"},
-            )
-        },
+        {"layer_transmission": (axes, layers, {"units": "1/sr"})},
         coords={"layer": np.array(names, dtype=str)},
     )
 

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Bool, Float, Int
 
-from clerestory.errors import InputError
+from clerestory.checks import require
 from clerestory.metrics.lighting_energy import LightingUse, LightingZone, lighting_use
 from clerestory.study.lighting_tables import LightingTable
 from clerestory.study.luminaire_matrices import Lamps, Zone
@@ -26,25 +26,12 @@ def lighting(
     """Return dimming level, illuminance and power of the luminaires over time.
 
     Photosensors of dimmed zones measure daylight and the light of other zones,
-    photosensors of switched zones ("on-off") measure daylight only.
-
-    Parameters
-    ----------
-    lamps : electric light at full output
-    hourly : `illuminance` and `standard_error` of daylight [lux]
-    rows : indices of the sensors that control each zone
-    occupied : mask of the occupied time steps
-    step_hours : length of a time step [h]
-
-    Returns
-    -------
-    `electric_illuminance` (sensor, time) [lux], `dimming` (zone, time), 0…1,
-    `lighting_power` (zone, time) [W], `lighting_energy` and `lighting_energy_error`
-    (zone) [Wh]; empty without luminaires
+    photosensors of switched zones ("on-off") measure daylight only. `rows` are the
+    indices of the sensors that control each zone.
     """
     if not lamps.zones:
         return xr.Dataset()
-    full = lamps.illuminance()
+    full = lamps.illuminance
     daylight = [hourly["illuminance"][chosen].values for chosen in rows]
     error = [hourly["standard_error"][chosen].values for chosen in rows]
     output = np.zeros((len(lamps.zones), hourly.sizes["time"]))
@@ -71,11 +58,11 @@ def lighting(
 
 def _governed(zone: Zone, full: np.ndarray) -> LightingZone:
     table = zone.table
-    if not (len(full) and full.min() > 0):
-        raise InputError(
-            f'the luminaires of lighting "{table.label}" do not reach all sensors of'
-            f' grid "{table.grid}"; light at each of them expected'
-        )
+    require(
+        len(full) and full.min() > 0,
+        f'the luminaires of lighting "{table.label}" do not illuminate all sensors of'
+        f' grid "{table.grid}"; light at each sensor expected',
+    )
     return LightingZone(
         power=zone.power,
         full_lux=float(full.mean()),
@@ -102,23 +89,17 @@ def _dataset(
     lamps: Lamps, full: np.ndarray, output: np.ndarray, uses: Sequence[LightingUse]
 ) -> xr.Dataset:
     axes = ("zone", "time")
-    power = np.stack([use.power for use in uses])
+    lux = (full.T @ output).astype(np.float32)
+    power = np.stack([use.power for use in uses]).astype(np.float32)
+    energy, error = [use.energy for use in uses], [use.error for use in uses]
     names = np.array([zone.table.label for zone in lamps.zones], dtype=str)
     return xr.Dataset(
         {
-            "electric_illuminance": (
-                ("sensor", "time"),
-                (full.T @ output).astype(np.float32),
-                {"units": "lux"},
-            ),
+            "electric_illuminance": (("sensor", "time"), lux, {"units": "lux"}),
             "dimming": (axes, output.astype(np.float32), {"units": "1"}),
-            "lighting_power": (axes, power.astype(np.float32), {"units": "W"}),
-            "lighting_energy": ("zone", [use.energy for use in uses], {"units": "Wh"}),
-            "lighting_energy_error": (
-                "zone",
-                [use.error for use in uses],
-                {"units": "Wh"},
-            ),
+            "lighting_power": (axes, power, {"units": "W"}),
+            "lighting_energy": ("zone", energy, {"units": "Wh"}),
+            "lighting_energy_error": ("zone", error, {"units": "Wh"}),
         },
         coords={"zone": names},
     )

@@ -1,34 +1,34 @@
 """Content of the input files of a study."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Int
 
+from clerestory.checks import require
 from clerestory.errors import InputError
+from clerestory.metrics.occupied_hours import occupied_hours
 from clerestory.phases.picture_matrices import Camera
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.view_text import read_view
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors, read_sensors
+from clerestory.sky.clear_sky import clear_sky_weather
+from clerestory.sky.quality_checks import warn_of_clock
+from clerestory.sky.station_file import read_with
 from clerestory.sky.weather import Weather
+from clerestory.sky.weather_formats import read_weather
+from clerestory.sky.weather_selection import select_days
 from clerestory.study.config import Study
-from clerestory.study.config_tables import ViewTable
-from clerestory.study.study_weather import study_weather
+from clerestory.study.config_tables import ViewTable, WeatherTable
 from clerestory.study.window_groups import WindowGroup, read_window_groups
 
 
 @dataclass(frozen=True, eq=False)
 class Inputs:
-    """Inputs of a study.
+    """Content of the files of a study, without the windows in the scene.
 
-    Attributes
-    ----------
-    scene : room and surroundings, without the windows
-    groups : window groups
-    grids : sensors of each grid, by grid name
-    cameras : views with picture sizes, in the order of the study file
-    weather : weather of the simulated time steps
+    Grids are sensors by grid name; cameras are views in the order of the study file.
     """
 
     scene: Scene
@@ -52,19 +52,14 @@ class Inputs:
 
 
 def read_inputs(study: Study) -> Inputs:
-    """Read the files of a study.
-
-    Raises
-    ------
-    InputError : a file is invalid, or files are inconsistent
-    """
+    """Read the files of a study."""
     groups = [group for table in study.window for group in read_window_groups(table)]
     names = [group.name for group in groups]
     for name in names:
-        if names.count(name) > 1:
-            raise InputError(
-                f'two window groups are named "{name}"; different names expected'
-            )
+        require(
+            names.count(name) == 1,
+            f'two window groups are named "{name}"; different names expected',
+        )
     return Inputs(
         scene=read_rad(*study.scene.files),
         groups=tuple(groups),
@@ -77,3 +72,62 @@ def read_inputs(study: Study) -> Inputs:
 def _camera(table: ViewTable) -> Camera:
     view = read_view(table.file)
     return Camera(view, *view.size_for(table.resolution))
+
+
+def study_weather(study: Study) -> Weather:
+    """Return the weather of the simulated time steps."""
+    table = study.weather
+    weather = select_days(
+        _whole(table), first=table.first_day or "01-01", last=table.last_day or "12-31"
+    )
+    step = weather.step_minutes * table.every
+    weather = replace(weather.select(_chosen(weather, table)), step_minutes=step)
+    start, end = study.schedule.from_hour, study.schedule.to_hour
+    require(
+        occupied_hours(weather.times, from_hour=start, to_hour=end).any(),
+        f"no time step lies between {start:g} and {end:g} h, the study's schedule; at"
+        " least one expected",
+        file=table.file,
+    )
+    return weather
+
+
+def _whole(table: WeatherTable) -> Weather:
+    sky = table.clear_sky
+    if sky is not None:
+        return clear_sky_weather(
+            sky.site(), turbidity=sky.turbidity, step_minutes=sky.step_minutes
+        )
+    if table.file is None:
+        raise InputError("no weather; a file or a clear sky expected")
+    if table.measured is None:
+        weather = read_weather(table.file)
+    else:
+        weather = read_with(table.file, table.measured)
+    warn_of_clock(weather)
+    return weather
+
+
+def _chosen(weather: Weather, table: WeatherTable) -> np.ndarray:
+    # Indices of the steps within the hours, at the given moments, every n-th of them
+    steps = occupied_hours(
+        weather.times, from_hour=table.from_hour, to_hour=table.to_hour
+    )
+    if table.moments:
+        stamps = np.datetime_as_string(weather.times, unit="m").tolist()
+        named = np.array([stamp[5:] in table.moments for stamp in stamps])
+        for moment in sorted(set(table.moments) - {stamp[5:] for stamp in stamps}):
+            raise InputError(
+                f"no step at {moment}; the middle of a step, such as"
+                f" {stamps[len(stamps) // 2][5:]}, expected",
+                file=table.file,
+            )
+        steps &= named
+    numbers = np.flatnonzero(steps)[:: table.every]
+    require(
+        len(numbers) > 0,
+        f"no time step lies between {table.from_hour:g} and {table.to_hour:g} h; at"
+        " least one expected",
+        file=table.file,
+    )
+    return numbers

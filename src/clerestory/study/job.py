@@ -35,13 +35,9 @@ _RELATIVE_ERROR = 0.01
 class Job:
     """Common inputs of all traced matrices of a study.
 
-    Attributes
-    ----------
-    display : function that starts the progress display of a phase
-    found : for each matrix file name, whether the matrix was in the cache
-    executor : executor of the tracing jobs; results do not depend on it
-    scratch : folder for hourly results that do not fit into memory
-    direct : whether matrices of direct light are traced (V_d, D_d, C_d)
+    `found` records which matrix files were in the cache. Results do not depend on the
+    executor. The folder `scratch` is for hourly results that do not fit into memory. A
+    job with `direct` traces matrices of direct light (V_d, D_d, C_d).
     """
 
     study: Study
@@ -113,11 +109,8 @@ class Job:
     ) -> TransferMatrix:
         """Return a matrix from the cache, or trace and store it.
 
-        Parameters
-        ----------
-        name : name of the matrix in the cache, without the prefix
-        trace : tracing function with all inputs of the matrix except the effort
-        shown : name of the matrix in the progress display
+        The tracing function has all inputs of the matrix except the effort. The
+        progress display shows the name `shown`.
         """
         name, title = self.prefix + name, self.prefix + (shown or name)
 

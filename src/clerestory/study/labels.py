@@ -6,10 +6,8 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Bool
 
-from clerestory.metrics.occupied_hours import occupied_hours
 from clerestory.metrics.sensor_metrics import sensor_metrics
 from clerestory.metrics.spatial_metrics import hours_above
-from clerestory.study.config import Study
 from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.drawing import layer_drawing, room_drawing, window_drawing
 from clerestory.study.inputs import Inputs
@@ -26,15 +24,7 @@ def sensor_labels(inputs: Inputs) -> list[str]:
     return [name for grid, s in grids for name in sensor_names(grid, len(s))]
 
 
-def occupied_steps(study: Study, times: np.ndarray) -> Bool[np.ndarray, " time"]:
-    """Whether each time step lies within the schedule of the study."""
-    table = study.schedule
-    return occupied_hours(times, from_hour=table.from_hour, to_hour=table.to_hour)
-
-
 def label_results(
-    study: Study,
-    inputs: Inputs,
     hourly: xr.Dataset,
     parts: Sequence[xr.Dataset],
     signals: ControlInputs,
@@ -42,16 +32,11 @@ def label_results(
 ) -> xr.Dataset:
     """Return all results of a run as one dataset; see `Results`.
 
-    Parameters
-    ----------
-    hourly : hourly daylight illuminance at the sensors
-    parts : further datasets, such as electric light, glare and sunlight exposure
-    signals : inputs of the shade control
-    acts : shade states over time
+    The datasets `parts` have the results for electric light, glare and sunlight.
     """
+    study, inputs, hours = signals.study, signals.inputs, signals.occupied
     sensors = inputs.sensors()
     grids = np.repeat(list(inputs.grids), [len(s) for s in inputs.grids.values()])
-    hours = occupied_steps(study, hourly["time"].values)
     labelled = hourly.assign_coords(
         sensor=np.array(sensor_labels(inputs)),
         grid=("sensor", grids),
@@ -67,7 +52,7 @@ def label_results(
             layer_drawing(inputs.groups),
             _states(signals, acts),
             _direct_sun(signals, hours),
-            *(_sensors_left_out(part) for part in parts),
+            *(part.drop_vars("sensor", errors="ignore") for part in parts),
         ],
         combine_attrs="drop_conflicts",
         join="outer",
@@ -98,8 +83,6 @@ def _metrics(
         )
         for first in range(0, hourly.sizes["sensor"], _SENSORS)
     ]
-    if len(parts) == 1:
-        return parts[0]
     return xr.concat(
         parts,
         "sensor",
@@ -109,11 +92,6 @@ def _metrics(
         join="exact",
         combine_attrs="override",
     )
-
-
-def _sensors_left_out(part: xr.Dataset) -> xr.Dataset:
-    # The sensor names come from the daylight dataset
-    return part.drop_vars("sensor", errors="ignore")
 
 
 def _states(signals: ControlInputs, acts: ShadeOperation) -> xr.Dataset:

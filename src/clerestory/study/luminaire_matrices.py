@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.errors import InputError
+from clerestory.checks import require
 from clerestory.formats.photometry.luminaire_scene import luminaire_scene
 from clerestory.formats.photometry.read import read_luminaire
 from clerestory.matrix.axis import pixel_axis, sensor_axis, unknown_axis
@@ -27,13 +27,7 @@ from clerestory.study.lighting_tables import LightingTable, LuminaireTable
 
 @dataclass(frozen=True, eq=False)
 class Zone:
-    """Luminaires that are controlled by one photosensor.
-
-    Attributes
-    ----------
-    light : light-emitting surfaces of the luminaires
-    power : total electric power at full output [W]
-    """
+    """Luminaires that one photosensor controls, and their power at full output [W]."""
 
     table: LightingTable
     light: Scene
@@ -42,68 +36,36 @@ class Zone:
 
 @dataclass(frozen=True, eq=False)
 class Lamps:
-    """Electric light at full output.
+    """Electric light of each zone at full output.
 
-    Attributes
-    ----------
-    zones : lighting zones, in the order of the study
-    full : sensor irradiance due to each zone [W/m²], as matrices with one column
-    views : pixel radiance due to each zone, by view name
+    The views have the radiance (pixel, channel) of each zone, by view name.
     """
 
     zones: tuple[Zone, ...] = ()
-    full: tuple[TransferMatrix, ...] = ()
+    illuminance: Float[np.ndarray, "zone sensor"] = field(
+        default_factory=lambda: np.zeros((0, 0))
+    )
     views: dict[str, tuple[np.ndarray, ...]] = field(default_factory=dict)
-
-    def pictures(self, view: str) -> tuple[np.ndarray, ...]:
-        """Radiance (pixel, channel) of a view due to each zone at full output."""
-        return self.views.get(view, ())
-
-    def illuminance(self) -> Float[np.ndarray, "zone sensor"]:
-        """Illuminance of the sensors due to each zone at full output [lux]."""
-        return np.stack([_lux(matrix)[0] for matrix in self.full])
-
-    def error(self) -> Float[np.ndarray, "zone sensor"]:
-        """Standard error of `illuminance` [lux]."""
-        return np.stack([_lux(matrix)[1] for matrix in self.full])
-
-
-def _lux(matrix: TransferMatrix) -> tuple[np.ndarray, np.ndarray]:
-    lux = matrix.weighted(matrix.bands.weights)
-    return lux.values[0, :, 0], lux.standard_error[0, :, 0]
 
 
 def trace_lamps(job: Job) -> Lamps:
-    """Return the electric light of a study, from the cache if possible.
-
-    Raises
-    ------
-    InputError : a luminaire file is invalid
-    """
+    """Return the electric light of a study, from the cache if possible."""
     zones = tuple(_zone(job, table) for table in job.study.lighting)
     if not zones:
         return Lamps()
     room = unlit(job.scene)
-    full = tuple(_sensors(job, room, zone, n) for n, zone in enumerate(zones))
+    lux = np.stack([_sensors(job, room, zone, n) for n, zone in enumerate(zones)])
     views = {
         table.label: tuple(
             _pixels(job, room, zone, n, view) for n, zone in enumerate(zones)
         )
         for view, table in enumerate(job.study.view)
     }
-    return Lamps(zones, full, views)
+    return Lamps(zones, lux, views)
 
 
 def unlit(scene: Scene) -> Scene:
-    """Return a scene without light: black emitters, no sources at infinity.
-
-    Examples
-    --------
-    >>> from clerestory.scene.model import Light
-    >>> bulb = Scene({"bulb": Light("bulb", np.ones(3))})
-    >>> type(unlit(bulb).materials["bulb"]).__name__
-    'Plastic'
-    """
+    """Return a scene without light: black emitters, no sources at infinity."""
 
     def dark(material: Material) -> Material:
         if isinstance(material, Illum):
@@ -122,8 +84,8 @@ def _zone(job: Job, table: LightingTable) -> Zone:
         if lamp.zone == table.label or not lamp.zone:
             part, watts = _luminaires(lamp)
             light, power = light + part, power + watts
-    if not light.surfaces:
-        raise InputError(f'lighting "{table.label}" has no luminaires; some expected')
+    message = f'lighting "{table.label}" has no luminaires; one or more expected'
+    require(light.surfaces, message)
     return Zone(table, light, power)
 
 
@@ -133,57 +95,49 @@ def _luminaires(table: LuminaireTable) -> tuple[Scene, float]:
         return _emitters(table), table.power or 0.0
     lamp = read_luminaire(table.file)
     light = Scene()
-    for number, place in enumerate(table.places):
+    for number, place in enumerate(table.places, start=1):
         light += luminaire_scene(
             lamp,
             position=np.array(place, dtype=float),
             turn_deg=table.turn_deg,
             tilt_deg=table.tilt_deg,
             dimming=table.output,
-            name=f"{table.label}.{number + 1}",
+            name=f"{table.label}.{number}",
         )
     power = lamp.watts * len(table.places) if table.power is None else table.power
-    if not power > 0:
-        raise InputError(
-            f'luminaire "{table.label}" has no power in its file; the key "power"'
-            " expected",
-            file=table.file,
-        )
+    require(
+        power > 0,
+        f'the file of luminaire "{table.label}" has no power; the key "power" expected',
+        file=table.file,
+    )
     return light, power
 
 
 def _emitters(table: LuminaireTable) -> Scene:
     scene = read_rad(table.file)
-    materials = {
-        name: _brighter(material, table.output)
-        for name, material in scene.materials.items()
-    }
-    lit = Scene(materials, scene.surfaces, bands=scene.bands)
-    if not any(_shines(materials[surface.material]) for surface in scene.surfaces):
-        raise InputError(
-            "nothing shines in it; a light or glow expected", file=table.file
-        )
-    return lit
+    materials = dict(scene.materials)
+    emitters = {name for name, each in materials.items() if isinstance(each, Emitter)}
+    for name, material in scene.materials.items():
+        if isinstance(material, Emitter):
+            radiance = table.output * material.radiance
+            materials[name] = altered(material, radiance=radiance)
+    require(
+        any(surface.material in emitters for surface in scene.surfaces),
+        "contains no surface that emits light; a light or glow expected",
+        file=table.file,
+    )
+    return Scene(materials, scene.surfaces, bands=scene.bands)
 
 
-def _shines(material: Material) -> bool:
-    return isinstance(material, Emitter)
-
-
-def _brighter(material: Material, factor: float) -> Material:
-    if isinstance(material, Emitter):
-        return altered(material, radiance=factor * material.radiance)
-    return material
-
-
-def _sensors(job: Job, room: Scene, zone: Zone, number: int) -> TransferMatrix:
+def _sensors(job: Job, room: Scene, zone: Zone, number: int) -> np.ndarray:
     name = zone.table.label
-    return job.matrix(
+    matrix = job.matrix(
         f"lamps-{name}",
         partial(_sensor_matrix, room + zone.light, job.inputs.sensors()),
         job.effort(LAMPS + number),
         shown=f"electric light of {name or 'the room'}",
     )
+    return matrix.weighted(matrix.bands.weights).values[0, :, 0]
 
 
 def _sensor_matrix(scene: Scene, sensors: Sensors, **how: Any) -> TransferMatrix:

@@ -25,12 +25,7 @@ _HOURLY = 8
 
 
 def is_stored(study: Study, inputs: Inputs, *, direct: bool) -> bool:
-    """Whether view matrices and hourly results are kept in files.
-
-    Parameters
-    ----------
-    direct : whether direct matrices (V_d, D_d) are traced as well
-    """
+    """Whether view matrices (if `direct`, V_d too) and hourly results are in files."""
     each = _sensor_bytes(study, inputs, coefficient=_COEFFICIENT, direct=direct)
     whole = len(inputs.sensors()) * each * 1e-9
     large = whole > study.trace.memory_gb
@@ -46,12 +41,7 @@ def is_stored(study: Study, inputs: Inputs, *, direct: bool) -> bool:
 
 
 def most_sensors(study: Study, inputs: Inputs, *, direct: bool) -> int:
-    """Return the maximum number of sensors for a control rule, limited by memory.
-
-    Parameters
-    ----------
-    direct : whether direct matrices (V_d, D_d) are traced as well
-    """
+    """Return the maximum number of sensors for a control rule, limited by memory."""
     each = _sensor_bytes(study, inputs, coefficient=_SINGLE, direct=direct)
     return int(study.trace.memory_gb * 1e9) // each
 

@@ -4,17 +4,21 @@ A restarted run gives bitwise identical results: each traced matrix is stored as
 as it is complete, everything else is computed again, and results.nc is written last.
 """
 
+import platform
 import shutil
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from clerestory import __version__
 from clerestory.engine.work_units import Executor
 from clerestory.errors import ClerestoryWarning
 from clerestory.files import make_folder
@@ -27,11 +31,10 @@ from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.electric_lighting import lighting
 from clerestory.study.inputs import Inputs, read_inputs
 from clerestory.study.job import Display, Job
-from clerestory.study.labels import label_results, occupied_steps, sensor_labels
-from clerestory.study.luminaire_matrices import Lamps, trace_lamps
+from clerestory.study.labels import label_results, sensor_labels
+from clerestory.study.luminaire_matrices import trace_lamps
 from clerestory.study.outputs import write_tables
 from clerestory.study.results import Results, read_results, save_results
-from clerestory.study.run_facts import run_facts
 from clerestory.study.shade_operation import ShadeOperation, operate
 from clerestory.study.study_tracing import study_skies, trace_study
 from clerestory.study.sunlight_exposure import sunlight
@@ -39,6 +42,9 @@ from clerestory.study.view_matrices import trace_views
 
 # Folder of hourly values that do not fit into memory, until results.nc is written
 SCRATCH_FOLDER = "unfinished"
+
+# Packages whose versions are recorded
+_PACKAGES = ("mitsuba", "drjit", "numpy", "xarray", "pvlib")
 
 
 @dataclass
@@ -75,11 +81,7 @@ def run_method(
 ) -> Results:
     """Run a study with its first method and write the results into a folder.
 
-    Parameters
-    ----------
-    store : cache of traced matrices
-    executor : executor of the tracing jobs
-    states : shade states of the window groups; default: by the study's control rules
+    The default shade states follow from the control rules of the study.
     """
     log = RunLog()
     with log.phase("read"):
@@ -91,7 +93,7 @@ def run_method(
         data = _simulate(job, log, states, out=out)
         with log.phase("write"):
             write_tables(study, Results(data), out)
-        facts = run_facts(job, data, log.seconds, log.warnings)
+        facts = _run_facts(job, data, log)
         results = Results(data, facts)
         save_results(results, out)
         if any(scratch.iterdir()):
@@ -101,13 +103,7 @@ def run_method(
     return results
 
 
-def _simulate(
-    job: Job,
-    log: RunLog,
-    states: States | None,
-    *,
-    out: Path,
-) -> xr.Dataset:
+def _simulate(job: Job, log: RunLog, states: States | None, *, out: Path) -> xr.Dataset:
     study, inputs, display = job.study, job.inputs, job.display
     with log.phase("trace"):
         matrices = trace_study(job)
@@ -123,7 +119,13 @@ def _simulate(
         hourly = matrices.illuminance(
             skies, acts.states, hours=signals.occupied, progress=display("multiply")
         )
-        electric = _lighting(study, inputs, lamps, hourly)
+        electric = lighting(
+            lamps,
+            hourly,
+            rows=[inputs.rows(zone.table.grid) for zone in lamps.zones],
+            occupied=signals.occupied,
+            step_hours=signals.step_minutes / 60,
+        )
     with log.phase("pictures"):
         glare = study_views(
             views,
@@ -136,7 +138,7 @@ def _simulate(
         )
     with log.phase("metrics"):
         parts = [electric, glare, sunlight(study, inputs)]
-        return label_results(study, inputs, hourly, parts, signals, acts)
+        return label_results(hourly, parts, signals, acts)
 
 
 @contextmanager
@@ -157,20 +159,38 @@ def _warn_of_doubts(inputs: Inputs) -> None:
         warnings.warn(doubt, ClerestoryWarning, stacklevel=2)
 
 
-def _lighting(
-    study: Study, inputs: Inputs, lamps: Lamps, hourly: xr.Dataset
-) -> xr.Dataset:
-    return lighting(
-        lamps,
-        hourly,
-        rows=[inputs.rows(zone.table.grid) for zone in lamps.zones],
-        occupied=occupied_steps(study, inputs.weather.times),
-        step_hours=inputs.weather.step_minutes / 60,
-    )
-
-
 def _output(electric: xr.Dataset, skies: Skies) -> np.ndarray:
     # Dimming level 0…1 of each lighting zone at each time step
     if "dimming" not in electric:
         return np.zeros((0, len(skies.whole.times)))
     return np.asarray(electric["dimming"].values)
+
+
+def _run_facts(job: Job, data: xr.Dataset, log: RunLog) -> dict[str, Any]:
+    # Content of run.json
+    mean, error = data["mean_illuminance"], data["mean_illuminance_error"]
+    relative = (error / mean.where(mean > 0)).groupby("grid").median()
+    return {
+        "title": job.study.title,
+        "study": job.study.facts(),
+        "versions": {"clerestory": __version__, **_versions()},
+        "machine": f"{platform.system()} {platform.machine()}",
+        "seed": job.study.trace.seed,
+        "device": job.device,
+        "seconds": log.seconds,
+        "median_relative_error_of_mean": {
+            str(grid): round(error, 5) for grid, error in relative.to_series().items()
+        },
+        "matrices": {name: {"found": known} for name, known in job.found.items()},
+        "warnings": log.warnings,
+    }
+
+
+def _versions() -> dict[str, str]:
+    found = {"python": platform.python_version()}
+    for package in _PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            found[package] = "not installed"
+    return found

@@ -4,10 +4,12 @@
 centre, then the illuminance of every sensor [lux].
 """
 
-from collections.abc import Iterator
+import itertools
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from clerestory.control.schedule import StateSchedule, write_schedule
@@ -62,76 +64,70 @@ def write_lighting(results: Results, path: str | Path) -> None:
     """Write dimming level and power [W] of each lighting zone, a line per time step."""
     data = results.data
     zones = [str(name) or "lighting" for name in data["zone"].values]
-    head = ["time", *(f"{z} output" for z in zones), *(f"{z} [W]" for z in zones)]
     figures = np.concatenate([data["dimming"].values, data["lighting_power"].values])
-    lines = [",".join(_quoted(text) for text in head)]
-    for moment, row in zip(data["time"].values, figures.T, strict=True):
-        stamp = str(moment.astype("datetime64[m]")).replace("T", " ")
-        lines.append(stamp + "".join(f",{value:.4g}" for value in row))
-    write_text(path, "\n".join(lines) + "\n")
+    head = [*(f"{zone} output" for zone in zones), *(f"{zone} [W]" for zone in zones)]
+    times = pd.Index(data["time"].values, name="time").strftime("%Y-%m-%d %H:%M")
+    table = pd.DataFrame(figures.T, times, head)
+    write_text(path, table.to_csv(float_format="%.4g", lineterminator="\n"))
 
 
 def write_metrics(results: Results, path: str | Path) -> None:
     """Write position, direction and metrics of each sensor, a line per sensor."""
     data = results.data
-    head = ["sensor", "grid", "x [m]", "y [m]", "z [m]", "dx", "dy", "dz"]
-    head += [heading for _, heading, _ in _METRICS]
-    head += [f"{band} [%]" for band in data["band"].values]
-    places = np.concatenate([data["position"], data["direction"]], axis=1)
-    columns = [factor * data[name].values for name, _, factor in _METRICS]
-    figures = np.stack([*columns, *(100 * data["useful_bands"].values)], axis=1)
-    lines = [",".join(_quoted(text) for text in head)]
-    for number, name in enumerate(data["sensor"].values):
-        words = [_quoted(str(name)), _quoted(str(data["grid"].values[number]))]
-        words += [f"{value:.6g}" for value in places[number]]
-        words += [f"{value:.5g}" for value in figures[number]]
-        lines.append(",".join(words))
-    write_text(path, "\n".join(lines) + "\n")
+    table = pd.DataFrame({"sensor": data["sensor"], "grid": data["grid"]})
+    table[["x [m]", "y [m]", "z [m]"]] = data["position"]
+    table[["dx", "dy", "dz"]] = data["direction"]
+    for name, heading, factor in _METRICS:
+        table[heading] = factor * data[name]
+    for band in data["useful_bands"]:
+        table[f"{band['band'].item()} [%]"] = 100 * band
+    text = table.to_csv(index=False, float_format="%.6g", lineterminator="\n")
+    write_text(path, text)
 
 
 def write_hourly(results: Results, path: str | Path, *, grid: str) -> None:
     """Write the illuminance of one grid [lux], a line per time step."""
     chosen = _grid(results, grid)
-    head = ["time", *(str(name) for name in chosen["sensor"].values)]
-    form = ",%.1f" * chosen.sizes["sensor"]
-    with replace_file(path) as stream:
-        stream.write((",".join(_quoted(text) for text in head) + "\n").encode())
-        for moment, row in _steps(chosen):
-            stamp = str(moment.astype("datetime64[m]")).replace("T", " ")
-            stream.write(f"{stamp}{form % row}\n".encode())
+    names = [str(name) for name in chosen["sensor"].values]
+    head = ",".join(f'"{name}"' if "," in name else name for name in ["time", *names])
+    lines = (
+        f"{str(moment.astype('datetime64[m]')).replace('T', ' ')}{row}"
+        for moment, row in _steps(chosen, ",%.1f")
+    )
+    _write_lines(path, itertools.chain([head], lines))
 
 
 def write_ill(results: Results, path: str | Path, *, grid: str) -> None:
     """Write the illuminance of one grid [lux] in Daysim format."""
-    chosen = _grid(results, grid)
-    form = " %.1f" * chosen.sizes["sensor"]
-    with replace_file(path) as stream:
-        for moment, row in _steps(chosen):
-            second = moment.astype("datetime64[s]")
-            day = second.astype("datetime64[D]")
-            hour = (second - day) / np.timedelta64(3600, "s")
-            _, month, number = str(day).split("-")
-            line = f"{int(month)} {int(number)} {hour:.3f} {form % row}\n"
-            stream.write(line.encode())
+    times = pd.DatetimeIndex(results.data["time"].values)
+    hours = times.hour + times.minute / 60 + times.second / 3600
+    stamps = zip(times.month, times.day, hours, strict=True)
+    rows = _steps(_grid(results, grid), " %.1f")
+    _write_lines(
+        path,
+        (
+            f"{month} {day} {hour:.3f} {row}"
+            for (month, day, hour), (_, row) in zip(stamps, rows, strict=True)
+        ),
+    )
 
 
-def _steps(
-    chosen: xr.Dataset,
-) -> Iterator[tuple[np.datetime64, tuple[float, ...]]]:
-    # Time and illuminance of all sensors for each step, read in blocks
-    moments = chosen["time"].values
+def _steps(chosen: xr.Dataset, form: str) -> Iterator[tuple[np.datetime64, str]]:
+    # Time and illuminance of all sensors as text for each step, read in blocks
+    moments, line = chosen["time"].values, form * chosen.sizes["sensor"]
     for first in range(0, len(moments), _BLOCK):
         block = slice(first, first + _BLOCK)
         part = chosen["illuminance"].isel(time=block).values
         for moment, row in zip(moments[block], part.T, strict=True):
-            yield moment, tuple(row.tolist())
+            yield moment, line % tuple(row.tolist())
+
+
+def _write_lines(path: str | Path, lines: Iterable[str]) -> None:
+    with replace_file(path) as stream:
+        stream.writelines(f"{line}\n".encode() for line in lines)
 
 
 def _grid(results: Results, grid: str) -> xr.Dataset:
     members = np.flatnonzero(results.data["grid"].values == grid)
     # The sensors of a grid are contiguous
     return results.data.isel(sensor=slice(members[0], members[-1] + 1))
-
-
-def _quoted(text: str) -> str:
-    return f'"{text}"' if "," in text else text

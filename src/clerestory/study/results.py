@@ -34,43 +34,9 @@ _SENSORS = 1024
 
 @dataclass(frozen=True, eq=False)
 class Results:
-    """Results of a study.
+    """Results of a study: content of results.nc and of run.json.
 
-    Attributes
-    ----------
-    data : dataset; coordinates in metres, in the coordinate system of the scene:
-
-        - `illuminance`, `standard_error` (sensor, time) [lux, float32]
-        - `occupied` (time): whether the hour lies within the schedule
-        - metrics of `sensor_metrics` (sensor)
-        - `mean_components` (component, sensor) [lux]: error components of the mean
-          illuminance in the occupied hours
-        - coordinates `time`, `sensor` (name, such as "desks.1"), `grid` (sensor),
-          `position` and `direction` (sensor, xyz)
-        - room for drawings: `triangle` (triangle, corner, xyz),
-          `triangle_colour` (triangle, channel) 0…1, `triangle_material` (triangle)
-        - windows: `window` (window) name, `window_centre`, `window_up` and
-          `window_normal` into the room (window, xyz), `window_triangle`
-          (window_triangle, corner, xyz), `window_index` (window_triangle)
-        - window BSDFs: `layer_transmission` (layer, exit, incident) [1/sr] on the
-          Klems full basis, for light from outside
-        - if windows have several states: `state` (window, time) int8, 0 is the most
-          open; `state_name` (window, state_number); `control` (window), the rules;
-          `facade_irradiance` [W/m²] and `profile_angle` [rad] (window, time);
-          `rule_kept` (time), whether the LM-83 limit is met
-        - if direct light was traced: `direct_open` (sensor, time), direct sunlight
-          with all shades open [lux]; with the sun at its true position, `sun_hours`
-          (sensor), occupied hours with `direct_open` above 1000 lux [h], for ASE
-        - with electric light: `electric_illuminance` (sensor, time) [lux],
-          `dimming` 0…1 and `lighting_power` [W] (zone, time), `lighting_energy` and
-          `lighting_energy_error` (zone) [Wh]
-        - with views: `glare_…` (view, time), including electric light
-        - with a sunlight table: `sun_reaches` (opening, moment) on the reference day,
-          `hours_of_sun` (opening) and `room_hours_of_sun` [h]
-        - with several methods: `illuminance_by_method` (method, sensor, time)
-        - attributes `title`, `method`, `target_lux`, `study` (the study as JSON)
-    run : content of run.json: `versions`, `seed`, `device`,
-        `seconds` by phase, `error` by grid, `warnings`, `matrices` by name
+    See `docs/study-file.md`, *Output files*.
     """
 
     data: xr.Dataset
@@ -82,12 +48,7 @@ class Results:
         return str(self.data.attrs["title"])
 
     def grids(self) -> list[str]:
-        """Names of the sensor grids, in the order of the study.
-
-        >>> data = xr.Dataset(coords={"grid": ("sensor", ["desks", "desks", "eyes"])})
-        >>> Results(data).grids()
-        ['desks', 'eyes']
-        """
+        """Names of the sensor grids, in the order of the study."""
         return list(dict.fromkeys(str(name) for name in self.data["grid"].values))
 
     def thinned(self, most: int) -> "Results":
@@ -111,12 +72,7 @@ class Results:
 
 
 def save_results(results: Results, folder: str | Path) -> Path:
-    """Write `results.nc` and `run.json` atomically; return the path of `results.nc`.
-
-    Raises
-    ------
-    OutputError : the folder is missing or cannot be written
-    """
+    """Write `results.nc` and `run.json` atomically; return the path of `results.nc`."""
     folder = Path(folder)
     data = results.data.assign_attrs(format=_FORMAT)
     hourly = [str(name) for name in data if _is_large(data[name])]
@@ -151,10 +107,6 @@ def read_results(path: str | Path) -> Results:
     """Return the results of a run, from its folder or its `results.nc`.
 
     Values of a large file are read on demand.
-
-    Raises
-    ------
-    InputError : the file is missing, damaged, or not written by Clerestory
     """
     path = Path(path)
     path = path / RESULTS_FILE if path.is_dir() else path

@@ -5,7 +5,7 @@ instead of executing them. Cached matrices are listed at no cost.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from clerestory.cluster.cluster import executor_at
@@ -13,7 +13,7 @@ from clerestory.engine.cost_estimate import JobCost, Plan, estimate_costs
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.matrix_store import MatrixStore, block_names
 from clerestory.phases.stored_views import FEW
-from clerestory.progress import Progress
+from clerestory.progress import silent
 from clerestory.scene.model import Polygon, Scene, TriangleMesh
 from clerestory.study.config import Study
 from clerestory.study.inputs import Inputs, read_inputs
@@ -36,17 +36,10 @@ _TEXT = 7
 
 @dataclass(frozen=True)
 class PlannedMatrix:
-    """Size and tracing cost of a matrix.
+    """Size and tracing cost of a matrix, which may be in the cache (`kept`).
 
-    Attributes
-    ----------
-    file : file name in the cache
-    kept : whether the matrix is in the cache
-    rows, columns : numbers of rows and columns
-    bytes : size of values and error components, on disk and in memory
-    paths : number of paths, common to all matrices that are traced together
-    seconds : tracing time; 0 except for the first of matrices traced together
-    stored : whether the matrix is stored in blocks and never completely in memory
+    Matrices that are traced together have the same number of paths; the tracing time is
+    that of the first of them. A stored matrix is never completely in memory.
     """
 
     file: str
@@ -61,18 +54,10 @@ class PlannedMatrix:
 
 @dataclass(frozen=True)
 class StudyPlan:
-    """Estimated cost of a run.
+    """Estimated cost of a run; sizes in bytes.
 
-    Attributes
-    ----------
-    device : compute device for tracing
-    workers : number of workers
-    matrices : matrices in the order of tracing
-    later : number of paths and time of direct suns traced during picture output
-    results : size of the results on disk [bytes]
-    scene : memory for the scene [bytes]
-    streamed : memory for the exiting radiance of all steps if hourly results are in
-        files [bytes]; otherwise 0
+    `later` is the cost of direct suns traced during picture output, `streamed` the
+    memory for the exiting radiance of all steps if hourly results are in files.
     """
 
     device: str
@@ -144,14 +129,9 @@ class PlannedStore:
         first = len(self.plan.planned)
         made = dict(make())
         files = tuple(self.path(name, fingerprint).name for name in names)
-        kept = all(self.holds(name, fingerprint) for name in names)
-        twice = any(files == entry.files for entry in self.entries)
-        if kept or twice:
-            del self.plan.planned[first:]
-        if not twice:
-            jobs = range(first, len(self.plan.planned))
-            matrices = tuple(made[name] for name in names)
-            self.entries.append(_Entry(files, float(kept), matrices, jobs))
+        kept = float(all(self.holds(name, fingerprint) for name in names))
+        matrices = tuple(made[name] for name in names)
+        self._record(_Entry(files, kept, matrices, range(first, first)))
         return made
 
     def blocks(
@@ -166,31 +146,25 @@ class PlannedStore:
         matrix = make(slice(0, whole))
         parts = zip(block_names(name, len(rows)), rows, strict=True)
         kept = sum(r.stop - r.start for n, r in parts if self.holds(n, fingerprint))
-        files = (self.path(name, fingerprint).name,)
-        twice = any(files == entry.files for entry in self.entries)
-        if kept == whole or twice:
-            del self.plan.planned[first:]
-        if not twice:
-            jobs = range(first, len(self.plan.planned))
-            entry = _Entry(files, kept / whole, (matrix,), jobs, stored=True)
-            self.entries.append(entry)
+        file, jobs = self.path(name, fingerprint).name, range(first, first)
+        self._record(_Entry((file,), kept / whole, (matrix,), jobs, stored=True))
         return ()
+
+    def _record(self, entry: _Entry) -> None:
+        # Matrices in the cache or recorded before have no jobs
+        planned, first = self.plan.planned, entry.jobs.start
+        twice = any(entry.files == other.files for other in self.entries)
+        if entry.kept == 1 or twice:
+            del planned[first:]
+        if not twice:
+            self.entries.append(replace(entry, jobs=range(first, len(planned))))
 
 
 def plan_study(study: Study, *, out: str | Path) -> StudyPlan:
     """Estimate the cost of a run of a study.
 
-    Each kind of matrix is traced for about one second to measure the speed.
-
-    Parameters
-    ----------
-    study : study, as returned by `read_study`
-    out : output folder, whose cached matrices are reused
-
-    Raises
-    ------
-    InputError : a file of the study is invalid
-    DeviceError : no usable compute device
+    Each kind of matrix is traced for about one second to measure the speed. Matrices
+    in the folder `out` are reused.
     """
     with executor_at(study.trace.cluster) as place:
         plan = Plan(place)
@@ -203,17 +177,13 @@ def plan_study(study: Study, *, out: str | Path) -> StudyPlan:
 def _walk_through(study: Study, store: PlannedStore, plan: Plan) -> Inputs:
     # Request the same matrices as a run
     inputs = read_inputs(study)
-    job = Job(study, inputs, store, _silent, executor=plan)
+    job = Job(study, inputs, store, silent, executor=plan)
     for view in trace_views(job, trace_study(job)):
         for number, group in enumerate(inputs.groups if view.matrices.suns else ()):
             for state in range(len(group.states)):
                 view.sun(number, state)
     trace_lamps(job)
     return inputs
-
-
-def _silent(_phase: str) -> Progress:
-    return lambda _share, _note: None
 
 
 def _planned(
@@ -279,10 +249,11 @@ def _matrix(
 
 def _triangles(scene: Scene) -> int:
     # Number of triangles, with 100 per curved surface
-    count = 0
-    for surface in scene.surfaces:
-        if isinstance(surface, TriangleMesh):
-            count += len(surface.faces)
-        else:
-            count += len(surface.vertices) - 2 if isinstance(surface, Polygon) else 100
-    return count
+    return sum(
+        len(surface.faces)
+        if isinstance(surface, TriangleMesh)
+        else len(surface.vertices) - 2
+        if isinstance(surface, Polygon)
+        else 100
+        for surface in scene.surfaces
+    )

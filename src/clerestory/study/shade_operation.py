@@ -18,12 +18,9 @@ from clerestory.study.window_groups import WindowGroup
 
 @dataclass(frozen=True, eq=False)
 class ShadeOperation:
-    """Shade states of a study.
+    """Shade states of each window group over time.
 
-    Attributes
-    ----------
-    states : index of the shade state at each time step, per window group
-    kept : whether the LM-83 limit is met at each step; None without that rule
+    `kept` tells at which time steps the LM-83 limit is met; None without that rule.
     """
 
     states: list[Int[np.ndarray, " time"]]
@@ -31,12 +28,7 @@ class ShadeOperation:
 
 
 def operate(signals: ControlInputs) -> ShadeOperation:
-    """Return the shade states by the control rules of a study.
-
-    Raises
-    ------
-    InputError : the file or function of a rule is invalid
-    """
+    """Return the shade states by the control rules of a study."""
     groups = signals.inputs.groups
     steps = len(signals.times)
     states = [np.full(steps, len(group.states) - 1) for group in groups]
@@ -69,7 +61,7 @@ def _decide(signals: ControlInputs, number: int, states: list[np.ndarray]) -> No
     # Set the states of one group by its rule
     control = signals.inputs.groups[number].control
     if control is not None:
-        rule = {**OUTSIDE, **INSIDE}[control.rule]
+        rule = (OUTSIDE | INSIDE)[control.rule]
         found = rule(Case(signals, number, control, list(states)))
         states[number] = _unless_empty(signals, number, np.asarray(found, dtype=int))
 
@@ -79,16 +71,14 @@ def _by_direct_sun(
 ) -> np.ndarray | None:
     # LM-83 rule for its groups together; the direct light of other groups is fixed
     groups = signals.inputs.groups
-    chosen = [
-        n
+    governed = {
+        n: group.control
         for n, group in enumerate(groups)
         if group.control and group.control.rule == "LM-83" and len(group.states) > 1
-    ]
-    if not chosen:
+    }
+    if not governed:
         return None
-    control = groups[chosen[0]].control
-    if control is None:
-        return None
+    chosen, control = list(governed), next(iter(governed.values()))
     steps = len(signals.times)
     direct = {
         str(n): np.stack(

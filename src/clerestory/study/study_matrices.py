@@ -24,17 +24,11 @@ from clerestory.sky.sun_matrix import SunMatrix
 
 @dataclass(frozen=True, eq=False)
 class StudyMatrices:
-    """Traced matrices of a study.
+    """Traced matrices of a study, by window group or of a scene with glazing.
 
-    Attributes
-    ----------
-    terms : terms of the study's method
-    windows : matrices of each window group, or of the whole scene for the two-phase
-        method without window groups
-    suns : columns of C_ds; None without direct correction
-    folder : folder of hourly results during the run; None keeps them in memory
-    most_sensors : maximum number of sensors in memory if view matrices are in files;
-        None if they are in memory
+    Suns are the columns of C_ds. Hourly results are in the folder, or in memory if it
+    is None. If view matrices are in files, memory holds those of `most_sensors`
+    sensors.
     """
 
     terms: tuple[Term, ...]
@@ -58,9 +52,7 @@ class StudyMatrices:
     ) -> xr.Dataset:
         """Illuminance [lux] over (sensor, time), with its standard error.
 
-        Parameters
-        ----------
-        hours : mask of the time steps for the error components of the mean
+        Error components of the mean are those of the time steps `hours`.
         """
         return illuminance(
             self.windows,
@@ -76,10 +68,6 @@ class StudyMatrices:
         """Direct sun illuminance [lux] over (sensor, time).
 
         With C_ds the sun is at its true position, otherwise spread over sky patches.
-
-        Raises
-        ------
-        InputError : direct light was not traced
         """
         if not self.has_direct:
             raise InputError("direct light was not traced; direct phases expected")
@@ -92,12 +80,7 @@ class StudyMatrices:
     def reduced(
         self, groups: Sequence[int], rows: Int[np.ndarray, " sensor"]
     ) -> "StudyMatrices":
-        """Return matrices of selected groups and sensors, without error components.
-
-        Raises
-        ------
-        InputError : the sensors do not fit into memory
-        """
+        """Return matrices of selected groups and sensors, without error components."""
         if self.most_sensors is not None and len(rows) > self.most_sensors:
             raise InputError(
                 f"a rule looks at {len(rows):,} sensors together, where memory holds"

@@ -1,11 +1,11 @@
 """Run of a study with one or several phase methods."""
 
 from pathlib import Path
-from typing import Any
 
 from clerestory.cluster.cluster import executor_at
 from clerestory.files import make_folder
 from clerestory.phases.matrix_store import MatrixStore
+from clerestory.progress import silent
 from clerestory.study.config import Study
 from clerestory.study.job import Display
 from clerestory.study.method_comparison import compare_methods
@@ -38,12 +38,8 @@ def run_study(
     DeviceError : no usable compute device
     OutputError : the folder is not writable
     """
-    out, display = make_folder(out), display or _silent
+    out, display = make_folder(out), display or silent
     store = MatrixStore(out / MATRIX_FOLDER)
     run = compare_methods if len(study.methods) > 1 else run_method
     with executor_at(study.trace.cluster) as executor:
         return run(study, out=out, store=store, executor=executor, display=display)
-
-
-def _silent(_phase: str) -> Any:
-    return lambda _share, _note: None

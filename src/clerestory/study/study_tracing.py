@@ -78,12 +78,7 @@ def study_suns(study: Study, weather: Weather) -> SunMatrix | None:
 
 
 def trace_study(job: Job) -> StudyMatrices:
-    """Return the matrices of a study, from the cache if possible.
-
-    Raises
-    ------
-    InputError : a control rule requires direct light, which the method lacks
-    """
+    """Return the matrices of a study, from the cache if possible."""
     study, direct = job.study, needs_direct(job.study)
     method, stored = METHODS[study.method], is_stored(study, job.inputs, direct=direct)
     rules = [window.control.rule for window in study.window if window.control]

@@ -16,50 +16,34 @@ _STEP_MINUTES = 1
 
 
 def sunlight(study: Study, inputs: Inputs) -> xr.Dataset:
-    """Return the hours of sunlight of each opening; empty without a sunlight table.
-
-    Returns
-    -------
-    `sun_reaches` (opening, moment): whether the sun is visible from the reference
-    point; `sun_point` (opening, xyz): reference points [m]; `hours_of_sun` (opening)
-    and `room_hours_of_sun` [h]
-
-    Raises
-    ------
-    InputError : the file of openings is invalid
-    """
+    """Return the hours of sunlight of each opening; empty without a sunlight table."""
     table = study.sunlight
     if table is None:
         return xr.Dataset()
-    windows = _windows(table, inputs)
+    windows = tuple(group.inner for group in inputs.groups)
+    if table.file is not None:
+        windows = read_windows(table.file)
     names, points = _openings(table, windows)
     moments, sun = _day(study, table, inputs)
+    lowest = {"lowest_sun_deg": table.lowest_sun_deg}
     high = sun.altitude >= np.radians(table.lowest_sun_deg)
     reached = np.zeros((len(points), len(moments)), dtype=bool)
     # Computed locally; the device setting of a cluster applies to its workers
     device = "auto" if study.trace.cluster else study.trace.device
-    seen = sun_visible(inputs.scene, points, sun.directions()[high], device=device)
-    reached[:, high] = seen & (_inwards(windows) @ sun.directions()[high].T < 0)
+    directions = sun.directions()[high]
+    inwards = np.array([w.frame.normal for w in windows for _ in w.polygons])
+    seen = sun_visible(inputs.scene, points, directions, device=device)
+    reached[:, high] = seen & (inwards @ directions.T < 0)
     each, room = hours_of_sun(reached, step_minutes=_STEP_MINUTES)
     return xr.Dataset(
         {
-            "sun_reaches": (
-                ("opening", "moment"),
-                reached,
-                {"lowest_sun_deg": table.lowest_sun_deg},
-            ),
+            "sun_reaches": (("opening", "moment"), reached, lowest),
             "sun_point": (("opening", "xyz"), points, {"units": "m"}),
             "hours_of_sun": ("opening", each, {"units": "h"}),
             "room_hours_of_sun": ((), room, {"units": "h"}),
         },
         coords={"opening": names, "moment": moments},
     )
-
-
-def _windows(table: SunlightTable, inputs: Inputs) -> tuple[Window, ...]:
-    if table.file is not None:
-        return read_windows(table.file)
-    return tuple(group.inner for group in inputs.groups)
 
 
 def _openings(
@@ -71,19 +55,11 @@ def _openings(
         several = len(window.polygons) > 1
         for number, polygon in enumerate(window.polygons, start=1):
             names.append(f"{window.name}.{number}" if several else window.name)
+            vertices, normal = polygon.vertices, window.frame.normal
             points.append(
-                reference_point(
-                    polygon.vertices,
-                    window.frame.normal,
-                    floor=table.floor,
-                    depth=table.depth,
-                )
+                reference_point(vertices, normal, floor=table.floor, depth=table.depth)
             )
     return names, np.array(points)
-
-
-def _inwards(windows: tuple[Window, ...]) -> np.ndarray:
-    return np.array([w.frame.normal for w in windows for _ in w.polygons])
 
 
 def _day(

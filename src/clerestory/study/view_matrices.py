@@ -12,7 +12,7 @@ from functools import partial
 from typing import Any, Literal
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Int
 
 from clerestory.image.picture import Picture
 from clerestory.matrix.transfer_matrix import TransferMatrix
@@ -41,13 +41,9 @@ _PIXEL_BYTES = 6
 
 @dataclass(frozen=True, eq=False)
 class ViewMatrices:
-    """Matrices of one view, for all window groups and shade states.
+    """Matrices of the pixels of one view, for all window groups and shade states.
 
-    Attributes
-    ----------
-    matrices : sensor matrices, which have the same T and D
-    windows : pixel V, T and D of each window group; with direct correction, also V_d,
-        T, D_d and C_ds
+    They share T and D with the sensor matrices of the study.
     """
 
     job: Job
@@ -60,14 +56,9 @@ class ViewMatrices:
     def pictures(
         self, states: States, skies: Skies, steps: Int[np.ndarray, " step"]
     ) -> Iterator[tuple[int, Picture]]:
-        """Yield step index and picture of the selected time steps.
+        """Yield index and picture of the selected time steps.
 
         Steps are grouped by combination of shade states, in order of time.
-
-        Parameters
-        ----------
-        states : index of the shade state at each time step, per window group
-        steps : indices of the selected time steps
         """
         for alike in _combinations(states, steps):
             series = pictures_over_time(
@@ -84,12 +75,6 @@ class ViewMatrices:
     ) -> Int[np.ndarray, " step"]:
         """Indices of the time steps in the order of `pictures`."""
         return np.concatenate(_combinations(states, steps))
-
-    def sun_of(
-        self, number: int, state: int, asked: Int[np.ndarray, " sun"]
-    ) -> Float[np.ndarray, "channel pixel sun"]:
-        """Direct-sun coefficients of given suns, traced or read on demand."""
-        return self.sun(number, state)(asked)
 
     def sun(self, number: int, state: int) -> SunPictures:
         """Function for the direct-sun coefficients of a window group and state."""
@@ -181,15 +166,18 @@ def _view(
     parts = {term.part for term in matrices.terms}
     none: list[MatrixChain | None] = [None] * len(matrices.windows)
     suns = [
-        MatrixChain(
-            tuple(partial(view.sun_of, n, at) for at in range(len(group.states)))
-        )
+        MatrixChain(tuple(_on_demand(view, n, at) for at in range(len(group.states))))
         for n, group in enumerate(job.inputs.groups)
     ]
     whole = chains("whole") if "whole" in parts else none
     direct = chains("direct") if "direct" in parts else none
     windows = map(WindowMatrices, whole, direct, suns if "sun" in parts else none)
     return replace(view, windows=tuple(windows))
+
+
+def _on_demand(view: ViewMatrices, number: int, state: int) -> SunPictures:
+    # Direct-sun coefficients of given suns, traced when they are first used
+    return lambda asked: view.sun(number, state)(asked)
 
 
 def _view_matrices(

@@ -21,22 +21,16 @@ from clerestory.scene.window import Window
 from clerestory.study.window_tables import (
     ControlTable,
     StateChoice,
-    StateTable,
     WindowTable,
 )
 
 
 @dataclass(frozen=True, eq=False)
 class WindowState:
-    """Shade state of a window group.
+    """Shade state of a window group, with the name "" if it is the only one.
 
-    Attributes
-    ----------
-    name : name of the state; empty for a single state
-    transmission : transmission matrix T of the BSDF
-    fine : BSDF for direct sun
-    peak : whether direct-direct transmission is extracted from the BSDF
-    shade : exterior shade geometry between the window and its ports
+    The matrix T is that of the BSDF; the BSDF `fine` is for the direct sun, with its
+    direct transmission extracted if `peak`. The exterior shade stands before the ports.
     """
 
     name: str
@@ -48,14 +42,10 @@ class WindowState:
 
 @dataclass(frozen=True, eq=False)
 class WindowGroup:
-    """Window group with its shade states and control.
+    """Window group with its shade states, the most open first, and its control.
 
-    Attributes
-    ----------
-    inner, outer : window with the patches of its room side and its outer side
-    states : shade states from the most open to the most closed
-    control : control rule; None for a fixed state 0
-    ports : ports (F apertures) that enclose the exterior shades, if any
+    The window is given twice, with the patches of its inner and of its outer side.
+    Ports (F apertures) enclose exterior shades.
     """
 
     inner: Window
@@ -82,13 +72,9 @@ def state_label(group: WindowGroup, at: int) -> str:
 
 
 def read_window_groups(table: WindowTable) -> list[WindowGroup]:
-    """Return one group per modifier in the window file, all with the same BSDFs.
-
-    Raises
-    ------
-    InputError : a file is invalid, or a BSDF has no hemisphere partition
-    """
+    """Return one group per modifier in the window file, all with the same BSDFs."""
     tables = table.states()
+    names = [state.label if len(tables) > 1 else state.name for state in tables]
     layers = [read_layer(state.bsdf) for state in tables]
     fine = [
         read_layer(state.sun_bsdf) if state.sun_bsdf else layer
@@ -97,16 +83,14 @@ def read_window_groups(table: WindowTable) -> list[WindowGroup]:
     shades = [read_rad(*state.shade) if state.shade else Scene() for state in tables]
     ports = tuple(read_windows(table.ports)) if table.ports else ()
     windows = read_windows(table.file)
-    labels = [table.label]
-    if len(windows) > 1:
-        labels = [f"{table.label}.{window.name}" for window in windows]
     groups = []
-    for label, window in zip(labels, windows, strict=True):
+    for window in windows:
+        label = f"{table.label}.{window.name}" if len(windows) > 1 else table.label
         matrices = _on_common_patches(layers, label)
         states = tuple(
             WindowState(name, matrix, sharp, state.peak, shade)
             for name, matrix, sharp, state, shade in zip(
-                _names(tables), matrices, fine, tables, shades, strict=True
+                names, matrices, fine, tables, shades, strict=True
             )
         )
         named = replace(window, name=label)
@@ -114,10 +98,6 @@ def read_window_groups(table: WindowTable) -> list[WindowGroup]:
         outer = _with_patches(named, matrices[0].columns, file=tables[0].bsdf)
         groups.append(WindowGroup(inner, outer, states, table.control, ports))
     return groups
-
-
-def _names(tables: list[StateTable]) -> list[str]:
-    return [state.label for state in tables] if len(tables) > 1 else [tables[0].name]
 
 
 def _on_common_patches(layers: list[Bsdf], window: str) -> list[TransferMatrix]:

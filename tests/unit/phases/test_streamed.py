@@ -21,7 +21,7 @@ from clerestory.phases.methods import three_phase
 from clerestory.phases.stored_views import StoredColumns, StoredViews, pooled
 from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.sky.weather_formats import read_weather
-from clerestory.study.demo_study import write_demo
+from clerestory.study.new_study import write_demo
 
 BASIS = klems("quarter")
 SENSORS = 70

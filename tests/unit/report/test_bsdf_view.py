@@ -119,7 +119,7 @@ def test_names_cannot_become_markup():
 
 def test_the_doctor_stands_below_the_view():
     sound = view_page(lambertian(0.5, QUARTER))
-    assert "Energy, reciprocity and labels are in order" in sound
+    assert "No fault found in energy balance, reciprocity and labels" in sound
     bright = lambertian(0.7, QUARTER)
     functions = dict(bright.functions)
     functions["visible", "reflection_front"] = functions["visible", "transmission_back"]

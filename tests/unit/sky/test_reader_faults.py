@@ -26,7 +26,7 @@ TMY2_FAULTS = {
     "hour 25": (2, 7, "25", "hour 24.5"),
     "month 13": (2, 3, "13", "month 13"),
     "not a number": (3, 23, "12x4", "direct normal irradiance is '12x4'"),
-    "time goes back": (3, 7, "01", "time goes back"),
+    "time goes back": (3, 7, "01", "follows 2.*; increasing times expected"),
     "latitude is text": (1, 39, "no", "latitude .* is 'no'"),
 }
 
@@ -55,8 +55,12 @@ EPW_FAULTS = {
     "day of fractions": ([row(1, day=1.5)], 9, "day 1.5; a date"),
     "hour 25": ([row(1), row(25)], 10, "hour 24.5; 0 to 24 expected"),
     "hour 0": ([row(0)], 9, "hour -0.5; 0 to 24 expected"),
-    "time goes back": ([row(12), row(11)], 10, "time goes back"),
-    "an hour twice": ([row(12), row(12)], 10, "time goes back"),
+    "time goes back": (
+        [row(12), row(11)],
+        10,
+        "follows 2.*; increasing times expected",
+    ),
+    "an hour twice": ([row(12), row(12)], 10, "follows 2.*; increasing times expected"),
     "all missing": (day(direct=9999), 9, "24 of 24 values of direct normal"),
     "no rows": ([], 9, "no data rows"),
 }
@@ -107,7 +111,12 @@ WEA_FAULTS = {
     "row cut short": ("310 121", "310", 8, "4 fields; diffuse"),
     "31 April": ("3 21 11.5", "4 31 11.5", 7, "month 4, day 31"),
     "hour 24.5": ("3 21 12.5", "3 21 24.5", 8, "hour 24.5"),
-    "time goes back": ("3 21 12.5", "3 21 11.5", 8, "time goes back"),
+    "time goes back": (
+        "3 21 12.5",
+        "3 21 11.5",
+        8,
+        "follows 2.*; increasing times expected",
+    ),
     "longitude is text": ("longitude -8.5", "longitude east", 3, "longitude is 'east'"),
 }
 

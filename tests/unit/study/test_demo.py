@@ -6,8 +6,8 @@ import pytest
 from clerestory.errors import OutputError
 from clerestory.scene.scene_checks import check_scene
 from clerestory.study.config import read_study
-from clerestory.study.demo_study import write_demo
 from clerestory.study.inputs import read_inputs
+from clerestory.study.new_study import write_demo
 
 
 def test_the_demo_study_reads_without_a_doubt(tmp_path):

@@ -222,7 +222,7 @@ def test_states_of_a_run_are_a_schedule_for_the_next(shaded, tmp_path):
     ("text", "words"),
     [
         ("time,north\n2023-01-01T00:00,0\n", 'no column "south"'),
-        ("time,south\n2023-01-01T00:00,3\n", "in state 3; 0 to 2 expected"),
+        ("time,south\n2023-01-01T00:00,3\n", "is 3; a number from 0 to 2 expected"),
         ("time,south\n", "a schedule without lines"),
     ],
 )

@@ -8,7 +8,7 @@ import pytest
 
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.study.config import read_study
-from clerestory.study.study_weather import study_weather
+from clerestory.study.inputs import study_weather
 
 DATA = Path(__file__).parents[2] / "data"
 FILE = 'file = "two_days.wea"'

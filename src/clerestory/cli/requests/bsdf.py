@@ -17,9 +17,7 @@ class Drawing:
     """Content of a figure of BSDFs."""
 
     patch: list[int] | None = option(
-        None,
-        "Incident Klems patch, counted from 0 (WINDOW counts from 1); repeatable.",
-        metavar="N",
+        None, "Incident Klems patch, from 0 (WINDOW: from 1); repeatable.", metavar="N"
     )
     source: list[str] | None = option(
         None,
@@ -28,13 +26,9 @@ class Drawing:
         "--from",
         metavar="THETA,PHI",
     )
-    function: common.Function = option(
-        "transmission_front", "Transmission or reflection function."
-    )
+    function: common.Function = option("transmission_front", "Scattering function.")
     channel: str = option("visible", "Visible, solar, nir, …")
-    curve: bool = option(
-        False, "Draw direct-hemispherical values over the angle instead of discs."
-    )
+    curve: bool = option(False, "Draw hemispherical values over the angle.")
 
 
 @command("bsdf:info", "blind.xml")
@@ -53,9 +47,7 @@ class CheckBsdf:
     """
 
     files: BsdfFiles
-    every: bool = option(
-        False, "Print all findings, not only those that affect results.", "--all"
-    )
+    every: bool = option(False, "Also print findings that affect no result.", "--all")
     as_json: bool = option(False, "Print JSON.", "--json")
 
 
@@ -133,9 +125,7 @@ class PackageBsdf:
     """
 
     file: common.BsdfFile
-    output: Path | None = option(
-        None, "Scene file to write; default: standard output.", "-o"
-    )
+    output: Path | None = option(None, "Scene file; default: standard output.", "-o")
     xform: str = option("", 'Transformation, such as "-rx 90 -t 1 0 2".')
 
 
@@ -174,30 +164,18 @@ class Tracing:
     sides: Literal["both", "front", "back"] = option("both", "Sides of incident light.")
     colour: bool = option(False, "Write CIE X and Z too; u' and v' for trees.")
     samples: int | None = option(
-        None,
-        "Paths per incident patch or cell (default 2000); or …",
-        metavar="N",
-        least=1,
+        None, "Paths per patch or cell (default 2000); or …", metavar="N", least=1
     )
     relative_error: float | None = option(
-        None,
-        "… root mean square error of all values relative to their mean.",
-        metavar="X",
+        None, "… root mean square error relative to the mean value.", metavar="X"
     )
     bounces: common.Bounces = None
     symmetry: bool = option(
-        True,
-        "Trace only one of two patches that are mirror images by the symmetry of"
-        " the geometry.",
-        "--symmetry/--no-symmetry",
+        True, "Trace one of two symmetric patches.", "--symmetry/--no-symmetry"
     )
     reciprocal: bool = option(False, "Average with the reverse function.")
-    reduction: float = option(
-        0.0, "Percentage of the smallest tree cells to merge.", "--reduce"
-    )
-    geometry: bool = option(
-        True, "Include the geometry in the file.", "--geometry/--no-geometry"
-    )
+    reduction: float = option(0.0, "Percentage of cells to merge.", "--reduce")
+    geometry: bool = option(True, "Include the geometry.", "--geometry/--no-geometry")
     name: str = option("", "Name of the product.")
     seed: common.Seed = 1
     device: common.DeviceName = "auto"
@@ -225,13 +203,9 @@ class GenerateBsdf:
         "--dim",
         metavar="XMIN XMAX YMIN YMAX ZMIN ZMAX",
     )
-    periodic: bool = option(
-        False, "Repeat the sample area periodically, so that no light is lost."
-    )
+    periodic: bool = option(False, "Repeat the sample area periodically.")
     band: list[str] | None = option(
-        None,
-        "Band and its weights of red, green, blue; repeatable.",
-        metavar="NAME=R/G/B",
+        None, "Band and weights of red, green, blue; repeatable.", metavar="NAME=R/G/B"
     )
     tracing: Tracing
     errors: Path | None = option(None, "BSDF file of the standard errors to write.")

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Annotated, Literal
 
-from clerestory.options import Argument, Option, option, options
+from clerestory.options import Argument, Option, option, options, required
 
 Device = Literal["auto", "cpu", "cuda"]
 Encoding = Literal["ascii", "float", "double"]
@@ -17,14 +17,7 @@ SceneFiles = Annotated[
 ]
 WindowFiles = Annotated[
     list[Path],
-    Option(
-        "Radiance files of windows whose front faces the room.",
-        "--window",
-        metavar="F…",
-    ),
-]
-SensorFile = Annotated[
-    Path, Option("Sensor file, x y z dx dy dz per line.", "--sensors", metavar="F")
+    Option("Radiance files of windows that face the room.", "--window", metavar="F…"),
 ]
 _VIEW = Option(
     "View file, or view options such as '-vta -vp 1 2 1.2 …'.", "--view", metavar="F"
@@ -33,55 +26,25 @@ ViewText = Annotated[str, _VIEW]
 Resolution = Annotated[
     int, Option("Larger of the numbers of columns and rows.", "--resolution", least=1)
 ]
-Samples = Annotated[
-    int | None, Option("Paths per row of the matrix; or …", metavar="N", least=1)
-]
-RelativeError = Annotated[
-    float | None,
-    Option(
-        "… target relative standard error (default 0.01), at which tracing stops.",
-        metavar="X",
-    ),
-]
 Bounces = Annotated[
     int | None,
     Option(
-        "Maximum number of bounces, as Radiance -ab; default: unlimited.",
-        metavar="N",
-        least=0,
+        "Maximum number of bounces, as -ab; default: unlimited.", metavar="N", least=0
     ),
 ]
-Seed = Annotated[
-    int,
-    Option("Seed of the random numbers; results are reproducible.", least=0),
-]
+Seed = Annotated[int, Option("Seed of the random numbers.", "--seed", least=0)]
 DeviceName = Annotated[Device, Option("Compute device.")]
 ClusterAddress = Annotated[
     str | None,
-    Option(
-        "Scheduler of a Dask cluster for tracing, such as tcp://10.0.0.1:8786.",
-        metavar="ADDRESS",
-    ),
+    Option("Dask scheduler for tracing, as tcp://10.0.0.1:8786.", metavar="ADDRESS"),
 ]
 SkySubdivision = Annotated[
     int,
-    Option(
-        "Subdivision of the Reinhart sky (MF).",
-        "--sky-subdivision",
-        metavar="1..6",
-        least=1,
-        most=6,
-    ),
+    Option("Subdivision of the sky (MF).", "--sky-subdivision", least=1, most=6),
 ]
 Quiet = Annotated[bool, Option("Print only warnings and errors.", "-q")]
-MatrixOutput = Annotated[
-    Path, Option("File to write; .nc keeps standard errors and labels.", "-o")
-]
 PictureOutput = Annotated[Path, Option("Picture to write: .hdr or .exr.", "-o")]
 FigureOutput = Annotated[Path, Option("Figure to write: .png, .svg or .pdf.", "-o")]
-MatrixEncoding = Annotated[
-    Encoding, Option("Encoding of a Radiance matrix file (not of .nc).", "--format")
-]
 PictureFile = Annotated[
     Path, Argument("Picture: Radiance (.hdr, .pic) or OpenEXR (.exr).", "PICTURE")
 ]
@@ -95,9 +58,7 @@ class SensorsOrView:
     """Receivers of a matrix: the points of a sensor file, or the pixels of a view."""
 
     sensors: Path | None = option(
-        None,
-        "Sensor file, x y z dx dy dz per line; or use --view.",
-        metavar="F",
+        None, "Sensor file, x y z dx dy dz per line; or use --view.", metavar="F"
     )
     view: Annotated[str | None, _VIEW] = None
     resolution: Resolution = 400
@@ -108,14 +69,10 @@ class SkyChoice:
     """A sky at one instant: scene file, sky command, or weather file and time."""
 
     sky: str | None = option(
-        None,
-        "Scene file of the sky, or a command: 'gensky 9 21 12 +s …', 'gendaylit …'.",
-        metavar="F",
+        None, "Sky: scene file, or command such as 'gensky 9 21 12 +s'.", metavar="F"
     )
     time: str | None = option(
-        None,
-        "Time such as 2026-09-21T12:00; with --weather, instead of --sky.",
-        metavar="T",
+        None, "Time such as 2026-09-21T12:00, with --weather.", metavar="T"
     )
     weather: Path | None = option(None, "Weather file for --time.", metavar="F")
 
@@ -124,8 +81,10 @@ class SkyChoice:
 class EffortOptions:
     """Sampling effort, and compute device."""
 
-    samples: Samples = None
-    relative_error: RelativeError = None
+    samples: int | None = option(None, "Paths per row; or …", metavar="N", least=1)
+    relative_error: float | None = option(
+        None, "… relative standard error to reach (default 0.01).", metavar="X"
+    )
     bounces: Bounces = None
     seed: Seed = 1
     device: DeviceName = "auto"
@@ -146,6 +105,6 @@ class SunEffort:
 class MatrixFile:
     """File of a matrix, and whether its summary is printed."""
 
-    output: MatrixOutput
-    encoding: MatrixEncoding = "float"
+    output: Path = required("File; .nc keeps standard errors and labels.", "-o")
+    encoding: Encoding = option("float", "Encoding, except for .nc.", "--format")
     quiet: Quiet = False

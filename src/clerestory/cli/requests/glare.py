@@ -21,9 +21,7 @@ class GlareRequest:
     form: Literal["text", "json", "csv"] = option(
         "text", "text prints the lines of evalglare.", "--format"
     )
-    detail: bool = option(
-        False, "Print all indices and the table of glare sources.", "-d"
-    )
+    detail: bool = option(False, "Print all indices and all glare sources.", "-d")
     options: EvalglareOptions
     shown_task: Circle | None = option(
         None,
@@ -38,13 +36,10 @@ class GlareRequest:
     colour: tuple[float, float, float] | None = option(
         None, "Uniform colour of all glare sources.", "-u", metavar="R G B"
     )
-    only_illuminance: bool = option(
-        False, "Print only the vertical eye illuminance.", "-V", "--"
-    )
+    only_illuminance: bool = option(False, "Print only eye illuminance.", "-V", "--")
     annual: Path | None = option(
         None,
-        "Evaluate the pictures as time steps of one view; write the indices to"
-        " .nc or .csv.",
+        "Evaluate pictures as time steps; write indices to .nc or .csv.",
         metavar="OUT",
     )
     quiet: Quiet = False

@@ -21,9 +21,7 @@ class StackLayers:
     gap: float = option(12.7, "Thickness of all gaps [mm].", least=0.01)
     gas: str = option("air", "Gas in the gaps, such as argon=0.9,air=0.1.")
     basis: Literal["full", "half", "quarter"] = option("full", "Klems basis.")
-    standard: Literal["nfrc", "en410"] = option(
-        "nfrc", "Standard of the spectral averages."
-    )
+    standard: Literal["nfrc", "en410"] = option("nfrc", "Standard for averages.")
     bands: bool = option(False, "Combine band averages instead of wavelengths.")
     tree: int | None = option(
         None, "Tensor tree of 2^N cells per axis, by random walks.", least=1, most=6

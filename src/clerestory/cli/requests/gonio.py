@@ -27,22 +27,14 @@ Processes = Annotated[int, Option("Number of processes.", "-n", least=1)]
 class MeasurementFiles:
     """Files of measurements, and how to read them."""
 
-    files: list[Path] = argument(
-        "Files of one sample: pab-opto, VIAVI, RT-300S, …", "FILE…"
-    )
+    files: list[Path] = argument("Files of one sample (pab-opto, VIAVI, …).", "FILE…")
     form: str | None = option(
-        None,
-        "Format of the files, such as pabopto or astm; default: detected from the"
-        " first file.",
-        "--format",
-        metavar="NAME",
+        None, "Format, such as pabopto or astm; default: detected.", "--format"
     )
     function: common.Function | None = option(
         None, "Measured function, if the files do not state it."
     )
-    facing: Literal["room", "sky"] = option(
-        "room", "Side to which the normal of the sample points."
-    )
+    facing: Literal["room", "sky"] = option("room", "Side of the sample normal.")
     blank: Path | None = option(None, "Readings without the sample (RT-300S).")
     merge: bool = option(False, "Merge scans of the same incident direction.")
 
@@ -88,9 +80,7 @@ class CrossValidation:
     smoothing: list[float] | None = option(
         None, "Smoothing factor to test; repeatable. Default: 1."
     )
-    more: int = option(
-        0, "Number of directions to recommend for further scans.", "--next", least=0
-    )
+    more: int = option(0, "Number of further scans to recommend.", "--next", least=0)
     processes: Processes = 1
     quiet: common.Quiet = False
 
@@ -107,9 +97,7 @@ class ExportBsdf:
     halvings: common.Halvings = 5
     tolerance: float = option(0.05, "Relative difference below which cells are merged.")
     reciprocal: bool = option(False, "Average with the reverse function.")
-    conserve: bool = option(
-        False, "Scale down directions that scatter more than they receive."
-    )
+    conserve: bool = option(False, "Scale down directions that gain energy.")
     processes: Processes = 1
     quiet: common.Quiet = False
 
@@ -122,9 +110,7 @@ class PlotMeasurement:
     output: common.FigureOutput
     scan: int = option(0, "Number of the scan, from 0.", least=0)
     between: list[str] | None = option(
-        None,
-        "Two incident directions; plot the interpolation half-way between them.",
-        metavar="THETA,PHI",
+        None, "Two directions; plot the interpolation half-way.", metavar="THETA,PHI"
     )
     fit: Fit
     quiet: common.Quiet = False

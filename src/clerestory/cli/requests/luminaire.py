@@ -22,6 +22,4 @@ class PlotLuminaire:
 
     file: Path = argument("IES or EULUMDAT file.")
     output: FigureOutput
-    plane: list[float] | None = option(
-        None, "Horizontal angle of a plane [°]; repeatable."
-    )
+    plane: list[float] | None = option(None, "Horizontal angle [°]; repeatable.")

@@ -42,16 +42,13 @@ class ToneMap:
     file: common.PictureFile
     output: ImageOutput
     method: Literal["human", "filmic", "linear"] = option(
-        "human",
-        "Visibility matching (human vision), film response curve, or linear.",
+        "human", "Visibility matching (human vision), film response curve, or linear."
     )
     white: float | None = option(
         None, "Luminance of white [cd/m²] for filmic and linear; default: automatic."
     )
     veil: bool = option(False, "human: add veiling luminance by scattering in the eye.")
-    screen_white: float = option(
-        100.0, "human: maximum luminance of the display [cd/m²]."
-    )
+    screen_white: float = option(100.0, "human: white of the display [cd/m²].")
     screen_contrast: float = option(100.0, "human: contrast ratio of the display.")
     quiet: common.Quiet = False
 
@@ -85,9 +82,7 @@ class SumPictures:
 
     files: PictureFiles
     output: common.PictureOutput
-    weight: list[float] | None = option(
-        None, "Factor of each picture, in order; default: 1."
-    )
+    weight: list[float] | None = option(None, "Factor of each picture; default: 1.")
     quiet: common.Quiet = False
 
 
@@ -97,12 +92,8 @@ class ReducePicture:
 
     file: common.PictureFile
     output: common.PictureOutput
-    factor: float | None = option(
-        None, "Reduction factor of columns and rows; or …", least=1
-    )
-    size: tuple[int, int] | None = option(
-        None, "… new numbers of columns and rows.", metavar="C R"
-    )
+    factor: float | None = option(None, "Reduction factor; or …", least=1)
+    size: tuple[int, int] | None = option(None, "… columns and rows.", metavar="C R")
     quiet: common.Quiet = False
 
 
@@ -126,9 +117,7 @@ class ConvertPicture:
     file: common.PictureFile
     output: common.PictureOutput
     factor: float = option(1.0, "Multiply all values.", "--scale")
-    exposure: float = option(
-        1.0, ".hdr: exposure of the pixels, recorded in the header."
-    )
+    exposure: float = option(1.0, ".hdr: exposure, recorded in the header.")
     xyz: bool = option(False, ".hdr: CIE XYZ instead of RGB.")
     half: bool = option(False, ".exr: 16 instead of 32 bits.")
     quiet: common.Quiet = False
@@ -144,11 +133,7 @@ class MergePhotographs:
     files: list[Path] = argument("Exposure bracket, .jpg, .png or .tif.", "PHOTO…")
     output: common.PictureOutput
     times: list[float] | None = option(
-        None,
-        "Exposure time of each photograph in order [s], repeatable; default: from"
-        " the EXIF data.",
-        "--time",
-        metavar="S",
+        None, "Exposure time of a photograph [s]; default: EXIF.", "--time", metavar="S"
     )
     response: str = option(
         "debevec",
@@ -174,10 +159,7 @@ class ReprojectPhotograph:
     output: common.PictureOutput
     lens: Mapping = option("equisolid", "Projection of the lens.")
     coefficients: list[float] | None = option(
-        None,
-        "Coefficient of θ, θ², … of a polynomial lens, repeatable.",
-        "--coefficient",
-        metavar="X",
+        None, "Coefficient of θ, θ², … (polynomial).", "--coefficient", metavar="X"
     )
     circle: tuple[float, float, float] | None = option(
         None,
@@ -186,13 +168,9 @@ class ReprojectPhotograph:
         metavar="X Y R",
     )
     view: str = option("-vta -vh 180 -vv 180", "Target view.", metavar="VIEW")
-    resolution: int = option(
-        1000, "Number of columns and of rows.", metavar="N", least=21
-    )
+    resolution: int = option(1000, "Number of columns and rows.", metavar="N", least=21)
     vignetting: list[float] | None = option(
-        None,
-        "Coefficient of θ², θ⁴, … of the lens transmission, repeatable.",
-        metavar="X",
+        None, "Coefficient of θ², θ⁴, … of lens transmission; repeatable.", metavar="X"
     )
     quiet: common.Quiet = False
 
@@ -204,10 +182,6 @@ class CalibratePicture:
     file: common.PictureFile
     output: common.PictureOutput
     before: float = required("Illuminance at the lens before the bracket [lux].")
-    after: float | None = option(
-        None, "Illuminance after the bracket [lux]; default: as before."
-    )
-    resolution: int | None = option(
-        None, "Reduce to this many columns.", metavar="N", least=21
-    )
+    after: float | None = option(None, "Illuminance afterwards [lux]; default: same.")
+    resolution: int | None = option(None, "Number of columns.", metavar="N", least=21)
     quiet: common.Quiet = False

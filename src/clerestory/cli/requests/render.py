@@ -26,12 +26,8 @@ class Render:
     resolution: common.Resolution = 512
     effort: common.EffortOptions
     error: Path | None = option(None, "Picture of the standard errors to write.")
-    illuminance: bool = option(
-        False, "Render the irradiance of surfaces, as rpict -i does."
-    )
-    denoise: bool = option(
-        False, "Denoise the picture for display; the header records the denoising."
-    )
+    illuminance: bool = option(False, "Render irradiance, as rpict -i does.")
+    denoise: bool = option(False, "Denoise for display; the header says so.")
     quiet: common.Quiet = False
 
 
@@ -50,18 +46,13 @@ class Illum:
 
     scene: common.SceneFiles
     panes: Path = required(
-        "Scene file of the window panes, with materials of the scene; their fronts"
-        " face the room.",
-        metavar="F",
+        "Scene file of the panes, whose fronts face the room.", metavar="F"
     )
     output: Path = required(
         "Scene file to write; data files are written to the same folder.", "-o"
     )
     sky: common.SkyChoice
-    zone: float = option(
-        float("inf"),
-        "Maximum edge length of a pane part with its own emission table [m].",
-    )
+    zone: float = option(float("inf"), "Maximum edge of a pane part [m].")
     rings: int = option(18, "Number of polar rings; twice as many azimuths.")
     effort: common.EffortOptions
     quiet: common.Quiet = False
@@ -83,6 +74,4 @@ class Multiply:
         " factor, a set of pictures (V_%03d.hdr). + adds products.",
         "A B [C D E] [+ A B …]",
     )
-    output: common.MatrixOutput
-    encoding: common.MatrixEncoding = "float"
-    quiet: common.Quiet = False
+    file: common.MatrixFile

@@ -11,19 +11,14 @@ HELP = "Sky matrices, sun positions and weather files."
 
 WeatherFile = Annotated[
     Path,
-    Argument(
-        "EPW, WEA, TMY2, TMY3 or SURFRAD file, or a station file (.toml).", "WEATHER"
-    ),
+    Argument("Weather file (EPW, WEA, TMY2, …) or station file (.toml).", "WEATHER"),
 ]
-Subdivision = Annotated[
-    int,
-    Option("Subdivision of the Reinhart sky (MF).", metavar="1..6", least=1, most=6),
-]
+Subdivision = Annotated[int, Option("Subdivision of the sky (MF).", least=1, most=6)]
 SunSize = Annotated[
     float | None,
     Option(
-        "Diameter of the sun [°], placed in the nearest patch: 0.533 is the real sun, 0"
-        " fills the patch. Default: the sun is spread over the four nearest patches.",
+        "Diameter of the sun [°], in the nearest patch: 0.533 is the real sun, 0 fills"
+        " the patch. Default: the sun is spread over four patches.",
         metavar="DEG",
     ),
 ]
@@ -33,14 +28,11 @@ SunFormula = Annotated[
 ]
 Rotation = Annotated[
     float,
-    Option(
-        "Azimuth of the +y axis of the scene, clockwise from north [°].", metavar="DEG"
-    ),
+    Option("Azimuth of +y of the scene, clockwise from north [°].", metavar="DEG"),
 ]
 NoDirect = Annotated[bool, Option("Exclude the direct sun.")]
 Moment = Annotated[
-    str | None,
-    Option("One time step, local standard time.", metavar='"MM-DD HH:MM"'),
+    str | None, Option("One time step, local standard time.", metavar='"MM-DD HH:MM"')
 ]
 
 
@@ -57,7 +49,7 @@ class SkyMatrixRequest:
     """Sky matrix: radiance of ground and sky patches at every time step [W/(m²·sr)]."""
 
     weather: WeatherFile
-    output: common.MatrixOutput
+    file: common.MatrixFile
     subdivision: Subdivision = 4
     sun_only: bool = option(False, "Include only the direct sun.")
     no_direct: NoDirect = False
@@ -70,22 +62,14 @@ class SkyMatrixRequest:
         "--ground",
         metavar="X",
     )
-    sky_colour: str = option(
-        "0.960,1.004,1.118", "Factor of each channel of the sky.", metavar="R,G,B"
-    )
-    solar: bool = option(
-        False, "Use the whole solar spectrum instead of the visible range."
-    )
+    sky_colour: str = option("0.960,1.004,1.118", "Colour of the sky.", metavar="R,G,B")
+    solar: bool = option(False, "Use the solar instead of the visible range.")
     rotation: Rotation = 0.0
     days: Days
     time: Moment = None
-    daylight_only: bool = option(
-        False, "Include only time steps with the sun above the horizon."
-    )
+    daylight_only: bool = option(False, "Omit steps with the sun below the horizon.")
     average: bool = option(False, "Write one column, the mean of all time steps.")
     luminance: bool = option(False, "Write luminance [cd/m²] instead of RGB radiance.")
-    encoding: common.MatrixEncoding = "float"
-    quiet: common.Quiet = False
 
 
 @command("sky:vector", "overcast --sun 40 180 --diffuse 100 -o S.vec")
@@ -99,29 +83,21 @@ class SkyVectorRequest:
         "uniform, overcast, intermediate, clear, CIE general sky 1..15, or perez.",
         "SKY",
     )
-    output: common.MatrixOutput
+    file: common.MatrixFile
     sun: tuple[float, float] = required(
-        "Altitude of the sun, and azimuth clockwise from north [°].",
-        metavar="ALT AZI",
+        "Altitude and azimuth of the sun, clockwise from north [°].", metavar="ALT AZI"
     )
     diffuse: float | None = option(
-        None,
-        "Diffuse horizontal visible irradiance [W/m²], lux divided by 179; default:"
-        " as gensky.",
-        least=0,
+        None, "Diffuse horizontal irradiance, lux/179 [W/m²]; default: gensky.", least=0
     )
     direct: float | None = option(
         None, "Direct normal visible irradiance [W/m²]; default: as gensky.", least=0
     )
     no_direct: NoDirect = False
     turbidity: float = option(2.45, "Linke turbidity of clear skies.")
-    ground_reflectance: float = option(
-        0.2, "Reflectance of the ground.", least=0, most=1
-    )
+    ground_reflectance: float = option(0.2, "Ground reflectance.", least=0, most=1)
     subdivision: Subdivision = 4
     sun_size: SunSize = None
-    encoding: common.MatrixEncoding = "float"
-    quiet: common.Quiet = False
 
 
 @command("sky:sun", "oslo.epw -o suns.csv")
@@ -133,19 +109,14 @@ class SunTable:
     """
 
     weather: WeatherFile
-    output: common.MatrixOutput
-    occurring: bool = option(
-        False, "Write distinct sun positions instead of all time steps."
-    )
+    output: Path = required("CSV file to write.", "-o")
+    occurring: bool = option(False, "Write distinct suns instead of all time steps.")
     tolerance: float = option(
-        0.0,
-        "Angular distance within which suns are merged [°]; with --occurring.",
-        metavar="DEG",
+        0.0, "Angle within which --occurring merges suns [°].", metavar="DEG"
     )
     reinhart: int | None = option(
         None,
-        "Write suns at the centres of Reinhart sky patches (6: 5185 suns).",
-        metavar="1..6",
+        "Write suns at the centres of Reinhart patches (6: 5185).",
         least=1,
         most=6,
     )
@@ -166,6 +137,6 @@ class WeatherPlot:
     """Annual heat map of sun and sky; with --time, the sky in false colour."""
 
     weather: WeatherFile
-    output: common.MatrixOutput
+    output: common.FigureOutput
     time: Moment = None
     days: Days

@@ -33,9 +33,7 @@ class NewStudy:
     window: common.WindowFiles
     bsdf: Path = required("BSDF file (.xml).")
     weather: Path = required("Weather file (.epw, .wea, .csv).")
-    sensors: Path | None = option(
-        None, "Sensor file, instead of a grid over the floor."
-    )
+    sensors: Path | None = option(None, "Sensor file instead of a grid over the floor.")
     spacing: float = option(0.5, "Spacing of the grid [m].", least=0.05)
     height: float = option(0.76, "Height of the grid above the floor [m].", least=0)
     quiet: common.Quiet = False
@@ -49,15 +47,11 @@ class RunStudy:
     """
 
     study: Path = argument("Study file.", "STUDY.toml")
-    out: Path | None = option(
-        None, "Folder for the results; default: NAME_results beside NAME.toml."
-    )
+    out: Path | None = option(None, "Results folder; default: NAME_results.")
     device: DeviceChoice = None
     seed: SeedChoice = None
     cluster: common.ClusterAddress = None
-    plan: bool = option(
-        False, "Print the matrices to trace and their cost without running."
-    )
+    plan: bool = option(False, "Print matrices to trace and their cost; do not run.")
     quiet: common.Quiet = False
 
 
@@ -92,22 +86,14 @@ class WriteReport:
 class Metrics:
     """Print daylight autonomy, UDI, sDA, ASE, EN 17037 and LEED points per grid."""
 
-    results: Path = argument(
-        "Folder of a run (results.nc), or honeybee results folder.", "RESULTS"
-    )
+    results: Path = argument("Results of a run, or honeybee results folder.", "RESULTS")
     grid: list[str] | None = option(None, "Grid to evaluate; repeatable. Default: all.")
     from_hour: float = option(8.0, "Start of the day [h].", "--from", least=0, most=24)
     to_hour: float = option(18.0, "End of the day [h].", "--to", least=0, most=24)
-    target: float = option(
-        300.0, "Target illuminance of daylight autonomy [lux].", least=1
-    )
-    weather: Path | None = option(
-        None, "Weather file for EN 17037, to determine the daylight hours."
-    )
+    target: float = option(300.0, "Target of daylight autonomy [lux].", least=1)
+    weather: Path | None = option(None, "Weather file, needed for EN 17037.")
     states: Path | None = option(None, "CSV file of annual shading states (honeybee).")
-    operate: bool = option(
-        False, "Operate blinds according to LM-83 (honeybee).", "--lm83"
-    )
+    operate: bool = option(False, "Operate blinds by LM-83 (honeybee).", "--lm83")
     leed: Literal["v4", "v4.1"] = option("v4.1", "Version of LEED.")
     output: Path | None = option(None, "CSV file to write, one line per sensor.", "-o")
     honeybee: Path | None = option(None, "Results folder to write for honeybee.")
@@ -122,29 +108,19 @@ class Compare:
     """
 
     measured: Path = argument(
-        "CSV file with one column of times and one per sensor; or mapping (.toml) of"
-        " files and columns to sensors.",
-        "MEASURED",
+        "CSV file of times and sensors, or mapping file (.toml).", "MEASURED"
     )
     simulated: list[Path] | None = argument(
-        "Folders of runs (results.nc), or CSV files; one or more.",
-        "SIMULATED…",
-        default=None,
+        "Folders of runs, or CSV files.", "SIMULATED…", default=None
     )
-    output: Path = option(
-        Path("comparison"), "Folder for the page, tables and figures.", "-o"
-    )
-    name: list[str] | None = option(
-        None, "Name of each simulation, in order; repeatable."
-    )
+    output: Path = option(Path("comparison"), "Folder for page and tables.", "-o")
+    name: list[str] | None = option(None, "Name of a simulation; repeatable.")
     above: float = option(100.0, "Smallest measured value to include [lux].", least=0)
     shift: float = option(0.0, "Shift of the measured times [min].")
     coverage: float = option(
         0.75, "Smallest fraction of a time step with measurements.", least=0, most=1
     )
-    sensors: Path | None = option(
-        None, "Write only the sensors of the mapping to this file."
-    )
+    sensors: Path | None = option(None, "Write only the sensors of the mapping.")
     quiet: common.Quiet = False
 
 
@@ -160,12 +136,8 @@ class ImportModel:
 
     model: Path = argument("Model file: .hbjson, .obj, .gltf or .glb.", "MODEL")
     output: Path = required("Folder for the files.", "-o")
-    weather: Path | None = option(
-        None, "Weather file for the study of a honeybee model."
-    )
-    materials: Path | None = option(
-        None, "Material map (.toml) of an OBJ or glTF file."
-    )
+    weather: Path | None = option(None, "Weather file for the study (honeybee).")
+    materials: Path | None = option(None, "Material map (.toml) for OBJ or glTF.")
     quiet: common.Quiet = False
 
 

@@ -25,9 +25,7 @@ class ViewMatrix:
     scene: common.SceneFiles
     window: common.WindowFiles
     receiver: common.SensorsOrView
-    direct: bool = option(
-        False, "Trace only direct light: V_d of the five-phase method."
-    )
+    direct: bool = option(False, "Trace only direct light, for V_d (five-phase).")
     effort: common.EffortOptions
     file: common.MatrixFile
 
@@ -59,7 +57,7 @@ class DaylightCoefficients:
     """Daylight coefficients: irradiance of sensors per radiance of sky patches [sr]."""
 
     scene: common.SceneFiles
-    sensors: common.SensorFile
+    sensors: Path = required("Sensor file, x y z dx dy dz per line.", metavar="F")
     subdivision: common.SkySubdivision = 4
     effort: common.EffortOptions
     file: common.MatrixFile
@@ -103,14 +101,7 @@ class SunCoefficients:
     bsdf: Path = required("BSDF of the windows (.xml).", metavar="F")
     weather: Path = required("Weather file that gives the sun positions.", metavar="F")
     receiver: common.SensorsOrView
-    tolerance: float = option(
-        0.25, "Angular distance within which suns are merged [°].", least=0
-    )
-    peak: bool = option(
-        False, "Extract the direct transmission peak of the BSDF (peak extraction)."
-    )
+    tolerance: float = option(0.25, "Angle within which suns are merged [°].", least=0)
+    peak: bool = option(False, "Extract the direct transmission peak.")
     effort: common.SunEffort
     file: common.MatrixFile
-
-
-_SCENE = "--scene materials.rad room.rad"

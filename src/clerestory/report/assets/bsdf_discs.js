@@ -1,4 +1,4 @@
-// Hemispheres as discs: patches of a ring partition, filled in colour, found by point.
+// Discs of a hemisphere: coloured patches of a ring partition, and the patch at a point.
 
 const DEGREE = Math.PI / 180;
 
@@ -41,7 +41,7 @@ class Rings {
   }
 }
 
-// A disc on a canvas; `turned` shows each patch at the opposite azimuth.
+// Disc on a canvas; with `turned`, each patch is drawn at the opposite azimuth.
 class Disc {
   constructor(canvas, turned = false) {
     this.canvas = canvas;
@@ -152,7 +152,7 @@ class Disc {
     }
   }
 
-  // Patch under a pointer event, or -1.
+  // Patch at the position of a pointer event, or -1.
   at(event) {
     if (!this.rings) return -1;
     const box = this.canvas.getBoundingClientRect();

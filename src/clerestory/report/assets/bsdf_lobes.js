@@ -1,4 +1,4 @@
-// Transmitted and reflected lobes in space: every patch a block as long as its value.
+// Transmitted and reflected lobes in 3-D: a block per patch, whose length is the BSDF.
 
 class LobeView {
   constructor(stage) {
@@ -28,7 +28,7 @@ class LobeView {
     });
   }
 
-  // Parts: {rings, length(patch) 0…1, colour(patch) [r,g,b], side ±1}; ray: where light comes from.
+  // Parts: {rings, length(patch) 0…1, colour(patch) [r,g,b], side ±1}; ray: direction of the source.
   show(parts, ray) {
     this.solids = this.arrows(ray);
     for (const { rings, length, colour, side } of parts) {
@@ -37,12 +37,12 @@ class LobeView {
         if (reach > 0.004) this.block(patch, reach, colour(k), side);
       });
     }
-    // The layer comes last, so that what lies behind it shines through
+    // The translucent layer is drawn last, over the blocks behind it
     this.solids.push(...this.layer());
     this.draw();
   }
 
-  // Room: window's x right, y up, z into the room; here the room lies towards -y.
+  // Coordinates of the window: x right, y up, z into the room, which is -y of the view.
   point(theta, phi, reach, side) {
     const flat = reach * Math.sin(theta);
     return [flat * Math.cos(phi), -side * reach * Math.cos(theta), flat * Math.sin(phi)];

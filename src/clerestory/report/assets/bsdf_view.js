@@ -1,4 +1,4 @@
-// The view as a whole: choose a direction, see where its light goes.
+// Interactive view of a BSDF: scattering for a chosen incident direction.
 
 class BsdfView {
   constructor(functions, colours) {
@@ -29,11 +29,11 @@ class BsdfView {
     const name = `${kind}_${this.chosen("side")}`, channel = document.getElementById("channel").value;
     return this.functions.find(f => f.channel === channel && f.name === name);
   }
-  // Whether the light of a kind leaves into the room.
+  // Whether the light of a function leaves into the room.
   toRoom(kind) { return (kind === "transmission") === (this.chosen("side") === "front"); }
 
-  // Incident numbers belong to where light goes on; the front's source is opposite.
-  // From the room the source is also opposite in x and y, so one rule serves both.
+  // An incident patch is numbered by the undeviated direction. The source is opposite:
+  // in front of the layer in all coordinates, in the room in x and y.
   startPatch() {
     const part = this.part("transmission") || this.part("reflection");
     this.patch = part ? part.incidents.find(40 * DEGREE, -90 * DEGREE) : 0;
@@ -71,7 +71,7 @@ class BsdfView {
     const [theta, phi] = some.incidents.middle(this.patch);
     document.getElementById("incident-words").textContent = this.sourceWords(theta, phi);
     document.getElementById("incident-legend").textContent =
-      `brightness: share scattered in all, 0 to ${most.toFixed(3)}`;
+      `brightness: direct-hemispherical value, 0 to ${most.toFixed(3)}`;
     for (const [kind, disc] of Object.entries(this.discs)) {
       const part = this.part(kind), words = document.getElementById(`${kind}-words`);
       if (!part) {
@@ -92,7 +92,7 @@ class BsdfView {
     const source = this.lobes.point(theta, phi + Math.PI, 1, this.chosen("side") === "front" ? -1 : 1);
     this.lobes.show(parts, source);
     document.getElementById("lobe-words").textContent =
-      `length of a block: ${this.chosen("scale") === "log" ? "logarithm of its" : "its"} BSDF; yellow: the light; drag to turn`;
+      `length of the blocks: ${this.chosen("scale") === "log" ? "logarithm of the" : "the"} BSDF; yellow: incident light; drag to turn`;
   }
 
   drawNothing() {

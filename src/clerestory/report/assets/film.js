@@ -1,4 +1,4 @@
-// A day in pictures: frames of all views in step, played or chosen by hand.
+// Animation of a day: synchronous frames of all views, played or selected.
 
 function startFilm(film) {
   if (!film) return;
@@ -32,7 +32,7 @@ function startFilm(film) {
     timer = setInterval(() => show(+slider.value < last ? +slider.value + 1 : 0), pause);
   };
 
-  // A sheet of frames: an overview on paper, shortcuts on the screen
+  // Contact sheet: an overview in print; its frames are buttons on the screen
   const pictures = view => view.seen.filter(Boolean).length;
   const view = film.views.reduce((most, other) => pictures(other) > pictures(most) ? other : most);
   const frames = [...view.seen.keys()].filter(frame => view.seen[frame]), count = Math.min(8, frames.length);

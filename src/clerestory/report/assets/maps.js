@@ -1,4 +1,4 @@
-// Maps of the year in classes: what a cell stands for, read under the pointer.
+// Annual maps of classes: the class of the cell at the pointer.
 
 async function startMaps(data) {
   const year = data.year;

@@ -1,4 +1,4 @@
-// Plans and the picture of the year: show a value under the pointer, choose a sensor.
+// Floor plans: the value at the pointer, and selection of a sensor.
 
 function showTip(event, text) {
   const tip = document.getElementById("tip");

@@ -1,5 +1,5 @@
-// A small renderer: triangles and lines with a depth buffer, drawn by the processor.
-// It needs no graphics card, and prints and screenshots show what the screen shows.
+// Software renderer of triangles and lines with a depth buffer.
+// It needs no WebGL, so that prints and screenshots are equal to the screen.
 
 class Raster {
   constructor(width, height) {

@@ -1,4 +1,4 @@
-// Vectors and the small solids of the 3-D view: arrows and sensor pins.
+// Vectors, and the solids of the 3-D view: arrows and sensor markers.
 
 const add = (a, b, t = 1) => [a[0] + t * b[0], a[1] + t * b[1], a[2] + t * b[2]];
 const sub = (a, b) => add(a, b, -1);

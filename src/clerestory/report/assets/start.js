@@ -1,4 +1,4 @@
-// Bring the page to life; without this script it stays a complete static report.
+// Start of the interactive parts; without scripts the page is a static report.
 
 async function start() {
   const data = JSON.parse(document.getElementById("data").textContent);

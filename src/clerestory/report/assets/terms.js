@@ -1,4 +1,4 @@
-// Terms of the matrix equation: another sensor, another day, drawn anew.
+// Terms of the matrix equation for the selected sensor and day.
 
 function axisTop(steps, most) {
   for (let decade = 1; decade < 1e6; decade *= 10) {

@@ -1,4 +1,4 @@
-// The 3-D view of the scene: drag to turn, buttons to zoom, walls in front cut away.
+// 3-D view of the scene: drag to turn, buttons to zoom, walls in front hidden.
 
 const PALE_EDGE = rgb(214, 218, 223), EDGE = rgb(120, 128, 137);
 const FRONT = [47, 143, 91], BACK = [217, 119, 43], UP = [106, 61, 154], NORTH = [70, 78, 88];
@@ -105,14 +105,14 @@ class RoomView {
     }
   }
 
-  // Every vertex once, in camera space
+  // All vertices in camera space
   place(lens) {
     const { vertices } = this.scene, seen = [];
     for (let k = 0; k < vertices.length; k += 3) seen.push(lens.toEye([vertices[k], vertices[k + 1], vertices[k + 2]]));
     return seen;
   }
 
-  // A plane and a tone for each face: ground and neighbours are there, but pale
+  // Plane and tone of each face; faces outside the room are pale
   makeFaces() {
     const { vertices, faces, colours, low, high } = this.scene;
     const vertex = k => [vertices[3 * k], vertices[3 * k + 1], vertices[3 * k + 2]];
@@ -130,7 +130,7 @@ class RoomView {
     }
   }
 
-  // What stands between the eye and the middle of the room is left out
+  // Faces between the eye and the middle of the room are hidden
   paintSurfaces(raster, eye, lens, seen) {
     for (const face of this.faces) {
       const facing = dot(face.normal, eye.at) - face.offset, homeward = dot(face.normal, this.centre) - face.offset;

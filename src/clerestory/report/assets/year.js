@@ -1,4 +1,4 @@
-// The picture of the year: repainted for the chosen series, read under the pointer.
+// Annual heat map of the selected series, and the value at the pointer.
 
 async function unpack(text) {
   const bytes = Uint8Array.from(atob(text), c => c.charCodeAt(0));
@@ -34,7 +34,7 @@ function paintYear(year, values) {
   return canvas.toDataURL();
 }
 
-// The day and hour under the pointer, in any drawing of a year
+// Day and hour at the pointer, in any annual map
 function yearCell(year, svg, event) {
   const at = svgPoint(svg, event), box = svg.dataset;
   const day = Math.floor((at.x - box.left) / box.width * year.days);
@@ -79,7 +79,7 @@ async function startYear(data, onChoose) {
   svg.addEventListener("pointerleave", event => showTip(event, ""));
   await show(0);
 
-  // The series of the sensor, or of the nearest one that the page carries
+  // The series of the sensor, or the series on the page with the nearest number
   return sensor => {
     let best = 0, least = Infinity;
     year.series.forEach((series, index) => {

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from clerestory.comparison.agreement import agreement
 from clerestory.errors import InputError
+from clerestory.metrics.agreement import agreement
 
 
 def test_figures_of_four_pairs_worked_out_by_hand():
