@@ -103,9 +103,8 @@ class TracedLayer:
             rows = np.array([number])
             paths = lanes(sequence, rows=rows, batches=1, seed=self.seed, stream=0)
             front = dr.opaque(mi.Bool, False)
-            numbers = paths.numbers(sequence)
-            ray = start(self._slab, numbers, table, mi.UInt32(0), front)
-            follow(self._slab, _Cells(target), numbers, ray, 1 << 20)
+            ray = start(self._slab, paths.numbers, table, mi.UInt32(0), front)
+            follow(self._slab, _Cells(target), paths.numbers, ray, 1 << 20)
             dr.eval(target.sums)
         flux = target.sums.numpy()[:-1] / (FIXED_POINT * self.paths)
         cell = np.flatnonzero(flux)
@@ -140,7 +139,7 @@ class _Cells:
             for c in (place.x, place.y)
         )
         through = active & (direction.z > 0)
-        self.target.score(mi.UInt32(0), (a << HALVINGS) + b, weight, through)
+        self.target.add(None, (a << HALVINGS) + b, weight, through)
 
 
 def beam(light, near):

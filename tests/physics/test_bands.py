@@ -204,5 +204,5 @@ def test_matrices_of_other_bands_do_not_fit(device):
 def test_colours_of_other_bands_do_not_fit():
     """Before anything is traced."""
     scene, _ = box(4, 5, 3, (0.5, 0.4, 0.3))
-    with pytest.raises(InputError, match="one value per band"):
+    with pytest.raises(InputError, match="one for each of the bands"):
         Scene(scene.materials, scene.surfaces, bands=NINE)

@@ -58,11 +58,9 @@ class CameraRays:
     def through(self, pixel, x, y):
         """Return the ray through a point of a pixel."""
         x, y = x - 0.5, y - 0.5
-        direction = (
-            dr.gather(mi.Vector3f, self.direction, pixel)
-            + dr.gather(mi.Vector3f, self.across, pixel) * x
-            + dr.gather(mi.Vector3f, self.upwards, pixel) * y
-        )
+        direction = dr.gather(mi.Vector3f, self.direction, pixel)
+        direction += dr.gather(mi.Vector3f, self.across, pixel) * x
+        direction += dr.gather(mi.Vector3f, self.upwards, pixel) * y
         origin = dr.gather(mi.Point3f, self.origin, pixel)
         if self.origin_across is not None:
             origin += dr.gather(mi.Vector3f, self.origin_across, pixel) * x

@@ -120,12 +120,10 @@ def _start_llvm() -> None:
         return
     else:
         library = _system_llvm() or ""
-    error = (
-        _probe(_VARIANT["cpu"], {_LIBRARY: library}) if library else "none was found"
-    )
+    error = _probe_llvm(library)
     if error is not None:
         raise DeviceError(
-            f"no LLVM library that works ({library or 'LLVM'}: {error});"
+            f"no LLVM library works ({library or 'LLVM'}: {error});"
             f" install one: {_ADVICE.get(platform.system(), 'LLVM 16 or newer')}"
         )
     os.environ[_LIBRARY] = library
@@ -148,17 +146,21 @@ def _system_llvm() -> str | None:
         found = ctypes.util.find_library(f"LLVM{version}")
         if found:
             return found
-    brew = [
-        Path(root) / "opt/llvm/lib/libLLVM.dylib"
-        for root in ("/opt/homebrew", "/usr/local")
-    ]
+    roots = Path("/opt/homebrew"), Path("/usr/local")
+    brew = [root / "opt/llvm/lib/libLLVM.dylib" for root in roots]
     return next((str(path) for path in brew if path.is_file()), None)
 
 
 def _cuda_driver() -> str | None:
-    return ctypes.util.find_library(
-        "nvcuda" if platform.system() == "Windows" else "cuda"
-    )
+    name = "nvcuda" if platform.system() == "Windows" else "cuda"
+    return ctypes.util.find_library(name)
+
+
+def _probe_llvm(library: str) -> str | None:
+    # Error of an LLVM library; None if it works
+    if not library:
+        return "none was found"
+    return _probe(_VARIANT["cpu"], {_LIBRARY: library})
 
 
 def _probe(variant: str, environment: dict[str, str]) -> str | None:
@@ -197,12 +199,9 @@ def describe() -> list[Finding]:
 
     # Test the LLVM library that would be used
     library = os.environ.get(_LIBRARY) or str(_bundled_llvm() or _system_llvm() or "")
-    error = (
-        _probe(_VARIANT["cpu"], {_LIBRARY: library}) if library else "none was found"
-    )
-    verdict = (
-        "works" if error is None else f"{error}; {_ADVICE.get(platform.system(), '')}"
-    )
+    error = _probe_llvm(library)
+    advice = _ADVICE.get(platform.system(), "")
+    verdict = "works" if error is None else f"{error}; {advice}"
     findings.append(Finding("LLVM", f"{library or '-'}: {verdict}", error is None))
 
     # Test the GPU if there is a driver

@@ -13,7 +13,7 @@ import numpy as np
 
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.engine.patches import PatchTable
-from clerestory.engine.upload import on_device
+from clerestory.engine.upload import on_device, search
 
 
 class MatrixTable:
@@ -66,13 +66,7 @@ class MatrixTable:
     def sample(self, function, leaving, u, v):
         """Sample an incident direction; return its disc point, BSDF value and pdf."""
         row = self.known(function, leaving) * self.incidents
-        patch = mi.UInt32(
-            dr.binary_search(
-                0,
-                self.incidents - 1,
-                lambda i: dr.gather(mi.Float, self.running, row + i) <= u,
-            )
-        )
+        patch = search(self.running, self.incidents, u, row)
         cell = row + patch
         high = dr.gather(mi.Float, self.running, cell)
         low = dr.gather(mi.Float, self.running, cell - 1, patch > 0)

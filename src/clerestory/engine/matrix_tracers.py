@@ -22,18 +22,19 @@ from clerestory.engine.matrix_jobs import (
     PixelViewJob,
     ViewJob,
 )
-from clerestory.engine.next_event_estimation import Source
 from clerestory.engine.origin import Origin, middle_of_window, window_origin
 from clerestory.engine.patches import SkyTable
 from clerestory.engine.path_tracer import PathTracer, segments_of
 from clerestory.engine.primary_rays import Lanes, lanes, window_ray
-from clerestory.engine.sampler import DIRECTION_U, DIRECTION_V, PathNumbers, points
+from clerestory.engine.sampler import DIRECTION_U, DIRECTION_V, points
 from clerestory.engine.sinks import MatrixSink
 from clerestory.engine.upload import launching, vectors
 from clerestory.engine.window_sampling import SkyPatches, WindowPatches
 from clerestory.engine.windows import window_shapes
 from clerestory.engine.work_units import Tracer, Unit
 from clerestory.errors import DeviceError
+from clerestory.hemisphere.reinhart import SkyPartition
+from clerestory.scene.model import Scene
 
 # Random number streams: errors of V and D must be independent. Pictures and their
 # direct part may use the stream of either.
@@ -49,7 +50,7 @@ _FACADE_SEED = 0x5FACADE5
 _ROULETTE_TO_WINDOWS = 0.4
 _ROULETTE_TO_SKY = 0.1
 
-Launch = Callable[[MatrixSink, PathNumbers, Lanes, Unit], None]
+Launch = Callable[[MatrixSink, Lanes, Unit], None]
 
 
 def prepare_view(job: ViewJob) -> Tracer:
@@ -62,15 +63,14 @@ def prepare_view(job: ViewJob) -> Tracer:
 def prepare_coefficients(job: CoefficientsJob) -> Tracer:
     """Return the tracer from sensors to the sky."""
     origin = np.mean(job.sensors.position, axis=0)
-    model = lower(job.scene, origin=origin)
-    return _from_sensors(job, _to_sky(model, SkyTable.of(job.sky)), origin)
+    return _from_sensors(job, _to_sky(job.scene, job.sky, origin), origin)
 
 
 def prepare_daylight(job: DaylightJob) -> Tracer:
     """Return the tracer from a window to the sky."""
     origin = window_origin(job.scene, job.window)
-    model = lower(job.scene, origin=origin)
-    return _from_window(job, _to_sky(model, SkyTable.of(job.sky)), job.seed, origin)
+    tracer = _to_sky(job.scene, job.sky, origin)
+    return _from_window(job, tracer, job.seed, origin)
 
 
 def prepare_facade(job: FacadeJob) -> Tracer:
@@ -92,7 +92,8 @@ def prepare_pixel_view(job: PixelViewJob) -> Tracer:
     rays = CameraRays.of(job.view, job.columns, job.rows)
     limit = segments_of(job.bounces)
 
-    def launch(sink: MatrixSink, numbers: PathNumbers, paths: Lanes, _: Unit) -> None:
+    def launch(sink: MatrixSink, paths: Lanes, _: Unit) -> None:
+        numbers = paths.numbers
         x, y = numbers.sobol(DIRECTION_U), numbers.sobol(DIRECTION_V)
         ray, valid = rays.through(paths.number, x, y)
         tracer.trace(sink, tracer.camera_path(ray), numbers, limit, valid)
@@ -103,19 +104,15 @@ def prepare_pixel_view(job: PixelViewJob) -> Tracer:
 
 def _to_windows(model: LoweredScene, *, direct_only: bool = False) -> PathTracer:
     windows = WindowPatches(model, direct=direct_only)
-    return _tracer(model, windows, _ROULETTE_TO_WINDOWS, direct_only=direct_only)
-
-
-def _to_sky(model: LoweredScene, sky: SkyTable) -> PathTracer:
-    return _tracer(model, SkyPatches(sky), _ROULETTE_TO_SKY)
-
-
-def _tracer(
-    model: LoweredScene, source: Source, roulette: float, *, direct_only: bool = False
-) -> PathTracer:
     return PathTracer(
-        model, (source,), roulette, direct_only=direct_only, bounce_to_source=True
-    )
+        model, (windows,), _ROULETTE_TO_WINDOWS,
+        direct_only=direct_only, bounce_to_source=True,
+    )  # fmt: skip
+
+
+def _to_sky(scene: Scene, sky: SkyPartition, origin: Origin) -> PathTracer:
+    model, patches = lower(scene, origin=origin), SkyPatches(SkyTable.of(sky))
+    return PathTracer(model, (patches,), _ROULETTE_TO_SKY, bounce_to_source=True)
 
 
 def _from_window(
@@ -124,9 +121,9 @@ def _from_window(
     table, _ = window_shapes((job.window,), origin)
     limit = segments_of(job.bounces)
 
-    def launch(sink: MatrixSink, numbers: PathNumbers, paths: Lanes, _: Unit) -> None:
-        path = tracer.camera_path(window_ray(table, paths.number, numbers))
-        tracer.trace(sink, path, numbers, limit, mi.Bool(True))
+    def launch(sink: MatrixSink, paths: Lanes, _: Unit) -> None:
+        path = tracer.camera_path(window_ray(table, paths))
+        tracer.trace(sink, path, paths.numbers, limit, mi.Bool(True))
 
     return matrix_tracer(job, launch, stream=_WINDOWS, seed=seed)
 
@@ -137,14 +134,12 @@ def _from_sensors(
     position, normal = job.sensors.position - origin, job.sensors.direction
     limit = segments_of(job.bounces, first=0)
 
-    def launch(
-        sink: MatrixSink, numbers: PathNumbers, paths: Lanes, unit: Unit
-    ) -> None:
+    def launch(sink: MatrixSink, paths: Lanes, unit: Unit) -> None:
         o = dr.gather(mi.Point3f, vectors(mi.Point3f, position[unit.rows]), paths.row)
         n = dr.gather(mi.Vector3f, vectors(mi.Vector3f, normal[unit.rows]), paths.row)
-        _, path = tracer.gather(sink, numbers, o, n)
+        _, path = tracer.gather(sink, paths.numbers, o, n)
         active = dr.max(path.throughput) > 0
-        tracer.trace(sink, path, numbers, limit, active)
+        tracer.trace(sink, path, paths.numbers, limit, active)
 
     return matrix_tracer(job, launch, stream=_SENSORS)
 
@@ -170,7 +165,7 @@ def matrix_tracer(
                 sequence, rows=unit.rows, batches=batches, seed=start, stream=stream
             )
             sink = MatrixSink(sums, columns, channels, paths.slot)
-            launch(sink, paths.numbers(sequence), paths, unit)
+            launch(sink, paths, unit)
             added = sink.sums.numpy()
         refuse_out_of_range(int(added[0]))
         return added[1:].reshape(len(unit.rows), batches, columns, channels)

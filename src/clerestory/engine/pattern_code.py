@@ -14,7 +14,7 @@ import numpy as np
 from clerestory.engine.function_code import FunctionCode
 from clerestory.engine.function_library import Value
 from clerestory.engine.origin import Origin
-from clerestory.engine.upload import on_device
+from clerestory.engine.upload import on_device, search
 from clerestory.errors import InputError
 from clerestory.radiance.data_array import DataArray
 from clerestory.radiance.function_pattern import NUMBERED, READINGS, FunctionPattern
@@ -172,10 +172,8 @@ def _table(data: DataArray) -> Callable[[list[Any]], Any]:
         cells, shares = [], []
         for given, sign, axis, count in zip(position, signs, axes, counts, strict=True):
             x = sign * given
-            cell = dr.binary_search(
-                0, count - 1, lambda i, a=axis, p=x: dr.gather(mi.Float64, a, i) <= p
-            )
-            cell = mi.UInt32(dr.clip(mi.Int32(cell) - 1, 0, count - 2))
+            cell = mi.Int32(search(axis, count, x)) - 1
+            cell = mi.UInt32(dr.clip(cell, 0, count - 2))
             low = dr.gather(mi.Float64, axis, cell)
             cells.append(cell)
             shares.append((x - low) / (dr.gather(mi.Float64, axis, cell + 1) - low))

@@ -27,19 +27,14 @@ class Lanes:
     """Paths of one launch.
 
     Their row is counted within the launch (`row`) and in the whole matrix (`number`);
-    `slot` numbers rows and batches within the launch. `seed` is that of the row and
-    batch, `index` that of the sample point.
+    `slot` numbers rows and batches within the launch. The sample numbers are those of
+    the paths' first vertex.
     """
 
     row: mi.UInt32
     slot: mi.UInt32
     number: mi.UInt32
-    seed: mi.UInt32
-    index: mi.UInt32
-
-    def numbers(self, points: Points) -> PathNumbers:
-        """Return the sample numbers of the paths' first vertex."""
-        return PathNumbers(points, self.seed, self.index, mi.UInt32(0))
+    numbers: PathNumbers
 
 
 def lanes(
@@ -56,23 +51,20 @@ def lanes(
     row = slot // batches
     number = dr.gather(mi.UInt32, on_device(mi.UInt32, rows), row)
     absolute = number * batches + slot % batches
-    return Lanes(
-        row=row,
-        slot=slot,
-        number=number,
-        seed=mi.sample_tea_32(absolute, dr.opaque(mi.UInt32, seed))[stream],
-        index=lane % points.stride,
-    )
+    key = mi.sample_tea_32(absolute, dr.opaque(mi.UInt32, seed))[stream]
+    first = PathNumbers(points, key, lane % points.stride, mi.UInt32(0))
+    return Lanes(row, slot, number, first)
 
 
-def window_ray(window: WindowTable, patch: mi.UInt32, numbers: PathNumbers) -> mi.Ray3f:
+def window_ray(window: WindowTable, paths: Lanes) -> mi.Ray3f:
     """Return outward rays from the patches of one window, distributed over its area.
 
     A row of a daylight matrix is the radiance incident from one patch. Unscattered
     light keeps its patch index, so rays are traced against the patch's direction.
     """
+    numbers = paths.numbers
     a, b = numbers.sobol(CONNECT_U), numbers.sobol(CONNECT_V)
     u, v = numbers.sobol(DIRECTION_U), numbers.sobol(DIRECTION_V)
     point, number = window.sample_point(a, b)
-    local = window.tables[0].sample(patch, u, v)
+    local = window.tables[0].sample(paths.number, u, v)
     return mi.Ray3f(point, -window.to_scene(number, local))

@@ -30,7 +30,7 @@ from clerestory.engine.sampler import (
 from clerestory.engine.sinks import RadianceSink
 from clerestory.engine.spherical_rectangle import Parallelograms, fold
 from clerestory.engine.sun_patches import sun_patches
-from clerestory.engine.upload import launching, on_device, vectors
+from clerestory.engine.upload import launching, on_device, search, vectors
 from clerestory.engine.visibility import first_hit
 from clerestory.engine.work_units import Tracer, Unit
 from clerestory.scene.model import Scene
@@ -119,10 +119,7 @@ def prepare_outgoing(job: ExitingRadianceJob) -> Tracer:
         low = dr.gather(mi.UInt32, first, patch)
         high = dr.gather(mi.UInt32, first, patch + 1)
         place = mi.Float(patch) + pick
-        number = dr.binary_search(
-            0, len(corner) - 1, lambda i: dr.gather(mi.Float, cumulative, i) <= place
-        )
-        number = dr.clip(mi.UInt32(number), low, high - 1)
+        number = dr.clip(search(cumulative, len(corner), place), low, high - 1)
         point = triangles.take(number).point(*fold(u, v))
 
         # Sample a direction of the ring and sector by projected solid angle

@@ -11,7 +11,6 @@ from clerestory.engine.patches import PatchTable
 from clerestory.engine.path_tracer import segments_of
 from clerestory.engine.primary_rays import Lanes
 from clerestory.engine.sample_area import follow, lower_slab, start
-from clerestory.engine.sampler import PathNumbers
 from clerestory.engine.sinks import MatrixSink
 from clerestory.engine.upload import on_device
 from clerestory.engine.work_units import Tracer, Unit
@@ -49,11 +48,11 @@ def prepare_slab(job: SlabJob) -> Tracer:
     backs = mi.Bool([bool(side) for side in job.sides])
     limit = segments_of(job.bounces)
 
-    def launch(sink: MatrixSink, numbers: PathNumbers, paths: Lanes, _: Unit) -> None:
+    def launch(sink: MatrixSink, paths: Lanes, _: Unit) -> None:
         back = dr.gather(mi.Bool, backs, paths.number // count)
         patch = dr.gather(mi.UInt32, incidents, paths.number % count)
-        ray = start(slab, numbers, table, patch, back)
+        ray = start(slab, paths.numbers, table, patch, back)
         receiver = Patches(sink, table, len(job.partition), back)
-        follow(slab, receiver, numbers, ray, limit)
+        follow(slab, receiver, paths.numbers, ray, limit)
 
     return matrix_tracer(job, launch, stream=0, seed=job.seed ^ _SALT)

@@ -126,7 +126,7 @@ class _Cells:
             shares = RGB.shares.tolist()
             luminance = sum(w * c for w, c in zip(shares, light, strict=True))
         scores = [*light, dr.square(luminance)]
-        self.sink.score(mi.UInt32(0), cell, scores, active)
+        self.sink.add(None, cell, scores, active)
 
 
 def trace_block(
@@ -153,16 +153,14 @@ def trace_block(
     behind = dr.opaque(mi.Bool, back)
     for rows, begin, number in _launches(groups):
         sequence = points(begin, number)
-        paths = lanes(
-            sequence, rows=rows + offset, batches=1, seed=seed ^ _SALT, stream=0
-        )
+        rows = rows + offset
+        paths = lanes(sequence, rows=rows, batches=1, seed=seed ^ _SALT, stream=0)
         incident = paths.number % total
-        numbers = paths.numbers(sequence)
-        ray = start(slab, numbers, _IncidentCells(grid), incident, behind)
+        ray = start(slab, paths.numbers, _IncidentCells(grid), incident, behind)
         # Rank 3: rotate all incident azimuths to one
         turn = _azimuth(ray.d) if grid.rank == 3 else mi.Vector2f(1, 0)
         receiver = _Cells(grid, sink, incident, behind, turn)
-        follow(slab, receiver, numbers, ray, segments)
+        follow(slab, receiver, paths.numbers, ray, segments)
         dr.eval(sink.sums)
     return _scores(sink, grid)
 

@@ -18,7 +18,7 @@ import mitsuba as mi
 import numpy as np
 from scipy.stats import qmc
 
-from clerestory.engine.upload import on_device
+from clerestory.engine.upload import on_device, search
 
 # Dimensions of the sample point used at a path vertex, by purpose.
 CONNECT_U, CONNECT_V, LOBE, DIRECTION_U, DIRECTION_V = range(5)
@@ -78,26 +78,6 @@ def random_numbers(seed: int, index, count: int) -> list[mi.Float]:
     return [random_number(mi.UInt32(seed), index, mi.UInt32(n)) for n in range(count)]
 
 
-def coordinate(sequence: Points, seed, index, vertex, purpose: int):
-    """Return one coordinate, scrambled for its row and batch, in [0, 1)."""
-    dimension = vertex * PER_VERTEX + purpose
-    low = vertex < VERTICES
-    entry = dimension * sequence.stride + index
-    bits = dr.gather(mi.UInt32, sequence.table, entry, low)
-
-    # Permute each binary digit according to the digits before it
-    key = mix(dimension * mi.UInt32(0x9E3779B9), seed)
-    bits ^= bits * mi.UInt32(0x3D20ADEA)
-    bits += key
-    bits *= (key >> 16) | 1
-    bits ^= bits * mi.UInt32(0x05526C56)
-    bits ^= bits * mi.UInt32(0x53A22864)
-    scrambled = to_unit(dr.brev(bits))
-    return dr.select(
-        low, scrambled, random_number(seed, index + sequence.first, dimension)
-    )
-
-
 @dataclass
 class Distribution:
     """Discrete distribution of the numbers from 0 to `count` - 1."""
@@ -114,13 +94,7 @@ class Distribution:
 
     def sample(self, pick):
         """Return a number, its probability, and `pick` rescaled to [0, 1)."""
-        number = mi.UInt32(
-            dr.binary_search(
-                0,
-                self.count - 1,
-                lambda i: dr.gather(mi.Float, self.cumulative, i) <= pick,
-            )
-        )
+        number = search(self.cumulative, self.count, pick)
         low = dr.gather(mi.Float, self.cumulative, number - 1, number > 0)
         chance = self.probability(number)
         return number, chance, (pick - low) / chance
@@ -148,8 +122,20 @@ class PathNumbers:
         return PathNumbers(self.points, self.seed, self.index, vertex)
 
     def sobol(self, purpose: int):
-        """Return a coordinate of the sequence."""
-        return coordinate(self.points, self.seed, self.index, self.vertex, purpose)
+        """Return a coordinate of the sequence in [0, 1), scrambled by the seed."""
+        dimension = self.vertex * PER_VERTEX + purpose
+        low = self.vertex < VERTICES
+        entry = dimension * self.points.stride + self.index
+        bits = dr.gather(mi.UInt32, self.points.table, entry, low)
+
+        # Permute each binary digit according to the digits before it
+        key = mix(dimension * mi.UInt32(0x9E3779B9), self.seed)
+        bits ^= bits * mi.UInt32(0x3D20ADEA)
+        bits += key
+        bits *= (key >> 16) | 1
+        bits ^= bits * mi.UInt32(0x05526C56)
+        bits ^= bits * mi.UInt32(0x53A22864)
+        return dr.select(low, to_unit(dr.brev(bits)), self.hashed(dimension))
 
     def hashed(self, dimension):
         """Return a hashed random number of the path."""

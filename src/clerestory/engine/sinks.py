@@ -30,18 +30,14 @@ class MatrixSink:
     sums: mi.UInt64
     columns: int
     channels: int
-    slot: mi.UInt32 | None = None
+    slot: mi.UInt32 | int = 0
 
     def begin(self) -> None:
         """Return None: paths carry no partial sum."""
 
     def add(self, _total: None, column, value, active) -> None:
         """Add the contribution of a path to a column of its row and batch."""
-        self.score(self.slot, column, value, active)
-
-    def score(self, slot, column, value, active) -> None:
-        """Add a contribution to a column of a given row and batch."""
-        index = (slot * self.columns + column) * self.channels + 1
+        index = (self.slot * self.columns + column) * self.channels + 1
         mode = _reduction()
         for channel in range(self.channels):
             weight = value[channel]

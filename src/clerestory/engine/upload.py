@@ -1,4 +1,4 @@
-"""Upload of arrays to the compute device, and conversion of kernel errors."""
+"""Arrays on the compute device: upload, search, and conversion of kernel errors."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -46,6 +46,16 @@ def vectors(kind: type, values: Float[np.ndarray, "n 3"]):
     """Return the rows of an array as device points, vectors or colours."""
     return kind(
         *(on_device(dr.value_t(kind), column) for column in np.asarray(values).T)
+    )
+
+
+def search(table, count: int, value, first=0):
+    """Return how many of `count` - 1 ascending entries are at most a value."""
+    kind = type(table)
+    return mi.UInt32(
+        dr.binary_search(
+            0, count - 1, lambda i: dr.gather(kind, table, first + i) <= value
+        )
     )
 
 

@@ -66,19 +66,16 @@ class WindowTable:
 
     def to_local(self, window, direction):
         """Transform a direction of the scene to the frame of a window."""
+        axes = (self.right, self.up, self.normal)
         return mi.Vector3f(
-            dr.dot(dr.gather(mi.Vector3f, self.right, window), direction),
-            dr.dot(dr.gather(mi.Vector3f, self.up, window), direction),
-            dr.dot(dr.gather(mi.Vector3f, self.normal, window), direction),
+            *(dr.dot(dr.gather(mi.Vector3f, axis, window), direction) for axis in axes)
         )
 
     def to_scene(self, window, local):
         """Transform a direction from the frame of a window to the scene."""
-        return (
-            dr.gather(mi.Vector3f, self.right, window) * local.x
-            + dr.gather(mi.Vector3f, self.up, window) * local.y
-            + dr.gather(mi.Vector3f, self.normal, window) * local.z
-        )
+        direction = dr.gather(mi.Vector3f, self.right, window) * local.x
+        direction += dr.gather(mi.Vector3f, self.up, window) * local.y
+        return direction + dr.gather(mi.Vector3f, self.normal, window) * local.z
 
     def sample_point(self, u, v):
         """Sample a point uniformly by area on all windows; return it and its window."""
@@ -164,11 +161,8 @@ def _elements(window: Window) -> list[_Element]:
         v = polygon.vertices
         u_edge, v_edge = v[1] - v[0], v[3 % len(v)] - v[0]
         size = np.linalg.norm(u_edge) * np.linalg.norm(v_edge)
-        if (
-            len(v) == 4
-            and np.allclose(v[0] + v[2], v[1] + v[3], atol=1e-6)
-            and abs(np.dot(u_edge, v_edge)) < 1e-5 * size
-        ):
+        upright = abs(np.dot(u_edge, v_edge)) < 1e-5 * size
+        if len(v) == 4 and upright and np.allclose(v[0] + v[2], v[1] + v[3], atol=1e-6):
             found.append(_Element(v[0], u_edge, v_edge, True))
             continue
         filled = triangulate(v)
@@ -196,10 +190,9 @@ def _table(
     # Windows with equal partitions share a table
     tables: list[PatchTable] = []
     for number, window in enumerate(windows):
-        like = [
-            k for k in range(number) if windows[k].partition.matches(window.partition)
-        ]
-        tables.append(tables[like[0]] if like else PatchTable.of(window.partition))
+        own = window.partition
+        like = [k for k in range(number) if windows[k].partition.matches(own)]
+        tables.append(tables[like[0]] if like else PatchTable.of(own))
     return WindowTable(
         elements=Parallelograms.of(corner - origin, edge_u, edge_v),
         rectangle=on_device(mi.Bool, rectangle),
