@@ -28,8 +28,7 @@ import clerestory as cl
 from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.gonio.angles import from_degrees
-from clerestory.gonio.bsdf_export import export_bsdf
-from clerestory.gonio.fitted_measurement import fit_measurement
+from clerestory.gonio.fitted_measurement import export_bsdf, fit_measurement
 from clerestory.gonio.raster import Raster
 from clerestory.hemisphere.shirley_chiu import disc_from_square
 from clerestory.scene.model import BsdfSurface, Polygon, Scene

@@ -21,9 +21,8 @@ import numpy as np
 from duel import stamp
 
 from clerestory.bsdf.xml_writer import write_bsdf
-from clerestory.gonio.bsdf_export import export_bsdf
 from clerestory.gonio.fit_storage import write_fits
-from clerestory.gonio.fitted_measurement import fit_measurement
+from clerestory.gonio.fitted_measurement import export_bsdf, fit_measurement
 from clerestory.gonio.measurement_files import read_measurement
 from clerestory.study.new_study import write_demo
 from clerestory.study.results import read_results

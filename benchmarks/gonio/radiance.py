@@ -18,13 +18,11 @@ from page import head
 
 from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
-from clerestory.gonio.bsdf_export import export_bsdf
-from clerestory.gonio.fitted_measurement import fit_measurement
+from clerestory.gonio.fitted_measurement import export_bsdf, fit_measurement
 from clerestory.gonio.lobe_fitting import (
     FitOptions,
     condensed_points,
     misplaced_flux,
-    total_flux,
 )
 from clerestory.gonio.measurement_files import read_measurement
 from clerestory.gonio.scattering_measurement import Measurement
@@ -141,7 +139,7 @@ def held_out(measurement, *, options):
             source = np.broadcast_to(scan.incident, points.direction.shape)
             values = tree.evaluate(source, points.direction)
             flux = float(tree.hemispherical(scan.incident))
-            yield k, flux - total_flux(scan), misplaced_flux(points, values)
+            yield k, flux - scan.flux, misplaced_flux(points, values)
 
 
 def our_tree(measurement, *, options):

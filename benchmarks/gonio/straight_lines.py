@@ -5,7 +5,6 @@ import numpy as np
 from clerestory.gonio.angles import angle_between
 from clerestory.gonio.incident_mesh import locate
 from clerestory.gonio.lobes import Lobes
-from clerestory.gonio.network_assembly import rotation_about_normal, transformed
 from clerestory.gonio.symmetry import fold
 
 
@@ -20,7 +19,7 @@ def plain_means(interpolant, directions):
             np.concatenate([part.radius for part in parts]),
             np.concatenate([w * p.flux for w, p in zip(shares, parts, strict=True)]),
         )
-        yield transformed(lobes, factor)
+        yield lobes.transformed(factor)
 
 
 def straight_lines(interpolant, incidents, known, directions):
@@ -37,14 +36,7 @@ def straight_lines(interpolant, incidents, known, directions):
 
 def folding(interpolant, directions):
     """Directions in the measured part, and the matrices that turn light back."""
-    if interpolant.symmetry == "isotropic":
-        flat = np.hypot(*directions[:, :2].T)
-        azimuth = np.arctan2(directions[:, 1], directions[:, 0])
-        folded = np.stack([flat, 0 * flat, directions[:, 2]], axis=-1)
-        return folded, np.array([rotation_about_normal(a) for a in azimuth])
-    quadrant = interpolant.network.quadrant
-    folded, factor = fold(directions, interpolant.symmetry, quadrant)
-    return folded, factor[:, None, :] * np.eye(3)
+    return fold(directions, interpolant.symmetry, interpolant.network.quadrant)
 
 
 def places(mesh, folded, factors):

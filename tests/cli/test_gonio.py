@@ -86,7 +86,10 @@ def test_scans_and_what_lies_between_are_drawn(call, room, scans):
         (("plot", "SCAN", "-o", "a.gif"), ".png, .svg, .pdf"),
         (("plot", "SCAN", "--scan", "9", "-o", "a.png"), "0 to 0 expected"),
         (("fit", "SCAN", "-o", "a.nc", "--quiet"), "two or more expected"),
-        (("fit", "SCAN", "--lobes", "1", "-o", "a.nc"), "4 or more lobes"),
+        (
+            ("fit", "SCAN", "--lobes", "1", "-o", "a.nc"),
+            "number of lobes is 1; 4 or more",
+        ),
         (("fit", "SCAN", "SCAN", "-o", "a.nc"), "also that of"),
         (("check", "SCAN", "--quiet"), "3 or more expected"),
     ],

@@ -9,9 +9,8 @@ import pytest
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.resample import reciprocal_mean
 from clerestory.bsdf.tensor_tree import ScatteringTree
-from clerestory.bsdf.tree_arithmetic import combine
+from clerestory.bsdf.tree_arithmetic import combine, reduce_tree
 from clerestory.bsdf.tree_parser import parse_tree
-from clerestory.bsdf.tree_reduction import reduce_tree
 from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
 

@@ -6,7 +6,6 @@ import pytest
 import clerestory as cl
 from clerestory.bsdf.analytic import glass_properties
 from clerestory.bsdf.patch_overlap import patches_in_cells
-from clerestory.bsdf.reciprocity import diffuse_share
 from clerestory.bsdf.resample import to_matrices
 from clerestory.bsdfgen.film_geometry import mirrored_channels, prismatic
 from clerestory.bsdfgen.mirror_symmetry import Orbits
@@ -238,7 +237,7 @@ def test_systems_keep_energy_and_reciprocity(device, kind):
         known = (error < 0.1 * (forth.values + turned.values)) & (error > 0)
         score = (forth.values - turned.values)[known] / error[known]
         assert np.sqrt(np.mean(score**2)) < 1.6
-        assert abs(diffuse_share(forth) - diffuse_share(back)) < 0.01
+        assert abs(forth.diffuse() - back.diffuse()) < 0.01
 
 
 def test_lossless_systems_lose_nothing(device):

@@ -5,9 +5,9 @@ import numpy as np
 from clerestory.array_types import ExitIncident, Values
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product_data import Product
-from clerestory.bsdf.scattering_function import Function
+from clerestory.bsdf.scattering_function import FUNCTIONS
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
-from clerestory.errors import InputError
+from clerestory.checks import not_negative, require, within
 from clerestory.hemisphere.partition import RingPartition
 
 # Number of incidence angles per ring over which glass properties are averaged.
@@ -25,17 +25,12 @@ def lambertian(
     >>> lambertian(0.4, klems("half")).direct_hemispherical().round(9)[:2].tolist()
     [0.4, 0.4]
     """
-    if min(transmittance, reflectance) < 0 or transmittance + reflectance > 1:
-        raise InputError(
-            f"transmittance {transmittance} and reflectance {reflectance};"
-            " non-negative values with a sum of at most 1 expected"
-        )
+    not_negative([transmittance, reflectance], "transmittance or reflectance")
+    both = transmittance + reflectance
+    within(both, "transmittance plus reflectance", least=0, most=1)
     even = np.full((len(partition), len(partition)), 1 / np.pi)
     return _symmetric(
-        "Lambertian diffuser",
-        transmission=transmittance * even,
-        reflection=reflectance * even,
-        partition=partition,
+        "Lambertian diffuser", partition, transmittance * even, reflectance * even
     )
 
 
@@ -43,19 +38,9 @@ def clear_air(partition: RingPartition) -> Bsdf:
     """Layer that transmits all light undeviated.
 
     Its transmission matrix is the identity.
-
-    >>> from clerestory.hemisphere.klems import klems
-    >>> T = clear_air(klems("quarter")).transmission_matrix().values[0]
-    >>> bool(np.allclose(T, np.eye(41)))
-    True
     """
     straight = np.diag(1 / partition.projected_solid_angles())
-    return _symmetric(
-        "Clear air",
-        transmission=straight,
-        reflection=np.zeros_like(straight),
-        partition=partition,
-    )
+    return _symmetric("Clear air", partition, straight, np.zeros_like(straight))
 
 
 def thin_pane(
@@ -75,12 +60,9 @@ def thin_pane(
     index : refractive index, 1 or more
     panes : number of panes
     """
-    if not (0 <= transmissivity <= 1 and index >= 1 and panes >= 1):
-        raise InputError(
-            f"number of panes {panes}, transmissivity {transmissivity}, refractive"
-            f" index {index}; at least 1 pane, transmissivity from 0 to 1 and"
-            " refractive index of at least 1 expected"
-        )
+    within(transmissivity, "transmissivity", least=0, most=1)
+    require(index >= 1, f"refractive index is {index}; 1 or more expected")
+    require(panes >= 1, f"number of panes is {panes}; 1 or more expected")
     # Average over equal parts of the projected solid angle of each ring
     part = (np.arange(_SAMPLES_PER_RING) + 0.5) / _SAMPLES_PER_RING
     low, high = np.sin(partition.theta[:-1]) ** 2, np.sin(partition.theta[1:]) ** 2
@@ -88,16 +70,12 @@ def thin_pane(
     shares = glass_properties(
         cosine, transmissivity=transmissivity, index=index, panes=panes
     )
-    transmitted, reflected = (
-        np.repeat(share.mean(axis=1), partition.count) for share in shares
-    )
     measure = partition.projected_solid_angles()
-    return _symmetric(
-        "Clear pane",
-        transmission=np.diag(transmitted / measure),
-        reflection=np.diag(reflected / measure),
-        partition=partition,
+    transmission, reflection = (
+        np.diag(np.repeat(share.mean(axis=1), partition.count) / measure)
+        for share in shares
     )
+    return _symmetric("Clear pane", partition, transmission, reflection)
 
 
 def glass_properties(
@@ -105,20 +83,12 @@ def glass_properties(
 ) -> tuple[Values, Values]:
     """Transmittance and reflectance of clear panes for unpolarised light.
 
-    Parameters
-    ----------
-    cosine : cosine of the angle of incidence
-    transmissivity : internal transmittance of one pane at normal incidence
-    panes : number of panes
+    Fresnel's equations are used at each surface, with the geometric series of
+    interreflections for each polarisation, as in Radiance's material `glass`. Light
+    between panes is assumed to be unpolarised.
 
-    Notes
-    -----
-    Fresnel's equations at each surface, and the geometric series of interreflections
-        for each polarisation, as in Radiance's material `glass`. Light between panes is
-        assumed to be unpolarised.
+    `cosine`: cosine of the angle of incidence.
 
-    Examples
-    --------
     >>> t, r = glass_properties(np.array(1.0), transmissivity=1.0, index=1.5)
     >>> round(float(t), 6), round(float(r), 6)  # t = 2n/(n² + 1), r = 1 − t
     (0.923077, 0.076923)
@@ -146,20 +116,14 @@ def glass_properties(
 
 def _symmetric(
     name: str,
-    *,
+    partition: RingPartition,
     transmission: ExitIncident,
     reflection: ExitIncident,
-    partition: RingPartition,
 ) -> Bsdf:
     # Build a layer with equal transmission and reflection on both sides
-    tables: dict[Function, ExitIncident] = {
-        "transmission_front": transmission,
-        "transmission_back": transmission,
-        "reflection_front": reflection,
-        "reflection_back": reflection,
-    }
+    tables = transmission, transmission, reflection, reflection
     functions = {
         ("visible", function): ScatteringMatrix(table, partition, partition)
-        for function, table in tables.items()
+        for function, table in zip(FUNCTIONS, tables, strict=True)
     }
     return Bsdf(functions, Product(name=name))

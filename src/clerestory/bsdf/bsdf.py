@@ -34,6 +34,9 @@ from clerestory.hemisphere.partition import RingPartition
 from clerestory.matrix.axis import window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
 
+_Incident = Float[np.ndarray, "*incident 3"]
+_Leaving = Float[np.ndarray, "*leaving 3"]
+_Pair = Float[np.ndarray, "*pair"]
 _Directions = Float[np.ndarray, "pair 3"]
 _Answers = Float[np.ndarray, " pair"]
 
@@ -70,11 +73,8 @@ class Bsdf:
 
     def has(self, function: Function, *, channel: str = "visible") -> bool:
         """Whether a scattering function is available, directly or by reciprocity."""
-        other = OTHER_SIDE.get(function, function)
-        return (channel, function) in self.functions or (
-            channel,
-            other,
-        ) in self.functions
+        sides = function, OTHER_SIDE.get(function, function)
+        return any((channel, side) in self.functions for side in sides)
 
     def scattering(
         self, name: Function, *, channel: str = "visible"
@@ -83,10 +83,6 @@ class Bsdf:
 
         If the transmission of only one side is given, the transmission of the other
         side follows by reciprocity.
-
-        Raises
-        ------
-        InputError : the channel has no such function
         """
         if (channel, name) in self.functions:
             return self.functions[channel, name]
@@ -195,17 +191,11 @@ class Bsdf:
 
     def diffuse(self, function: Function, *, channel: str = "visible") -> float:
         """Hemispherical-hemispherical (diffuse) transmittance or reflectance."""
-        part = self.function(function, channel=channel)
-        weight = part.incidents.projected_solid_angles()
-        return float(part.direct_hemispherical() @ weight / np.pi)
+        return self.function(function, channel=channel).diffuse()
 
     def evaluate(
-        self,
-        incident: Float[np.ndarray, "*incident 3"],
-        leaving: Float[np.ndarray, "*leaving 3"],
-        *,
-        channel: str = "visible",
-    ) -> Float[np.ndarray, "*pair"]:
+        self, incident: _Incident, leaving: _Leaving, *, channel: str = "visible"
+    ) -> _Pair:
         """BSDF [1/sr] for pairs of directions that point away from the layer.
 
         The BSDF is zero where the layer has no scattering function.
@@ -215,12 +205,8 @@ class Bsdf:
         )
 
     def resolution(
-        self,
-        incident: Float[np.ndarray, "*incident 3"],
-        leaving: Float[np.ndarray, "*leaving 3"],
-        *,
-        channel: str = "visible",
-    ) -> Float[np.ndarray, "*pair"]:
+        self, incident: _Incident, leaving: _Leaving, *, channel: str = "visible"
+    ) -> _Pair:
         """Projected solid angle [sr] of the cell or patch that contains each pair.
 
         Where the layer has no scattering function, the result is π (hemisphere).
@@ -256,11 +242,11 @@ class Bsdf:
     def _over_pairs(
         self,
         ask: Callable[[ScatteringFunction, _Directions, _Directions], _Answers],
-        incident: Float[np.ndarray, "*incident 3"],
-        leaving: Float[np.ndarray, "*leaving 3"],
+        incident: _Incident,
+        leaving: _Leaving,
         channel: str,
         missing: float,
-    ) -> Float[np.ndarray, "*pair"]:
+    ) -> _Pair:
         # Apply to each pair of directions the scattering function of its two sides
         incident, leaving = np.broadcast_arrays(incident, leaving)
         answer = np.full(incident.shape[:-1], missing)

@@ -19,10 +19,6 @@ def choose_cells(
     """Sample a cell in each range first…last − 1, in proportion to the flux.
 
     Return the cells, the random numbers rescaled to 0…1, and the flux of each range.
-
-    >>> none, two, u = np.zeros(2, int), np.full(2, 2), np.array([0.125, 0.75])
-    >>> choose_cells(np.array([1.0, 3.0]), none, two, u)[0].tolist()
-    [0, 1]
     """
     running = np.concatenate([[0.0], np.cumsum(flux)])
     total = running[last] - running[first]

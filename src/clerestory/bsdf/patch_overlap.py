@@ -25,14 +25,6 @@ def patches_in_cells(partition: RingPartition, halvings: int) -> sparse.csr_arra
     """Overlap [sr, projected] of each patch with each cell of the unit square.
 
     `halvings`: 2^halvings cells along each axis, in row-major order.
-
-    >>> from clerestory.hemisphere.klems import klems
-    >>> quarter = klems("quarter")
-    >>> overlap = patches_in_cells(quarter, 3)
-    >>> overlap.shape
-    (41, 64)
-    >>> bool(np.allclose(overlap.sum(axis=1), quarter.projected_solid_angles()))
-    True
     """
     wide = 1 << halvings
     lines = 2 * np.arange(wide + 1) / wide - 1

@@ -5,34 +5,21 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True)
 class Geometry:
-    """The geometry of a layer as text in MGF, the Materials and Geometry Format.
+    """The geometry of a layer as text in MGF, the Materials and Geometry Format."""
 
-    Attributes
-    ----------
-    text : MGF text in window coordinates: z points into the room, all z ≤ 0
-    metres : length unit of the MGF text [m]
-    line : line of the file where the text starts, for error messages
-    """
-
-    text: str
-    metres: float = 1.0
+    text: str  # MGF text in window coordinates: z points into the room, all z ≤ 0
+    metres: float = 1.0  # length unit of the MGF text [m]
+    # Line of the file where the text starts, for error messages
     line: int = field(default=1, compare=False)
 
 
 @dataclass(frozen=True)
 class Detail:
-    """XML element that is copied unchanged, such as a conductivity.
+    """XML element that is copied unchanged, such as a conductivity."""
 
-    Attributes
-    ----------
-    name : element name; "Geometry/Angle" for a child of the geometry element
-    text : element text
-    unit : unit attribute; "" if not given
-    """
-
-    name: str
-    text: str
-    unit: str = ""
+    name: str  # element name; "Geometry/Angle" for a child of the geometry element
+    text: str  # element text
+    unit: str = ""  # unit attribute; "" if not given
 
 
 @dataclass(frozen=True)

@@ -30,57 +30,34 @@ _NAMES = ("full", "half", "quarter")
 
 def check_angle_bases(bsdf: Bsdf) -> Iterator[Finding]:
     """Yield findings of angle bases unlike WINDOW's, and notes of the file reader."""
-    seen: set[str] = set()
+    partitions: dict[str, RingPartition] = {}
     for part in bsdf.functions.values():
-        if not isinstance(part, ScatteringMatrix):
+        for partition in part.own_partitions() or ():
+            partitions.setdefault(partition.name, partition)
+    for partition in partitions.values():
+        words = partition.name.lower()
+        basis = next((name for name in _NAMES if f"klems {name}" in words), None)
+        usual = partition if basis is None else klems(basis)
+        if usual.matches(partition):
             continue
-        for partition in (part.exits, part.incidents):
-            finding = None if partition.name in seen else _label(partition)
-            seen.add(partition.name)
-            if finding is not None:
-                yield finding
+        what = f"{partition.name!r} with ring limits that differ from WINDOW's"
+        if len(usual) != len(partition):
+            counts = f"{len(partition)} patches; WINDOW has {len(usual)} patches"
+            what = f"{partition.name!r} with {counts} under that name"
+        excess = float(len(partition) - len(usual))
+        effect = "programs that rely on the name reject the file or assign wrong angles"
+        yield Finding("label", "warning", excess, what, "angle basis", effect)
     for note in bsdf.notes:
-        yield Finding(
-            "reading",
-            "info",
-            0.0,
-            note,
-            "file",
-            "other programs may read the file differently",
-        )
-
-
-def _label(partition: RingPartition) -> Finding | None:
-    words = partition.name.lower()
-    basis = next((name for name in _NAMES if f"klems {name}" in words), None)
-    if basis is None:
-        return None
-    usual = klems(basis)
-    if usual.matches(partition):
-        return None
-    same_count = len(usual) == len(partition)
-    what = (
-        f"{partition.name!r} with ring limits that differ from WINDOW's"
-        if same_count
-        else f"{partition.name!r} with {len(partition)} patches; WINDOW has"
-        f" {len(usual)} patches under that name"
-    )
-    return Finding(
-        "label",
-        "warning",
-        float(len(partition) - len(usual)),
-        what,
-        "angle basis",
-        "programs that rely on the name reject the file or assign wrong angles",
-    )
+        effect = "other programs may read the file differently"
+        yield Finding("reading", "info", 0.0, note, "file", effect)
 
 
 # Smallest excess of transmittance plus reflectance over 1, for the severities info,
 # warning and error.
 _ENERGY = (0.001, 0.01, 0.05)
 
-# If the values of all exit patches have a sum in this range, they probably are flux
-# fractions instead of BSDF values.
+# Values whose sum over the exit patches is in this range are probably flux fractions
+# instead of BSDF values.
 _LIKE_SHARES = (0.3, 1.01)
 
 # A larger ratio of the transmittances of light from above and from below suggests that
@@ -116,36 +93,26 @@ def check(bsdf: Bsdf) -> tuple[Finding, ...]:
 def _energy(channel: str, tables: Tables) -> Iterator[Finding]:
     for side in SIDES:
         share, part = _scattered(tables, side, reflection_of=side)
-        if part is None:
-            continue
         worst = int(np.argmax(share))
         excess = float(share[worst]) - 1
         severity = severity_of(excess, _ENERGY)
-        if severity is None:
+        if severity is None or part is None:
             continue
         # Test whether the reflection of the other side conserves energy
         other: Side = "back" if side == "front" else "front"
         swapped, _ = _scattered(tables, side, reflection_of=other)
-        fits = (
-            excess > _ENERGY[1]
-            and f"reflection_{other}" in tables
-            and swapped.max() < 1 + _ENERGY[0]
-        )
+        fits = f"reflection_{other}" in tables and swapped.max() < 1 + _ENERGY[0]
+        fits = bool(fits and excess > _ENERGY[1])
         advice = (
-            f"; with the reflection of the {other} it would be"
-            f" {swapped.max():.3f}: front and back are swapped in the transmission or"
-            " the reflection"
-            if fits
-            else ""
-        )
-        yield Finding(
-            "order" if fits else "energy",
-            severity,
-            excess,
-            f"transmittance and reflectance sum to {share[worst]:.4f}{advice}",
-            f"{channel} {side}, {patch_label(part.incidents, worst)}",
-            f"results are up to {excess:.1%} too high; interreflections may diverge",
-        )
+            f"; with the reflection of the {other} it would be {swapped.max():.3f}:"
+            " front and back are swapped in the transmission or the reflection"
+        ) * fits
+        name = "order" if fits else "energy"
+        what = f"transmittance and reflectance sum to {share[worst]:.4f}{advice}"
+        where = f"{channel} {side}, {patch_label(part.incidents, worst)}"
+        effect = f"results are up to {excess:.1%} too high"
+        effect += "; interreflections may diverge"
+        yield Finding(name, severity, excess, what, where, effect)
 
 
 def _scattered(
@@ -173,21 +140,13 @@ def _darkness(channel: str, tables: Tables) -> Iterator[Finding]:
             if name.endswith(side) and part.values.shape == dark.values.shape
         )
         if _LIKE_SHARES[0] < np.max(sums) < _LIKE_SHARES[1]:
-            yield Finding(
-                "scaling",
-                "warning",
-                float(share.max()),
-                f"transmittance and reflectance sum to {share.max():.2%} at most, but"
-                f" the values for one incident direction sum to {np.max(sums):.3f}",
-                f"{channel} {side}",
-                "if the values are flux fractions instead of 1/sr, results are about"
-                f" {1 / _mean_size(dark):.0f} times too low",
-            )
-
-
-def _mean_size(part: ScatteringMatrix) -> float:
-    # Mean projected solid angle of an exit patch [sr]
-    return float(part.exits.projected_solid_angles().mean())
+            most, factor = share.max(), 1 / dark.exits.projected_solid_angles().mean()
+            what = f"transmittance and reflectance sum to {most:.2%} at most, but the"
+            what += f" values for one incident direction sum to {np.max(sums):.3f}"
+            effect = "if the values are flux fractions instead of 1/sr, results are"
+            effect += f" about {factor:.0f} times too low"
+            where = f"{channel} {side}"
+            yield Finding("scaling", "warning", float(most), what, where, effect)
 
 
 def _up_and_down(channel: str, tables: Tables) -> Iterator[Finding]:
@@ -196,56 +155,41 @@ def _up_and_down(channel: str, tables: Tables) -> Iterator[Finding]:
         front = tables["transmission_back"].reciprocal()
     if front is None:
         return
-    above, below = from_above_and_below(front)
-    if above > _FROM_ABOVE * below:
-        yield Finding(
-            "order",
-            "warning",
-            above / max(below, 1e-9),
-            f"the transmittance is {above:.3f} for light from above, {below:.3f} for"
-            " light from below",
-            f"{channel} transmission front, 30° to 70° off the normal",
-            "plausible for light-redirecting louvres; a shading blind with these values"
-            " has its sides swapped or is upside down, and transmits the sun",
-        )
-
-
-def from_above_and_below(front: ScatteringMatrix) -> tuple[float, float]:
-    """Mean transmittance of light from above and of light from below."""
     _, y, z = front.incidents.centres().T
     slant = (z < np.cos(np.radians(30))) & (z > np.cos(np.radians(70)))
     share = front.direct_hemispherical()
     # Incident patches are indexed by direction of propagation: y < 0 from above
     groups = (slant & (y < -0.35), slant & (y > 0.35))
     above, below = (float(share[g].mean()) if np.any(g) else 0.0 for g in groups)
-    return above, below
+    if above > _FROM_ABOVE * below:
+        what = f"the transmittance is {above:.3f} for light from above, {below:.3f} for"
+        what += " light from below"
+        where = f"{channel} transmission front, 30° to 70° off the normal"
+        effect = "plausible for light-redirecting louvres; a shading blind with these"
+        effect += (
+            " values transmits the sun and has its sides swapped or is upside down"
+        )
+        ratio = above / max(below, 1e-9)
+        yield Finding("order", "warning", ratio, what, where, effect)
 
 
 def _shape(channel: str, tables: Tables) -> Iterator[Finding]:
     for name, part in tables.items():
         sides = turned_mismatch(part, "left and right")
         quarter = turned_mismatch(part, "a quarter turn")
-        isotropic = max(sides, quarter) < _ALIKE
-        if isotropic:
+        kind, size = "symmetry", sides
+        effect = "results depend on the up vector of the window"
+        if max(sides, quarter) < _ALIKE:
+            kind, size, effect = "isotropy", quarter, "none"
             what = "the layer is isotropic"
         elif sides < _ALIKE:
             what = "the layer is symmetric left to right"
         else:
-            what = (
-                f"left and right differ by {sides:.0%}, a quarter turn by {quarter:.0%}"
-            )
-        yield Finding(
-            "isotropy" if isotropic else "symmetry",
-            "info",
-            quarter if isotropic else sides,
-            what,
-            f"{channel} {name.replace('_', ' ')}",
-            "none"
-            if isotropic
-            else "results depend on the up vector of the window and on left and right"
-            if sides >= _ALIKE
-            else "results depend on the up vector of the window",
-        )
+            what = f"left and right differ by {sides:.0%}"
+            what += f", directions a quarter turn apart by {quarter:.0%}"
+            effect += " and on left and right"
+        where = f"{channel} {name.replace('_', ' ')}"
+        yield Finding(kind, "info", size, what, where, effect)
 
 
 _CHECKS: tuple[Callable[[str, Tables], Iterator[Finding]], ...] = (

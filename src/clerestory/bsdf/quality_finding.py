@@ -12,25 +12,15 @@ Severity = Literal["info", "warning", "error"]
 
 @dataclass(frozen=True)
 class Finding:
-    """One irregularity of a BSDF.
+    """One irregularity of a BSDF."""
 
-    Attributes
-    ----------
-    name : kind of irregularity: "energy", "reciprocity", "order", …
-    severity : "error" if results are invalid, "warning" if they are doubtful, else
-        "info"
-    size : deviation, of the quantity described in `what`
-    what : description, including the deviation
-    where : channel, function, patch and direction
-    effect : consequence for a simulation
-    """
-
-    name: str
+    name: str  # kind of irregularity: "energy", "reciprocity", "order", …
+    # "error" if results are invalid, "warning" if they are doubtful, else "info"
     severity: Severity
-    size: float
-    what: str
-    where: str
-    effect: str
+    size: float  # deviation, of the quantity described in `what`
+    what: str  # description, including the deviation
+    where: str  # channel, function, patch and direction
+    effect: str  # consequence for a simulation
 
     @property
     def matters(self) -> bool:

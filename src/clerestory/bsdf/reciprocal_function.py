@@ -25,16 +25,10 @@ _FINER, _COARSEST, _FINEST = 2, 8, 10
 @final
 @dataclass(frozen=True, eq=False)
 class ReciprocalFunction(ScatteringFunction):
-    """A scattering function with incident and exit directions exchanged.
+    """A scattering function with incident and exit directions exchanged."""
 
-    Attributes
-    ----------
-    forward : original scattering function
-    halvings : number of tree levels of `forward`; the smallest cells have edge
-        2^-halvings
-    """
-
-    forward: ScatteringFunction
+    forward: ScatteringFunction  # original scattering function
+    # Number of tree levels of `forward`; the smallest cells have edge 2^-halvings
     halvings: int
 
     def evaluate(self, incident: Directions, leaving: Directions) -> Values:

@@ -6,13 +6,12 @@ BSDFs. All other violations result from noise, interpolation or an invalid model
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
 
-import numpy as np
-
-from clerestory.array_types import ExitIncident
+from clerestory.array_types import Values
 from clerestory.bsdf.patch_symmetry import TURNS, reciprocity_mismatch, turn_incident
 from clerestory.bsdf.quality_finding import Finding, Severity, severity_of
-from clerestory.bsdf.scattering_function import Function
+from clerestory.bsdf.scattering_function import FUNCTIONS, OTHER_SIDE, Function
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 
 # Smallest mismatch between a function and its reciprocal (fraction of the flux), and
@@ -38,52 +37,41 @@ def check_reciprocity(channel: str, tables: Tables) -> Iterator[Finding]:
         if severity is None:
             continue
         # Find the renumbering of incident patches with the smallest mismatch
-        left = {
-            turn: reciprocity_mismatch(
-                turn_incident(part, turn), turn_incident(partner, turn)
+        turned = (
+            (
+                reciprocity_mismatch(
+                    *(turn_incident(p, turn) for p in (part, partner))
+                ),
+                turn,
             )
             for turn in TURNS[:3]
-        }
-        turn = min(left, key=lambda name: left[name])
-        if size > _RECIPROCITY[1] and left[turn] < _REPAIRED * size:
-            yield Finding(
-                "azimuth",
-                "error",
-                size,
-                f"the reciprocity mismatch is {size:.0%}; it is {left[turn]:.0%} if"
-                f" incident directions are transformed by: {turn}",
-                f"{channel} {title}",
-                "light is scattered to the wrong side; the azimuth convention of"
-                " incident directions differs from WINDOW's",
-            )
+        )
+        least, turn = min(turned)
+        if size > _RECIPROCITY[1] and least < _REPAIRED * size:
+            name, severity = "azimuth", "error"
+            what = f"the reciprocity mismatch is {size:.0%}; it is {least:.0%} if"
+            what += f" incident directions are transformed by: {turn}"
+            effect = "light is scattered to the wrong side; the azimuth convention of"
+            effect += " incident directions differs from WINDOW's"
         else:
-            yield Finding(
-                "reciprocity",
-                severity,
-                size,
-                f"{size:.1%} of the flux violates reciprocity",
-                f"{channel} {title}",
-                "results depend on the side that a program reads and on whether paths"
-                " are traced forwards or backwards",
-            )
+            name, what = "reciprocity", f"{size:.1%} of the flux violates reciprocity"
+            effect = "results depend on the side that a program reads and on whether"
+            effect += " paths are traced forwards or backwards"
+        yield Finding(name, severity, size, what, f"{channel} {title}", effect)
 
 
 def _reverses(
     tables: Tables,
 ) -> Iterator[tuple[str, ScatteringMatrix, ScatteringMatrix]]:
     # Functions and their reciprocal functions; a reflection is its own reciprocal
-    pairs: tuple[tuple[str, Function, Function], ...] = (
-        ("transmission", "transmission_front", "transmission_back"),
-        ("reflection front", "reflection_front", "reflection_front"),
-        ("reflection back", "reflection_back", "reflection_back"),
-    )
-    for title, name, partner in pairs:
-        if name in tables and partner in tables:
-            one, other = tables[name], tables[partner]
-            if one.exits.matches(other.incidents) and one.incidents.matches(
-                other.exits
-            ):
-                yield title, one, other
+    for name in FUNCTIONS:
+        one, other = tables.get(name), tables.get(OTHER_SIDE.get(name, name))
+        if one is None or other is None or name == "transmission_back":
+            continue
+        ends = (one.exits, other.incidents), (one.incidents, other.exits)
+        if all(own.matches(reverse) for own, reverse in ends):
+            title = "transmission" if name in OTHER_SIDE else name.replace("_", " ")
+            yield title, one, other
 
 
 def check_sides(channel: str, tables: Tables) -> Iterator[Finding]:
@@ -93,26 +81,15 @@ def check_sides(channel: str, tables: Tables) -> Iterator[Finding]:
     """
     if not {"transmission_front", "transmission_back"} <= set(tables):
         return
-    front = diffuse_share(tables["transmission_front"])
-    back = diffuse_share(tables["transmission_back"])
+    front = tables["transmission_front"].diffuse()
+    back = tables["transmission_back"].diffuse()
     size = abs(front - back) / max(front, back)
     severity = severity_of(size, _SIDES)
     if severity is not None:
-        yield Finding(
-            "sides",
-            severity,
-            size,
-            f"the diffuse transmittance is {front:.4f} from the front and {back:.4f}"
-            " from the back; equal values expected",
-            f"{channel} transmission",
-            f"daylight depends on the side that a program reads, by {size:.0%}",
-        )
-
-
-def diffuse_share(part: ScatteringMatrix) -> float:
-    """Diffuse (hemispherical-hemispherical) transmittance or reflectance."""
-    weight = part.incidents.projected_solid_angles()
-    return float(part.direct_hemispherical() @ weight / weight.sum())
+        what = f"the diffuse transmittance is {front:.4f} from the front and {back:.4f}"
+        what += " from the back; equal values expected"
+        effect = f"daylight depends on the side that a program reads, by {size:.0%}"
+        yield Finding("sides", severity, size, what, f"{channel} transmission", effect)
 
 
 def check_scaling(channel: str, tables: Tables) -> Iterator[Finding]:
@@ -121,35 +98,24 @@ def check_scaling(channel: str, tables: Tables) -> Iterator[Finding]:
         size = reciprocity_mismatch(part, partner)
         if size < _WEIGHTED:
             continue
-        left = {
-            name: reciprocity_mismatch(_divided(part, by), _divided(partner, by))
-            for name, by in _weights(part).items()
+        exits, incidents = part.exits, part.incidents
+        weights: dict[str, Values] = {
+            "the solid angle of exit patches": exits.projected_solid_angles()[:, None],
+            "the solid angle of incident patches": incidents.projected_solid_angles(),
+            "the cosine of exit directions": exits.centres()[:, 2:],
         }
-        name = min(left, key=lambda key: left[key])
-        if left[name] < _REPAIRED * size:
-            severity: Severity = "error" if left[name] < _PROVEN * size else "info"
-            yield Finding(
-                "scaling",
-                severity,
-                size,
-                f"the reciprocity mismatch is {size:.1%}; it is {left[name]:.1%} if"
-                f" values are divided by {name}",
-                f"{channel} {title}",
-                "values may include this weight already; results are then too low or"
-                " wrong per patch",
-            )
+        least, name = min(
+            (reciprocity_mismatch(_divided(part, by), _divided(partner, by)), name)
+            for name, by in weights.items()
+        )
+        if least < _REPAIRED * size:
+            severity: Severity = "error" if least < _PROVEN * size else "info"
+            what = f"the reciprocity mismatch is {size:.1%}; it is {least:.1%} if"
+            what += f" values are divided by {name}"
+            effect = "values may include this weight already; results are then too low"
+            effect += " or wrong per patch"
+            yield Finding("scaling", severity, size, what, f"{channel} {title}", effect)
 
 
-def _weights(part: ScatteringMatrix) -> dict[str, ExitIncident]:
-    ones = np.ones_like(part.values)
-    return {
-        "the solid angle of exit patches": part.exits.projected_solid_angles()[:, None]
-        * ones,
-        "the solid angle of incident patches": part.incidents.projected_solid_angles()
-        * ones,
-        "the cosine of exit directions": part.exits.centres()[:, 2:] * ones,
-    }
-
-
-def _divided(part: ScatteringMatrix, by: ExitIncident) -> ScatteringMatrix:
-    return ScatteringMatrix(part.values / by, part.exits, part.incidents)
+def _divided(part: ScatteringMatrix, by: Values) -> ScatteringMatrix:
+    return replace(part, values=part.values / by)

@@ -16,9 +16,16 @@ from clerestory.bsdf.patch_overlap import patches_in_cells
 from clerestory.bsdf.scattering_function import OTHER_SIDE, Function, ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tensor_tree import ScatteringTree
-from clerestory.bsdf.tree_arithmetic import combine, float_bits, xyz_functions
+from clerestory.bsdf.tree_arithmetic import (
+    combine,
+    float_bits,
+    full_levels,
+    level_slots,
+    reduce_tree,
+    xyz_functions,
+)
 from clerestory.bsdf.tree_parser import morton_order
-from clerestory.bsdf.tree_reduction import reduce_tree
+from clerestory.checks import within
 from clerestory.errors import InputError
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.shirley_chiu import directions_from_square
@@ -27,21 +34,14 @@ from clerestory.hemisphere.shirley_chiu import directions_from_square
 _FINEST = 6
 
 # A tree with exchanged directions is resampled at this many points per cell and axis;
-# share of a cell's value added to its neighbours
-_WITHIN = 3
-_SPILL = 0.03
+# this share of the value of a cell is added to its neighbours.
+_WITHIN, _SPILL = 3, 0.03
 
 
 def to_matrices(bsdf: Bsdf, partition: RingPartition) -> Bsdf:
     """Convert a BSDF to matrices on one partition.
 
     CIE u′ and v′ are converted to CIE X and Z, which can be averaged.
-
-    >>> from clerestory.bsdf.analytic import lambertian
-    >>> from clerestory.hemisphere.klems import klems
-    >>> coarse = to_matrices(lambertian(0.5, klems("full")), klems("quarter"))
-    >>> coarse.transmission_matrix().values.shape
-    (1, 41, 41)
     """
     functions: dict[tuple[str, Function], ScatteringFunction] = {
         (channel, name): ScatteringMatrix(
@@ -66,11 +66,9 @@ def to_trees(bsdf: Bsdf, *, halvings: int = 5) -> Bsdf:
 
 def tree_from(part: ScatteringFunction, halvings: int) -> ScatteringTree:
     """Convert a matrix to a rank 4 tensor tree; equal cells are merged."""
-    if not 0 <= halvings <= _FINEST or not isinstance(part, ScatteringMatrix):
-        raise InputError(
-            f"tensor tree with {halvings} halvings from a {type(part).__name__}; a"
-            f" matrix and 0 to {_FINEST} halvings expected"
-        )
+    if not isinstance(part, ScatteringMatrix):
+        raise InputError(f"tensor tree from a {type(part).__name__}; a matrix expected")
+    within(halvings, "number of halvings of a tensor tree", least=0, most=_FINEST)
     leave = patches_in_cells(part.exits, halvings)
     enter = patches_in_cells(part.incidents, halvings)
     area = np.pi * 0.25**halvings
@@ -81,24 +79,21 @@ def tree_from(part: ScatteringFunction, halvings: int) -> ScatteringTree:
 def reciprocal_mean(bsdf: Bsdf) -> Bsdf:
     """Return the mean of a BSDF and its reciprocal, which satisfies reciprocity.
 
-    Trees of rank 3 have no reciprocal tree and are unchanged.
+    The reciprocal of the transmission of one side is the transmission of the other
+    side. Trees of rank 3 are unchanged, as their reciprocal is not a tree.
     """
-    functions: dict[tuple[str, Function], ScatteringFunction] = {}
-    for (channel, name), part in bsdf.functions.items():
-        other = bsdf.functions.get((channel, OTHER_SIDE.get(name, name)))
-        functions[channel, name] = (
-            part if other is None else _mean(part, other.reciprocal())
-        )
+    functions = dict(bsdf.functions)
+    for key, one in bsdf.functions.items():
+        partner = bsdf.functions.get((key[0], OTHER_SIDE.get(key[1], key[1])))
+        if partner is None:
+            continue
+        two = partner.reciprocal()
+        if isinstance(one, ScatteringMatrix):
+            values = (one.values + two.average(one.exits, one.incidents)) / 2
+            functions[key] = ScatteringMatrix(values, one.exits, one.incidents)
+        elif isinstance(one, ScatteringTree) and isinstance(two, ScatteringTree):
+            functions[key] = combine(lambda a, b: (a + b) / 2, one, two)
     return replace(bsdf, functions=functions)
-
-
-def _mean(one: ScatteringFunction, two: ScatteringFunction) -> ScatteringFunction:
-    if isinstance(one, ScatteringMatrix):
-        table = two.average(one.exits, one.incidents)
-        return ScatteringMatrix((one.values + table) / 2, one.exits, one.incidents)
-    if isinstance(one, ScatteringTree) and isinstance(two, ScatteringTree):
-        return combine(lambda a, b: (a + b) / 2, one, two)
-    return one
 
 
 def full_tree(
@@ -110,13 +105,9 @@ def full_tree(
     indexed by the direction of propagation.
     """
     # Store the branches of all levels, then the values in Morton order
-    starts = np.cumsum([1 << rank * level for level in range(halvings + 1)])
-    inner = [
-        ~(start + (np.arange(1 << rank * level) << rank)).astype(np.int32)
-        for level, start in enumerate(starts[:-1])
-    ]
+    upper = level_slots(full_levels(rank, halvings), rank)
     leaves = float_bits(value.ravel()[morton_order(rank, halvings)])
-    return ScatteringTree(np.concatenate([*inner, leaves]), rank, halvings)
+    return ScatteringTree(np.concatenate([*upper, leaves]), rank, halvings)
 
 
 def exchanged_tree(tree: ScatteringTree) -> ScatteringTree:

@@ -16,7 +16,7 @@ from clerestory.array_types import Directions, ExitIncident, Indices, Points2, V
 from clerestory.bsdf.inverse_sampling import choose_cells
 from clerestory.bsdf.patch_overlap import opposite_patches, patches_in_patches
 from clerestory.bsdf.scattering_function import CHUNK, ScatteringFunction
-from clerestory.errors import InputError
+from clerestory.checks import not_negative, require
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.patch_lookup import find_patches
 
@@ -24,35 +24,31 @@ from clerestory.hemisphere.patch_lookup import find_patches
 @final
 @dataclass(frozen=True, eq=False)
 class ScatteringMatrix(ScatteringFunction):
-    """One scattering function of a layer in one channel, as a matrix between patches.
+    """One scattering function of a layer, in one channel, as a matrix of patches."""
 
-    Attributes
-    ----------
-    values : BSDF from each incident patch to each exit patch [1/sr]
-    exits, incidents : partitions of the exit and incident hemispheres
-    standard_error : standard error of each value [1/sr]; None if unknown
-    """
-
+    # BSDF from each incident patch to each exit patch [1/sr]
     values: Float[np.ndarray, "exit incident"]
-    exits: RingPartition
-    incidents: RingPartition
+    exits: RingPartition  # partition of the exit hemisphere
+    incidents: RingPartition  # partition of the incident hemisphere
+    # Standard error of each value [1/sr]; None if unknown
     standard_error: Float[np.ndarray, "exit incident"] | None = None
 
     def __post_init__(self) -> None:
-        if self.values.shape != (len(self.exits), len(self.incidents)):
-            raise InputError(
-                f"BSDF of shape {self.values.shape}; {len(self.exits)} exit patches by"
-                f" {len(self.incidents)} incident patches expected"
-            )
-        if not np.all(np.isfinite(self.values)) or np.any(self.values < 0):
-            raise InputError(
-                "a BSDF contains negative or non-finite values; finite values of at"
-                " least 0 [1/sr] expected"
-            )
+        require(
+            self.values.shape == (len(self.exits), len(self.incidents)),
+            f"BSDF of shape {self.values.shape}; {len(self.exits)} exit patches by"
+            f" {len(self.incidents)} incident patches expected",
+        )
+        not_negative(self.values, "BSDF", unit="1/sr")
 
     def direct_hemispherical(self) -> Values:
         """Directional-hemispherical transmittance or reflectance per incident patch."""
         return np.asarray(self.exits.projected_solid_angles() @ self.values)
+
+    def diffuse(self) -> float:
+        """Hemispherical-hemispherical (diffuse) transmittance or reflectance."""
+        weight = self.incidents.projected_solid_angles()
+        return float(self.direct_hemispherical() @ weight / weight.sum())
 
     def flux_factors(self) -> ExitIncident:
         """Exit radiance per unit radiance of each incident patch."""

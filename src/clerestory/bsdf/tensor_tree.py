@@ -13,7 +13,7 @@ first of its 2^rank children; dimension i is bit i of the child number. Slot 0 i
 root.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal, final
@@ -21,7 +21,14 @@ from typing import Literal, final
 import numpy as np
 from jaxtyping import Float, Int32, Int64
 
-from clerestory.array_types import Directions, ExitIncident, Points2, Slots, Values
+from clerestory.array_types import (
+    Directions,
+    ExitIncident,
+    Indices,
+    Points2,
+    Slots,
+    Values,
+)
 from clerestory.bsdf.inverse_sampling import choose_cells
 from clerestory.bsdf.reciprocal_function import ReciprocalFunction
 from clerestory.bsdf.scattering_function import CHUNK, ScatteringFunction
@@ -35,7 +42,7 @@ from clerestory.bsdf.tree_lookup import (
     values_at,
 )
 from clerestory.bsdf.tree_parser import MAX_DEPTH
-from clerestory.errors import InputError
+from clerestory.checks import one_of, require, within
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.shirley_chiu import cells_from_disc, disc_from_square
 
@@ -43,8 +50,8 @@ from clerestory.hemisphere.shirley_chiu import cells_from_disc, disc_from_square
 # incidence, as in Radiance.
 _OFF_MIDDLE = 1e-6
 
-# Largest number of cells that are integrated together.
-_MOST_CELLS = 1 << 22
+# Largest number of exit cells that are integrated in one step.
+_MOST_EXIT_CELLS = 1 << 22
 
 _Pairs = Float[np.ndarray, " pairs"]
 _Places = Int32[np.ndarray, " pairs"]
@@ -53,49 +60,29 @@ _Places = Int32[np.ndarray, " pairs"]
 @final
 @dataclass(frozen=True, eq=False)
 class ScatteringTree(ScatteringFunction):
-    """One scattering function of a layer as a tensor tree, in one channel.
+    """One scattering function of a layer as a tensor tree, in one channel."""
 
-    Attributes
-    ----------
-    slots : values and branch nodes, encoded as the module docstring describes
-    rank : 3 for isotropic layers, 4 otherwise
-    depth : number of levels below the root; the smallest cells have edge 2^-depth
-    standard_error : standard error [1/sr] as a tree with the same cells; None if
-        unknown
-
-    Examples
-    --------
-    >>> even = ScatteringTree(np.array([0.25], dtype=np.float32).view(np.int32), 4, 0)
-    >>> round(float(even.hemispherical(np.array([0.0, 0.0, -1.0]))), 4)  # π/4
-    0.7854
-    """
-
-    slots: Slots
-    rank: Literal[3, 4]
-    depth: int
+    slots: Slots  # values and branch nodes, encoded as the module docstring describes
+    rank: Literal[3, 4]  # 3 for isotropic layers, 4 otherwise
+    depth: int  # number of levels below the root; the smallest cells have edge 2^-depth
+    # Standard error [1/sr] as a tree with the same cells; None if unknown
     standard_error: "ScatteringTree | None" = None
 
     def __post_init__(self) -> None:
-        if self.rank not in (3, 4) or not 0 <= self.depth <= MAX_DEPTH:
-            raise InputError(
-                f"tensor tree of rank {self.rank} and depth {self.depth}; rank 3 or 4"
-                f" and 0 to {MAX_DEPTH} halvings expected"
-            )
+        one_of(self.rank, "rank of a tensor tree", choices=(3, 4))
+        within(self.depth, "depth of a tensor tree", least=0, most=MAX_DEPTH)
         inner = np.flatnonzero(self.slots < 0)
         block = ~self.slots[inner]
-        if (
-            not len(self.slots)
-            or np.any(block <= inner)
-            or np.any(block > len(self.slots) - (1 << self.rank))
-        ):
-            raise InputError(
-                "child index outside the slots of a tensor tree; an index after that of"
-                " the parent expected"
-            )
-        if not np.all(np.isfinite(self.slots[self.slots >= 0].view(np.float32))):
-            raise InputError(
-                "a tensor tree contains non-finite values; finite values expected"
-            )
+        last = len(self.slots) - (1 << self.rank)
+        require(
+            len(self.slots) and np.all(block > inner) and np.all(block <= last),
+            "child index outside the slots of a tensor tree; an index after that of the"
+            " parent expected",
+        )
+        require(
+            np.all(np.isfinite(self.slots[self.slots >= 0].view(np.float32))),
+            "a tensor tree contains non-finite values; finite values expected",
+        )
 
     def evaluate(self, incident: Directions, leaving: Directions) -> Values:
         """BSDF [1/sr] for pairs of directions."""
@@ -117,32 +104,19 @@ class ScatteringTree(ScatteringFunction):
 
     def hemispherical(self, incident: Directions) -> Values:
         """Directional-hemispherical transmittance or reflectance."""
-        x, y, _ = _components(incident)
-        place, which = np.unique(
-            np.stack(self._incident_place(x, y)), axis=1, return_inverse=True
-        )
-        share = np.empty(place.shape[1])
-        for part in self._groups(place.shape[1]):
-            found = slices(self.slots, place[:, part], depth=self.depth)
-            light = found.value * found.size.astype(float) ** 2
-            share[part] = np.pi * np.bincount(
-                found.owner, light, minlength=len(share[part])
-            )
-        return share[which.ravel()].reshape(np.shape(incident)[:-1])
+        x, y, _ = np.reshape(np.asarray(incident, dtype=float), (-1, 3)).T
+        share = np.empty(len(x))
+        for found, owner, of in self._slices(x, y):
+            share[of] = np.pi * np.bincount(found.owner, found.flux)[owner]
+        return share.reshape(np.shape(incident)[:-1])
 
     def sample(self, incident: Directions, u: Points2) -> tuple[Directions, Values]:
         """Exit directions and their probability density [1/sr]."""
-        x, y, _ = _components(incident)
+        x, y, _ = np.reshape(np.asarray(incident, dtype=float), (-1, 3)).T
         u = np.reshape(u, (-1, 2))
-        place, which = np.unique(
-            np.stack(self._incident_place(x, y)), axis=1, return_inverse=True
-        )
-        which = which.ravel()
         leaving, density = np.empty((len(x), 3)), np.empty(len(x))
-        for part in self._groups(place.shape[1]):
-            of = np.flatnonzero((which >= part.start) & (which < part.stop))
-            found = slices(self.slots, place[:, part], depth=self.depth)
-            point, density[of] = _choose(found, which[of] - part.start, u[of])
+        for found, owner, of in self._slices(x, y):
+            point, density[of] = _choose(found, owner, u[of])
             disc = disc_from_square(*point)
             if self.rank == 3:
                 disc = _turn(disc, *_azimuth(x[of], y[of]))
@@ -224,18 +198,20 @@ class ScatteringTree(ScatteringFunction):
             disc = _turn(disc, cosine, -sine)
         return cells_from_disc(*disc, halvings=self.depth)
 
-    def _groups(self, count: int) -> list[slice]:
-        # Group incident cells so that a group has at most _MOST_CELLS exit cells
-        together = max(1, _MOST_CELLS >> 2 * self.depth)
-        return [
-            slice(start, min(start + together, count))
-            for start in range(0, count, together)
-        ]
-
-
-def _components(direction: Directions) -> tuple[_Pairs, _Pairs, _Pairs]:
-    x, y, z = np.reshape(np.asarray(direction, dtype=float), (-1, 3)).T
-    return x, y, z
+    def _slices(
+        self, x: _Pairs, y: _Pairs
+    ) -> Iterator[tuple[Slices, Indices, Indices]]:
+        # Exit cells of groups of incident cells, with the incident cell and the index
+        # of each direction in the group; a group has at most 2^22 exit cells
+        place, which = np.unique(
+            np.stack(self._incident_place(x, y)), axis=1, return_inverse=True
+        )
+        which = which.ravel()
+        together = max(1, _MOST_EXIT_CELLS >> 2 * self.depth)
+        for start in range(0, place.shape[1], together):
+            of = np.flatnonzero((which >= start) & (which < start + together))
+            part = place[:, start : start + together]
+            yield slices(self.slots, part, depth=self.depth), which[of] - start, of
 
 
 def _azimuth(x: _Pairs, y: _Pairs) -> tuple[_Pairs, _Pairs]:
@@ -262,9 +238,10 @@ def _choose(
 ) -> tuple[Float[np.ndarray, "2 samples"], Float[np.ndarray, " samples"]]:
     # Sample points of the unit square in proportion to the flux in the exit cells of
     # each incident cell; return points and density per projected solid angle
-    flux = found.value * found.size.astype(float) ** 2
     start = np.searchsorted(found.owner, np.arange(int(found.owner[-1]) + 2))
-    cell, rest, total = choose_cells(flux, start[owner], start[owner + 1], u[:, 0])
+    cell, rest, total = choose_cells(
+        found.flux, start[owner], start[owner + 1], u[:, 0]
+    )
     point = found.corner[:, cell] + found.size[cell] * np.stack([rest, u[:, 1]])
     some = total > 0
     return point, np.where(

@@ -103,12 +103,8 @@ def _rings_in_radii(
     # Overlap [sr, projected] of each ring with each cell of the first dimension
     radius = np.clip(1 - 2 * np.arange(wide + 1) / wide, 0, 1)
     ring = np.sin(partition.theta)
-    low = np.maximum(
-        np.minimum(ring[:-1], ring[1:])[:, None], np.minimum(radius[:-1], radius[1:])
-    )
-    high = np.minimum(
-        np.maximum(ring[:-1], ring[1:])[:, None], np.maximum(radius[:-1], radius[1:])
-    )
+    low, high = np.sort([ring[:-1], ring[1:]], axis=0)[..., None]
+    low, high = np.maximum(low, radius[1:]), np.minimum(high, radius[:-1])
     return np.pi * np.where(high > low, high**2 - low**2, 0)
 
 

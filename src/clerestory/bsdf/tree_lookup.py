@@ -9,52 +9,46 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float32, Int, Int32, Int64
+from jaxtyping import Float, Float32, Int, Int32, Int64
 
 from clerestory.array_types import Indices, Slots
 
-# The dense table of upper tree levels has at most 2^16 cells.
-_TOP_BITS = 16
+_TOP_BITS = 16  # the dense table of upper tree levels has at most 2^16 cells
+
+_Places = Int32[np.ndarray, " pairs"]
+_Tops = Int32[np.ndarray, " tops"]
 
 
 class Cells(NamedTuple):
-    """Cells of one size in a tree.
+    """Cells of one size in a tree."""
 
-    Attributes
-    ----------
-    level : level of the cells; their edge is 2^-level
-    place : coordinates along each dimension, 0 to 2^level − 1
-    value : BSDF [1/sr]
-    """
-
-    level: int
+    level: int  # level of the cells; their edge is 2^-level
+    # Coordinates along each dimension, 0 to 2^level − 1
     place: Int64[np.ndarray, "rank cells"]
-    value: Float32[np.ndarray, " cells"]
+    value: Float32[np.ndarray, " cells"]  # BSDF [1/sr]
 
 
 class Slices(NamedTuple):
-    """Exit cells for given incident places, sorted by `owner`.
+    """Exit cells for given incident places, sorted by `owner`."""
 
-    Attributes
-    ----------
-    owner : index of the incident place
-    corner : lower corner of the cell in the unit square
-    size : edge of the cell in the unit square
-    value : BSDF [1/sr]
-    """
-
-    owner: Int64[np.ndarray, " cells"]
+    owner: Int64[np.ndarray, " cells"]  # index of the incident place
+    # Lower corner of the cell in the unit square
     corner: Float32[np.ndarray, "2 cells"]
-    size: Float32[np.ndarray, " cells"]
-    value: Float32[np.ndarray, " cells"]
+    size: Float32[np.ndarray, " cells"]  # edge of the cell in the unit square
+    value: Float32[np.ndarray, " cells"]  # BSDF [1/sr]
+
+    @property
+    def flux(self) -> Float[np.ndarray, " cells"]:
+        """BSDF times area in the unit square."""
+        return np.asarray(self.value * self.size.astype(float) ** 2)
 
 
 def look_up(
-    slots: Slots, place: tuple[Int32[np.ndarray, " pairs"], ...], *, depth: int
-) -> tuple[Float32[np.ndarray, " pairs"], Int32[np.ndarray, " pairs"]]:
+    slots: Slots, place: tuple[_Places, ...], *, depth: int
+) -> tuple[Float32[np.ndarray, " pairs"], _Places]:
     """BSDF values at places, and levels of the cells that contain the places."""
     rank = len(place)
-    path = _path(place, depth)
+    path = morton_codes(place, depth)
     code = np.full(len(path), slots[0], dtype=np.int32)
     level = np.zeros(len(path), dtype=np.int32)
     for height in reversed(range(depth)):
@@ -69,9 +63,7 @@ def look_up(
     return code.view(np.float32), level
 
 
-def dense_top(
-    slots: Slots, rank: int, depth: int
-) -> tuple[int, Int32[np.ndarray, " tops"]]:
+def dense_top(slots: Slots, rank: int, depth: int) -> tuple[int, _Tops]:
     """Return an upper tree level and the dense table of the slots on this level.
 
     A lookup reaches this level in a single step. The values of larger cells are
@@ -89,15 +81,11 @@ def dense_top(
 
 
 def values_at(
-    slots: Slots,
-    top: tuple[int, Int32[np.ndarray, " tops"]],
-    place: tuple[Int32[np.ndarray, " pairs"], ...],
-    *,
-    depth: int,
+    slots: Slots, top: tuple[int, _Tops], place: tuple[_Places, ...], *, depth: int
 ) -> Float32[np.ndarray, " pairs"]:
     """BSDF values at places, looked up from the table of `dense_top` on."""
     rank, (halvings, codes) = len(place), top
-    path = _path(place, depth)
+    path = morton_codes(place, depth)
     code = np.take(codes, path >> rank * (depth - halvings))
     for height in reversed(range(depth - halvings)):
         inner = np.flatnonzero(code < 0)
@@ -148,19 +136,15 @@ def slices(
         code = slots[below.ravel()]
         corner = corner[:, inner, None] + np.float32(size) * halves[:, None]
         corner, owner = corner.reshape(2, -1), np.repeat(owner, 4)
-    order = np.argsort(np.concatenate([part.owner for part in found]), kind="stable")
-    return Slices(
-        np.concatenate([part.owner for part in found])[order],
-        np.concatenate([part.corner for part in found], axis=1)[:, order],
-        np.concatenate([part.size for part in found])[order],
-        np.concatenate([part.value for part in found])[order],
+    owners, corners, sizes, values = (
+        np.concatenate(arrays, axis=-1) for arrays in zip(*found, strict=True)
     )
+    order = np.argsort(owners, kind="stable")
+    return Slices(owners[order], corners[:, order], sizes[order], values[order])
 
 
-def _path(
-    place: tuple[Int32[np.ndarray, " pairs"], ...], depth: int
-) -> Int[np.ndarray, " pairs"]:
-    # Morton code: branch numbers of all levels, the coarsest in the highest bits
+def morton_codes(place: tuple[_Places, ...], depth: int) -> Int[np.ndarray, " pairs"]:
+    """Morton codes: branch numbers of all levels, the coarsest in the highest bits."""
     rank = len(place)
     spread = _spread(rank, depth)
     path: Int[np.ndarray, " pairs"] = spread[place[0]]

@@ -9,33 +9,25 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 from jaxtyping import Float32, Int8, Int32, Int64
 
 from clerestory.array_types import Indices, Slots
 from clerestory.bsdf.tree_scanner import TreeFault, TreeScan, position_of, scan_tree
 from clerestory.errors import InputError
 
-# Largest number of tree levels: 2¹⁵ cells along each dimension.
-MAX_DEPTH = 15
-
-# Largest number of values that are reordered together.
-_TOGETHER = 1 << 22
+MAX_DEPTH = 15  # largest number of tree levels: 2¹⁵ cells along each dimension
+_TOGETHER = 1 << 22  # largest number of values that are reordered together
 
 
 @dataclass(frozen=True, eq=False)
 class TreeTable:
-    """Slots of a tree, and the magnitude of negative values in the text.
+    """Slots of a tree, and the magnitude of negative values in the text."""
 
-    Attributes
-    ----------
-    slots : values and branch nodes, as in `ScatteringTree`
-    depth : number of levels below the root
-    negative : mean magnitude of negative values [1/sr] over all cells; negative values
-        are read as zero
-    """
-
-    slots: Slots
-    depth: int
+    slots: Slots  # values and branch nodes, as in `ScatteringTree`
+    depth: int  # number of levels below the root
+    # Mean magnitude of negative values [1/sr] over all cells; negative values are read
+    # as zero
     negative: float
 
 
@@ -50,12 +42,9 @@ class _Nodes:
 def parse_tree(
     text: bytes, *, rank: int, file: str | Path | None = None, line: int = 1
 ) -> TreeTable:
-    """Parse the text of a tree.
+    """Parse the text of a tree of rank 3 or 4.
 
-    Parameters
-    ----------
-    rank : dimensions of the tree, 3 or 4
-    file, line : file and line where the text starts, for error messages
+    `file`, `line`: file and line where the text starts, for error messages.
     """
     try:
         scan = scan_tree(text)
@@ -74,42 +63,34 @@ def _read_nodes(scan: TreeScan, rank: int) -> _Nodes:
     ends = np.flatnonzero(depth <= 0)
     if not len(ends):
         raise TreeFault("the last brace '}' of a tensor tree is missing")
-    if depth[ends[0]] < 0 or ends[0] + 1 < len(depth):
-        raise TreeFault(
-            "text after the end of a tensor tree; one tree expected",
-            brace=int(ends[0]),
-        )
-    if np.max(depth) > MAX_DEPTH + 1:
-        raise TreeFault(
-            f"a tensor tree has {np.max(depth) - 1} nested levels; at most {MAX_DEPTH}"
-            " expected",
-            brace=int(np.argmax(depth > MAX_DEPTH + 1)),
-        )
+    message = "text after the end of a tensor tree; one tree expected"
+    _demand(depth[ends[0]] == 0 and ends[0] + 1 == len(depth), message, ends[0])
+    nested = f"a tensor tree has {np.max(depth) - 1} nested levels"
+    message = f"{nested}; at most {MAX_DEPTH} expected"
+    _demand(depth <= MAX_DEPTH + 1, message)
 
     # Only innermost pairs of braces may contain values
     leaf = np.zeros(len(opens), dtype=bool)
     leaf[:-1] = opens[:-1] & ~opens[1:]
     holds = np.concatenate([[False], leaf[:-1]])
-    stray = (scan.words > 0) & ~holds
-    if np.any(stray):
-        raise TreeFault(
-            "values and branches in the same braces of a tensor tree; only branches or"
-            " only values expected",
-            brace=int(np.argmax(stray)),
-        )
+    _demand(
+        (scan.words == 0) | holds,
+        "values and branches in the same braces of a tensor tree; only branches or only"
+        " values expected",
+    )
 
     # The number of values of a grid must be a power of 2^rank
     count = scan.words[np.flatnonzero(holds)].astype(np.int64)
     grid = np.full(len(count), -1, dtype=np.int8)
     for halvings in range(MAX_DEPTH + 1):
         grid[count == 1 << rank * halvings] = halvings
-    if np.any(grid < 0):
-        wrong = int(np.argmax(grid < 0))
-        raise TreeFault(
-            f"{count[wrong]} values in a branch of a rank {rank} tensor tree; a power"
-            f" of {1 << rank} expected",
-            brace=int(np.flatnonzero(leaf)[wrong]),
-        )
+    _demand(
+        grid >= 0,
+        f"{{}} values in a branch of a rank {rank} tensor tree; a power of {1 << rank}"
+        " expected",
+        np.flatnonzero(leaf),
+        count,
+    )
     of_leaf = leaf[opens]
     kind = np.full(int(opens.sum()), -1, dtype=np.int8)
     kind[of_leaf] = grid
@@ -132,13 +113,22 @@ def _check_branches(
         children = np.flatnonzero(level == upper + 1)
         parent = np.searchsorted(parents, children) - 1
         count = np.bincount(parent, minlength=len(parents))
-        if np.any(count != 1 << rank):
-            wrong = int(np.argmax(count != 1 << rank))
-            raise TreeFault(
-                f"{count[wrong]} branches in a rank {rank} tensor tree;"
-                f" {1 << rank} expected",
-                brace=int(brace[parents[wrong]]),
-            )
+        message = f"{{}} branches in a rank {rank} tensor tree; {1 << rank} expected"
+        _demand(count == 1 << rank, message, brace[parents], count)
+
+
+def _demand(
+    valid: npt.ArrayLike,
+    message: str,
+    brace: npt.ArrayLike | None = None,
+    count: npt.ArrayLike = 0,
+) -> None:
+    # Require that all entries are valid; the message has the count of the first fault
+    wrong = np.flatnonzero(~np.atleast_1d(valid))
+    if len(wrong):
+        at = wrong if brace is None else np.atleast_1d(brace)[wrong]
+        number = np.broadcast_to(count, np.shape(np.atleast_1d(valid)))[wrong[0]]
+        raise TreeFault(message.format(number), brace=int(at[0]))
 
 
 def _build(
@@ -146,10 +136,8 @@ def _build(
 ) -> TreeTable:
     depth = int(np.max(nodes.level + np.maximum(nodes.grid, 0)))
     if depth > MAX_DEPTH:
-        raise TreeFault(
-            f"a tensor tree halves a coordinate {depth} times; at most {MAX_DEPTH}"
-            " expected"
-        )
+        halved = f"a tensor tree halves a coordinate {depth} times"
+        raise TreeFault(f"{halved}; at most {MAX_DEPTH} expected")
     negative = _negative_mean(nodes, values, rank)
     code = np.abs(np.maximum(values, 0)).view(np.int32)
 
@@ -167,19 +155,14 @@ def _build(
         size += int(inner.sum()) << rank
 
     # Append the grids
-    shift = 0
-    offsets = np.cumsum([0, *(len(region) for region in regions)])
     grids: list[Slots] = []
-    for level in range(len(offsets) - 1):
+    for level, region in enumerate(regions):
         on = np.flatnonzero(nodes.level == level)
-        for halvings in np.unique(nodes.grid[on]):
-            if halvings < 1:
-                continue
+        for halvings in np.unique(nodes.grid[on][nodes.grid[on] > 0]):
             at = np.flatnonzero(nodes.grid[on] == halvings)
-            regions[level][at] = _pointers(size + shift, len(at), rank)
-            table = _grids(code, nodes.first[on[at]], rank, int(halvings), size + shift)
-            grids.append(table)
-            shift += len(table)
+            region[at] = _pointers(size, len(at), rank)
+            grids.append(_grids(code, nodes.first[on[at]], rank, int(halvings), size))
+            size += len(grids[-1])
     return TreeTable(np.concatenate(regions + grids), depth, negative)
 
 

@@ -8,10 +8,9 @@ import warnings
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float32, Int8, Int32, UInt8
+from jaxtyping import Float, Float32, Int8, Int32, UInt8
 
-# Chunk size [bytes].
-_CHUNK = 1 << 22
+_CHUNK = 1 << 22  # chunk size [bytes]
 
 _SPACE, _WORD, _OPEN, _CLOSE = range(4)
 _KIND = np.full(256, _WORD, dtype=np.uint8)
@@ -22,18 +21,12 @@ _TO_SPACES = bytes.maketrans(b"{},", b"   ")
 
 @dataclass(frozen=True, eq=False)
 class TreeScan:
-    """Braces and values of a text, in text order.
+    """Braces and values of a text, in text order."""
 
-    Attributes
-    ----------
-    step : +1 for an opening, −1 for a closing brace
-    words : number of words between the previous brace and each brace
-    values : all words as numbers
-    """
-
-    step: Int8[np.ndarray, " braces"]
+    step: Int8[np.ndarray, " braces"]  # +1 for an opening, −1 for a closing brace
+    # Number of words between the previous brace and each brace
     words: Int32[np.ndarray, " braces"]
-    values: Float32[np.ndarray, " values"]
+    values: Float32[np.ndarray, " values"]  # all words as numbers
 
 
 class TreeFault(Exception):
@@ -88,10 +81,8 @@ def scan_tree(text: bytes) -> TreeScan:
         values.append(_numbers(chunk, len(begins), start))
         start = end
     if carried:
-        raise TreeFault(
-            "values after the last brace of a tensor tree; end of text expected",
-            offset=len(text),
-        )
+        message = "values after the last brace of a tensor tree; end of text expected"
+        raise TreeFault(message, offset=len(text))
     if not any(len(step) for step in steps):
         raise TreeFault("no tensor tree; text in braces {…} expected")
     return TreeScan(
@@ -113,16 +104,23 @@ def _numbers(chunk: bytes, count: int, offset: int) -> Float32[np.ndarray, " val
     if not count:
         return np.empty(0, dtype=np.float32)
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error", DeprecationWarning)
-            values = np.fromstring(plain.decode("ascii"), sep=" ")
         with np.errstate(over="ignore"):
-            single = values.astype(np.float32)
-    except (DeprecationWarning, ValueError) as error:
+            single = parse_numbers(plain.decode("ascii")).astype(np.float32)
+    except ValueError as error:
         raise _bad_word(plain, offset) from error
     if len(single) != count or not np.all(np.isfinite(single)):
         raise _bad_word(plain, offset)
     return single
+
+
+def parse_numbers(text: str) -> Float[np.ndarray, " numbers"]:
+    """Numbers separated by white space; raise ValueError for other words."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", DeprecationWarning)
+            return np.fromstring(text, sep=" ")
+    except DeprecationWarning as error:
+        raise ValueError(str(error)) from error
 
 
 def _bad_word(plain: bytes, offset: int) -> TreeFault:
@@ -132,14 +130,11 @@ def _bad_word(plain: bytes, offset: int) -> TreeFault:
         place = plain.index(word, place)
         if not _is_finite(word):
             shown = word[:40].decode("latin-1")
-            return TreeFault(
-                f"{shown!r} in a tensor tree; a finite number expected",
-                offset=offset + place,
-            )
+            message = f"{shown!r} in a tensor tree; a finite number expected"
+            return TreeFault(message, offset=offset + place)
         place += len(word)
-    return TreeFault(
-        "unreadable values in a tensor tree; numbers expected", offset=offset
-    )
+    message = "unreadable values in a tensor tree; numbers expected"
+    return TreeFault(message, offset=offset)
 
 
 def _is_finite(word: bytes) -> bool:

@@ -5,8 +5,8 @@ every text that starts with a brace is therefore replaced by an index, such as {
 """
 
 import re
-import warnings
 from bisect import bisect_left
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -14,26 +14,26 @@ import numpy as np
 from lxml import etree
 
 from clerestory.array_types import Values
+from clerestory.bsdf.tree_scanner import parse_numbers
 from clerestory.errors import InputError
 from clerestory.files import read_bytes
 
 _START = re.compile(rb"<ScatteringData(?:\s[^<>]*)?>\s*(?=\{)")
 _NUMBER = re.compile(r"\s*\{(\d{1,9})\}\s*")
 
+# Largest tolerated flux of negative BSDF values, as a fraction of the incident flux.
+_NEGLIGIBLE = 1e-3
+
 
 @dataclass(frozen=True)
 class TreeTexts:
-    """Texts of tensor trees extracted from an XML file, with their line numbers.
+    """Texts of tensor trees extracted from an XML file, with their line numbers."""
 
-    Attributes
-    ----------
-    texts : texts from the first brace to the next tag
-    first_line : line of the original XML where each text starts
-    line_in_rest : line of the remaining XML that contains the index of each text
-    """
-
+    # Texts from the first brace to the next tag
     texts: list[bytes] = field(default_factory=list)
+    # Line of the original XML where each text starts
     first_line: list[int] = field(default_factory=list)
+    # Line of the remaining XML that contains the index of each text
     line_in_rest: list[int] = field(default_factory=list)
 
     def line(self, line_in_rest: int) -> int:
@@ -79,21 +79,13 @@ def extract_trees(data: bytes) -> tuple[bytes, TreeTexts]:
 
 @dataclass(frozen=True, eq=False)
 class Document:
-    """A parsed BSDF file.
+    """A parsed BSDF file."""
 
-    Attributes
-    ----------
-    path : path of the file, for error messages
-    root : root element
-    lines_before : number of lines before the start of the XML
-    notes : irregularities of the file
-    trees : extracted texts of tensor trees
-    """
-
-    path: str | Path
-    root: etree._Element
-    lines_before: int = 0
-    notes: tuple[str, ...] = ()
+    path: str | Path  # path of the file, for error messages
+    root: etree._Element  # root element
+    lines_before: int = 0  # number of lines before the start of the XML
+    notes: list[str] = field(default_factory=list)  # irregularities of the file
+    # Extracted texts of tensor trees
     trees: TreeTexts = field(default_factory=TreeTexts)
 
     def line(self, element: etree._Element) -> int:
@@ -104,6 +96,26 @@ class Document:
     def error(self, element: etree._Element, message: str) -> InputError:
         """Error message with the file and the line of an element."""
         return InputError(message, file=self.path, line=self.line(element))
+
+    def check(self, valid: object, element: etree._Element, message: str) -> None:
+        """Raise an input error at an element unless a condition is true."""
+        if not valid:
+            raise self.error(element, message)
+
+    def note(self, element: etree._Element, text: str) -> None:
+        """Note an irregularity at an element."""
+        self.notes.append(f"line {self.line(element)}: {text}")
+
+    def accept_negative(self, lost: float, element: etree._Element) -> None:
+        """Note a small flux of negative BSDF values; a large one is an error.
+
+        `lost`: flux as a fraction of the incident flux.
+        """
+        message = f"negative values contain {lost:.2%} of the flux; a BSDF without"
+        self.check(lost <= _NEGLIGIBLE, element, f"{message} negative values expected")
+        if lost > 0:
+            values = f"negative values, {lost:.1e} of the flux,"
+            self.note(element, f"{values} are read as zero")
 
     def children(self, element: etree._Element, name: str) -> list[etree._Element]:
         """Child elements with a given name, in any namespace."""
@@ -135,9 +147,8 @@ def parse_document(path: str | Path) -> Document:
     data = read_bytes(path)
     start = re.search(rb"<\?xml|<WindowElement", data)
     if start is None:
-        raise InputError(
-            "no XML element WindowElement; a BSDF file expected", file=path
-        )
+        message = "no XML element WindowElement; a BSDF file expected"
+        raise InputError(message, file=path)
     before = data[: start.start()].removeprefix(b"\xef\xbb\xbf").strip()
     lines_before = data[: start.start()].count(b"\n")
     parser = etree.XMLParser(
@@ -158,16 +169,14 @@ def parse_document(path: str | Path) -> Document:
         raise InputError(
             f"unreadable XML: {error}; a BSDF file expected", file=path
         ) from error
-    notes = (f"text before the XML is skipped: {_quote(before)}",) if before else ()
-    document = Document(path, root, lines_before, notes, trees)
-    if root.getroottree().docinfo.doctype:
-        raise document.error(
-            root, "a DOCTYPE declaration; plain XML without it expected"
-        )
-    if _name(root) != "WindowElement":
-        raise document.error(
-            root, f"root element {_name(root)}; WindowElement expected"
-        )
+    document = Document(path, root, lines_before, trees=trees)
+    if before:
+        skipped = " ".join(before.decode("latin-1").split())[:60]
+        document.notes.append(f"text before the XML is skipped: {skipped!r}")
+    message = "the file has a DOCTYPE declaration; plain XML without it expected"
+    document.check(not root.getroottree().docinfo.doctype, root, message)
+    message = f"root element is {_name(root)}; WindowElement expected"
+    document.check(_name(root) == "WindowElement", root, message)
     return document
 
 
@@ -175,36 +184,25 @@ def read_numbers(element: etree._Element, document: Document) -> Values:
     """Finite numbers of an element, separated by white space or commas."""
     text = (element.text or "").replace(",", " ")
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error", DeprecationWarning)
-            values = np.fromstring(text, sep=" ")
-    except (DeprecationWarning, ValueError) as error:
-        word = next((word for word in text.split() if not _is_number(word)), "")
-        raise document.error(
-            element, f"{word[:40]!r} in {_name(element)}; numbers expected"
-        ) from error
-    if not np.all(np.isfinite(values)):
-        at = int(np.argmin(np.isfinite(values)))
-        raise document.error(
-            element,
-            f"value {at + 1} of {_name(element)} is {values[at]}; a finite number"
-            " expected",
-        )
+        values = parse_numbers(text)
+    except ValueError as error:
+        word = next((word for word in text.split() if not is_number(word)), "")
+        message = f"{word[:40]!r} in {_name(element)}; numbers expected"
+        raise document.error(element, message) from error
+    wrong = np.flatnonzero(~np.isfinite(values))
+    if len(wrong):
+        found = f"value {wrong[0] + 1} of {_name(element)} is {values[wrong[0]]}"
+        raise document.error(element, f"{found}; a finite number expected")
     return values
 
 
-def _is_number(word: str) -> bool:
-    try:
+def is_number(word: str) -> bool:
+    """Whether a word is a number, finite or not."""
+    with suppress(ValueError):
         float(word)
-    except ValueError:
-        return False
-    return True
+        return True
+    return False
 
 
 def _name(element: etree._Element) -> str:
     return str(etree.QName(element).localname)
-
-
-def _quote(data: bytes) -> str:
-    text = " ".join(data.decode("latin-1").split())
-    return repr(text if len(text) < 60 else text[:57] + "...")

@@ -13,21 +13,16 @@ from pathlib import Path
 from lxml import etree
 
 from clerestory.bsdf.xml_document import Document, parse_document
-from clerestory.errors import InputError
+from clerestory.checks import require
 from clerestory.files import replace_file
 
 
 @dataclass(frozen=True)
 class Inserted:
-    """Result of an insertion.
+    """Result of an insertion."""
 
-    Attributes
-    ----------
-    blocks : channel and direction of each inserted block
-    kept : channel and direction of each block of the template that was not replaced
-    """
-
-    blocks: tuple[str, ...]
+    blocks: tuple[str, ...]  # channel and direction of each inserted block
+    # Channel and direction of each block of the template that was not replaced
     kept: tuple[str, ...]
 
 
@@ -52,12 +47,6 @@ def insert_blocks(
         of the source
     source_channel : channel of the source that is inserted as each of `channels`, for
         example visible data as NIR of a grey layer; default: channel of the same name
-
-    Raises
-    ------
-    InputError : a file is not a BSDF file, the data structures differ, a channel is
-        missing, or angle bases with equal names differ
-    OutputError : the file cannot be written
     """
     giver, taker = parse_document(source), parse_document(template)
     _demand_same_structure(giver, taker)
@@ -71,13 +60,9 @@ def insert_blocks(
     for channel in wanted:
         origin = (source_channel or channel).lower()
         blocks = {side: block for (c, side), block in found.items() if c == origin}
-        if not blocks:
-            known = ", ".join(dict.fromkeys(c for c, _ in found))
-            raise InputError(
-                f"no {origin} data; one of the file's channels expected:"
-                f" {known or 'none'}",
-                file=source,
-            )
+        known = ", ".join(dict.fromkeys(c for c, _ in found)) or "the file has none"
+        message = f"no {origin} data; one of the file's channels expected: {known}"
+        require(blocks, message, file=source)
         for direction, block in blocks.items():
             _insert_bases(block, giver, taker)
             _put(deepcopy(block), channel, direction, layer, existing, taker)
@@ -95,12 +80,12 @@ def _demand_same_structure(giver: Document, taker: Document) -> None:
     path = "Optical/Layer/DataDefinition/IncidentDataStructure"
     kinds = [d.require(d.root, path) for d in (giver, taker)]
     one, other = ((kind.text or "").strip() for kind in kinds)
-    if one.lower() != other.lower():
-        raise taker.error(
-            kinds[1],
-            f"IncidentDataStructure {other!r}, but {one!r} in {giver.path}; equal"
-            " structures expected; convert one of the files first",
-        )
+    taker.check(
+        one.lower() == other.lower(),
+        kinds[1],
+        f"IncidentDataStructure is {other!r}, but {one!r} in {giver.path}; equal"
+        " structures expected; convert one of the files first",
+    )
 
 
 def _blocks(document: Document) -> dict[tuple[str, str], etree._Element]:
@@ -130,21 +115,19 @@ def _put(
         name = etree.QName(element).localname
         element.tag = f"{{{space}}}{name}" if space else name
     old = existing.get((channel, direction))
-    if old is not None:
-        block.tail = old.tail
-        parent = old.getparent()
-        assert parent is not None
-        parent.replace(old, block)
+    if old is None:
+        _new_data(channel, layer, taker).append(block)
         return
-    data = _new_data(channel, layer, taker)
-    data.append(block)
+    block.tail = old.tail
+    parent = old.getparent()
+    assert parent is not None
+    parent.replace(old, block)
 
 
 def _new_data(channel: str, layer: etree._Element, taker: Document) -> etree._Element:
     # Copy the template's last WavelengthData for another channel or direction
     groups = taker.children(layer, "WavelengthData")
-    if not groups:
-        raise taker.error(layer, "no WavelengthData; a file with data expected")
+    taker.check(groups, layer, "no WavelengthData; a file with data expected")
     same = [g for g in groups if taker.text(g, "Wavelength").lower() == channel]
     model = deepcopy((same or groups)[-1])
     for block in taker.children(model, "WavelengthDataBlock"):

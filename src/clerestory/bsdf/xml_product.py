@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
 from decimal import Decimal
 
 from lxml import etree
@@ -14,7 +13,7 @@ from clerestory.bsdf.product_data import (
     Spectra,
     usual_spectra,
 )
-from clerestory.bsdf.xml_document import Document
+from clerestory.bsdf.xml_document import Document, is_number
 
 # Length units [m], as decimal numbers so that conversions are exact.
 _METRES = {
@@ -36,16 +35,13 @@ _KNOWN = (
 
 def read_product(layer: etree._Element, document: Document) -> Product:
     """Return the product information of a layer; missing entries are empty or None."""
-    product = Product(
+    material = document.find(layer, "Material")
+    if material is None:
+        material = etree.Element("Material")
+    return Product(
         geometry=_geometry(layer, document),
         details=tuple(_details(layer, document)),
         spectra=tuple(_spectra(layer, document)),
-    )
-    material = document.find(layer, "Material")
-    if material is None:
-        return product
-    return replace(
-        product,
         name=document.text(material, "Name"),
         manufacturer=document.text(material, "Manufacturer"),
         device_type=document.text(material, "DeviceType") or "Other",
@@ -69,7 +65,7 @@ def _geometry(layer: etree._Element, document: Document) -> Geometry | None:
         return None
     holder = element if block is None else block
     text = holder.text or ""
-    metres = _METRES.get((holder.get("unit") or "meter").strip().lower())
+    metres = _metres(holder)
     if not text.strip() or metres is None:
         return None
     return Geometry(text, float(metres), document.line(holder))
@@ -86,32 +82,32 @@ def _details(layer: etree._Element, document: Document) -> Iterator[Detail]:
 
 
 def _spectra(layer: etree._Element, document: Document) -> Iterator[Spectra]:
-    seen: set[str] = set()
+    found: dict[str, Spectra] = {}
     for data in document.children(layer, "WavelengthData"):
         channel = document.text(data, "Wavelength").lower()
         source = document.text(data, "SourceSpectrum")
         detector = document.text(data, "DetectorSpectrum")
-        spectra = Spectra(channel, source, detector)
-        if channel not in seen and (source or detector):
-            seen.add(channel)
-            if spectra != usual_spectra(channel):
-                yield spectra
+        if source or detector:
+            found.setdefault(channel, Spectra(channel, source, detector))
+    return (one for one in found.values() if one != usual_spectra(one.channel))
+
+
+def _metres(element: etree._Element) -> Decimal | None:
+    # Length unit of an element [m]; None if unknown
+    return _METRES.get((element.get("unit") or "meter").strip().lower())
 
 
 def _number(text: str) -> float | None:
     # Treat invalid numbers as missing: they are not used in simulations
-    try:
-        value = float(text)
-    except ValueError:
-        return None
-    return value if math.isfinite(value) else None
+    valid = is_number(text) and math.isfinite(float(text))
+    return float(text) if valid else None
 
 
 def _length(material: etree._Element, name: str, document: Document) -> float | None:
     element = document.find(material, name)
     if element is None:
         return None
-    metres = _METRES.get((element.get("unit") or "meter").strip().lower())
+    metres = _metres(element)
     text = (element.text or "").strip()
     if metres is None or not _number(text):
         return None

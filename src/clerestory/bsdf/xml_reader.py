@@ -23,8 +23,12 @@ from clerestory.bsdf.xml_product import read_product
 from clerestory.errors import ClerestoryWarning
 from clerestory.hemisphere.klems import klems
 
-# Largest tolerated flux of negative BSDF values, as a fraction of the incident flux.
-_NEGLIGIBLE_NEGATIVE = 1e-3
+# Functions by WavelengthDataDirection in lower case.
+_NAMES: dict[str, Function] = {name.replace("_", " "): name for name in FUNCTIONS}
+
+# Ranks of tensor trees by IncidentDataStructure, and their angle basis.
+_RANKS: dict[str, Literal[3, 4]] = {"tensortree3": 3, "tensortree4": 4}
+_BASIS = "LBNL/Shirley-Chiu"
 
 # Larger directional-hemispherical values cause a warning, as in Radiance.
 _ENERGY_LIMIT = 1.01
@@ -49,66 +53,48 @@ def read_bsdf(path: str | Path) -> Bsdf:
     definition = document.require(layer, "DataDefinition")
     structure = document.require(definition, "IncidentDataStructure")
     kind = (structure.text or "").strip()
-    rank = tree_rank(kind)
-    by_rows = rank is None and _incident_in_rows(structure, kind, document)
+    rank = _RANKS.get(kind.lower())
+    document.check(
+        rank or kind.lower() in ("columns", "rows"),
+        structure,
+        f"IncidentDataStructure is {kind[:40]!r}; Columns, Rows, TensorTree3 or"
+        " TensorTree4 expected",
+    )
     bases = read_bases(definition, document)
 
     functions: dict[tuple[str, Function], ScatteringFunction] = {}
-    notes = list(document.notes)
     for data in document.children(layer, "WavelengthData"):
         channel = document.text(data, "Wavelength").lower()
         for block in document.children(data, "WavelengthDataBlock"):
             direction = document.text(block, "WavelengthDataDirection")
-            name = _function_name(direction)
+            name = _NAMES.get(" ".join(direction.lower().split()))
             if name is None:
-                notes.append(f"line {document.line(block)}: {direction!r} is ignored")
+                document.note(block, f"{direction!r} is ignored")
                 continue
             if (channel, name) in functions:
-                notes.append(
-                    f"{channel} {direction} is given twice; the last one is used"
-                )
+                twice = f"{channel} {direction} is given twice"
+                document.notes.append(f"{twice}; the last one is used")
             functions[channel, name] = (
-                _read_matrix(block, bases, by_rows, document, notes)
+                _read_matrix(block, bases, kind.lower() == "rows", document)
                 if rank is None
-                else read_tree(block, rank, document, notes)
+                else _read_tree(block, rank, document)
             )
-    if not functions:
-        raise document.error(layer, "no scattering data; WavelengthDataBlock expected")
-    bsdf = Bsdf(functions, read_product(layer, document), tuple(notes), str(path))
+    message = "no scattering data; WavelengthDataBlock expected"
+    document.check(functions, layer, message)
+    bsdf = Bsdf(
+        functions, read_product(layer, document), tuple(document.notes), str(path)
+    )
     _warn_of_energy(bsdf, path)
     return bsdf
 
 
-def _incident_in_rows(structure: etree._Element, kind: str, document: Document) -> bool:
-    if kind.lower() not in ("columns", "rows"):
-        raise document.error(
-            structure,
-            f"IncidentDataStructure {kind[:40]!r}; Columns, Rows, TensorTree3"
-            " or TensorTree4 expected",
-        )
-    return kind.lower() == "rows"
-
-
-def _function_name(direction: str) -> Function | None:
-    words = direction.lower().split()
-    return next((name for name in FUNCTIONS if name.split("_") == words), None)
-
-
 def _read_matrix(
-    block: etree._Element,
-    bases: Bases,
-    by_rows: bool,
-    document: Document,
-    notes: list[str],
+    block: etree._Element, bases: Bases, by_rows: bool, document: Document
 ) -> ScatteringMatrix:
     # Find the partitions that fit the names and the number of values
     data = document.require(block, "ScatteringData")
     values = read_numbers(data, document)
-    rows, columns, note = choose_bases(
-        block, bases, count=len(values), document=document
-    )
-    if note:
-        notes.append(note)
+    rows, columns = choose_bases(block, bases, count=len(values), document=document)
     table = values.reshape(len(rows), len(columns))
 
     # "Columns": one incident direction per column; "Rows": one per row
@@ -118,17 +104,7 @@ def _read_matrix(
     # Set small negative BSDF values (noise, interpolation) to zero
     weights = exits.projected_solid_angles()
     lost = float(np.max(weights @ np.maximum(-table, 0)))
-    if lost > _NEGLIGIBLE_NEGATIVE:
-        raise document.error(
-            data,
-            f"negative values, down to {table.min():.3g}/sr, contain {lost:.2%} of the"
-            " flux; a BSDF without negative values expected",
-        )
-    if lost > 0:
-        notes.append(
-            f"line {document.line(data)}: negative values, {lost:.1e} of the flux, are"
-            " read as zero"
-        )
+    document.accept_negative(lost, data)
     return ScatteringMatrix(np.maximum(table, 0), exits, incidents)
 
 
@@ -147,53 +123,25 @@ def _warn_of_energy(bsdf: Bsdf, path: str | Path) -> None:
             )
 
 
-_BASIS = "LBNL/Shirley-Chiu"
-
-
-def tree_rank(kind: str) -> Literal[3, 4] | None:
-    """Rank of the tensor trees for an IncidentDataStructure; None for matrices.
-
-    >>> tree_rank("TensorTree4"), tree_rank("Columns")
-    (4, None)
-    """
-    ranks: dict[str, Literal[3, 4]] = {"tensortree3": 3, "tensortree4": 4}
-    return ranks.get(kind.lower())
-
-
-def read_tree(
-    block: etree._Element, rank: Literal[3, 4], document: Document, notes: list[str]
+def _read_tree(
+    block: etree._Element, rank: Literal[3, 4], document: Document
 ) -> ScatteringTree:
-    """Read the tree of a WavelengthDataBlock; append irregularities to `notes`."""
     data = document.require(block, "ScatteringData")
     basis = document.text(block, "AngleBasis")
-    if basis.lower() != _BASIS.lower():
-        raise document.error(
-            block, f"angle basis {basis[:60]!r} of a tensor tree; {_BASIS!r} expected"
-        )
+    message = f"angle basis of a tensor tree is {basis[:60]!r}; {_BASIS!r} expected"
+    document.check(basis.lower() == _BASIS.lower(), block, message)
+    message = "a tensor tree contains an element or a comment; only numbers expected"
+    document.check(not len(data), data, message)
     number = document.trees.find(data.text)
-    if len(data):
-        raise document.error(
-            data, "an element or a comment in a tensor tree; only numbers expected"
-        )
     if number is None:
         found = " ".join((data.text or "").split())[:40]
-        raise document.error(
-            data, f"no tensor tree but {found!r}; numbers in braces {{…}} expected"
-        )
+        message = f"no tensor tree but {found!r}; numbers in braces {{…}} expected"
+        raise document.error(data, message)
     line = document.lines_before + document.trees.first_line[number]
     text = document.trees.texts[number]
     table = parse_tree(text, rank=rank, file=document.path, line=line)
 
     # Half of a rank 3 tree is unused
     lost = 3.1416 * table.negative * (2 if rank == 3 else 1)
-    if lost > _NEGLIGIBLE_NEGATIVE:
-        raise document.error(
-            data,
-            f"negative values contain {lost:.2%} of the flux; a BSDF without negative"
-            " values expected",
-        )
-    if lost > 0:
-        notes.append(
-            f"line {line}: negative values, {lost:.1e} of the flux, are read as zero"
-        )
+    document.accept_negative(lost, data)
     return ScatteringTree(table.slots, rank, table.depth)

@@ -7,14 +7,15 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float32
 from lxml import etree
+from lxml.builder import ElementMaker
 
-from clerestory.array_types import ExitIncident
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product_data import Detail, Product, usual_spectra
 from clerestory.bsdf.scattering_function import ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.bsdf.tree_parser import morton_order
+from clerestory.checks import require
 from clerestory.errors import InputError
 from clerestory.files import replace_file
 from clerestory.hemisphere.partition import RingPartition
@@ -22,22 +23,18 @@ from clerestory.hemisphere.partition import RingPartition
 _NAMESPACE = "http://windows.lbl.gov"
 _XSI = "http://www.w3.org/2001/XMLSchema-instance"
 _SCHEMA = "http://windows.lbl.gov/BSDF-v1.4.xsd"
+_E = ElementMaker(namespace=_NAMESPACE, nsmap={None: _NAMESPACE, "xsi": _XSI})
 
 _LABELS = {
-    "visible": "Visible",
-    "solar": "Solar",
-    "nir": "NIR",
-    "ir": "IR",
-    "cie-x": "CIE-X",
-    "cie-z": "CIE-Z",
-    "cie-u": "CIE-u",
-    "cie-v": "CIE-v",
+    label.lower(): label
+    for label in ("Visible", "Solar", "NIR", "IR", "CIE-X", "CIE-Z", "CIE-u", "CIE-v")
 }
 
 # Written for empty names: WinCalc requires text, and readers strip the space.
 _BLANK = "\N{NO-BREAK SPACE}"
 
-# Placeholder for BSDF values; only a comment before all data can contain the same text.
+# Empty element that is replaced by the BSDF values; only a comment before all data can
+# contain the same text.
 _NO_VALUES = b"<ScatteringData/>"
 
 
@@ -76,83 +73,60 @@ def write_bsdf(
 
 
 def _window_element(bsdf: Bsdf, comment: str) -> etree._Element:
-    root = etree.Element(
-        f"{{{_NAMESPACE}}}WindowElement", nsmap={None: _NAMESPACE, "xsi": _XSI}
+    definition = _E.DataDefinition(
+        _E.IncidentDataStructure(_structure(bsdf)), *map(_basis, _partitions(bsdf))
+    )
+    layer = _E.Layer(
+        _material(bsdf.product), *_geometry(bsdf.product), definition, *_data(bsdf)
+    )
+    root = _E.WindowElement(
+        _E.WindowElementType("System"), _E.FileType("BSDF"), _E.Optical(layer)
     )
     root.set(f"{{{_XSI}}}schemaLocation", f"{_NAMESPACE} {_SCHEMA}")
     if comment:
-        root.append(etree.Comment(f" {comment} "))
-    _add(root, "WindowElementType", "System")
-    _add(root, "FileType", "BSDF")
-    layer = _add(_add(root, "Optical"), "Layer")
-    _add_material(layer, bsdf.product)
-    _add_geometry(layer, bsdf.product)
-    definition = _add(layer, "DataDefinition")
-    _add(definition, "IncidentDataStructure", _structure(bsdf))
-    for basis in _partitions(bsdf):
-        _add_basis(definition, basis)
-    spectra = {one.channel: one for one in bsdf.product.spectra}
-    for (channel, name), part in bsdf.functions.items():
-        weighting = spectra.get(channel) or usual_spectra(channel)
-        data = _add(layer, "WavelengthData")
-        _add(data, "LayerNumber", "System")
-        _add(data, "Wavelength", _LABELS.get(channel, channel), unit="Integral")
-        _add(data, "SourceSpectrum", weighting.source)
-        _add(data, "DetectorSpectrum", weighting.detector)
-        _add_block(data, name.replace("_", " ").title(), part)
+        root.insert(0, etree.Comment(f" {comment} "))
     return root
 
 
-def _add(
-    parent: etree._Element, name: str, text: str | None = None, **attributes: str
-) -> etree._Element:
-    child = etree.SubElement(parent, f"{{{_NAMESPACE}}}{name}", attributes)
-    child.text = text
-    return child
-
-
-def _add_material(layer: etree._Element, product: Product) -> None:
-    material = _add(layer, "Material")
-    _add(material, "Name", product.name or _BLANK)
-    _add(material, "Manufacturer", product.manufacturer or _BLANK)
+def _material(product: Product) -> etree._Element:
     # Write the thickness in millimetres: WinCalc ignores the unit attribute
     thickness = Decimal(repr(float(product.thickness or 0))) * 1000
-    _add(material, "Thickness", f"{thickness.normalize():f}", unit="Millimeter")
-    for name in ("width", "height"):
-        length = getattr(product, name)
-        if length is not None:
-            _add(material, name.capitalize(), repr(float(length)), unit="Meter")
-    _add(material, "DeviceType", product.device_type)
-    for name, value in (
-        ("EmissivityFront", product.emissivity_front),
-        ("EmissivityBack", product.emissivity_back),
-    ):
-        if value is not None:
-            _add(material, name, repr(float(value)))
-    for detail in product.details:
-        if "/" not in detail.name:
-            _add_detail(material, detail)
+    return _E.Material(
+        _E.Name(product.name or _BLANK),
+        _E.Manufacturer(product.manufacturer or _BLANK),
+        _E.Thickness(f"{thickness.normalize():f}", unit="Millimeter"),
+        *_number("Width", product.width, unit="Meter"),
+        *_number("Height", product.height, unit="Meter"),
+        _E.DeviceType(product.device_type),
+        *_number("EmissivityFront", product.emissivity_front),
+        *_number("EmissivityBack", product.emissivity_back),
+        *(_detail(one) for one in product.details if "/" not in one.name),
+    )
 
 
-def _add_detail(parent: etree._Element, detail: Detail) -> None:
+def _number(
+    name: str, value: float | None, **attributes: str
+) -> Iterator[etree._Element]:
+    if value is not None:
+        yield _E(name, repr(float(value)), **attributes)
+
+
+def _detail(detail: Detail) -> etree._Element:
     unit = {"unit": detail.unit} if detail.unit else {}
-    _add(parent, detail.name.rpartition("/")[2], detail.text, **unit)
+    return _E(detail.name.rpartition("/")[2], detail.text, **unit)
 
 
-def _add_geometry(layer: etree._Element, product: Product) -> None:
+def _geometry(product: Product) -> Iterator[etree._Element]:
     geometry = product.geometry
-    details = [d for d in product.details if d.name.startswith("Geometry/")]
-    if geometry is None and not details:
-        return
-    element = _add(layer, "Geometry", **({} if geometry is None else {"format": "MGF"}))
-    for detail in details:
-        _add_detail(element, detail)
+    details = [_detail(d) for d in product.details if d.name.startswith("Geometry/")]
     if geometry is not None:
         # Write other units as an MGF scaling transform: the schema allows few units
         text = geometry.text
         if geometry.metres != 1:
             text = f"xf -s {geometry.metres!r}\n{text}\nxf\n"
-        _add(element, "MGFblock", text, unit="meter")
+        yield _E.Geometry(*details, _E.MGFblock(text, unit="meter"), format="MGF")
+    elif details:
+        yield _E.Geometry(*details)
 
 
 def _structure(bsdf: Bsdf) -> str:
@@ -165,11 +139,11 @@ def _structure(bsdf: Bsdf) -> str:
         else type(part).__name__
         for part in bsdf.functions.values()
     }
-    if len(kinds) > 1 or not kinds <= {"Columns", "TensorTree3", "TensorTree4"}:
-        raise InputError(
-            f"BSDF {bsdf.product.name!r} contains {' and '.join(sorted(kinds))};"
-            " matrices only, or trees of one rank only, expected"
-        )
+    require(
+        len(kinds) < 2 and kinds <= {"Columns", "TensorTree3", "TensorTree4"},
+        f"BSDF {bsdf.product.name!r} contains {' and '.join(sorted(kinds))};"
+        " matrices only, or trees of one rank only, expected",
+    )
     return kinds.pop() if kinds else "Columns"
 
 
@@ -179,69 +153,66 @@ def _partitions(bsdf: Bsdf) -> list[RingPartition]:
     for part in bsdf.functions.values():
         for partition in part.own_partitions() or ():
             known = found.setdefault(partition.name.lower(), partition)
-            if not known.matches(partition):
-                raise InputError(
-                    f"two partitions of {len(known)} and {len(partition)} patches are"
-                    f" both named {partition.name!r}; different names expected"
-                )
+            require(
+                known.matches(partition),
+                f"two partitions of {len(known)} and {len(partition)} patches are both"
+                f" named {partition.name!r}; different names expected",
+            )
     return list(found.values())
 
 
-def _add_basis(definition: etree._Element, partition: RingPartition) -> None:
-    basis = _add(definition, "AngleBasis")
-    _add(basis, "AngleBasisName", partition.name)
+def _basis(partition: RingPartition) -> etree._Element:
     limits = np.round(np.degrees(partition.theta), 9)
-    for count, lower, upper in zip(partition.count, limits, limits[1:], strict=False):
-        block = _add(basis, "AngleBasisBlock")
-        pole = count == 1 and lower == 0
-        _add(block, "Theta", f"{lower if pole else (lower + upper) / 2:.9g}")
-        _add(block, "nPhis", str(count))
-        bounds = _add(block, "ThetaBounds")
-        _add(bounds, "LowerTheta", f"{lower:.9g}")
-        _add(bounds, "UpperTheta", f"{upper:.9g}")
+    rings = zip(partition.count, limits[:-1], limits[1:], strict=True)
+    blocks = [
+        _E.AngleBasisBlock(
+            _E.Theta(f"{0 if count == 1 and low == 0 else (low + high) / 2:.9g}"),
+            _E.nPhis(str(count)),
+            _E.ThetaBounds(_E.LowerTheta(f"{low:.9g}"), _E.UpperTheta(f"{high:.9g}")),
+        )
+        for count, low, high in rings
+    ]
+    return _E.AngleBasis(_E.AngleBasisName(partition.name), *blocks)
 
 
-def _add_block(data: etree._Element, direction: str, part: ScatteringFunction) -> None:
-    block = _add(data, "WavelengthDataBlock")
-    _add(block, "WavelengthDataDirection", direction)
-    if isinstance(part, ScatteringMatrix):
-        _add(block, "ColumnAngleBasis", part.incidents.name)
-        _add(block, "RowAngleBasis", part.exits.name)
-    if isinstance(part, ScatteringTree):
-        _add(block, "AngleBasis", "LBNL/Shirley-Chiu")
-    _add(block, "ScatteringDataType", f"B{direction[0]}DF")
-    _add(block, "ScatteringData")
+def _data(bsdf: Bsdf) -> Iterator[etree._Element]:
+    spectra = {one.channel: one for one in bsdf.product.spectra}
+    for (channel, name), part in bsdf.functions.items():
+        weighting = spectra.get(channel) or usual_spectra(channel)
+        direction = name.replace("_", " ").title()
+        bases = [_E.AngleBasis("LBNL/Shirley-Chiu")]
+        if isinstance(part, ScatteringMatrix):
+            column, row = part.incidents.name, part.exits.name
+            bases = [_E.ColumnAngleBasis(column), _E.RowAngleBasis(row)]
+        yield _E.WavelengthData(
+            _E.LayerNumber("System"),
+            _E.Wavelength(_LABELS.get(channel, channel), unit="Integral"),
+            _E.SourceSpectrum(weighting.source),
+            _E.DetectorSpectrum(weighting.detector),
+            _E.WavelengthDataBlock(
+                _E.WavelengthDataDirection(direction),
+                *bases,
+                _E.ScatteringDataType(f"B{direction[0]}DF"),
+                _E.ScatteringData(),
+            ),
+        )
 
 
 def _lines(part: ScatteringFunction, digits: int | None) -> Iterator[str]:
     # Yield the BSDF values of a scattering function as text
-    if isinstance(part, ScatteringMatrix):
-        yield _format_table(part.values, digits)
     if isinstance(part, ScatteringTree):
         for line in tree_lines(part, digits=digits):
             yield line + "\n"
+    if not isinstance(part, ScatteringMatrix):
+        return
 
-
-def _format_table(table: ExitIncident, digits: int | None) -> str:
     # Shorten 0.0 to 0: most values of a clear pane are zero
     def write(value: float) -> str:
         text = repr(value) if digits is None else f"{value:.{digits}g}"
         return text.removesuffix(".0")
 
-    rows = (",".join(map(write, row)) for row in table.tolist())
-    return "\n" + ",\n".join(rows) + "\n"
-
-
-def format_tree(tree: ScatteringTree, *, digits: int | None = None) -> str:
-    """Text of a tensor tree: branches and values in braces.
-
-    `digits`: significant digits; None for lossless output.
-
-    >>> even = ScatteringTree(np.array([0.25], dtype=np.float32).view(np.int32), 4, 0)
-    >>> format_tree(even)
-    '{ 0.25 }'
-    """
-    return "\n".join(tree_lines(tree, digits=digits))
+    rows = (",".join(map(write, row)) for row in part.values.tolist())
+    yield "\n" + ",\n".join(rows) + "\n"
 
 
 def tree_lines(tree: ScatteringTree, *, digits: int | None = None) -> Iterator[str]:

@@ -11,8 +11,7 @@ from clerestory.bsdf.resample import reciprocal_mean
 from clerestory.bsdf.scattering_function import OTHER_SIDE, Function, ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tensor_tree import ScatteringTree
-from clerestory.bsdf.tree_arithmetic import combine
-from clerestory.bsdf.tree_reduction import reduce_tree
+from clerestory.bsdf.tree_arithmetic import combine, reduce_tree
 from clerestory.bsdfgen.trace_request import Functions
 from clerestory.errors import InputError
 

@@ -8,7 +8,7 @@ from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.resample import reciprocal_mean, to_matrices, to_trees
 from clerestory.bsdf.scattering_function import Function, ScatteringFunction
 from clerestory.bsdf.tensor_tree import ScatteringTree
-from clerestory.bsdf.tree_reduction import reduce_tree
+from clerestory.bsdf.tree_arithmetic import reduce_tree
 from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.cli.bsdf_report import function_title

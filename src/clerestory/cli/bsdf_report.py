@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.bsdf_comparison import Comparison
+from clerestory.bsdf.patch_symmetry import Comparison
 from clerestory.bsdf.quality_finding import Finding, patch_label
 from clerestory.bsdf.scattering_function import FUNCTIONS, Function
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix

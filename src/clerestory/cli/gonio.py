@@ -14,12 +14,15 @@ from clerestory.cli.progress import progress_display, say
 from clerestory.cli.requests import gonio as requests
 from clerestory.errors import InputError
 from clerestory.gonio.angles import from_degrees
-from clerestory.gonio.bsdf_export import export_bsdf
 from clerestory.gonio.coverage import measure_coverage
-from clerestory.gonio.cross_validation import smoothing_study
-from clerestory.gonio.energy_conservation import conserve_energy
+from clerestory.gonio.cross_validation import cross_validate
 from clerestory.gonio.fit_storage import read_fits, write_fits
-from clerestory.gonio.fitted_measurement import Fitted, fit_measurement
+from clerestory.gonio.fitted_measurement import (
+    Fitted,
+    conserve_energy,
+    export_bsdf,
+    fit_measurement,
+)
 from clerestory.gonio.lobe_fitting import FitOptions
 from clerestory.gonio.measurement_files import read_measurement
 from clerestory.gonio.measurement_planning import recommended_directions
@@ -59,14 +62,16 @@ def check(request: requests.CrossValidation) -> None:
         )
     for measurement in measurements:
         with progress_display(quiet=request.quiet) as progress:
-            results = smoothing_study(
-                measurement,
-                request.smoothing or [1.0],
-                symmetry=request.symmetry,
-                lobes=request.lobes,
-                processes=request.processes,
-                progress=progress,
-            )
+            results = [
+                cross_validate(
+                    measurement,
+                    symmetry=request.symmetry,
+                    options=FitOptions(lobes=request.lobes, smoothing=smoothing),
+                    processes=request.processes,
+                    progress=progress,
+                )
+                for smoothing in request.smoothing or [1.0]
+            ]
         for result in results:
             say(*gonio_text.validation_lines(result))
         if request.more:

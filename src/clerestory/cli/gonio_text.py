@@ -14,8 +14,8 @@ from clerestory.gonio.scattering_measurement import Measurement
 # Headings of the tables, and the same columns with the values of a scan
 _TABLE = "  θ [°]  φ [°]  points   to θ    gaps negative  noise    flux"
 _SCAN = (
-    "{0.theta_deg:7.1f}{0.phi_deg:7.1f}{0.points:8}{0.reach_deg:7.0f}{0.gap:8.1%}"
-    "{0.negative:9.1%}{0.noise:7.0%}{0.flux:8.4f}"
+    "{0.scan.theta_deg:7.1f}{0.scan.phi_deg:7.1f}{0.scan.values.size:8}"
+    "{0.reach_deg:7.0f}{0.gap:8.1%}{0.negative:9.1%}{0.noise:7.0%}{0.flux:8.4f}"
 )
 _ERRORS = (
     "  θ [°]  φ [°]     flux    error  peak [°] EMD [°]   place  elsewhere  own fit"

@@ -39,12 +39,6 @@ def check_picture(
     """Return the picture in grey, with coloured glare sources and a blue task zone.
 
     Without `colour`, successive sources have the colours of `PALETTE`.
-
-    >>> grey = Picture(np.ones((30, 30, 3), dtype=np.float32))
-    >>> one = Members(np.array([1]), np.array([4]), np.array([7]))
-    >>> shown = check_picture(grey, one, colour=(1, 0, 0))
-    >>> shown.radiance[4, 7].round(2)
-    array([3.77, 0.  , 0.  ], dtype=float32)
     """
     luminance = picture.luminance() / np.float32(LUMINOUS_EFFICACY)
     shown = np.repeat(luminance[..., None], 3, axis=2)

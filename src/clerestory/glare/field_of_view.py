@@ -26,10 +26,6 @@ def in_field(sigma: Values, tau: Values, below: Mask, *, field: FieldOfView) -> 
 
     Reference: Guth, S. K. (1958): Light and comfort. Industrial Medicine and Surgery
     27. The fitted curves are those of evalglare 3.06 (options -g and -G).
-
-    >>> up = np.radians([40.0, 80.0])
-    >>> in_field(up, np.zeros(2), np.zeros(2, bool), field="total").tolist()
-    [True, False]
     """
     around = np.degrees(tau)
     from_below = 180 - around

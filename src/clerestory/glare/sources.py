@@ -73,16 +73,7 @@ def in_zone(eye: GlareView, zone: Zone) -> np.ndarray:
 def find_sources(
     luminance: Image, eye: GlareView, rules: SourceRules | None = None
 ) -> Members:
-    """Return the pixels of the glare sources of a picture.
-
-    >>> from clerestory.glare.glare_view import glare_view
-    >>> from clerestory.scene.view import View
-    >>> eye = glare_view(View(kind="angular", horizontal=180, vertical=180), 160, 160)
-    >>> room = np.full((160, 160), 100.0)
-    >>> room[50:54, 75:79] = 8000.0
-    >>> np.bincount(find_sources(room, eye).label).tolist()
-    [0, 16]
-    """
+    """Return the pixels of the glare sources of a picture."""
     rules = rules or SourceRules()
     level = threshold_luminance(luminance, eye, rules)
     scale = rules.merge_angle / 2 / eye.pixel_angle()

@@ -1,5 +1,6 @@
 """Angular coverage, gaps, noise, symmetry and flux of a measurement."""
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,7 +10,7 @@ from scipy.spatial import cKDTree
 from clerestory.array_types import Vector
 from clerestory.errors import InputError
 from clerestory.gonio.angles import angle_between
-from clerestory.gonio.lobe_fitting import condensed_points, total_flux
+from clerestory.gonio.lobe_fitting import condensed_points
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.raster import Raster
 from clerestory.gonio.scattering_measurement import SAME_DIRECTION, Measurement, Scan
@@ -24,8 +25,8 @@ _GAP_PER_SPACING = 3.0
 _IN_PLANE_DEG = 2.0
 
 # Number of neighbouring values in each quadratic fit that estimates noise, and
-# (roughly) the largest number of such fits per scan.
-_NEIGHBOURS, _MOST_SAMPLED = 16, 300
+# approximate limit of the number of fits per scan.
+_NEIGHBOURS, _MOST_FITS = 16, 300
 
 # The grid for gaps and asymmetry has 2^5 × 2^5 cells of equal projected solid angle.
 _HALVINGS = 5
@@ -33,61 +34,42 @@ _HALVINGS = 5
 # Largest asymmetry (fraction of the flux) of a layer that is considered symmetric.
 _ALIKE = 0.1
 
+_Grid = Float[np.ndarray, "row column"]
+
 
 @dataclass(frozen=True)
 class ScanReport:
-    """Angular coverage and quality of one scan.
+    """Angular coverage and quality of one scan."""
 
-    Attributes
-    ----------
-    theta_deg, phi_deg : incident direction [°]
-    points : number of measured directions
-    reach_deg : largest polar angle of the measured directions [°]
-    gap : fraction of the projected hemisphere that is far from measured directions
-    gap_deg : largest angle from any direction to the nearest measured direction [°]
-    negative : fraction of the BSDF values that are negative
-    noise : median relative deviation of BSDF values from a local quadratic fit
-    in_plane : whether only the plane of incidence was measured
-    flux : directional-hemispherical transmittance or reflectance
-    peak : largest BSDF [1/sr]
-    """
-
-    theta_deg: float
-    phi_deg: float
-    points: int
-    reach_deg: float
+    scan: Scan
+    reach_deg: float  # largest polar angle of the measured directions [°]
+    # Fraction of the projected hemisphere that is far from measured directions
     gap: float
+    # Largest angle from any direction to the nearest measured direction [°]
     gap_deg: float
-    negative: float
-    noise: float
-    in_plane: bool
-    flux: float
-    peak: float
+    negative: float  # fraction of the BSDF values that are negative
+    noise: float  # median relative deviation of BSDF values from a local quadratic fit
+    in_plane: bool  # whether only the plane of incidence was measured
+    flux: float  # directional-hemispherical transmittance or reflectance
 
 
 @dataclass(frozen=True)
 class Coverage:
-    """Coverage of a measurement.
-
-    Attributes
-    ----------
-    scans : reports on the scans
-    implied : symmetry implied by the incident directions; None if ambiguous
-    claimed : symmetry stated in the file; None if not stated
-    asymmetry : fraction of the flux that differs between a scan and the mirror image
-        of another scan (mean over scans), for each testable symmetry
-    """
+    """Coverage of a measurement."""
 
     scans: tuple[ScanReport, ...]
+    # Symmetry implied by the incident directions; None if ambiguous
     implied: Symmetry | None
-    claimed: Symmetry | None
+    claimed: Symmetry | None  # symmetry stated in the file; None if not stated
+    # Fraction of the flux that differs between a scan and the mirror image of another
+    # scan (mean over scans), for each testable symmetry
     asymmetry: dict[Symmetry, float]
 
     def doubts(self) -> tuple[str, ...]:
         """Return warnings about the measurement, one line each."""
         lines: list[str] = []
         for report in self.scans:
-            place = f"(θ {report.theta_deg:.1f}°, φ {report.phi_deg:.1f}°)"
+            place = report.scan.words
             if report.in_plane:
                 lines.append(f"{place}: only the plane of incidence was measured")
             elif report.gap > 0.02:
@@ -98,14 +80,13 @@ class Coverage:
             if report.negative > 0.01:
                 lines.append(f"{place}: {report.negative:.0%} of values are negative")
             if report.flux > 1:
-                lines.append(
-                    f"{place}: a total flux of {report.flux:.3f}; at most 1 expected"
-                )
+                flux = f"total flux is {report.flux:.3f}"
+                lines.append(f"{place}: {flux}; at most 1 expected")
         symmetry = self.claimed or self.implied
-        found = None if symmetry is None else self.asymmetry.get(symmetry)
-        if symmetry == "isotropic" and self.asymmetry:
-            found = max(self.asymmetry.values())
-        if found is not None and found > _ALIKE:
+        found = self.asymmetry.get(symmetry, 0.0) if symmetry else 0.0
+        if symmetry == "isotropic":
+            found = max(self.asymmetry.values(), default=0.0)
+        if found > _ALIKE:
             lines.append(
                 f"{symmetry} according to the file or the incident directions, but"
                 f" {found:.0%} of the flux differs between mirror images"
@@ -117,41 +98,32 @@ class Coverage:
 
 def measure_coverage(measurement: Measurement) -> Coverage:
     """Return the coverage of a measurement."""
-    try:
-        implied: Symmetry | None = deduce_symmetry(measurement.incidents)
-    except InputError:
-        implied = None
+    implied: Symmetry | None = None
+    with suppress(InputError):
+        implied = deduce_symmetry(measurement.incidents)
     reports = tuple(_report(scan) for scan in measurement.scans)
     return Coverage(reports, implied, measurement.claimed, _asymmetry(measurement))
 
 
 def _report(scan: Scan) -> ScanReport:
     tree = cKDTree(scan.leaving)
-    spacing = 1.0 if len(scan.values) < 2 else _spacing(tree, scan)
+    # Median spacing: half the chord length to the fourth-nearest measured direction
+    spacing = float(np.median(tree.query(scan.leaving, k=[5])[0])) / 2
     limit = max(np.radians(_GAP_DEG), _GAP_PER_SPACING * spacing)
     grid = Raster.of(_HALVINGS).directions[-1]
     distance = 2 * np.arcsin(np.minimum(tree.query(grid)[0] / 2, 1))
     weight = grid[:, 2] / grid[:, 2].sum()
     theta = np.degrees(np.arccos(np.clip(scan.leaving[:, 2], 0, 1)))
     return ScanReport(
-        scan.theta_deg,
-        scan.phi_deg,
-        len(scan.values),
+        scan,
         float(theta.max()),
         float(weight[distance > limit].sum()),
         float(np.degrees(distance.max())),
         float(np.mean(scan.values < 0)),
         _noise(tree, scan),
         _in_plane(scan),
-        total_flux(scan),
-        float(scan.values.max()),
+        scan.flux,
     )
-
-
-def _spacing(tree: cKDTree, scan: Scan) -> float:
-    # Median spacing: half the chord length to the fourth-nearest measured direction
-    distance, _ = tree.query(scan.leaving, k=[5])
-    return float(np.median(distance)) / 2
 
 
 def _noise(tree: cKDTree, scan: Scan) -> float:
@@ -159,7 +131,7 @@ def _noise(tree: cKDTree, scan: Scan) -> float:
     bright = np.flatnonzero(scan.values >= np.abs(scan.values).mean())
     if len(scan.values) < _NEIGHBOURS or not len(bright):
         return 0.0
-    bright = bright[:: max(1, len(bright) // _MOST_SAMPLED)]
+    bright = bright[:: max(1, len(bright) // _MOST_FITS)]
     _, near = tree.query(scan.leaving[bright], k=_NEIGHBOURS)
     x, y = np.moveaxis(
         (scan.leaving[near] - scan.leaving[bright, None])[..., :2], -1, 0
@@ -201,7 +173,7 @@ def _asymmetry(measurement: Measurement) -> dict[Symmetry, float]:
     return found
 
 
-def _light(scan: Scan) -> Float[np.ndarray, "row column"]:
+def _light(scan: Scan) -> _Grid:
     # BSDF on a coarse grid of the unit square, where mirror images are array flips
     points = condensed_points(scan)
     flux = np.maximum(points.value * points.weight, 0)
@@ -210,11 +182,7 @@ def _light(scan: Scan) -> Float[np.ndarray, "row column"]:
     return cells.reshape(1 << _HALVINGS, -1)
 
 
-def _difference(
-    one: Float[np.ndarray, "row column"],
-    other: Float[np.ndarray, "row column"],
-    factor: Vector,
-) -> float:
+def _difference(one: _Grid, other: _Grid, factor: Vector) -> float:
     axes = [axis for axis in (0, 1) if factor[axis] < 0]
     change = np.abs(one - np.flip(other, tuple(axes))).sum() / 2
     return float(change / max(float((one + other).sum()) / 2, 1e-300))

@@ -3,18 +3,22 @@
 Each scan is predicted from all other scans and compared with the measurement. Errors
 are upper estimates: leaving out a scan doubles the distance between its neighbours.
 Scans at the border of the measured region are extrapolated.
+
+The beam direction is the centroid of the directions near the peak where the BSDF is at
+least half of the peak value; it is less sensitive to noise than the peak itself.
 """
 
+import functools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import ot
 from jaxtyping import Float
 
-from clerestory.array_types import Indices
-from clerestory.errors import InputError
-from clerestory.gonio.angles import angle_between, from_degrees
-from clerestory.gonio.distribution_metrics import beam_direction, earth_movers_distance
+from clerestory.array_types import Values, Vector
+from clerestory.checks import require
+from clerestory.gonio.angles import angle_between
 from clerestory.gonio.incident_mesh import locate
 from clerestory.gonio.interpolant import Interpolant
 from clerestory.gonio.lobe_fitting import (
@@ -23,16 +27,72 @@ from clerestory.gonio.lobe_fitting import (
     condensed_points,
     fit_scans,
     misplaced_flux,
-    total_flux,
 )
 from clerestory.gonio.lobes import Lobes
-from clerestory.gonio.network_assembly import join
-from clerestory.gonio.parallel import silent
+from clerestory.gonio.network_assembly import join, refine_plans
+from clerestory.gonio.optimal_transport import Network
+from clerestory.gonio.parallel import IN_SERIES, Workers
+from clerestory.gonio.raster import Raster
 from clerestory.gonio.scattering_measurement import Measurement, Scan
 from clerestory.gonio.symmetry import Symmetry, fold
-from clerestory.gonio.transport_network import Network
-from clerestory.gonio.transport_refinement import refine_some_plans
+from clerestory.hemisphere.shirley_chiu import cell_centres, directions_from_square
 from clerestory.progress import Progress
+
+# log2 of the number of grid cells along each axis: for the distance, and for the finer
+# grid on which lobes are rasterized.
+_HALVINGS, _DRAWN = 4, 6
+
+_LEAST = 1e-6  # cells with less than this fraction of the total flux are ignored
+
+
+def earth_movers_distance(one: Lobes, other: Lobes) -> float:
+    """Earth mover's distance: mean angle by which flux must be moved [rad].
+
+    Distributions are normalized and sampled on cells of equal projected solid angle, 7°
+    wide at the normal. The result is NaN if either distribution has no flux.
+    """
+    if not (one.total > 0 and other.total > 0):
+        return float("nan")
+    give, take = _normalized_flux(one), _normalized_flux(other)
+    some, others = give > _LEAST, take > _LEAST
+    give, take = give[some] / give[some].sum(), take[others] / take[others].sum()
+    cost = _angles()[np.ix_(some, others)]
+    return float(ot.emd2(give, take, cost, numItermax=1_000_000))
+
+
+def _normalized_flux(lobes: Lobes) -> Values:
+    wide, part = 1 << _HALVINGS, 1 << _DRAWN - _HALVINGS
+    cells = Raster.of(_DRAWN).cells(lobes).reshape(wide, part, wide, part)
+    light = cells.sum(axis=(1, 3)).ravel()
+    return np.asarray(light / light.sum())
+
+
+@functools.cache
+def _angles() -> Float[np.ndarray, "cells cells"]:
+    direction = directions_from_square(*cell_centres(_HALVINGS))
+    return angle_between(direction[:, None], direction)
+
+
+# Directions farther from the peak are not part of the beam [rad].
+_REACH = np.radians(20.0)
+
+# log2 of the number of grid cells along each axis, and smallest number of cells for a
+# centroid; the peak itself is used if there are fewer cells.
+_BEAM_HALVINGS, _FEWEST_CELLS = 6, 8
+
+
+def beam_direction(lobes: Lobes, *, near: Vector | None = None) -> Vector:
+    """Direction of the strongest beam, or of the local maximum near a direction."""
+    peak = lobes.strongest() if near is None else lobes.climb(near)
+    grid = Raster.of(_BEAM_HALVINGS).directions[-1]
+    grid = grid[angle_between(grid, peak) < _REACH]
+    values = lobes.evaluate(grid)
+    bright = values >= lobes.evaluate(peak[None])[0] / 2
+    if bright.sum() < _FEWEST_CELLS:
+        return peak
+    middle = values[bright] @ grid[bright]
+    return np.asarray(middle / np.linalg.norm(middle))
+
 
 # Smallest number of scans for cross-validation.
 _FEWEST = 3
@@ -40,29 +100,21 @@ _FEWEST = 3
 
 @dataclass(frozen=True)
 class LeftOut:
-    """Prediction of one scan from all other scans.
+    """Prediction of one scan from all other scans."""
 
-    Attributes
-    ----------
-    theta_deg, phi_deg : incident direction [°]
-    inside : whether the prediction is interpolated (True) or extrapolated (False)
-    measured, predicted : directional-hemispherical transmittance or reflectance
-    peak_deg : angle between the measured and the predicted beam direction [°]
-    earth_mover_deg : earth mover's distance between the predicted and the fitted
-        distribution [°]; NaN if the predicted flux is zero
-    misplaced : fraction of the flux predicted in wrong directions, including noise
-    fitted : `misplaced` for the lobes fitted to the scan itself: a lower limit
-    """
-
-    theta_deg: float
-    phi_deg: float
+    theta_deg: float  # polar angle of the incident direction [°]
+    phi_deg: float  # azimuth of the incident direction [°]
+    # Whether the prediction is interpolated (True) or extrapolated (False)
     inside: bool
-    measured: float
-    predicted: float
-    peak_deg: float
+    measured: float  # measured hemispherical transmittance or reflectance
+    predicted: float  # predicted hemispherical transmittance or reflectance
+    peak_deg: float  # angle between the measured and the predicted beam direction [°]
+    # Earth mover's distance between the predicted and the fitted distribution [°]; NaN
+    # if the predicted flux is zero
     earth_mover_deg: float
+    # Fraction of the flux predicted in wrong directions, including noise
     misplaced: float
-    fitted: float
+    fitted: float  # `misplaced` for the lobes fitted to the scan itself: a lower limit
 
     @property
     def flux_error(self) -> float:
@@ -72,24 +124,13 @@ class LeftOut:
 
 @dataclass(frozen=True)
 class CrossValidation:
-    """Prediction errors of all scans.
+    """Prediction errors of all scans."""
 
-    Attributes
-    ----------
-    scans : prediction errors of all scans
-    smoothing : smoothing factor of the lobe fits
-    """
-
-    scans: tuple[LeftOut, ...]
-    smoothing: float
+    scans: tuple[LeftOut, ...]  # prediction errors of all scans
+    smoothing: float  # smoothing factor of the lobe fits
 
     def median(self, name: str, *, inside: bool = True) -> float:
-        """Median magnitude of a `LeftOut` attribute over inter- or extrapolated scans.
-
-        >>> one = LeftOut(30, 0, True, 0.5, 0.49, 1.0, 2.0, 0.1, 0.02)
-        >>> round(CrossValidation((one,), 1.0).median("flux_error"), 3)
-        0.01
-        """
+        """Median magnitude of a `LeftOut` attribute of inter- or extrapolated scans."""
         errors = [abs(getattr(s, name)) for s in self.scans if s.inside == inside]
         known = [error for error in errors if np.isfinite(error)]
         return float(np.median(known)) if known else float("nan")
@@ -101,63 +142,23 @@ def cross_validate(
     symmetry: Symmetry | None = None,
     options: FitOptions = DEFAULT,
     processes: int = 1,
-    progress: Callable[[str], Progress] = lambda _name: silent,
+    progress: Callable[[str], Progress] = IN_SERIES.progress,
 ) -> CrossValidation:
     """Predict each scan from all other scans and return the errors.
 
     Parameters
     ----------
     symmetry, options, processes, progress : as in `fit_measurement`
-
-    Raises
-    ------
-    InputError : fewer than three scans
     """
-    scans = measurement.scans
-    if len(scans) < _FEWEST:
-        raise InputError(
-            f"scans: {len(scans)}; {_FEWEST} or more expected to leave one out"
-        )
-    if symmetry is None:
-        symmetry = measurement.symmetry
-    fits = fit_scans(
-        scans, options=options, processes=processes, report=progress("fit lobes")
-    )
-    network = join(
-        measurement.incidents,
-        fits,
-        symmetry,
-        processes=processes,
-        report=progress("plan transport"),
-    )
-    report = progress("leave one out")
-    left = []
-    for k in range(len(scans)):
-        left.append(_left_out(k, scans, fits, symmetry, network))
-        report((k + 1) / len(scans), f"{k + 1} of {len(scans)}")
+    scans, workers = measurement.scans, Workers(processes, progress)
+    message = f"number of scans is {len(scans)}; {_FEWEST} or more expected"
+    require(len(scans) >= _FEWEST, f"{message} to leave one out")
+    symmetry = symmetry or measurement.symmetry
+    fits = fit_scans(scans, options=options, workers=workers)
+    network = join(measurement.incidents, fits, symmetry, workers=workers)
+    work = [(k, scans, fits, symmetry, network) for k in range(len(scans))]
+    left = Workers(progress=progress).map("leave one out", _left_out, work)
     return CrossValidation(tuple(left), options.smoothing)
-
-
-def smoothing_study(
-    measurement: Measurement,
-    factors: Sequence[float],
-    *,
-    symmetry: Symmetry | None = None,
-    lobes: int = DEFAULT.lobes,
-    processes: int = 1,
-    progress: Callable[[str], Progress] = lambda _name: silent,
-) -> tuple[CrossValidation, ...]:
-    """Cross-validate a measurement with several smoothing factors of the lobe fits."""
-    return tuple(
-        cross_validate(
-            measurement,
-            symmetry=symmetry,
-            options=FitOptions(lobes=lobes, smoothing=factor),
-            processes=processes,
-            progress=progress,
-        )
-        for factor in factors
-    )
 
 
 def _left_out(
@@ -172,41 +173,27 @@ def _left_out(
     incidents = np.array([scans[n].incident for n in others])
     known = network.known_plans()
     rest = join(incidents, [fits[n] for n in others], symmetry, known=known)
-    rest = refine_some_plans(rest, _about(rest, symmetry, scan))
+    mesh = rest.mesh
+    place = locate(mesh, fold(scan.incident[None], symmetry, rest.quadrant)[0])
+    on_edge = bool(place.on_edge[0])
+    inside = not on_edge
+    if mesh.arc:
+        theta = np.arctan2(mesh.vertices[:, 0], mesh.vertices[:, 2])
+        inside = bool(np.radians(scan.theta_deg) <= theta.max() + 1e-9)
+
+    # Refine the plans at the corners of the triangle (or edge) of the incidence
+    corners = (mesh.edges if on_edge else mesh.triangles)[place.simplex[0]]
+    about = np.flatnonzero(np.isin(mesh.edges, corners).any(axis=1))
+    rest = refine_plans(rest, chosen=about)
     lobes = Interpolant(rest, symmetry).lobes(scan.incident)
     return LeftOut(
         scan.theta_deg,
         scan.phi_deg,
-        _inside(rest, symmetry, scan),
-        total_flux(scan),
+        inside,
+        scan.flux,
         lobes.total,
         float(np.degrees(angle_between(beam_direction(lobes), beam_direction(fit)))),
         float(np.degrees(earth_movers_distance(lobes, fit))),
         misplaced_flux(points, lobes.evaluate(points.direction)),
         misplaced_flux(points, fit.evaluate(points.direction)),
     )
-
-
-def _about(network: Network, symmetry: Symmetry, scan: Scan) -> Indices:
-    # Mesh edges at the corners of the triangle (or edge) of the incident direction
-    mesh = network.mesh
-    place = locate(mesh, _folded(network, symmetry, scan))
-    simplex = mesh.edges if place.on_edge[0] else mesh.triangles
-    corners = simplex[place.simplex[0]]
-    return np.flatnonzero(np.isin(mesh.edges, corners).any(axis=1))
-
-
-def _inside(network: Network, symmetry: Symmetry, scan: Scan) -> bool:
-    folded = _folded(network, symmetry, scan)
-    if symmetry == "isotropic":
-        theta = np.arctan2(network.mesh.vertices[:, 0], network.mesh.vertices[:, 2])
-        return bool(np.radians(scan.theta_deg) <= theta.max() + 1e-9)
-    return not bool(locate(network.mesh, folded).on_edge[0])
-
-
-def _folded(
-    network: Network, symmetry: Symmetry, scan: Scan
-) -> Float[np.ndarray, "1 3"]:
-    if symmetry == "isotropic":
-        return from_degrees(scan.theta_deg, 0.0)[None]
-    return fold(scan.incident[None], symmetry, network.quadrant)[0]

@@ -1,9 +1,14 @@
 """Displacement interpolation of lobes between measured incident directions.
 
-Transport plans match lobes at one incident direction with lobes at the next. Between
-the two directions, flux and squared radius are interpolated linearly; the flux of
-lobes without a match fades at constant position. If the total flux is known, lobe
-fluxes are scaled to it, most where they differ most between the corners.
+Transport plans match lobes at one incident direction with lobes at the next. A particle
+matches at most one lobe per corner of a mesh triangle or edge. The particle fluxes at
+each corner follow from the transport plans, so that the fits are reproduced at corners
+and adjacent triangles agree on the common edge. In a triangle (A, B, C) flux is
+transported along the edge A–B, then to C by the plans from A to C and from B to C.
+
+Flux and squared radius are interpolated linearly; the flux of lobes without a match
+fades at constant position. If the total flux is known, lobe fluxes are scaled to it,
+most where they differ most between the corners.
 
 Lobe centres are interpolated linearly in the unit disc onto which the hemisphere is
 projected. In the disc, flat surfaces, prisms and gratings nearly translate the incident
@@ -13,19 +18,147 @@ References: N. Bonneel et al., ACM Transactions on Graphics 30 (6), 2011; G. War
 Kurt, N. Bonneel, MAM 2014, for triangles.
 """
 
-import numpy as np
-from jaxtyping import Bool, Float
+from dataclasses import dataclass
 
-from clerestory.array_types import Values, Vector
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from clerestory.array_types import Indices, Values, Vector
 from clerestory.gonio.angles import directions_over_disc
-from clerestory.gonio.lobes import Lobes
-from clerestory.gonio.particles import Particles
+from clerestory.gonio.lobes import Lobes, joined
+from clerestory.gonio.optimal_transport import Plan
+
+# Fraction of the flux of the smallest particles that is dropped and redistributed.
+_SMALL_CHANGE = 2e-3
+
+_Light = dict[int, Float[np.ndarray, " particles"]]
+
+
+@dataclass(frozen=True, eq=False)
+class Particles:
+    """Matched lobes of the corners of a triangle or an edge, with fluxes."""
+
+    # Index of each particle's lobe at the corners A, B and C; -1 for none
+    corner: Int[np.ndarray, "particles 3"]
+    # Flux of each particle at A, at B, at C from A, and at C from B
+    flux: Float[np.ndarray, "particles 4"]
+
+
+def edge_particles(plan: Plan) -> Particles:
+    """Particles of an edge, from the transport plan from A to B."""
+    fading, rising = np.flatnonzero(plan.fading), np.flatnonzero(plan.rising)
+    return joined(
+        [
+            _particles(
+                (plan.source, plan.target, None), {0: plan.sent, 1: plan.received}
+            ),
+            _particles((fading, None, None), {0: plan.fading[fading]}),
+            _particles((None, rising, None), {1: plan.rising[rising]}),
+        ]
+    )
+
+
+def triangle_particles(a_to_b: Plan, a_to_c: Plan, b_to_c: Plan) -> Particles:
+    """Particles of a triangle, from the transport plans of its edges."""
+    edge = edge_particles(a_to_b)
+    i, j, _ = edge.corner.T
+    of_a, of_b = np.flatnonzero(edge.flux[:, 0]), np.flatnonzero(edge.flux[:, 1])
+    return _without_change(
+        joined(
+            [
+                *_onwards(i[of_a], j[of_a], edge.flux[of_a, 0], a_to_c, own=0),
+                *_onwards(j[of_b], i[of_b], edge.flux[of_b, 1], b_to_c, own=1),
+                _only_at_c(a_to_c, b_to_c, i[of_a], own=0),
+                _only_at_c(b_to_c, a_to_c, j[of_b], own=1),
+            ]
+        )
+    )
+
+
+def _onwards(
+    mine: Indices, theirs: Indices, flux: Values, plan: Plan, *, own: int
+) -> list[Particles]:
+    """Particles of the flux that is transported from A or B to C.
+
+    `mine`, `theirs`: lobe indices at this corner, and at the other corner of the edge
+    A–B; `flux`: flux at this corner; `own`: 0 if this corner is A, 1 if it is B.
+    """
+    share = flux / np.bincount(mine, flux, len(plan.fading))[mine]
+
+    # Split each particle in proportion to the matches of its lobe
+    by_source = np.argsort(plan.source, kind="stable")
+    start = np.searchsorted(plan.source[by_source], mine)
+    count = np.searchsorted(plan.source[by_source], mine, side="right") - start
+    row = np.repeat(np.arange(len(mine)), count)
+    offset = np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)
+    move = by_source[np.repeat(start, count) + offset]
+    light = {
+        own: share[row] * plan.sent[move],
+        2 + own: share[row] * plan.received[move],
+    }
+    stays = np.flatnonzero(plan.fading[mine])
+    rising = np.flatnonzero(plan.rising)
+    return [
+        _particles(_ends(own, mine[row], theirs[row], plan.target[move]), light),
+        _particles(_ends(own, mine[stays], theirs[stays], None), {own: flux[stays]}),
+        _particles((None, None, rising), {2 + own: plan.rising[rising]}),
+    ]
+
+
+def _only_at_c(plan: Plan, other_plan: Plan, mine: Indices, *, own: int) -> Particles:
+    """Particles of the flux at C from lobes that are in no particle of the edge A–B.
+
+    The lobe at the other corner is the main source of flux in `other_plan`.
+    """
+    late = np.flatnonzero(~np.isin(plan.source, mine) & (plan.received > 0))
+    target = plan.target[late]
+    most = np.full(len(plan.rising), -1)
+    by_light = np.argsort(other_plan.received)
+    most[other_plan.target[by_light]] = other_plan.source[by_light]
+    ends = _ends(own, plan.source[late], most[target], target)
+    return _particles(ends, {2 + own: plan.received[late]})
+
+
+def _ends(
+    own: int, mine: Indices, theirs: Indices, third: Indices | None
+) -> tuple[Indices | None, ...]:
+    return (theirs, mine, third) if own else (mine, theirs, third)
+
+
+def _particles(corners: tuple[Indices | None, ...], flux: _Light) -> Particles:
+    size = len(next(iter(flux.values())))
+    none = np.full(size, -1)
+    table = np.zeros((size, 4))
+    for column, values in flux.items():
+        table[:, column] = values
+    corner = np.stack([none if part is None else part for part in corners], axis=-1)
+    return Particles(corner, table)
+
+
+def _without_change(particles: Particles) -> Particles:
+    # Merge particles of equal lobes; drop the smallest and rescale all other particles
+    corner, which = np.unique(particles.corner, axis=0, return_inverse=True)
+    flux = np.stack(
+        [
+            np.bincount(which.ravel(), column, len(corner))
+            for column in particles.flux.T
+        ],
+        axis=-1,
+    )
+    whole = flux.sum(axis=0)
+    size = np.max(flux / np.maximum(whole, 1e-300), axis=1)
+    order = np.argsort(size)
+    keep = np.ones(len(order), dtype=bool)
+    keep[order[np.cumsum(size[order]) < _SMALL_CHANGE]] = False
+    left = flux[keep].sum(axis=0)
+    scale = np.divide(whole, left, out=np.ones(4), where=left > 0)
+    return Particles(corner[keep], flux[keep] * scale)
+
 
 # Newton's method in `with_total`: largest |power|, largest number of steps, tolerance.
 _STEEPEST, _STEPS, _STEP_ENDS = 60.0, 20, 1e-9
 
-# Sum of corner weights below which equal weights are used instead.
-_NOTHING = 1e-9
+_NOTHING = 1e-9  # sum of corner weights below which equal weights are used instead
 
 
 def displace(
@@ -41,24 +174,10 @@ def displace(
 
     Parameters
     ----------
-    particles : matched lobes of the triangle or edge, with their fluxes
     corners : lobes at the corners A, B and C; C is ignored on edges
     s, t : fraction of the way from A to B, and from that point to C
     weights : barycentric coordinates for lobe positions; default: computed from s and t
     total : total flux per incident flux; None or NaN keeps the interpolated flux
-
-    Examples
-    --------
-    >>> def spot(y):
-    ...     centre = np.array([[0, np.sin(y), np.cos(y)]])
-    ...     return Lobes(centre, np.ones(1) / 9, np.ones(1))
-    >>> a, b = spot(0.0), spot(0.2)
-    >>> from clerestory.gonio.particles import edge_particles
-    >>> from clerestory.gonio.optimal_transport import plan_transport
-    >>> edge = edge_particles(plan_transport(a, b, angle=0.2))
-    >>> between = displace(edge, (a, b, b), s=0.5, t=0.0)
-    >>> float(np.arcsin(between.centre[0, 1]).round(2))
-    0.1
     """
     way = np.array([(1 - s) * (1 - t), s * (1 - t), t], dtype=float)
     place = way if weights is None else weights
@@ -91,8 +210,6 @@ def with_total(flux: Values, change: Values, total: float) -> Values:
 
     >>> with_total(np.array([0.3, 0.2]), np.array([1.0, 0.0]), 0.4).round(6).tolist()
     [0.2, 0.2]
-    >>> with_total(np.array([0.3, 0.2]), np.ones(2), 0.25).round(6).tolist()
-    [0.15, 0.1]
     """
     if not len(flux) or total <= 0:
         return flux * 0.0

@@ -8,26 +8,35 @@ into one array. A SHA-256 checksum follows the data, as in files of transfer mat
 import io
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any, cast
 
 import h5netcdf  # type: ignore[import-untyped]
 import h5py
 import numpy as np
 
-from clerestory.bsdf.scattering_function import Function
-from clerestory.errors import InputError
+from clerestory.bsdf.scattering_function import FUNCTIONS, Function
+from clerestory.checks import one_of, require
+from clerestory.errors import InputError, located
 from clerestory.files import read_bytes, replace_file
 from clerestory.gonio.fitted_measurement import Fitted
 from clerestory.gonio.incident_mesh import Mesh
 from clerestory.gonio.interpolant import Interpolant
 from clerestory.gonio.lobe_fitting import FitOptions
 from clerestory.gonio.lobes import Lobes
-from clerestory.gonio.optimal_transport import Plan
-from clerestory.gonio.symmetry import SYMMETRIES
-from clerestory.gonio.transport_network import Network
+from clerestory.gonio.optimal_transport import Network, Plan
+from clerestory.gonio.symmetry import SYMMETRIES, Symmetry
 from clerestory.matrix.netcdf import SEAL_LENGTH, seal
 
 _FORMAT = "Clerestory scattering interpolant 1"
+
+# Names of variables in the file, with the attributes that they store
+_LOBES = {"lobe_centre": "centre", "lobe_radius_rad": "radius", "lobe_flux": "flux"}
+_MATCHES = {
+    "move_source": "source",
+    "move_target": "target",
+    "move_sent": "sent",
+    "move_received": "received",
+}
 
 
 def write_fits(path: str | Path, fits: Sequence[Fitted]) -> None:
@@ -52,19 +61,18 @@ def write_fits(path: str | Path, fits: Sequence[Fitted]) -> None:
 def read_fits(path: str | Path) -> tuple[Fitted, ...]:
     """Read the fitted scattering functions of a file written by `write_fits`."""
     data = read_bytes(path)
-    if data[-SEAL_LENGTH:] != seal(memoryview(data)[:-SEAL_LENGTH]):
-        raise InputError(
-            "the file is damaged or not written by this package; a file written by"
-            " `clerestory gonio fit` expected",
-            file=path,
-        )
+    require(
+        data[-SEAL_LENGTH:] == seal(memoryview(data)[:-SEAL_LENGTH]),
+        "the file is damaged or not written by this package; a file written by"
+        " `clerestory gonio fit` expected",
+        file=path,
+    )
     try:
-        with h5py.File(io.BytesIO(data), "r") as file:
-            if file.attrs.get("format") != _FORMAT:
-                raise InputError(f"another file format; {_FORMAT!r} expected")
+        with located(file=path), h5py.File(io.BytesIO(data), "r") as file:
+            one_of(file.attrs.get("format"), "file format", choices=(_FORMAT,))
             return tuple(_fitted(file[name]) for name in sorted(file))
-    except InputError as error:
-        raise InputError(error.message, file=path) from error
+    except InputError:
+        raise
     except Exception as error:  # HDF5 raises many kinds of exception for damaged files
         reason = " ".join(str(error).split()) or type(error).__name__
         raise InputError(
@@ -82,43 +90,47 @@ def _write(group: Any, network: Network) -> None:
         ("edges", ("edge", "end"), [mesh.edges]),
         ("rim", ("edge",), [mesh.rim.astype(np.int8)]),
         ("quadrant", ("plane",), [network.quadrant]),
-        ("lobe_centre", ("lobe", "axis"), [part.centre for part in lobes]),
-        ("lobe_radius_rad", ("lobe",), [part.radius for part in lobes]),
-        ("lobe_flux", ("lobe",), [part.flux for part in lobes]),
+        *(
+            (name, ("lobe", "axis"), [getattr(part, field) for part in lobes])
+            for name, field in _LOBES.items()
+        ),
         ("lobes_of_vertex", ("vertex",), [np.array([len(part) for part in lobes])]),
-        ("move_source", ("move",), [plan.source for plan in plans]),
-        ("move_target", ("move",), [plan.target for plan in plans]),
-        ("move_sent", ("move",), [plan.sent for plan in plans]),
-        ("move_received", ("move",), [plan.received for plan in plans]),
+        *(
+            (name, ("move",), [getattr(plan, field) for plan in plans])
+            for name, field in _MATCHES.items()
+        ),
         ("moves_of_edge", ("edge",), [np.array([len(plan.sent) for plan in plans])]),
         ("fading", ("edge_start_lobe",), [plan.fading for plan in plans]),
         ("rising", ("edge_end_lobe",), [plan.rising for plan in plans]),
     ):
         array = np.ascontiguousarray(np.concatenate(parts))
-        for dimension, size in zip(dimensions, array.shape, strict=True):
+        axes = dimensions[: array.ndim]
+        for dimension, size in zip(axes, array.shape, strict=True):
             if dimension not in group.dimensions:
                 group.dimensions[dimension] = size
         if array.size:
-            group.create_variable(name, dimensions, data=array, fletcher32=True)
+            group.create_variable(name, axes, data=array, fletcher32=True)
 
 
 def _fitted(group: h5py.Group) -> Fitted:
     attributes = group.attrs
     function, symmetry = str(attributes["function"]), str(attributes["symmetry"])
-    if function not in get_args(Function) or symmetry not in SYMMETRIES:
-        raise InputError(
-            f"function {function!r} with symmetry {symmetry!r}; known names expected"
-        )
-    smoothing = float(np.ravel(attributes["smoothing"])[0])
+    one_of(function, "scattering function", choices=FUNCTIONS)
+    one_of(symmetry, "symmetry", choices=SYMMETRIES)
+    lobes, smoothing = (
+        np.ravel(attributes[name])[0] for name in ("most_lobes", "smoothing")
+    )
     return Fitted(
-        Interpolant(_network(group), symmetry),
-        function,  # type: ignore[arg-type]
+        Interpolant(_network(group), cast(Symmetry, symmetry)),
+        cast(Function, function),
         str(attributes["channel"]),
         str(attributes["name"]),
-        FitOptions(
-            lobes=int(np.ravel(attributes["most_lobes"])[0]), smoothing=smoothing
-        ),
+        FitOptions(lobes=int(lobes), smoothing=float(smoothing)),
     )
+
+
+def _split(values: np.ndarray, count: np.ndarray) -> list[np.ndarray]:
+    return np.split(values, np.cumsum(count)[:-1])
 
 
 def _network(group: h5py.Group) -> Network:
@@ -129,29 +141,20 @@ def _network(group: h5py.Group) -> Network:
     edges = array("edges")
     mesh = Mesh(array("vertices"), triangles, edges, array("rim").astype(bool))
     count = array("lobes_of_vertex")
-    lobes = tuple(
-        Lobes(*parts)
-        for parts in zip(
-            *(
-                np.split(array(name), np.cumsum(count)[:-1])
-                for name in ("lobe_centre", "lobe_radius_rad", "lobe_flux")
-            ),
-            strict=True,
-        )
-    )
-    limits = np.cumsum(array("moves_of_edge"))[:-1]
-    moves = [
-        np.split(array(name), limits) if name in group else [np.zeros(0)] * len(edges)
-        for name in ("move_source", "move_target", "move_sent", "move_received")
+    parts = [_split(array(name), count) for name in _LOBES]
+    lobes = tuple(Lobes(*values) for values in zip(*parts, strict=True))
+    matches = [
+        _split(array(name), array("moves_of_edge"))
+        if name in group
+        else [np.zeros(0)] * len(edges)
+        for name in _MATCHES
     ]
     ends = [
-        np.split(array(name), np.cumsum(count[edges[:, side]])[:-1])
+        _split(array(name), count[edges[:, side]])
         for side, name in enumerate(("fading", "rising"))
     ]
     plans = tuple(
-        Plan(source.astype(int), target.astype(int), sent, received, fading, rising)
-        for source, target, sent, received, fading, rising in zip(
-            *moves, *ends, strict=True
-        )
+        Plan(source.astype(int), target.astype(int), *fluxes)
+        for source, target, *fluxes in zip(*matches, *ends, strict=True)
     )
     return Network(mesh, lobes, plans, array("quadrant"))

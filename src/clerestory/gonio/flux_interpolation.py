@@ -17,7 +17,7 @@ C. K. I. Williams, "Gaussian Processes for Machine Learning", MIT Press 2006, eq
 2.30 and 4.17.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, Protocol
 
 import numpy as np
@@ -39,20 +39,20 @@ _COORDINATES: tuple[Coordinates, ...] = ("profile", "sideways", "disc")
 _REACHES = (0.12, 0.25, 0.5, 1.0, 2.0, 8.0)
 _FIRST = 3
 
-# Candidate ratios of noise variance to process variance.
-_NOISES = (1e-6, 1e-4, 1e-3)
-
-# Smallest z from which a profile angle is calculated.
-_LEAST_HEIGHT = 0.02
+_NOISES = (1e-6, 1e-4, 1e-3)  # candidate ratios of noise variance to process variance
+_LEAST_HEIGHT = 0.02  # smallest z from which a profile angle is calculated
 
 # Largest number of sweeps over the length scales and the noise ratio.
 _SWEEPS = 4
 
-# Directions with a smaller 1 − cos θ count as normal incidence.
-_AT_NORMAL = 1e-9
+_AT_NORMAL = 1e-9  # directions with a smaller 1 − cos θ count as normal incidence
 
 # Directions count as equal if they agree to this number of decimal places.
 _DIGITS = 7
+
+# Fluxes and kernel values at the known directions
+_Totals = Float[np.ndarray, " known"]
+_Table = Float[np.ndarray, "known known"]
 
 
 class Flux(Protocol):
@@ -64,22 +64,9 @@ class Flux(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class FluxCurve:
-    """Hemispherical transmittance or reflectance of an isotropic layer.
+    """Hemispherical transmittance or reflectance of an isotropic layer."""
 
-    Attributes
-    ----------
-    curve : transmittance or reflectance as a function of 1 − cos θ
-
-    Examples
-    --------
-    >>> from clerestory.gonio.incident_mesh import arc_mesh
-    >>> curve = flux_surface(arc_mesh(np.array([0.0, 0.5, 1.0])), np.full(3, 0.25),
-    ...                      symmetry="isotropic", quadrant=np.ones(2))
-    >>> float(curve.at(np.array([[0.6, 0, 0.8]]))[0])
-    0.25
-    """
-
-    curve: PchipInterpolator
+    curve: PchipInterpolator  # as a function of 1 − cos θ
 
     def at(self, direction: Directions) -> Values:
         """Transmittance or reflectance; NaN beyond the largest measured polar angle."""
@@ -87,36 +74,39 @@ class FluxCurve:
 
 
 @dataclass(frozen=True, eq=False)
-class FluxProcess:
-    """Hemispherical transmittance or reflectance as a Gaussian process.
-
-    Attributes
-    ----------
-    known : measured incident directions
-    images : factors of x, y and z that give the mirror images of a direction
-    coordinates : coordinates in which the kernel measures distance
-    reach : length scale of each coordinate [rad or 1]
-    weight : weights of the kernels at the measured directions
-    mean : mean of the process
-    most : upper limit of transmittance or reflectance
-    """
-
+class _Kernel:
+    # Matérn kernel of order 3/2 about known directions, summed over mirror images
     known: Float[np.ndarray, "known 3"]
+    # Factors of x, y and z that give the mirror images of a direction
     images: Float[np.ndarray, "images 3"]
     coordinates: Coordinates
-    reach: Float[np.ndarray, "3"]
-    weight: Float[np.ndarray, " known"]
+    reach: Vector  # length scale of each coordinate [rad or 1]
+
+    def __call__(
+        self, direction: Float[np.ndarray, "one 3"]
+    ) -> Float[np.ndarray, "one known"]:
+        total = np.zeros((len(direction), len(self.known)))
+        place = _coordinates(direction, self.coordinates) / self.reach
+        for factor in self.images:
+            image = _coordinates(self.known * factor, self.coordinates) / self.reach
+            apart = np.sqrt(3) * np.linalg.norm(place[:, None] - image, axis=-1)
+            total += (1 + apart) * np.exp(-apart)
+        return total
+
+
+@dataclass(frozen=True, eq=False)
+class FluxProcess:
+    """Hemispherical transmittance or reflectance as a Gaussian process."""
+
+    kernel: _Kernel
+    weight: _Totals  # weights of the kernels
     mean: float
-    most: float
+    most: float  # upper limit of transmittance or reflectance
 
     def at(self, direction: Directions) -> Values:
         """Transmittance or reflectance at each direction."""
-        kernel = _kernel(
-            direction, self.known, self.images, self.coordinates, self.reach
-        )
-        return np.asarray(
-            np.clip(self.mean + kernel @ self.weight, NO_LIGHT, self.most)
-        )
+        value = self.mean + self.kernel(direction) @ self.weight
+        return np.asarray(np.clip(value, NO_LIGHT, self.most))
 
 
 def flux_surface(
@@ -127,65 +117,60 @@ def flux_surface(
     `quadrant`: signs of x and y in the measured part of the hemisphere.
     """
     if mesh.arc:
-        return _curve(mesh.vertices, totals)
+        # Use only directions with x ≥ 0: a direction with x < 0 is a mirror image
+        own = mesh.vertices[:, 0] >= 0
+        fall, total = _fall(mesh.vertices[own]), totals[own]
+        if fall[0] > _AT_NORMAL:
+            fall, total = np.append(0.0, fall), np.append(total[0], total)
+        return FluxCurve(PchipInterpolator(fall, total, extrapolate=False))
     folded, _ = fold(mesh.vertices, symmetry, quadrant)
     _, first = np.unique(np.round(folded, _DIGITS), axis=0, return_index=True)
-    return _process(folded[first], totals[first], images(symmetry))
+    known, totals, factors = folded[first], totals[first], images(symmetry)
 
-
-def _process(
-    known: Float[np.ndarray, "known 3"],
-    totals: Float[np.ndarray, " known"],
-    factors: Float[np.ndarray, "images 3"],
-) -> FluxProcess:
     # Select the coordinates with the largest marginal likelihood
     most = max(1.0, float(totals.max()))
-    spread = float(np.ptp(totals))
-    if spread < 1e-9:
-        reach, none = np.ones(3), np.zeros(len(known))
-        return FluxProcess(known, factors, "disc", reach, none, float(totals[0]), most)
-    found = [_likeliest(known, totals, factors, name) for name in _COORDINATES]
-    number = int(np.argmin([unlikely for unlikely, _, _ in found]))
-    _, reach, noise = found[number]
-    name = _COORDINATES[number]
-    kernel = _kernel(known, known, factors, name, reach)
-    weight, mean = _weights(kernel, totals, noise)
-    return FluxProcess(known, factors, name, reach, weight, mean, most)
+    if float(np.ptp(totals)) < 1e-9:
+        kernel, weight = _Kernel(known, factors, "disc", np.ones(3)), 0 * totals
+        return FluxProcess(kernel, weight, float(totals[0]), most)
+    found = [
+        _likeliest(_Kernel(known, factors, name, np.ones(3)), totals)
+        for name in _COORDINATES
+    ]
+    _, kernel, noise = min(found, key=lambda entry: entry[0])
+    table = kernel(known)
+    _, inverse = _inverse(table, noise * float(np.trace(table)) / len(totals))
+    mean = float((inverse @ totals).sum() / inverse.sum())
+    return FluxProcess(kernel, np.asarray(inverse @ (totals - mean)), mean, most)
 
 
-def _likeliest(
-    known: Float[np.ndarray, "known 3"],
-    totals: Float[np.ndarray, " known"],
-    factors: Float[np.ndarray, "images 3"],
-    name: Coordinates,
-) -> tuple[float, Vector, float]:
-    """Smallest negative log likelihood, with its length scales and noise ratio."""
+def _likeliest(kernel: _Kernel, totals: _Totals) -> tuple[float, _Kernel, float]:
+    # Smallest negative log likelihood, with the kernel of its length scales and the
+    # noise ratio; one scale or the noise ratio is varied at a time
     seen: dict[tuple[int, ...], float] = {}
+
+    def scaled(choice: tuple[int, ...]) -> _Kernel:
+        return replace(kernel, reach=np.array([_REACHES[k] for k in choice[:3]]))
 
     def unlikely(choice: tuple[int, ...]) -> float:
         if choice not in seen:
-            reach = np.array([_REACHES[k] for k in choice[:3]])
-            kernel = _kernel(known, known, factors, name, reach)
-            seen[choice] = _unlikeliness(kernel, totals, _NOISES[choice[3]])
+            table = scaled(choice)(kernel.known)
+            seen[choice] = _unlikeliness(table, totals, _NOISES[choice[3]])
         return seen[choice]
 
     best: tuple[int, ...] = (_FIRST, _FIRST, _FIRST, 1)
     for _ in range(_SWEEPS):
         before = best
-        for place in range(4):
-            count = len(_REACHES) if place < 3 else len(_NOISES)
-            choices = [(*best[:place], k, *best[place + 1 :]) for k in range(count)]
+        for place, options in enumerate((_REACHES, _REACHES, _REACHES, _NOISES)):
+            choices = [
+                (*best[:place], k, *best[place + 1 :]) for k in range(len(options))
+            ]
             best = min(choices, key=unlikely)
         if best == before:
             break
-    return seen[best], np.array([_REACHES[k] for k in best[:3]]), _NOISES[best[3]]
+    return seen[best], scaled(best), _NOISES[best[3]]
 
 
-def _unlikeliness(
-    kernel: Float[np.ndarray, "known known"],
-    totals: Float[np.ndarray, " known"],
-    noise: float,
-) -> float:
+def _unlikeliness(kernel: _Table, totals: _Totals, noise: float) -> float:
     # Negative log marginal likelihood for the most likely variance of the process
     count = len(totals)
     kernel = kernel * (count / np.trace(kernel))
@@ -195,39 +180,10 @@ def _unlikeliness(
     return float(0.5 * count * np.log(scale) + np.log(np.diag(factor)).sum())
 
 
-def _weights(
-    kernel: Float[np.ndarray, "known known"],
-    totals: Float[np.ndarray, " known"],
-    noise: float,
-) -> tuple[Float[np.ndarray, " known"], float]:
-    _, inverse = _inverse(kernel, noise * float(np.trace(kernel)) / len(totals))
-    mean = float((inverse @ totals).sum() / inverse.sum())
-    return np.asarray(inverse @ (totals - mean)), mean
-
-
-def _inverse(
-    kernel: Float[np.ndarray, "known known"], noise: float
-) -> tuple[Float[np.ndarray, "known known"], Float[np.ndarray, "known known"]]:
+def _inverse(kernel: _Table, noise: float) -> tuple[_Table, _Table]:
     identity = np.eye(len(kernel))
     factor = linalg.cholesky(kernel + noise * identity, lower=True)
     return factor, linalg.cho_solve((factor, True), identity)
-
-
-def _kernel(
-    one: Float[np.ndarray, "one 3"],
-    other: Float[np.ndarray, "other 3"],
-    factors: Float[np.ndarray, "images 3"],
-    name: Coordinates,
-    reach: Vector,
-) -> Float[np.ndarray, "one other"]:
-    # Matérn kernel of order 3/2, summed over the mirror images
-    total = np.zeros((len(one), len(other)))
-    place = _coordinates(one, name) / reach
-    for factor in factors:
-        image = _coordinates(other * factor, name) / reach
-        apart = np.sqrt(3) * np.linalg.norm(place[:, None] - image, axis=-1)
-        total += (1 + apart) * np.exp(-apart)
-    return total
 
 
 def _coordinates(direction: Directions, name: Coordinates) -> Directions:
@@ -239,15 +195,6 @@ def _coordinates(direction: Directions, name: Coordinates) -> Directions:
     if name == "sideways":
         return np.stack([np.arctan2(x, height), y, theta], axis=-1)
     return np.stack([x, y, theta], axis=-1)
-
-
-def _curve(vertices: Directions, totals: Values) -> FluxCurve:
-    # Use only directions with x ≥ 0: a direction with x < 0 is a mirror image
-    own = vertices[:, 0] >= 0
-    fall, total = _fall(vertices[own]), totals[own]
-    if fall[0] > _AT_NORMAL:
-        fall, total = np.append(0.0, fall), np.append(total[0], total)
-    return FluxCurve(PchipInterpolator(fall, total, extrapolate=False))
 
 
 def _fall(direction: Directions) -> Values:

@@ -21,32 +21,20 @@ from clerestory.gonio.angles import angle_between, from_degrees
 # Smallest barycentric coordinate of directions that count as inside a triangle.
 _INSIDE = -1e-9
 
-# Triangles are removed if their corner vectors span a smaller volume.
-_THINNEST = 1e-6
+_SIDES = ((0, 1), (0, 2), (1, 2))  # corners at both ends of each side of a triangle
+_THINNEST = 1e-6  # triangles are removed if their corner vectors span a smaller volume
 
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Incident directions and their triangulation.
+    """Incident directions and their triangulation."""
 
-    Attributes
-    ----------
-    vertices : unit vectors with z ≥ 0
-    triangles : vertex indices of the corners of each triangle, in ascending order
-    edges : vertex indices of both ends of each edge, in ascending order
-    rim : True for border edges, which belong to one triangle only
-
-    Examples
-    --------
-    >>> theta, phi = np.array([0, 60, 60, 60.0]), np.array([0, 0, 120, 240.0])
-    >>> mesh = triangulate(from_degrees(theta, phi))
-    >>> len(mesh.triangles), len(mesh.edges), int(mesh.rim.sum())
-    (3, 6, 3)
-    """
-
-    vertices: Float[np.ndarray, "vertices 3"]
+    vertices: Float[np.ndarray, "vertices 3"]  # unit vectors with z ≥ 0
+    # Vertex indices of the corners of each triangle, in ascending order
     triangles: Int[np.ndarray, "triangles 3"]
+    # Vertex indices of both ends of each edge, in ascending order
     edges: Int[np.ndarray, "edges 2"]
+    # True for border edges, which belong to one triangle only
     rim: Bool[np.ndarray, " edges"]
 
     @property
@@ -54,24 +42,27 @@ class Mesh:
         """Whether the mesh is a meridian arc without triangles."""
         return bool(len(self.triangles) == 0)
 
+    def only(self, kept: Bool[np.ndarray, " triangles"]) -> "Mesh":
+        """Mesh of some of the triangles; border edges are those of the whole mesh."""
+        corners = self.triangles[kept]
+        ends = [len(self.vertices), 1]
+        used = np.isin(self.edges @ ends, corners[:, _SIDES].reshape(-1, 2) @ ends)
+        return Mesh(self.vertices, corners, self.edges[used], self.rim[used])
+
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """Positions of directions in a mesh.
+    """Positions of directions in a mesh."""
 
-    Attributes
-    ----------
-    simplex : index of the triangle, or of the edge if `on_edge`
-    on_edge : whether the direction lies on an arc mesh or outside the mesh
-    s : fraction of the way from the first corner to the second
-    t : fraction of the way from that point to the third corner; 0 on edges
-    found : the direction itself, or its projection onto the border
-    """
-
+    # Index of the triangle, or of the edge if `on_edge`
     simplex: Int[np.ndarray, " directions"]
+    # Whether the direction lies on an arc mesh or outside the mesh
     on_edge: Bool[np.ndarray, " directions"]
+    # Fraction of the way from the first corner to the second
     s: Float[np.ndarray, " directions"]
+    # Fraction of the way from that point to the third corner; 0 on edges
     t: Float[np.ndarray, " directions"]
+    # The direction itself, or its projection onto the border
     found: Float[np.ndarray, "directions 3"]
 
 
@@ -87,17 +78,13 @@ def triangulate(vertices: Directions) -> Mesh:
         ) from error
     volume = np.abs(np.linalg.det(vertices[corners]))
     corners = corners[volume > _THINNEST].astype(int)
-    every = np.concatenate([corners[:, [0, 1]], corners[:, [0, 2]], corners[:, [1, 2]]])
+    every = corners[:, _SIDES].reshape(-1, 2)
     edges, sides = np.unique(every, axis=0, return_counts=True)
     return Mesh(vertices, corners, edges, sides == 1)
 
 
 def arc_mesh(theta: Values) -> Mesh:
-    """Return the mesh of an isotropic layer: an arc of ascending polar angles [rad].
-
-    >>> arc_mesh(np.radians([0.0, 30.0, 60.0])).edges.tolist()
-    [[0, 1], [1, 2]]
-    """
+    """Return the mesh of an isotropic layer: an arc of ascending polar angles [rad]."""
     vertices = from_degrees(np.degrees(theta), 0.0)
     number = np.arange(len(theta) - 1)
     edges = np.stack([number, number + 1], axis=-1)

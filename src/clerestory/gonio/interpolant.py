@@ -4,37 +4,33 @@ The function has no patches or cells; the fitted lobes limit its angular resolut
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import final
 
 import numpy as np
 from jaxtyping import Float, Int
 
-from clerestory.array_types import (
-    Directions,
-    ExitIncident,
-    Points2,
-    Values,
-    Vector,
-    Vector2,
-)
+from clerestory.array_types import Directions, ExitIncident, Points2, Values, Vector
 from clerestory.bsdf.inverse_sampling import sample_square
 from clerestory.bsdf.patch_overlap import patches_in_cells
 from clerestory.bsdf.reciprocal_function import ReciprocalFunction
 from clerestory.bsdf.scattering_function import ScatteringFunction
 from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.gonio.angles import directions_over_disc, undeviated, upper_hemisphere
-from clerestory.gonio.displacement_interpolation import displace
+from clerestory.gonio.displacement_interpolation import (
+    Particles,
+    displace,
+    edge_particles,
+    triangle_particles,
+)
 from clerestory.gonio.flux_interpolation import Flux, flux_surface
 from clerestory.gonio.incident_mesh import Place, flat_weights, locate
 from clerestory.gonio.lobe_motion import mean_motion, with_unmatched_lobes
 from clerestory.gonio.lobes import Lobes
-from clerestory.gonio.network_assembly import rotation_about_normal, transformed
-from clerestory.gonio.particles import Particles, edge_particles, triangle_particles
+from clerestory.gonio.optimal_transport import Network
 from clerestory.gonio.raster import Raster
 from clerestory.gonio.symmetry import Symmetry, fold
-from clerestory.gonio.transport_network import Network
 from clerestory.gonio.tree_export import to_tree
 from clerestory.hemisphere.partition import RingPartition
 
@@ -52,32 +48,14 @@ _HALVINGS = 6
 @final
 @dataclass(frozen=True, eq=False)
 class Interpolant(ScatteringFunction):
-    """One scattering function of a measured layer.
+    """One scattering function of a measured layer."""
 
-    Attributes
-    ----------
-    network : lobes at the measured directions, and transport plans between them
-    symmetry : symmetry of the layer
-
-    Examples
-    --------
-    >>> from clerestory.gonio.network_assembly import connect
-    >>> def spot(y):
-    ...     centre = np.array([[0, -np.sin(y), np.cos(y)]])
-    ...     return Lobes(centre, np.ones(1) / 9, np.ones(1))
-    >>> sources = np.array([[0, np.sin(y), np.cos(y)] for y in (0.0, 0.4)])
-    >>> network = connect(sources, [spot(0.0), spot(0.4)], "isotropic")
-    >>> pane = Interpolant(network, "isotropic")
-    >>> source = np.array([0, np.sin(0.3), -np.cos(0.3)])
-    >>> float(np.arcsin(pane.lobes(source).centre[0, 1]).round(3))
-    -0.3
-    """
-
+    # Lobes at the measured directions, and transport plans between them
     network: Network
-    symmetry: Symmetry
+    symmetry: Symmetry  # symmetry of the layer
 
     @cached_property
-    def follow(self) -> float:
+    def mean_motion(self) -> float:
         """Mean ratio of lobe displacement to displacement of the undeviated direction.
 
         The ratio is 1 for a clear pane and 0 for a diffuser; it is used to extrapolate
@@ -87,7 +65,7 @@ class Interpolant(ScatteringFunction):
 
     @cached_property
     def _moving(self) -> Network:
-        return with_unmatched_lobes(self.network, follow=self.follow)
+        return with_unmatched_lobes(self.network, mean_motion=self.mean_motion)
 
     @cached_property
     def _flux(self) -> Flux:
@@ -118,27 +96,19 @@ class Interpolant(ScatteringFunction):
         """Lobes of the scattered light for each incident direction."""
         source = upper_hemisphere(np.asarray(incident, dtype=float))
         source = source / np.linalg.norm(source, axis=1, keepdims=True)
-        if self.symmetry == "isotropic":
-            azimuth = np.arctan2(source[:, 1], source[:, 0])
-            height = np.hypot(source[:, 0], source[:, 1])
-            folded = np.stack([height, 0 * height, source[:, 2]], axis=-1)
-            matrices = np.array([rotation_about_normal(a) for a in azimuth])
-        else:
-            folded, factor = fold(source, self.symmetry, self.network.quadrant)
-            matrices = factor[:, None, :] * np.eye(3)
+        folded, matrices = fold(source, self.symmetry, self.network.quadrant)
         place = locate(self.network.mesh, folded)
         total = self._flux.at(folded)
         for k, matrix in enumerate(matrices):
-            yield transformed(self._at(place, k, folded[k], float(total[k])), matrix)
+            lobes = self._at(place, k, folded[k], float(total[k]))
+            yield lobes.transformed(matrix)
 
     def evaluate(self, incident: Directions, leaving: Directions) -> Values:
         """BSDF [1/sr] for pairs of directions."""
         incident, leaving = np.broadcast_arrays(incident, leaving)
         shape = incident.shape[:-1]
-        source, exits = (
-            incident.reshape(-1, 3),
-            upper_hemisphere(leaving.reshape(-1, 3)),
-        )
+        source = incident.reshape(-1, 3)
+        exits = upper_hemisphere(leaving.reshape(-1, 3))
         value = np.empty(len(source))
         for group, lobes in self._grouped(source):
             value[group] = lobes.evaluate(exits[group])
@@ -172,7 +142,10 @@ class Interpolant(ScatteringFunction):
         """BSDF averaged over pairs of patches [1/sr]; flux is conserved."""
         into = patches_in_cells(exits, _GATHER)
         raster = Raster.of(_GATHER)
-        u = _stratified()
+        # Stratified points: rings of equal area, with staggered azimuths
+        ring, turn = np.indices((_PATCH_RINGS, _PATCH_AZIMUTHS)).reshape(2, -1)
+        first = (ring + 0.5) / _PATCH_RINGS
+        u = np.stack([first, (turn + first) / _PATCH_AZIMUTHS], axis=-1)
         patch = np.repeat(np.arange(len(incidents)), len(u))
         source = incidents.sample(patch, np.tile(u, (len(incidents), 1)))
         table = np.zeros((len(exits), len(incidents)))
@@ -206,23 +179,23 @@ class Interpolant(ScatteringFunction):
         on_edge = bool(place.on_edge[k])
         corner = (mesh.edges if on_edge else mesh.triangles)[number]
         parts = lobes[corner[0]], lobes[corner[1]], lobes[corner[-1]]
-        particles = self._travelling(on_edge, number)
-        weights, middle = flat_weights(mesh.vertices[corner], place.found[k])
-        found = displace(particles, parts, s=s, t=t, weights=weights, total=total)
-        if on_edge:
-            found = _shifted(found, middle, wanted, self.follow)
-        return found
-
-    def _travelling(self, on_edge: bool, number: int) -> Particles:
-        # Cached lobe matches of a triangle or an edge
-        key = on_edge, number
-        if key not in self._particles:
-            self._particles[key] = (
+        # Cache the lobe matches of a triangle or an edge
+        particles = self._particles.get((on_edge, number))
+        if particles is None:
+            particles = (
                 edge_particles(self._moving.plans[number])
                 if on_edge
                 else triangle_particles(*self._moving.plans_of(number))
             )
-        return self._particles[key]
+            self._particles[on_edge, number] = particles
+        weights, middle = flat_weights(mesh.vertices[corner], place.found[k])
+        found = displace(particles, parts, s=s, t=t, weights=weights, total=total)
+        if on_edge:
+            # Displace the lobes as the incident direction is displaced from the edge
+            shift = (middle - wanted[:2]) * self.mean_motion
+            centre = directions_over_disc(found.centre[:, :2] + shift)
+            found = replace(found, centre=centre) if np.hypot(*shift) >= 1e-9 else found
+        return found
 
     def _grouped(
         self, source: Float[np.ndarray, "directions 3"]
@@ -233,23 +206,3 @@ class Interpolant(ScatteringFunction):
         limits = np.searchsorted(which.ravel()[order], np.arange(len(unique) + 1))
         for k, lobes in enumerate(self.lobes_of(unique)):
             yield order[limits[k] : limits[k + 1]], lobes
-
-
-def _stratified() -> Points2:
-    # Stratified points: rings of equal area, with azimuths staggered between rings
-    ring, turn = np.meshgrid(
-        np.arange(_PATCH_RINGS), np.arange(_PATCH_AZIMUTHS), indexing="ij"
-    )
-    first = (ring + 0.5) / _PATCH_RINGS
-    second = (turn + (ring + 0.5) / _PATCH_RINGS) / _PATCH_AZIMUTHS
-    return np.stack([first.ravel(), second.ravel()], axis=-1)
-
-
-def _shifted(lobes: Lobes, found: Vector2, wanted: Vector, follow: float) -> Lobes:
-    # Displace lobe centres in the disc by `follow` times the incident displacement
-    turn = (found - wanted[:2]) * follow
-    if np.hypot(*turn) < 1e-9:
-        return lobes
-    return Lobes(
-        directions_over_disc(lobes.centre[:, :2] + turn), lobes.radius, lobes.flux
-    )

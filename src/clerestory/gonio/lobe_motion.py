@@ -13,9 +13,8 @@ from jaxtyping import Float
 
 from clerestory.array_types import Indices, Points2, Values, Vector2
 from clerestory.gonio.angles import directions_over_disc, undeviated
-from clerestory.gonio.lobes import Lobes, angles_among
-from clerestory.gonio.optimal_transport import Plan
-from clerestory.gonio.transport_network import Network
+from clerestory.gonio.lobes import Lobes, angles_among, joined
+from clerestory.gonio.optimal_transport import Network, Plan
 
 # Angular distance within which lobes move similarly, as a multiple of the lobe radius.
 _ALIKE = 3.0
@@ -23,17 +22,15 @@ _ALIKE = 3.0
 # Weight of the mean motion of all lobes, relative to the typical squared displacement.
 _PRIOR = 0.05
 
-# The motion of lobes with larger radii [rad] is ignored.
-_WIDE = 0.5
+_WIDE = 0.5  # the motion of lobes with larger radii [rad] is ignored
 
 
 def mean_motion(network: Network) -> float:
     """Mean displacement of lobes relative to the undeviated direction, −1…1."""
     along, squared = 0.0, 0.0
-    for (a, b), plan in zip(network.mesh.edges, network.plans, strict=True):
-        ends = undeviated(network.mesh.vertices[[a, b]])
-        turn = (ends[1] - ends[0])[:2]
-        start, end = network.lobes[a], network.lobes[b]
+    for number, plan in enumerate(network.plans):
+        turn = network.turn(number)
+        start, end = (network.lobes[k] for k in network.mesh.edges[number])
         move = (end.centre[plan.target] - start.centre[plan.source])[:, :2]
         # Weight narrow lobes most: the displacement of wide lobes is mostly noise
         flux = np.minimum(plan.sent, plan.received)
@@ -46,10 +43,6 @@ def mean_motion(network: Network) -> float:
 class LobeMotion:
     """Motion of the lobes of one incident direction in the unit disc.
 
-    Parameters
-    ----------
-    follow : result of `mean_motion`
-
     Attributes
     ----------
     lobes : lobes at the incident direction
@@ -58,7 +51,7 @@ class LobeMotion:
     sure : fraction of the variance of lobe displacements that the matrix explains
     """
 
-    def __init__(self, network: Network, vertex: int, follow: float) -> None:
+    def __init__(self, network: Network, vertex: int, mean_motion: float) -> None:
         self.lobes = network.lobes[vertex]
         count = len(self.lobes)
         along, square = np.zeros((2, 2, count)), np.zeros((2, 2, count))
@@ -71,7 +64,7 @@ class LobeMotion:
             along += sums[:, None] * turn[:, None]
             square += np.outer(turn, turn)[:, :, None] * weight
             moved += np.bincount(own, np.sum(weighted * move.T, axis=0), count)
-        alike = self._alike()
+        alike = self._similarity()
         along = np.moveaxis(along @ alike.T, -1, 0)
         square = np.moveaxis(square @ alike.T, -1, 0)
         moved = alike @ moved
@@ -84,7 +77,7 @@ class LobeMotion:
         own_prior = prior * np.eye(2)
         self.matrix = np.einsum(
             "iab,ibc->iac",
-            along + follow * own_prior,
+            along + mean_motion * own_prior,
             np.linalg.inv(square + own_prior),
         )
         missed = (
@@ -106,7 +99,7 @@ class LobeMotion:
             directions_over_disc(disc), self.lobes.radius[number], np.zeros(len(number))
         )
 
-    def _alike(self) -> Float[np.ndarray, "lobes lobes"]:
+    def _similarity(self) -> Float[np.ndarray, "lobes lobes"]:
         # Weights of nearby lobes, larger for narrow lobes
         radius = self.lobes.radius
         apart = angles_among(self.lobes)
@@ -121,34 +114,28 @@ def _moves(
     # Indices of the matched lobes at the vertex, lobe displacements in the disc along
     # the edge, displacement of the undeviated direction, and flux of each match
     plan = network.plans[number]
-    a, b = network.mesh.edges[number]
-    move = (
-        network.lobes[b].centre[plan.target] - network.lobes[a].centre[plan.source]
-    )[:, :2]
-    ends = undeviated(network.mesh.vertices[[a, b]])[:, :2]
-    turn, flux = ends[1] - ends[0], np.sqrt(plan.sent * plan.received)
-    if a == vertex:
+    start, end = (network.lobes[k] for k in network.mesh.edges[number])
+    move = (end.centre[plan.target] - start.centre[plan.source])[:, :2]
+    turn, flux = network.turn(number), np.sqrt(plan.sent * plan.received)
+    if network.mesh.edges[number, 0] == vertex:
         return plan.source, move, turn, flux
     return plan.target, -move, -turn, flux
 
 
-def with_unmatched_lobes(network: Network, *, follow: float) -> Network:
-    """Return a network in which unmatched lobes move while they fade.
-
-    `follow`: result of `mean_motion`.
-    """
-    turns = [
-        LobeMotion(network, vertex, follow) for vertex in range(len(network.lobes))
+def with_unmatched_lobes(network: Network, *, mean_motion: float) -> Network:
+    """Return a network in which unmatched lobes move while they fade."""
+    motions = [
+        LobeMotion(network, vertex, mean_motion) for vertex in range(len(network.lobes))
     ]
-    added: list[list[Lobes]] = [[] for _ in network.lobes]
-    size = [len(lobes) for lobes in network.lobes]
+    edges = network.mesh.edges.tolist()
+    lobes = [[own] for own in network.lobes]
+    size = [len(own) for own in network.lobes]
     plans = []
-    for (a, b), plan in zip(network.mesh.edges, network.plans, strict=True):
-        a, b = int(a), int(b)
+    for number, (plan, (a, b)) in enumerate(zip(network.plans, edges, strict=True)):
         fading, rising = np.flatnonzero(plan.fading), np.flatnonzero(plan.rising)
-        ends = undeviated(network.mesh.vertices[[a, b]])[:, :2]
-        added[b].append(turns[a].moved(fading, ends[1] - ends[0]))
-        added[a].append(turns[b].moved(rising, ends[0] - ends[1]))
+        turn = network.turn(number)
+        lobes[b].append(motions[a].moved(fading, turn))
+        lobes[a].append(motions[b].moved(rising, -turn))
         gone = size[b] + np.arange(len(fading))
         come = size[a] + np.arange(len(rising))
         size[b] += len(fading)
@@ -165,19 +152,8 @@ def with_unmatched_lobes(network: Network, *, follow: float) -> Network:
                 np.zeros(0),
             )
         )
-    lobes = tuple(
-        _joined([own, *more]) for own, more in zip(network.lobes, added, strict=True)
-    )
     sized = tuple(
         replace(plan, fading=np.zeros(size[a]), rising=np.zeros(size[b]))
-        for plan, (a, b) in zip(plans, network.mesh.edges, strict=True)
+        for plan, (a, b) in zip(plans, edges, strict=True)
     )
-    return replace(network, lobes=lobes, plans=sized)
-
-
-def _joined(parts: list[Lobes]) -> Lobes:
-    return Lobes(
-        np.concatenate([part.centre for part in parts]),
-        np.concatenate([part.radius for part in parts]),
-        np.concatenate([part.flux for part in parts]),
-    )
+    return replace(network, lobes=tuple(map(joined, lobes)), plans=sized)

@@ -9,7 +9,9 @@ common practice", Workshop on Material Appearance Modeling, 2014.
 """
 
 import functools
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 from jaxtyping import Float
@@ -17,7 +19,7 @@ from scipy import special
 from scipy.interpolate import RectBivariateSpline
 
 from clerestory.array_types import Directions, Values, Vector
-from clerestory.errors import InputError
+from clerestory.checks import finite, not_negative, positive, same_length
 from clerestory.gonio.angles import angle_table
 
 # Largest number of direction–lobe pairs that are evaluated together.
@@ -38,51 +40,27 @@ _CANDIDATES, _MOST_STEPS, _STEP_ENDS = 64, 200, 1e-5
 _ELEVATIONS, _RADII, _QUADRATURE = 65, 33, 200
 _FLAT_RADIUS = 0.02
 
-# Number of cached tables of angles between lobes.
-_KEPT = 32
+_KEPT = 32  # number of cached tables of angles between lobes
+
+
+_Arrays = TypeVar("_Arrays")
 
 
 @dataclass(frozen=True, eq=False)
 class Lobes:
-    """A scattered distribution as a sum of Gaussian lobes.
+    """A scattered distribution as a sum of Gaussian lobes."""
 
-    Attributes
-    ----------
-    centre : unit vectors, z ≥ 0
-    radius : radius of each lobe [rad]
-    flux : scattered flux of each lobe, relative to the incident flux
-
-    Raises
-    ------
-    InputError : the arrays differ in length, or a value is invalid
-
-    Examples
-    --------
-    >>> spot = Lobes(np.array([[0, 0, 1.0]]), np.array([0.1]), np.array([0.5]))
-    >>> round(float(spot.evaluate(np.array([[0, 0, 1.0]]))[0]), 2)  # 0.5 / (2π r²)
-    8.04
-    """
-
-    centre: Float[np.ndarray, "lobes 3"]
-    radius: Float[np.ndarray, " lobes"]
+    centre: Float[np.ndarray, "lobes 3"]  # unit vectors, z ≥ 0
+    radius: Float[np.ndarray, " lobes"]  # radius of each lobe [rad]
+    # Scattered flux of each lobe, relative to the incident flux
     flux: Float[np.ndarray, " lobes"]
 
     def __post_init__(self) -> None:
-        numbers = (self.centre, self.radius, self.flux)
-        if len({len(array) for array in numbers}) != 1:
-            raise InputError(
-                f"{', '.join(str(len(a)) for a in numbers)} centres, radii and fluxes"
-                " of lobes; equal numbers expected"
-            )
-        if (
-            not all(np.all(np.isfinite(array)) for array in numbers)
-            or np.any(self.radius <= 0)
-            or np.any(self.flux < 0)
-        ):
-            raise InputError(
-                "invalid lobe; a finite centre, a positive radius [rad] and a flux of 0"
-                " or more expected"
-            )
+        same_length(self.centre, self.flux, "centres", "fluxes of lobes")
+        same_length(self.radius, self.flux, "radii", "fluxes of lobes")
+        finite(self.centre, "coordinate of a lobe centre")
+        positive(self.radius, "radius of a lobe", unit="rad")
+        not_negative(self.flux, "flux of a lobe")
 
     def __len__(self) -> int:
         return len(self.flux)
@@ -117,6 +95,10 @@ class Lobes:
         """BSDF of each lobe, divided by the flux of the lobe [1/sr]."""
         return np.asarray(self._shape(leaving) / norm(self.centre[:, 2], self.radius))
 
+    def transformed(self, turn: Float[np.ndarray, "3 3"]) -> "Lobes":
+        """Lobes rotated or reflected by a matrix."""
+        return replace(self, centre=self.centre @ turn.T)
+
     def strongest(self) -> Vector:
         """Direction of the largest BSDF."""
         best = np.argsort(self.peak)[-_CANDIDATES:]
@@ -146,14 +128,15 @@ class Lobes:
         return np.asarray(np.exp((leaving @ self.centre.T - 1) / self.radius**2))
 
 
+def joined(parts: Sequence[_Arrays]) -> _Arrays:
+    """Join values whose attributes are arrays, such as lobes, one after another."""
+    columns = zip(*(vars(part).values() for part in parts), strict=True)
+    return type(parts[0])(*map(np.concatenate, columns))
+
+
 @functools.lru_cache(maxsize=_KEPT)
 def angles_among(lobes: Lobes) -> Float[np.ndarray, "lobes lobes"]:
-    """Angles between the centres of lobes [rad].
-
-    >>> centre = np.array([[0, 0, 1.0], [0, 0.6, 0.8]])
-    >>> angles_among(Lobes(centre, np.ones(2), np.ones(2))).round(4).tolist()
-    [[0.0, 0.6435], [0.6435, 0.0]]
-    """
+    """Angles between the centres of lobes [rad]."""
     table = angle_table(lobes.centre, lobes.centre)
     table.setflags(write=False)
     return table
@@ -163,10 +146,6 @@ def norm(height: Values, radius: Values) -> Values:
     """Integral of exp((cos α − 1)/r²) times the cosine over the hemisphere [sr].
 
     `height`: z coordinate of the lobe centre.
-
-    >>> small = norm(np.array([1.0]), np.array([0.01]))  # nearly 2π r²
-    >>> round(float(small[0] / (2 * np.pi * 0.01**2)), 3)
-    1.0
     """
     elevation = np.arcsin(np.clip(height, 0, 1))
     radius = np.clip(radius, LEAST_RADIUS, MOST_RADIUS)

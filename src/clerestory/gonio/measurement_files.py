@@ -12,7 +12,8 @@ from pathlib import Path
 from types import MappingProxyType
 
 from clerestory.bsdf.scattering_function import Function
-from clerestory.errors import InputError
+from clerestory.checks import one_of, require
+from clerestory.errors import InputError, located
 from clerestory.files import read_bytes
 from clerestory.gonio import formats
 from clerestory.gonio.formats.file_format import (
@@ -67,19 +68,21 @@ def read_measurement(
     InputError : a file is damaged, or its format is unknown
     """
     files = [Path(path) for path in paths]
-    if not files:
-        raise InputError("no goniophotometer file; one or more expected")
-    kind = recognized_format(files[0]) if form is None else FORMATS.get(form)
-    if kind is None:
-        raise InputError(
-            f"goniophotometer format {form!r}; one of {', '.join(FORMATS)} expected"
-        )
+    require(files, "no goniophotometer file; one or more expected")
+    if form is not None:
+        one_of(form, "goniophotometer format", choices=FORMATS)
+    kind = _recognized_format(files[0]) if form is None else FORMATS[form]
     options = ReadOptions(function, facing, blank)
-    return _merged(files, kind, options) if merge else kind.read(files, options)
+    groups: dict[tuple[str, str], list[Measurement]] = {}
+    for file in files:
+        with located(file=file):
+            for part in kind.read(file, options):
+                groups.setdefault((part.function, part.channel), []).append(part)
+    return tuple(_joined(parts, merge) for parts in groups.values())
 
 
-def recognized_format(path: Path) -> FileFormat:
-    """Recognize the format of a file from its first bytes."""
+def _recognized_format(path: Path) -> FileFormat:
+    # Recognize the format of a file from its first bytes
     data = read_bytes(path)[:_HEAD]
     text = "" if b"\0" in data else data.decode("latin-1").lower()
     lines = (line.strip() for line in text.splitlines())
@@ -87,24 +90,18 @@ def recognized_format(path: Path) -> FileFormat:
     for kind in FORMATS.values():
         if kind.recognizes(head):
             return kind
-    raise InputError(
-        "not a goniophotometer file of a known format; one of"
-        f" {', '.join(FORMATS)} expected",
-        file=path,
-    )
+    known = ", ".join(FORMATS)
+    message = f"not a goniophotometer file of a known format; one of {known} expected"
+    raise InputError(message, file=path)
 
 
-def _merged(
-    files: Sequence[Path], kind: FileFormat, options: ReadOptions
-) -> tuple[Measurement, ...]:
-    # Read each file separately, then join the scans of each function and channel
-    groups: dict[tuple[str, str], list[Measurement]] = {}
-    for file in files:
-        for part in kind.read([file], options):
-            groups.setdefault((part.function, part.channel), []).append(part)
-    return tuple(
-        replace(
-            parts[-1], scans=merge_scans(scan for part in parts for scan in part.scans)
-        )
-        for parts in groups.values()
+def _joined(parts: Sequence[Measurement], merge: bool) -> Measurement:
+    # Join the measurements of one function and channel in several files
+    scans = (scan for part in parts for scan in part.scans)
+    claims = {part.claimed for part in parts}
+    return replace(
+        parts[0],
+        scans=merge_scans(scans) if merge else tuple(scans),
+        name=next((part.name for part in parts if part.name), ""),
+        claimed=claims.pop() if len(claims) == 1 else None,
     )

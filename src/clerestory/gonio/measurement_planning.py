@@ -6,7 +6,6 @@ directions are therefore dense where the BSDF changes quickly with incidence.
 """
 
 import numpy as np
-from jaxtyping import Float
 
 from clerestory.array_types import Directions
 from clerestory.gonio.angles import angle_between, from_degrees
@@ -24,21 +23,10 @@ def recommended_directions(
 
     Directions lie in the measured part of the hemisphere and do not exceed the largest
     measured polar angle.
-
-    `symmetry`: symmetry of the layer.
-
-    >>> from clerestory.gonio.cross_validation import LeftOut
-    >>> scans = [LeftOut(t, 0, True, 0.5, 0.5, 1.0, 1.0, m, 0.01)
-    ...          for t, m in ((0, 0.05), (20, 0.05), (40, 0.6), (60, 0.6))]
-    >>> best = recommended_directions(
-    ...     CrossValidation(tuple(scans), 1.0), symmetry="isotropic", count=1)
-    >>> float(np.degrees(np.arccos(best[0, 2])).round())
-    50.0
     """
     scans = validation.scans
-    theta, phi = np.array(
-        [(scan.theta_deg, scan.phi_deg) for scan in scans], dtype=float
-    ).T
+    angles = [(scan.theta_deg, scan.phi_deg) for scan in scans]
+    theta, phi = np.array(angles, dtype=float).T
     known = from_degrees(theta, phi)
     share = np.array([min(scan.misplaced, 1.0) for scan in scans])
     if symmetry == "isotropic":
@@ -47,7 +35,13 @@ def recommended_directions(
         candidates = from_degrees(np.linspace(0, theta.max(), 200), azimuth)
         factors = np.ones((1, 3))
     else:
-        candidates = _within(known, symmetry, float(theta.max()))
+        # Fibonacci spiral over the measured part of the hemisphere
+        number = np.arange(_CANDIDATES) + 0.5
+        turn, height = np.pi * (1 + 5**0.5) * number, 1 - number / _CANDIDATES
+        flat = np.sqrt(1 - height**2)
+        every = np.stack([flat * np.cos(turn), flat * np.sin(turn), height], axis=-1)
+        candidates, _ = fold(every, symmetry, measured_quadrant(known))
+        candidates = candidates[height >= np.cos(np.radians(theta.max()))]
         factors = images(symmetry)
     about = (known[:, None] * factors).reshape(-1, 3)
     away = angle_between(candidates[:, None], about)
@@ -59,15 +53,3 @@ def recommended_directions(
         own = candidates[chosen[-1]] * factors
         near = np.minimum(near, angle_between(candidates[:, None], own).min(axis=1))
     return np.asarray(candidates[chosen])
-
-
-def _within(
-    known: Float[np.ndarray, "scans 3"], symmetry: Symmetry, most_deg: float
-) -> Float[np.ndarray, "candidates 3"]:
-    # Fibonacci spiral over the measured part of the hemisphere
-    turn = np.pi * (1 + 5**0.5) * (np.arange(_CANDIDATES) + 0.5)
-    height = 1 - (np.arange(_CANDIDATES) + 0.5) / _CANDIDATES
-    flat = np.sqrt(1 - height**2)
-    every = np.stack([flat * np.cos(turn), flat * np.sin(turn), height], axis=-1)
-    folded, _ = fold(every, symmetry, measured_quadrant(known))
-    return np.asarray(folded[height >= np.cos(np.radians(most_deg))])

@@ -20,22 +20,20 @@ import numpy as np
 import ot
 from jaxtyping import Bool, Float, Int
 
-from clerestory.array_types import Values
-from clerestory.gonio.angles import angle_table
+from clerestory.array_types import Values, Vector2
+from clerestory.gonio.angles import angle_table, undeviated
+from clerestory.gonio.incident_mesh import Mesh
 from clerestory.gonio.lobes import Lobes, angles_among
 
-# Reach of a lobe per angle between incident directions: tilted mirrors and prisms
-# deviate light by up to twice the angle by which they are rotated …
-_REACH_PER_ANGLE = 1.5
-
-# … plus this many radii.
-_REACH_PER_RADIUS = 1.0
+# Reach of a lobe: a multiple of the angle between incident directions (tilted mirrors
+# and prisms deviate light by up to twice the angle by which they are rotated), plus a
+# multiple of the radius of the lobe.
+_REACH_PER_ANGLE, _REACH_PER_RADIUS = 1.5, 1.0
 
 # Largest angle between lobes of one peak, as a multiple of the sum of their radii.
 _TOUCHING = 1.5
 
-# Ratio of radii above which lobes belong to different peaks.
-_WIDER = 3.0
+_WIDER = 3.0  # ratio of radii above which lobes belong to different peaks
 
 # The weight of a neighbouring lobe is 1 / (1 + d^n) for a distance of d reaches, with
 # n = 2^(1 + steepness).
@@ -45,53 +43,69 @@ _STEEPNESS = 2
 # flux of a lobe that must be matched.
 _LEAST_SHARE, _NO_PARTNER = 1e-7, 1e-2
 
+# Lobe indices and fluxes of matches, and angles between lobes
+_Matches = Int[np.ndarray, " moves"]
+_Fluxes = Float[np.ndarray, " moves"]
+_Distances = Float[np.ndarray, "start end"]
+
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """Transport plan: matches between the lobes of two incident directions.
+    """Transport plan: matches between the lobes of two incident directions."""
 
-    Attributes
-    ----------
-    source, target : indices of the lobes of each match, at the start and at the end
-    sent, received : flux of each match at the start and at the end
-    fading : unmatched flux of each lobe at the start
-    rising : unmatched flux of each lobe at the end
-    """
-
-    source: Int[np.ndarray, " moves"]
-    target: Int[np.ndarray, " moves"]
-    sent: Float[np.ndarray, " moves"]
-    received: Float[np.ndarray, " moves"]
-    fading: Float[np.ndarray, " start"]
-    rising: Float[np.ndarray, " end"]
+    source: _Matches  # index of the lobe of each match at the start
+    target: _Matches  # index of the lobe of each match at the end
+    sent: _Fluxes  # flux of each match at the start
+    received: _Fluxes  # flux of each match at the end
+    fading: Float[np.ndarray, " start"]  # unmatched flux of each lobe at the start
+    rising: Float[np.ndarray, " end"]  # unmatched flux of each lobe at the end
 
 
-def plan_transport(start: Lobes, end: Lobes, *, angle: float) -> Plan:
+@dataclass(frozen=True, eq=False)
+class Network:
+    """Lobes at the vertices of a mesh, and transport plans along the mesh edges."""
+
+    mesh: Mesh  # mesh of incident directions
+    lobes: tuple[Lobes, ...]  # lobes at each incident direction of the mesh
+    plans: tuple[Plan, ...]  # transport plan of each edge
+    # Signs of x and y in the measured part of the hemisphere
+    quadrant: Float[np.ndarray, "2"]
+
+    def turn(self, edge: int) -> Vector2:
+        """Displacement of the undeviated direction along an edge, in the unit disc."""
+        start, end = undeviated(self.mesh.vertices[self.mesh.edges[edge]])[:, :2]
+        return np.asarray(end - start)
+
+    def plans_of(self, triangle: int) -> list[Plan]:
+        """Plans from A to B, from A to C and from B to C of a triangle."""
+        corners = self.mesh.triangles[triangle]
+        sides = corners[[[0, 1], [0, 2], [1, 2]]]
+        found = (self.mesh.edges == sides[:, None]).all(axis=-1).argmax(axis=1)
+        return [self.plans[number] for number in found]
+
+    def known_plans(self) -> dict[bytes, Plan]:
+        """Transport plans by edge key, for reuse in `join`."""
+        return dict(zip(edge_keys(self.mesh), self.plans, strict=True))
+
+
+def edge_keys(mesh: Mesh) -> list[bytes]:
+    """Identifiers of mesh edges, from the incident directions at both ends."""
+    return [np.round(ends, 9).tobytes() for ends in mesh.vertices[mesh.edges]]
+
+
+def plan_transport(start: Lobes, end: Lobes, angle: float) -> Plan:
     """Calculate the transport plan of least cost between two sets of lobes.
 
     `angle`: angle between the two incident directions [rad].
-
-    >>> up = np.array([[0, 0, 1.0]])
-    >>> one = Lobes(up, np.array([0.1]), np.array([0.5]))
-    >>> other = Lobes(up, np.array([0.1]), np.array([0.3]))
-    >>> plan = plan_transport(one, other, angle=0.1)
-    >>> plan.sent.round(3).tolist(), plan.received.round(3).tolist()
-    ([0.5], [0.3])
     """
     distance = angle_table(start.centre, end.centre)
-    return plan_moves(start, end, distance=distance, slack=_REACH_PER_ANGLE * angle)
+    return plan_moves(start, end, distance, _REACH_PER_ANGLE * angle)
 
 
-def plan_moves(
-    start: Lobes, end: Lobes, *, distance: Float[np.ndarray, "start end"], slack: float
-) -> Plan:
-    """Calculate the transport plan of least cost for given angles between lobes.
+def plan_moves(start: Lobes, end: Lobes, distance: _Distances, slack: float) -> Plan:
+    """Calculate the transport plan of least cost for given angles between lobes [rad].
 
-    Parameters
-    ----------
-    distance : angle [rad] from each lobe (or expected lobe position) at the start to
-        each lobe at the end
-    slack : reach of a lobe beyond its radius [rad]
+    `slack`: reach of a lobe beyond its radius [rad].
     """
     moved = _moved(start, end, distance, slack)
     source, target = np.nonzero(moved > _LEAST_SHARE * (start.total + end.total))
@@ -109,8 +123,8 @@ def plan_moves(
     received = end.flux[target] * flux / came[target]
 
     # Match unmatched lobes like the nearest matched lobe of the same peak
-    lone, _, to = _companions(start, out > 0, source, target, flux)
-    late, _, off = _companions(end, came > 0, target, source, flux)
+    lone, to = _companions(start, out > 0, source, target, flux)
+    late, off = _companions(end, came > 0, target, source, flux)
     fading = np.where(out > 0, 0, start.flux)
     rising = np.where(came > 0, 0, end.flux)
     fading[lone], rising[late] = 0, 0
@@ -127,19 +141,15 @@ def plan_moves(
 def _companions(
     lobes: Lobes,
     taking_part: Bool[np.ndarray, " lobes"],
-    own: Int[np.ndarray, " moves"],
-    other: Int[np.ndarray, " moves"],
-    flux: Float[np.ndarray, " moves"],
-) -> tuple[
-    Int[np.ndarray, " lone"], Int[np.ndarray, " lone"], Int[np.ndarray, " lone"]
-]:
-    """Unmatched lobes, the nearest matched lobe of each, and the lobe at the other end
-    to which that lobe sends most flux.
-    """
+    own: _Matches,
+    other: _Matches,
+    flux: _Fluxes,
+) -> tuple[Int[np.ndarray, " lone"], Int[np.ndarray, " lone"]]:
+    # Unmatched lobes, and for each the lobe at the other end that receives most flux
+    # from the nearest matched lobe
     lone, part = np.flatnonzero(~taking_part), np.flatnonzero(taking_part)
     if not len(lone) or not len(part):
-        none = np.zeros(0, dtype=int)
-        return none, none, none
+        return np.zeros(0, dtype=int), np.zeros(0, dtype=int)
     apart = angle_table(lobes.centre[lone], lobes.centre[part])
     alike = lobes.radius[part] < _WIDER * lobes.radius[lone, None]
     apart = np.where(alike, apart, np.inf)
@@ -150,24 +160,14 @@ def _companions(
     most = np.zeros(len(lobes), dtype=int)
     by_flux = np.argsort(flux)
     most[own[by_flux]] = other[by_flux]
-    return lone, companion, most[companion]
+    return lone, most[companion]
 
 
-def _moved(
-    start: Lobes, end: Lobes, distance: Float[np.ndarray, "start end"], slack: float
-) -> Float[np.ndarray, "start end"]:
+def _moved(start: Lobes, end: Lobes, distance: _Distances, slack: float) -> _Distances:
     # Limit the flux of each lobe to the flux at the other end within its reach
     reach, reach_end = _reach(start, slack), _reach(end, slack)
-    give = start.flux * np.minimum(
-        1,
-        (_near(distance / reach[:, None]) @ end.flux)
-        / (_near(angles_among(start) / reach[:, None]) @ start.flux),
-    )
-    take = end.flux * np.minimum(
-        1,
-        (_near(distance.T / reach_end[:, None]) @ start.flux)
-        / (_near(angles_among(end) / reach_end[:, None]) @ end.flux),
-    )
+    give = _limited(start, end, distance, reach)
+    take = _limited(end, start, distance.T, reach_end)
 
     # Add a dummy lobe at each end that absorbs or supplies the flux difference
     table = np.zeros((len(start) + 1, len(end) + 1))
@@ -180,6 +180,17 @@ def _moved(
         return np.zeros((len(start), len(end)))
     plan = ot.emd(give / whole, take / whole, table, numItermax=1_000_000)
     return np.asarray(plan)[:-1, :-1] * whole
+
+
+def _limited(
+    own: Lobes,
+    other: Lobes,
+    distance: Float[np.ndarray, "own other"],
+    reach: Float[np.ndarray, " own"],
+) -> Float[np.ndarray, " own"]:
+    there = _near(distance / reach[:, None]) @ other.flux
+    here = _near(angles_among(own) / reach[:, None]) @ own.flux
+    return np.asarray(own.flux * np.minimum(1, there / here))
 
 
 def _reach(lobes: Lobes, slack: float) -> Values:

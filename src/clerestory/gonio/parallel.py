@@ -5,66 +5,64 @@ Linear algebra is limited to one thread per process, as its matrices are small.
 
 import functools
 import multiprocessing
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
 from typing import TypeVar
 
 from threadpoolctl import ThreadpoolController
 
 from clerestory.progress import Progress
 
-# Smallest number of values for which parallel processes are started.
-_WORTH_IT = 16
+_FEWEST = 16  # smallest number of values for which parallel processes are started
 
-_Value = TypeVar("_Value")
 _Result = TypeVar("_Result")
 
 
-def silent(_share: float, _note: str) -> None:
-    """Report nothing."""
+@dataclass(frozen=True)
+class Workers:
+    """Number of parallel processes, and progress callbacks by name of a phase."""
+
+    processes: int = 1
+    progress: Callable[[str], Progress] = lambda _name: lambda _share, _note: None
+
+    def map(
+        self,
+        phase: str,
+        function: Callable[..., _Result],
+        values: Sequence[tuple[object, ...]],
+    ) -> list[_Result]:
+        """Call a function with each tuple of arguments, in parallel if there are many.
+
+        The function is at module level, so that other processes can import it.
+
+        >>> Workers().map("powers", pow, [(2, 3), (3, 2)])
+        [8, 9]
+        """
+        report, alone = self.progress(phase), functools.partial(_alone, function)
+        if self.processes <= 1 or len(values) < _FEWEST:
+            return _reported(map(alone, values), report, len(values))
+        context = multiprocessing.get_context("spawn")
+        with ProcessPoolExecutor(self.processes, mp_context=context) as pool:
+            return _reported(pool.map(alone, values, chunksize=4), report, len(values))
 
 
-def map_in_order(
-    function: Callable[[_Value], _Result],
-    values: Sequence[_Value],
-    *,
-    processes: int = 1,
-    report: Progress = silent,
+IN_SERIES = Workers()
+
+
+def _reported(
+    results: Iterable[_Result], report: Progress, count: int
 ) -> list[_Result]:
-    """Apply a function to each value; the result does not depend on `processes`.
-
-    Parameters
-    ----------
-    function : function at module level, so that other processes can import it
-    report : function called with the fraction done and a note
-
-    Examples
-    --------
-    >>> map_in_order(abs, [-1, 2])
-    [1, 2]
-    """
-    results: list[_Result] = []
-
-    def add(result: _Result) -> None:
-        results.append(result)
-        done = len(results)
-        report(done / len(values), f"{done} of {len(values)}")
-
-    alone = functools.partial(_alone, function)
-    if processes <= 1 or len(values) < _WORTH_IT:
-        for value in values:
-            add(alone(value))
-        return results
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(processes, mp_context=context) as pool:
-        for result in pool.map(alone, values, chunksize=4):
-            add(result)
-    return results
+    done = []
+    for number, result in enumerate(results, 1):
+        done.append(result)
+        report(number / count, f"{number} of {count}")
+    return done
 
 
-def _alone(function: Callable[[_Value], _Result], value: _Value) -> _Result:
+def _alone(function: Callable[..., _Result], values: tuple[object, ...]) -> _Result:
     with _libraries().limit(limits=1):
-        return function(value)
+        return function(*values)
 
 
 @functools.cache

@@ -5,13 +5,15 @@ Shirley–Chiu map. A plane is fitted to the values in each cell. Cells with the
 residuals are split, if all quarters of the cell contain points.
 """
 
+import bisect
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from clerestory.array_types import Directions, Indices, Values
-from clerestory.hemisphere.shirley_chiu import square_from_disc
+from clerestory.bsdf.tree_lookup import morton_codes
+from clerestory.hemisphere.shirley_chiu import cells_from_disc, square_from_disc
 
 # Finest level: the square has 2^9 × 2^9 cells, 0.3° wide.
 FINEST = 9
@@ -26,18 +28,13 @@ _FLOOR = 1e-2
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """Cells of the hemisphere, with the points in each cell.
+    """Cells of the hemisphere, with the points in each cell."""
 
-    Attributes
-    ----------
-    level : level of each cell; the square has 2^level cells along each axis
-    first : index in `order` of the first point of each cell; then the number of points
-    order : indices of the points, sorted by cell
-    """
-
+    # Level of each cell; the square has 2^level cells along each axis
     level: Int[np.ndarray, " cells"]
+    # Index in `order` of the first point of each cell; then the number of points
     first: Int[np.ndarray, " limits"]
-    order: Int[np.ndarray, " points"]
+    order: Int[np.ndarray, " points"]  # indices of the points, sorted by cell
 
     @property
     def solid_angle(self) -> Values:
@@ -58,15 +55,10 @@ class Cells:
         total = np.add.reduceat(weighted, self.first[:-1], axis=0)
         return np.asarray(total / np.linalg.norm(total, axis=1, keepdims=True))
 
-    def count(self) -> Indices:
-        """Number of points in each cell."""
-        return np.diff(self.first)
-
 
 @dataclass(frozen=True, eq=False)
 class _Level:
     # Occupied cells of one level, in Morton order
-    code: Int[np.ndarray, " cells"]
     first: Int[np.ndarray, " cells"]
     parent: Int[np.ndarray, " cells"]
     loss: Float[np.ndarray, " cells"]
@@ -74,28 +66,14 @@ class _Level:
 
 
 class Quadtree:
-    """Occupied cells of all levels, with the residual of a plane fit in each.
-
-    Parameters
-    ----------
-    direction : unit vectors of the points
-    values : values at the points
-
-    Examples
-    --------
-    >>> rng = np.random.default_rng(1)
-    >>> z = rng.random(5000)
-    >>> flat, phi = np.sqrt(1 - z**2), 2 * np.pi * rng.random(5000)
-    >>> points = np.stack([flat * np.cos(phi), flat * np.sin(phi), z], axis=-1)
-    >>> tree = Quadtree(points, np.exp(40 * (z - 1)))
-    >>> len(tree.cut(100, coarsest=2).level) <= 100
-    True
-    """
+    """Occupied cells of all levels, with the residual of a plane fit in each."""
 
     def __init__(self, direction: Directions, values: Values) -> None:
         scale = 1 / np.sqrt(1 + direction[:, 2])
-        a, b = square_from_disc(direction[:, 0] * scale, direction[:, 1] * scale)
-        code = _interleave(_whole(a), _whole(b))
+        x, y = direction[:, 0] * scale, direction[:, 1] * scale
+        row, column = cells_from_disc(x, y, halvings=FINEST)
+        code = morton_codes((column, row), FINEST)
+        a, b = square_from_disc(x, y)
         self._order = np.argsort(code, kind="stable")
         self._levels = _levels(code[self._order], a, b, values, self._order)
 
@@ -116,20 +94,19 @@ class Quadtree:
             if k < coarsest:
                 worth[k] = np.where(level.quarters == 4, np.inf, -1)
 
-        # Find the threshold by bisection over the sorted candidates
+        # Find the smallest threshold that leaves few enough cells
         every = np.unique(np.concatenate([w[(w > 0) & np.isfinite(w)] for w in worth]))
-        low, high = 0, len(every)
-        while low < high:
-            middle = (low + high) // 2
-            if self._size(worth, every[middle]) > most:
-                low = middle + 1
-            else:
-                high = middle
-        return self._leaves(worth, every[low] if low < len(every) else np.inf)
+        every = np.append(every, np.inf)
+        found = bisect.bisect_left(
+            range(len(every) - 1),
+            True,
+            key=lambda k: self._size(worth, float(every[k])) <= most,
+        )
+        return self._leaves(worth, every[found])
 
     def _alive(self, worth: list[_LevelValues], threshold: float) -> list[_LevelMask]:
         # Mask of the cells whose ancestors are all split
-        alive = [np.ones(len(self._levels[0].code), dtype=bool)]
+        alive = [np.ones(len(self._levels[0].first), dtype=bool)]
         for k, level in enumerate(self._levels[1:]):
             alive.append((alive[k] & (worth[k] >= threshold))[level.parent])
         return alive
@@ -160,22 +137,15 @@ def _levels(
     moments = np.stack([one, x, y, x * x, x * y, y * y, v, v * x, v * y, v * v], -1)
     floor = _FLOOR * max(float(np.abs(v).mean()), 1e-300)
     levels: list[_Level] = []
-    starts: list[Int[np.ndarray, " _"]] = []
     for k in range(FINEST + 1):
-        here = code >> 2 * (FINEST - k)
-        first = np.flatnonzero(np.diff(here, prepend=-1))
-        parent = (
-            np.searchsorted(starts[-1], first, side="right") - 1
-            if k
-            else np.zeros(1, dtype=int)
-        )
-        starts.append(first)
+        first = np.flatnonzero(np.diff(code >> 2 * (FINEST - k), prepend=-1))
+        parent = np.zeros(1, dtype=int)
+        if levels:
+            parent = np.searchsorted(levels[-1].first, first, side="right") - 1
+            np.add.at(levels[-1].quarters, parent, 1)
         sums = np.add.reduceat(moments, first, axis=0)
         loss = _loss(sums, floor) * 2 * np.pi * 0.25**k
-        empty = np.zeros(len(first), dtype=int)
-        levels.append(_Level(here[first], first, parent, loss, empty))
-        if k:
-            np.add.at(levels[k - 1].quarters, parent, 1)
+        levels.append(_Level(first, parent, loss, np.zeros(len(first), dtype=int)))
     return levels
 
 
@@ -194,15 +164,3 @@ def _loss(
     explained = (yy * vx * vx - 2 * xy * vx * vy + xx * vy * vy) / safe
     left = np.maximum(vv - np.where(flat, 0, explained), 0)
     return np.asarray(np.sqrt(left) / np.sqrt(np.maximum(v, 0) + floor))
-
-
-def _whole(coordinate: Values) -> Indices:
-    wide = 1 << FINEST
-    return np.clip((coordinate * wide).astype(np.int64), 0, wide - 1)
-
-
-def _interleave(a: Indices, b: Indices) -> Indices:
-    code = np.zeros_like(a)
-    for bit in range(FINEST):
-        code |= ((a >> bit) & 1) << (2 * bit + 1) | ((b >> bit) & 1) << (2 * bit)
-    return code

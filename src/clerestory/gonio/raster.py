@@ -8,6 +8,7 @@ trees, which have equal projected solid angles.
 """
 
 import functools
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,11 +27,9 @@ from clerestory.hemisphere.shirley_chiu import (
 # The coarsest grid has 2^4 × 2^4 cells, 9° wide.
 _COARSEST = 4
 
-# Smallest radius of the lobes evaluated on a grid, in cell widths …
-_CELLS_PER_RADIUS = 0.75
-
-# … and number of cells evaluated on each side of the lobe centre, in 3.3 lobe radii.
-_SIDE = 5
+# Smallest radius of the lobes evaluated on a grid [cell widths], and number of cells
+# that are evaluated on each side of the lobe centre (3.3 lobe radii).
+_CELLS_PER_RADIUS, _SIDE = 0.75, 5
 
 # z of the cells in the margin around the grid, so that lobes are zero there.
 _UNREACHED = -1e4
@@ -41,33 +40,29 @@ _NARROWEST = 0.5
 # Each cell of the projected square has 2^2 × 2^2 sample points.
 _GATHER = 2
 
+# Values and directions of the cells of a grid, and numbers of the lobes drawn on it
+_Cells = Float[np.ndarray, " cells"]
+_Centres = Float[np.ndarray, "cells 3"]
+_Drawn = Int[np.ndarray, " drawn"]
+
 
 @dataclass(frozen=True, eq=False)
 class Raster:
-    """Grids for rasterizing lobes at one resolution.
+    """Grids for rasterizing lobes at one resolution."""
 
-    Attributes
-    ----------
-    halvings : 2^halvings cells along each axis of the projected square
-    directions : unit vectors of the cell centres of each grid, coarsest grid first
-    gather : interpolation matrix from the finest grid to the projected square
-
-    Examples
-    --------
-    >>> spot = Lobes(np.array([[0, 0.6, 0.8]]), np.array([0.05]), np.array([0.5]))
-    >>> cells = Raster.of(5).cells(spot)
-    >>> round(float(cells.sum()) * np.pi / len(cells), 6)
-    0.5
-    """
-
-    halvings: int
-    directions: tuple[Float[np.ndarray, "cells 3"], ...]
+    halvings: int  # 2^halvings cells along each axis of the projected square
+    # Unit vectors of the cell centres of each grid, coarsest grid first
+    directions: tuple[_Centres, ...]
+    # Interpolation matrix from the finest grid to the projected square
     gather: sparse.csr_array
 
     @staticmethod
+    @functools.lru_cache(maxsize=8)
     def of(halvings: int) -> "Raster":
         """Return the grids for 2^halvings cells along each axis."""
-        return _raster(halvings)
+        finest = max(halvings, _COARSEST)
+        directions = tuple(_centres(k) for k in range(_COARSEST, finest + 1))
+        return Raster(halvings, directions, _gathering(halvings, finest))
 
     @property
     def finest(self) -> int:
@@ -99,11 +94,8 @@ class Raster:
 
 
 def _draw_everywhere(
-    lobes: Lobes,
-    of: Int[np.ndarray, " drawn"],
-    direction: Float[np.ndarray, "cells 3"],
-    change: float,
-) -> Float[np.ndarray, " cells"]:
+    lobes: Lobes, of: _Drawn, direction: _Centres, change: float
+) -> _Cells:
     square = lobes.radius[of] ** 2 + change
     shape = direction @ (lobes.centre[of] / square[:, None]).T
     shape -= 1 / square
@@ -112,12 +104,7 @@ def _draw_everywhere(
     return np.asarray(shape @ (lobes.flux[of] / light))
 
 
-def _draw_near(
-    lobes: Lobes,
-    of: Int[np.ndarray, " drawn"],
-    direction: Float[np.ndarray, "cells 3"],
-    change: float,
-) -> Float[np.ndarray, " cells"]:
+def _draw_near(lobes: Lobes, of: _Drawn, direction: _Centres, change: float) -> _Cells:
     wide = round(len(direction) ** 0.5)
     full = wide + 2 * _SIDE
     x, y, z = _with_margin(wide)
@@ -154,7 +141,7 @@ def _with_margin(wide: int) -> tuple[Values, Values, Values]:
     return x, y, z
 
 
-def _refined(values: Float[np.ndarray, " cells"]) -> Float[np.ndarray, " finer"]:
+def _refined(values: _Cells) -> Float[np.ndarray, " finer"]:
     # Interpolate to half the cell width: 3/4 of a cell plus 1/4 of the adjacent cell
     wide = round(len(values) ** 0.5)
     table = values.reshape(wide, wide)
@@ -170,13 +157,6 @@ def _refined(values: Float[np.ndarray, " cells"]) -> Float[np.ndarray, " finer"]
 def _square(direction: Directions) -> tuple[Values, Values]:
     scale = 1 / np.sqrt(1 + direction[:, 2])
     return square_from_disc(direction[:, 0] * scale, direction[:, 1] * scale)
-
-
-@functools.lru_cache(maxsize=8)
-def _raster(halvings: int) -> Raster:
-    finest = max(halvings, _COARSEST)
-    directions = tuple(_centres(k) for k in range(_COARSEST, finest + 1))
-    return Raster(halvings, directions, _gathering(halvings, finest))
 
 
 def _centres(halvings: int) -> Directions:
@@ -196,10 +176,9 @@ def _gathering(halvings: int, finest: int) -> sparse.csr_array:
     row = (a * wide).astype(int) * wide + (b * wide).astype(int)
     shape = wide * wide, 1 << 2 * finest
     total = sparse.csr_array(shape)
-    for da in (0, 1):
-        for db in (0, 1):
-            weight = np.where(da, share[0], 1 - share[0])
-            weight = weight * np.where(db, share[1], 1 - share[1]) / 4**_GATHER
-            column = ((low[0] + da) << finest) + low[1] + db
-            total = total + sparse.csr_array((weight, (row, column)), shape=shape)
+    for da, db in itertools.product((0, 1), repeat=2):
+        weight = np.where(da, share[0], 1 - share[0])
+        weight = weight * np.where(db, share[1], 1 - share[1]) / 4**_GATHER
+        column = ((low[0] + da) << finest) + low[1] + db
+        total = total + sparse.csr_array((weight, (row, column)), shape=shape)
     return total

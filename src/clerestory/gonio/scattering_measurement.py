@@ -4,21 +4,91 @@ A scan contains the BSDF values of one incident direction; a measurement contain
 scans of one scattering function of a sample. Directions are unit vectors that point
 away from the layer, in window coordinates: x right and y up as seen from the room, and
 z ≥ 0 on both sides of the layer.
+
+For integration, directions are projected onto the unit disc, where areas are projected
+solid angles, and triangulated. The weight of a point is a third of the area of its
+triangles, which integrates the piecewise linear interpolation exactly. Between the
+outermost points and the horizon, the value of the nearest point is used.
 """
 
+import functools
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
+from scipy.spatial import Delaunay, QhullError, cKDTree
 
-from clerestory.array_types import Directions
+from clerestory.array_types import Directions, Values
 from clerestory.bsdf.scattering_function import Function
-from clerestory.errors import InputError
+from clerestory.checks import finite, require, same_length
+from clerestory.errors import InputError, located
 from clerestory.gonio.symmetry import Symmetry, deduce_symmetry
+
+# Number of points added on the horizon, each with the value of the nearest point.
+_RIM = 240
+
+# Points count as equal if they agree to this number of decimal places (at the normal
+# all azimuths are one point).
+_DIGITS = 9
+
+_AT_RIM = 0.9995  # points at larger radii on the unit disc count as on the horizon
+
+
+def integration_weights(direction: Directions) -> Values:
+    """Projected solid angle of each point [sr]; the sum is π."""
+    # Cached: many instruments measure the same directions in every scan
+    return _weights_of(np.ascontiguousarray(direction[:, :2]).tobytes())
+
+
+@functools.lru_cache(maxsize=4)
+def _weights_of(pattern: bytes) -> Values:
+    every = np.round(np.frombuffer(pattern).reshape(-1, 2), _DIGITS)
+    disc, place, count = np.unique(
+        every, axis=0, return_inverse=True, return_counts=True
+    )
+    angle = 2 * np.pi * (np.arange(_RIM) + 0.5) / _RIM
+    rim = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    _, nearest = cKDTree(disc).query(rim)
+    inside = np.hypot(*disc.T) < _AT_RIM
+    joined = np.concatenate([disc, rim])
+    owner = np.concatenate([np.arange(len(disc)), nearest])
+    weight = _thirds(joined, owner, len(disc))
+    if not np.any(inside):
+        weight = count.astype(float)
+    weight = (weight / count)[place.ravel()] * (np.pi / weight.sum())
+    weight.setflags(write=False)
+    return np.asarray(weight)
+
+
+def _thirds(
+    point: Float[np.ndarray, "points 2"], owner: Int[np.ndarray, " points"], count: int
+) -> Float[np.ndarray, " owners"]:
+    try:
+        mesh = Delaunay(point)
+    except QhullError:  # all points are on one line
+        return np.ones(count)
+    corner = point[mesh.simplices]
+    (ax, ay), (bx, by) = (
+        (corner[:, 1] - corner[:, 0]).T,
+        (corner[:, 2] - corner[:, 0]).T,
+    )
+    area = np.abs(ax * by - ay * bx) / 2
+    share = np.bincount(mesh.simplices.ravel(), np.repeat(area / 3, 3), len(point))
+
+    # Distribute the weight of a corner equally among coinciding points
+    mates = np.ones(len(point))
+    if len(mesh.coplanar):
+        left, kept = mesh.coplanar[:, 0], mesh.coplanar[:, 2]
+        np.add.at(mates, kept, 1)
+        share[left] = share[kept] / mates[kept]
+        share[kept] /= np.where(np.isin(np.arange(len(point)), kept), mates, 1)[kept]
+    return np.bincount(owner, share, count)
+
 
 # Largest angle between equal incident directions [rad]: 0.05°.
 SAME_DIRECTION = np.radians(0.05)
+_COS_SAME = np.cos(SAME_DIRECTION)
 
 # Smallest number of points of a scan.
 _FEWEST_POINTS = 4
@@ -28,51 +98,31 @@ _FEWEST_POINTS = 4
 class Scan:
     """BSDF values measured for one incident direction.
 
-    Attributes
-    ----------
-    incident : unit vector towards the source
-    leaving : unit vectors of the scattered directions
-    values : BSDF [1/sr]; negative values from noise are allowed
-    source : file name, for error messages
-
     Raises
     ------
     InputError : array lengths differ, a value is not finite, no value is positive, or
         there are fewer than four values
-
-    Examples
-    --------
-    >>> from clerestory.gonio.angles import from_degrees
-    >>> leaving = from_degrees(np.array([0, 20, 20, 20.0]), np.array([0, 0, 90, 180.0]))
-    >>> round(Scan(from_degrees(30.0, 0.0), leaving, np.full(4, 0.2)).theta_deg, 6)
-    30.0
     """
 
-    incident: Float[np.ndarray, "3"]
-    leaving: Float[np.ndarray, "points 3"]
+    incident: Float[np.ndarray, "3"]  # unit vector towards the source
+    leaving: Float[np.ndarray, "points 3"]  # unit vectors of the scattered directions
+    # BSDF [1/sr]; negative values from noise are allowed
     values: Float[np.ndarray, " points"]
-    source: str | None = None
+    source: str | None = None  # file name, for error messages
 
     def __post_init__(self) -> None:
-        if len(self.leaving) != len(self.values):
-            raise self._error(
-                f"{len(self.values)} values at {len(self.leaving)} directions;"
-                " one value per direction expected"
-            )
-        if len(self.values) < _FEWEST_POINTS:
-            raise self._error(
-                f"{len(self.values)} measured points; {_FEWEST_POINTS} or more expected"
-            )
-        arrays = (self.incident, self.leaving, self.values)
-        if not all(np.all(np.isfinite(array)) for array in arrays):
-            raise self._error("a value is not finite; finite BSDF values expected")
-        if min(self.incident[2], self.leaving[:, 2].min()) < -1e-9:
-            raise self._error("a direction lies below the layer; z ≥ 0 expected")
-        if not np.any(self.values > 0):
-            raise self._error(
-                f"no value is above zero in the scan from {self.words}; scattered light"
-                " expected"
-            )
+        with located(file=self.source):
+            same_length(self.values, self.leaving, "BSDF values", "directions")
+            count = f"number of measured points is {len(self.values)}"
+            message = f"{count}; {_FEWEST_POINTS} or more expected"
+            require(len(self.values) >= _FEWEST_POINTS, message)
+            finite(self.incident, "coordinate of the incident direction")
+            finite(self.leaving, "coordinate of a scattered direction")
+            finite(self.values, "BSDF value")
+            lowest = min(self.incident[2], self.leaving[:, 2].min())
+            require(lowest >= -1e-9, "a direction lies below the layer; z ≥ 0 expected")
+            message = f"no value is above zero in the scan from {self.words}"
+            require(np.any(self.values > 0), f"{message}; scattered light expected")
 
     @property
     def theta_deg(self) -> float:
@@ -87,44 +137,36 @@ class Scan:
         return float(np.degrees(np.arctan2(self.incident[1], self.incident[0])) % 360)
 
     @property
+    def flux(self) -> float:
+        """Directional-hemispherical transmittance or reflectance."""
+        return float(self.values @ integration_weights(self.leaving))
+
+    @property
     def words(self) -> str:
         """Incident direction as text, for messages."""
         return f"(θ {self.theta_deg:.1f}°, φ {self.phi_deg:.1f}°)"
-
-    def _error(self, message: str) -> InputError:
-        return InputError(message, file=self.source)
 
 
 @dataclass(frozen=True, eq=False)
 class Measurement:
     """Scans of one scattering function of a sample, in one channel.
 
-    Attributes
-    ----------
-    scans : scans with different incident directions
-    function : name of the scattering function, such as "transmission_front"
-    channel : spectral channel, such as "visible" or "cie-x"
-    name : name of the sample
-    claimed : symmetry stated in the file; None if not stated
-    notes : irregularities of the files and their treatment
-
     Raises
     ------
     InputError : there is no scan, or two scans have the same incident direction
     """
 
-    scans: tuple[Scan, ...]
-    function: Function
-    channel: str = "visible"
-    name: str = ""
-    claimed: Symmetry | None = None
-    notes: tuple[str, ...] = ()
+    scans: tuple[Scan, ...]  # scans with different incident directions
+    function: Function  # name of the scattering function, such as "transmission_front"
+    channel: str = "visible"  # spectral channel, such as "visible" or "cie-x"
+    name: str = ""  # name of the sample
+    claimed: Symmetry | None = None  # symmetry stated in the file; None if not stated
+    notes: tuple[str, ...] = ()  # irregularities of the files and their treatment
 
     def __post_init__(self) -> None:
-        if not self.scans:
-            raise InputError("no scan; one per incident direction expected")
+        require(self.scans, "no scan; one per incident direction expected")
         place = self.incidents
-        near = place @ place.T > np.cos(SAME_DIRECTION)
+        near = place @ place.T > _COS_SAME
         pairs = np.argwhere(np.triu(near, 1))
         if len(pairs):
             first, second = (self.scans[k] for k in pairs[0])
@@ -153,20 +195,17 @@ def merge_scans(scans: Iterable[Scan]) -> tuple[Scan, ...]:
     """
     groups: list[list[Scan]] = []
     for scan in scans:
-        for group in groups:
-            if group[0].incident @ scan.incident > np.cos(SAME_DIRECTION):
-                group.append(scan)
-                break
-        else:
+        same = (g for g in groups if g[0].incident @ scan.incident > _COS_SAME)
+        group = next(same, None)
+        if group is None:
             groups.append([scan])
+        else:
+            group.append(scan)
     return tuple(
-        group[0]
-        if len(group) == 1
-        else Scan(
-            group[0].incident,
-            np.concatenate([scan.leaving for scan in group]),
-            np.concatenate([scan.values for scan in group]),
-            group[0].source,
+        replace(
+            group[0],
+            leaving=np.concatenate([scan.leaving for scan in group]),
+            values=np.concatenate([scan.values for scan in group]),
         )
         for group in groups
     )

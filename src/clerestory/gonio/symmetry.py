@@ -17,7 +17,7 @@ from typing import Literal, get_args
 import numpy as np
 from jaxtyping import Bool, Float
 
-from clerestory.array_types import Directions, Values, Vector2
+from clerestory.array_types import Directions, Vector2
 from clerestory.errors import InputError
 
 Symmetry = Literal[
@@ -30,6 +30,24 @@ SYMMETRIES: tuple[Symmetry, ...] = get_args(Symmetry)
 _NEAR_NORMAL_DEG = 1.0
 _NEAR_AXIS_DEG = 1.0
 
+# Symmetry by the quadrants that contain azimuths.
+_IN_QUADRANTS: dict[frozenset[int], Symmetry] = {
+    **{frozenset({k}): "quadrilateral" for k in range(4)},
+    frozenset({0, 1}): "bilateral-y",
+    frozenset({2, 3}): "bilateral-y",
+    frozenset({1, 2}): "bilateral-x",
+    frozenset({3, 0}): "bilateral-x",
+    frozenset(range(4)): "none",
+}
+
+# Symmetry by whether azimuths are at 0 and 180°, and at 90 and 270°.
+_ON_AXES: dict[tuple[bool, bool], Symmetry] = {
+    (True, True): "none",
+    (True, False): "bilateral-y",
+    (False, True): "bilateral-x",
+    (False, False): "quadrilateral",
+}
+
 # Signs of x and y of the images of a direction under each symmetry.
 _IMAGES: dict[Symmetry, tuple[tuple[int, int], ...]] = {
     "isotropic": ((1, 1),),
@@ -38,6 +56,17 @@ _IMAGES: dict[Symmetry, tuple[tuple[int, int], ...]] = {
     "bilateral-y": ((1, 1), (1, -1)),
     "rotational": ((1, 1), (-1, -1)),
     "none": ((1, 1),),
+}
+
+
+# Axes along which the measured part of the hemisphere ends at the normal.
+_BOUNDED: dict[Symmetry, list[int]] = {
+    "isotropic": [],
+    "quadrilateral": [0, 1],
+    "bilateral-x": [0],
+    "bilateral-y": [1],
+    "rotational": [1],
+    "none": [],
 }
 
 
@@ -63,15 +92,11 @@ def deduce_symmetry(incidents: Directions) -> Symmetry:
     inner = np.abs((phi + 45) % 90 - 45) > _NEAR_AXIS_DEG
     covered = frozenset((phi[inner] // 90).astype(int).tolist())
     if not covered:
-        return _on_axes(phi)
-    if len(covered) == 1:
-        return "quadrilateral"
-    if covered in ({0, 1}, {2, 3}):
-        return "bilateral-y"
-    if covered in ({1, 2}, {3, 0}):
-        return "bilateral-x"
-    if len(covered) == 4:
-        return "none"
+        # All azimuths are 0, 90, 180 or 270°
+        axes = set((np.round(phi / 90) % 4).astype(int).tolist())
+        return _ON_AXES[{0, 2} <= axes, {1, 3} <= axes]
+    if covered in _IN_QUADRANTS:
+        return _IN_QUADRANTS[covered]
     names = ", ".join(f"{90 * k}–{90 * k + 90}°" for k in sorted(covered))
     raise InputError(
         f"incident azimuths cover {names}; one plane, one quadrant, two adjacent"
@@ -79,33 +104,37 @@ def deduce_symmetry(incidents: Directions) -> Symmetry:
     )
 
 
-def _on_axes(phi: Values) -> Symmetry:
-    # Deduce the symmetry if all azimuths are 0, 90, 180 or 270°
-    axes = set((np.round(phi / 90) % 4).astype(int).tolist())
-    if {0, 2} <= axes and {1, 3} <= axes:
-        return "none"
-    if {0, 2} <= axes:
-        return "bilateral-y"
-    return "bilateral-x" if {1, 3} <= axes else "quadrilateral"
+def rotation_about_normal(
+    angle: Float[np.ndarray, "*batch"] | float,
+) -> Float[np.ndarray, "*batch 3 3"]:
+    """Matrix of a rotation about the normal by an angle [rad], from +x to +y."""
+    c, s = np.cos(angle), np.sin(angle)
+    nil, one = np.zeros_like(c), np.ones_like(c)
+    return np.stack(
+        [np.stack(row, -1) for row in ([c, -s, nil], [s, c, nil], [nil, nil, one])], -2
+    )
 
 
 def fold(
-    incident: Directions, symmetry: Symmetry, quadrant: Vector2
-) -> tuple[Directions, Directions]:
-    """Mirror images of directions in the measured part of the hemisphere.
+    incident: Float[np.ndarray, "batch 3"], symmetry: Symmetry, quadrant: Vector2
+) -> tuple[Float[np.ndarray, "batch 3"], Float[np.ndarray, "batch 3 3"]]:
+    """Images of directions in the measured part of the hemisphere.
 
-    The second array contains the factors of x, y and z (−1 or 1) of the mirror images.
-    `quadrant`: signs of x and y in the measured part.
+    Return the images, which have azimuth 0 for isotropic layers, and the matrices from
+    the images to the directions. `quadrant`: signs of x and y in the measured part.
     """
+    if symmetry == "isotropic":
+        x, y, z = incident.T
+        radius = np.hypot(x, y)
+        folded = np.stack([radius, 0 * radius, z], axis=-1)
+        return folded, rotation_about_normal(np.arctan2(y, x))
     factor = np.ones_like(incident)
-    if symmetry in ("quadrilateral", "bilateral-x"):
-        factor[..., 0] = np.where(incident[..., 0] * quadrant[0] < 0, -1, 1)
-    if symmetry in ("quadrilateral", "bilateral-y"):
-        factor[..., 1] = np.where(incident[..., 1] * quadrant[1] < 0, -1, 1)
+    outside = np.where(incident[:, :2] * quadrant < 0, -1, 1)
+    for axis in _BOUNDED[symmetry]:
+        factor[:, axis] = outside[:, axis]
     if symmetry == "rotational":
-        behind = incident[..., 1] * quadrant[1] < 0
-        factor[..., :2] = np.where(behind[..., None], -1, 1)
-    return incident * factor, factor
+        factor[:, 0] = factor[:, 1]
+    return incident * factor, factor[:, None] * np.eye(3)
 
 
 def measured_quadrant(incidents: Directions) -> Vector2:
@@ -119,11 +148,4 @@ def within(
 ) -> Bool[np.ndarray, " triangles"]:
     """Mask of the triangles that overlap the measured part of the hemisphere."""
     reach = np.max(triangles[:, :, :2] * quadrant, axis=1) > 1e-6
-    x, y = reach.T
-    if symmetry == "quadrilateral":
-        return np.asarray(x & y)
-    if symmetry == "bilateral-x":
-        return np.asarray(x)
-    if symmetry in ("bilateral-y", "rotational"):
-        return np.asarray(y)
-    return np.ones(len(triangles), dtype=bool)
+    return np.asarray(reach[:, _BOUNDED[symmetry]].all(axis=1))

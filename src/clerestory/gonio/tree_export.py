@@ -7,24 +7,22 @@ memory.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Literal, Protocol
 
 import numpy as np
-from jaxtyping import Float, Int32
+from jaxtyping import Float
 
-from clerestory.array_types import Directions, Slots
+from clerestory.array_types import Directions
 from clerestory.bsdf.tensor_tree import ScatteringTree
-from clerestory.bsdf.tree_arithmetic import float_bits
+from clerestory.bsdf.tree_arithmetic import Nodes, Region, full_levels, level_slots
 from clerestory.bsdf.tree_parser import morton_order
-from clerestory.errors import InputError
+from clerestory.checks import within
 from clerestory.gonio.angles import undeviated
 from clerestory.gonio.lobes import Lobes
-from clerestory.gonio.parallel import map_in_order, silent
+from clerestory.gonio.parallel import IN_SERIES, Workers
 from clerestory.gonio.raster import Raster
 from clerestory.gonio.symmetry import Symmetry, images
 from clerestory.hemisphere.shirley_chiu import directions_from_square
-from clerestory.progress import Progress
 
 # Number of tree levels in a block, counted from the smallest cells.
 _BLOCK = 3
@@ -32,8 +30,7 @@ _BLOCK = 3
 # Largest number of tree levels by rank, limited by time and memory.
 _DEEPEST: dict[int, int] = {4: 7, 3: 8}
 
-# Constant added to the mean BSDF that divides differences [1/sr].
-_FLOOR = 0.01
+_FLOOR = 0.01  # constant added to the mean BSDF that divides differences [1/sr]
 
 
 class Source(Protocol):
@@ -47,20 +44,13 @@ class Source(Protocol):
         """Lobes of the scattered light for each incident direction."""
 
 
-@dataclass(frozen=True, eq=False)
-class _Forest:
-    # Subtrees of one block: slots of the roots, and slots of all levels below the roots
-    roots: Int32[np.ndarray, " subtrees"]
-    slots: Slots
-
-
 def to_tree(
     interpolant: Source,
     *,
     halvings: int,
     tolerance: float = 0.05,
-    processes: int = 1,
-    report: Progress = silent,
+    workers: Workers = IN_SERIES,
+    phase: str = "tensor tree",
 ) -> ScatteringTree:
     """Return the tensor tree of an interpolant: rank 3 if isotropic, else rank 4.
 
@@ -68,25 +58,25 @@ def to_tree(
     ----------
     halvings : number of tree levels; the smallest cells have edge 2^-halvings
     tolerance : largest relative BSDF difference between cells that are merged
+    phase : name of the computation for progress callbacks
     """
     rank: Literal[3, 4] = 3 if interpolant.symmetry == "isotropic" else 4
-    if not 1 <= halvings <= _DEEPEST[rank]:
-        raise InputError(
-            f"tensor tree of rank {rank} with {halvings} halvings; 1 to"
-            f" {_DEEPEST[rank]} halvings expected"
-        )
+    what = f"number of halvings of a rank {rank} tensor tree"
+    within(halvings, what, least=1, most=_DEEPEST[rank])
     if rank == 3:
         return _rank_3(interpolant, halvings, tolerance)
-    within = min(_BLOCK, halvings)
-    wide = 1 << halvings - within
+    inner = min(_BLOCK, halvings)
+    wide = 1 << halvings - inner
     blocks = [(p, q) for p in range(wide) for q in range(wide)]
-    chosen = [block for block in blocks if _first_image(interpolant, block, wide)]
-    work = [(interpolant, block, halvings, within, tolerance) for block in chosen]
-    drawn = map_in_order(_drawn_block, work, processes=processes, report=report)
-    forests: dict[tuple[int, int], _Forest] = {}
-    for part in drawn:
+    work = [
+        (interpolant, block, halvings, inner, tolerance)
+        for block in blocks
+        if block == min(_images(interpolant, block, wide))
+    ]
+    forests: dict[tuple[int, int], Region] = {}
+    for part in workers.map(phase, _drawn_block, work):
         forests.update(part)
-    return _assembled([forests[block] for block in blocks], halvings, within)
+    return _assembled([forests[block] for block in blocks], halvings, inner)
 
 
 def _rank_3(interpolant: Source, halvings: int, tolerance: float) -> ScatteringTree:
@@ -99,11 +89,7 @@ def _rank_3(interpolant: Source, halvings: int, tolerance: float) -> ScatteringT
     values = np.zeros((wide, wide * wide))
     values[: len(cells)] = cells
     leaves = values.ravel()[morton_order(3, halvings)][None]
-    forest = _grown(leaves, 3, halvings, tolerance)
-    slots = np.concatenate([forest.roots, _moved(forest.slots, 1)])
-    if forest.roots[0] < 0:
-        slots[0] = ~1
-    return ScatteringTree(slots, 3, halvings)
+    return ScatteringTree(_grown(leaves, 3, halvings, tolerance), 3, halvings)
 
 
 def _images(
@@ -111,41 +97,35 @@ def _images(
 ) -> dict[tuple[int, int], tuple[bool, bool]]:
     # Mirror images of a block; for each image, flags of the reversed axes
     found: dict[tuple[int, int], tuple[bool, bool]] = {}
-    for x, y, _ in images(interpolant.symmetry) < 0:
-        flip = bool(x), bool(y)
-        place = tuple(
-            wide - 1 - n if backwards else n
-            for n, backwards in zip(block, flip, strict=True)
-        )
-        found.setdefault((place[0], place[1]), flip)
+    p, q = block
+    for x, y, _ in (images(interpolant.symmetry) < 0).tolist():
+        place = wide - 1 - p if x else p, wide - 1 - q if y else q
+        found.setdefault(place, (x, y))
     return found
 
 
-def _first_image(interpolant: Source, block: tuple[int, int], wide: int) -> bool:
-    return block == min(_images(interpolant, block, wide))
-
-
 def _drawn_block(
-    work: tuple[Source, tuple[int, int], int, int, float],
-) -> dict[tuple[int, int], _Forest]:
+    interpolant: Source,
+    block: tuple[int, int],
+    halvings: int,
+    inner: int,
+    tolerance: float,
+) -> dict[tuple[int, int], Region]:
     # Rasterize the incident cells of a block; build subtrees of all mirror images
-    interpolant, block, halvings, within, tolerance = work
-    wide, part = 1 << halvings, 1 << within
+    wide, part = 1 << halvings, 1 << inner
     raster = Raster.of(halvings)
     a, b = ((block[i] * part + np.arange(part) + 0.5) / wide for i in (0, 1))
     a, b = np.meshgrid(a, b, indexing="ij")
     source = undeviated(directions_from_square(a.ravel(), b.ravel()))
     cells = [raster.cells(lobes) for lobes in interpolant.lobes_of(source)]
     values = np.array(cells, dtype=np.float32).reshape(part, part, wide, wide)
-    forests: dict[tuple[int, int], _Forest] = {}
+    forests: dict[tuple[int, int], Region] = {}
     for place, flip in _images(interpolant, block, wide // part).items():
-        axes = [axis for i, axis in ((0, 0), (1, 1), (0, 2), (1, 3)) if flip[i]]
-        turned = np.flip(values, tuple(axes)) if axes else values
+        turned = np.flip(values, tuple(np.flatnonzero([*flip, *flip])))
         split = turned.reshape(part * part, wide // part, part, wide // part, part)
         leaving = split.transpose(1, 3, 0, 2, 4).reshape((wide // part) ** 2, -1)
-        forests[place] = _grown(
-            leaving[:, morton_order(4, within)], 4, within, tolerance
-        )
+        leaves = leaving[:, morton_order(4, inner)]
+        forests[place] = _grown(leaves, 4, inner, tolerance)
     return forests
 
 
@@ -154,8 +134,8 @@ def _grown(
     rank: int,
     halvings: int,
     tolerance: float,
-) -> _Forest:
-    """Build one subtree per row of `leaves`; similar cells are merged."""
+) -> Region:
+    # Slots of one subtree per row of `leaves`, roots first; merge similar cells
     width = 1 << rank
     mean, least, most = [leaves], [leaves], [leaves]
     for _ in range(halvings):
@@ -163,43 +143,31 @@ def _grown(
         mean.insert(0, mean[0].reshape(shape).mean(axis=2))
         least.insert(0, least[0].reshape(shape).min(axis=2))
         most.insert(0, most[0].reshape(shape).max(axis=2))
-    alive = np.arange(len(leaves))
-    regions: list[Slots] = []
-    size = 0
-    for level in range(halvings + 1):
-        value = mean[level].ravel()[alive]
-        region = float_bits(value)
-        if level < halvings:
-            spread = most[level].ravel()[alive] - least[level].ravel()[alive]
-            keep = np.flatnonzero(spread > tolerance * (value + _FLOOR))
-            region[keep] = ~(size + (np.arange(len(keep)) << rank)).astype(np.int32)
-            size += len(keep) << rank
-            below = (alive[keep] << rank)[:, None] + np.arange(width)
-            alive = below.ravel()
-        regions.append(region)
-        if level < halvings and not len(alive):
-            break
-    return _Forest(regions[0], np.concatenate([np.zeros(0, np.int32), *regions[1:]]))
+
+    def nodes() -> Iterator[Nodes]:
+        alive = np.arange(len(leaves))
+        for values, low, high in zip(mean, least, most, strict=True):
+            value = values.ravel()[alive]
+            spread = high.ravel()[alive] - low.ravel()[alive]
+            branch = spread > tolerance * (value + _FLOOR)
+            yield value, branch
+            alive = ((alive[branch] << rank)[:, None] + np.arange(width)).ravel()
+
+    return np.concatenate(level_slots(nodes(), rank))
 
 
-def _moved(slots: Slots, by: int) -> Slots:
-    return np.where(slots < 0, slots - by, slots).astype(np.int32)
-
-
-def _assembled(forests: list[_Forest], halvings: int, within: int) -> ScatteringTree:
+def _assembled(forests: list[Region], halvings: int, inner: int) -> ScatteringTree:
     # Build the upper levels, at the leaves of which the subtrees are attached
-    top = halvings - within
-    size = sum(16**level for level in range(top + 1))
-    roots: list[Int32[np.ndarray, " subtrees"]] = []
-    slots: list[Slots] = []
+    top = halvings - inner
+    upper = level_slots(full_levels(4, top), 4)
+    count, size = 4**top, sum(map(len, upper)) + 16**top
+    roots: list[Region] = []
+    slots: list[Region] = []
     for forest in forests:
-        roots.append(_moved(forest.roots, size))
-        slots.append(_moved(forest.slots, size))
-        size += len(forest.slots)
-    starts = np.cumsum([16**level for level in range(top + 1)])
-    inner = [
-        ~(start + (np.arange(16**level) << 4)).astype(np.int32)
-        for level, start in enumerate(starts[:-1])
-    ]
+        # The children of the roots move from index `count` to `size`
+        moved = np.where(forest < 0, forest - (size - count), forest).astype(np.int32)
+        roots.append(moved[:count])
+        slots.append(moved[count:])
+        size += len(forest) - count
     leaves = np.concatenate(roots)[morton_order(4, top)]
-    return ScatteringTree(np.concatenate([*inner, leaves, *slots]), 4, halvings)
+    return ScatteringTree(np.concatenate([*upper, leaves, *slots]), 4, halvings)

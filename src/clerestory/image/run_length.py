@@ -154,7 +154,7 @@ def _expand(
     run = count > _RUN
     count[run] -= _RUN
     times[codes[run] + 1] = count[run]
-    # Codes must end at the ends of components
+    # The last code of each component must end with the component
     ends = np.cumsum(count)
     borders = width * np.arange(1, 4 * starts.size + 1)
     at = np.searchsorted(ends, borders)

@@ -30,12 +30,8 @@ def layer_geometry(bsdf: Bsdf, *, transform: Transform | None = None) -> Scene:
     if geometry is None:
         return Scene()
     metre = Transform(np.diag([geometry.metres] * 3 + [1.0]), geometry.metres)
-    return parse_mgf(
-        geometry.text,
-        file=bsdf.source,
-        line=geometry.line,
-        transform=metre.then(transform or Transform()),
-    )
+    place, text = metre.then(transform or Transform()), geometry.text
+    return parse_mgf(text, file=bsdf.source, line=geometry.line, transform=place)
 
 
 def package(bsdf: Bsdf, name: str, *, transform: Transform | None = None) -> Scene:
@@ -46,50 +42,31 @@ def package(bsdf: Bsdf, name: str, *, transform: Transform | None = None) -> Sce
     """
     product, place = bsdf.product, transform or Transform()
     if not (product.width and product.height):
-        raise InputError(
-            "the BSDF file has no width and height of the layer; both expected",
-            file=bsdf.source,
-        )
+        missing = "the BSDF file has no width and height of the layer; both expected"
+        raise InputError(missing, file=bsdf.source)
     half = np.array([product.width, product.height]) / 2
-    if product.geometry is None:
-        return _face(bsdf, name, half, 0.0, 0.0, place)
     depth = product.thickness or 0.0
-    if depth == 0:
+    if product.geometry is None or depth == 0:
         face = _face(bsdf, name, half, 0.0, 0.0, place)
         return face + layer_geometry(bsdf, transform=place)
     thickness = depth * (1 + 2 * _CLEARANCE)
     scene = _face(bsdf, f"{name}_f", half, thickness, depth * _CLEARANCE, place)
-    if _reflects_to_sky(bsdf):
+    part = bsdf.functions.get(("visible", "reflection_front"))
+    incident = klems("full").centres() * [-1, -1, 1]
+    if part and part.hemispherical(incident).max() > _NO_REFLECTION:
         behind = -depth * (1 + _CLEARANCE)
         scene = scene + _face(bsdf, f"{name}_b", half, -thickness, behind, place)
     return scene + layer_geometry(bsdf, transform=place)
 
 
 def _face(
-    bsdf: Bsdf,
-    name: str,
-    half: Vector2,
-    thickness: float,
-    height: float,
-    place: Transform,
+    bsdf: Bsdf, name: str, half: Vector2, thickness: float, z: float, place: Transform
 ) -> Scene:
     # A rectangle at the given z, facing +z
-    material = BsdfSurface(
-        f"m_{name}",
-        bsdf,
-        thickness * place.scale,
-        np.array([0.0, 1.0, 0.0]),
-        place.matrix[:3, :3] / place.scale,
-    )
+    depth, up = thickness * place.scale, np.array([0.0, 1.0, 0.0])
+    turn = place.matrix[:3, :3] / place.scale
+    material = BsdfSurface(f"m_{name}", bsdf, depth, up, turn)
     corner = np.array([[-1.0, -1], [1, -1], [1, 1], [-1, 1]]) * half
-    vertices = np.column_stack([corner, np.full(4, height)])
+    vertices = np.column_stack([corner, np.full(4, z)])
     polygon = transformed(Polygon(vertices, material.name, name), place)
     return Scene({material.name: material}, (polygon,))
-
-
-def _reflects_to_sky(bsdf: Bsdf) -> bool:
-    part = bsdf.functions.get(("visible", "reflection_front"))
-    incident = klems("full").centres() * [-1, -1, 1]
-    return part is not None and bool(
-        part.hemispherical(incident).max() > _NO_REFLECTION
-    )

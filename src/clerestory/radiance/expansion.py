@@ -47,14 +47,11 @@ _DEEPEST = 100
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """A scene item in its final position.
+    """An item in its final position, with the file that contains it.
 
-    Attributes
-    ----------
-    item : polygons, another surface, a material or an alias (Primitive), a directive,
-        begin or end of a scope, or a scene
-    file : path of the file that contains the item
-    placement : placement accumulated over nested xforms, already applied to the item
+    Items are polygons, other surfaces, materials and aliases (Primitive), directives,
+    begin and end of a scope, and scenes. The placement accumulates nested xforms; it is
+    already applied to the item.
     """
 
     item: Item

@@ -44,7 +44,7 @@ class FunctionPattern:
     With tables (brightdata, colordata, texdata) the expressions are the names of
     functions of the values interpolated in the tables at the coordinates. There is one
     expression for all channels, or one per channel, and one table per expression.
-    `transform` leads from function to scene coordinates.
+    `transform` leads from function to scene coordinates
     """
 
     program: Program

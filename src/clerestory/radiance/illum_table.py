@@ -45,8 +45,8 @@ class LeavingLight:
 
     def exitance(self) -> Vector:
         """Radiant exitance of the patch [W/m²]."""
-        weight = _ring_weights(self.radiance.shape[0]) / self.radiance.shape[1]
-        return np.asarray(np.einsum("rsc,r->c", self.radiance, weight))
+        weight = _ring_weights(len(self.radiance))
+        return np.asarray(weight @ self.radiance.mean(axis=1))
 
 
 def _ring_weights(rings: int) -> Float[np.ndarray, " ring"]:
@@ -105,20 +105,13 @@ def write_illums(scene: Scene, path: str | Path) -> list[Path]:
     """Write precomputed window emitters as a Radiance scene file and data files.
 
     The scene file refers to the alternate materials of the windows without defining
-    them; it must be read after the file that does.
+    them; it must be read after the file that does. Data files have the same stem and a
+    number. The paths of all files are returned.
 
     Parameters
     ----------
     scene : window emitters, as returned by `precompute_illums`
-    path : scene file (.rad) to write; data files have the same stem and a number
-
-    Returns
-    -------
-    files : paths of all written files
-
-    Raises
-    ------
-    InputError : a surface is not a polygon, or a material is not a window emitter
+    path : scene file (.rad) to write
     """
     path = Path(path)
     lines, files = ["# Precomputed window emitters, by Clerestory"], []

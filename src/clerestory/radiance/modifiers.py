@@ -44,11 +44,9 @@ def modified(material: Material, modifiers: Modifiers, given: Arguments) -> Mate
             pattern = _product(modifiers.patterns + inner)
             return altered(material, pattern=pattern)
         case Mixture():
-            return replace(
-                material,
-                foreground=modified(material.foreground, modifiers, given),
-                background=modified(material.background, modifiers, given),
-            )
+            one, other = material.foreground, material.background
+            one, other = (modified(part, modifiers, given) for part in (one, other))
+            return replace(material, foreground=one, background=other)
         case Mirror(alternate=other) if other is not None:
             return replace(material, alternate=modified(other, modifiers, given))
         case Void():

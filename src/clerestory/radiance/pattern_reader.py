@@ -1,8 +1,8 @@
 """Reader of patterns, textures and mixture fractions in scene files.
 
 Function files of Radiance's library are replaced by the built-in functions of
-`cal.files`, unless the folder of the scene file or the current directory has a file of
-that name. Other function files are searched for like all files of a scene.
+`cal.program`, unless the folder of the scene file or the current directory has a file
+of that name. Other function files are searched for like all files of a scene.
 """
 
 from collections.abc import Mapping
@@ -15,8 +15,7 @@ from clerestory.checks import require
 from clerestory.errors import located
 from clerestory.files import is_file, read_text
 from clerestory.formats.photometry.read import LUMINAIRE_SUFFIXES, read_luminaire
-from clerestory.radiance.cal.files import FUNCTION_FILES
-from clerestory.radiance.cal.program import Program
+from clerestory.radiance.cal.program import FUNCTION_FILES, Program
 from clerestory.radiance.cal.syntax import (
     Name,
     Node,
@@ -100,17 +99,10 @@ def _pattern(
         Name(text) if files else _expression(given, text)
         for text in strings[first:middle]
     )
-    pattern = FunctionPattern(
-        program,
-        functions,
-        given.item.reals,
-        _transform(given, end, placed),
-        given.source,
-        tables,
-        places,
-    )
+    transform = _transform(given, end, placed)
     _check(given, program, (*places, *functions))
-    return pattern
+    own = given.item.reals, transform, given.source
+    return FunctionPattern(program, functions, *own, tables, places)
 
 
 # Number of functions, string index of the first function, number of data files

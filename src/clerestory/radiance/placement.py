@@ -39,15 +39,11 @@ class Placement:
             length = np.diff(run.first)
             flip = np.repeat(run.first[:-1] + run.first[1:] - 1, length)
             vertices = vertices[flip - np.arange(len(vertices))]
-        return PolygonRun(
-            run.modifier
-            if self.modifier is None
-            else [self.modifier] * len(run.modifier),
-            [self.name(n) for n in run.name] if self.prefix else run.name,
-            run.line,
-            run.first,
-            vertices,
-        )
+        name = [self.name(n) for n in run.name] if self.prefix else run.name
+        modifier = run.modifier
+        if self.modifier is not None:
+            modifier = [self.modifier] * len(modifier)
+        return replace(run, modifier=modifier, name=name, vertices=vertices)
 
     def surface(self, surface: Simple) -> Simple:
         """Return a transformed surface."""

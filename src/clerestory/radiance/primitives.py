@@ -150,9 +150,8 @@ def _cone(given: Arguments) -> Simple | None:
         listed = ", ".join(f"{r:g}" for r in radii)
         raise given.error(f"radius is {listed}; a positive number expected")
     if radii.min() < -_TINY:
-        given.doubt(
-            f"radius is {radii.min():g}; the surface is inverted, as in Radiance"
-        )
+        least = f"radius is {radii.min():g}"
+        given.doubt(f"{least}; the surface is inverted, as in Radiance")
         radii, inward = -radii, not inward
     if np.linalg.norm(value[3:6] - value[:3]) <= _TINY:
         given.doubt("the two ends coincide; the surface is omitted")

@@ -30,11 +30,6 @@ def read_window(path: str | Path) -> Window:
     Materials are ignored. The window has the name of the modifier of its polygons or,
     if they have different modifiers, the name of the file.
 
-    Raises
-    ------
-    InputError : the file is missing or malformed, has no polygons or other surfaces
-        too, or has polygons of different normals or an invalid basis
-
     Examples
     --------
     >>> import tempfile

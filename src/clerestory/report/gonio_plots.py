@@ -20,8 +20,8 @@ from clerestory.gonio.cross_validation import CrossValidation
 from clerestory.gonio.incident_mesh import Mesh
 from clerestory.gonio.interpolant import Interpolant
 from clerestory.gonio.lobes import Lobes
-from clerestory.gonio.network_assembly import rotation_about_normal, transformed
 from clerestory.gonio.scattering_measurement import Measurement, Scan
+from clerestory.gonio.symmetry import rotation_about_normal
 from clerestory.report.figure_axes import (
     colour_bar,
     disc_place,
@@ -151,7 +151,7 @@ def _measured(interpolant: Interpolant, scan: Scan) -> Lobes:
         incident = from_degrees(scan.theta_deg, 0.0)
         turn = rotation_about_normal(np.radians(scan.phi_deg))
     nearest = int(np.argmax(vertices @ incident))
-    return transformed(interpolant.network.lobes[nearest], turn)
+    return interpolant.network.lobes[nearest].transformed(turn)
 
 
 def _circles(axes: Axes, lobes: Lobes) -> None:

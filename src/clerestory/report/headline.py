@@ -98,7 +98,7 @@ def _warnings(content: ReportContent) -> list[str]:
 def _grid_figures(
     content: ReportContent, maps: dict[str, MetricMap], members: Members
 ) -> list[Figure]:
-    # Figures in the order of `_TITLES`
+    # Means over a grid, in the order of `_TITLES`
     mean, autonomy, exceeded = (
         maps[key].mean(members) for key in ("mean", "autonomy", "exceeded")
     )

@@ -18,7 +18,7 @@ from clerestory.report.uncertain_value import Figure
 
 @dataclass(frozen=True, eq=False)
 class MetricMap:
-    """One metric of all sensors, for display.
+    """Values of one metric at all sensors, with title and description.
 
     Attributes
     ----------

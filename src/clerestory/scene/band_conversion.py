@@ -37,11 +37,6 @@ def in_bands(
     Parameters
     ----------
     upsampling : function of red, green and blue and of the bands
-
-    Raises
-    ------
-    InputError : the scene is not in RGB, or has coloured materials and no upsampling
-        is given
     """
     require(
         scene.bands == RGB, f"the scene is in the bands {scene.bands}; {RGB} expected"
@@ -55,10 +50,8 @@ def in_bands(
             return np.full(len(bands), rgb[0])
         return upsampling(rgb, bands)
 
-    materials = {
-        name: with_colours(material, converted)
-        for name, material in scene.materials.items()
-    }
+    given = scene.materials.items()
+    materials = {name: with_colours(m, converted) for name, m in given}
     return replace(scene, materials=materials, bands=bands)
 
 
@@ -67,10 +60,6 @@ def step_spectrum(rgb: Rgb, bands: Bands) -> Colour:
 
     This is the conversion of Radiance's spectral rendering (color.h: WLPART). A band
     that contains a step receives the mean over its wavelengths.
-
-    Raises
-    ------
-    InputError : the wavelengths of the bands are not known
 
     Examples
     --------
@@ -84,11 +73,8 @@ def step_spectrum(rgb: Rgb, bands: Bands) -> Colour:
         )
     red, green, blue = rgb
     limits = np.array(bands.limits_nm)
-    integral = (
-        blue * limits
-        + (green - blue) * np.maximum(limits - _GREEN_NM, 0)
-        + (red - green) * np.maximum(limits - _RED_NM, 0)
-    )
+    integral = blue * limits + (green - blue) * np.maximum(limits - _GREEN_NM, 0)
+    integral += (red - green) * np.maximum(limits - _RED_NM, 0)
     return np.asarray(np.diff(integral)[:, 0] / np.diff(limits)[:, 0])
 
 

@@ -12,7 +12,6 @@ from jaxtyping import Float
 
 from clerestory.array_types import Vector
 from clerestory.checks import require
-from clerestory.errors import InputError
 from clerestory.scene.model import Scene
 from clerestory.scene.proximity import Triangulation, first_hits
 from clerestory.scene.sensors import Sensors
@@ -87,10 +86,9 @@ def _walls(scene: Scene, windows: Sequence[Window]) -> Triangulation:
 
 def _centre(window: Window) -> Vector:
     # The centre of the largest triangle is within the window, whatever its outline
-    corner = np.concatenate([t.vertices[t.faces] for t in window.triangles()])
-    sides = corner[:, 1:] - corner[:, :1]
-    area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
-    return np.asarray(corner[int(np.argmax(area))].mean(axis=0))
+    largest = max(window.triangles(), key=lambda t: t.areas().max())
+    chosen = largest.faces[int(np.argmax(largest.areas()))]
+    return np.asarray(largest.vertices[chosen].mean(axis=0))
 
 
 def _centred(walls: Triangulation, start: Vector, spacing: float) -> Vector:
@@ -119,11 +117,11 @@ def _filled(
         free = first_hits(point, _SIDEWAYS, near.corner) > spacing
         for step in _SIDEWAYS[free].astype(int).tolist():
             there = (cell[0] + step[0], cell[1] + step[1])
-            if max(map(abs, there)) > most:
-                raise InputError(
-                    f"the room behind the window is open or extends {_LARGEST:g} m;"
-                    " a closed room or given sensors expected"
-                )
+            require(
+                max(map(abs, there)) <= most,
+                f"the room behind the window is open or extends {_LARGEST:g} m;"
+                " a closed room or given sensors expected",
+            )
             if there not in known:
                 known.add(there)
                 waiting.append(there)

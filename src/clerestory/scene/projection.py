@@ -3,7 +3,9 @@
 Plane coordinates (u, v) point right and up, with (0, 0) on the view axis; local
 directions are (right, up, forward) in the frame of the view. A projection defines the
 mapping between directions and plane, the plane coordinate of a view angle, and the
-solid angle of a rectangle in the plane. Source: Radiance, image.c.
+solid angle of a rectangle in the plane, between grid lines in plane coordinates. If
+there is a closed form for rectangles with a corner at the origin, the solid angle of
+any rectangle is the signed sum of four such solid angles. Source: Radiance, image.c.
 """
 
 from collections.abc import Callable
@@ -12,16 +14,6 @@ from typing import Literal
 
 import numpy as np
 from jaxtyping import Bool, Float
-
-from clerestory.scene.solid_angle import (
-    Lines,
-    angular_angles,
-    cylindrical_angles,
-    hemispherical_angles,
-    parallel_angles,
-    perspective_angles,
-    planisphere_angles,
-)
 
 Kind = Literal[
     "perspective", "parallel", "hemispherical", "angular", "planisphere", "cylindrical"
@@ -39,6 +31,7 @@ LETTERS: dict[str, Kind] = {
 
 _Plane = Float[np.ndarray, "*shape"]
 _Local = Float[np.ndarray, "*shape 3"]
+_Lines = Float[np.ndarray, " lines"]
 
 # Radiance's tolerance for angles and distances (rtmath.h: FTINY)
 TINY = 1e-6
@@ -48,22 +41,17 @@ TINY = 1e-6
 class Projection:
     """The mapping of one view type between directions and the image plane.
 
-    Attributes
-    ----------
-    largest : maximum horizontal and vertical view angles [deg]; infinite for a parallel
-        view
-    axes : horizontally and vertically, the function from full view angle [deg] to plane
-        coordinate of the image edge, and its inverse
-    to_direction : function from plane points to local unit directions and validity
-    to_plane : function from local unit directions to plane points; NaN if outside
-    solid_angles : function from grid lines in the plane to solid angles [sr]
+    `largest` are the maximum horizontal and vertical view angles [deg]. `axes` convert
+    full view angles [deg] to plane coordinates of the image edges, and back. Plane
+    points have local unit directions and a validity; directions outside the projection
+    have NaN as plane points. Solid angles [sr] are those between grid lines.
     """
 
     largest: tuple[float, float]
     axes: tuple["_Axis", "_Axis"]
     to_direction: Callable[[_Plane, _Plane], tuple[_Local, Bool[np.ndarray, "*shape"]]]
     to_plane: Callable[[_Local], tuple[_Plane, _Plane]]
-    solid_angles: Callable[[Lines, Lines], Float[np.ndarray, "rows columns"]]
+    solid_angles: Callable[[_Lines, _Lines], Float[np.ndarray, "rows columns"]]
 
     def extent(self, horizontal: float, vertical: float) -> tuple[float, float]:
         """Return plane coordinates of the image edges for full view angles [deg]."""
@@ -168,47 +156,117 @@ def _cylindrical_plane(local: _Local) -> tuple[_Plane, _Plane]:
     return np.arctan2(local[..., 0], local[..., 2]), local[..., 1] / flat
 
 
+# Maximum pixel size [rad] for quadrature with two Gauss points per axis
+_FINE = 0.02
+
+
+def _between(corner: Callable[[_Plane, _Plane], _Plane]) -> Callable[..., np.ndarray]:
+    # `corner` returns the solid angle between origin and (u, v), with the sign of u·v
+    def solid_angles(u: np.ndarray, v: np.ndarray) -> np.ndarray:
+        at_corners = corner(*np.meshgrid(u, v))
+        return np.asarray(np.abs(np.diff(np.diff(at_corners, axis=0), axis=1)))
+
+    return solid_angles
+
+
+@_between
+def _perspective_angles(u: _Plane, v: _Plane) -> _Plane:
+    # Solid angle of a rectangle as seen from a point above one of its corners
+    return np.asarray(np.arctan2(u * v, np.sqrt(1 + u * u + v * v)))
+
+
+def _parallel_angles(u: np.ndarray, v: np.ndarray) -> np.ndarray:
+    # All rays are parallel
+    return np.zeros((v.size - 1, u.size - 1))
+
+
+@_between
+def _hemispherical_angles(u: _Plane, v: _Plane) -> _Plane:
+    # ∫∫ du dv / √(1 − u² − v²) over the part of the rectangle within the unit disc
+    x, y = np.minimum(np.abs(u), 1), np.minimum(np.abs(v), 1)
+    rest = 1 - x * x - y * y
+    root_x, root_y = np.sqrt(1 - x * x), np.sqrt(1 - y * y)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        inside = (
+            x * np.arcsin(np.clip(y / root_x, 0, 1))
+            + y * np.arcsin(np.clip(x / root_y, 0, 1))
+            - np.arctan2(x * y, np.sqrt(np.maximum(rest, 0)))
+        )
+    return np.asarray(
+        np.sign(u) * np.sign(v) * np.where(rest > 0, inside, (x + y - 1) * np.pi / 2)
+    )
+
+
+def _angular_angles(u: np.ndarray, v: np.ndarray) -> np.ndarray:
+    # ∫∫ sin θ / θ du dv up to the rim at θ = π has no closed form; the error of the
+    # quadrature is below 1e-9
+    step = max(np.abs(np.diff(u)).max(), np.abs(np.diff(v)).max())
+    node, weight = np.polynomial.legendre.leggauss(2 if step < _FINE else 8)
+    total = np.zeros((v.size - 1, u.size - 1))
+    for x, wx in zip(node, weight, strict=True):
+        at_u = (u[:-1] + u[1:]) / 2 + x * np.diff(u) / 2
+        for y, wy in zip(node, weight, strict=True):
+            at_v = (v[:-1] + v[1:]) / 2 + y * np.diff(v) / 2
+            theta = np.hypot(at_u[None, :], at_v[:, None])
+            total += wx * wy * np.where(theta < np.pi, np.sinc(theta / np.pi), 0)
+    return np.asarray(total * np.abs(np.outer(np.diff(v), np.diff(u))) / 4)
+
+
+@_between
+def _planisphere_angles(u: _Plane, v: _Plane) -> _Plane:
+    # ∫∫ 4 du dv / (1 + u² + v²)²
+    root_u, root_v = np.sqrt(1 + u * u), np.sqrt(1 + v * v)
+    return np.asarray(
+        2 * (u / root_u * np.arctan(v / root_u) + v / root_v * np.arctan(u / root_v))
+    )
+
+
+@_between
+def _cylindrical_angles(u: _Plane, v: _Plane) -> _Plane:
+    return np.asarray(u * v / np.sqrt(1 + v * v))
+
+
 PROJECTIONS: dict[Kind, Projection] = {
     "perspective": Projection(
         (180 - TINY, 180 - TINY),
         (_TANGENT, _TANGENT),
         _perspective_direction,
         _perspective_plane,
-        perspective_angles,
+        _perspective_angles,
     ),
     "parallel": Projection(
         (np.inf, np.inf),
         (_SIZE, _SIZE),
         _parallel_direction,
         _parallel_plane,
-        parallel_angles,
+        _parallel_angles,
     ),
     "hemispherical": Projection(
         (180 + TINY, 180 + TINY),
         (_SINE, _SINE),
         _hemispherical_direction,
         _hemispherical_plane,
-        hemispherical_angles,
+        _hemispherical_angles,
     ),
     "angular": Projection(
         (360 + TINY, 360 + TINY),
         (_ANGLE, _ANGLE),
         _angular_direction,
         _angular_plane,
-        angular_angles,
+        _angular_angles,
     ),
     "planisphere": Projection(
         (360 - TINY, 360 - TINY),
         (_HALF_TANGENT, _HALF_TANGENT),
         _planisphere_direction,
         _planisphere_plane,
-        planisphere_angles,
+        _planisphere_angles,
     ),
     "cylindrical": Projection(
         (360 + TINY, 180 - TINY),
         (_ANGLE, _TANGENT),
         _cylindrical_direction,
         _cylindrical_plane,
-        cylindrical_angles,
+        _cylindrical_angles,
     ),
 }

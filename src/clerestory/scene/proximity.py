@@ -69,11 +69,6 @@ def first_hits(
     """Return the distances from a point to the first hit of each ray [m]; inf if none.
 
     References: T. Möller, B. Trumbore, Journal of Graphics Tools 2 (1), 1997.
-
-    >>> triangle = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]])
-    >>> up_and_down = np.array([[0.0, 0, 1], [0, 0, -1]])
-    >>> first_hits(np.array([0.2, 0.2, 3.0]), up_and_down, triangle).tolist()
-    [inf, 3.0]
     """
     if not len(corner):
         return np.full(len(direction), np.inf)

@@ -61,11 +61,6 @@ def read_sensors(path: str | Path) -> Sensors:
     """Read sensors from a file with x y z dx dy dz on each line, as for rtrace.
 
     Blank lines and lines that begin with # are ignored.
-
-    Raises
-    ------
-    InputError : a line does not consist of six finite numbers, a direction is zero, or
-        there are no sensors
     """
     rows = []
     for i, text in enumerate(read_text(path).split("\n"), start=1):

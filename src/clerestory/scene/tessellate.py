@@ -202,9 +202,7 @@ def _unit_sphere() -> Triangles:
     faces = _hull_faces(vertices)
     for _ in range(3):
         vertices, faces = _subdivided(vertices, faces)
-    corner = vertices[faces]
-    doubled = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    area = np.linalg.norm(doubled, axis=1).sum() / 2
+    area = Triangles(vertices, faces).areas().sum()
     return Triangles(vertices * np.sqrt(4 * np.pi / area), faces)
 
 

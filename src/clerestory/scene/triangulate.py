@@ -31,6 +31,11 @@ class Triangles:
     vertices: Vertices
     faces: Faces
 
+    def areas(self) -> Float[np.ndarray, " triangles"]:
+        """Return the areas of the triangles [m²]."""
+        a, b, c = (self.vertices[self.faces[:, k]] for k in range(3))
+        return np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2)
+
 
 def triangulate(vertices: Vertices) -> Triangles:
     """Return triangles that fill a polygon by the even–odd rule.
@@ -39,15 +44,6 @@ def triangulate(vertices: Vertices) -> Triangles:
     vertices are added only if the contour intersects itself.
 
     A square with a square hole of the same orientation, connected by a seam:
-
-    >>> rim = [(0, 0), (4, 0), (4, 4), (0, 4), (0, 0)]
-    >>> hole = [(1, 1), (3, 1), (3, 3), (1, 3), (1, 1)]
-    >>> contour = np.array([(x, y, 0.0) for x, y in rim + hole])
-    >>> t = triangulate(contour)
-    >>> corner = t.vertices[t.faces]
-    >>> edges = corner[:, 1:] - corner[:, :1]
-    >>> float(np.cross(edges[:, 0], edges[:, 1]).sum(axis=0)[2] / 2)
-    12.0
     """
     origin, frame = _plane(vertices)
     flat = (vertices - origin) @ frame.T
@@ -215,7 +211,7 @@ def slab_triangles(
     corner = np.concatenate(corners).reshape(-1, 3, 2)
     u, v = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
     doubled = np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
-    size = np.ptp(segments.reshape(-1, 2), axis=0).max(initial=0)
+    size = np.ptp(segments.reshape(-1, 2), axis=0).max() if len(segments) else 0.0
     return np.asarray(corner[doubled > 1e-13 * size**2].reshape(-1, 2))
 
 

@@ -55,9 +55,7 @@ class Window:
     @property
     def area(self) -> float:
         """Area of all polygons [m²]."""
-        corner = np.concatenate([t.vertices[t.faces] for t in self.triangles()])
-        doubled = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-        return float(np.linalg.norm(doubled, axis=1).sum() / 2)
+        return float(sum(t.areas().sum() for t in self.triangles()))
 
     def triangles(self) -> tuple[Triangles, ...]:
         """Return triangles that fill each polygon, with fronts facing the room."""

@@ -106,10 +106,6 @@ def cie_general(number: int) -> FiveParameters:
     Sky 1 is overcast with steep gradation, 5 uniform, 12 clear with low turbidity.
 
     Reference: ISO 15469:2004 / CIE S 011, Spatial distribution of daylight.
-
-    >>> up, sun = np.array([0.0, 0.0, 1.0]), np.array([0.0, 0.0, 1.0])
-    >>> float(cie_general(5)(up, sun))
-    1.0
     """
     require(
         number in range(1, 16),

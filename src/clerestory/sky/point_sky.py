@@ -109,12 +109,6 @@ def perez_moment(
     Azimuth is clockwise from north [rad]; visible irradiance is illuminance divided by
     179 lm/W; the day of `time` determines the distance to the sun. The ground radiance
     includes reflected sunlight also without sun.
-
-    >>> sky = perez_moment(
-    ...     sun_altitude=0.7, sun_azimuth=3.1, diffuse_horizontal=90, direct_normal=400
-    ... )
-    >>> round(sky.diffuse_horizontal(), 6)
-    90.0
     """
     not_negative(diffuse_horizontal, "diffuse horizontal irradiance", unit="W/m²")
     not_negative(direct_normal, "direct normal irradiance", unit="W/m²")

@@ -144,15 +144,6 @@ def irradiance_of(
     fixed-point iteration. The efficacy is discontinuous between clearness categories:
     for some illuminances there are two solutions, for a few there is none. Unknown dew
     points (NaN or None) are 11 °C.
-
-    Skylight has a higher luminous efficacy than sunlight.
-
-    >>> noon = np.array(["2023-06-21T12:00"], "datetime64[s]")
-    >>> lux = Illuminance(np.array([80_000.0]), np.array([15_000.0]))
-    >>> high = SunPosition(np.radians([60.0]), np.radians([180.0]))
-    >>> direct, diffuse = irradiance_of(lux, times=noon, sun=high)
-    >>> round(80_000 / float(direct[0])), round(15_000 / float(diffuse[0]))
-    (103, 132)
     """
     lux = np.stack([illuminance.direct_normal, illuminance.diffuse_horizontal])
     dew_point = np.full(lux.shape[1], np.nan) if dew_point_c is None else dew_point_c

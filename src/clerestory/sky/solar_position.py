@@ -64,14 +64,6 @@ def sun_at(
 
     Formula "spa" is accurate to 0.0003° in the years -2000 to 6000. Refraction depends
     on the elevation of the site and on the air temperature [°C].
-
-    The example of NREL/TP-560-34302, table A5.1: zenith 50.11162°, azimuth 194.34024°.
-
-    >>> noon = np.array(["2003-10-17T12:30:30"], dtype="datetime64[s]")
-    >>> golden = Site(39.742476, -105.1786, -7, 1830.14)
-    >>> sun = sun_at(golden, noon, temperature_c=11)
-    >>> float(np.degrees(sun.azimuth[0]).round(4))
-    194.3402
     """
     one_of(formula, "sun formula", choices=("spa", "radiance"))
     if formula == "radiance":

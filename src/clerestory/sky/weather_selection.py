@@ -34,13 +34,7 @@ def select_days(
 def select_moment(weather: Weather, moment: str) -> Weather:
     """Return the weather of the step that contains a local standard time "MM-DD HH:MM".
 
-    The step with its centre at 11:30 is the hour from 11:00 to 12:00.
-
-    >>> hours = np.datetime64("2023-06-21T00:30", "s") + np.arange(24) * 3600
-    >>> dark = np.zeros(24)
-    >>> day = Weather("x", 50, 8, 100, 1, hours, 60, dark, dark)
-    >>> str(select_moment(day, "06-21 11:59").times[0])
-    '2023-06-21T11:30:00'
+    A step with its centre at 11:30 is the hour from 11:00 to 12:00.
     """
     valid = re.fullmatch(r"\d\d-\d\d[ T]\d\d:\d\d", moment)
     require(valid, f"time {moment!r}; a time MM-DD HH:MM expected")

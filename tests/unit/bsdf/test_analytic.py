@@ -80,11 +80,14 @@ def test_pane_in_patches_keeps_direction_and_average():
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda k: lambertian(0.7, k, reflectance=0.4), "sum of at most 1"),
-        (lambda k: lambertian(-0.1, k), "sum of at most 1"),
-        (lambda k: thin_pane(1.1, k), "transmissivity 1.1"),
-        (lambda k: thin_pane(0.9, k, index=0.9), "index 0.9"),
-        (lambda k: thin_pane(0.9, k, panes=0), "number of panes 0"),
+        (
+            lambda k: lambertian(0.7, k, reflectance=0.4),
+            "plus reflectance is 1.1; a number",
+        ),
+        (lambda k: lambertian(-0.1, k), "reflectance is -0.1; 0 or more"),
+        (lambda k: thin_pane(1.1, k), "transmissivity is 1.1"),
+        (lambda k: thin_pane(0.9, k, index=0.9), "index is 0.9"),
+        (lambda k: thin_pane(0.9, k, panes=0), "number of panes is 0"),
     ],
 )
 def test_impossible_layers_are_refused(call, message):

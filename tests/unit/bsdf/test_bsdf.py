@@ -120,8 +120,8 @@ def test_channels_are_listed_once():
     ("table", "message"),
     [
         (np.zeros((3, 145)), "145 exit patches by 145 incident patches expected"),
-        (np.full((145, 145), -1.0), "negative"),
-        (np.full((145, 145), np.nan), "negative or non-finite"),
+        (np.full((145, 145), -1.0), "BSDF is -1 1/sr; 0 or more expected"),
+        (np.full((145, 145), np.nan), "BSDF is nan 1/sr; 0 or more expected"),
     ],
 )
 def test_unphysical_tables_are_refused(table, message):

@@ -11,8 +11,8 @@ from clerestory.bsdf.resample import reciprocal_mean, to_matrices, to_trees
 from clerestory.bsdf.scattering_function import FUNCTIONS
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tensor_tree import ScatteringTree
+from clerestory.bsdf.tree_arithmetic import reduce_tree
 from clerestory.bsdf.tree_parser import parse_tree
-from clerestory.bsdf.tree_reduction import reduce_tree
 from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.colorimetry import rgb_from_xyz

@@ -10,9 +10,9 @@ from clerestory.gonio.cross_validation import (
     CrossValidation,
     LeftOut,
     cross_validate,
-    smoothing_study,
+    earth_movers_distance,
 )
-from clerestory.gonio.distribution_metrics import earth_movers_distance
+from clerestory.gonio.lobe_fitting import FitOptions
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.scattering_measurement import Measurement, Scan
 from goniometer import Goniophotometer, pane, rings
@@ -54,7 +54,10 @@ def test_a_scan_that_does_not_belong_stands_out(pane_measurement):
 def test_smoothing_has_a_best_value(pane_measurement):
     """A very wide lobe misplaces more light than one of the usual width."""
     few = Measurement(pane_measurement.scans[::3], "transmission_front")
-    usual, wide = smoothing_study(few, (1.0, 4.0))
+    usual, wide = (
+        cross_validate(few, options=FitOptions(smoothing=factor))
+        for factor in (1.0, 4.0)
+    )
     assert usual.median("misplaced") < wide.median("misplaced")
     assert (usual.smoothing, wide.smoothing) == (1.0, 4.0)
 

@@ -154,18 +154,24 @@ def test_tabular_files_are_given_about_the_mirrored_direction(tmp_path):
     [
         (pabopto(), "no incident direction"),
         (pabopto(head="#intheta x"), "scan.txt:4: 'x'; an angle"),
-        (pabopto(head="#incident_angle 30 20", kind="XYZ"), "BSDF, BRDF or BTDF"),
+        (
+            pabopto(head="#incident_angle 30 20", kind="XYZ"),
+            "one of DSF, BSDF, BRDF, BTDF",
+        ),
         (pabopto(PHI, THETA, head="#incident_angle 30 20"), "swapped"),
         (
             pabopto(head="#incident_angle 30 20", value=0 * VALUE),
             "no value is above zero",
         ),
         (pabopto(head="#incident_angle 30 20").replace("0.3", "nan"), ":7: 'nan'"),
-        (pabopto(head="#incident_angle 30 20").replace("0.3", "0.3 1"), "4 columns; 3"),
+        (
+            pabopto(head="#incident_angle 30 20").replace("0.3", "0.3 1"),
+            "is 4; 3 expected",
+        ),
         ("#incident_angle 30 20\n#format: theta phi BSDF\n", "no data"),
         (columns("watts"), "theta_i, phi_i, theta_s"),
         (columns().replace(",40,", ",140,"), "swapped"),
-        (viavi().replace("30 200", "30"), "scan.txt:3: 1 columns; 2"),
+        (viavi().replace("30 200", "30"), "scan.txt:3: number of columns is 1; 2"),
         (fred().replace("30 200\n", ""), "no incident direction"),
         (fred().replace("angles=deg", "angles=rad"), "angles is 'rad'"),
         (astm().replace(",BRDF", ""), "4 columns; four angles and one or more values"),

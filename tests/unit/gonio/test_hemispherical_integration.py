@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from clerestory.gonio.angles import from_degrees
-from clerestory.gonio.hemispherical_integration import integration_weights
+from clerestory.gonio.scattering_measurement import integration_weights
 
 
 def grid(step_deg, most_deg):

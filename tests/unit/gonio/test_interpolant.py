@@ -6,10 +6,14 @@ import pytest
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.errors import InputError
 from clerestory.gonio.angles import angle_between, from_degrees
-from clerestory.gonio.bsdf_export import export_bsdf
-from clerestory.gonio.distribution_metrics import beam_direction
-from clerestory.gonio.energy_conservation import conserve_energy
-from clerestory.gonio.fitted_measurement import Fitted, fit_measurement, measured_bsdf
+from clerestory.gonio.cross_validation import beam_direction
+from clerestory.gonio.fitted_measurement import (
+    Fitted,
+    conserve_energy,
+    export_bsdf,
+    fit_measurement,
+    measured_bsdf,
+)
 from clerestory.gonio.interpolant import Interpolant
 from clerestory.gonio.lobes import Lobes
 from clerestory.gonio.network_assembly import connect

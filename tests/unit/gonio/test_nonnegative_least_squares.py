@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import nnls
 
-from clerestory.gonio.nonnegative_least_squares import non_negative
+from clerestory.gonio.lobe_fitting import non_negative
 
 
 @given(st.integers(0, 10_000), st.integers(1, 40), st.integers(0, 60))

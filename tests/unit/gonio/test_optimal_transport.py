@@ -4,15 +4,17 @@ import numpy as np
 import pytest
 
 from clerestory.gonio.angles import angle_between, from_degrees
-from clerestory.gonio.displacement_interpolation import displace
-from clerestory.gonio.distribution_metrics import earth_movers_distance
+from clerestory.gonio.cross_validation import earth_movers_distance
+from clerestory.gonio.displacement_interpolation import (
+    displace,
+    edge_particles,
+    triangle_particles,
+)
 from clerestory.gonio.interpolant import Interpolant
 from clerestory.gonio.lobe_motion import with_unmatched_lobes
 from clerestory.gonio.lobes import Lobes
-from clerestory.gonio.network_assembly import connect, join
+from clerestory.gonio.network_assembly import connect, join, refine_plans
 from clerestory.gonio.optimal_transport import plan_transport
-from clerestory.gonio.particles import edge_particles, triangle_particles
-from clerestory.gonio.transport_refinement import refine_plans
 
 
 def cluster(theta_deg, flux, *, seed=0, count=12):
@@ -152,7 +154,7 @@ def test_light_that_one_corner_alone_has_is_there_in_its_triangles():
             together(one, cluster(60, 0.3, seed=4)) if k == shown else one
             for k in range(len(sources))
         ]
-        network = with_unmatched_lobes(connect(sources, fits, "none"), follow=0.0)
+        network = with_unmatched_lobes(connect(sources, fits, "none"), mean_motion=0.0)
         for number, corners in enumerate(network.mesh.triangles):
             flux = triangle_particles(*network.plans_of(number)).flux.sum(axis=0)
             truth = [fits[v].total for v in corners]

@@ -14,60 +14,47 @@ Measurement Laboratory.
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float
 
-from clerestory.array_types import Values
-from clerestory.errors import InputError
+from clerestory.checks import require
 from clerestory.gonio.formats.columns import scans_of
-from clerestory.gonio.formats.file_format import FileFormat, ReadOptions, single_file
-from clerestory.gonio.formats.text_tables import numbered_lines, table
+from clerestory.gonio.formats.file_format import (
+    FileFormat,
+    ReadOptions,
+    numbered_lines,
+    table,
+)
 from clerestory.gonio.scattering_measurement import Measurement
 
 _ANGLES = 4
-_VARS = re.compile(r"^\s*VARS\s+(.*)$", re.IGNORECASE)
+_VARS = re.compile(r"^\s*VARS\s+", re.IGNORECASE)
 
 
-def _read(paths: Sequence[Path], options: ReadOptions) -> tuple[Measurement, ...]:
-    path = single_file(paths, "ASTM")
+def _read(path: Path, options: ReadOptions) -> Iterator[Measurement]:
     lines = numbered_lines(path)
-    heads = ((k, _VARS.match(text)) for k, (_, text) in enumerate(lines))
-    start, found = next(((k, match) for k, match in heads if match), (0, None))
-    if found is None:
-        raise InputError("no VARS line; the names of the columns expected", file=path)
-    names = [name.strip().lower() for name in found[1].split(",") if name.strip()]
-    if len(names) <= _ANGLES:
-        raise InputError(
-            f"{len(names)} columns; four angles and one or more values expected",
-            file=path,
-            line=lines[start][0],
-        )
+    heads = [k for k, (_, text) in enumerate(lines) if _VARS.match(text)]
+    require(heads, "no VARS line; the names of the columns expected")
+    place, head = lines[heads[0]]
+    names = [name.strip().lower() for name in _VARS.sub("", head).split(",")]
+    names = [name for name in names if name]
+    message = f"{len(names)} columns; four angles and one or more values expected"
+    require(len(names) > _ANGLES, message, line=place)
     what = "four angles and BSDF values [1/sr]"
-    data = table(lines[start + 1 :], columns=len(names), what=what, file=path)
+    data = table(lines[heads[0] + 1 :], columns=len(names), what=what)
     angles = data[:, :_ANGLES]
     if np.abs(angles).max() <= 2 * np.pi + 1e-6:
         angles = np.degrees(angles)
-    return tuple(
-        Measurement(
-            scans_of(np.column_stack([angles, values]), path),
-            options.function or "reflection_front",
-            channel,
-            name=path.stem,
-        )
-        for channel, values in _channels(names[_ANGLES:], data[:, _ANGLES:]).items()
-    )
-
-
-def _channels(
-    names: list[str], values: Float[np.ndarray, "rows columns"]
-) -> dict[str, Values]:
-    if names == ["x", "y", "z"]:
-        x, y, z = values.T
-        return {"visible": y, "cie-x": x, "cie-z": z}
-    return {"visible": values.mean(axis=1)}
+    function = options.function or "reflection_front"
+    channels = {"visible": data[:, _ANGLES:].mean(axis=1)}
+    if names[_ANGLES:] == ["x", "y", "z"]:
+        x, y, z = data[:, _ANGLES:].T
+        channels = {"visible": y, "cie-x": x, "cie-z": z}
+    for channel, values in channels.items():
+        scans = scans_of(np.column_stack([angles, values]), path)
+        yield Measurement(scans, function, channel, name=path.stem)
 
 
 FORMAT = FileFormat("astm", lambda head: head.has_line("vars"), _read)

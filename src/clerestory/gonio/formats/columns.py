@@ -10,16 +10,17 @@ semicolons or blanks.
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float
 
 from clerestory.bsdf.scattering_function import Function
-from clerestory.errors import InputError
-from clerestory.gonio.formats.file_format import FileFormat, ReadOptions
-from clerestory.gonio.formats.text_tables import (
+from clerestory.checks import require
+from clerestory.gonio.formats.file_format import (
+    FileFormat,
+    ReadOptions,
     check_angles,
     numbered_lines,
     scan_of_rows,
@@ -33,7 +34,7 @@ _VALUES = ("bsdf", "brdf", "btdf", "value", "dsf")
 
 def scans_of(data: Float[np.ndarray, "rows 5"], path: Path) -> tuple[Scan, ...]:
     """Group rows of four angles [°] and BSDF [1/sr] into one scan per incidence."""
-    check_angles(data[:, 0], most=90, file=path, what="incident θ")
+    check_angles(data[:, 0], most=90, what="incident θ")
     incident = np.round(data[:, :2] % [1e9, 360], 6)
     incident[incident[:, 0] == 0, 1] = 0
     every, which = np.unique(incident, axis=0, return_inverse=True)
@@ -43,34 +44,23 @@ def scans_of(data: Float[np.ndarray, "rows 5"], path: Path) -> tuple[Scan, ...]:
     )
 
 
-def _read(paths: Sequence[Path], options: ReadOptions) -> tuple[Measurement, ...]:
-    scans: list[Scan] = []
-    kind = ""
-    for path in paths:
-        data, kind = _read_file(path)
-        scans.extend(scans_of(data, path))
-    default: Function = "transmission_front" if kind == "btdf" else "reflection_front"
-    function = options.function or default
-    return (Measurement(tuple(scans), function, name=paths[0].stem),)
-
-
-def _read_file(path: Path) -> tuple[Float[np.ndarray, "rows 5"], str]:
+def _read(path: Path, options: ReadOptions) -> Iterator[Measurement]:
     lines = numbered_lines(path, comment="#")
-    if not lines:
-        raise InputError("the file is empty; columns with a header expected", file=path)
-    head = [word.lower() for word in re.split(r"[,;\s]+", lines[0][1].strip())]
-    value = head[-1]
-    if tuple(head[:-1]) != _ANGLES or value not in _VALUES:
-        raise InputError(
-            f"columns {', '.join(head)[:80]}; theta_i, phi_i, theta_s, phi_s and one of"
-            f" {', '.join(_VALUES)} expected",
-            file=path,
-            line=lines[0][0],
-        )
-    data = table(lines[1:], columns=5, what="four angles [°] and a value", file=path)
+    require(lines, "the file is empty; columns with a header expected")
+    place, text = lines[0]
+    *angles, value = (word.lower() for word in re.split(r"[,;\s]+", text.strip()))
+    require(
+        angles == list(_ANGLES) and value in _VALUES,
+        f"columns {', '.join([*angles, value])[:80]}; {', '.join(_ANGLES)} and one of"
+        f" {', '.join(_VALUES)} expected",
+        line=place,
+    )
+    data = table(lines[1:], columns=5, what="four angles [°] and a value")
     if value == "dsf":
         data[:, 4] /= np.maximum(np.cos(np.radians(data[:, 2])), 1e-6)
-    return data, value
+    default: Function = "transmission_front" if value == "btdf" else "reflection_front"
+    function = options.function or default
+    yield Measurement(scans_of(data, path), function, name=path.stem)
 
 
 FORMAT = FileFormat("columns", lambda head: head.has_line("theta_i"), _read)

@@ -11,64 +11,41 @@ of propagation: mirror reflection is at the incident φ.
 Reference: Photon Engineering's article 304, and files in ua-loft/bsdf-tools.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 
-from clerestory.errors import InputError
-from clerestory.gonio.formats.file_format import FileFormat, FileHead, ReadOptions
-from clerestory.gonio.formats.text_tables import (
-    Line,
+from clerestory.checks import require
+from clerestory.gonio.formats.file_format import (
+    FileFormat,
+    ReadOptions,
     number,
     numbered_lines,
     scan_of_block,
 )
-from clerestory.gonio.scattering_measurement import Measurement, Scan
-
-_KEYS = {"angles": ("deg",), "bsdf": ("value",)}
+from clerestory.gonio.scattering_measurement import Measurement
 
 
-def _read(paths: Sequence[Path], options: ReadOptions) -> tuple[Measurement, ...]:
-    scans = tuple(scan for path in paths for scan in _read_file(path))
-    function = options.function or "reflection_front"
-    return (Measurement(scans, function, name=paths[0].stem),)
-
-
-def _read_file(path: Path) -> list[Scan]:
+def _read(path: Path, options: ReadOptions) -> Iterator[Measurement]:
     lines = numbered_lines(path)
-    if len(lines) < 3 or lines[0][1].split()[:2] != ["type", "bsdf_data"]:
-        raise InputError(
-            'not a FRED file; "type bsdf_data" in the first line expected', file=path
-        )
-    scale = _scale(lines[1], path)
-    starts = [k for k in range(2, len(lines)) if len(lines[k][1].split()) == 2]
-    if not starts or starts[0] != 2:
-        raise InputError(
-            "no incident direction; a line of θ and φ expected",
-            file=path,
-            line=lines[2][0],
-        )
-    ends = [*starts[1:], len(lines)]
-    return [
-        scan_of_block(lines[start:end], path, scale=scale)
-        for start, end in zip(starts, ends, strict=True)
-    ]
-
-
-def _scale(line: Line, path: Path) -> float:
-    place, text = line
+    require(
+        len(lines) >= 3 and lines[0][1].split()[:2] == ["type", "bsdf_data"],
+        'not a FRED file; "type bsdf_data" in the first line expected',
+    )
+    place, text = lines[1]
     words = dict(word.split("=", 1) for word in text.split() if "=" in word)
-    for key, known in _KEYS.items():
-        if words.get(key) not in known:
-            raise InputError(
-                f"{key} is {words.get(key)!r}; {' or '.join(known)} expected",
-                file=path,
-                line=place,
-            )
-    return number(words.get("scale", "1"), what="a scale", file=path, line=place)
+    for key, known in (("angles", "deg"), ("bsdf", "value")):
+        message = f"{key} is {words.get(key)!r}; {known!r} expected"
+        require(words.get(key) == known, message, line=place)
+    scale = number(words.get("scale", "1"), what="a scale", line=place)
+    starts = [k for k in range(2, len(lines)) if len(lines[k][1].split()) == 2]
+    message = "no incident direction; a line of θ and φ expected"
+    require(starts and starts[0] == 2, message, line=lines[2][0])
+    scans = tuple(
+        scan_of_block(lines[start:end], path, scale=scale)
+        for start, end in pairwise([*starts, len(lines)])
+    )
+    yield Measurement(scans, options.function or "reflection_front", name=path.stem)
 
 
-def _recognizes(head: FileHead) -> bool:
-    return bool(head.lines) and head.lines[0].startswith("type bsdf_data")
-
-
-FORMAT = FileFormat("fred", _recognizes, _read)
+FORMAT = FileFormat("fred", lambda head: head.has_line("type bsdf_data"), _read)

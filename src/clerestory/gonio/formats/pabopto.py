@@ -12,26 +12,23 @@ then rotated by 180° about the up axis.
 Reference: manual page of Radiance's pabopto2bsdf, version 6.0a.
 """
 
+import functools
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float
 
 from clerestory.array_types import Directions, Points2, Vector
-from clerestory.bsdf.scattering_function import Function
-from clerestory.errors import InputError
+from clerestory.bsdf.scattering_function import OF_SIDE, Function, Side
+from clerestory.checks import require
 from clerestory.gonio.angles import from_degrees, upper_hemisphere
 from clerestory.gonio.formats.file_format import (
     Facing,
     FileFormat,
-    FileHead,
-    ReadOptions,
-)
-from clerestory.gonio.formats.text_tables import (
     Line,
+    ReadOptions,
     check_angles,
     number,
     numbered_lines,
@@ -39,6 +36,7 @@ from clerestory.gonio.formats.text_tables import (
 )
 from clerestory.gonio.scattering_measurement import Measurement, Scan
 
+_KINDS = ("DSF", "BSDF", "BRDF", "BTDF")
 _CHANNELS = {"cie-y": ("visible",), "cie-xyz": ("cie-x", "visible", "cie-z")}
 _NAME = re.compile(r'sample_name\s*:?\s*"([^"]*)"')
 
@@ -47,71 +45,42 @@ _NAME = re.compile(r'sample_name\s*:?\s*"([^"]*)"')
 _GRAZING_DEG = 1e-3
 
 
-@dataclass(frozen=True, eq=False)
-class _File:
-    incident: Float[np.ndarray, "3"]
-    function: Function
-    name: str
-    leaving: Float[np.ndarray, "points 3"]
-    values: dict[str, Float[np.ndarray, " points"]]
-
-
 @dataclass
 class _Header:
     # Values of the header lines; None if missing
     theta: float | None = None
     phi: float | None = None
     up: float = 0.0
-    kind: str | None = None
+    kind: str = ""
     colour: str = "cie-y"
     name: str = ""
 
 
-def _read(paths: Sequence[Path], options: ReadOptions) -> tuple[Measurement, ...]:
-    groups: dict[tuple[Function, str], list[Scan]] = {}
-    name = ""
-    for path in paths:
-        file = _read_file(path, options.facing)
-        name = file.name or name
-        incident = upper_hemisphere(file.incident)
-        for channel, values in file.values.items():
-            scan = Scan(incident, upper_hemisphere(file.leaving), values, str(path))
-            groups.setdefault((file.function, channel), []).append(scan)
-    return tuple(
-        Measurement(tuple(scans), function, channel, name)
-        for (function, channel), scans in groups.items()
-    )
-
-
-def _read_file(path: Path, facing: Facing) -> _File:
+def _read(path: Path, options: ReadOptions) -> Iterator[Measurement]:
     lines = numbered_lines(path)
-    header = _header(lines, path)
-    if header.theta is None or header.phi is None:
-        raise InputError(
-            "no incident direction; lines #intheta and #inphi, or #incident_angle,"
-            " expected",
-            file=path,
-        )
-    if header.kind is None:
-        raise InputError(
-            'no format line; "#format: theta phi BSDF" (or DSF) expected', file=path
-        )
+    header = _header(lines)
+    message = "no incident direction; #intheta and #inphi, or #incident_angle, expected"
+    require(None not in (header.theta, header.phi), message)
+    message = 'no format line; "#format: theta phi BSDF" (or DSF) expected'
+    require(header.kind, message)
     channels = _CHANNELS[header.colour]
     what = f"θ, φ [°] and {len(channels)} values"
-    data = table(lines, columns=2 + len(channels), what=what, file=path)
-    incident = np.array([[header.theta, header.phi]])
-    check_angles(incident[:, 0], most=180, file=path, what="incident θ")
-    check_angles(data[:, 0], most=180, file=path)
-    source = _turn(incident, header.up, facing)[0]
-    leaving = _turn(data[:, :2], header.up, facing)
-    function = _function(source, leaving, path)
+    data = table(lines, columns=2 + len(channels), what=what)
+    incident = np.array([[header.theta, header.phi]], dtype=float)
+    check_angles(incident[:, 0], most=180, what="incident θ")
+    check_angles(data[:, 0], most=180)
+    source = _turn(incident, header.up, options.facing)[0]
+    leaving = _turn(data[:, :2], header.up, options.facing)
+    function = _function(source, leaving)
     shade = np.maximum(np.abs(leaving[:, 2]), 1e-6) if header.kind == "dsf" else 1.0
-    values = {c: data[:, 2 + k] / shade for k, c in enumerate(channels)}
-    return _File(source, function, header.name, leaving, values)
+    source, leaving = upper_hemisphere(source), upper_hemisphere(leaving)
+    for channel, values in zip(channels, data[:, 2:].T, strict=True):
+        scan = Scan(source, leaving, values / shade, str(path))
+        yield Measurement((scan,), function, channel, header.name)
 
 
-def _header(lines: list[Line], path: Path) -> _Header:
-    header = _Header()
+def _header(lines: list[Line]) -> _Header:
+    header, angle = _Header(), functools.partial(number, what="an angle [°]")
     for place, line in lines:
         text = line.strip()
         if not text.startswith("#"):
@@ -119,38 +88,21 @@ def _header(lines: list[Line], path: Path) -> _Header:
         words = text[1:].replace(":", " ").split()
         key = words[0].lower() if words else ""
         if key == "incident_angle" and len(words) >= 3:
-            header.theta, header.phi = (_angle(w, path, place) for w in words[1:3])
+            header.theta, header.phi = (angle(word, line=place) for word in words[1:3])
         elif key in ("intheta", "inphi", "upphi") and len(words) >= 2:
-            angle = _angle(words[1], path, place)
-            setattr(header, {"intheta": "theta", "inphi": "phi"}.get(key, "up"), angle)
+            name = {"intheta": "theta", "inphi": "phi", "upphi": "up"}[key]
+            setattr(header, name, angle(words[1], line=place))
         elif key == "format" and [w.lower() for w in words[1:3]] == ["theta", "phi"]:
-            header.kind = _kind(words[-1], path, place)
+            header.kind = words[-1].lower()
+            message = f"format is {words[-1]!r}; one of {', '.join(_KINDS)} expected"
+            require(header.kind.upper() in _KINDS, message, line=place)
         elif key == "colorimetry" and len(words) >= 2:
             header.colour = words[1].lower()
-            if header.colour not in _CHANNELS:
-                raise InputError(
-                    f"colorimetry {words[1]!r}; CIE-Y or CIE-XYZ expected",
-                    file=path,
-                    line=place,
-                )
+            message = f"colorimetry is {words[1]!r}; CIE-Y or CIE-XYZ expected"
+            require(header.colour in _CHANNELS, message, line=place)
         elif key == "sample_name" and (found := _NAME.search(text)):
             header.name = found[1]
     return header
-
-
-def _angle(word: str, path: Path, line: int) -> float:
-    return number(word, what="an angle [°]", file=path, line=line)
-
-
-def _kind(word: str, path: Path, line: int) -> str:
-    kind = word.lower()
-    if kind == "dsf":
-        return "dsf"
-    if kind in ("bsdf", "brdf", "btdf"):
-        return "bsdf"
-    raise InputError(
-        f"format {word!r}; DSF, BSDF, BRDF or BTDF expected", file=path, line=line
-    )
 
 
 def _turn(angles: Points2, up: float, facing: Facing) -> Directions:
@@ -161,25 +113,21 @@ def _turn(angles: Points2, up: float, facing: Facing) -> Directions:
     return from_degrees(theta, 90 + (phi - up))
 
 
-def _function(source: Vector, leaving: Directions, path: Path) -> Function:
-    side = "back" if source[2] > 0 else "front"
+def _function(source: Vector, leaving: Directions) -> Function:
+    side: Side = "back" if source[2] > 0 else "front"
     grazing = np.sin(np.radians(_GRAZING_DEG))
     above, below = np.any(leaving[:, 2] > grazing), np.any(leaving[:, 2] < -grazing)
-    if above and below:
-        raise InputError(
-            "scattered directions lie on both sides of the sample; one side per"
-            " file expected; are the columns of θ and φ swapped?",
-            file=path,
-        )
-    same = bool(above) == (side == "back")
-    if side == "back":
-        return "reflection_back" if same else "transmission_back"
-    return "reflection_front" if same else "transmission_front"
+    require(
+        not (above and below),
+        "scattered directions lie on both sides of the sample; one side per file"
+        " expected; are the columns of θ and φ swapped?",
+    )
+    transmission, reflection = OF_SIDE[side]
+    return reflection if bool(above) == (side == "back") else transmission
 
 
-def _recognizes(head: FileHead) -> bool:
-    keys = ("#format", "#intheta", "#incident_angle", "#inphi", "#colorimetry")
-    return any(line.replace("# ", "#").startswith(keys) for line in head.lines)
+# Keys of header lines, with and without a space after the #
+_KEYS = ("format", "intheta", "incident_angle", "inphi", "colorimetry")
+_STARTS = tuple(f"#{space}{key}" for key in _KEYS for space in ("", " "))
 
-
-FORMAT = FileFormat("pabopto", _recognizes, _read)
+FORMAT = FileFormat("pabopto", lambda head: head.has_line(*_STARTS), _read)

@@ -13,16 +13,17 @@ References: M. Duque, thesis on the RT-300S, equation 4.6, and the processing of
 ua-loft/bsdf-tools, process_rt300s.m.
 """
 
+import io
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import xlrd
 from jaxtyping import Float
 
-from clerestory.array_types import Mask, Values
-from clerestory.errors import InputError
+from clerestory.checks import require
+from clerestory.errors import InputError, located
 from clerestory.files import read_bytes
 from clerestory.gonio.angles import from_degrees
 from clerestory.gonio.formats.file_format import FileFormat, ReadOptions
@@ -41,49 +42,38 @@ _SHADOW_AZIMUTH, _SHADOW_ANGLE = 30.0, 10.0
 _GRAZING = 89.0
 
 
-def _read(paths: Sequence[Path], options: ReadOptions) -> tuple[Measurement, ...]:
-    blank = options.blank
-    empty = None if blank is None else _readings(blank)
-    scans = tuple(scan for path in paths for scan in _scans(path, empty))
-    notes = () if blank else ("no blank reading was subtracted",)
-    turned = any(_ROTATION.search(path.name) for path in paths)
-    claimed: Symmetry | None = None if turned else "isotropic"
-    return (
-        Measurement(
-            scans,
-            options.function or "reflection_front",
-            name=paths[0].stem,
-            claimed=claimed,
-            notes=notes,
-        ),
+def _read(path: Path, options: ReadOptions) -> Iterator[Measurement]:
+    rotation = _ROTATION.search(path.name)
+    turn = float(rotation[1]) if rotation else 0.0
+    claimed: Symmetry | None = None if rotation else "isotropic"
+    yield Measurement(
+        tuple(_scans(path, turn, options.blank)),
+        options.function or "reflection_front",
+        name=path.stem,
+        claimed=claimed,
+        notes=() if options.blank else ("no blank reading was subtracted",),
     )
 
 
 def _readings(path: Path) -> Float[np.ndarray, "4 readings"]:
     content = read_bytes(path)
     try:
-        book = xlrd.open_workbook(file_contents=content, logfile=_Silent())
-        columns = [_sheet(sheet) for sheet in book.sheets() if sheet.ncols > 1]
-    except InputError as error:
-        raise InputError(error.message, file=path) from error
+        book = xlrd.open_workbook(file_contents=content, logfile=io.StringIO())
+        with located(file=path):
+            columns = [_sheet(sheet) for sheet in book.sheets() if sheet.ncols > 1]
+    except InputError:
+        raise
     except Exception as error:  # xlrd raises many kinds of exception
         reason = " ".join(str(error).split()) or type(error).__name__
         raise InputError(
             f"not an Excel 97 workbook ({reason[:80]}); an Excel 97 workbook expected",
             file=path,
         ) from error
-    if not columns:
-        raise InputError("the workbook is empty; readings expected", file=path)
+    require(columns, "the workbook is empty; readings expected", file=path)
     data = np.concatenate(columns, axis=1)
-    if not np.all(np.isfinite(data)):
-        raise InputError("a reading is not a number; numbers expected", file=path)
+    message = "a reading is not a number; numbers expected"
+    require(np.all(np.isfinite(data)), message, file=path)
     return data
-
-
-class _Silent:
-    # Log file of xlrd whose messages are discarded
-    def write(self, _text: str) -> None:
-        pass
 
 
 def _sheet(sheet: xlrd.sheet.Sheet) -> Float[np.ndarray, "4 readings"]:
@@ -91,40 +81,32 @@ def _sheet(sheet: xlrd.sheet.Sheet) -> Float[np.ndarray, "4 readings"]:
         str(sheet.cell_value(row, 0)).strip().lower(): row
         for row in reversed(range(sheet.nrows))
     }
-    missing = [row for row in _ROWS if row not in name]
-    if missing:
-        raise InputError(
-            f"sheet {sheet.name!r} has no row {missing[0]!r}; rows of azimuth,"
-            " incidence, receive and RT expected"
-        )
+    for row in _ROWS:
+        message = f"sheet {sheet.name!r} has no row {row!r}; rows {', '.join(_ROWS)}"
+        require(row in name, f"{message} expected")
     rows = [sheet.row_values(name[row])[1:] for row in _ROWS]
-    return np.array([[_float(cell) for cell in row] for row in rows])
+    return np.array(
+        [[c if isinstance(c, (int, float)) else np.nan for c in row] for row in rows],
+        dtype=float,
+    )
 
 
-def _float(cell: object) -> float:
-    return float(cell) if isinstance(cell, (int, float)) else np.nan
-
-
-def _scans(path: Path, empty: Float[np.ndarray, "4 readings"] | None) -> list[Scan]:
+def _scans(path: Path, turn: float, blank: Path | None) -> Iterator[Scan]:
     data = _readings(path)
-    if empty is not None:
-        if empty.shape != data.shape or not np.allclose(empty[:3], data[:3]):
-            raise InputError(
-                "the angles of blank and sample differ; equal angles expected",
-                file=path,
-            )
+    if blank is not None:
+        empty = _readings(blank)
+        require(
+            empty.shape == data.shape and np.allclose(empty[:3], data[:3]),
+            "the angles of blank and sample differ; equal angles expected",
+        )
         data = np.concatenate([data[:3], data[3:] - empty[3:]])
-    found = _ROTATION.search(path.name)
-    turn = float(found[1]) if found else 0.0
-    scans = []
     for incidence in np.unique(data[1]):
-        if not 0 <= incidence < 90:
-            raise InputError(
-                f"angle of incidence {incidence:g}°; 0 ≤ angle < 90° expected",
-                file=path,
-            )
+        message = f"angle of incidence is {incidence:g}°; 0 ≤ angle < 90° expected"
+        require(0 <= incidence < 90, message)
         azimuth, _, receive, reading = data[:, data[1] == incidence]
-        seen = ~_shadowed(azimuth, float(incidence), receive)
+        near_plane = np.abs(azimuth) >= 90 - _SHADOW_AZIMUTH
+        from_source = np.abs(incidence - np.sign(azimuth) * receive)
+        seen = ~(near_plane & (from_source <= _SHADOW_ANGLE))
         seen &= np.abs(receive) < _GRAZING
         azimuth, receive, reading = azimuth[seen], receive[seen], reading[seen]
         if not len(reading):
@@ -132,14 +114,7 @@ def _scans(path: Path, empty: Float[np.ndarray, "4 readings"] | None) -> list[Sc
         brdf = reading / (np.pi * np.cos(np.radians(receive)))
         leaving = from_degrees(receive, 90 + azimuth - turn)
         source = from_degrees(float(incidence), 180 - turn)
-        scans.append(Scan(source, leaving, brdf, str(path)))
-    return scans
-
-
-def _shadowed(azimuth: Values, incidence: float, receive: Values) -> Mask:
-    near_plane = np.abs(azimuth) >= 90 - _SHADOW_AZIMUTH
-    towards = -np.sign(azimuth) * receive
-    return np.asarray(near_plane & (np.abs(towards + incidence) <= _SHADOW_ANGLE))
+        yield Scan(source, leaving, brdf, str(path))
 
 
 FORMAT = FileFormat("rt300s", lambda head: head.data.startswith(_WORKBOOK), _read)

@@ -9,35 +9,31 @@ Reference: files of the engineered diffuser EDS10 in ua-loft/bsdf-tools, and Pho
 Engineering's article 304 on them.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator
 from pathlib import Path
 
-from clerestory.errors import InputError
-from clerestory.files import read_text
-from clerestory.gonio.formats.file_format import FileFormat, ReadOptions
-from clerestory.gonio.formats.text_tables import numbered_lines, scan_of_block
-from clerestory.gonio.scattering_measurement import Measurement, Scan
-
-_MARK = "!!"
-
-
-def _read(paths: Sequence[Path], options: ReadOptions) -> tuple[Measurement, ...]:
-    scans = tuple(_scan(path) for path in paths)
-    head = read_text(paths[0]).lstrip(_MARK).split()
-    function = options.function or "transmission_front"
-    return (Measurement(scans, function, name=head[0] if head else ""),)
+from clerestory.checks import require
+from clerestory.gonio.formats.file_format import (
+    FileFormat,
+    ReadOptions,
+    numbered_lines,
+    scan_of_block,
+)
+from clerestory.gonio.scattering_measurement import Measurement
 
 
-def _scan(path: Path) -> Scan:
+def _read(path: Path, options: ReadOptions) -> Iterator[Measurement]:
     lines = numbered_lines(path)
-    body = [(number, text) for number, text in lines if _MARK not in text[:2]]
-    if len(body) == len(lines) or not body:
-        raise InputError(
-            "no line that starts with !!; a file of RPC Photonics' scatterometer"
-            " expected",
-            file=path,
-        )
-    return scan_of_block(body, path)
+    body = [line for line in lines if not line[1].startswith("!!")]
+    require(
+        0 < len(body) < len(lines),
+        "no line that starts with !!, or no other line; a file of RPC Photonics'"
+        " scatterometer expected",
+    )
+    words = lines[0][1].lstrip("!").split()
+    function = options.function or "transmission_front"
+    scan = scan_of_block(body, path)
+    yield Measurement((scan,), function, name=words[0] if words else "")
 
 
 FORMAT = FileFormat("viavi", lambda head: head.data.startswith(b"!!"), _read)

@@ -14,7 +14,7 @@ References: R. Rykowski, "BSDF Data Interchange File Format Specification", Radi
 Zemax 2008; the frame as derived in ua-loft/bsdf-tools, fred_frame_to_zemax.m.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,12 +22,13 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Values
-from clerestory.bsdf.scattering_function import Function
-from clerestory.errors import InputError
+from clerestory.bsdf.scattering_function import OF_SIDE, Side
+from clerestory.checks import require
 from clerestory.gonio.angles import angle_between, from_degrees, undeviated
-from clerestory.gonio.formats.file_format import FileFormat, ReadOptions, single_file
-from clerestory.gonio.formats.text_tables import (
+from clerestory.gonio.formats.file_format import (
+    FileFormat,
     Line,
+    ReadOptions,
     check_angles,
     numbered_lines,
     table,
@@ -41,8 +42,11 @@ _SYMMETRIES = ("planesymmetrical", "asymmetrical", "asymmetrical4d")
 # Largest number of values in a file; a larger number indicates a damaged file.
 _MOST_VALUES = 50_000_000
 
-# Angle below which directions count as equal [rad].
-_SAME = 1e-6
+_SAME = 1e-6  # angle below which directions count as equal [rad]
+
+
+# Line number and words of each header line, by the first word
+_Heads = dict[str, tuple[int, list[str]]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,9 +57,8 @@ class _Table:
     values: Float[np.ndarray, "rotation incidence azimuth radius"]
 
 
-def _read(paths: Sequence[Path], options: ReadOptions) -> tuple[Measurement, ...]:
-    path = single_file(paths, "tabular BSDF")
-    side = "back" if (options.function or "").endswith("back") else "front"
+def _read(path: Path, options: ReadOptions) -> Iterator[Measurement]:
+    side: Side = "back" if (options.function or "").endswith("back") else "front"
     found = _read_file(path)
     scans: list[Scan] = []
     for rotation, block in zip(found.axes[0], found.values, strict=True):
@@ -64,89 +67,65 @@ def _read(paths: Sequence[Path], options: ReadOptions) -> tuple[Measurement, ...
         for incidence, values in zip(found.axes[1], block, strict=True):
             scan = _scan(float(rotation), float(incidence), values, found, path)
             scans.append(scan)
-    kind = "transmission" if found.kind == "btdf" else "reflection"
-    function: Function = f"{kind}_{side}"  # type: ignore[assignment]
+    function = OF_SIDE[side][0 if found.kind == "btdf" else 1]
     claimed: Symmetry | None = "isotropic" if len(found.axes[0]) == 1 else None
-    return (Measurement(tuple(scans), function, name=path.stem, claimed=claimed),)
+    yield Measurement(tuple(scans), function, name=path.stem, claimed=claimed)
 
 
 def _read_file(path: Path) -> _Table:
     numbered = numbered_lines(path, comment="#")
     lines = [(number, text.strip()) for number, text in numbered]
-    head = {words[0]: (k, words) for k, words in _heads(lines)}
-    kind = _choice(head, "ScatterType", ("brdf", "btdf"), path)
-    symmetry = _choice(head, "Symmetry", _SYMMETRIES, path)
-    axes = tuple(_axis(lines, head, name, path) for name in _AXES)
-    check_angles(axes[1], most=90, file=path, what="angle of incidence")
-    start = _begin(lines, path)
+    heads = [(k, text.split()) for k, text in lines if text[:1].isalpha()]
+    head: _Heads = {words[0]: (k, words) for k, words in heads}
+    kind = _choice(head, "ScatterType", ("brdf", "btdf"))
+    symmetry = _choice(head, "Symmetry", _SYMMETRIES)
+    axes = tuple(_axis(lines, head, name) for name in _AXES)
+    check_angles(axes[1], most=90, what="angle of incidence")
     shape = tuple(len(axis) for axis in axes)
-    if np.prod(shape, dtype=float) > _MOST_VALUES:
-        raise InputError(
-            f"{' × '.join(map(str, shape))} values; at most {_MOST_VALUES} expected",
-            file=path,
-        )
+    counts = " × ".join(map(str, shape))
+    message = f"{counts} values; at most {_MOST_VALUES} expected"
+    require(np.prod(shape, dtype=float) <= _MOST_VALUES, message)
+    marks = [
+        k
+        for k, (_, text) in enumerate(lines, 1)
+        if text.upper().startswith("DATABEGIN")
+    ]
+    require(marks, "no DataBegin; a table of BSDF values expected")
+    # Tristimulus files contain tables of X, Y and Z in this order
+    start = marks[1 if len(marks) == 3 else 0]
     rows = [
         line
         for line in lines[start:]
         if not line[1].upper().startswith(("TIS", "DATAEND"))
     ]
     wanted = shape[0] * shape[1] * shape[2]
-    if len(rows) < wanted:
-        raise InputError(
-            f"{len(rows)} rows of values; {wanted} rows (rotations × incidences ×"
-            " azimuths) expected",
-            file=path,
-        )
-    data = table(rows[:wanted], columns=shape[3], what="BSDF values [1/sr]", file=path)
+    require(
+        len(rows) >= wanted,
+        f"{len(rows)} rows of values; {wanted} rows (rotations × incidences ×"
+        " azimuths) expected",
+    )
+    data = table(rows[:wanted], columns=shape[3], what="BSDF values [1/sr]")
     return _Table(kind, symmetry, axes, data.reshape(shape))
 
 
-def _heads(lines: list[Line]) -> list[tuple[int, list[str]]]:
-    return [(k, text.split()) for k, text in lines if text[:1].isalpha()]
-
-
-def _choice(
-    head: dict[str, tuple[int, list[str]]], key: str, known: tuple[str, ...], path: Path
-) -> str:
+def _choice(head: _Heads, key: str, known: tuple[str, ...]) -> str:
     place, words = head.get(key, (None, [key]))
-    value = words[1].lower() if len(words) > 1 else ""
-    if value not in known:
-        raise InputError(
-            f"{key} is {value or 'missing'}; one of {', '.join(known)} expected",
-            file=path,
-            line=place,
-        )
+    value = words[1].lower() if len(words) > 1 else "missing"
+    message = f"{key} is {value}; one of {', '.join(known)} expected"
+    require(value in known, message, line=place)
     return value
 
 
-def _axis(
-    lines: list[Line], head: dict[str, tuple[int, list[str]]], key: str, path: Path
-) -> Values:
-    if key not in head:
-        raise InputError(
-            f"no {key}; the number of angles and a line of angles expected", file=path
-        )
+def _axis(lines: list[Line], head: _Heads, key: str) -> Values:
+    message = f"no {key}; the number of angles and a line of angles expected"
+    require(key in head, message)
     place, words = head[key]
     following = next(((k, text) for k, text in lines if k > place), (place, ""))
     count = len(following[1].split())
-    angles = table([following], columns=count or 1, what=f"angles of {key}", file=path)
-    if len(words) > 1 and words[1] != str(count):
-        raise InputError(
-            f"{count} angles of {key}; {words[1]} expected",
-            file=path,
-            line=following[0],
-        )
+    angles = table([following], columns=count or 1, what=f"angles of {key}")
+    message = f"{count} angles of {key}; {words[-1]} expected"
+    require(len(words) < 2 or words[1] == str(count), message, line=following[0])
     return np.asarray(angles[0])
-
-
-def _begin(lines: list[Line], path: Path) -> int:
-    marks = [
-        k for k, (_, text) in enumerate(lines) if text.upper().startswith("DATABEGIN")
-    ]
-    if not marks:
-        raise InputError("no DataBegin; a table of BSDF values expected", file=path)
-    # Tristimulus files contain tables of X, Y and Z in this order
-    return marks[1 if len(marks) == 3 else 0] + 1
 
 
 def _scan(

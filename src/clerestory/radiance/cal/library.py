@@ -38,13 +38,9 @@ class Surroundings(Protocol):
 
 @dataclass(frozen=True)
 class Native:
-    """A function or variable written in Python.
+    """A function of a minimum number of arguments, or a variable (None), in Python.
 
-    Attributes
-    ----------
-    compute : function of the evaluation context and the arguments
-    arity : minimum number of arguments; None for a variable
-    uses : names of the variables read by `compute`
+    `uses` are the names of the variables read by `compute`.
     """
 
     compute: Callable[..., Any]

@@ -59,10 +59,8 @@ Take = Callable[[int, Any], Any]
 def noise(x: Any, y: Any, z: Any, *, floor: Callable[[Any], Any], take: Take) -> Any:
     """Return the noise at the points (x, y, z).
 
-    Parameters
-    ----------
-    floor : floor function of arrays
-    take : function that returns entries of one of `TABLES`, for indices modulo 256
+    `floor` is the floor function of the arrays; `take` returns entries of one of
+    `TABLES`, for indices modulo 256.
     """
     cell = [floor(c) for c in (x, y, z)]
     local = [c - low for c, low in zip((x, y, z), cell, strict=True)]

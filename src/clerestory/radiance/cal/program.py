@@ -1,4 +1,11 @@
-"""Programs: definitions of a function file together with the predefined functions."""
+"""Programs: function files together with the predefined functions.
+
+Built-in programs replace the function files of Radiance's library.
+
+References: CIE 22-1973 (clear sky); P. Moon, D. E. Spencer 1942 (overcast sky);
+J. Matsuura, T. Iwata 1990 (intermediate sky); R. Perez, R. Seals, J. Michalsky, Solar
+Energy 50 (3), 1993. Names, arguments and horizon blend: Radiance's files.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -18,6 +25,7 @@ from clerestory.radiance.cal.syntax import (
     Node,
     Number,
     Power,
+    parse_definitions,
 )
 
 
@@ -113,3 +121,74 @@ def _names(node: Node) -> set[str]:
             case Number():
                 pass
     return found
+
+
+# Skies of gensky: A1 type, A2 zenith radiance, A3 ground radiance, A4 normalisation, A5
+# to A7 sun. Sky and ground are blended at the horizon with the weights (z + 1.01)^±10.
+# The intermediate sky is defined below the horizon too, where the ground has almost all
+# of the weight.
+_SKYBRIGHT = """
+blend : (Dz + 1.01)^20;
+skybr : (blend*select(A1, clear, A2*(1 + 2*Dz)/3, A2, between) + A3)/(blend + 1);
+cosine : Dx*A5 + Dy*A6 + Dz*A7; gamma : Acos(cosine);
+clear : A2/A4*(.91 + 10*exp(-3*gamma) + .45*cosine*cosine)*(1 - exp(-.32/max(Dz, .01)));
+eta : Acos(Dz); zeta : Acos(A7);
+between : A2*((1.35*sin(5.631 - 3.59*eta) + 3.12)*sin(4.396 - 2.6*zeta) + 6.37 - eta)
+    /2.326*exp(gamma*-.563*((2.629 - eta)*(1.562 - zeta) + .812))/A4;
+"""
+
+# Sky of gendaylit: A1 scale, A2 ground radiance, A3 to A7 Perez's parameters, A8 to A10
+# sun. The gradation is constant below a sine of the elevation of 0.01.
+_PEREZLUM = """
+blend : (Dz + 1.01)^20;
+skybright : (blend*A1*gradation*indicatrix + A2)/(blend + 1);
+cosine : Dx*A8 + Dy*A9 + Dz*A10;
+gradation : 1 + A3*exp(max(A4/max(Dz, .01), -700));
+indicatrix : 1 + A5*exp(A6*Acos(cosine)) + A7*cosine*cosine;
+"""
+
+# Luminaires: photometric angles [deg] of the emission direction -D, theta from the
+# nadir and phi from +x towards +y, folded for symmetric luminaires; intensity divided
+# by the projected area of a flat, box-shaped or cylindrical luminaire
+_SOURCE = """
+src_theta : Acos(Dz)/DEGREE; src_phi : mod(atan2(-Dy, -Dx)/DEGREE, 360);
+fold(period) : period - abs(mod(src_phi, 2*period) - period);
+src_phi2 : fold(180); src_phi4 : fold(90);
+srcB_vert : atan2(-Dx, Dz)/DEGREE; srcB_vert2 : abs(srcB_vert);
+srcB_horiz : atan2(Dy, Dz)/DEGREE; srcB_horiz2 : abs(srcB_horiz);
+corr(v) : if(AC - .5, A1*v, v); flatcorr(v) : corr(v)/Rdot;
+boxcorr(v) : A1*v/(abs(Dx)*A3*A4 + abs(Dy)*A2*A4 + abs(Dz)*A2*A3);
+cylcorr(v) : A1*v/(A2*A3*Sqrt(1 - Dz*Dz) + PI/4*A2*A2*abs(Dz));
+"""
+
+# Normal perturbation of a gensurf patch, bilinear in the two axes other than A1
+_SURF = """
+u = select(A1 + 1, Py, Pz, Px); v = select(A1 + 1, Pz, Px, Py);
+bent(i) = u*v*arg(i) + u*arg(i + 3) + v*arg(i + 6) + arg(i + 9);
+surf_dx = bent(2); surf_dy = bent(3); surf_dz = bent(4);
+"""
+
+# Surface of revolution around z: radial normal component A3 r + A4, axial A1 z + A2
+_REV = """
+r = sqrt(Px*Px + Py*Py); outwards = A3*r + A4;
+rev_dx = outwards*Px/r; rev_dy = outwards*Py/r; rev_dz = A1*Pz + A2;
+"""
+
+# Triangle normal, interpolated by three linear functions of the two axes other than A1
+_TMESH = """
+p = select(A1 + 1, Py, Pz, Px); q = select(A1 + 1, Pz, Px, Py);
+along(i) = p*arg(i) + q*arg(i + 1) + arg(i + 2);
+v1 = along(2); v2 = along(5); v3 = along(8);
+size = sqrt(v1*v1 + v2*v2 + v3*v3);
+dx = v1/size - Nx; dy = v2/size - Ny; dz = v3/size - Nz;
+u = frac(v1); v = frac(v2);
+"""
+
+FUNCTION_FILES: Mapping[str, Mapping[str, Definition]] = {
+    "skybright.cal": parse_definitions(_SKYBRIGHT),
+    "perezlum.cal": parse_definitions(_PEREZLUM),
+    "source.cal": parse_definitions(_SOURCE),
+    "surf.cal": parse_definitions(_SURF),
+    "rev.cal": parse_definitions(_REV),
+    "tmesh.cal": parse_definitions(_TMESH),
+}

@@ -35,13 +35,9 @@ Nodes = tuple[Node, ...]
 
 
 class Rows:
-    """A subset of the rays, with a cache of values.
+    """A subset of the rays (indices among all rays), with a cache of values by key.
 
-    Attributes
-    ----------
-    index : indices among all rays
-    parent, place : superset from which the rays were selected, and selection mask
-    known : cached values by key
+    `place` is the selection mask within the superset `parent`.
     """
 
     def __init__(
@@ -76,14 +72,7 @@ class Rows:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """Arguments of a function call.
-
-    Attributes
-    ----------
-    parameters : names of the parameters
-    arguments : expressions of the arguments
-    outer : frame in which the arguments are evaluated; None outside functions
-    """
+    """Arguments of a function call, evaluated in the outer frame, if any."""
 
     parameters: tuple[str, ...]
     arguments: tuple[Node, ...]

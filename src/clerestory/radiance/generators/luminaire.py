@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 
 from clerestory.constants import LUMINOUS_EFFICACY
 from clerestory.errors import InputError
@@ -38,7 +39,7 @@ class _Request:
     name: str = ""
     scale: float = 1.0
     factor: float = 1.0
-    colour: tuple[float, ...] = (1.0, 1.0, 1.0)
+    colour: npt.ArrayLike = (1.0, 1.0, 1.0)
 
 
 def ies2rad(words: WordReader, find: Callable[[str], Path]) -> list[Primitive]:
@@ -72,7 +73,7 @@ def _take(request: _Request, word: str, words: WordReader) -> None:
     elif word == "-m":
         request.factor = words.positive("the multiplier")
     elif word == "-c":
-        request.colour = tuple(words.real("a colour") for _ in range(3))
+        request.colour = words.several(3, "a colour")
     elif word == "-o":
         request.name = words.word("a name")
     elif word == "-t":

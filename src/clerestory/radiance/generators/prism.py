@@ -61,7 +61,7 @@ def prism(words: WordReader, find: Callable[[str], Path]) -> list[Primitive]:
     while words.left:
         match words.option():
             case "-l":
-                along = np.array([words.real("the vector") for _ in range(3)])
+                along = words.several(3, "the vector")
             case "-r":
                 radius = words.real("the radius")
             case "-e":

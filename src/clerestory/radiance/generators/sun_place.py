@@ -118,12 +118,7 @@ class Moment:
 
 
 def read_moment(words: WordReader) -> Moment:
-    """Read `month day hour` or `-ang altitude azimuth` from a command.
-
-    >>> moment = read_moment(WordReader(["9", "21", "12:30CET"], "gensky"))
-    >>> moment.day_of_year, moment.hour, moment.meridian_deg
-    (264, 12.5, -15)
-    """
+    """Read `month day hour` or `-ang altitude azimuth` from a command."""
     first = words.word("a month or -ang")
     if first == "-ang":
         altitude = np.radians(words.real("the sun's altitude"))

@@ -46,17 +46,9 @@ class BsdfSurface(Material):
     opaque = False
 
     def plugin(self) -> Plugin:
-        return Plugin(
-            "bsdf_file",
-            {
-                "bsdf": self.bsdf,
-                "up": self.up @ self.transform,
-                "front": self.front,
-                "back": self.back,
-                "transmission": self.transmission,
-                "peak": self.peak,
-            },
-        )
+        names = "bsdf", "front", "back", "transmission", "peak"
+        parameters = {name: getattr(self, name) for name in names}
+        return Plugin("bsdf_file", parameters | {"up": self.up @ self.transform})
 
     def specification(self) -> Specification:
         strings = self.bsdf, *(self.up @ self.transform), "."

@@ -86,14 +86,9 @@ def _dielectric(given: Definition) -> Material:
 
 def _interface(given: Definition) -> Material:
     value = given.reals(8)
-    return Interface(
-        given.item.name,
-        _per_metre(given, value[:3]),
-        _index(value[3]),
-        _per_metre(given, value[4:7]),
-        _index(value[7]),
-        given.source,
-    )
+    inside = _per_metre(given, value[:3]), _index(value[3])
+    outside = _per_metre(given, value[4:7]), _index(value[7])
+    return Interface(given.item.name, *inside, *outside, given.source)
 
 
 def _per_metre(given: Definition, value: Colour) -> Colour:

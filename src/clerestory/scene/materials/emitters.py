@@ -137,14 +137,9 @@ def _spotlight(given: Definition) -> Material:
     value = given.reals(7)
     given.full_angle(value[3])
     axis = given.placed.vectors(value[4:])
-    return Spotlight(
-        given.item.name,
-        _radiance(value[:3]),
-        float(value[3]),
-        unit(axis),
-        float(np.linalg.norm(axis)),
-        given.source,
-    )
+    radiance, angle = _radiance(value[:3]), float(value[3])
+    cone = angle, unit(axis), float(np.linalg.norm(axis))
+    return Spotlight(given.item.name, radiance, *cone, given.source)
 
 
 READERS: Readers = {

@@ -81,9 +81,8 @@ class Metal(Material):
     opaque = True
 
     def plugin(self) -> Plugin:
-        return Plugin(
-            "radiance_plastic", {"metallic": True, **highlight_parameters(self)}
-        )
+        parameters = {"metallic": True, **highlight_parameters(self)}
+        return Plugin("radiance_plastic", parameters)
 
     def specification(self) -> Specification:
         return highlight_specification("metal", self)

@@ -22,8 +22,7 @@ class Trans(Material):
     ----------
     reflectance : colour of diffuse reflection and of all transmission
     specularity : specular reflectance, uncoloured
-    roughness, up : parameters of the reflected and transmitted highlights; see
-        `Plastic`
+    roughness, up : parameters of both highlights; see `Plastic`
     transmission : transmitted fraction of the light that is not reflected specularly
     transmitted_specular : specular fraction of the transmitted light
     """
@@ -43,14 +42,9 @@ class Trans(Material):
         return self.transmission == 0
 
     def plugin(self) -> Plugin:
-        return Plugin(
-            "radiance_trans",
-            {
-                "transmission": self.transmission,
-                "transmitted_specular": self.transmitted_specular,
-                **highlight_parameters(self),
-            },
-        )
+        names = "transmission", "transmitted_specular"
+        passed = {name: getattr(self, name) for name in names}
+        return Plugin("radiance_trans", passed | highlight_parameters(self))
 
     def specification(self) -> Specification:
         passed = self.transmission, self.transmitted_specular
