@@ -31,11 +31,6 @@ class Bands:
     limits_nm : shortest and longest wavelength of each band [nm]; None for bands that
         are not wavelength intervals, such as RGB
 
-    Raises
-    ------
-    InputError : there are no bands, a name is repeated, an efficacy is negative, limits
-        do not increase, or the number of efficacies or limits is not that of the bands
-
     Examples
     --------
     >>> round(float(RGB.photometric(np.array([1.0, 1.0, 1.0]))), 6)

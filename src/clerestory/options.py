@@ -14,16 +14,11 @@ _Class = TypeVar("_Class", bound=type)
 
 
 class Option:
-    """Description of an option.
+    """Description of an option; the help text is one sentence, with units in brackets.
 
-    Attributes
-    ----------
-    help : help text: one sentence, with the unit in brackets
-    names : names on the command line; `--field-name` is added if no name begins with
-        two dashes; the name "--" suppresses the long name
-    metavar : placeholder of the value in the help text
-    least, most : smallest and largest permitted value
-    panel : heading of the option's group in the help text
+    Without a name that begins with two dashes, the option also has the name of its
+    field; the name "--" suppresses that. `metavar` is the placeholder of the value in
+    the help text, `panel` the heading of a group of options.
     """
 
     def __init__(

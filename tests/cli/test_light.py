@@ -91,7 +91,7 @@ def test_window_emitters_are_written_to_a_file(call, room):
             ("--time", "2023-03-21T12:30", "--weather", "two_days.wea"),
             "no time step at",
         ),
-        ((), "nothing in the scene shines"),
+        ((), "the scene has no light source"),
         (("--sky", "missing.rad"), "missing.rad"),
         (("--sky", SKY, "--samples", "8", "--relative-error", "0.1"), "both samples"),
     ],

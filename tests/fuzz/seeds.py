@@ -512,7 +512,7 @@ READERS = {
     "material map": Reader(
         "radiance.material_map:read_material_map", "m.toml", (MATERIALS,)
     ),
-    "mgf": Reader("formats.mgf:read_mgf", "m.mgf", (MGF,)),
+    "mgf": Reader("formats.mgf:parse_mgf", "m.mgf", (MGF,), use=_statements),
     "hbjson": Reader("formats.hbjson:read_hbjson", "m.hbjson", make=_hbjson),
     "ies": Reader("formats.photometry.read:read_luminaire", "l.ies", (IES, TILTED)),
     "eulumdat": Reader("formats.photometry.read:read_luminaire", "l.ldt", (_ldt(),)),

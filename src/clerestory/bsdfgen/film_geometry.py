@@ -17,6 +17,9 @@ from clerestory.scene.model import Dielectric, Material, Metal, Polygon, Scene
 # Smallest ratio of the unit cell's width and height to the thickness of the film.
 _SLENDER = 8.0
 
+# Largest ratio of the thickness of the film to the distance of its structures.
+_THICKEST = 10_000
+
 
 def prismatic(
     *,
@@ -117,6 +120,7 @@ class _Film:
     def __post_init__(self) -> None:
         require(self.index > 1, f"index is {self.index}; an index above 1 expected")
         within(self.transmissivity, "transmissivity", least=0, most=1)
+        within(self.depth / self.pitch, "thickness over pitch", least=0, most=_THICKEST)
 
     @property
     def count(self) -> int:

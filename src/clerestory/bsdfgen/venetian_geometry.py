@@ -27,7 +27,7 @@ _THIN = 1e-3
 # cross its sides.
 _SLENDER = 8.0
 
-_MOST_SLATS = 100_000
+_MOST_SLATS, _MOST_STRIPS = 100_000, 200_000
 
 
 def venetian(
@@ -103,6 +103,9 @@ def venetian(
         if slats is None
         else _sample(spacing, slats, length)
     )
+    total = (layout.slats + 2 * layout.beyond) * len(section)
+    message = f"{total} flat strips of slats; at most {_MOST_STRIPS} expected"
+    require(total <= _MOST_STRIPS, message)
     surfaces: list[Polygon] = []
     for number in range(-layout.beyond, layout.slats + layout.beyond):
         strips = extruded(

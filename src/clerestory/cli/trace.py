@@ -1,8 +1,7 @@
 """`clerestory trace`: transfer matrices by ray tracing."""
 
 import time
-import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
@@ -16,7 +15,7 @@ from clerestory.cli.progress import say
 from clerestory.cli.requests import common
 from clerestory.cli.requests import trace as requests
 from clerestory.engine.effort import Effort
-from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.errors import InputError
 from clerestory.gonio.layer_file import read_layer
 from clerestory.image.picture_files import write_picture
 from clerestory.image.picture_sets import numbered
@@ -32,10 +31,8 @@ from clerestory.phases.sun_coefficients import blackened, sun_coefficients
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.view_text import view_of
 from clerestory.radiance.window_reader import read_windows
-from clerestory.scene.model import Scene
-from clerestory.scene.scene_checks import check_scene
+from clerestory.scene.scene_checks import warn_of_scene
 from clerestory.scene.sensors import Sensors, read_sensors
-from clerestory.scene.window import Window
 from clerestory.sky.sun_matrix import sun_matrix
 from clerestory.sky.weather_formats import read_weather
 
@@ -44,7 +41,7 @@ def view(request: requests.ViewMatrix) -> None:
     """Trace view matrices."""
     room, windows = read_rad(*request.scene), read_windows(*request.window)
     receiver = _receiver(request.receiver)
-    _warn_of_scene(room, windows, receiver)
+    warn_of_scene(room, windows, _sensors(receiver))
     with _run("view", request.file, request.effort) as run:
         effort = run.effort("view matrix")
         if isinstance(receiver, Camera):
@@ -63,7 +60,7 @@ def view(request: requests.ViewMatrix) -> None:
 def daylight(request: requests.DaylightMatrix) -> None:
     """Trace daylight matrices."""
     room, windows = read_rad(*request.scene), read_windows(*request.window)
-    _warn_of_scene(room, windows)
+    warn_of_scene(room, windows)
     with _run("daylight", request.file, request.effort) as run:
         effort = run.effort("daylight matrix")
         run.write(
@@ -76,7 +73,7 @@ def daylight(request: requests.DaylightMatrix) -> None:
 def coefficients(request: requests.DaylightCoefficients) -> None:
     """Trace daylight coefficients."""
     room, points = read_rad(*request.scene), read_sensors(request.sensors)
-    _warn_of_scene(room, (), points)
+    warn_of_scene(room, (), points)
     with _run("coefficients", request.file, request.effort) as run:
         effort = run.effort("daylight coefficients")
         found = traced_matrices.daylight_coefficients(
@@ -89,7 +86,7 @@ def facade(request: requests.FacadeMatrix) -> None:
     """Trace façade matrices of shades at a distance from their window."""
     room, windows = read_rad(*request.scene), read_windows(*request.window)
     ports = read_windows(*request.port)
-    _warn_of_scene(room, windows)
+    warn_of_scene(room, windows)
     traced: dict[str, TransferMatrix] = {}
     with _run("facade", request.file, request.effort) as run:
         for number, each in enumerate(windows):
@@ -105,7 +102,7 @@ def sun(request: requests.SunCoefficients) -> None:
     """Trace direct-sun coefficients."""
     room, windows = read_rad(*request.scene), read_windows(*request.window)
     layer, receiver = read_layer(request.bsdf), _receiver(request.receiver)
-    _warn_of_scene(room, windows, receiver)
+    warn_of_scene(room, windows, _sensors(receiver))
     weather = read_weather(request.weather)
     suns = sun_matrix(weather, tolerance_deg=request.tolerance).directions
     traced = {}
@@ -168,14 +165,8 @@ def _receiver(chosen: common.SensorsOrView) -> Camera | Sensors:
     raise InputError("either --sensors or --view expected")
 
 
-def _warn_of_scene(
-    scene: Scene,
-    windows: Sequence[Window],
-    receiver: Camera | Sensors | None = None,
-) -> None:
-    sensors = receiver if isinstance(receiver, Sensors) else None
-    for finding in check_scene(scene, windows, sensors):
-        warnings.warn(finding, ClerestoryWarning, stacklevel=2)
+def _sensors(receiver: Camera | Sensors) -> Sensors | None:
+    return receiver if isinstance(receiver, Sensors) else None
 
 
 def _write_pictures(path: Path, matrix: TransferMatrix, camera: Camera) -> None:

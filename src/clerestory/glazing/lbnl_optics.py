@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.checks import require
+from clerestory.checks import finite, require
 from clerestory.errors import InputError, located
 from clerestory.files import read_text
 from clerestory.glazing.optics import Optics
@@ -109,5 +109,6 @@ def _numbers(text: str) -> tuple[float, ...]:
 
 
 def _first(header: dict[str, str], key: str, default: float) -> float:
-    found = _numbers(header.get(key, ""))
-    return found[0] if found else default
+    found = _numbers(header.get(key, "")) or (default,)
+    finite(found[0], key)
+    return found[0]

@@ -50,7 +50,7 @@ from clerestory.sky.sky_product import lit_steps
 
 # Maximum sizes [bytes] of the exiting radiance, with view matrices in memory and in
 # files, and of the result of one block of receivers
-_LIGHT, _LIGHT_OF_FILES, _RECEIVED = 1 << 27, 1 << 29, 1 << 26
+_LIGHT, _LIGHT_OF_FILES, _RECEIVED = 1 << 25, 1 << 29, 1 << 26
 
 
 @dataclass(frozen=True, eq=False)

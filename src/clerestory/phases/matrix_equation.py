@@ -188,7 +188,9 @@ class Skies:
     def __post_init__(self) -> None:
         for other in (self.sun, self.suns):
             same = other is None or np.array_equal(self.times, other.times)
-            require_matrix(same, "different time steps of skies; equal steps expected")
+            require_matrix(
+                same, "the skies have different time steps; equal steps expected"
+            )
 
     @property
     def times(self) -> np.ndarray:
@@ -207,7 +209,7 @@ class Skies:
         """Return the sky matrix of a term whose columns are sky patches."""
         found = self.whole if term.sky == "whole" else self.sun
         if found is None:
-            raise MatrixError("no radiance of the sun in sky patches (S_ds) given")
+            raise MatrixError("no sky matrix of the sun alone (S_ds); one expected")
         return found
 
 
@@ -218,7 +220,7 @@ def chains(windows: Sequence[WindowMatrices], part: Part) -> list[MatrixChain]:
     for window in windows:
         chain: MatrixChain | None = getattr(window, part)
         if chain is None:
-            raise MatrixError(f"a window without matrices of the {part} term")
+            raise MatrixError(f"a window has no matrices for the {part} term")
         found.append(chain)
         first, other = found[0].receivers, chain.receivers
         if first and other:

@@ -156,4 +156,4 @@ def irradiance(
 
 def _check_light(scene: Scene) -> None:
     shining = any(hasattr(each, "radiance") for each in scene.materials.values())
-    require(shining, "nothing in the scene shines; a light, a glow or a sky expected")
+    require(shining, "the scene has no light source; a light, a glow or a sky expected")

@@ -4,6 +4,7 @@ Results are warnings, since unusual positions of sensors may be intended. The mo
 frequent error is a window whose front faces outdoors.
 """
 
+import warnings
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -11,6 +12,7 @@ from jaxtyping import Bool, Float
 
 from clerestory.array_types import RayVectors, Vector
 from clerestory.directions import Frame
+from clerestory.errors import ClerestoryWarning
 from clerestory.scene.model import Scene
 from clerestory.scene.proximity import Triangulation, distances, first_hits
 from clerestory.scene.sensors import Sensors
@@ -32,6 +34,14 @@ _EFFORT = 300_000_000
 
 _RAYS = 64
 _DOWN = np.array([[0.0, 0.0, -1.0]])
+
+
+def warn_of_scene(
+    scene: Scene, windows: Sequence[Window] = (), sensors: Sensors | None = None
+) -> None:
+    """Warn of implausible geometry; see `check_scene`."""
+    for finding in check_scene(scene, windows, sensors):
+        warnings.warn(finding, ClerestoryWarning, stacklevel=2)
 
 
 def check_scene(

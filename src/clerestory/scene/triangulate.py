@@ -211,7 +211,7 @@ def slab_triangles(
     corner = np.concatenate(corners).reshape(-1, 3, 2)
     u, v = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
     doubled = np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
-    size = np.ptp(segments.reshape(-1, 2), axis=0).max(initial=0)
+    size = np.ptp(segments.reshape(-1, 2), axis=0).max() if len(segments) else 0.0
     return np.asarray(corner[doubled > 1e-13 * size**2].reshape(-1, 2))
 
 

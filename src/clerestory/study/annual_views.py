@@ -75,13 +75,7 @@ def study_views(
 
 
 def sees_glare(view: View) -> bool:
-    """Whether a view is wide enough for the evaluation of glare.
-
-    >>> sees_glare(View(kind="angular", horizontal=180, vertical=180))
-    True
-    >>> sees_glare(View(horizontal=60, vertical=40))
-    False
-    """
+    """Whether a view is wide enough for the evaluation of glare."""
     wide = min(view.horizontal, view.vertical) >= _EYE_DEG
     return wide and view.kind in ("angular", "hemispherical")
 

@@ -69,10 +69,6 @@ class Job:
         """Compute device for tracing."""
         return self.executor.resolve(self.study.trace.device)
 
-    def seed(self, stream: int = 0) -> int:
-        """Random seed of a matrix, from the seed of the study and an offset."""
-        return (self.study.trace.seed + stream) % 2**32
-
     def effort(self, stream: int = 0) -> Effort:
         """Number of samples or target error, bounces, seed and device of a matrix."""
         trace = self.study.trace
@@ -81,7 +77,7 @@ class Job:
             samples=trace.samples,
             relative_error=error,
             bounces=trace.bounces,
-            seed=self.seed(stream + DIRECT * self.direct),
+            seed=(trace.seed + stream + DIRECT * self.direct) % 2**32,
             device=self.device,
             executor=self.executor,
         )
@@ -92,12 +88,8 @@ class Job:
 
     def direct_effort(self, stream: int, samples: int | None = None) -> Effort:
         """Effort of direct coefficients, without reflections."""
-        return Effort(
-            samples=samples,
-            seed=self.seed(stream),
-            device=self.device,
-            executor=self.executor,
-        )
+        effort = self.effort(stream)
+        return replace(effort, samples=samples, relative_error=None, bounces=None)
 
     def matrix(
         self,

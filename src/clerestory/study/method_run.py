@@ -24,12 +24,12 @@ from clerestory.errors import ClerestoryWarning
 from clerestory.files import make_folder
 from clerestory.phases.matrix_equation import Skies, States
 from clerestory.phases.matrix_store import MatrixStore
-from clerestory.scene.scene_checks import check_scene
+from clerestory.scene.scene_checks import warn_of_scene
 from clerestory.study.annual_views import glare_function, study_views
 from clerestory.study.config import Study
 from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.electric_lighting import lighting
-from clerestory.study.inputs import Inputs, read_inputs
+from clerestory.study.inputs import read_inputs
 from clerestory.study.job import Display, Job
 from clerestory.study.labels import label_results, sensor_labels
 from clerestory.study.luminaire_matrices import trace_lamps
@@ -87,7 +87,8 @@ def run_method(
     with log.phase("read"):
         inputs = read_inputs(study)
     with log.phase("check"):
-        _warn_of_doubts(inputs)
+        sensors = replace(inputs.sensors(), names=tuple(sensor_labels(inputs)))
+        warn_of_scene(inputs.scene, [group.inner for group in inputs.groups], sensors)
     with _scratch_folder(out) as scratch:
         job = Job(study, inputs, store, display, executor=executor, scratch=scratch)
         data = _simulate(job, log, states, out=out)
@@ -150,13 +151,6 @@ def _scratch_folder(out: Path) -> Iterator[Path]:
         yield make_folder(folder)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
-
-
-def _warn_of_doubts(inputs: Inputs) -> None:
-    named = replace(inputs.sensors(), names=tuple(sensor_labels(inputs)))
-    windows = [group.inner for group in inputs.groups]
-    for doubt in check_scene(inputs.scene, windows, named):
-        warnings.warn(doubt, ClerestoryWarning, stacklevel=2)
 
 
 def _output(electric: xr.Dataset, skies: Skies) -> np.ndarray:

@@ -42,29 +42,30 @@ def write_honeybee_model(
     BSDFs of glass and other sheet materials are computed by ray tracing.
     """
     folder = make_folder(folder)
-    files = [_put(folder / "scene.rad", format_rad(model.scene, bsdf_file={}))]
+    scene = _put(folder / "scene.rad", format_rad(model.scene, bsdf_file={}))
     bsdfs = _bsdfs(model, folder)
-    files += dict.fromkeys(bsdfs.values())
-    windows = {}
-    for group in model.windows:
-        matrix = read_bsdf(bsdfs[group.states[0][0]]).transmission_matrix()
-        basis, name = _BASES.get(matrix.values.shape[1], "kf"), _word(group.name)
-        text = study_files.window_text(name, group.polygons, basis=basis, up=group.up)
-        windows[group.name] = _put(folder / f"{name}.rad", text)
-    grids = {
-        name: study_files.write_sensors(folder / f"{_word(name)}.pts", grid)
-        for name, grid in model.grids.items()
-    }
-    views = {
-        n: _put(folder / f"{_word(n)}.vf", f"rvu {format_view(v)}\n")
-        for n, v in model.views.items()
-    }
-    files += [*windows.values(), *grids.values(), *views.values()]
+    windows = [_window_table(group, bsdfs, folder) for group in model.windows]
+    grids = {name: folder / f"{_word(name)}.pts" for name in model.grids}
+    for name, path in grids.items():
+        study_files.write_sensors(path, model.grids[name])
+    views = {name: folder / f"{_word(name)}.vf" for name in model.views}
+    for name, path in views.items():
+        write_text(path, f"rvu {format_view(model.views[name])}\n")
+    outlines = [folder / window["file"] for window in windows]
+    layers = dict.fromkeys(bsdfs.values())
+    files = (scene, *layers, *outlines, *grids.values(), *views.values())
     if weather is None or not grids:
-        return Written(None, tuple(files))
-    place = study_files.relative_path(weather, folder)
-    text = _study_text(model, bsdfs, windows, grids, views, place)
-    study = _put(folder / "study.toml", text)
+        return Written(None, files)
+    tables = {
+        "title": _plain(model.name),
+        "method": "3-phase" if windows else "2-phase",
+        "scene": {"files": [scene.name]},
+        "window": windows,
+        "sensors": _named(grids),
+        "view": _named(views) if windows else [],
+        "weather": {"file": study_files.relative_path(weather, folder)},
+    }
+    study = _put(folder / "study.toml", study_files.study_text(tables))
     return Written(study, (*files, study))
 
 
@@ -122,39 +123,19 @@ def sheet_bsdf(modifier: Material) -> Bsdf:
     return Bsdf({("visible", "transmission_front"): part}, traced.product)
 
 
-def _study_text(
-    model: HoneybeeModel,
-    bsdfs: Mapping[str, Path],
-    windows: Mapping[str, Path],
-    grids: Mapping[str, Path],
-    views: Mapping[str, Path],
-    weather: str,
-) -> str:
-    return study_files.study_text(
-        {
-            "title": _plain(model.name),
-            "method": "3-phase" if windows else "2-phase",
-            "scene": {"files": ["scene.rad"]},
-            "window": [
-                {
-                    "name": group.name,
-                    "file": windows[group.name].name,
-                    **_layers(group, bsdfs),
-                }
-                for group in model.windows
-            ],
-            "sensors": _named(grids),
-            "view": _named(views) if windows else [],
-            "weather": {"file": weather},
-        }
-    )
-
-
-def _layers(group: ApertureGroup, bsdfs: Mapping[str, Path]) -> dict[str, Any]:
+def _window_table(
+    group: ApertureGroup, bsdfs: Mapping[str, Path], folder: Path
+) -> dict[str, Any]:
+    # Table of a window group, whose polygons are written to a file
     states = [
         {"name": _plain(name), "bsdf": bsdfs[name].name} for name, _ in group.states
     ]
-    return {"state": states} if len(states) > 1 else {"bsdf": states[0]["bsdf"]}
+    matrix = read_bsdf(folder / states[0]["bsdf"]).transmission_matrix()
+    basis, name = _BASES.get(matrix.values.shape[1], "kf"), _word(group.name)
+    text = study_files.window_text(name, group.polygons, basis=basis, up=group.up)
+    layers = {"state": states} if len(states) > 1 else {"bsdf": states[0]["bsdf"]}
+    file = _put(folder / f"{name}.rad", text).name
+    return {"name": group.name, "file": file, **layers}
 
 
 def _named(files: Mapping[str, Path]) -> list[dict[str, str]]:

@@ -1,19 +1,17 @@
 """New studies: from a room, windows, a BSDF and a weather file, and the demo study."""
 
 import importlib.resources
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.checks import require
-from clerestory.errors import ClerestoryWarning
 from clerestory.files import make_folder, replace_file, write_text
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.window_reader import read_windows
 from clerestory.scene.floor_grid import floor_grid, room_side
-from clerestory.scene.scene_checks import check_scene
+from clerestory.scene.scene_checks import warn_of_scene
 from clerestory.scene.sensors import read_sensors
 from clerestory.scene.window import Window
 from clerestory.sky.weather_formats import read_weather
@@ -63,8 +61,7 @@ def begin_study(
     read_bsdf(bsdf)
     read_weather(weather)
     first, *others = [window for found in groups.values() for window in found]
-    for finding in check_scene(room, [first, *others]):
-        warnings.warn(finding, ClerestoryWarning, stacklevel=2)
+    warn_of_scene(room, [first, *others])
     grid = (
         floor_grid(room, first, others=others, spacing=spacing, height=height)
         if sensors is None

@@ -138,11 +138,7 @@ def _read_run(path: Path) -> dict[str, Any]:
 
 
 def sensor_names(grid: str, count: int) -> list[str]:
-    """Names of the sensors of one grid, numbered from 1.
-
-    >>> sensor_names("desks", 2)
-    ['desks.1', 'desks.2']
-    """
+    """Names of the sensors of one grid, numbered from 1, such as "desks.1"."""
     return [f"{grid}.{number}" for number in range(1, count + 1)]
 
 

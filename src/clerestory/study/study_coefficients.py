@@ -23,7 +23,7 @@ from clerestory.phases.unscattered_light import (
 )
 from clerestory.scene.model import BsdfSurface, Plastic, Scene
 from clerestory.sky.sun_matrix import SunMatrix
-from clerestory.study.job import COEFFICIENTS, DIRECT, STATE, SUN, Job
+from clerestory.study.job import COEFFICIENTS, STATE, SUN, Job
 from clerestory.study.window_groups import state_label
 
 
@@ -34,9 +34,7 @@ def coefficients(job: Job) -> list[MatrixChain]:
     """
     if job.inputs.groups:
         return _of_states(job, _of_state)
-    return [
-        MatrixChain((_unscattered(job) if job.direct else _traced(job, job.scene),))
-    ]
+    return [MatrixChain((_traced(job, job.scene),))]
 
 
 def direct_suns(job: Job, suns: SunMatrix) -> list[MatrixChain]:
@@ -80,20 +78,16 @@ def _of_state(job: Job, number: int, at: int) -> TransferMatrix:
 
 def _traced(job: Job, scene: Scene, stream: int = 0, of: str = "") -> TransferMatrix:
     sensors, subdivision = job.inputs.sensors(), job.study.sky.subdivision
+    unscattered = job.direct and not job.inputs.groups
     trace = partial(
-        daylight_coefficients, scene, sensors=sensors, subdivision=subdivision
+        unscattered_coefficients if unscattered else daylight_coefficients,
+        scene,
+        sensors=sensors,
+        subdivision=subdivision,
     )
-    effort, shown = job.effort(stream), f"daylight coefficients{of}"
+    effort = job.direct_effort(COEFFICIENTS) if unscattered else job.effort(stream)
+    shown = f"daylight coefficients{of}"
     return job.matrix(f"coefficients{of}", trace, effort, shown=shown)
-
-
-def _unscattered(job: Job) -> TransferMatrix:
-    sensors, subdivision = job.inputs.sensors(), job.study.sky.subdivision
-    trace = partial(
-        unscattered_coefficients, job.scene, sensors=sensors, subdivision=subdivision
-    )
-    effort = job.direct_effort(COEFFICIENTS + DIRECT)
-    return job.matrix("coefficients", trace, effort, shown="daylight coefficients")
 
 
 def _sun_effort(job: Job, stream: int = 0) -> Effort:

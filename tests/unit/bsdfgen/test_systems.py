@@ -134,6 +134,8 @@ def test_threads_do_not_touch():
         ),
         ("venetian", {"slat_width": -1, "spacing": 1}, "a positive number expected"),
         ("venetian", {**BLIND, "reflectance": 1.5}, "number from 0 to 1"),
+        ("venetian", {"slat_width": 1, "spacing": 1e-6}, "at most 200000 expected"),
+        ("prismatic", {"pitch": 1e-9}, "from 0 to 10000 expected"),
         ("perforated", {"hole": 0.01}, "less than the pitch"),
         ("fabric", {"openness": 1.0, "reflectance": 0.5}, "0 ≤ openness < 1"),
         (

@@ -175,6 +175,13 @@ def test_a_row_of_text_is_told_with_its_line(tmp_path):
         read_optics_file(path)
 
 
+def test_an_infinite_number_is_refused(tmp_path):
+    path = tmp_path / "bad.dat"
+    path.write_text(OPTICS.replace("77", "1e999"))
+    with pytest.raises(InputError, match="nfrc id is inf; a finite number expected"):
+        read_optics_file(path)
+
+
 def test_a_negative_share_is_refused(product, write_json):
     product["spectral_data"]["spectral_data"][0]["T"] = -0.1
     with pytest.raises(InputError, match=r"glass\.json: .*0 or more expected"):
