@@ -124,12 +124,6 @@ def compare(
 
     Layers with different partitions are compared on the coarser of the two incident
     partitions. Tensor trees are averaged over Klems full patches.
-
-    >>> from clerestory.bsdf.analytic import lambertian
-    >>> from clerestory.hemisphere.klems import klems
-    >>> result = compare(*(lambertian(t, klems("full")) for t in (0.4, 0.5)))
-    >>> round(result.share_bias, 9), round(result.rms * np.pi, 9)
-    (0.1, 0.1)
     """
     first, second = (bsdf.function(function, channel=channel) for bsdf in (one, other))
     if not (

@@ -6,10 +6,9 @@ BSDFs. All other violations result from noise, interpolation or an invalid model
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
 
-import numpy as np
-
-from clerestory.array_types import ExitIncident
+from clerestory.array_types import Values
 from clerestory.bsdf.patch_symmetry import TURNS, reciprocity_mismatch, turn_incident
 from clerestory.bsdf.quality_finding import Finding, Severity, severity_of
 from clerestory.bsdf.scattering_function import FUNCTIONS, OTHER_SIDE, Function
@@ -47,7 +46,7 @@ def check_reciprocity(channel: str, tables: Tables) -> Iterator[Finding]:
             )
             for turn in TURNS[:3]
         )
-        least, turn = min(turned, key=lambda pair: pair[0])
+        least, turn = min(turned)
         if size > _RECIPROCITY[1] and least < _REPAIRED * size:
             name, severity = "azimuth", "error"
             what = f"the reciprocity mismatch is {size:.0%}; it is {least:.0%} if"
@@ -99,11 +98,16 @@ def check_scaling(channel: str, tables: Tables) -> Iterator[Finding]:
         size = reciprocity_mismatch(part, partner)
         if size < _WEIGHTED:
             continue
-        divided = (
+        exits, incidents = part.exits, part.incidents
+        weights: dict[str, Values] = {
+            "the solid angle of exit patches": exits.projected_solid_angles()[:, None],
+            "the solid angle of incident patches": incidents.projected_solid_angles(),
+            "the cosine of exit directions": exits.centres()[:, 2:],
+        }
+        least, name = min(
             (reciprocity_mismatch(_divided(part, by), _divided(partner, by)), name)
-            for name, by in _weights(part).items()
+            for name, by in weights.items()
         )
-        least, name = min(divided, key=lambda pair: pair[0])
         if least < _REPAIRED * size:
             severity: Severity = "error" if least < _PROVEN * size else "info"
             what = f"the reciprocity mismatch is {size:.1%}; it is {least:.1%} if"
@@ -113,17 +117,5 @@ def check_scaling(channel: str, tables: Tables) -> Iterator[Finding]:
             yield Finding("scaling", severity, size, what, f"{channel} {title}", effect)
 
 
-def _weights(part: ScatteringMatrix) -> dict[str, ExitIncident]:
-    exits, incidents = part.exits, part.incidents
-    weights = {
-        "the solid angle of exit patches": exits.projected_solid_angles()[:, None],
-        "the solid angle of incident patches": incidents.projected_solid_angles(),
-        "the cosine of exit directions": exits.centres()[:, 2:],
-    }
-    return {
-        name: np.broadcast_to(by, part.values.shape) for name, by in weights.items()
-    }
-
-
-def _divided(part: ScatteringMatrix, by: ExitIncident) -> ScatteringMatrix:
-    return ScatteringMatrix(part.values / by, part.exits, part.incidents)
+def _divided(part: ScatteringMatrix, by: Values) -> ScatteringMatrix:
+    return replace(part, values=part.values / by)

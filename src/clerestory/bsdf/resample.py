@@ -34,21 +34,14 @@ from clerestory.hemisphere.shirley_chiu import directions_from_square
 _FINEST = 6
 
 # A tree with exchanged directions is resampled at this many points per cell and axis;
-# share of a cell's value added to its neighbours
-_WITHIN = 3
-_SPILL = 0.03
+# this share of the value of a cell is added to its neighbours.
+_WITHIN, _SPILL = 3, 0.03
 
 
 def to_matrices(bsdf: Bsdf, partition: RingPartition) -> Bsdf:
     """Convert a BSDF to matrices on one partition.
 
     CIE u′ and v′ are converted to CIE X and Z, which can be averaged.
-
-    >>> from clerestory.bsdf.analytic import lambertian
-    >>> from clerestory.hemisphere.klems import klems
-    >>> coarse = to_matrices(lambertian(0.5, klems("full")), klems("quarter"))
-    >>> coarse.transmission_matrix().values.shape
-    (1, 41, 41)
     """
     functions: dict[tuple[str, Function], ScatteringFunction] = {
         (channel, name): ScatteringMatrix(

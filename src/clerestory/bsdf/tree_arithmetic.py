@@ -8,9 +8,10 @@ twenty is kept.
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
-from jaxtyping import Bool, Float, Float32, Int32
+from jaxtyping import Bool, Float, Float32, Int32, Int64
 
 from clerestory.array_types import Values
 from clerestory.bsdf.scattering_function import ScatteringFunction
@@ -170,12 +171,9 @@ def reduce_tree(tree: ScatteringTree, percent: float) -> Reduction:
 
 
 def _levels(tree: ScatteringTree) -> list[_Level]:
-    branches = np.arange(1 << tree.rank, dtype=np.int32)
-    codes = [tree.slots[:1]]
-    while np.any(inner := codes[-1] < 0):
-        codes.append(tree.slots[(~codes[-1][inner, None] + branches).ravel()])
     levels: list[_Level] = []
-    for code in reversed(codes):
+    for at in reversed(_places(tree)):
+        code = tree.slots[at]
         inner = code < 0
         value = np.where(inner, 0, code).astype(np.int32).view(np.float32).astype(float)
         least, most, mean = value, value.copy(), value.copy()
@@ -218,18 +216,18 @@ def _merged(levels: list[_Level], rank: int, threshold: float) -> Iterator[Nodes
 
 def slot_means(tree: ScatteringTree) -> Float32[np.ndarray, " slots"]:
     """Mean value of the cells below each slot of a tree."""
-    width = 1 << tree.rank
     values = np.where(tree.slots < 0, 0, tree.slots).astype(np.int32)
     means = values.view(np.float32).astype(np.float64)
-    levels, code, at = [], tree.slots[:1], np.zeros(1, dtype=np.int64)
-    while True:
-        inner = code < 0
-        if not inner.any():
-            break
-        below = ~code[inner].astype(np.int64)
-        levels.append((at[inner], below))
-        at = (below[:, None] + np.arange(width)).ravel()
-        code = tree.slots[at]
-    for slot, below in reversed(levels):
-        means[slot] = means[below[:, None] + np.arange(width)].mean(axis=1)
+    for at, below in reversed(list(pairwise(_places(tree)))):
+        inner = at[tree.slots[at] < 0]
+        means[inner] = means[below].reshape(-1, 1 << tree.rank).mean(axis=1)
     return means.astype(np.float32)
+
+
+def _places(tree: ScatteringTree) -> list[Int64[np.ndarray, " _"]]:
+    # Indices of the slots of each level
+    places = [np.zeros(1, dtype=np.int64)]
+    while np.any((code := tree.slots[places[-1]]) < 0):
+        below = ~code[code < 0, None] + np.arange(1 << tree.rank, dtype=np.int64)
+        places.append(below.ravel())
+    return places

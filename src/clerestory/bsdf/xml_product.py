@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
 from decimal import Decimal
 
 from lxml import etree
@@ -36,16 +35,13 @@ _KNOWN = (
 
 def read_product(layer: etree._Element, document: Document) -> Product:
     """Return the product information of a layer; missing entries are empty or None."""
-    product = Product(
+    material = document.find(layer, "Material")
+    if material is None:
+        material = etree.Element("Material")
+    return Product(
         geometry=_geometry(layer, document),
         details=tuple(_details(layer, document)),
         spectra=tuple(_spectra(layer, document)),
-    )
-    material = document.find(layer, "Material")
-    if material is None:
-        return product
-    return replace(
-        product,
         name=document.text(material, "Name"),
         manufacturer=document.text(material, "Manufacturer"),
         device_type=document.text(material, "DeviceType") or "Other",

@@ -21,16 +21,14 @@ from clerestory.scene.model import (
 
 def without_analytic(scene: Scene) -> tuple[Scene, tuple[Sphere | Cone, ...]]:
     """Split off the analytic shapes: return the remaining scene and the shapes."""
-    exact = [
-        s
-        for s in scene.surfaces
-        if isinstance(s, Sphere | Cone) and _is_analytic(s, scene.materials[s.material])
-    ]
-    if not exact:
-        return scene, ()
-    chosen = {id(s) for s in exact}
-    left = tuple(s for s in scene.surfaces if id(s) not in chosen)
-    return replace(scene, surfaces=left), tuple(exact)
+    exact, left = [], []
+    for surface in scene.surfaces:
+        curved = isinstance(surface, Sphere | Cone)
+        if curved and _is_analytic(surface, scene.materials[surface.material]):
+            exact.append(surface)
+        else:
+            left.append(surface)
+    return replace(scene, surfaces=tuple(left)) if exact else scene, tuple(exact)
 
 
 def analytic_shape(surface: Sphere | Cone, bsdf: mi.BSDF, origin: Origin) -> mi.Shape:

@@ -56,9 +56,9 @@ class Growth:
 class EstimatedJob(Job):
     """A job with batches of increasing length, by default with fixed-point sums.
 
-    Convergence is tested for all rows `together`, or for each. A fixed-point sum can
-    hold 2^22 weights of π. `cut` is the size of units; by default it is chosen by the
-    executor, since fixed-point sums do not depend on the division into units.
+    `together` tells whether convergence is tested for all rows together. A fixed-point
+    sum can hold 2^22 weights of π. `cut` is the size of units; by default it is chosen
+    by the executor, since fixed-point sums do not depend on the division into units.
     """
 
     together: ClassVar[bool]
@@ -71,7 +71,7 @@ class EstimatedJob(Job):
 
     def empty_sums(self, rows: int) -> Sums:
         """Return zero sums for a number of rows."""
-        return Sums.fixed_point((rows, *self.shape[1:]))
+        return Sums.empty(np.uint64, (rows, *self.shape[1:]))
 
     def pilot_unit(self, paths: int) -> Unit:
         """Return a unit of rows distributed over the matrix."""

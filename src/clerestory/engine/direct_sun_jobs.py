@@ -65,7 +65,7 @@ class _DirectSensorJob(_DirectJob, EstimatedJob):
 
     def empty_sums(self, rows: int) -> Sums:
         """Return sums of batch means."""
-        return Sums.floating((rows, *self.shape[1:]), 1 / self.points)
+        return Sums.empty(float, (rows, *self.shape[1:]), 1 / self.points)
 
     def error(self, sums: Sums) -> float:
         """Return zero: the number of paths is given."""
@@ -172,10 +172,8 @@ def trace_pixel_sun(
     every = max(1, min(count, _LANES // job.samples))
     block = max(1, _LANES // (job.samples * every))
     places = _places(pixels, count, block, every)
-    units = [
-        Unit(np.arange(row.start, row.stop), 0, job.samples, numbers[sun])
-        for row, sun in places
-    ]
+    pixel = np.arange(pixels)
+    units = [Unit(pixel[row], 0, job.samples, numbers[sun]) for row, sun in places]
     traced = traced_units(job, units, effort, f"{count} suns")
     for (row, sun), (_, part) in zip(places, traced, strict=True):
         values[:, row, sun] = np.moveaxis(part, -1, 0)

@@ -37,9 +37,9 @@ class SunSample:
 class DistantEmitters:
     """Device arrays of all distant sources.
 
-    The dome is the radiance of all sources of a large solid angle. The arrays are of
-    the narrow sources, the suns: `one_minus_cos` is 1 − cos of the angular radius, and
-    they are chosen in proportion to their irradiance.
+    `dome` is the radiance of all sources of a large solid angle. The arrays describe
+    the narrow sources (suns): `one_minus_cos` is 1 − cos of the angular radius,
+    `chosen` the distribution by irradiance.
     """
 
     dome: DirectionalMap | None

@@ -5,7 +5,7 @@ over all directions; a pattern that varies with position is evaluated at the cen
 the surface.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import drjit as dr
 import mitsuba as mi
@@ -30,10 +30,8 @@ def split_by_surface(mesh: Mesh) -> list[Mesh]:
     pattern = getattr(mesh.material, "pattern", None)
     if pattern is None or not (pattern.needs_normal or pattern.needs_point):
         return [mesh]
-    return [
-        Mesh(mesh.material, mesh.vertices, mesh.faces[chosen], mesh.surface[chosen])
-        for chosen in (mesh.surface == number for number in np.unique(mesh.surface))
-    ]
+    parts = [mesh.surface == number for number in np.unique(mesh.surface)]
+    return [replace(mesh, faces=mesh.faces[p], surface=mesh.surface[p]) for p in parts]
 
 
 def is_sampled(material: Emitter) -> bool:

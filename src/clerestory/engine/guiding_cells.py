@@ -26,8 +26,8 @@ _FACINGS = 6
 class GuidingCells:
     """A grid with six cells per position, one for each class of normals.
 
-    The grid begins at the corner `low` and has `shape` positions of a size [m]; `count`
-    is the number of all cells.
+    `low` is the corner of the grid and `size` the cell size [m]. `shape` is the number
+    of positions along each axis, `count` the number of all cells.
     """
 
     low: mi.Point3f

@@ -107,11 +107,8 @@ class SkyTable:
     def of(cls, partition) -> "SkyTable":
         """Return the device arrays of a `SkyPartition`."""
         dome = partition.dome
-        return cls(
-            rows=len(dome.count),
-            count=on_device(mi.UInt32, dome.count),
-            first=on_device(mi.UInt32, dome.first + 1),
-        )
+        count = on_device(mi.UInt32, dome.count)
+        return cls(len(dome.count), count, on_device(mi.UInt32, dome.first + 1))
 
     def find(self, direction):
         """Return the patch in a direction; 0 at and below the horizon."""

@@ -48,10 +48,8 @@ def learned_portals(
     if trial is None or len(places) == 0:
         return trial
     cells = GuidingCells.around(places.point)
-    point, normal = (
-        vectors(kind, values)
-        for kind, values in ((mi.Point3f, places.point), (mi.Vector3f, places.normal))
-    )
+    point = vectors(mi.Point3f, places.point)
+    normal = vectors(mi.Vector3f, places.normal)
     number = cells.number(point, normal).numpy()
     onward, sunlit = (
         _root_mean_squares(found, number, cells.count)
@@ -101,9 +99,8 @@ def _pilot_samples(
     there = portals.towards(one, origin, u, v)
     local = mi.warp.square_to_cosine_hemisphere(mi.Point2f(u, v))
     in_portal = part < every
-    ray = mi.Ray3f(
-        origin, dr.select(in_portal, there, mi.Frame3f(normal).to_world(local))
-    )
+    elsewhere = mi.Frame3f(normal).to_world(local)
+    ray = mi.Ray3f(origin, dr.select(in_portal, there, elsewhere))
     cosine = dr.dot(ray.d, normal)
     at_portals, _ = portals.pdf(origin, mi.UInt32(0), ray.d, mi.Bool(True))
     # Divide light from overlapping portals in proportion to their densities

@@ -98,12 +98,11 @@ class PathTracer:
         vertex = sensor_vertex(self.portals, position, normal)
         one = mi.Color3f(1)
         total = self.sample_sources(sink, sink.begin(), vertex, numbers, one)
-        direction, weight, densities = continue_from_sensor(
+        direction, weight, pdf = continue_from_sensor(
             self.portals, vertex, normal, numbers
         )
         ray = mi.Ray3f(position, direction)
-        path = self.path(ray, weight, densities.path, sunlit=densities.sunlit)
-        return total, path
+        return total, self.path(ray, weight, pdf.path, sunlit=pdf.sunlit)
 
     def sample_sources(
         self,

@@ -154,10 +154,9 @@ class Portals:
         found = mi.UInt32(0)
         for number in range(self.slots):
             one = mi.UInt32(number)
-            across, upwards, facing = (
-                dr.gather(mi.Vector3f, table, one)
-                for table in (self.across, self.upwards, self.facing)
-            )
+            across = dr.gather(mi.Vector3f, self.across, one)
+            upwards = dr.gather(mi.Vector3f, self.upwards, one)
+            facing = dr.gather(mi.Vector3f, self.facing, one)
             corner = dr.gather(mi.Point3f, self.rectangles.corner, one) - origin
             along = dr.dot(facing, direction)
             distance = dr.dot(facing, corner) / dr.select(along == 0, 1, along)

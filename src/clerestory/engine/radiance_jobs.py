@@ -51,7 +51,7 @@ class RadianceJob(EstimatedJob):
 
     def empty_sums(self, rows: int) -> Sums:
         """Return floating-point sums."""
-        return Sums.floating((rows, *self.shape[1:]))
+        return Sums.empty(float, (rows, *self.shape[1:]), 1.0)
 
     def error(self, sums: Sums) -> float:
         """Root mean square error of the rows, relative to their mean."""

@@ -1,7 +1,7 @@
 """Radiance and irradiance at one instant: tracers of pixels, sensors and patches."""
 
 from collections.abc import Callable
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import drjit as dr
 import mitsuba as mi
@@ -48,9 +48,8 @@ def prepare_picture(job: PictureJob) -> Tracer:
     """Return the tracer of the radiance or irradiance of a view's pixels."""
     rays = CameraRays.of(job.view, job.columns, job.rows)
     origin = np.asarray(job.view.position, dtype=float)
-    tracer = radiance_tracer(
-        job.scene, origin, job.bounces, lambda: _camera_pilots(rays, job.receivers)
-    )
+    pilots = partial(_camera_pilots, rays, job.receivers)
+    tracer = radiance_tracer(job.scene, origin, job.bounces, pilots)
     limit = segments_of(job.bounces)
 
     def irradiance(numbers: PathNumbers, row):
@@ -75,10 +74,8 @@ def prepare_irradiance(job: IrradianceJob) -> Tracer:
     origin = np.mean(job.sensors.position, axis=0)
     position = vectors(mi.Point3f, job.sensors.position - origin)
     normal = vectors(mi.Vector3f, job.sensors.direction)
-    tracer = radiance_tracer(
-        job.scene, origin, job.bounces,
-        lambda: _sensor_pilots(position, normal, job.receivers),
-    )  # fmt: skip
+    pilots = partial(_sensor_pilots, position, normal, job.receivers)
+    tracer = radiance_tracer(job.scene, origin, job.bounces, pilots)
     limit = segments_of(job.bounces, first=0)
 
     def irradiance(numbers: PathNumbers, row):
@@ -168,9 +165,8 @@ def radiance_tracer(
 def _splits_lobes(scene: Scene, bounces: int | None) -> bool:
     # Whether a bounce limit applies and materials have diffuse and glossy components
     materials = scene.materials.values()
-    return bounces is not None and any(
-        getattr(each, "specularity", 0) > 0 for each in materials
-    )
+    glossy = any(getattr(each, "specularity", 0) > 0 for each in materials)
+    return bounces is not None and glossy
 
 
 def _pilot_numbers(count: int):

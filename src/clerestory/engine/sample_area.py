@@ -97,11 +97,8 @@ def start(slab: Slab, numbers: PathNumbers, table, cell, back) -> mi.Ray3f:
     a, b = numbers.sobol(CONNECT_U), numbers.sobol(CONNECT_V)
     u, v = numbers.sobol(DIRECTION_U), numbers.sobol(DIRECTION_V)
     local = table.sample(cell, u, v)
-    o = mi.Point3f(
-        dr.lerp(slab.low.x, slab.high.x, a),
-        dr.lerp(slab.low.y, slab.high.y, b),
-        dr.select(back, slab.high.z, slab.low.z),
-    )
+    x, y = dr.lerp(slab.low.x, slab.high.x, a), dr.lerp(slab.low.y, slab.high.y, b)
+    o = mi.Point3f(x, y, dr.select(back, slab.high.z, slab.low.z))
     d = mi.Vector3f(local.x, local.y, dr.select(back, -local.z, local.z))
     return mi.Ray3f(o, d)
 

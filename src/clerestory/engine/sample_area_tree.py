@@ -177,10 +177,8 @@ def _scores(sink: MatrixSink, grid: Grid) -> tuple[Scores, Scores]:
     number = lit.numpy().astype(np.int64)
     sums = np.stack(taken, axis=1) / FIXED_POINT
     middle = int(np.searchsorted(number, grid.cells))
-    return (
-        Scores(number[:middle], sums[:middle]),
-        Scores(number[middle:] - grid.cells, sums[middle:]),
-    )
+    transmitted = Scores(number[:middle], sums[:middle])
+    return transmitted, Scores(number[middle:] - grid.cells, sums[middle:])
 
 
 def _launches(groups):

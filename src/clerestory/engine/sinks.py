@@ -23,8 +23,8 @@ class MatrixSink:
     """Sums of a matrix in fixed point.
 
     The first sum counts the weights outside the range of the sums; then follows a sum
-    for each (row and batch, column, channel). A matrix of equal channels has one.
-    `slot` is the row and batch of each path.
+    for each (row and batch, column, channel). Equal channels are summed once. `slot` is
+    the row and batch of each path.
     """
 
     sums: mi.UInt64

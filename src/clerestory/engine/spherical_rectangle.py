@@ -33,29 +33,21 @@ class Parallelograms:
         edge_v: Float[np.ndarray, "n 3"],
     ) -> "Parallelograms":
         """Return the device arrays of parallelograms."""
-        return cls(
-            vectors(mi.Point3f, corner),
-            vectors(mi.Vector3f, edge_u),
-            vectors(mi.Vector3f, edge_v),
-        )
+        edges = (vectors(mi.Vector3f, edge) for edge in (edge_u, edge_v))
+        return cls(vectors(mi.Point3f, corner), *edges)
 
     def take(self, number) -> "Parallelograms":
         """Return the parallelograms with the given numbers."""
-        return Parallelograms(
-            dr.gather(mi.Point3f, self.corner, number),
-            dr.gather(mi.Vector3f, self.edge_u, number),
-            dr.gather(mi.Vector3f, self.edge_v, number),
-        )
+        return dr.gather(Parallelograms, self, number)
 
     def point(self, u, v) -> mi.Point3f:
         """Return the points with the given coordinates along the edges, 0…1."""
         return self.corner + self.edge_u * u + self.edge_v * v
 
     def seen_from(self, origin, rectangle) -> "SphericalRectangle":
-        """Return them as spherical rectangles; see `SphericalRectangle.of`."""
-        return SphericalRectangle.of(
-            self.corner - origin, self.edge_u, self.edge_v, rectangle
-        )
+        """Return the spherical rectangles, as seen from a point."""
+        corner = self.corner - origin
+        return SphericalRectangle.of(corner, self.edge_u, self.edge_v, rectangle)
 
 
 def fold(u, v, triangle=True):

@@ -48,14 +48,11 @@ class Sums:
     one: float = FIXED_POINT
 
     @classmethod
-    def fixed_point(cls, shape: tuple[int, int, int, int]) -> "Sums":
+    def empty(
+        cls, kind: type, shape: tuple[int, ...], one: float = FIXED_POINT
+    ) -> "Sums":
         """Return empty sums of rows, batches, columns and channels."""
-        return cls(np.zeros(shape, np.uint64), np.zeros(shape[0], np.int64))
-
-    @classmethod
-    def floating(cls, shape: tuple[int, int, int, int], one: float = 1.0) -> "Sums":
-        """Return empty sums of rows, batches, columns and channels."""
-        return cls(np.zeros(shape), np.zeros(shape[0], np.int64), one)
+        return cls(np.zeros(shape, kind), np.zeros(shape[0], np.int64), one)
 
     def add(
         self,

@@ -126,10 +126,8 @@ class SunLobes:
 
     def pdf(self, direction, sun):
         """Return the density of sampling a direction [1/sr]."""
-        return sum(
-            (lobes.chance * lobes.pdf(direction, sun) for lobes in self.groups),
-            start=mi.Float(0),
-        )
+        parts = (lobes.chance * lobes.pdf(direction, sun) for lobes in self.groups)
+        return sum(parts, start=mi.Float(0))
 
 
 def is_layer(material: Material) -> bool:

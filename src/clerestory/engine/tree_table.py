@@ -176,10 +176,8 @@ class TreeTable:
 
     def _place(self, number, point):
         edge = mi.Int32(1) << mi.Int32(dr.gather(mi.UInt32, self.depth, number))
-        return [
-            mi.UInt32(dr.clip(mi.Int32(c * mi.Float(edge)), 0, edge - 1))
-            for c in (point.x, point.y)
-        ]
+        cells = [mi.Int32(c * mi.Float(edge)) for c in (point.x, point.y)]
+        return [mi.UInt32(dr.clip(cell, 0, edge - 1)) for cell in cells]
 
     def _radial(self, number, direction):
         # Half the distance from the disc's rim, kept below the unused half of the tree

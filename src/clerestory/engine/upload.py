@@ -44,19 +44,17 @@ def on_device(kind: type, values: ArrayLike):
 
 def vectors(kind: type, values: Float[np.ndarray, "n 3"]):
     """Return the rows of an array as device points, vectors or colours."""
-    return kind(
-        *(on_device(dr.value_t(kind), column) for column in np.asarray(values).T)
-    )
+    number = dr.value_t(kind)
+    return kind(*(on_device(number, column) for column in np.asarray(values).T))
 
 
 def search(table, count: int, value, first=0):
     """Return how many of `count` - 1 ascending entries are at most a value."""
-    kind = type(table)
-    return mi.UInt32(
-        dr.binary_search(
-            0, count - 1, lambda i: dr.gather(kind, table, first + i) <= value
-        )
-    )
+
+    def reached(number):
+        return dr.gather(type(table), table, first + number) <= value
+
+    return mi.UInt32(dr.binary_search(0, count - 1, reached))
 
 
 @contextmanager

@@ -177,10 +177,9 @@ def _table(
     origin: Origin,
 ) -> WindowTable:
     flat = [element for own in elements for element in own]
-    corner, edge_u, edge_v = (
-        np.array([getattr(e, name) for e in flat])
-        for name in ("corner", "edge_u", "edge_v")
-    )
+    corner = np.array([e.corner for e in flat])
+    edge_u = np.array([e.edge_u for e in flat])
+    edge_v = np.array([e.edge_v for e in flat])
     rectangle = np.array([e.rectangle for e in flat])
     area = np.linalg.norm(np.cross(edge_u, edge_v), axis=1)
     area = area * np.where(rectangle, 1, 0.5)

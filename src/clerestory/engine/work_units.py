@@ -36,7 +36,7 @@ _MOST_PATHS, _MOST_SUMS = 1 << 26, 1 << 33
 class Unit:
     """A part of a job: rows of the matrix, and a range of the sample points.
 
-    It has some of the columns, such as suns, or all of them (None).
+    `columns` are indices of columns, such as suns, or None for all columns.
     """
 
     rows: Int[np.ndarray, " row"]

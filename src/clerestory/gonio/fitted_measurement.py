@@ -155,7 +155,12 @@ def conserve_energy(fits: Sequence[Fitted]) -> Conserved:
     largest, changed = 0.0, 0
     result = []
     for fit in fits:
-        sums = _sums(fit, visible)
+        # Sum transmittance and reflectance at each incident direction of the mesh
+        vertices = fit.interpolant.network.mesh.vertices
+        side = next(pair for pair in OF_SIDE.values() if fit.function in pair)
+        known = [visible[name] for name in side if name in visible]
+        shares = [interpolant.hemispherical(vertices) for interpolant in known]
+        sums = np.sum([np.zeros(len(vertices)), *shares], axis=0)
         largest = max(largest, float(sums.max()))
         factors = 1 / np.maximum(sums, 1)
         if fit.channel == "visible":
@@ -164,15 +169,6 @@ def conserve_energy(fits: Sequence[Fitted]) -> Conserved:
         interpolant = replace(fit.interpolant, network=network)
         result.append(replace(fit, interpolant=interpolant))
     return Conserved(tuple(result), largest, changed)
-
-
-def _sums(fit: Fitted, visible: dict[Function, Interpolant]) -> Values:
-    # Visible transmittance plus reflectance at each incident direction of the mesh
-    vertices = fit.interpolant.network.mesh.vertices
-    side = next(pair for pair in OF_SIDE.values() if fit.function in pair)
-    known = [visible[name] for name in side if name in visible]
-    shares = [interpolant.hemispherical(vertices) for interpolant in known]
-    return np.asarray(np.sum([np.zeros(len(vertices)), *shares], axis=0))
 
 
 def _scaled(network: Network, factors: Values) -> Network:

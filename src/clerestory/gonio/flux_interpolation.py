@@ -125,14 +125,8 @@ def flux_surface(
         return FluxCurve(PchipInterpolator(fall, total, extrapolate=False))
     folded, _ = fold(mesh.vertices, symmetry, quadrant)
     _, first = np.unique(np.round(folded, _DIGITS), axis=0, return_index=True)
-    return _process(folded[first], totals[first], images(symmetry))
+    known, totals, factors = folded[first], totals[first], images(symmetry)
 
-
-def _process(
-    known: Float[np.ndarray, "known 3"],
-    totals: _Totals,
-    factors: Float[np.ndarray, "images 3"],
-) -> FluxProcess:
     # Select the coordinates with the largest marginal likelihood
     most = max(1.0, float(totals.max()))
     if float(np.ptp(totals)) < 1e-9:

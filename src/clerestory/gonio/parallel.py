@@ -19,17 +19,12 @@ _FEWEST = 16  # smallest number of values for which parallel processes are start
 _Result = TypeVar("_Result")
 
 
-def _silent(_name: str) -> Progress:
-    # Progress callbacks that report nothing
-    return lambda _share, _note: None
-
-
 @dataclass(frozen=True)
 class Workers:
     """Number of parallel processes, and progress callbacks by name of a phase."""
 
     processes: int = 1
-    progress: Callable[[str], Progress] = _silent
+    progress: Callable[[str], Progress] = lambda _name: lambda _share, _note: None
 
     def map(
         self,

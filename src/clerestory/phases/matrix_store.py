@@ -101,9 +101,6 @@ class MatrixStore:
         try:
             return read_netcdf(path)
         except InputError as error:
-            warnings.warn(
-                f"{path} is damaged ({error.message}); it is traced again",
-                ClerestoryWarning,
-                stacklevel=4,
-            )
+            message = f"{path} is damaged ({error.message}); it is traced again"
+            warnings.warn(message, ClerestoryWarning, stacklevel=4)
             return None

@@ -80,11 +80,9 @@ def define() -> type:
 
             # Reflect about a facet, or go anywhere diffusely
             shape = self.highlight.at(si)
-            wo = dr.select(
-                shiny,
-                self.highlight.sample_reflected(shape, wi, sample2),
-                mi.warp.square_to_cosine_hemisphere(sample2),
-            )
+            lobe = self.highlight.sample_reflected(shape, wi, sample2)
+            even = mi.warp.square_to_cosine_hemisphere(sample2)
+            wo = dr.select(shiny, lobe, even)
             matt, glossy, pdf = self.parts(ctx, si, wi, wo, active)
             weight = dr.select(peak, specular / chance, (matt + glossy) / pdf)
             pdf = dr.select(peak, chance, pdf)

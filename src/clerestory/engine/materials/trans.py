@@ -119,9 +119,8 @@ def define() -> type:
             even.z = dr.select(back, even.z, -even.z)
             passed = self.highlight.sample_passed(shape, wi, sample2)
             straight = dr.select(self.highlight.smooth, -wi, passed)
-            shiny = dr.select(
-                mirrored, self.highlight.sample_reflected(shape, wi, sample2), straight
-            )
+            lobe = self.highlight.sample_reflected(shape, wi, sample2)
+            shiny = dr.select(mirrored, lobe, straight)
             wo = dr.select(diffuse, even, shiny)
             reflects = back | mirrored
 
@@ -143,8 +142,8 @@ def define() -> type:
             flags = mi.BSDFFlags
             even = either(reflects, flags.DiffuseReflection, flags.DiffuseTransmission)
             sharp = either(reflects, flags.DeltaReflection, flags.Null)
-            lobe = either(reflects, flags.GlossyReflection, flags.GlossyTransmission)
-            kind = dr.select(diffuse, even, dr.select(peak, sharp, lobe))
+            rough = either(reflects, flags.GlossyReflection, flags.GlossyTransmission)
+            kind = dr.select(diffuse, even, dr.select(peak, sharp, rough))
             component = mi.UInt32(~reflects) + 2 * mi.UInt32(~diffuse)
             wo = mi.Vector3f(wo.x, wo.y, wo.z * dr.sign(si.wi.z))
             bs = sampled(wo, dr.select(valid, pdf, 0), kind, component)

@@ -18,7 +18,6 @@ from pathlib import Path
 from clerestory.checks import require
 from clerestory.gonio.formats.file_format import (
     FileFormat,
-    Line,
     ReadOptions,
     number,
     numbered_lines,
@@ -33,7 +32,12 @@ def _read(path: Path, options: ReadOptions) -> Iterator[Measurement]:
         len(lines) >= 3 and lines[0][1].split()[:2] == ["type", "bsdf_data"],
         'not a FRED file; "type bsdf_data" in the first line expected',
     )
-    scale = _scale(lines[1])
+    place, text = lines[1]
+    words = dict(word.split("=", 1) for word in text.split() if "=" in word)
+    for key, known in (("angles", "deg"), ("bsdf", "value")):
+        message = f"{key} is {words.get(key)!r}; {known!r} expected"
+        require(words.get(key) == known, message, line=place)
+    scale = number(words.get("scale", "1"), what="a scale", line=place)
     starts = [k for k in range(2, len(lines)) if len(lines[k][1].split()) == 2]
     message = "no incident direction; a line of θ and φ expected"
     require(starts and starts[0] == 2, message, line=lines[2][0])
@@ -42,15 +46,6 @@ def _read(path: Path, options: ReadOptions) -> Iterator[Measurement]:
         for start, end in pairwise([*starts, len(lines)])
     )
     yield Measurement(scans, options.function or "reflection_front", name=path.stem)
-
-
-def _scale(line: Line) -> float:
-    place, text = line
-    words = dict(word.split("=", 1) for word in text.split() if "=" in word)
-    for key, known in (("angles", "deg"), ("bsdf", "value")):
-        message = f"{key} is {words.get(key)!r}; {known!r} expected"
-        require(words.get(key) == known, message, line=place)
-    return number(words.get("scale", "1"), what="a scale", line=place)
 
 
 FORMAT = FileFormat("fred", lambda head: head.has_line("type bsdf_data"), _read)

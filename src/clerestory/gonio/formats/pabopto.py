@@ -27,7 +27,6 @@ from clerestory.gonio.angles import from_degrees, upper_hemisphere
 from clerestory.gonio.formats.file_format import (
     Facing,
     FileFormat,
-    FileHead,
     Line,
     ReadOptions,
     check_angles,
@@ -127,9 +126,8 @@ def _function(source: Vector, leaving: Directions) -> Function:
     return reflection if bool(above) == (side == "back") else transmission
 
 
-def _recognizes(head: FileHead) -> bool:
-    keys = ("#format", "#intheta", "#incident_angle", "#inphi", "#colorimetry")
-    return any(line.replace("# ", "#").startswith(keys) for line in head.lines)
+# Keys of header lines, with and without a space after the #
+_KEYS = ("format", "intheta", "incident_angle", "inphi", "colorimetry")
+_STARTS = tuple(f"#{space}{key}" for key in _KEYS for space in ("", " "))
 
-
-FORMAT = FileFormat("pabopto", _recognizes, _read)
+FORMAT = FileFormat("pabopto", lambda head: head.has_line(*_STARTS), _read)
