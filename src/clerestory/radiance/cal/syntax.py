@@ -227,7 +227,9 @@ def _power(cursor: _Cursor) -> Node:
     while cursor.skip("^"):
         operands.append(_signed(cursor))
         if len(operands) > _DEEPEST:
-            raise cursor.error(f"more than {_DEEPEST} nested powers")
+            raise cursor.error(
+                f"powers are nested too deep; at most {_DEEPEST} expected"
+            )
     return reduce(lambda exponent, base: Power(base, exponent), reversed(operands))
 
 
@@ -258,7 +260,7 @@ def _inside(cursor: _Cursor, *, one: bool = False) -> tuple[Node, ...]:
     # One or more expressions in brackets
     cursor.depth += 1
     if cursor.depth > _DEEPEST:
-        raise cursor.error(f"brackets are nested too deep, more than {_DEEPEST}")
+        raise cursor.error(f"brackets are nested too deep; at most {_DEEPEST} expected")
     cursor.expect("(")
     nodes = [_sum(cursor)]
     while not one and cursor.skip(","):

@@ -203,7 +203,7 @@ def _read(
             case option:
                 raise words.unknown(option)
     if np.prod(steps) > _MOST_STEPS:
-        raise words.error(f"more than {_MOST_STEPS} cells")
+        raise words.error(f"more than {_MOST_STEPS} cells; fewer expected")
     return _Formulas(material, name, Program(definitions), nodes), steps
 
 

@@ -76,7 +76,7 @@ def prism(words: WordReader, find: Callable[[str], Path]) -> list[Primitive]:
     if radius <= _TINY:
         return _sharp(made)
     if radius > abs(along[2]):
-        raise words.error(f"rounding by {radius:g} exceeds the height")
+        raise words.error(f"rounding by {radius:g} exceeds the height; less expected")
     return _round(made, words)
 
 
@@ -126,12 +126,12 @@ def _round(made: _Prism, words: WordReader) -> list[Primitive]:
     back = np.roll(corner, 1, axis=0) - corner
     length = np.linalg.norm(back, axis=1, keepdims=True)
     if length.min() <= _TINY:
-        raise words.error("two corners coincide")
+        raise words.error("two corners coincide; distinct corners expected")
     u = back / length
     ahead = np.roll(u, -1, axis=0)
     cosine = np.einsum("cx,cx->c", u, ahead)
     if (1 + cosine).min() <= _TINY:
-        raise words.error("two sides overlap")
+        raise words.error("two sides overlap; sides at an angle expected")
     turn = np.sign(ahead[:, 0] * u[:, 1] - ahead[:, 1] * u[:, 0])
     t = turn * np.sqrt(np.maximum(1 - cosine, 0) / (1 + cosine))
     inside = np.stack([-u[:, 1], u[:, 0]], axis=1)
