@@ -29,14 +29,8 @@ def require(
 ) -> None:
     """Raise an input error unless a condition is true.
 
-    Parameters
-    ----------
-    message : fault and expected input
-    file, line : file and line number of the fault
-    error : class of the error
+    The message states the fault and the expected input.
 
-    Examples
-    --------
     >>> require(2 + 2 == 4, "arithmetic fails")
     >>> require(False, "no photographs; two or more expected")
     Traceback (most recent call last):

@@ -20,10 +20,8 @@ _LONGEST_MESSAGE, _LONGEST_WORD = 400, 80
 def one_line(text: str) -> str:
     r"""Return a text as one line of printable characters, with long words cut.
 
-    Examples
-    --------
     >>> one_line("value 'a\nb'; " + 100 * "9" + " expected")[:60]
-    "value 'a b'; 9999999999999999999999999999999999999999999999"
+    "value 'a b'; 99999999999999999999999999999999999999999999999"
     """
     words = "".join(c if c.isprintable() else " " for c in text).split()
     cut = (w if len(w) <= _LONGEST_WORD else f"{w[:_LONGEST_WORD]}…" for w in words)

@@ -154,7 +154,7 @@ def test_files_hold_what_was_found(device, tmp_path, kind):
 def test_what_cannot_be_a_lamp_is_refused(device):
     with pytest.raises(InputError, match="no panes given"):
         precompute_illums(room(), Scene(), device=device)
-    with pytest.raises(InputError, match="zone is 0 m"):
+    with pytest.raises(InputError, match="edge length of zones is 0 m"):
         precompute_illums(room(), pane("glass"), zone=0.0, device=device)
     with pytest.raises(InputError, match="number of rings is 1"):
         precompute_illums(room(), pane("glass"), rings=1, device=device)

@@ -97,8 +97,8 @@ def xyz_functions(
     trees = [part for part in (luminance, u, v) if isinstance(part, ScatteringTree)]
     require(
         len(trees) == 3 and len({tree.rank for tree in trees}) == 1,
-        "CIE Y, u' and v' are not trees of one rank; three tensor trees of equal rank"
-        " expected",
+        "CIE Y, u' and v' are not tensor trees of equal rank; three trees of rank 3 or"
+        " three of rank 4 expected",
     )
     # CIE 15:2004, eq. 8.24 and 8.25, solved for X/Y and Z/Y; both are 1 where v' is 0
     x = combine(lambda y, u, v: y * _over(9 * u, 4 * v), *trees)

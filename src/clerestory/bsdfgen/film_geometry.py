@@ -118,7 +118,7 @@ class _Film:
     transmissivity: float
 
     def __post_init__(self) -> None:
-        require(self.index > 1, f"index is {self.index}; an index above 1 expected")
+        require(self.index > 1, f"refractive index is {self.index}; above 1 expected")
         within(self.transmissivity, "transmissivity", least=0, most=1)
         within(self.depth / self.pitch, "thickness over pitch", least=0, most=_THICKEST)
 

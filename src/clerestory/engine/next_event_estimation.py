@@ -217,7 +217,7 @@ class Source:
         return ()
 
     def begin(self, pdf: mi.Float, sunlit: mi.Float):
-        """Return the source's state for the first segment of a path.
+        """Return the densities that the source needs on the first path segment.
 
         `pdf` is the density of the segment's direction, or 0 for camera rays; `sunlit`
         is that of rays towards sunlit surfaces, negative if none were sampled.
@@ -227,5 +227,5 @@ class Source:
     def remember(
         self, si: mi.SurfaceInteraction3f, vertex: Vertex, after: Scattering, memory
     ):
-        """Return the source's state for the path segment after a vertex."""
+        """Return the densities that the source needs on the next path segment."""
         return memory

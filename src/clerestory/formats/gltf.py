@@ -207,7 +207,8 @@ def _buffer(uri: str, binary: bytes | None, path: Path) -> bytes:
 def _element(elements: Sequence[_Element], what: str, index: int | None) -> _Element:
     # Element of one of the lists of the document
     known = index is not None and index < len(elements)
-    require(known, f"{what}[{index}] is missing; one of {len(elements)} expected")
+    message = f"{what}[{index}] is missing; the file has {len(elements)} {what}"
+    require(known, message)
     return elements[index or 0]
 
 

@@ -162,7 +162,10 @@ class _Reading:
     def prism(self, keyword: str, words: list[str]) -> None:
         """Add the faces of a prism."""
         count = len(words)
-        require(count > 3, f"{count} words after {keyword}; 3 vertices expected")
+        require(
+            count > 3,
+            f"{count} words after {keyword}; a length and 3 or more vertices expected",
+        )
         [length] = numbers(keyword, words[-1:], 1)
         base = [self.defined.vertices[name] for name in words[:-1]]
         for corner in prism(base, length):

@@ -97,9 +97,10 @@ class GlareIndex(Quantity):
 
 
 def without_logarithm(sources: GlareSources, adaptation: float) -> float | None:
-    """Value of a logarithmic index if the logarithm is undefined, otherwise None.
+    """Return a substitute for a logarithmic index whose logarithm is undefined.
 
-    The value is 0 without sources, and NaN for an adaptation luminance of 0 or less.
+    It is 0 without glare sources, NaN for an adaptation luminance of 0 or less, and
+    None if the logarithm is defined.
     """
     if not sources.count:
         return 0.0

@@ -55,7 +55,10 @@ def reference_luminance(luminance: Image, eye: GlareView, task: Zone | None) -> 
     if task is not None:
         weight = weight * in_zone(eye, task)
     total = float(weight.sum())
-    require(total > 0, "the task has no pixel in view; a larger opening expected")
+    require(
+        total > 0,
+        "the task zone has no pixel in the picture; a larger opening angle expected",
+    )
     return float(np.vdot(weight, luminance)) / total
 
 

@@ -142,7 +142,7 @@ def parse_header(lines: list[str]) -> Header:
 
 
 def _take(line: str, header: Header) -> bool:
-    # Whether the fields of the header contain all information of the line
+    # Add a line to the fields of the header; return whether they represent it fully
     name, _, value = line.partition("=")
     if line.startswith("FORMAT="):
         one_of(value.strip(), "format", choices=_FORMATS)

@@ -55,7 +55,7 @@ _LIGHT, _LIGHT_OF_FILES, _RECEIVED = 1 << 25, 1 << 29, 1 << 26
 
 @dataclass(frozen=True, eq=False)
 class Components:
-    """Error components of a block of receivers, from one independent estimate.
+    """Deviations of the batches of one estimate, for a block of receivers.
 
     The source identifies the estimate in all blocks. Values are multiplied by the sign
     of their term.

@@ -67,7 +67,7 @@ def precompute_illums(
     DeviceError : no usable device
     """
     effort = effort_of(precompute_illums, keywords, default=_DEFAULT)
-    require(zone > 0, f"zone is {zone:g} m; a positive length expected")
+    require(zone > 0, f"edge length of zones is {zone:g} m; a positive length expected")
     within(rings, "number of rings", least=2, most=90)
     pieces = [piece for pane in panes.surfaces for piece in _zones(pane, zone)]
     require(pieces, "no panes given; at least one polygon expected")

@@ -123,7 +123,7 @@ def write_illums(scene: Scene, path: str | Path) -> list[Path]:
             and isinstance(lamp.pattern, FunctionPattern)
         ):
             raise InputError(
-                f'surface "{surface.name}" is not a window emitter; polygons of'
+                f'surface "{surface.name}" is not a window emitter; surfaces from'
                 " `precompute_illums` expected"
             )
         names = []

@@ -17,7 +17,7 @@ def asset(name: str) -> str:
 
 
 def content_policy(script: str) -> str:
-    """Return the content security policy that allows one script and no loading.
+    """Return the content security policy: one script, and no external files.
 
     >>> content_policy("")[:19]
     "default-src 'none';"

@@ -129,7 +129,7 @@ class SkyMatrix:
     def mean(self) -> "SkyMatrix":
         """Return the mean over all steps, including nights, as a matrix of one step.
 
-        The time of this step is that of the first step.
+        The sum has the time of the first step.
         """
         weight = csc_array(np.full((len(self.times), 1), 1 / len(self.times)))
         diffuse = self.diffuse.mean(axis=1, keepdims=True, dtype=float)

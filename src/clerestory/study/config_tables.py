@@ -64,7 +64,7 @@ class Named(Table):
 
 
 class NamedFile(Named):
-    """Table with a file, whose name is the default for the name of the table."""
+    """Table that refers to a file; its default name is that of the file."""
 
     file: InputFile
 

@@ -78,7 +78,7 @@ def define() -> type:
             shiny = sample1 < chance
             peak = shiny & self.highlight.smooth
 
-            # Reflect about a facet, or go anywhere diffusely
+            # Sample a reflection about a microfacet, or a diffuse direction
             shape = self.highlight.at(si)
             lobe = self.highlight.sample_reflected(shape, wi, sample2)
             even = mi.warp.square_to_cosine_hemisphere(sample2)
