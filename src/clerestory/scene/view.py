@@ -180,8 +180,8 @@ class View:
     def pixel(self, direction: Directions, *, columns: int, rows: int) -> Points2:
         """Return fractional row and column of the pixels for directions.
 
-        Values may be outside the image. They are NaN outside the projection, such as behind a
-        perspective view, and for all directions in a parallel view.
+        Values may be outside the image. They are NaN outside the projection, such as
+        behind a perspective view, and for all directions in a parallel view.
         """
         local = unit(direction) @ self._axes.T
         u, v = self._projection.to_plane(local.reshape(-1, 3))
