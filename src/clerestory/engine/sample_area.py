@@ -2,12 +2,12 @@
 
 Paths are traced in the direction of light. They start on the plane in front of the
 system or behind it, uniformly over the sample area, and end where they are absorbed or
-leave the slab between both planes. Paths of large weight are split at each vertex: each
-branch that leaves the slab is scored, and one of the branches that stay in the slab
-continues with the weight of all of them.
+leave the slab between both planes. Paths of large weight are split at each vertex. The
+weight of each branch that leaves the slab is recorded; one of the branches that stay in
+the slab continues with the total weight of these branches.
 
-The lateral boundaries of the slab are open, so that a finite sample loses light there,
-or periodic: a path that leaves through one side enters through the opposite side.
+The lateral sides of the slab are open (light that leaves through a side is lost) or
+periodic (a path that leaves through one side enters through the opposite side).
 """
 
 from dataclasses import dataclass
@@ -61,18 +61,19 @@ class Slab:
 
 
 class Receiver(Protocol):
-    """An object that scores the paths that leave the slab."""
+    """An object that records the paths that leave the slab."""
 
     def receive(self, direction, weight, active) -> None:
-        """Score the weight of each path that leaves the slab along a direction."""
+        """Record the direction and the weight of each path that leaves the slab."""
 
 
 @dataclass
 class Step:
     """Result of tracing a ray to a surface or to a side of the cell.
 
-    `left` tells whether the ray leaves the slab. `origin` is that of the continued ray
-    on the opposite side of a periodic cell; `way` is the distance to the side [m].
+    `left` tells whether the ray leaves the slab. In a periodic cell, `way` is the
+    distance to the side [m], and `origin` the point on the opposite side at which the
+    ray continues.
     """
 
     hit: mi.PreliminaryIntersection3f
@@ -89,7 +90,7 @@ def lower_slab(scene: Scene, box: Float[np.ndarray, "2 3"], *, periodic: bool) -
 
 
 def start(slab: Slab, numbers: PathNumbers, table, cell, back) -> mi.Ray3f:
-    """Return rays from uniform points on the plane in front of the system or behind it.
+    """Return rays from random points on the plane in front of or behind the system.
 
     Directions of travel are sampled uniformly by projected solid angle in a cell of the
     table's partition. If `back`, rays start behind the system, on the side of the room.
@@ -129,10 +130,10 @@ def _step(slab: Slab, ray: mi.Ray3f, active) -> Step:
 def follow(
     slab: Slab, receiver: Receiver, first: PathNumbers, ray: mi.Ray3f, limit: int
 ) -> None:
-    """Trace paths from their first ray; the receiver scores those that leave the slab.
+    """Trace paths from their first ray; the receiver records paths that leave the slab.
 
-    `first` holds the sample numbers of the paths' start; `limit` is the largest number
-    of segments, counted between diffuse scattering events.
+    `first` holds the sample numbers of each path at its start; `limit` is the largest
+    number of segments between diffuse scattering events.
     """
     context, segments = mi.BSDFContext(), dr.opaque(mi.UInt32, limit)
 
@@ -143,7 +144,7 @@ def follow(
     weight = mi.Color3f(1)  # throughput of the path
     segment = mi.UInt32(1)  # number of segments, counted between diffuse vertices
     vertex = mi.UInt32(1)  # number of vertices, including the start
-    travelled = mi.Float(0)  # length from the last vertex to the last side [m]
+    travelled = mi.Float(0)  # distance from the last vertex to the last side [m]
 
     while active:
         # Prepare the vertex, unless the ray only passes a side of the cell
