@@ -4,10 +4,9 @@ Every row is estimated by independent batches. Each batch has its own scrambled
 low-discrepancy sequence; accuracy is increased by longer batches, not by more batches.
 The standard error is computed from the variance of the batch means.
 
-A job defines the matrix rows, the type of their sums, and the relative error of the
-sums. The controller lengthens the batches until all samples are used or the target
-error is reached, divides the tracing into work units, adds the sums of the units in
-order, and reports progress.
+A job defines its matrix rows, their sums, and the relative error of sums. A controller
+lengthens the batches until all samples are used or the target error is reached, divides
+the tracing into work units, adds the sums of units in order, and reports progress.
 """
 
 import time

@@ -183,7 +183,6 @@ def trace_pixel_sun(
 def _places(
     rows: int, columns: int, block: int, every: int
 ) -> list[tuple[slice, slice]]:
-    # Divide the matrix into blocks of rows and columns
     return [
         (slice(at, min(at + block, rows)), slice(first, min(first + every, columns)))
         for first in range(0, columns, every)

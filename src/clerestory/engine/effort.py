@@ -45,10 +45,8 @@ class Effort:
     executor : executor of work units, such as a `Cluster`; default: this process.
         Results are bitwise identical for all executors
     progress : callback that receives the fraction done, 0…1, and a note
-    batches : number of independent estimates of each matrix row or pixel; None: a
-        default that depends on the traced quantity
-    components : whether the deviation of each batch from the mean is kept, to compute
-        the errors of results of several matrices
+    batches : number of independent estimates of each row; None: the default of the job
+    components : whether the deviation of each batch from the mean is kept
 
     Raises
     ------

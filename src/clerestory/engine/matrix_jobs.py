@@ -26,8 +26,7 @@ from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View
 from clerestory.scene.window import Window
 
-# Rows whose sum is below this fraction of the mean row sum need not reach the target
-# relative error
+# Rows with a sum below this fraction of the mean sum need not reach the target error
 _DARK = 0.01
 
 

@@ -219,9 +219,8 @@ class Source:
     def begin(self, pdf: mi.Float, sunlit: mi.Float):
         """Return the values that the source needs to weight the first path segment.
 
-        `pdf` is the density of the segment's direction [1/sr], or 0 for camera rays;
-        `sunlit` is the density of rays towards sunlit surfaces [1/sr], negative if no
-        such rays were sampled.
+        `pdf` is the density of the segment's direction, or 0 for camera rays; `sunlit`
+        is the density of rays to sunlit surfaces, negative if none were sampled [1/sr].
         """
         return
 

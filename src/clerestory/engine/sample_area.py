@@ -72,8 +72,7 @@ class Step:
     """Result of tracing a ray to a surface or to a side of the cell.
 
     `left` tells whether the ray leaves the slab. In a periodic cell, `way` is the
-    distance to the side [m], and `origin` the point on the opposite side at which the
-    ray continues.
+    distance to a side [m]; the ray continues at `origin` on the opposite side.
     """
 
     hit: mi.PreliminaryIntersection3f
@@ -180,7 +179,7 @@ def follow(
             found = _step(slab, branch, branching)
             receiver.receive(branch.d, share, branching & found.left)
 
-            # Select the branch in proportion to its weight
+            # Select one branch in proportion to weight
             stays = branching & ~found.left
             bright = dr.select(stays, dr.max(share), 0)
             total += bright

@@ -73,8 +73,7 @@ class Scores:
 
 @dataclass
 class _IncidentCells:
-    # Directions of travel of the incident cells; the bits of a cell's coordinates are
-    # interleaved in its index
+    # Directions of travel in incident cells; a cell's index interleaves its coordinates
     grid: Grid
 
     def sample(self, cell, u, v):
@@ -142,10 +141,9 @@ def trace_block(
 ) -> tuple[Scores, Scores]:
     """Trace paths from incident cells of a block, and return their sums.
 
-    A group in `groups` consists of indices of incident cells within the block, the
-    number of each cell's first path, and the number of paths per cell. For `back` and
-    `segments`, see `start` and `follow`. Return the sums of transmission, then those of
-    reflection.
+    Each group holds indices of incident cells within the block, the number of the first
+    path, and the number of paths per cell; for `back` and `segments`, see `start` and
+    `follow`. Return the sums of transmission, then the sums of reflection.
     """
     channels = 1 if slab.model.grey else 3
     sink = MatrixSink(dr.zeros(mi.UInt64), 2 * grid.cells, channels + 1)

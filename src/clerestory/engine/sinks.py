@@ -22,9 +22,9 @@ _LARGEST = 2000.0
 class MatrixSink:
     """Sums of a matrix in fixed point.
 
-    The first element of `sums` counts path weights outside the valid range; then
-    follows one sum for each (row and batch, column, channel). Grey scenes have one
-    channel. `slot` is the index of each path's row and batch.
+    The first element of `sums` counts path weights outside the valid range; the others
+    are sums by row and batch, column, and channel. `slot` indexes the path's row and
+    batch.
     """
 
     sums: mi.UInt64

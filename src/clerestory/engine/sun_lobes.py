@@ -35,8 +35,7 @@ _TRIED = 1024
 # Least sine of the angle between up vector and normal that defines a frame.
 _UPRIGHT = 1e-6
 
-# Name of the transmission function if the sun is behind (1) or in front of (-1) a
-# surface.
+# Transmission function by side of the sun: behind (1) or in front of (-1) a surface.
 _SIDES: dict[int, Function] = {1: "transmission_front", -1: "transmission_back"}
 
 

@@ -3,8 +3,7 @@
 BSDF-sampled paths hardly ever hit the sun's image in a mirror. Single reflections of a
 sun in plane mirrors are therefore sampled like Radiance's virtual light sources. Sunlit
 blinds and sunlit areas of the room are sampled by one ray along a lobe of transmitted
-sunlight or towards a portal; from the point that this ray hits, a shadow ray is traced
-to the sun.
+sunlight or towards a portal; a shadow ray to the sun starts where this ray hits.
 """
 
 from collections.abc import Iterator

@@ -80,7 +80,6 @@ class TreeTable:
         self.share = on_device(mi.Float, np.concatenate(shares))
 
     def _tabulate(self, trees: list[ScatteringTree | None]) -> None:
-        # Concatenate the trees
         zero = np.zeros(1, dtype=np.int32)
         slots = [zero if tree is None else tree.slots for tree in trees]
         means = [

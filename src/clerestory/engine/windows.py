@@ -33,8 +33,7 @@ class WindowTable:
 
     Attributes
     ----------
-    elements, rectangle : elements, and whether each is a rectangle; in triangles,
-        u + v < 1
+    elements, rectangle : elements, and whether each is a rectangle or a triangle
     chosen, area : distribution of the elements by area, and their total area [m²]
     window : index of each element's window
     first_element : index of each window's first element; an element has two faces

@@ -1,8 +1,8 @@
 """Reflectance of a smooth coat, which increases towards grazing angles as in Radiance.
 
-As in Radiance, the coat reduces the diffuse component by its reflectance at the view
-angle, and for direct light from luminaires and the sun also by its reflectance at the
-angle of incidence (in a `lamp_context`).
+As in Radiance, the coat reduces the diffuse component by the reflectance of the coat at
+the view angle, and for direct light from luminaires and the sun (in a `lamp_context`)
+also by the reflectance at the angle of incidence.
 """
 
 import drjit as dr
