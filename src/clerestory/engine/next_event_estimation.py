@@ -87,7 +87,7 @@ class Vertex:
 
 @dataclass
 class Path:
-    """A path at its current segment.
+    """A path, described at the current segment.
 
     Attributes
     ----------

@@ -29,8 +29,8 @@ MOST = 12
 # Polygons below this fraction of the largest polygon are not used as portals.
 _SMALLEST = 1e-3
 
-# The loop over rectangles is unrolled: a loop that fetches them from memory is five
-# times slower. There is one kernel per multiple of this number.
+# The loop over rectangles is unrolled, as a loop that fetches rectangles from memory is
+# five times slower. There is one kernel for each multiple of this number of rectangles.
 _TOGETHER = 4
 
 # Probability of sampling a portal before probabilities are learned.

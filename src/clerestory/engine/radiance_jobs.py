@@ -54,7 +54,7 @@ class RadianceJob(EstimatedJob):
         return Sums.empty(float, (rows, *self.shape[1:]), 1.0)
 
     def error(self, sums: Sums) -> float:
-        """Root mean square error of the rows, relative to their mean."""
+        """Root mean square error of the rows, relative to the mean of all rows."""
         return mean_error(sums.collected(), axis=1)
 
     def pilot_unit(self, paths: int) -> Unit:

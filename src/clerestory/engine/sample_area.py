@@ -35,13 +35,13 @@ from clerestory.scene.model import Scene
 _ROULETTE = 0.5
 
 # Number of branches of a path of full weight. For a blind, the work (time × variance)
-# is near its minimum for two to four.
+# is near the minimum for two to four branches.
 BRANCHES = 3
 
 # Relative extension of rays beyond the sides of a cell, to hit surfaces on the sides.
 _BEYOND = 1e-5
 
-# Largest number of vertices for unlimited bounces; far above that of physical scenes.
+# Largest number of vertices for unlimited bounces; far more than in physical scenes.
 _MOST_STEPS = 4000
 
 

@@ -107,7 +107,7 @@ class Distribution:
 
 @dataclass
 class PathNumbers:
-    """Sample numbers of a path at one of its vertices.
+    """Random numbers of a path at one vertex, from the sequence or hashed.
 
     `seed` is the seed of the row and batch, `index` the index of the sample point.
     """

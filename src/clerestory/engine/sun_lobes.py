@@ -43,9 +43,9 @@ _SIDES: dict[int, Function] = {1: "transmission_front", -1: "transmission_back"}
 class Lobes:
     """Lobes of sunlight transmitted by windows of one BSDF and one orientation.
 
-    The table samples the BSDF for a given incident direction, in a local frame whose
-    normal is that of the surfaces. The sun is behind the surfaces if `side` is 1, and
-    in front of them if it is -1. `chance` is the probability of sampling these lobes.
+    The table samples the BSDF for a given incident direction, in a local frame whose z
+    axis is the normal of the windows. The sun is behind the windows if `side` is 1, and
+    in front of the windows if -1. `chance` is the probability of sampling these lobes.
     """
 
     table: Table

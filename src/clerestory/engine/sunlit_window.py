@@ -2,7 +2,7 @@
 
 Directions to the window are sampled by solid angle and by the BSDF lobes for the
 incident direction of the sun, so wide and narrow lobes converge alike. Direct
-transmission (the peak of the BSDF), if separated, is a term of its own with the
+transmission (the peak of the BSDF), if separated, is an additional term with the
 angular width of the solar disc.
 """
 
