@@ -84,7 +84,7 @@ class Block:
 
 @dataclass(frozen=True, eq=False)
 class _Factor:
-    # Receiving matrices (V, C or C_ds), and the radiance or irradiance to multiply them by
+    # Matrices V, C or C_ds, and the radiance or irradiance by which they are multiplied
     source: tuple[int, int]
     sign: int
     matrices: Sequence[Readable]

@@ -35,7 +35,7 @@ class PatchLight:
     Attributes
     ----------
     values : exiting radiance, multiplied by the band weights if `summed`
-    components : error components of the radiance of each window; windows are independent
+    components : error components of the radiance, for each window by itself
     summed : whether products are summed over the channels, as for illuminance
     """
 
@@ -199,8 +199,8 @@ def _passed(
     *,
     errors: bool,
 ) -> Float32[np.ndarray, "more channel inner step"]:
-    # Product of a matrix and the radiance, then the error components due to the radiance
-    # and those due to the matrix
+    # Product of a matrix and the radiance, then error components: those due to the
+    # radiance first, those due to the matrix last
     found = factor.values.astype(np.float32) @ light
     if factor.components is None or not errors:
         return np.asarray(found)

@@ -150,7 +150,7 @@ class MeanComponents:
             known[:, block.rows] += own
 
     def values(self) -> Float[np.ndarray, "component sensor"]:
-        """Return the error components; their sum of squares is the variance of the mean."""
+        """Return the error components; the variance is the sum of squares."""
         none = np.zeros((0, self._sensors), np.float32)
         return np.concatenate([none, *self._found.values()])
 
