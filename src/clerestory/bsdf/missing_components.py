@@ -10,7 +10,7 @@ from clerestory.bsdf.quality_finding import Finding, Severity
 from clerestory.bsdf.reciprocity import Tables
 from clerestory.bsdf.scattering_function import OF_SIDE, OTHER_SIDE, Function
 
-# The two sides of a layer count as different above this mismatch (fraction of flux).
+# Mismatch above which the sides of a layer count as different, as a fraction of flux.
 _ASYMMETRIC = 0.05
 
 

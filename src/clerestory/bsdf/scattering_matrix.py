@@ -30,7 +30,7 @@ class ScatteringMatrix(ScatteringFunction):
     values: Float[np.ndarray, "exit incident"]
     exits: RingPartition  # partition of the exit hemisphere
     incidents: RingPartition  # partition of the incident hemisphere
-    # Standard error of each value [1/sr]; None if unknown
+    # Standard error of each BSDF value [1/sr]; None if unknown
     standard_error: Float[np.ndarray, "exit incident"] | None = None
 
     def __post_init__(self) -> None:
