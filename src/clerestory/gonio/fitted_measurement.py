@@ -26,11 +26,11 @@ from clerestory.progress import Progress
 
 @dataclass(frozen=True, eq=False)
 class Fitted:
-    """One scattering function of a layer, fitted to its measurement."""
+    """Scattering function of a layer, fitted to a measurement."""
 
     interpolant: Interpolant  # interpolated scattering function
-    function: Function  # such as "transmission_front"
-    channel: str = "visible"  # such as "visible" or "cie-x"
+    function: Function  # name of the function, such as "transmission_front"
+    channel: str = "visible"  # spectral channel, such as "visible" or "cie-x"
     name: str = ""  # name of the sample
     options: FitOptions = DEFAULT  # options of the lobe fits
 
@@ -145,7 +145,7 @@ class Conserved:
 
 
 def conserve_energy(fits: Sequence[Fitted]) -> Conserved:
-    """Scale fluxes where transmittance plus reflectance exceeds 1.
+    """Scale lobe fluxes where transmittance plus reflectance exceeds 1.
 
     The scale factors of the visible channel are used for all channels.
     """
