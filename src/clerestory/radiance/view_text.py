@@ -115,12 +115,7 @@ def opens_view(line: str) -> bool:
 
 
 def read_view(path: str | Path) -> View:
-    """Return the last view of a view file, or the view in an image header.
-
-    Raises
-    ------
-    InputError : the file is missing, or its view is missing or invalid
-    """
+    """Return the last view of a view file, or the view in an image header."""
     text = read_bytes(path)[:_LONGEST_HEADER].decode("latin-1")
     if text.startswith("#?"):
         text = text.partition("\n\n")[0]
@@ -137,9 +132,5 @@ def read_view(path: str | Path) -> View:
 
 
 def view_of(text: str) -> View:
-    """Return the view given by options, or by the name of a view file.
-
-    >>> view_of("-vta -vh 180 -vv 180").kind
-    'angular'
-    """
+    """Return the view given by options, or by the name of a view file."""
     return parse_view(text) if text.lstrip().startswith("-v") else read_view(text)

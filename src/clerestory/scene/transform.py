@@ -25,10 +25,6 @@ class Transform:
 
     The matrix multiplies row vectors (x, y, z, 1) from the right. The scale factor is
     positive; `mirrored` tells whether the transform reverses handedness.
-
-    >>> move, _ = parse_transform(["-rz", "90", "-t", "1", "0", "0"])
-    >>> move.points(np.array([[1.0, 0.0, 0.0]])).round(9).tolist()
-    [[1.0, 1.0, 0.0]]
     """
 
     matrix: Float[np.ndarray, "4 4"] = field(default_factory=lambda: np.eye(4))

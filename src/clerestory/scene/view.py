@@ -126,9 +126,6 @@ class View:
         """Return the columns and rows of the largest image within `resolution`.
 
         `pixel_aspect` is the ratio of pixel height to pixel width.
-
-        >>> View(horizontal=60, vertical=40).size_for(400)
-        (400, 252)
         """
         columns, rows = np.broadcast_to(resolution, 2).tolist()
         positive([columns, rows], "resolution")
@@ -185,9 +182,6 @@ class View:
 
         Values may be outside the image. They are NaN outside the projection, such as
         behind a perspective view, and for all directions in a parallel view.
-
-        >>> View().pixel(np.array([0.0, 2.0, 0.0]), columns=40, rows=30).tolist()
-        [15.0, 20.0]
         """
         local = unit(direction) @ self._axes.T
         u, v = self._projection.to_plane(local.reshape(-1, 3))
