@@ -56,7 +56,7 @@ def illuminance_scale(
 def value_colours(
     scale: ColourScale, values: Float[np.ndarray, "*batch"]
 ) -> UInt8[np.ndarray, "*batch 3"]:
-    """sRGB colour of each value on a scale."""
+    """Colour (sRGB) of each value on a scale."""
     return scale.colours(scale.place(values))
 
 
