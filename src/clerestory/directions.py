@@ -14,7 +14,7 @@ from clerestory.checks import require
 
 
 def unit(vector: Directions) -> Directions:
-    """Return the vectors normalised to unit length."""
+    """Vectors normalised to unit length."""
     vector = np.asarray(vector, dtype=float)
     length = np.linalg.norm(vector, axis=-1, keepdims=True)
     require(
@@ -25,7 +25,7 @@ def unit(vector: Directions) -> Directions:
 
 
 def from_azimuth(azimuth: Values, altitude: Values) -> Directions:
-    """Return unit vectors towards the given azimuth and altitude [rad].
+    """Unit vectors towards the given azimuth and altitude [rad].
 
     >>> from_azimuth(np.array(np.pi / 2), np.array(0.0)).round(6).tolist()  # east
     [1.0, 0.0, 0.0]
@@ -38,7 +38,7 @@ def from_azimuth(azimuth: Values, altitude: Values) -> Directions:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """Right-handed coordinate frame of a surface, as unit vectors: right × up = normal."""
+    """Right-handed frame of a surface, as unit vectors: right × up = normal."""
 
     right: Float[np.ndarray, "3"]
     up: Float[np.ndarray, "3"]
@@ -46,7 +46,7 @@ class Frame:
 
     @classmethod
     def from_normal_up(cls, normal: Vector, up: Vector) -> "Frame":
-        """Return the frame of a given normal, with `up` projected onto the surface."""
+        """Frame with the given normal, and with `up` projected onto the surface."""
         normal, up = unit(normal), unit(up)
         flat = up - np.dot(up, normal) * normal
         require(

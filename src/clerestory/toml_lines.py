@@ -14,7 +14,7 @@ Path = tuple[str | int, ...]
 def key_lines(text: str) -> dict[Path, int]:
     r"""Return the line number of every key and table of a valid TOML text.
 
-    A path has the names of tables and key, and indices for arrays of tables.
+    Paths are tuples of table and key names, with indices for arrays of tables.
 
     >>> key_lines('a = 1\n[[window]]\nfile = "south.rad"\n')[("window", 0, "file")]
     3
