@@ -139,7 +139,7 @@ def export_bsdf(
 class Conserved:
     """Fitted functions, scaled so that transmittance plus reflectance is at most 1."""
 
-    fits: tuple[Fitted, ...]  # scaled functions in the given order
+    fits: tuple[Fitted, ...]  # scaled functions, in input order
     largest: float  # largest transmittance plus reflectance before the correction
     changed: int  # number of incident directions at which fluxes were scaled
 

@@ -49,7 +49,7 @@ _SWEEPS = 4
 
 _AT_NORMAL = 1e-9  # directions with a smaller 1 − cos θ count as normal incidence
 
-# Directions count as equal if they agree to this number of decimal places.
+# Number of decimal places to which equal directions agree.
 _DIGITS = 7
 
 # Transmittance or reflectance at known directions, and kernel values of their pairs

@@ -28,8 +28,8 @@ from clerestory.gonio.symmetry import Symmetry, deduce_symmetry
 # Number of points added on the horizon, each with the value of the nearest point.
 _RIM = 240
 
-# Points count as equal if they agree to this number of decimal places (at the normal
-# all azimuths are one point).
+# Number of decimal places to which equal points agree (at the normal, all azimuths are
+# one point).
 _DIGITS = 9
 
 _AT_RIM = 0.9995  # points at larger radii on the unit disc count as on the horizon

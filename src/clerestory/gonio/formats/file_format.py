@@ -64,7 +64,7 @@ Line = tuple[int, str]
 
 _SEPARATOR = re.compile(r"[,;\s]+")
 
-# Polar angles of scattered directions are limited to this angle [°].
+# Upper limit of the polar angles of scattered directions [°].
 _LARGEST_THETA_DEG = 89.99
 
 

@@ -35,7 +35,7 @@ _ROWS = ("azimuth", "incidence", "receive", "rt")
 _WORKBOOK = b"\xd0\xcf\x11\xe0"
 _ROTATION = re.compile(r"stageRotation(-?\d+)", re.IGNORECASE)
 
-# Largest angles from the source at which the detector shades it, in A and in R [°].
+# Angles A and R [°] around the source within which the detector shades the source.
 _SHADOW_AZIMUTH, _SHADOW_ANGLE = 30.0, 10.0
 
 # Readings at larger detector angles [°] are omitted: the sample is seen edge-on.
