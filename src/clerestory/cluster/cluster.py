@@ -89,7 +89,7 @@ class Cluster:
         self.close()
 
     def close(self) -> None:
-        """Disconnect from the cluster without stopping it."""
+        """Disconnect from the cluster; its scheduler and workers keep running."""
         self._scene = self._job = _NOTHING
         self._client.close()
 

@@ -208,7 +208,7 @@ def _inverse(edges: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
 
 
 def window_rectangles(scene: Scene, origin: Origin) -> Rectangles:
-    """Return rectangles around the largest transmitting polygons, from `origin`."""
+    """Return rectangles around the largest panes, relative to the point `origin`."""
     found = [
         _rectangle(surface.vertices)
         for surface in scene.surfaces

@@ -205,6 +205,6 @@ def follow(
 
 
 def _turn(u, shift: float):
-    # Shift a number of the unit interval, modulo 1
+    # Shift a number in the unit interval, modulo 1
     u = u + shift
     return u - dr.floor(u)

@@ -37,7 +37,7 @@ class Parallelograms:
         return cls(vectors(mi.Point3f, corner), *edges)
 
     def take(self, number) -> "Parallelograms":
-        """Return the parallelograms with the given numbers."""
+        """Return the parallelograms with the given indices."""
         return dr.gather(Parallelograms, self, number)
 
     def point(self, u, v) -> mi.Point3f:

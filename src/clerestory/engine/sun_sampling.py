@@ -85,7 +85,7 @@ class Suns(Source):
         return mirrors, dr.select(looked, after.densities.sunlit, NOT_SAMPLED)
 
     def escaped(self, path: Path, active) -> Emission:
-        """Return the radiance of suns in the path's direction.
+        """Return the radiance of suns in the direction of an escaped path.
 
         Suns seen in one mirror are excluded: they are sampled by `samples`.
         """

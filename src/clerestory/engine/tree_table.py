@@ -32,7 +32,7 @@ from clerestory.hemisphere.shirley_chiu import cell_centres, directions_from_squ
 # is tabulated.
 _GRID = 32
 
-# Least tabulated value, so that every function can be sampled.
+# Least tabulated reflectance or transmittance, so that every function can be sampled.
 _LEAST = 1e-3
 
 # Probability of sampling the whole hemisphere, for directions that a resampled tree of

@@ -161,7 +161,7 @@ def _through_panes(
 
 @dr.syntax
 def first_hit(model: LoweredScene, ray: mi.Ray3f, active: mi.Bool):
-    """Trace camera rays to the first surface that blocks them, for its irradiance.
+    """Trace rays of an irradiance picture to the first surface that blocks them.
 
     As in `rpict -i`, rays pass straight through clear panes, refracting solids and
     proxies. Emitters have no irradiance.

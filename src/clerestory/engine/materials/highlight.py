@@ -54,7 +54,7 @@ class Ellipse:
 
 
 class Highlight:
-    """Roughness of a surface, from the parameters of a plugin.
+    """Gaussian lobes of a rough surface, from the parameters of a plugin.
 
     The plugin has `roughness` and, if anisotropic, `roughness_v` and `up`, a vector in
     scene coordinates that defines the first axis. The attribute `up` may also be a
