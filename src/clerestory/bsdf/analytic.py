@@ -37,7 +37,7 @@ def lambertian(
 def clear_air(partition: RingPartition) -> Bsdf:
     """Layer that transmits all light undeviated.
 
-    Its transmission matrix is the identity.
+    The transmission matrix of the layer is the identity.
     """
     straight = np.diag(1 / partition.projected_solid_angles())
     return _symmetric("Clear air", partition, straight, np.zeros_like(straight))
@@ -106,7 +106,7 @@ def glass_properties(
         reflected.append(r + (1 - r) ** 2 * r * passage**2 * series)
     t, r = np.mean(transmitted, axis=0), np.mean(reflected, axis=0)
 
-    # Add panes one by one with the series of interreflections between them
+    # Add panes one by one with the series of interreflections between panes
     all_t, all_r = t, r
     for _ in range(panes - 1):
         between = 1 / (1 - all_r * r)

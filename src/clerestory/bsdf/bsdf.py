@@ -5,8 +5,8 @@ right, y up, z along the normal into the room.
 
 *Front* is the outdoor side, as in LBNL WINDOW and its XML files: "transmission front"
 is for daylight from outdoors into the room. Radiance calls the room side front and
-swaps the names when it reads a file, so that it also applies "Transmission Front" in a
-file to daylight.
+swaps the names when it reads a file, so that "Transmission Front" in a file is for
+daylight in Radiance, too.
 """
 
 from collections.abc import Callable, Mapping
@@ -79,7 +79,7 @@ class Bsdf:
     def scattering(
         self, name: Function, *, channel: str = "visible"
     ) -> ScatteringFunction:
-        """Return one scattering function, a matrix or a tensor tree.
+        """Return one scattering function of the layer.
 
         If the transmission of only one side is given, the transmission of the other
         side follows by reciprocity.
@@ -207,7 +207,7 @@ class Bsdf:
     def resolution(
         self, incident: _Incident, leaving: _Leaving, *, channel: str = "visible"
     ) -> _Pair:
-        """Projected solid angle [sr] of the cell or patch that contains each pair.
+        """Projected solid angle [sr] of the exit cell or patch of each direction pair.
 
         Where the layer has no scattering function, the result is π (hemisphere).
         """
@@ -247,7 +247,7 @@ class Bsdf:
         channel: str,
         missing: float,
     ) -> _Pair:
-        # Apply to each pair of directions the scattering function of its two sides
+        # Apply the scattering function of the incident and exit sides of each pair
         incident, leaving = np.broadcast_arrays(incident, leaving)
         answer = np.full(incident.shape[:-1], missing)
         flat, i, o = answer.reshape(-1), incident.reshape(-1, 3), leaving.reshape(-1, 3)

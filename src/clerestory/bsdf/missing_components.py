@@ -10,11 +10,11 @@ from clerestory.bsdf.quality_finding import Finding, Severity
 from clerestory.bsdf.reciprocity import Tables
 from clerestory.bsdf.scattering_function import OF_SIDE, OTHER_SIDE, Function
 
-# The two sides of a layer count as different above this mismatch (fraction of flux).
+# Mismatch above which the sides of a layer count as different, as a fraction of flux.
 _ASYMMETRIC = 0.05
 
 
-# Effect of each missing function
+# Effect of each missing function on a simulation
 _EFFECTS: dict[Function, str] = {
     "transmission_front": "the layer transmits no daylight; matrix products reject it",
     "reflection_front": "light reflected to the outside is lost",
@@ -23,7 +23,7 @@ _EFFECTS: dict[Function, str] = {
 
 
 def check_components(bsdf: Bsdf, tables: Mapping[str, Tables]) -> Iterator[Finding]:
-    """Yield findings of missing, zero and duplicated scattering functions."""
+    """Yield findings about missing, zero and duplicated scattering functions."""
     if "visible" not in bsdf.channels:
         what = f"no visible channel, only {', '.join(bsdf.channels)}"
         effect = "daylight cannot be computed from this file"
@@ -57,8 +57,8 @@ def _empty(channel: str, tables: Tables) -> Iterator[Finding]:
 
 
 def _copied_sides(channel: str, tables: Tables) -> Iterator[Finding]:
-    # Equal transmissions are plausible if the transmission is its own reciprocal, equal
-    # reflections if the transmittances of both sides are equal
+    # Equal transmissions of both sides are plausible if the transmission is its own
+    # reciprocal, equal reflections if the transmittances of both sides are equal
     pairs = zip(*OF_SIDE.values(), strict=True)
     for pair, doubt in zip(pairs, mismatch_of_sides(tables), strict=True):
         one, other = (tables.get(name) for name in pair)
@@ -77,10 +77,10 @@ def _copied_sides(channel: str, tables: Tables) -> Iterator[Finding]:
 
 
 def mismatch_of_sides(tables: Tables) -> tuple[float, float]:
-    """Differences between the two sides of a layer, from its transmission.
+    """Differences between the two sides of a layer, estimated from the transmission.
 
-    First the mismatch between the front transmission and its reciprocal, then that
-    between front and back transmittances. Without transmission both are 0.
+    Return the mismatch of the front transmission and its reciprocal, and the mismatch
+    of front and back transmittances; 0 without transmission data.
     """
     front = tables.get("transmission_front")
     back = tables.get("transmission_back")

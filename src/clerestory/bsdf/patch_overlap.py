@@ -22,9 +22,10 @@ _QUARTERS = (((1, 0), (0, 1)), ((0, 1), (-1, 0)), ((-1, 0), (0, -1)), ((0, -1), 
 
 
 def patches_in_cells(partition: RingPartition, halvings: int) -> sparse.csr_array:
-    """Overlap [sr, projected] of each patch with each cell of the unit square.
+    """Projected solid angle of the overlap of each patch with each cell [sr].
 
-    `halvings`: 2^halvings cells along each axis, in row-major order.
+    `halvings`: log2 of the number of cells along each axis of the unit square; cells
+    are in row-major order.
     """
     wide = 1 << halvings
     lines = 2 * np.arange(wide + 1) / wide - 1
@@ -58,7 +59,7 @@ def patches_in_cells(partition: RingPartition, halvings: int) -> sparse.csr_arra
 
 
 def patches_in_patches(old: RingPartition, new: RingPartition) -> sparse.csr_array:
-    """Overlap [sr, projected] of each old patch with each new patch."""
+    """Projected solid angle of the overlap of each old with each new patch [sr]."""
     ring = np.unique(np.sin([*old.theta, *new.theta]) ** 2)
     turn = np.unique([*_azimuth_limits(old), *_azimuth_limits(new)])
     turn = np.append(turn, turn[0] + 2 * np.pi)
@@ -78,7 +79,7 @@ def patches_in_patches(old: RingPartition, new: RingPartition) -> sparse.csr_arr
 
 
 def opposite_patches(partition: RingPartition) -> Indices:
-    """Index of the patch rotated by 180° in azimuth, for each patch."""
+    """For each patch, index of the patch 180° away in azimuth."""
     return partition.find(partition.centres() * [-1, -1, 1])
 
 

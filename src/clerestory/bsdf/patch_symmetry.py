@@ -1,7 +1,7 @@
 """Differences between scattering matrices, their mirror images and their reciprocals.
 
-The mismatch of two tables is the fraction of the flux under a uniform sky that they
-scatter into different patches: 0 for equal and 1 for disjoint distributions.
+The mismatch of two matrices is the fraction of the flux under a uniform sky that the
+matrices scatter into different patches: 0 for equal and 1 for disjoint distributions.
 """
 
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ _RINGS_TOGETHER = 2
 
 
 def mismatch(one: ExitIncident, other: ExitIncident) -> float:
-    """Fraction of the flux that two tables scatter into different patches.
+    """Fraction of the flux that two flux tables scatter into different patches.
 
     >>> mismatch(np.array([[1.0, 1.0]]), np.array([[1.0, 1.2]])).__round__(6)
     0.047619
@@ -57,7 +57,7 @@ def turned_mismatch(part: ScatteringMatrix, turn: Turn) -> float:
 
 
 def turned_patches(partition: RingPartition, turn: Turn) -> Indices:
-    """Index of the patch that contains the image of the centre of each patch."""
+    """For each patch, index of the patch that contains the image of its centre."""
     x, y, z = partition.centres().T
     moved = {
         "half a turn": (-x, -y, z),
@@ -70,7 +70,7 @@ def turned_patches(partition: RingPartition, turn: Turn) -> Indices:
 
 
 def flux_table(part: ScatteringMatrix) -> ExitIncident:
-    """Flux between patches per unit radiance of a uniform sky [sr]."""
+    """Flux from incident to exit patches, per unit radiance of a uniform sky [sr]."""
     return np.asarray(
         part.exits.projected_solid_angles()[:, None] * part.flux_factors()
     )
@@ -82,7 +82,7 @@ def _flux_of_groups(part: ScatteringMatrix) -> Float[np.ndarray, "group group"]:
 
 
 def _groups(partition: RingPartition) -> Float[np.ndarray, "patch group"]:
-    # Membership of patches in groups: azimuth sectors of two rings; the pole patch
+    # Membership of patches in groups: pole patch, and azimuth sectors of two rings
     x, y, _ = partition.centres().T
     sector = np.floor(np.arctan2(y, x) * _SECTORS / (2 * np.pi) + 0.5 + 1e-6)
     ring = np.repeat(np.arange(len(partition.count)), partition.count)
@@ -98,9 +98,9 @@ class Comparison:
     # Root mean square difference of the BSDF [1/sr], weighted by the projected solid
     # angles of the exit and incident patches
     rms: float
-    mean: float  # mean of the first BSDF [1/sr], weighted in the same way
-    # Under a uniform sky, the fraction of the flux that the second layer scatters into
-    # other patches; 0 for equal layers, 1 for disjoint distributions
+    mean: float  # mean of the first BSDF [1/sr], weighted as in `rms`
+    # Fraction of the flux under a uniform sky that the second layer scatters into other
+    # patches than the first; 0 for equal layers, 1 for disjoint distributions
     redistributed: float
     # Mean, root mean square and largest difference of directional-hemispherical
     # transmittance or reflectance

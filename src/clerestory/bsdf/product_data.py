@@ -32,7 +32,7 @@ class Spectra:
 
 
 def usual_spectra(channel: str) -> Spectra:
-    """Return the spectra that genBSDF and WINDOW write for a channel.
+    """Return the spectrum file names that genBSDF and WINDOW write for a channel.
 
     >>> usual_spectra("visible").detector
     'ASTM E308 1931 Y.dsp'
@@ -48,7 +48,8 @@ class Product:
 
     Attributes
     ----------
-    name, manufacturer, device_type : texts of the XML elements of the same names
+    name, manufacturer, device_type : texts of the XML elements Name, Manufacturer and
+        DeviceType
     thickness, width, height : dimensions [m]; None if not given
     emissivity_front, emissivity_back : hemispherical, far infrared, 0…1; None if not
         given

@@ -1,8 +1,9 @@
 """Quality checks of BSDFs: energy, reciprocity, order, labels, copies and missing data.
 
 Helmholtz reciprocity and energy conservation hold for every layer. If a file violates
-one of these laws, typical errors are reversed (such as swapped sides); a reversal that
-removes the violation identifies the error. Every finding states the deviation.
+one of these laws, corrections of typical errors (such as swapped sides) are tried; a
+correction that removes the violation identifies the error. Every finding states the
+size of the deviation.
 """
 
 from collections.abc import Callable, Iterator
@@ -29,7 +30,7 @@ _NAMES = ("full", "half", "quarter")
 
 
 def check_angle_bases(bsdf: Bsdf) -> Iterator[Finding]:
-    """Yield findings of angle bases unlike WINDOW's, and notes of the file reader."""
+    """Yield findings about angle bases unlike WINDOW's, and notes of the reader."""
     partitions: dict[str, RingPartition] = {}
     for part in bsdf.functions.values():
         for partition in part.own_partitions() or ():
@@ -98,7 +99,7 @@ def _energy(channel: str, tables: Tables) -> Iterator[Finding]:
         severity = severity_of(excess, _ENERGY)
         if severity is None or part is None:
             continue
-        # Test whether the reflection of the other side conserves energy
+        # Test whether energy is conserved with the reflection of the other side
         other: Side = "back" if side == "front" else "front"
         swapped, _ = _scattered(tables, side, reflection_of=other)
         fits = f"reflection_{other}" in tables and swapped.max() < 1 + _ENERGY[0]
@@ -158,7 +159,8 @@ def _up_and_down(channel: str, tables: Tables) -> Iterator[Finding]:
     _, y, z = front.incidents.centres().T
     slant = (z < np.cos(np.radians(30))) & (z > np.cos(np.radians(70)))
     share = front.direct_hemispherical()
-    # Incident patches are indexed by direction of propagation: y < 0 from above
+    # Incident patches are indexed by direction of propagation: light from above has y <
+    # 0
     groups = (slant & (y < -0.35), slant & (y > 0.35))
     above, below = (float(share[g].mean()) if np.any(g) else 0.0 for g in groups)
     if above > _FROM_ABOVE * below:

@@ -17,7 +17,7 @@ class Finding:
     name: str  # kind of irregularity: "energy", "reciprocity", "order", …
     # "error" if results are invalid, "warning" if they are doubtful, else "info"
     severity: Severity
-    size: float  # deviation, of the quantity described in `what`
+    size: float  # deviation of the quantity that `what` describes
     what: str  # description, including the deviation
     where: str  # channel, function, patch and direction
     effect: str  # consequence for a simulation
@@ -34,7 +34,7 @@ class Finding:
 
 
 def severity_of(size: float, limits: tuple[float, float, float]) -> Severity | None:
-    """Severity of a deviation; None if it does not exceed the first limit.
+    """Severity of a deviation; None if the deviation is at most the first limit.
 
     >>> severity_of(0.02, (0.001, 0.01, 0.05))
     'warning'

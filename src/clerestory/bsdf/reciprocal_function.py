@@ -1,7 +1,8 @@
-"""Reciprocal of scattering functions whose reciprocal cannot be tabulated exactly.
+"""Reciprocal of a scattering function that has no exact tabulated reciprocal.
 
-The reciprocal of a rank 3 tensor tree is not a rank 3 tree. BSDF values are exact;
-integrals and samples use a grid of exit directions that is finer than the tree cells.
+The reciprocal of a rank 3 tensor tree is not a rank 3 tree. BSDF values of the
+reciprocal are exact; integrals and samples use a grid of exit directions that is finer
+than the tree cells.
 """
 
 from dataclasses import dataclass
@@ -80,7 +81,7 @@ class ReciprocalFunction(ScatteringFunction):
         return self.forward.tabulated().reciprocal()
 
     def own_partitions(self) -> None:
-        """None: the function has no patches."""
+        """Return None, because the function has no patches."""
 
     def _grid(self) -> Float[np.ndarray, "cells 3"]:
         # Directions to the centres of the grid cells in row-major order

@@ -1,8 +1,9 @@
 """Check of Helmholtz reciprocity.
 
 If renumbering of the incident patches removes a violation, the file has a different
-azimuth convention. If division of the values by a weight removes it, the values are not
-BSDFs. All other violations result from noise, interpolation or an invalid model.
+azimuth convention. If division of the values by a weight, such as a solid angle,
+removes a violation, the values are not BSDF values. All other violations result from
+noise, interpolation or an invalid model.
 """
 
 from collections.abc import Iterator
@@ -20,8 +21,8 @@ from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 _RECIPROCITY = (0.015, 0.05, 0.25)
 _SIDES = (0.02, 0.10, 0.50)
 
-# Largest fraction of the mismatch that remains after a plausible and after a certain
-# correction; smallest mismatch for which division by weights is tested.
+# Largest fraction of the mismatch that may remain after a plausible correction, and
+# after a proven correction; smallest mismatch for which division by weights is tested.
 _REPAIRED = 0.4
 _PROVEN = 0.1
 _WEIGHTED = 0.005
@@ -30,7 +31,7 @@ Tables = dict[Function, ScatteringMatrix]
 
 
 def check_reciprocity(channel: str, tables: Tables) -> Iterator[Finding]:
-    """Yield findings of violated reciprocity, with the correction if there is one."""
+    """Yield findings about violated reciprocity, with a correction if one is found."""
     for title, part, partner in _reverses(tables):
         size = reciprocity_mismatch(part, partner)
         severity = severity_of(size, _RECIPROCITY)
@@ -63,7 +64,7 @@ def check_reciprocity(channel: str, tables: Tables) -> Iterator[Finding]:
 def _reverses(
     tables: Tables,
 ) -> Iterator[tuple[str, ScatteringMatrix, ScatteringMatrix]]:
-    # Functions and their reciprocal functions; a reflection is its own reciprocal
+    # Pairs of reciprocal functions, with a name; a reflection is its own reciprocal
     for name in FUNCTIONS:
         one, other = tables.get(name), tables.get(OTHER_SIDE.get(name, name))
         if one is None or other is None or name == "transmission_back":
@@ -75,9 +76,9 @@ def _reverses(
 
 
 def check_sides(channel: str, tables: Tables) -> Iterator[Finding]:
-    """Yield findings of unequal diffuse transmittances of the two sides.
+    """Yield findings about unequal diffuse transmittances of the two sides.
 
-    By reciprocity the diffuse transmittances are equal.
+    By reciprocity, front and back diffuse transmittances are equal.
     """
     if not {"transmission_front", "transmission_back"} <= set(tables):
         return
@@ -93,7 +94,7 @@ def check_sides(channel: str, tables: Tables) -> Iterator[Finding]:
 
 
 def check_scaling(channel: str, tables: Tables) -> Iterator[Finding]:
-    """Yield findings of functions that are reciprocal after division by a weight."""
+    """Yield findings about functions that are reciprocal after division by a weight."""
     for title, part, partner in _reverses(tables):
         size = reciprocity_mismatch(part, partner)
         if size < _WEIGHTED:

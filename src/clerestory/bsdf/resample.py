@@ -1,7 +1,7 @@
 """Resampling of BSDFs between matrices and trees, and between partitions.
 
 Each new BSDF value is the mean of the old values, weighted by the projected solid
-angles of the overlaps of incident and of exit patches. This conserves flux.
+angles of the overlaps of incident and of exit patches, which conserves flux.
 """
 
 from dataclasses import replace
@@ -30,11 +30,11 @@ from clerestory.errors import InputError
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.shirley_chiu import directions_from_square
 
-# A rank 4 tree of 2⁶ cells along each axis has 17 million values before reduction.
+# Largest number of halvings: a rank 4 tree then has 17 million values before reduction.
 _FINEST = 6
 
-# A tree with exchanged directions is resampled at this many points per cell and axis;
-# this share of the value of a cell is added to its neighbours.
+# Trees with exchanged directions: number of sample points per cell and axis, and
+# fraction of the largest value of adjacent cells that is added to each cell.
 _WITHIN, _SPILL = 3, 0.03
 
 
@@ -77,10 +77,10 @@ def tree_from(part: ScatteringFunction, halvings: int) -> ScatteringTree:
 
 
 def reciprocal_mean(bsdf: Bsdf) -> Bsdf:
-    """Return the mean of a BSDF and its reciprocal, which satisfies reciprocity.
+    """Return the mean of a BSDF and its reciprocal; the mean satisfies reciprocity.
 
-    The reciprocal of the transmission of one side is the transmission of the other
-    side. Trees of rank 3 are unchanged, as their reciprocal is not a tree.
+    Each transmission is averaged with the reciprocal of the opposite transmission.
+    Trees of rank 3 are unchanged, because the reciprocal is not a tree.
     """
     functions = dict(bsdf.functions)
     for key, one in bsdf.functions.items():
@@ -120,14 +120,14 @@ def exchanged_tree(tree: ScatteringTree) -> ScatteringTree:
     other = directions_from_square(a.ravel(), b.ravel())
     value = np.zeros((edge, edge, edge))
     for step, inwards in enumerate(radial):
-        # A given direction with a direct-transmission azimuth of zero
+        # Incident direction of the new tree, with propagation towards azimuth zero
         radius = 1 - 2 * inwards
         known = np.array([-radius, 0.0, np.sqrt(1 - radius * radius)])
         found = tree.evaluate(other, np.broadcast_to(known, other.shape))
         cells = found.reshape(edge, _WITHIN, edge, _WITHIN).mean(axis=(1, 3))
         value[step // _WITHIN] += cells / _WITHIN
 
-    # Cells before and after the exchange overlap only partly: spread to neighbours
+    # Cells before and after the exchange overlap only partly: spread to adjacent cells
     value += _SPILL * maximum_filter(value, size=3, mode="nearest")
     value[edge // 2 :] = 0
     return full_tree(value, tree.depth, rank=3)

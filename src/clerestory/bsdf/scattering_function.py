@@ -19,7 +19,7 @@ Function = Literal[
 ]
 FUNCTIONS: tuple[Function, ...] = get_args(Function)
 
-# Number of direction pairs evaluated together; such arrays fit into the CPU cache.
+# Number of direction pairs evaluated together, so that arrays fit into the CPU cache.
 CHUNK = 1 << 15
 
 Side = Literal["front", "back"]
@@ -31,7 +31,7 @@ OF_SIDE: dict[Side, tuple[Function, Function]] = {
     "back": ("transmission_back", "reflection_back"),
 }
 
-# Reciprocal functions: the transmissions of opposite sides; reflections unchanged
+# Reciprocal of each transmission; a reflection is its own reciprocal
 OTHER_SIDE: dict[Function, Function] = {
     "transmission_front": "transmission_back",
     "transmission_back": "transmission_front",
@@ -83,7 +83,7 @@ class ScatteringFunction(ABC):
 
     @abstractmethod
     def resolution(self, incident: Directions, leaving: Directions) -> Values:
-        """Projected solid angle of the exit cell that contains each pair [sr]."""
+        """Projected solid angle of the exit cell of each direction pair [sr]."""
 
     @abstractmethod
     def average(self, exits: RingPartition, incidents: RingPartition) -> ExitIncident:

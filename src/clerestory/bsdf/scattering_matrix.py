@@ -30,7 +30,7 @@ class ScatteringMatrix(ScatteringFunction):
     values: Float[np.ndarray, "exit incident"]
     exits: RingPartition  # partition of the exit hemisphere
     incidents: RingPartition  # partition of the incident hemisphere
-    # Standard error of each value [1/sr]; None if unknown
+    # Standard error of each BSDF value [1/sr]; None if unknown
     standard_error: Float[np.ndarray, "exit incident"] | None = None
 
     def __post_init__(self) -> None:
@@ -51,7 +51,7 @@ class ScatteringMatrix(ScatteringFunction):
         return float(self.direct_hemispherical() @ weight / weight.sum())
 
     def flux_factors(self) -> ExitIncident:
-        """Exit radiance per unit radiance of each incident patch."""
+        """Exit radiance per unit radiance in each incident patch."""
         return np.asarray(self.values * self.incidents.projected_solid_angles())
 
     def evaluate(self, incident: Directions, leaving: Directions) -> Values:
@@ -89,7 +89,7 @@ class ScatteringMatrix(ScatteringFunction):
         return leaving.reshape(*shape, 3), density.reshape(shape)
 
     def resolution(self, incident: Directions, leaving: Directions) -> Values:
-        """Projected solid angle of the exit patch that contains each pair [sr]."""
+        """Projected solid angle of the exit patch of each direction pair [sr]."""
         leaving, _ = np.broadcast_arrays(leaving, incident)
         patch = find_patches(self.exits, leaving.reshape(-1, 3))
         size = self.exits.projected_solid_angles()[patch]

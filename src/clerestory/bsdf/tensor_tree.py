@@ -8,9 +8,8 @@ of the disc, and exit azimuths are relative to the incident azimuth. The convent
 those of Radiance's bsdf_t.c.
 
 A tree is one array of 32-bit slots. A non-negative slot contains the bits of a float
-value. A negative slot is a branch node: the bitwise complement of the index of the
-first of its 2^rank children; dimension i is bit i of the child number. Slot 0 is the
-root.
+value. A negative slot is a branch node: the bitwise complement of the index at which
+the 2^rank children start. Dimension i is bit i of the child number. Slot 0 is the root.
 """
 
 from collections.abc import Callable, Iterator
@@ -46,8 +45,8 @@ from clerestory.checks import one_of, require, within
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.shirley_chiu import cells_from_disc, disc_from_square
 
-# Offset of the first coordinate of rank 3 trees, so that it is below 1/2 at normal
-# incidence, as in Radiance.
+# Offset of the first coordinate of rank 3 trees, so that the coordinate is below 1/2 at
+# normal incidence, as in Radiance.
 _OFF_MIDDLE = 1e-6
 
 # Largest number of exit cells that are integrated in one step.
@@ -93,7 +92,7 @@ class ScatteringTree(ScatteringFunction):
         )
 
     def resolution(self, incident: Directions, leaving: Directions) -> Values:
-        """Projected solid angle of the exit cell that contains each pair [sr]."""
+        """Projected solid angle of the exit cell of each direction pair [sr]."""
         return self._over_pairs(
             lambda place: (
                 np.pi * 0.25 ** look_up(self.slots, place, depth=self.depth)[1]
@@ -159,7 +158,7 @@ class ScatteringTree(ScatteringFunction):
         return self
 
     def own_partitions(self) -> None:
-        """None: a tree has no patches."""
+        """Return None, because a tree has no patches."""
 
     @cached_property
     def _top(self) -> tuple[int, Int32[np.ndarray, " tops"]]:

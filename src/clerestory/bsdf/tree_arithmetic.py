@@ -1,9 +1,9 @@
-"""Operations on tensor trees: cell by cell, and merging of similar cells.
+"""Operations on tensor trees: cell-by-cell arithmetic, and merging of similar cells.
 
-Cells are merged as in rttree_reduce: a branch node is kept if √((max − min) / (√mean +
-0.03)) of the BSDF values below the node exceeds a threshold. The threshold is a
-percentile of this measure over all blocks of smallest cells: at 95 % about one block in
-twenty is kept.
+Cells are merged as in rttree_reduce: a branch node is kept if the measure √((max − min)
+/ (√mean + 0.03)) of the BSDF values below the node exceeds a threshold. The threshold
+is a percentile of the measure over all blocks of smallest cells: at 95 % about one
+block in twenty is kept.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -21,10 +21,10 @@ from clerestory.hemisphere.klems import klems
 
 _Values = Float32[np.ndarray, " cells"]
 
-# Slots of one part of a tree
+# Consecutive slots of a tree
 Region = Int32[np.ndarray, " _"]
 
-# Values of the nodes of one tree level, and whether each node is a branch node
+# BSDF of the nodes of one tree level, and whether each node is a branch node
 Nodes = tuple[Float[np.ndarray, " nodes"], Bool[np.ndarray, " nodes"]]
 
 
@@ -45,7 +45,7 @@ def level_slots(levels: Iterable[Nodes], rank: int) -> list[Region]:
 
 
 def full_levels(rank: int, count: int) -> Iterator[Nodes]:
-    """Levels of a tree without leaves, from the root on."""
+    """Upper levels of a full tree, which have only branch nodes; root first."""
     for level in range(count):
         yield np.zeros(1 << rank * level), np.ones(1 << rank * level, dtype=bool)
 
@@ -53,7 +53,7 @@ def full_levels(rank: int, count: int) -> Iterator[Nodes]:
 def combine(operation: Callable[..., Values], *trees: ScatteringTree) -> ScatteringTree:
     """Apply a function to the values of trees of equal rank, cell by cell.
 
-    Each cell of the result is as small as the smallest cell of any tree there.
+    Cells of the result are as small as the smallest of all trees at the same place.
     `operation`: function of one array of values per tree; returns non-negative values.
     """
     rank = trees[0].rank
@@ -73,7 +73,7 @@ def _combined(
         value[~inner] = operation(*leaves)
         yield value, inner
 
-        # Descend; if a tree has a leaf here, all children have the value of this leaf
+        # Descend one level; below a leaf, all children have the value of the leaf
         below = []
         for code, tree in zip(codes, trees, strict=True):
             of = code[inner, None]
@@ -215,7 +215,7 @@ def _merged(levels: list[_Level], rank: int, threshold: float) -> Iterator[Nodes
 
 
 def slot_means(tree: ScatteringTree) -> Float32[np.ndarray, " slots"]:
-    """Mean value of the cells below each slot of a tree."""
+    """Mean BSDF of the cells below each slot of a tree."""
     values = np.where(tree.slots < 0, 0, tree.slots).astype(np.int32)
     means = values.view(np.float32).astype(np.float64)
     for at, below in reversed(list(pairwise(_places(tree)))):

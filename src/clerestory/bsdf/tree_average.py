@@ -30,7 +30,7 @@ def average_tree(
 def _flux(
     groups: list[Cells], exits: RingPartition, incidents: RingPartition
 ) -> ExitIncident:
-    # Flux: sum of BSDF times overlap of the cell with exit and with incident patches
+    # Flux between patches: sum of BSDF of cells times overlaps of cells and patches
     finest = max(group.level for group in groups)
     leave, enter = patches_in_cells(exits, finest), patches_in_cells(incidents, finest)
     flux = np.zeros((len(exits), len(incidents)))
@@ -100,7 +100,7 @@ def _coarser(finest: int, level: int) -> sparse.csr_array:
 def _rings_in_radii(
     partition: RingPartition, wide: int
 ) -> Float[np.ndarray, "ring cells"]:
-    # Overlap [sr, projected] of each ring with each cell of the first dimension
+    # Projected solid angle [sr] of each ring in each cell of the first dimension
     radius = np.clip(1 - 2 * np.arange(wide + 1) / wide, 0, 1)
     ring = np.sin(partition.theta)
     low, high = np.sort([ring[:-1], ring[1:]], axis=0)[..., None]

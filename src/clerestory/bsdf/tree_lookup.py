@@ -39,7 +39,7 @@ class Slices(NamedTuple):
 
     @property
     def flux(self) -> Float[np.ndarray, " cells"]:
-        """BSDF times area in the unit square."""
+        """BSDF times cell area in the unit square; proportional to exit flux."""
         return np.asarray(self.value * self.size.astype(float) ** 2)
 
 
@@ -83,7 +83,7 @@ def dense_top(slots: Slots, rank: int, depth: int) -> tuple[int, _Tops]:
 def values_at(
     slots: Slots, top: tuple[int, _Tops], place: tuple[_Places, ...], *, depth: int
 ) -> Float32[np.ndarray, " pairs"]:
-    """BSDF values at places, looked up from the table of `dense_top` on."""
+    """BSDF values at places; the lookup starts from the table of `dense_top`."""
     rank, (halvings, codes) = len(place), top
     path = morton_codes(place, depth)
     code = np.take(codes, path >> rank * (depth - halvings))

@@ -35,7 +35,7 @@ class TreeTable:
 class _Nodes:
     # One entry per pair of braces, in text order
     level: Int8[np.ndarray, " nodes"]
-    grid: Int8[np.ndarray, " nodes"]  # levels within a grid; -1 for branch nodes
+    grid: Int8[np.ndarray, " nodes"]  # number of levels of a grid; -1 for branch nodes
     first: Int64[np.ndarray, " nodes"]  # index of the first value
 
 
@@ -123,7 +123,7 @@ def _demand(
     brace: npt.ArrayLike | None = None,
     count: npt.ArrayLike = 0,
 ) -> None:
-    # Require that all entries are valid; the message has the count of the first fault
+    # Require valid entries; the message contains `count` of the first invalid entry
     wrong = np.flatnonzero(~np.atleast_1d(valid))
     if len(wrong):
         at = wrong if brace is None else np.atleast_1d(brace)[wrong]

@@ -1,7 +1,6 @@
 """Scanner for the text of tensor trees: braces and numbers.
 
-The text can have hundreds of megabytes. It is scanned in chunks, so that little more
-memory is needed than for the values.
+The text, which can have hundreds of megabytes, is scanned in chunks to save memory.
 """
 
 import warnings
@@ -30,7 +29,7 @@ class TreeScan:
 
 
 class TreeFault(Exception):
-    """Error in the text of a tree, with the number of a brace or the byte offset."""
+    """Error in the text of a tree, located by the index of a brace or a byte offset."""
 
     def __init__(self, message: str, *, brace: int = -1, offset: int = -1) -> None:
         super().__init__(message)

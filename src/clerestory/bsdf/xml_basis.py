@@ -1,4 +1,4 @@
-"""Angle bases of BSDF files, from basis names, rings and numbers of values."""
+"""Angle bases of BSDF files, found from basis names, rings and numbers of values."""
 
 from dataclasses import dataclass
 
@@ -10,13 +10,13 @@ from clerestory.errors import InputError
 from clerestory.hemisphere.klems import from_rings, klems
 from clerestory.hemisphere.partition import RingPartition
 
-# Largest gap or overlap of adjacent rings, and largest deviation from 0 and 90 [°].
+# Tolerance of gaps and overlaps of rings, and of the outer limits 0 and 90° [°].
 _ROUNDING_DEG = 0.02
 
 _MOST_RINGS = 1000
 _MOST_PATCHES = 20_000
 
-# Definitions of Klems half and quarter in Radiance versions before WINDOW's were used.
+# Definitions of Klems half and quarter in old Radiance versions, unlike WINDOW's.
 _OLD = {
     "lbnl/klems half": (
         "LBNL/Klems Half (73)",

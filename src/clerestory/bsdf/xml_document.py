@@ -33,11 +33,11 @@ class TreeTexts:
     texts: list[bytes] = field(default_factory=list)
     # Line of the original XML where each text starts
     first_line: list[int] = field(default_factory=list)
-    # Line of the remaining XML that contains the index of each text
+    # Line of the shortened XML that contains the index of each text
     line_in_rest: list[int] = field(default_factory=list)
 
     def line(self, line_in_rest: int) -> int:
-        """Line of the original XML that corresponds to a line of the remaining XML."""
+        """Line of the original XML that corresponds to a line of the shortened XML."""
         before = bisect_left(self.line_in_rest, line_in_rest)
         if not before:
             return line_in_rest
@@ -94,7 +94,7 @@ class Document:
         return self.trees.line(seen) + self.lines_before
 
     def error(self, element: etree._Element, message: str) -> InputError:
-        """Error message with the file and the line of an element."""
+        """Input error with the file and the line of an element."""
         return InputError(message, file=self.path, line=self.line(element))
 
     def check(self, valid: object, element: etree._Element, message: str) -> None:
@@ -107,9 +107,9 @@ class Document:
         self.notes.append(f"line {self.line(element)}: {text}")
 
     def accept_negative(self, lost: float, element: etree._Element) -> None:
-        """Note a small flux of negative BSDF values; a large one is an error.
+        """Note negative BSDF values of small flux; raise InputError for a larger flux.
 
-        `lost`: flux as a fraction of the incident flux.
+        `lost`: flux of negative values as a fraction of the incident flux.
         """
         message = f"negative values contain {lost:.2%} of the flux; a BSDF without"
         self.check(lost <= _NEGLIGIBLE, element, f"{message} negative values expected")

@@ -98,7 +98,7 @@ def _metres(element: etree._Element) -> Decimal | None:
 
 
 def _number(text: str) -> float | None:
-    # Treat invalid numbers as missing: they are not used in simulations
+    # Treat invalid numbers as missing: simulations do not use product data
     valid = is_number(text) and math.isfinite(float(text))
     return float(text) if valid else None
 

@@ -23,14 +23,14 @@ from clerestory.bsdf.xml_product import read_product
 from clerestory.errors import ClerestoryWarning
 from clerestory.hemisphere.klems import klems
 
-# Functions by WavelengthDataDirection in lower case.
+# Scattering functions by WavelengthDataDirection in lower case.
 _NAMES: dict[str, Function] = {name.replace("_", " "): name for name in FUNCTIONS}
 
 # Ranks of tensor trees by IncidentDataStructure, and their angle basis.
 _RANKS: dict[str, Literal[3, 4]] = {"tensortree3": 3, "tensortree4": 4}
 _BASIS = "LBNL/Shirley-Chiu"
 
-# Larger directional-hemispherical values cause a warning, as in Radiance.
+# Transmittance or reflectance above this limit causes a warning, as in Radiance.
 _ENERGY_LIMIT = 1.01
 
 
@@ -91,7 +91,7 @@ def read_bsdf(path: str | Path) -> Bsdf:
 def _read_matrix(
     block: etree._Element, bases: Bases, by_rows: bool, document: Document
 ) -> ScatteringMatrix:
-    # Find the partitions that fit the names and the number of values
+    # Find the partitions that fit the basis names and the number of values
     data = document.require(block, "ScatteringData")
     values = read_numbers(data, document)
     rows, columns = choose_bases(block, bases, count=len(values), document=document)
@@ -141,7 +141,7 @@ def _read_tree(
     text = document.trees.texts[number]
     table = parse_tree(text, rank=rank, file=document.path, line=line)
 
-    # Half of a rank 3 tree is unused
+    # Half of a rank 3 tree is unused: the mean over the used half is twice as large
     lost = 3.1416 * table.negative * (2 if rank == 3 else 1)
     document.accept_negative(lost, data)
     return ScatteringTree(table.slots, rank, table.depth)

@@ -30,7 +30,7 @@ _LABELS = {
     for label in ("Visible", "Solar", "NIR", "IR", "CIE-X", "CIE-Z", "CIE-u", "CIE-v")
 }
 
-# Written for empty names: WinCalc requires text, and readers strip the space.
+# Text written for empty names: WinCalc requires text, and readers strip the space.
 _BLANK = "\N{NO-BREAK SPACE}"
 
 # Empty element that is replaced by the BSDF values; only a comment before all data can
@@ -148,7 +148,7 @@ def _structure(bsdf: Bsdf) -> str:
 
 
 def _partitions(bsdf: Bsdf) -> list[RingPartition]:
-    # Radiance and WINDOW identify partitions by name
+    # Require unique names: Radiance and WINDOW identify partitions by name
     found: dict[str, RingPartition] = {}
     for part in bsdf.functions.values():
         for partition in part.own_partitions() or ():
@@ -216,7 +216,7 @@ def _lines(part: ScatteringFunction, digits: int | None) -> Iterator[str]:
 
 
 def tree_lines(tree: ScatteringTree, *, digits: int | None = None) -> Iterator[str]:
-    """Yield the text of a tree line by line: a brace or a block of values each."""
+    """Yield the text of a tree line by line; a line is a brace or a block of values."""
     slots, width = tree.slots, 1 << tree.rank
     blocks = slots[1:].reshape(-1, width)
     full = np.all(blocks >= 0, axis=1)

@@ -59,7 +59,7 @@ def plot(request: requests.PlotBsdf) -> None:
 
 
 def compare(request: requests.CompareBsdfs) -> None:
-    """Print the differences of BSDFs from the first, and draw all BSDFs."""
+    """Print how each BSDF differs from the first one, and draw all BSDFs."""
     files, drawing = request.files, request.drawing
     require(len(files) > 1, "one BSDF file is given; two or more expected")
     bsdfs = [read_bsdf(file) for file in files]

@@ -20,7 +20,7 @@ _DIGITS = 7
 
 
 def convert(request: ConvertBsdf) -> None:
-    """Convert a BSDF, and print the diffuse values before and after."""
+    """Convert a BSDF; print diffuse transmittance and reflectance before and after."""
     before = read_bsdf(request.file)
     source = reciprocal_mean(before) if request.reciprocal else before
     if request.to == "tree":
@@ -38,7 +38,7 @@ def convert(request: ConvertBsdf) -> None:
 
 
 def reduce(request: ReduceBsdf) -> None:
-    """Reduce the tensor trees of a BSDF."""
+    """Merge cells of the tensor trees of a BSDF, and print the changes."""
     bsdf = read_bsdf(request.file)
     functions: dict[tuple[str, Function], ScatteringFunction] = {}
     for (channel, name), part in bsdf.functions.items():
@@ -65,7 +65,7 @@ def reduce(request: ReduceBsdf) -> None:
 
 
 def _change(before: Bsdf, after: Bsdf, channel: str, name: Function) -> str:
-    # Diffuse transmittance or reflectance, which a conversion must conserve
+    # Text line: diffuse transmittance or reflectance before and after conversion
     one, other = (bsdf.diffuse(name, channel=channel) for bsdf in (before, after))
     title = function_title(channel, name)
     return f"{title:34}diffuse {one:.5f} before, {other:.5f} after"

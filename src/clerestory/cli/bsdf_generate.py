@@ -22,7 +22,7 @@ _DEFAULTS = "default"
 
 
 def generate(request: GenerateBsdf) -> None:
-    """Trace a BSDF and write it, its standard errors and its geometry."""
+    """Trace a BSDF; write the BSDF file, its standard errors and the scene geometry."""
     begin = time.perf_counter()
     system = _system(request)
     if request.rad is not None:
@@ -50,7 +50,7 @@ def generate(request: GenerateBsdf) -> None:
 
 
 def _system(request: GenerateBsdf) -> System:
-    # Shading system of the only geometry option given, with its sample area
+    # Shading system with sample area, from scene files or from one system option
     files, periodic = request.files or [], request.periodic
     dimensions = request.dimensions
     kinds = vars(request.kinds).items()

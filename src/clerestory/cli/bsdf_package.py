@@ -16,7 +16,7 @@ from clerestory.scene.transform import parse_transform
 
 
 def package(request: PackageBsdf) -> None:
-    """Write a scene file of a BSDF."""
+    """Write a Radiance scene file with the surfaces of a BSDF."""
     file, output = request.file, request.output
     words = request.xform.split()
     transform, taken = parse_transform(words)

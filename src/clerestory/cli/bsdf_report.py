@@ -1,4 +1,4 @@
-"""Text of `clerestory bsdf`: descriptions, findings, differences."""
+"""Text output of `clerestory bsdf`: descriptions, findings, differences."""
 
 import json
 from collections.abc import Iterator, Sequence
@@ -16,7 +16,7 @@ from clerestory.hemisphere.klems import klems
 
 
 def function_title(channel: str, function: Function) -> str:
-    """Return channel and name of a scattering function in words."""
+    """Return the title of a scattering function, such as "visible reflection back"."""
     return f"{channel} {function.replace('_', ' ')}"
 
 
@@ -39,7 +39,7 @@ def info_lines(bsdf: Bsdf) -> Iterator[str]:
 def finding_lines(
     file: Path, findings: Sequence[Finding], *, all_of_them: bool
 ) -> Iterator[str]:
-    """Yield one line per finding, by default only for findings that affect results."""
+    """Yield a line per finding; without `all_of_them`, only if it affects results."""
     shown = [f for f in findings if f.matters or all_of_them]
     yield from (f"{file}: {finding}" for finding in shown)
     if not any(finding.matters for finding in findings):
@@ -47,7 +47,7 @@ def finding_lines(
 
 
 def findings_json(reports: Sequence[tuple[Path, Sequence[Finding], str]]) -> str:
-    """Return findings and reading errors of files as JSON."""
+    """Return the findings or the reading error of each file as JSON."""
     rows = [
         {
             "file": str(file),
@@ -61,7 +61,7 @@ def findings_json(reports: Sequence[tuple[Path, Sequence[Finding], str]]) -> str
 
 
 def comparison_lines(result: Comparison, names: tuple[str, str]) -> Iterator[str]:
-    """Yield the differences between two layers in words."""
+    """Yield lines of text on the differences between two BSDFs."""
     first, second = result.diffuse
     yield f"{names[1]} against {names[0]}"
     yield f"  {'diffuse light':34}{first:.4f} and {second:.4f}"
@@ -79,7 +79,7 @@ def _status(findings: Sequence[Finding]) -> str:
 
 
 def _summary(bsdf: Bsdf, channel: str, function: Function) -> str:
-    # Basis, and values for normal and for uniform diffuse incidence
+    # Basis, and transmittance or reflectance for normal and for diffuse incidence
     part = bsdf.functions[channel, function]
     on = part if isinstance(part, ScatteringMatrix) else None
     table = on or bsdf.function(function, channel=channel, partition=klems("full"))

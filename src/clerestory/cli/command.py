@@ -1,7 +1,7 @@
-"""Commands declared by requests: a dataclass of options with the decorator `command`.
+"""Commands, each declared by a *request*: a dataclass of options with `@command`.
 
-The module of the handler is imported when the command is called, so that printing help
-imports only the requests.
+The module that handles a request is imported when the command is called, so that
+printing help imports only the modules of requests.
 """
 
 import importlib
@@ -21,11 +21,11 @@ _Request = TypeVar("_Request", bound=type)
 
 @dataclass(frozen=True)
 class Command:
-    """Definition of a command, with an example of its arguments.
+    """Definition of a command of the command line.
 
-    The docstring of the request is the help text. The handler `served_by`
-    "module:function" in `clerestory.cli` takes the request and returns the exit status
-    or None. The help does not list the alias.
+    The docstring of the class `request` is the help text. `served_by` names the handler
+    "module:function" in `clerestory.cli`, which takes a request and returns the exit
+    status or None. `example` has example arguments. The help does not list `alias`.
     """
 
     request: type
@@ -44,7 +44,7 @@ class Command:
             added(self._function())
 
     def _function(self) -> Callable[..., int | None]:
-        # Typer derives the options from the signature
+        # Typer derives the options of a command from the signature of its function
         def call(**given: object) -> int | None:
             module, _, function = self.served_by.partition(":")
             served_by = importlib.import_module(f"clerestory.cli.{module}")
@@ -64,9 +64,9 @@ class Command:
 def command(
     served_by: str, example: str = "", *, name: str = "", alias: str = ""
 ) -> Callable[[_Request], _Request]:
-    """Make a class of options the request of a command; see `Command`.
+    """Return a decorator that makes a class of options the request of a command.
 
-    The command has the name of the function that serves it, unless `name` is given.
+    Without `name`, the command has the name of its handler function; see `Command`.
     """
 
     def declare(group: _Request) -> _Request:
@@ -78,13 +78,13 @@ def command(
 
 
 def commands_of(requests: ModuleType) -> dict[str, Command]:
-    """Commands by name whose requests a module declares, in order of declaration."""
+    """Return the commands declared in a module of requests, by name."""
     kept = (getattr(each, _KEY, None) for each in vars(requests).values())
     return {each.name: each for each in kept if isinstance(each, Command)}
 
 
 def _parameters(request: Any) -> Iterator[inspect.Parameter]:
-    # A parameter with Typer annotation for each field, with groups expanded
+    # One parameter with Typer annotation per option, including nested option groups
     for each, hint in _fields(request):
         if is_dataclass(hint):
             yield from _parameters(hint)
@@ -100,7 +100,7 @@ def _parameters(request: Any) -> Iterator[inspect.Parameter]:
 
 
 def _assemble(request: Any, given: Mapping[str, object]) -> Any:
-    # A request with the given values by name, groups included
+    # Request, with its nested option groups, from option values by name
     values = {
         each.name: _assemble(hint, given) if is_dataclass(hint) else given[each.name]
         for each, hint in _fields(request)
@@ -116,7 +116,7 @@ def _fields(request: Any) -> list[tuple[Field[Any], Any]]:
 def _typer_info(name: str, described: Option | Argument) -> Any:
     if isinstance(described, Argument):
         return typer.Argument(help=described.help, metavar=described.metavar)
-    # The name "--" marks an option without long name
+    # The name "--" marks an option without a long name
     names = tuple(each for each in described.names if each != "--")
     if not any(each.startswith("--") for each in described.names):
         names = (f"--{name.replace('_', '-')}", *names)

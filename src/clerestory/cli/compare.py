@@ -23,7 +23,7 @@ from clerestory.study.results import read_results
 
 
 def compare(request: Compare) -> None:
-    """Compare simulations with measurements; write tables, figures and a page."""
+    """Compare simulations with measurements; write tables, figures and an HTML page."""
     measured, sensors, quiet = request.measured, request.sensors, request.quiet
     if sensors is not None:
         count = mapping.write_layout_sensors(sensors, mapping.read_mapping(measured))
@@ -62,7 +62,7 @@ def _simulated(path: Path) -> Series:
 
 
 def _label(path: Path, all_paths: list[Path]) -> str:
-    # Name of the method if it is unique, otherwise name of the folder
+    # Phase method of a run if no other run has it, otherwise name of the run's folder
     if path.suffix.lower() == ".csv":
         return path.stem
     runs = [each for each in all_paths if each.suffix.lower() != ".csv"]

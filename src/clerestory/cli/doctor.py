@@ -7,7 +7,7 @@ from clerestory.engine.device import describe
 
 
 def doctor(_request: Doctor) -> None:
-    """Print devices and libraries; exit with status 1 if one is broken."""
+    """Print compute devices and libraries; exit with status 1 if one is broken."""
     findings = describe()
     width = max(len(finding.name) for finding in findings)
     for finding in findings:

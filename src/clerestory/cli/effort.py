@@ -13,7 +13,7 @@ from clerestory.engine.effort import Effort
 def tracing(
     options: EffortOptions | SunEffort, *, quiet: bool
 ) -> Iterator[Callable[[str], Effort]]:
-    """Yield a function from the title of a job to its effort with progress display."""
+    """Yield a function that returns the sampling effort of a job, given its title."""
     given = dict(vars(options))
     with (
         executor_at(given.pop("cluster")) as executor,

@@ -22,7 +22,7 @@ from clerestory.image.picture_files import write_picture
 
 
 def glare(request: GlareRequest) -> None:
-    """Evaluate pictures, and print or write their glare."""
+    """Compute the glare indices of pictures, and print or write them."""
     options = _options(request)
     indices, files = options.indices, request.files
     require(
@@ -56,7 +56,7 @@ def glare(request: GlareRequest) -> None:
 
 
 def _options(request: GlareRequest) -> EvalglareOptions:
-    # Option -T also sets the task area
+    # Option -T, which colours the task zone, also defines it
     if request.shown_task is None:
         return request.options
     sources = replace(request.options.sources, task=request.shown_task)
@@ -96,7 +96,7 @@ def _record(found: Evaluation) -> dict[str, object]:
 
 
 def _csv(records: list[dict[str, object]]) -> str:
-    # One line per picture, without nested tables
+    # CSV text: one line per picture, without glare sources and zone statistics
     names = [name for name, x in records[0].items() if not isinstance(x, list | dict)]
     text = io.StringIO()
     writer = csv.DictWriter(text, names, extrasaction="ignore", lineterminator="\n")

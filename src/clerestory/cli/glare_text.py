@@ -1,4 +1,4 @@
-"""Text of a glare evaluation in the format of evalglare."""
+"""Glare results as text in the format of evalglare."""
 
 import math
 
@@ -10,13 +10,13 @@ from clerestory.glare.luminance_statistics import FieldLuminances, RegionStatist
 from clerestory.glare.source_table import GlareSources
 from clerestory.glare.veiling import veiling_luminance
 
-# Name of the quantity in each column of evalglare
+# Name of the quantity for each column heading of evalglare
 _LONG = {q.column: q.name for q in REPORTED if q.column}
 _SHORT = {
     column: _LONG[column] for column in ("dgp", "dgi", "ugr", "vcp", "cgi", "Lveil")
 }
 
-# Columns of `FieldLuminances`, and the column after these
+# Column headings of the `FieldLuminances`, and the heading that follows them
 _FIELD = ("av_lum_pos", "av_lum_pos2", "med_lum", "med_lum_pos", "med_lum_pos2")
 _AFTER_FIELD = "ugp2"
 _TABLE = (
@@ -39,7 +39,7 @@ _REGION = {
 
 
 def short_line(result: Glare) -> str:
-    """Return the line that evalglare prints without options."""
+    """Return the line of glare indices that evalglare prints without options."""
     values = result.values()
     numbers = _six(*(values[name] for name in _SHORT.values()))
     return f"{','.join(_SHORT)}: {' '.join(numbers)}"
@@ -55,7 +55,7 @@ def long_line(result: Glare, field: FieldLuminances) -> str:
 
 
 def source_lines(result: Glare) -> list[str]:
-    """Return the table of sources that evalglare -d prints."""
+    """Return the table of glare sources that evalglare -d prints."""
     sources, veils = result.sources, veiling_luminance(result.sources)
     lines = [f"{sources.count} {_TABLE}"]
     common = (
@@ -86,8 +86,8 @@ def _six(*numbers: float) -> list[str]:
 
 
 def _shares(result: Glare) -> tuple[np.ndarray, np.ndarray]:
-    # Contribution of each source to the contrast term of DGP, relative to the whole
-    # contrast term and relative to DGP
+    # Contrast term of DGP for each glare source alone, as a fraction of the contrast
+    # term for all sources and as a fraction of DGP
     sources, k = result.sources, result.settings.coefficients
     scale = result.illuminance**k.a3
     each = k.c2 * np.log10(1 + sources.weight() / scale)
@@ -97,7 +97,7 @@ def _shares(result: Glare) -> tuple[np.ndarray, np.ndarray]:
 
 
 def source_rows(sources: GlareSources) -> list[dict[str, float]]:
-    """Return the glare sources as records."""
+    """Return one dictionary per glare source."""
     columns = {
         "pixels": sources.pixels,
         "row": sources.row,
@@ -116,7 +116,7 @@ def source_rows(sources: GlareSources) -> list[dict[str, float]]:
 
 
 def region_line(name: str, part: RegionStatistics) -> str:
-    """Return the statistics of a band, mask or zone in the format of evalglare."""
+    """Return luminance statistics of a band, mask or zone in evalglare's format."""
     names = ",".join(f"{name}_{word}" for word in (*_REGION.values(), "pixels"))
     numbers = _six(*(getattr(part, attribute) for attribute in _REGION))
     return f"{names}: {' '.join(numbers)} {part.pixels}"

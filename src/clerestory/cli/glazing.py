@@ -28,7 +28,7 @@ _MILLIMETRE = 1e-3
 
 
 def stack(request: StackLayers) -> None:
-    """Combine layers into one BSDF, and print its properties."""
+    """Combine layers into one BSDF, and print its optical and thermal properties."""
     system = _system(request.layer, request.gap, request.gas)
     averages = standard_named(request.standard)
     with progress_display(quiet=request.quiet) as display:
@@ -68,7 +68,7 @@ def stack(request: StackLayers) -> None:
 
 
 def info(request: GlazingInfo) -> None:
-    """Describe products; list the products of folders."""
+    """Describe product files; list the products in folders."""
     for path in request.file:
         if path.is_dir():
             for entry in read_catalogue(path):
@@ -94,7 +94,7 @@ def _system(files: list[Path], gap: float, gas: str) -> glazing_system.GlazingSy
 
 
 def _gases(text: str) -> dict[str, float]:
-    # A name without fraction stands for 100 % of this gas
+    # A gas without fraction fills 100 % of the gap
     shares: dict[str, float] = {}
     for part in text.split(","):
         name, _, share = part.partition("=")

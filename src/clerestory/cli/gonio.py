@@ -34,7 +34,7 @@ _DIGITS = 6
 
 
 def info(request: requests.MeasurementInfo) -> int:
-    """Print the coverage of measurements."""
+    """Print the angular coverage and noise of scans; return the exit status."""
     findings = 0
     for measurement in _read(request.measurement):
         coverage = measure_coverage(measurement)
@@ -44,7 +44,7 @@ def info(request: requests.MeasurementInfo) -> int:
 
 
 def fit(request: requests.FitMeasurement) -> None:
-    """Fit lobes and transport plans."""
+    """Fit lobes to scans, and write the lobes and transport plans to a file."""
     fits = _fitted(_read(request.measurement), request.fit, quiet=request.quiet)
     write_fits(request.output, fits)
     say(*gonio_text.fit_lines(fits), quiet=request.quiet)
@@ -85,7 +85,7 @@ def check(request: requests.CrossValidation) -> None:
 
 
 def export(request: requests.ExportBsdf) -> None:
-    """Write fits as a BSDF file."""
+    """Write fitted scattering functions as a BSDF file."""
     fits: tuple[Fitted, ...] = tuple(
         part for file in request.files for part in read_fits(file)
     )

@@ -1,4 +1,4 @@
-"""Text of `clerestory gonio`: coverage, fits and errors."""
+"""Text output of `clerestory gonio`: coverage, fits and prediction errors."""
 
 from collections.abc import Iterator, Sequence
 
@@ -11,7 +11,7 @@ from clerestory.gonio.cross_validation import CrossValidation
 from clerestory.gonio.fitted_measurement import Fitted
 from clerestory.gonio.scattering_measurement import Measurement
 
-# Headings of the tables, and the same columns with the values of a scan
+# Headings of two tables, each with the format of its rows, one row per scan
 _TABLE = "  θ [°]  φ [°]  points   to θ    gaps negative  noise    flux"
 _SCAN = (
     "{0.scan.theta_deg:7.1f}{0.scan.phi_deg:7.1f}{0.scan.values.size:8}"
@@ -44,7 +44,7 @@ def measurement_lines(measurement: Measurement, coverage: Coverage) -> Iterator[
 
 
 def fit_lines(fits: Sequence[Fitted]) -> Iterator[str]:
-    """Yield a description of fits."""
+    """Yield a line per fit: symmetry, numbers of lobes and plans, smoothing."""
     for fit in fits:
         network = fit.interpolant.network
         count = [len(lobes) for lobes in network.lobes]
@@ -58,7 +58,7 @@ def fit_lines(fits: Sequence[Fitted]) -> Iterator[str]:
 
 
 def validation_lines(validation: CrossValidation) -> Iterator[str]:
-    """Yield the errors of every scan, and their medians."""
+    """Yield the prediction errors of every scan, and their medians."""
     yield f"smoothing {validation.smoothing:g}: each scan predicted from the others"
     yield _ERRORS
     for scan in validation.scans:

@@ -1,4 +1,4 @@
-"""`clerestory illum`: precomputed window emitters for one sky (mkillum)."""
+"""`clerestory illum`: precomputed window emitters for one sky, like mkillum."""
 
 import time
 from pathlib import Path
@@ -15,7 +15,7 @@ from clerestory.scene.model import Scene
 
 
 def illum(request: Illum) -> None:
-    """Trace the emission of windows and write it as a scene file with data files."""
+    """Compute window emitters; write them as a scene file with data files."""
     begin = time.perf_counter()
     room = read_rad(*request.scene)
     panes = _panes(room, read_rad(*request.scene, request.panes), request.panes)
@@ -36,7 +36,7 @@ def illum(request: Illum) -> None:
 
 
 def _panes(room: Scene, both: Scene, file: Path) -> Scene:
-    # Surfaces of the pane file; all their materials must be defined in the scene
+    # Surfaces of the pane file, whose materials must be defined in the scene files
     found = both.surfaces[len(room.surfaces) :]
     for surface in found:
         require(

@@ -38,7 +38,7 @@ def import_model(request: ImportModel) -> None:
 
 
 def _mesh_scene(model: Path, materials: Path | None) -> Scene:
-    # Without a material map, the colours of the file become diffuse plastics
+    # Without a material map, the colours in the model file become diffuse plastics
     given = MaterialMap({}) if materials is None else read_material_map(materials)
     read: Callable[..., Scene] = partial(read_gltf, up=given.up or "y")
     if model.suffix.lower() == ".obj":

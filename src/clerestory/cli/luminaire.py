@@ -9,7 +9,7 @@ from clerestory.formats.photometry.read import read_luminaire
 from clerestory.report.figure_file import write_figure
 from clerestory.report.luminaire_plot import polar_figure
 
-# IES keywords that are printed, and their labels
+# IES keywords to print, and their labels
 _SHOWN = {"MANUFAC": "manufacturer", "LUMINAIRE": "luminaire", "LAMP": "lamp"}
 
 

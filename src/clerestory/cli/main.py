@@ -1,4 +1,4 @@
-"""Entry point of `clerestory`: runs a command and maps errors to messages and status.
+"""Entry point of `clerestory`: runs a command, prints errors, returns the exit status.
 
 Exit status: 0 done, 1 failed, 2 bad input, 130 interrupted. Errors and warnings are one
 line each on the error stream.
@@ -23,14 +23,14 @@ INTERRUPTED = 130
 # Options that take all words up to the next option
 _GREEDY = ("--scene", "--window")
 
-# Base class of usage errors, which Typer does not export
+# Base class of usage errors; Typer does not export this class
 _UsageError: type[Exception] = next(
     cls for cls in typer.BadParameter.__mro__ if cls.__name__ == "ClickException"
 )
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command, by default that of this process; return its exit status."""
+    """Run a command line, by default `sys.argv`; return the exit status."""
     words = spread(list(sys.argv[1:] if arguments is None else arguments))
     if words == ["--version"]:
         typer.echo(f"clerestory {__version__}")
@@ -56,7 +56,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def spread(words: list[str]) -> list[str]:
-    """Repeat an option that takes several files before each file.
+    """Repeat --scene or --window before each of the files that follow it.
 
     >>> spread(["--scene", "a.rad", "b.rad", "-o", "V.mtx"])
     ['--scene', 'a.rad', '--scene', 'b.rad', '-o', 'V.mtx']
@@ -77,7 +77,7 @@ def _show_warning(message: Warning | str, *_place: Any, **_more: Any) -> None:
 
 
 def _usage(error: Any) -> int:
-    # Usage error of Typer in one line, with a hint to the help of the command
+    # Print a usage error of Typer in one line that refers to the help of the command
     if type(error).__name__ == "NoArgsIsHelpError":
         error.show()
         return int(error.exit_code)

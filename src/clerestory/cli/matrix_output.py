@@ -13,7 +13,7 @@ from clerestory.sky.patch_radiance import SkyMatrix
 def write_any_matrix(file: MatrixFile, matrix: TransferMatrix, *, command: str) -> None:
     """Write a matrix; only `.nc` files contain labels and standard errors.
 
-    Radiance programs expect three components, so a single channel is repeated.
+    Radiance programs expect three channels, so a single channel is repeated.
     """
     if file.output.suffix.lower() == ".nc":
         # Imported on demand, because the NetCDF library loads slowly

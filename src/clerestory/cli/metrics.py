@@ -40,7 +40,7 @@ class _Grid:
 
 
 def metrics(request: Metrics) -> None:
-    """Print the metrics of each grid, and write tables of sensors."""
+    """Print daylight metrics of each grid; write metrics per sensor to a CSV file."""
     results, names, quiet = request.results, request.grid or [], request.quiet
     found = _grids(results, request.states, request.operate)
     grids = [grid for grid in found if not names or grid.name in names]
@@ -99,7 +99,7 @@ def _grids(path: Path, states: Path | None, operate: bool) -> Iterator[_Grid]:
 
 
 def _room_and_views(request: Metrics) -> Iterator[str]:
-    # Metrics of the room and of the views of a run
+    # Lines of text: sunlight exposure of the room, and glare of each view
     path = request.results
     if path.is_dir() and (path / "grids_info.json").is_file():
         return
@@ -137,7 +137,7 @@ def _scheduled(path: Path | None) -> dict[str, np.ndarray]:
 
 
 def _operated(folder: honeybee.HoneybeeFolder, name: str) -> dict[str, np.ndarray]:
-    # Direct illuminance per window group and state; groups without states are unshaded
+    # Shade states by LM-83; window groups without shade states are unshaded
     groups = folder.dynamic_paths(name)
     if not groups:
         return {}
@@ -191,7 +191,7 @@ def _room(
 
 
 def _part_of_year(grid: _Grid) -> str:
-    # Note if the results cover less than a year, for which the ASE limit is defined
+    # Note if results cover less than the year for which the ASE limit is defined
     hours = grid.lux.sizes["time"] * grid.step_hours
     short = hours < _HOURS_A_YEAR - 24
     return f" (of {hours / 24:.0f} days only)" if short else ""

@@ -22,7 +22,7 @@ _COMMAND = "clerestory multiply"
 
 
 def multiply(request: Multiply) -> None:
-    """Multiply matrices and write their product, or pictures of it."""
+    """Multiply matrices; write the product as a matrix file or as pictures."""
     terms, file = _terms(request.factors), request.file
     with progress_display(quiet=file.quiet) as display:
         progress = display("multiply")
@@ -54,7 +54,7 @@ def read_any_matrix(path: Path) -> TransferMatrix:
 
 
 def _terms(factors: list[Path]) -> list[list[Path]]:
-    # Factors of each product
+    # Files of the factors of each product; a + separates products
     terms: list[list[Path]] = [[]]
     for factor in factors:
         if str(factor) == "+":
@@ -86,7 +86,7 @@ def _sum(terms: list[list[Path]]) -> TransferMatrix:
 
 
 def _product(matrices: list[TransferMatrix], files: list[Path]) -> TransferMatrix:
-    # Keep the precision of the last factor, usually a large annual sky matrix
+    # The product has the precision of the last factor, usually a large sky matrix
     *first, last = matrices
     for (one, left), (other, right) in pairwise(zip(files, matrices, strict=True)):
         require(

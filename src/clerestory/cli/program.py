@@ -9,7 +9,7 @@ import typer
 from clerestory import __version__
 from clerestory.cli.command import commands_of
 
-# Request module of each command without group, in the order of the help
+# Module of requests for each command outside groups, in the order of the help
 _TOP = {
     "new": "study",
     "run": "study",
@@ -28,17 +28,17 @@ _GROUPS = ("trace", "sky", "bsdf", "glazing", "gonio", "luminaire", "picture")
 
 
 def program(words: list[str] | None = None) -> typer.Typer:
-    """Return the application, complete or limited to the commands of a command line.
+    """Return the Typer application; with `words`, only what a command line needs.
 
-    Only the command or group that the first word names is loaded. For another first
-    word, groups are added without their commands.
+    If the first word names a command or a group, only that one is loaded. Otherwise,
+    groups are added without their commands.
     """
     app = typer.Typer(
         name="clerestory",
         no_args_is_help=True,
         add_completion=False,
         pretty_exceptions_enable=False,
-        rich_markup_mode="markdown",  # else units in brackets vanish from the help
+        rich_markup_mode="markdown",  # "rich" drops units in brackets
         help="Annual daylight simulation of rooms with complex fenestration.",
     )
     app.callback()(_version_option)

@@ -1,6 +1,6 @@
-"""Progress display, and printed lines.
+"""Progress display and printed lines of commands.
 
-On a terminal, progress is a bar, otherwise one line every ten seconds.
+Progress is shown as a bar on a terminal, otherwise as a line every ten seconds.
 """
 
 import importlib
@@ -18,21 +18,21 @@ from clerestory.progress import Progress, silent
 # Delay before progress is shown [s]
 _PATIENCE = 2.0
 
-# Interval between lines in a log [s]
+# Interval between progress lines without a terminal [s]
 _LINE_EVERY = 10.0
 
 
 def say(*lines: str, quiet: bool = False) -> None:
-    """Print lines, unless the command is quiet."""
+    """Print lines of text unless `quiet`."""
     for line in () if quiet else lines:
         typer.echo(line)
 
 
 @contextmanager
 def progress_display(*, quiet: bool) -> Iterator[Callable[[str], Progress]]:
-    """Yield a function that starts the progress display of a phase of a given name.
+    """Yield a function that starts the progress display of a phase, given its name.
 
-    The display is updated by calls with the completed fraction, 0…1, and a note.
+    The function returns a callback for the completed fraction 0…1 and a short note.
     """
     if quiet:
         yield silent
@@ -59,7 +59,7 @@ def _bars() -> Any:
 
 
 def _bar(bars: Any, name: str) -> Progress:
-    # Shown by a timer, independently of the first progress report
+    # A timer shows the bar, even before the first progress report
     task = bars.add_task(name, total=1.0, visible=False, note="")
     timer = threading.Timer(_PATIENCE, lambda: bars.update(task, visible=True))
     timer.daemon = True

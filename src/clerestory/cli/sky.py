@@ -124,7 +124,7 @@ def _placement(size: float | None) -> tuple[SunPlacement, float]:
 
 
 def selected_weather(file: Path, days: requests.Days, moment: str | None) -> Weather:
-    """Return the weather of one time step or several days, with checked time stamps."""
+    """Return the weather of one time step or of several days; warn of clock errors."""
     weather = read_weather(file)
     warn_of_clock(weather)
     first, last = days.first_day, days.last_day
@@ -140,7 +140,7 @@ def selected_weather(file: Path, days: requests.Days, moment: str | None) -> Wea
 
 
 def _numbers(option: str, text: str) -> tuple[float, float, float]:
-    # A single number applies to all three channels
+    # Values of three channels, from one number for all or from R,G,B
     try:
         values = [float(word) for word in text.split(",")]
     except ValueError:

@@ -38,7 +38,7 @@ def new(request: requests.NewStudy) -> None:
 
 
 def run(request: requests.RunStudy) -> None:
-    """Run a study, or print the plan of its run."""
+    """Run a study, or print the estimated cost of a run."""
     study = read_study(request.study).with_trace(
         seed=request.seed, device=request.device, cluster=request.cluster
     )
@@ -77,7 +77,7 @@ def _run(study: Study, folder: Path, *, quiet: bool) -> None:
 
 
 def _summary(results: Results) -> Table:
-    # Means over each grid, with their standard errors
+    # Table of metrics averaged over each grid, with their standard errors
     data = results.data
     table = Table(title=results.title, title_justify="left")
     target = f"{data.attrs['target_lux']:g}"
@@ -106,7 +106,7 @@ def _figure(part: xr.Dataset, name: str, factor: float) -> str:
 
 
 def _plan_table(plan: StudyPlan) -> Table:
-    # One line per matrix, and the totals as caption
+    # Table of matrices with their tracing costs; the totals are the caption
     where = (
         f"{plan.workers} workers, {plan.device}" if plan.workers > 1 else plan.device
     )

@@ -121,7 +121,7 @@ def sun(request: requests.SunCoefficients) -> None:
 
 @dataclass(frozen=True)
 class _Run:
-    # Execution context of a tracing command: effort of a matrix by its title, output
+    # Tracing command: output file, and a function from matrix title to sampling effort
     kind: str
     file: common.MatrixFile
     effort: Callable[[str], Effort]
@@ -170,14 +170,14 @@ def _sensors(receiver: Camera | Sensors) -> Sensors | None:
 
 
 def _write_pictures(path: Path, matrix: TransferMatrix, camera: Camera) -> None:
-    # One picture per column
+    # One picture per matrix column, which is a window patch or a sun
     for column in range(matrix.columns.size):
         picture = camera.picture(matrix.values[:, :, column])
         write_picture(picture, numbered(path, column))
 
 
 def _summary(matrix: TransferMatrix) -> str:
-    # Size, and the error of the row sums (response to a uniform source)
+    # Matrix size, and standard error of the row sums (response to a uniform source)
     size = f"{matrix.rows.describe()} by {matrix.columns.describe()}"
     luminance = matrix.weighted(matrix.bands.shares)
     if luminance.components is None:

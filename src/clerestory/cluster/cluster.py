@@ -1,9 +1,9 @@
 """Execution of work units on a dask.distributed cluster.
 
 The scheduler and its workers are started beforehand, by any dask deployment method.
-The scene and each job (without its scene) are sent to each worker once; work units
-follow, and their sums are returned. Units of a lost worker are repeated on another
-worker. As units are deterministic, results are bitwise reproducible.
+Each worker receives the scene once and each job (without its scene) once, then work
+units, and returns the sums of path contributions. Units of a lost worker are repeated
+on another worker. As units are deterministic, results are bitwise reproducible.
 
 Client, scheduler and workers must trust each other: dask transfers values by pickle,
 so anyone with access to the port of the scheduler can execute code. Pickled values are
@@ -36,18 +36,18 @@ from clerestory.scene.model import Scene
 # their sums are sent over a network.
 _UNIT_SIZE = UnitSize(paths=1 << 20, sums=1 << 25)
 
-# Units submitted in advance per worker; results are returned in the order of the units
+# Number of units submitted to each worker in advance, so that no worker has to wait
 _AHEAD = 3
 
-# Number of attempts per unit if workers are lost; times to wait for a worker and for
-# the scheduler [s]
+# Largest number of attempts at a unit whose workers are lost; timeouts for the first
+# worker and for the scheduler [s]
 _TRIES = 10
 _WORKER, _SCHEDULER = 60.0, 10
 
 
 @dataclass(frozen=True, eq=False)
 class _Sent:
-    # A value sent to the workers, and the dask future of its copies there
+    # A scene or job sent to the workers, and the dask future of the copies there
     value: object
     copies: Any
 
@@ -56,7 +56,7 @@ _NOTHING = _Sent(None, None)
 
 
 class Cluster:
-    """Executor on the workers of a running dask scheduler; also a context manager.
+    """Executor of work units on the workers of a dask scheduler; a context manager.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ class Cluster:
         self._client.close()
 
     def workers(self) -> int:
-        """Return the current number of workers, each of which traces one unit."""
+        """Return the number of connected workers; each traces one unit at a time."""
         return len(self._client.scheduler_info(n_workers=-1)["workers"])
 
     def resolve(self, device: Device) -> Processor:
@@ -112,15 +112,15 @@ class Cluster:
         return "cpu"
 
     def accepts(self, job: Job, goal: Goal) -> bool:
-        """Return True: every job is accepted."""
+        """Return True: the cluster traces every job."""
         return True
 
     def unit_size(self, device: Processor) -> UnitSize:
-        """Return the largest size of a unit."""
+        """Return the largest size of a work unit."""
         return _UNIT_SIZE
 
     def map(self, job: Job, units: Iterable[Unit]) -> Iterator[np.ndarray]:
-        """Yield the sums of each unit, in the order of the units."""
+        """Trace work units, and yield the sums of each one in the given order."""
         waiting, running = iter(units), deque[tuple[Unit, Any]]()
         try:
             while True:
@@ -159,7 +159,7 @@ class Cluster:
             except ClerestoryError:
                 raise
             except _losses():
-                # The copies of the scene may be lost with the workers
+                # Send scene and job again: the copies may be lost with the workers
                 self._wait_for_workers()
                 self._scene = self._job = _NOTHING
                 future = self._submit(job, unit)
@@ -217,7 +217,7 @@ def _client(dask: ModuleType, address: str) -> Any:
 
 
 def _losses() -> tuple[type[BaseException], ...]:
-    # Types of the errors raised when a worker and its data are lost
+    # Exceptions that dask raises if a worker is lost together with its results
     client = importlib.import_module("distributed.client")
     killed = importlib.import_module("distributed.scheduler").KilledWorker
     return client.FutureCancelledError, killed, OSError

@@ -24,7 +24,7 @@ _PACKAGES = ("drjit", "mitsuba", "numpy")
 
 
 class Bench(distributed.WorkerPlugin):
-    """Plugin that holds the executor of a worker and a lock for one unit at a time."""
+    """Dask plugin of a worker: an executor, and a lock for one unit at a time."""
 
     name = NAME
 
@@ -35,7 +35,7 @@ class Bench(distributed.WorkerPlugin):
         self.whole: Any = None
 
     def do(self, scene: Scene, job: Any, unit: Unit) -> np.ndarray:
-        """Return the sums of a unit; `job` was sent without its scene."""
+        """Trace a unit and return its sums; `job` was sent without its scene."""
         with self.lock:
             if self.sent is not job or self.whole.scene is not scene:
                 self.sent, self.whole = job, replace(job, scene=scene)
@@ -44,7 +44,7 @@ class Bench(distributed.WorkerPlugin):
 
 
 def do_unit(scene: Scene, job: Job, unit: Unit) -> np.ndarray:
-    """Return the sums of a unit, computed by the plugin of the current worker."""
+    """Trace a unit with the plugin of the current worker, and return its sums."""
     bench: Any = distributed.get_worker().plugins[NAME]
     sums: np.ndarray = bench.do(scene, job, unit)
     return sums
@@ -57,5 +57,5 @@ def versions() -> dict[str, str]:
 
 
 def device_of(wanted: Device) -> str:
-    """Return this worker's device for a setting such as "auto"."""
+    """Return the device that this worker uses for a setting such as "auto"."""
     return str(resolve(wanted))

@@ -27,12 +27,12 @@ _STATISTICS: dict[str, Callable[[Agreement], str]] = {
     "correlation": lambda found: _known(found.correlation, ".4f"),
 }
 
-# Number of names in a note
+# Largest number of names listed in a note
 _SHOWN = 8
 
 
 def shares_table(comparisons: Sequence[Comparison]) -> list[list[str]]:
-    """Return a table of the fractions of pairs with deviations within the limits.
+    """Return a table of the fractions of pairs with deviations below 5, 10 and 20 %.
 
     The first row is the header. Each further row is for one group (grid or view) and
     quantity, with columns for each simulation.
@@ -53,7 +53,7 @@ def shares_table(comparisons: Sequence[Comparison]) -> list[list[str]]:
 
 
 def statistics_table(comparisons: Sequence[Comparison]) -> list[list[str]]:
-    """Return a table of all statistics, first of the groups, then of the series."""
+    """Return a table of all statistics: rows for the groups, then for the series."""
     counts = ["pairs", "gaps", "not simulated", "too dark"]
     within = [f"within {100 * limit:g} % [%]" for limit in LIMITS]
     rows = [["simulation", "series", "quantity", "unit"]]
@@ -80,7 +80,7 @@ def write_tables(comparisons: Sequence[Comparison], folder: Path) -> None:
 
 
 def comparison_facts(comparison: Comparison) -> dict[str, Any]:
-    """Return the results of a comparison, without pairs, as a JSON-compatible dict."""
+    """Return the results of a comparison as a dict for JSON, without single pairs."""
     return {
         "simulation": comparison.name,
         "rules": asdict(comparison.rules),

@@ -28,7 +28,7 @@ class GridLayout(CsvFormat):
     ----------
     columns : names of the table columns with readings
     column_axis : axis along which columns follow each other, "x" or "y"
-    column_at, row_at : coordinates of the columns along this axis, and of the rows
+    column_at, row_at : coordinates of the columns along `column_axis`, and of the rows
         along the other horizontal axis [m]
     height : z coordinate of the points [m]
     grid : name of the sensor grid of the study; if empty, all grids are searched
@@ -101,7 +101,7 @@ def read_scan(
 
 
 def sensors_at(layout: GridLayout, near: Series) -> list[list[str]]:
-    """Return the name of the sensor of the study at each point of a layout, by rows."""
+    """Return the names of the study's sensors at the points of a layout, row by row."""
     if near.position is None:
         raise InputError(
             "no positions of sensors; scans need the results.nc of a run",

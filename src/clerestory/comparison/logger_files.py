@@ -25,7 +25,7 @@ class CsvFormat(Table):
     ----------
     separator : character between cells
     skip_lines : number of lines before the header
-    factor : factor from the values in the file to those of the series
+    factor : factor by which the values in the file are multiplied
     """
 
     separator: str = Field(",", min_length=1, max_length=1)
@@ -39,7 +39,7 @@ class CsvFormat(Table):
     def values(
         self, table: LoggerTable, columns: Iterable[str]
     ) -> Float[np.ndarray, "column row"]:
-        """Return columns of numbers times the factor; NaN if missing."""
+        """Return columns of numbers times `factor`; missing numbers are NaN."""
         return self.factor * np.stack([table.numbers(name) for name in columns])
 
 
@@ -49,7 +49,7 @@ class LoggerFile(CsvFormat):
     Attributes
     ----------
     file : name of the file
-    time : column of times, or several columns whose texts are joined
+    time : name of the column of times, or of several columns whose texts are joined
     columns : column name of each series
     time_format : format for `datetime.strptime`; default: ISO 8601
     stands_for : whether times are the "start", "centre" or "end" of the steps; "moment"
@@ -74,8 +74,8 @@ def read_logger(
 ) -> Series:
     """Return the series in a CSV file of a data logger.
 
-    `clock` is the time zone of civil time, such as "Europe/Berlin", with its daylight
-    saving time; None for local standard time.
+    `clock` is the time zone of a logger on civil time (with daylight saving time), such
+    as "Europe/Berlin"; None for local standard time.
     """
     path = folder / logger.file
     table = logger.read(path)

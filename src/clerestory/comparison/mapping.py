@@ -20,7 +20,7 @@ from clerestory.files import write_text
 
 
 class Mapping(Table):
-    """A mapping file."""
+    """Contents of a mapping file."""
 
     title: str = ""
     utc_offset_hours: float | None = Field(None, ge=-14, le=14)
@@ -80,7 +80,7 @@ def read_measured_series(path: str | Path, *, near: Series) -> list[Series]:
 
 
 def write_layout_sensors(path: str | Path, mapping: Mapping) -> int:
-    """Write the points of all layouts as upward sensors; return their number."""
+    """Write sensors facing up at the points of all layouts; return their number."""
     places = [one.positions().reshape(-1, 3) for one in mapping.layout.values()]
     require(places, "no table [layout.NAME]; at least one expected")
     points = np.unique(np.concatenate(places).round(6), axis=0)

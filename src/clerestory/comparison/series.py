@@ -1,9 +1,9 @@
 """Time series of measured or simulated quantities.
 
-The names of series are those of results: `desks.3` is the illuminance of the third
-sensor of the grid "desks", `eye.dgp` the daylight glare probability of the view "eye".
-The quantity of a series is the part of the name after the last dot if this is a key of
-`UNITS`, otherwise illuminance.
+Series are named like results: `desks.3` is the illuminance of the third sensor of the
+grid "desks", `eye.dgp` the daylight glare probability of the view "eye". The text after
+the last dot is the quantity if it is a key of `UNITS`; otherwise the quantity is
+illuminance.
 """
 
 from dataclasses import dataclass, replace
@@ -22,7 +22,7 @@ from clerestory.study.results import read_results
 
 ILLUMINANCE = "illuminance"
 GLARE = tuple(index.name for index in INDICES)
-# Unit of each quantity that may be the last part of a name
+# Unit of each quantity that may follow the last dot of a name
 UNITS = {
     ILLUMINANCE: "lux",
     **{index.name: index.unit.removeprefix("1") for index in INDICES},

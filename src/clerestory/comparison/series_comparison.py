@@ -1,7 +1,7 @@
 """Comparison of measured and simulated series.
 
-The clock offset between measurement and simulation is the shift of smallest CV(RMSE).
-It is reported but not applied.
+The clock offset between measurement and simulation is the time shift with the smallest
+CV(RMSE). The clock offset is reported but not applied.
 """
 
 from collections.abc import Callable, Sequence
@@ -27,7 +27,7 @@ ABOVE_LUX = 100.0
 # Largest time shift and step of the search for the clock offset [min]
 _LARGEST, _STEP = 120, 5
 
-# Smallest number of distinct times required for the search
+# Smallest number of distinct times required for the search for the clock offset
 _FEWEST = 8
 
 Label = TypeVar("Label", str, tuple[str, str])
@@ -79,7 +79,7 @@ class Comparison:
     ----------
     name : name of the simulation
     below : number of pairs of each series that are excluded by `above_lux`
-    offset : time shift of best agreement for each quantity; it is not applied
+    offset : time shift of best agreement for each quantity; not applied to the pairs
     unmatched : names of measured series that were not simulated
     years_ignored : whether times were matched by month, day and time of day only
     """
@@ -259,8 +259,8 @@ def _in_the_same_years(
 
 
 def _in_year(series: Series, year: int) -> Series:
-    # Move the times of the first year to another year; drop all other years, and 29
-    # February if the other year has none
+    # Move the times of the first year to the given year; drop times of later years and,
+    # if the given year is not a leap year, of 29 February
     months = series.times.astype("datetime64[M]")
     day = (series.times.astype("datetime64[D]") - months).astype(int)
     rest = series.times - series.times.astype("datetime64[D]")

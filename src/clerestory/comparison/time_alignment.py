@@ -1,9 +1,9 @@
 """Time alignment of measured and simulated series.
 
-The series with shorter steps is averaged over the steps of the other series, if enough
-of the step is covered. If both have steps of the same length, or measurements are
-instantaneous, simulated values are interpolated between the centres of the steps. Clock
-offsets are not corrected.
+The series with shorter time steps is averaged over those steps of the other series of
+which it covers enough. If both series have steps of the same length, or measurements
+are instantaneous, simulated values are interpolated between the centres of the steps.
+Clock offsets are not corrected.
 """
 
 from dataclasses import dataclass, replace
@@ -46,7 +46,7 @@ class Pairs:
     outside: Int[np.ndarray, " series"]
 
     def where(self, chosen: np.ndarray) -> "Pairs":
-        """Return the pairs in a mask or index array; `names` are unchanged."""
+        """Return the pairs selected by a mask or by indices; `names` are unchanged."""
         return replace(self, **{n: getattr(self, n)[chosen] for n in _OF_PAIRS})
 
     def of(self, name: str) -> "Pairs":
@@ -61,8 +61,8 @@ def pair_series(
 ) -> Pairs:
     """Return the pairs of two series with the same names in the same order.
 
-    Both have the same UTC offset. `coverage` is the fraction of a coarse step that
-    values of finer steps must cover.
+    Both series have the same UTC offset. `coverage` is the fraction of a coarse step
+    that values of finer steps must cover.
     """
     coarse = (measured.step_minutes - simulated.step_minutes) * 60
     if measured.step_minutes > 0 and coarse < -_SAME:
@@ -74,7 +74,7 @@ def pair_series(
         gaps = np.isnan(measured.values).sum(axis=1)
         if coarse > _SAME and measured.step_minutes > 0:
             simulated_at, _ = _averaged(simulated, measured, coverage, simulated.values)
-            # Average the errors: they are correlated, since all steps share a matrix
+            # Average the standard errors: errors of all steps are correlated
             error = simulated.error
             if error is not None:
                 error, _ = _averaged(simulated, measured, coverage, error)

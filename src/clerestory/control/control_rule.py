@@ -27,7 +27,7 @@ class Situation:
     times : centres of the steps, local standard time
     states : number of states of the window group
     occupied : whether the room is occupied at each step
-    signals : time series by name, such as "irradiance" [W/m²] and "profile" [rad]
+    signals : time series by name: "irradiance" [W/m²], "profile" angle [rad] and others
     by_state : results over (state, time) by name, such as "illuminance" [lux] and "dgp"
     """
 
@@ -52,7 +52,7 @@ Rule = Callable[[Situation], Int[np.ndarray, " time"]]
 
 
 def apply_rule(rule: Rule, situation: Situation) -> Int[np.ndarray, " time"]:
-    """Return the states chosen by a rule, after validation.
+    """Return the shade states chosen by a rule, after checks of shape and range.
 
     >>> hours = np.array(["2001-06-21T09:30", "2001-06-21T12:30"], "datetime64[s]")
     >>> here = Situation(hours, 2, np.array([True, True]),

@@ -1,8 +1,8 @@
 """Blind operation of IES LM-83: at most 2 % of the sensors in direct sunlight.
 
 A sensor is in direct sunlight at 1000 lux or more from the sun without reflections.
-Window groups are operated independently; at each step the most open combination of
-states that meets the criterion is chosen.
+Each window group has a blind state of its own; at each time step, the most open
+combination of states that meets the criterion is chosen.
 
 Reference: IES LM-83-12 and LM-83-23, Approved Method: spatial daylight autonomy and
 annual sunlight exposure (blinds operation).
@@ -26,7 +26,7 @@ _MOST_COMBINATIONS = 256
 
 
 class Operation(NamedTuple):
-    """States of each window group over time, and whether the criterion is met."""
+    """Blind states of each window group, and time steps that meet the criterion."""
 
     states: dict[str, Int[np.ndarray, " time"]]
     kept: Bool[np.ndarray, " time"]
@@ -46,13 +46,13 @@ def operate_by_direct_sun(
     direct : direct illuminance through each window group [lux], over (state, sensor,
         time), with states from the most open to the most closed
     static : direct illuminance through windows without blinds [lux]
-    sun_lux : direct illuminance from which a sensor is in direct sunlight [lux]
+    sun_lux : lowest direct illuminance of a sensor in direct sunlight [lux]
     most_sensors : largest permitted fraction of sensors in direct sunlight
 
-    The most open combination has the smallest sum of state numbers; among equal sums,
-    the first in the order of the groups is chosen. With more than 256 combinations, the
-    group that adds most direct illuminance to sensors in direct sunlight is closed by
-    one state at a time.
+    The most open combination of states has the smallest sum of state numbers; among
+    equal sums, the first window groups are most open. If there are more than 256
+    combinations, blinds are closed state by state, each time in the window group that
+    contributes most direct illuminance to sensors in direct sunlight.
 
     >>> sun = np.array([[[2000.0, 500.0]], [[100.0, 25.0]]])  # open, closed; two hours
     >>> operate_by_direct_sun({"south": sun}).states["south"].tolist()

@@ -20,8 +20,8 @@ def profile_angle(
     """Profile angle of the sun [rad], measured upwards from the window normal.
 
     `sun` are unit vectors; `frame` is the frame of the window, with the normal into the
-    room. The angle is NaN if the sun is behind the window. For vertical slats it is
-    measured to the right as seen from the room.
+    room. The angle is NaN if the sun is behind the window. For vertical slats, the
+    profile angle is measured to the right as seen from the room.
 
     >>> y, z = np.eye(3)[1:]
     >>> south = Frame.from_normal_up(y, z)
@@ -78,7 +78,7 @@ def blocking_states(
     Parameters
     ----------
     profile : profile angle [rad]; NaN (sun behind the window) gives state 0
-    tilts : slat tilt of each state, from the most open [rad]
+    tilts : slat tilt of each state [rad], from the most open to the most closed state
     width, spacing : width and spacing of the slats [m]
     sunny : whether there is direct sunlight at each step; default: at all steps
 

@@ -60,7 +60,7 @@ class StateSchedule:
         *,
         static: Float[np.ndarray, "sensor time"] | None = None,
     ) -> Float[np.ndarray, "sensor time"]:
-        """Sum over all window groups of the results in the scheduled states.
+        """Sum the results of all window groups, each in the scheduled states.
 
         Parameters
         ----------
@@ -81,7 +81,7 @@ class StateSchedule:
 def select_states(
     by_state: Float[np.ndarray, "state *rest time"], state: Int[np.ndarray, " time"]
 ) -> Float[np.ndarray, "*rest time"]:
-    """Return the values in the state of each time step.
+    """Select, for each time step, the values of the scheduled state.
 
     >>> values = np.array([[10.0, 20.0], [1.0, 2.0]])
     >>> select_states(values, np.array([0, 1])).tolist()
@@ -96,10 +96,10 @@ def select_states(
 def states_at(
     schedule: StateSchedule, times: np.ndarray
 ) -> dict[str, Int[np.ndarray, " time"]]:
-    """States at given times; each time of a schedule is the beginning of a state.
+    """States at given times; each state lasts until the next time of the schedule.
 
-    Years are ignored: the last states of the year are valid until the first time of
-    the schedule.
+    Years are ignored: before the first time of the schedule, the states are those of
+    the last time.
 
     >>> lines = np.array(["2001-01-01T08:00", "2001-01-01T18:00"], "datetime64[s]")
     >>> schedule = StateSchedule(lines, {"south": np.array([1, 0])})
@@ -153,7 +153,7 @@ def write_schedule(path: str | Path, schedule: StateSchedule) -> None:
 
 
 def _of_the_year(times: np.ndarray) -> np.ndarray:
-    # Minutes since the beginning of the year, as in a leap year
+    # Month, day and time of day as minutes of the leap year 2024, since 1970
     moments = times.astype("datetime64[m]")
     months = moments.astype("datetime64[M]")
     month = months.astype(int) % 12

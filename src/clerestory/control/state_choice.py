@@ -13,9 +13,9 @@ from clerestory.checks import has_shape, require
 @final
 @dataclass(frozen=True, eq=False)
 class Limit:
-    """Limit of a quantity, such as DGP, in every state.
+    """Values of a quantity, such as DGP, in every state, and a limit of the values.
 
-    Values on the given side of the bound and values equal to it are permitted.
+    Permitted values are equal to `bound` or on the given side of `bound`.
     """
 
     values: Float[np.ndarray, "state time"]
@@ -30,7 +30,7 @@ class Limit:
 def least_closed(limits: Sequence[Limit]) -> Int[np.ndarray, " time"]:
     """Most open state within all limits, or the state of smallest relative excess.
 
-    A limit of DGP gives glare control.
+    With a limit of DGP, shades are closed no more than glare protection requires.
 
     >>> dgp = np.array([[0.5, 0.3, 0.6], [0.38, 0.2, 0.5], [0.2, 0.2, 0.45]])
     >>> least_closed([Limit(dgp, 0.40)]).tolist()
@@ -47,8 +47,8 @@ def best_states(
 ) -> Int[np.ndarray, " time"]:
     """State of the highest score within all limits.
 
-    Among states of equal score, the most open state is returned; if no state is within
-    the limits, the state of smallest relative excess.
+    Among states of equal score, the most open state is returned. If no state is within
+    all limits, the state of smallest relative excess is returned.
 
     >>> lux = np.array([[900.0, 800.0], [500.0, 300.0]])
     >>> dgp = np.array([[0.5, 0.3], [0.3, 0.2]])
@@ -70,7 +70,7 @@ def when_occupied(
     *,
     otherwise: int,
 ) -> Int[np.ndarray, " time"]:
-    """States in occupied steps; the state `otherwise` in unoccupied steps.
+    """Keep the states of occupied time steps; use `otherwise` in unoccupied steps.
 
     >>> when_occupied(np.array([1, 1]), np.array([True, False]), otherwise=0).tolist()
     [1, 0]
@@ -79,7 +79,7 @@ def when_occupied(
 
 
 def _worst(limits: Sequence[Limit]) -> Float[np.ndarray, "state time"]:
-    # Largest relative excess over all limits
+    # Largest excess over any limit, relative to the limit
     require(limits, "no limits; at least one expected")
     worst = np.zeros(limits[0].values.shape)
     for limit in limits:

@@ -1,8 +1,8 @@
 """Threshold control of shades with hysteresis and delay.
 
-A shade closes after a quantity, such as irradiance, is above the upper threshold for a
-number of consecutive steps, and opens after it is below the lower threshold. Delays
-reduce the number of movements under partly cloudy skies.
+A shade closes when a quantity, such as irradiance, was above the upper threshold for a
+number of consecutive time steps, and opens when the quantity was below the lower
+threshold. Delays reduce the number of movements under partly cloudy skies.
 """
 
 from functools import partial
@@ -26,7 +26,7 @@ def threshold_states(
 
     Parameters
     ----------
-    quantity : irradiance, illuminance or another quantity; at NaN the state is kept
+    quantity : irradiance, illuminance or another quantity; NaN does not move the shade
     close_above, open_below : upper and lower threshold; default of `open_below`:
         `close_above`
     close_after, open_after : number of consecutive steps above or below the threshold
@@ -66,8 +66,8 @@ def staged_states(
 ) -> Int[np.ndarray, " time"]:
     """Return the state, 0 to n, of a shade with n stages of closure at each step.
 
-    Each stage has an upper and a lower threshold, in increasing order; the state is the
-    number of stages that are closed.
+    Upper and lower thresholds increase from stage to stage; the state is the number of
+    closed stages.
 
     >>> w = np.array([100.0, 300.0, 600.0, 200.0])
     >>> staged_states(w, close_above=np.array([250.0, 500.0])).tolist()

@@ -91,7 +91,7 @@ class _Node(Item):
     translation: _Three = (0.0, 0.0, 0.0)
 
     def transform(self) -> np.ndarray:
-        """Matrix from the coordinates of the node to those of its parent."""
+        """Matrix from node coordinates to parent coordinates."""
         if self.matrix is not None:
             return np.array(self.matrix).reshape(4, 4).T
         require(any(self.rotation), "a rotation by four zeros; a quaternion expected")
@@ -131,8 +131,8 @@ def read_gltf(
     Parameters
     ----------
     materials : materials by name in the file; "*" for all other names
-    colours : whether materials that are not in `materials` are diffuse, with the base
-        colour in the file
+    colours : whether to make materials that are not in `materials` diffuse, with
+        their base colour in the file
     scale : metres per unit of the file
     up : axis of the file that points up, "y" or "z"
 
@@ -205,7 +205,7 @@ def _buffer(uri: str, binary: bytes | None, path: Path) -> bytes:
 
 
 def _element(elements: Sequence[_Element], what: str, index: int | None) -> _Element:
-    # Element of one of the lists of the document
+    # Element of a list of the glTF document; `what` is the name of the list
     known = index is not None and index < len(elements)
     message = f"{what}[{index}] is missing; the file has {len(elements)} {what}"
     require(known, message)
@@ -213,7 +213,7 @@ def _element(elements: Sequence[_Element], what: str, index: int | None) -> _Ele
 
 
 def _nodes(document: _Document) -> list[tuple[_Node, int, np.ndarray]]:
-    # Nodes with a mesh, and transforms from their meshes to the scene
+    # Nodes with a mesh, mesh indices, and matrices from mesh to scene coordinates
     start = tuple(range(len(document.nodes)))
     if document.scenes:
         start = _element(document.scenes, "scenes", document.scene).nodes
@@ -260,7 +260,7 @@ def _triangles(
 def _values(
     document: _Document, buffers: list[bytes], number: int | None, width: int
 ) -> np.ndarray:
-    # Values of an accessor, in groups of `width`
+    # Numbers of a glTF accessor, as rows of `width` numbers
     accessor = _element(document.accessors, "accessors", number)
     where, kind = f"accessors[{number}]", _TYPES.get(accessor.componentType)
     plain = _COUNTS.get(accessor.type) == width and accessor.sparse is None

@@ -1,7 +1,7 @@
 """Reader of honeybee models (HBJSON).
 
-Exterior apertures with a BSDF or with states become window groups; all other surfaces
-become the scene. Interior faces, which a model contains twice, are read once.
+If an exterior aperture has a BSDF or dynamic states, exterior glazing becomes window
+groups. Other surfaces become the scene; interior faces, given twice, are read once.
 
 Reference: ladybug-tools, honeybee-schema, the JSON schema of honeybee models.
 """
@@ -49,9 +49,9 @@ class ApertureGroup:
 
     Attributes
     ----------
-    polygons : outlines, counter-clockwise as seen from the room [m]
-    up : up vector of the BSDF; None: default up vector
-    states : name and modifier of each state; one entry for a window without states
+    polygons : outline of each aperture, counter-clockwise as seen from the room [m]
+    up : up vector of the BSDF; None for the default
+    states : name and modifier of each dynamic state; one entry for a static window
     """
 
     name: str
@@ -63,9 +63,9 @@ class ApertureGroup:
 @final
 @dataclass(frozen=True, eq=False)
 class HoneybeeModel:
-    """A honeybee model: scene without window groups, window groups, sensors, views.
+    """A honeybee model: scene without windows, window groups, sensors and views.
 
-    `unsupported` has descriptions of omitted items.
+    `unsupported` describes the content of the file that is ignored.
     """
 
     name: str
@@ -111,7 +111,7 @@ def _warn_of_size(scene: Scene, units: str, path: str | Path) -> None:
 
 @dataclass
 class _Group:
-    # Coplanar apertures with the same modifiers
+    # Coplanar apertures of one dynamic group, or with the same modifier
     name: str
     states: list[Modifier]
     polygons: list[np.ndarray] = field(default_factory=list)
@@ -194,7 +194,7 @@ class _Reading:
         group.polygons.append(outline)
 
     def states(self, part: Part) -> list[Modifier]:
-        """Return the modifiers of the states of an aperture or a shade."""
+        """Return one modifier per dynamic state of an aperture or a shade."""
         states = part.states or ()
         if any(state.shades for state in states):
             text = f'the shades of states of "{part.identifier}"'
@@ -222,7 +222,7 @@ class _Reading:
             self.shade(shade, room_set, "shade_set.interior_modifier")
 
     def shade(self, shade: Part, room_set: str, place: str) -> None:
-        """Add a shade in its first state."""
+        """Add a shade, in the first of its dynamic states."""
         modifier = self.modifiers.of(shade.modifier, place, room_set)
         states, name = self.states(shade), shade.identifier
         if states:
@@ -240,11 +240,11 @@ class _Reading:
             self.put(vertices[list(face)], modifier, mesh.identifier)
 
     def outline(self, part: Part) -> np.ndarray:
-        """Return the boundary of a part with its holes [m]."""
+        """Return the outline of a face, opening or shade, joined with its holes [m]."""
         return seamed(part.loops()) * self.scale
 
     def put(self, vertices: np.ndarray, modifier: Modifier, name: str) -> None:
-        """Add a surface; if its modifier is a BSDF, omit and report it."""
+        """Add a surface, or list it as unsupported if its modifier is a BSDF."""
         if isinstance(modifier, BsdfModifier):
             self.modifiers.unsupported.append(
                 f'the BSDF "{modifier.name}" of "{name}", which is no window to the'
@@ -255,7 +255,7 @@ class _Reading:
         self.surfaces.append(Polygon(vertices, key, name))
 
     def is_twin(self, part: Part) -> bool:
-        """Whether the face or opening on the other side has already been read."""
+        """Whether the same face or opening was already read from the adjacent room."""
         if part.exposure != "Surface":
             return False
         self.seen.add(part.identifier)
@@ -263,7 +263,7 @@ class _Reading:
 
 
 def _windows(groups: Sequence[_Group]) -> Iterator[ApertureGroup]:
-    # Groups of equal name in different planes are numbered
+    # Number the groups that have equal names but lie in different planes
     total = Counter(group.name for group in groups)
     number: Counter[str] = Counter()
     for group in groups:

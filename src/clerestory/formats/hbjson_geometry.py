@@ -15,7 +15,7 @@ from clerestory.scene.view import View
 
 
 def read_grids(radiance: Radiance, scale: float) -> dict[str, Sensors]:
-    """Return the sensor grids by name, in metres; empty grids are omitted."""
+    """Return the sensor grids by name, with positions in metres; omit empty grids."""
     found: dict[str, Sensors] = {}
     for grid in radiance.sensor_grids:
         if grid.sensors:
@@ -28,7 +28,7 @@ def read_grids(radiance: Radiance, scale: float) -> dict[str, Sensors]:
 
 
 def read_views(radiance: Radiance, scale: float) -> dict[str, View]:
-    """Return the views by name, in metres."""
+    """Return the views by name, with positions in metres."""
     found: dict[str, View] = {}
     for item in radiance.views:
         with located(file=None, subject=f'view "{item.identifier}"'):
@@ -47,7 +47,7 @@ def read_views(radiance: Radiance, scale: float) -> dict[str, View]:
 
 
 def plain_name(name: str) -> str:
-    """Return a name with a hyphen for each special character."""
+    """Return a name with special characters replaced by hyphens."""
     return "".join(c if c.isalnum() or c in " .-_" else "-" for c in name)
 
 
@@ -63,9 +63,9 @@ def _unique(name: str, taken: Container[str]) -> str:
 def seamed(
     loops: list[Float[np.ndarray, "_ 3"]],
 ) -> Float[np.ndarray, "point 3"]:
-    """Return one outline with holes, connected by seams to the first corner.
+    """Join an outline and its holes to one polygon, by seams from the first corner.
 
-    Holes have the opposite orientation, so that the signed area is correct too.
+    Holes are oriented opposite to the outline, so that they reduce the signed area.
     """
     first = loops[0]
     outward = area_vector(first)
@@ -77,7 +77,7 @@ def seamed(
 
 
 def plane_of(outline: Float[np.ndarray, "point 3"]) -> tuple[float, ...]:
-    """Return normal and distance from the origin [m] of a plane, rounded."""
+    """Return the plane of a polygon: rounded normal and distance from origin [m]."""
     normal = area_vector(outline)
     normal /= max(float(np.linalg.norm(normal)), 1e-12)
     distance = float(normal @ outline.mean(axis=0))

@@ -38,7 +38,7 @@ _GENERIC_GLASS = {
 @final
 @dataclass(frozen=True, eq=False)
 class BsdfModifier:
-    """A modifier given by the XML text of a BSDF file, and the up vector."""
+    """A BSDF modifier: XML text of the BSDF file, and up vector."""
 
     name: str
     xml: str
@@ -60,9 +60,9 @@ class Modifiers:
     def of(self, name: str | None, place: str, room_set: str = "") -> Modifier:
         """Return the modifier of an object: its own, its room's, or the default.
 
-        `name`: the object's own modifier, if it has one. `place`: key in a modifier
-        set, such as `wall_set.exterior_modifier`. `room_set`: modifier set of the room,
-        if it has one.
+        `name`: name of the object's own modifier, if any. `place`: key in a modifier
+        set, such as `wall_set.exterior_modifier`. `room_set`: name of the room's
+        modifier set, if any.
         """
         if name:
             require(name in self.named, f'no modifier "{name}" in the model')

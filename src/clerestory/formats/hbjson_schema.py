@@ -1,4 +1,4 @@
-"""Members of honeybee models that are read.
+"""Schema of the JSON members of honeybee models that the reader uses.
 
 Reference: ladybug-tools, honeybee-schema, the JSON schema of honeybee models.
 """
@@ -17,13 +17,13 @@ _Polygon = Annotated[tuple[Annotated[int, Field(ge=0)], ...], Field(min_length=3
 
 
 def _at(path: str, *default: object) -> Any:
-    # Member of an object within the object
+    # Member of a nested object, at a path such as "geometry.boundary"
     first = default[0] if default else ...
     return Field(first, validation_alias=AliasPath(*path.split(".")))
 
 
 class State(Item):
-    """A state of an aperture or a shade."""
+    """A dynamic state of an aperture or a shade."""
 
     modifier: str = ""
     shades: tuple[object, ...] = ()
@@ -51,12 +51,12 @@ class Part(Item):
     doors: "tuple[Part, ...]" = ()
 
     def loops(self) -> list[Float[np.ndarray, "point 3"]]:
-        """The outline and its holes, in units of the model."""
+        """Corners of the outline, then of each hole, in model units."""
         return [np.array(loop) for loop in (self.boundary, *(self.holes or ()))]
 
 
 class ShadeMesh(Item):
-    """A mesh that shades."""
+    """A shade given as a mesh."""
 
     identifier: str
     vertices: _Loop = _at("geometry.vertices")
@@ -74,7 +74,7 @@ class Room(Item):
 
 
 class ModifierItem(Item):
-    """A material or a BSDF; members of all types, 0 where they are missing."""
+    """A material or a BSDF, with the members of all types; missing members are 0."""
 
     identifier: str
     type: str
@@ -105,7 +105,7 @@ class ModifierItem(Item):
 
 
 class ModifierSet(Item):
-    """Names of modifiers by kind of surface (in `model_extra`), and modifiers."""
+    """Modifiers, and their names by kind of surface (in `model_extra`)."""
 
     model_config = ConfigDict(extra="allow")
 
@@ -154,7 +154,7 @@ class Radiance(Item):
 
 
 class Model(Item):
-    """The root of the file."""
+    """A honeybee model: the root object of the file."""
 
     type: Literal["Model"] = "Model"
     identifier: str = "model"

@@ -60,7 +60,7 @@ def parse_mgf(
 
     Parameters
     ----------
-    file, line : file and first line of the text, for messages
+    file, line : file and line at which the text begins, for error messages
     transform : transform of the scene, applied after the transforms in the text
 
     Examples
@@ -111,7 +111,7 @@ def _statements(text: str, line: int) -> Iterator[tuple[int, list[str]]]:
 
 @dataclass
 class _Reading:
-    # Current contexts, and surfaces created so far
+    # Current vertex, colour, material and transform; surfaces created so far
     file: str | Path | None
     place: TransformStack
     line: int = 1
@@ -123,7 +123,7 @@ class _Reading:
     unknown: set[str] = field(default_factory=set)
 
     def follow(self, words: list[str], at: int) -> int | None:
-        """Execute a statement; return the index of the next one if an array repeats."""
+        """Execute a statement; if an array repeats, return its start index."""
         keyword, *arguments = words
         if keyword == "xf":
             return self.place.follow(arguments, at)
@@ -207,7 +207,7 @@ class _Reading:
             self.add("f", partial(Polygon, np.array([v.point for v in piece])))
 
     def add_frustum(self, part: Frustum) -> None:
-        """Add a frustum as a cone."""
+        """Add the lateral surface of a truncated cone."""
         radii = part.base_radius, part.top_radius
         require(
             radii != (0, 0) and not min(radii) < 0 < max(radii),
@@ -227,7 +227,7 @@ class _Reading:
         self.surfaces.append(transformed(made, self.place.transform))
 
     def key(self) -> str:
-        """Return the key of the current material in the scene."""
+        """Return the key under which the scene holds the current material."""
         named = self.defined.materials.name or "mat", self.defined.materials.current
         if named not in self.keys:
             new = scene_material(named[1], named[0], self.source())

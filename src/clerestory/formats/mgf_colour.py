@@ -1,7 +1,7 @@
 """Colours of MGF: chromaticities, spectra and black-body temperatures.
 
-MGF mixes colours by luminance, so that the chromaticity of a mixture depends on the
-chromaticities only. Spectra are therefore converted to chromaticities.
+MGF weights the colours of a mixture by luminance, so that only chromaticities are
+needed. Spectra are therefore converted to chromaticities.
 
 Reference: Planck's law with c₂ = 1.4388 cm·K.
 """
@@ -14,7 +14,7 @@ from jaxtyping import Float
 from clerestory.checks import not_negative, positive, require
 from clerestory.colorimetry import OBSERVER, OBSERVER_NM, rgb_from_xyz
 
-_SECOND_RADIATION_CONSTANT = 1.4388e-2  # m·K
+_SECOND_RADIATION_CONSTANT = 1.4388e-2  # Constant c₂ of Planck's law [m·K]
 _COOLEST = 1000.0
 
 _MOST_SAMPLES = 10_000
@@ -31,7 +31,7 @@ GREY = Chromaticity(1 / 3, 1 / 3)
 
 
 def chromaticity(x: float, y: float) -> Chromaticity:
-    """Return the chromaticity with the given coordinates."""
+    """Return the chromaticity with coordinates x and y, after checking them."""
     require(
         x >= 0 and y >= 1e-4 and x + y <= 1,
         f"chromaticity {x:g}, {y:g}; x of 0 or more, y above 0, and a sum of at most 1"
@@ -57,18 +57,18 @@ def from_spectrum(values: list[float]) -> Chromaticity:
 
 
 def from_temperature(kelvin: float) -> Chromaticity:
-    """Return the chromaticity of a black body."""
+    """Return the chromaticity of a black body of a temperature [K]."""
     message = f"colour temperature is {kelvin:g} K; {_COOLEST:g} K or more expected"
     require(kelvin >= _COOLEST, message)
     metres = OBSERVER_NM * 1e-9
     exponent = _SECOND_RADIATION_CONSTANT / (metres * kelvin)
-    # Normalized to the maximum, to avoid overflow and underflow
+    # Logarithm of the spectrum; its maximum is subtracted, to avoid overflow
     power = -5 * np.log(metres) - exponent - np.log1p(-np.exp(-exponent))
     return _of_light(np.exp(power - power.max()))
 
 
 def mixed(weights: list[float], colours: list[Chromaticity]) -> Chromaticity:
-    """Return the chromaticity of colours mixed by luminance."""
+    """Return the chromaticity of a mixture; `weights` are relative luminances."""
     weight = np.array(weights)
     x, y = np.array(colours).T
     total = float(np.sum(weight / y))
@@ -79,7 +79,7 @@ def mixed(weights: list[float], colours: list[Chromaticity]) -> Chromaticity:
 
 
 def rgb(colour: Chromaticity, luminance: float) -> Float[np.ndarray, "3"]:
-    """Return a colour of luminance Y as RGB in Radiance's primaries."""
+    """Return a chromaticity with luminance Y as RGB in Radiance's primaries."""
     x, y = colour
     xyz = luminance * np.array([x / y, 1.0, (1 - x - y) / y])
     return np.asarray(rgb_from_xyz(xyz[:, None, None])[:, 0, 0])

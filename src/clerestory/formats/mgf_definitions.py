@@ -1,6 +1,6 @@
 """Vertices, colours and materials of MGF, and the statements that define them.
 
-A named context can become current again, or serve as template of another context.
+A named vertex, colour or material can be selected again, or copied to a new one.
 
 Reference: G. Ward, "The Materials and Geometry Format", version 2, LBNL, 1996.
 """
@@ -55,13 +55,13 @@ class MgfMaterial:
     shares: tuple[tuple[str, Share], ...] = ()
 
     def share(self, keyword: str) -> Share:
-        """Return the `Share` of a keyword; zero if it is not set."""
+        """Return the `Share` of a keyword such as "rd"; value 0 if it is not set."""
         return dict(self.shares).get(keyword, Share())
 
 
 @dataclass
 class Contexts(Generic[Value]):
-    """All contexts of one type: the current one and the named ones."""
+    """The current and the named vertices, colours or materials (MGF contexts)."""
 
     default: Value
     name: str | None = None
@@ -73,7 +73,7 @@ class Contexts(Generic[Value]):
 
     @property
     def current(self) -> Value:
-        """The current context."""
+        """The current vertex, colour or material."""
         return self.unnamed if self.name is None else self.named[self.name]
 
     @current.setter
@@ -88,7 +88,7 @@ class Contexts(Generic[Value]):
         return self.named[name]
 
     def choose(self, words: list[str]) -> None:
-        """Select a context by `name`, `name =`, `name = template` or no words."""
+        """Select `name`, define it (`name = template`), or reset to the default."""
         valid = len(words) <= 3 and words[1:2] in ([], ["="])
         shown = " ".join(words[:4])
         require(valid, f'context "{shown}"; a name, = and a template expected')
@@ -114,7 +114,7 @@ class Definitions:
     )
 
     def context(self, keyword: str, words: list[str]) -> None:
-        """Select the current vertex, colour or material."""
+        """Select or define the vertex, colour or material that becomes current."""
         contexts: dict[str, Contexts[Any]]
         contexts = {"v": self.vertices, "c": self.colours, "m": self.materials}
         contexts[keyword].choose(words)
@@ -183,7 +183,7 @@ DEFINING: dict[str, Callable[[Definitions, str, list[str]], None]] = {
 
 
 def numbers(keyword: str, words: list[str], count: int) -> list[float]:
-    """Return the numbers after a keyword, after checking their count."""
+    """Check the count of the numbers that follow a keyword, and return them."""
     values = [v for v in map(number, words) if v is not None and abs(v) <= LARGEST]
     if not len(values) == len(words) == count:
         given = f'{keyword} is followed by "{" ".join(words)[:60]}"'

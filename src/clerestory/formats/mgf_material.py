@@ -25,7 +25,7 @@ _LEAST_EMITTANCE = 0.1
 # Thickness to which the transmittance of a solid refers [m]
 _SOLID_THICKNESS = 0.005
 
-# Reflectances and transmittances below this are rounding errors of a converter
+# Largest reflectance or transmittance that counts as a rounding error
 _NEGLIGIBLE = 0.01
 
 # Maximum sum of reflectances and transmittances, above 1 because files round them
@@ -68,7 +68,7 @@ def _is_clear(given: MgfMaterial) -> bool:
 
 
 def _clear(given: MgfMaterial, name: str, source: Source | None) -> Material:
-    # Two-sided: pane of glass; one-sided: surface of a solid
+    # Two-sided materials are panes of glass, one-sided ones surfaces of solids
     through = given.share("ts")
     if given.one_sided:
         share = through.value + given.share("rs").value
@@ -82,7 +82,7 @@ def _between_faces(
     passed: Float[np.ndarray, "3"], index: float
 ) -> Float[np.ndarray, "3"]:
     # Internal transmittance of one pass, from a pane's transmittance at normal
-    # incidence (inverse of rad2mgf); mgf2rad uses ts + rs, 0.014 too high for t = 0.65
+    # incidence (inverse of rad2mgf); ts + rs, as in mgf2rad, is 0.014 too high at 0.65
     face = ((index - 1) / (index + 1)) ** 2
     clear = (1 - face) ** 2
     root = np.sqrt(clear**2 + (2 * face * passed) ** 2)
@@ -98,7 +98,7 @@ def _trans(given: MgfMaterial, name: str, source: Source | None) -> Trans:
     rough = rs * mirrored.roughness + ts * diffused[2].roughness
     return Trans(
         name,
-        # MGF: fractions of all light; trans: fractions of light not in the highlight
+        # MGF: fractions of incident flux; trans: fractions without the highlight
         colour / (1 - rs) if td + ts < 0.999 * both else colour,
         rs,
         rough / (rs + ts) if rs + ts > 1e-4 else 0.0,

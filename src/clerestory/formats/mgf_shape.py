@@ -1,4 +1,4 @@
-"""Shapes of MGF as polygons and cones, before transformation."""
+"""MGF shapes as polygons and cones, before transforms are applied."""
 
 import math
 from collections.abc import Iterator
@@ -14,12 +14,12 @@ from clerestory.formats.mgf_definitions import MgfVertex
 # Segments per quarter circle of a torus, as in Radiance
 _PARTS_OF_QUARTER = 5
 
-# Minimum cosine of the angle between a face and its vertex normals for a flat face
+# Smallest cosine between the face normal and the vertex normals of a flat face
 _FLAT = 0.999995
 
 
 class Frustum(NamedTuple):
-    """The lateral surface of a truncated cone; facing inwards if radii are negative."""
+    """The lateral surface of a truncated cone; negative radii: it faces inwards."""
 
     base: Float[np.ndarray, "3"]
     base_radius: float
@@ -28,10 +28,10 @@ class Frustum(NamedTuple):
 
 
 def faces(corner: list[MgfVertex]) -> list[list[MgfVertex]]:
-    """Return the polygons of a face: one, reversed if necessary; two triangles; none.
+    """Return a face as one polygon or two triangles; none if its area is zero.
 
-    Vertex normals at all three or four corners define the front side. If the normals
-    differ, a face of four corners gives two triangles. Facets are flat, not smooth.
+    Vertex normals at all three or four corners define the front side. A face of four
+    corners with different normals becomes two triangles, which are flat, not smooth.
     """
     normals = [v.normal for v in corner if v.normal is not None]
     if len(corner) > 4 or len(normals) < len(corner):
@@ -52,7 +52,7 @@ def faces(corner: list[MgfVertex]) -> list[list[MgfVertex]]:
 
 
 def joined_holes(names: list[str]) -> list[str]:
-    """Return one contour of a face with holes; a hyphen precedes each hole."""
+    """Join the vertices of an outline and its holes; a hyphen precedes each hole."""
     text = " ".join(names).removesuffix(" -")
     outside, *holes = (loop.split() for loop in f" {text} ".split(" - "))
     valid = all(len(loop) > 2 for loop in (outside, *holes))
@@ -67,7 +67,7 @@ def prism(corner: list[MgfVertex], length: float) -> Iterator[list[MgfVertex]]:
     """Yield the faces of a prism: sides, far end and near end.
 
     For a positive length, the given corners are counter-clockwise as seen from outside,
-    and the far end is behind them.
+    and the far end lies behind them.
     """
     point = np.array([v.point for v in corner])
     spoke = point - point[0]
@@ -87,7 +87,7 @@ def prism(corner: list[MgfVertex], length: float) -> Iterator[list[MgfVertex]]:
 
 
 def torus(centre: MgfVertex, inner: float, outer: float) -> Iterator[Frustum]:
-    """Yield the cones of a tessellated torus, inverted if the radii are negative."""
+    """Yield cones that approximate a torus; negative radii make them face inwards."""
     if centre.normal is None:
         raise InputError("a torus around a vertex without normal; one expected")
     sign = -1.0 if inner < 0 or (inner == 0 and outer < 0) else 1.0

@@ -13,11 +13,11 @@ _MOST_INSTANCES = 1_000_000
 
 @dataclass
 class _Level:
-    # An open transform; for an array, also the current instance and first statement
+    # An open transform or array; `start`: index of the first enclosed statement
     words: list[str]
     outer: Transform
     start: int
-    counters: list[int] = field(default_factory=list)  # indices of counts in words
+    counters: list[int] = field(default_factory=list)  # indices of instance numbers
     counts: list[int] = field(default_factory=list)
 
     @property
@@ -34,7 +34,7 @@ class _Level:
         return own.then(self.outer)
 
     def advance(self) -> bool:
-        # Advances to the next instance, last dimension first; False if there is none
+        # Go to the next instance, last dimension first; return False after the last one
         for at, count in reversed(list(zip(self.counters, self.counts, strict=True))):
             following = int(self.words[at]) + 1
             if following < count:
@@ -53,12 +53,12 @@ class TransformStack:
 
     @property
     def instances(self) -> list[str]:
-        """Names of the current instances of the open arrays."""
+        """Name of the current instance of each open array."""
         names = [level.instance for level in self.levels]
         return [name for name in names if name is not None]
 
     def follow(self, words: list[str], at: int) -> int | None:
-        """Open or close a transform; return the index of a statement to repeat from.
+        """Open or close a transform; return the index at which an array repeats.
 
         `words`: options of xform; without options, the innermost transform is closed.
         `at`: index of the current statement.
@@ -83,7 +83,7 @@ class TransformStack:
 
 
 def _level(words: list[str], outer: Transform, start: int) -> _Level:
-    # Each -a of an array becomes -i with a count that starts at 0
+    # Replace each `-a` of an array by `-i` with the instance number, from 0
     level = _Level(list(words), outer, start)
     for at, word in enumerate(words):
         if word != "-a":

@@ -19,7 +19,7 @@ from clerestory.scene.materials.plastic import Plastic
 from clerestory.scene.model import Material, Scene, TriangleMesh, insert_material
 from clerestory.scene.transform import number
 
-# Key for all materials and groups without a key of their own
+# Key of the material for all names without a key
 ANY = "*"
 
 
@@ -36,8 +36,8 @@ def read_obj(
     ----------
     path : path of the OBJ file
     materials : materials by name in `usemtl`, or by group name; "*" for all others
-    colours : whether materials that are not in `materials` are diffuse, with the colour
-        Kd in the file's material library (mtllib)
+    colours : whether to make materials that are not in `materials` diffuse, with the
+        colour Kd in the file's material library (mtllib)
     scale : metres per unit of the file
 
     Raises
@@ -70,7 +70,7 @@ def read_obj(
 
 
 def obj_meshes(text: ObjText, *, file: str) -> tuple[TriangleMesh, ...]:
-    """Return a mesh for each part; its material is `usemtl` or the group name.
+    """Return a mesh for each `ObjPart`; its material is `usemtl` or the group name.
 
     Triangles of zero area are omitted, with a warning that gives their number.
     """

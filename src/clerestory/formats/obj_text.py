@@ -34,7 +34,7 @@ _MOST_CORNERS = 100_000
 class ObjPart:
     """Triangles of one group and one material, as vertex indices from 0.
 
-    `group` and `material` are empty if not given; `line` is that of the first face.
+    `group` and `material` are empty if not given; `line` is the first face's line.
     """
 
     group: str
@@ -45,8 +45,8 @@ class ObjPart:
 
 @dataclass(frozen=True, eq=False)
 class ObjText:
-    """The content of an OBJ file: vertices in the file's units, parts in order of
-    appearance, and paths of material libraries.
+    """Vertices of an OBJ file in its units, triangles by group and material, and paths
+    of material libraries.
     """
 
     vertices: Float[np.ndarray, "vertices 3"]
@@ -72,7 +72,7 @@ def parse_obj(data: bytes, *, file: str) -> ObjText:
 
 
 def _runs(letters: UInt8[np.ndarray, " bytes"]) -> Iterator[tuple[int, int, int, int]]:
-    # Kind, first byte, end and first line of each run of lines of the same kind
+    # Runs of lines of the same kind: kind, first byte, end byte and first line
     ends = np.flatnonzero(letters == ord("\n"))
     starts = np.append(0, ends[:-1] + 1)
     one = letters[starts]
@@ -175,7 +175,7 @@ class _Reading:
                 case ["mtllib"]:
                     self.libraries.append(" ".join(words[1:]))
                 case ["v"] | ["f"]:
-                    # Keyword after leading blanks
+                    # Vertex or face with blanks before the keyword
                     one = np.frombuffer((" ".join(words) + "\n").encode(), np.uint8)
                     add = self.add_vertices if words[0] == "v" else self.add_faces
                     add(one, line + i)
@@ -188,7 +188,7 @@ class _Reading:
     def _numbers(
         self, letters: UInt8[np.ndarray, " bytes"], line: int
     ) -> tuple[Float[np.ndarray, " numbers"], Int[np.ndarray, " lines"]]:
-        # All numbers after the keywords, and the number of numbers per line
+        # All numbers after the keywords, and the count of numbers on each line
         blank = _SPACES[letters]
         begins = np.flatnonzero(~blank & np.append(True, blank[:-1]))
         ends = np.flatnonzero(letters == ord("\n"))
@@ -229,7 +229,7 @@ class _Reading:
 def _without_slashes(
     letters: UInt8[np.ndarray, " bytes"],
 ) -> UInt8[np.ndarray, " bytes"]:
-    # Replaces the text from a slash to the next blank, which leaves the vertex index
+    # Blank out the text from a slash to the next blank, to leave vertex indices only
     slash = letters == ord("/")
     if not slash.any():
         return letters

@@ -91,7 +91,7 @@ class WordReader:
         return self.error(f'the option "{option}" is not supported')
 
     def error(self, message: str) -> InputError:
-        """Return an error about the last word read, with the command or the file."""
+        """Return an error about the last word read; it names the command or file."""
         if self.path is None:
             return InputError(f"{self.program}: {message}")
         line = self.lines[max(self.at - 1, 0)] if self.lines else None

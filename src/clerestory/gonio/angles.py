@@ -12,8 +12,8 @@ _RIM = 0.9999
 def from_degrees(theta_deg: float | Values, phi_deg: float | Values) -> Directions:
     """Unit vectors at a polar angle and an azimuth [°].
 
-    The azimuth runs from right (+x) to up (+y). A negative polar angle is measured
-    towards the opposite azimuth; vectors at polar angles above 90° have z < 0.
+    The azimuth runs from right (+x) to up (+y). A negative polar angle means the
+    opposite azimuth; vectors at polar angles above 90° have z < 0.
 
     >>> from_degrees(90.0, 90.0).round(6).tolist()  # up
     [0.0, 1.0, 0.0]
@@ -26,7 +26,7 @@ def from_degrees(theta_deg: float | Values, phi_deg: float | Values) -> Directio
 
 
 def upper_hemisphere(direction: Directions) -> Directions:
-    """Directions reflected in the plane z = 0 so that z ≥ 0."""
+    """Directions, with negative z coordinates made positive."""
     return np.concatenate([direction[..., :2], np.abs(direction[..., 2:])], axis=-1)
 
 

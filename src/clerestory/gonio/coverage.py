@@ -16,22 +16,22 @@ from clerestory.gonio.raster import Raster
 from clerestory.gonio.scattering_measurement import SAME_DIRECTION, Measurement, Scan
 from clerestory.gonio.symmetry import SYMMETRIES, Symmetry, deduce_symmetry, images
 
-# A direction lies in a gap if the nearest measured direction is farther away than this
-# angle [°] and than this multiple of the median spacing of measured directions.
+# A direction is in a gap if its angle to the nearest measured direction exceeds both
+# _GAP_DEG [°] and _GAP_PER_SPACING times the median spacing of measured directions.
 _GAP_DEG = 6.0
 _GAP_PER_SPACING = 3.0
 
 # Largest angle between in-plane directions and the plane of incidence [°].
 _IN_PLANE_DEG = 2.0
 
-# Number of neighbouring values in each quadratic fit that estimates noise, and
-# approximate limit of the number of fits per scan.
+# Noise estimate: number of BSDF values in each local quadratic fit, and approximate
+# largest number of fits per scan.
 _NEIGHBOURS, _MOST_FITS = 16, 300
 
 # The grid for gaps and asymmetry has 2^5 × 2^5 cells of equal projected solid angle.
 _HALVINGS = 5
 
-# Largest asymmetry (fraction of the flux) of a layer that is considered symmetric.
+# Asymmetry above which a warning is given, as a fraction of the scattered flux.
 _ALIKE = 0.1
 
 _Grid = Float[np.ndarray, "row column"]
@@ -43,7 +43,7 @@ class ScanReport:
 
     scan: Scan
     reach_deg: float  # largest polar angle of the measured directions [°]
-    # Fraction of the projected hemisphere that is far from measured directions
+    # Fraction of the hemisphere, by projected solid angle, that lies in gaps
     gap: float
     # Largest angle from any direction to the nearest measured direction [°]
     gap_deg: float
@@ -55,14 +55,14 @@ class ScanReport:
 
 @dataclass(frozen=True)
 class Coverage:
-    """Coverage of a measurement."""
+    """Angular coverage, symmetry and quality of a measurement."""
 
     scans: tuple[ScanReport, ...]
     # Symmetry implied by the incident directions; None if ambiguous
     implied: Symmetry | None
     claimed: Symmetry | None  # symmetry stated in the file; None if not stated
-    # Fraction of the flux that differs between a scan and the mirror image of another
-    # scan (mean over scans), for each testable symmetry
+    # Fraction of the scattered flux that differs between scans and their mirror images,
+    # for each symmetry with scans at mirrored incident directions
     asymmetry: dict[Symmetry, float]
 
     def doubts(self) -> tuple[str, ...]:
@@ -97,7 +97,7 @@ class Coverage:
 
 
 def measure_coverage(measurement: Measurement) -> Coverage:
-    """Return the coverage of a measurement."""
+    """Return the angular coverage, symmetry and quality of a measurement."""
     implied: Symmetry | None = None
     with suppress(InputError):
         implied = deduce_symmetry(measurement.incidents)
@@ -127,7 +127,7 @@ def _report(scan: Scan) -> ScanReport:
 
 
 def _noise(tree: cKDTree, scan: Scan) -> float:
-    # Median relative residual of local quadratic fits, where the BSDF exceeds its mean
+    # Median relative residual of local quadratic fits where the BSDF exceeds the mean
     bright = np.flatnonzero(scan.values >= np.abs(scan.values).mean())
     if len(scan.values) < _NEIGHBOURS or not len(bright):
         return 0.0
@@ -156,7 +156,7 @@ def _in_plane(scan: Scan) -> bool:
 
 
 def _asymmetry(measurement: Measurement) -> dict[Symmetry, float]:
-    # Compare each scan with the mirror image of the scan at the mirrored incidence
+    # Compare each scan with the mirror image of the scan at mirrored incidence
     found: dict[Symmetry, float] = {}
     incidents = measurement.incidents
     lights = [_light(scan) for scan in measurement.scans]

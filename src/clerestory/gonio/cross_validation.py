@@ -1,11 +1,11 @@
 """Leave-one-out cross-validation of interpolated measurements.
 
 Each scan is predicted from all other scans and compared with the measurement. Errors
-are upper estimates: leaving out a scan doubles the distance between its neighbours.
+are upper estimates, because the distance between scans doubles where one is left out.
 Scans at the border of the measured region are extrapolated.
 
-The beam direction is the centroid of the directions near the peak where the BSDF is at
-least half of the peak value; it is less sensitive to noise than the peak itself.
+The beam direction is the centroid of directions near the BSDF peak at which the BSDF is
+at least half of the peak. A centroid is less sensitive to noise than the peak.
 """
 
 import functools
@@ -38,18 +38,18 @@ from clerestory.gonio.symmetry import Symmetry, fold
 from clerestory.hemisphere.shirley_chiu import cell_centres, directions_from_square
 from clerestory.progress import Progress
 
-# log2 of the number of grid cells along each axis: for the distance, and for the finer
-# grid on which lobes are rasterized.
+# log2 of the number of grid cells along each axis, for the earth mover's distance and
+# for the finer grid on which lobes are rasterized.
 _HALVINGS, _DRAWN = 4, 6
 
 _LEAST = 1e-6  # cells with less than this fraction of the total flux are ignored
 
 
 def earth_movers_distance(one: Lobes, other: Lobes) -> float:
-    """Earth mover's distance: mean angle by which flux must be moved [rad].
+    """Earth mover's distance: mean angle of flux moved between distributions [rad].
 
-    Distributions are normalized and sampled on cells of equal projected solid angle, 7°
-    wide at the normal. The result is NaN if either distribution has no flux.
+    Both distributions are normalized and sampled on cells of equal projected solid
+    angle, 7° wide at the normal. The result is NaN if either distribution has no flux.
     """
     if not (one.total > 0 and other.total > 0):
         return float("nan")
@@ -73,16 +73,16 @@ def _angles() -> Float[np.ndarray, "cells cells"]:
     return angle_between(direction[:, None], direction)
 
 
-# Directions farther from the peak are not part of the beam [rad].
+# Largest angle from the peak of directions that belong to the beam [rad].
 _REACH = np.radians(20.0)
 
-# log2 of the number of grid cells along each axis, and smallest number of cells for a
-# centroid; the peak itself is used if there are fewer cells.
+# Beam centroid: log2 of the number of grid cells along each axis, and smallest number
+# of bright cells; with fewer bright cells the peak direction is used.
 _BEAM_HALVINGS, _FEWEST_CELLS = 6, 8
 
 
 def beam_direction(lobes: Lobes, *, near: Vector | None = None) -> Vector:
-    """Direction of the strongest beam, or of the local maximum near a direction."""
+    """Direction of the strongest beam, or of the beam near a given direction."""
     peak = lobes.strongest() if near is None else lobes.climb(near)
     grid = Raster.of(_BEAM_HALVINGS).directions[-1]
     grid = grid[angle_between(grid, peak) < _REACH]
@@ -112,9 +112,9 @@ class LeftOut:
     # Earth mover's distance between the predicted and the fitted distribution [°]; NaN
     # if the predicted flux is zero
     earth_mover_deg: float
-    # Fraction of the flux predicted in wrong directions, including noise
+    # Fraction of the scattered flux predicted in wrong directions; includes noise
     misplaced: float
-    fitted: float  # `misplaced` for the lobes fitted to the scan itself: a lower limit
+    fitted: float  # `misplaced` for the lobes fitted to this scan: a lower limit
 
     @property
     def flux_error(self) -> float:
@@ -130,7 +130,7 @@ class CrossValidation:
     smoothing: float  # smoothing factor of the lobe fits
 
     def median(self, name: str, *, inside: bool = True) -> float:
-        """Median magnitude of a `LeftOut` attribute of inter- or extrapolated scans."""
+        """Median absolute value of a `LeftOut` attribute, for one value of `inside`."""
         errors = [abs(getattr(s, name)) for s in self.scans if s.inside == inside]
         known = [error for error in errors if np.isfinite(error)]
         return float(np.median(known)) if known else float("nan")
@@ -181,7 +181,7 @@ def _left_out(
         theta = np.arctan2(mesh.vertices[:, 0], mesh.vertices[:, 2])
         inside = bool(np.radians(scan.theta_deg) <= theta.max() + 1e-9)
 
-    # Refine the plans at the corners of the triangle (or edge) of the incidence
+    # Refine the transport plans of the edges near the incident direction
     corners = (mesh.edges if on_edge else mesh.triangles)[place.simplex[0]]
     about = np.flatnonzero(np.isin(mesh.edges, corners).any(axis=1))
     rest = refine_plans(rest, chosen=about)

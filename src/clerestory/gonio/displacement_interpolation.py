@@ -1,18 +1,19 @@
 """Displacement interpolation of lobes between measured incident directions.
 
 Transport plans match lobes at one incident direction with lobes at the next. A particle
-matches at most one lobe per corner of a mesh triangle or edge. The particle fluxes at
-each corner follow from the transport plans, so that the fits are reproduced at corners
-and adjacent triangles agree on the common edge. In a triangle (A, B, C) flux is
-transported along the edge A–B, then to C by the plans from A to C and from B to C.
+is a set of matched lobes, at most one per corner of a mesh triangle or edge. The
+particle fluxes at each corner follow from the transport plans, so that lobe fits are
+reproduced at corners and adjacent triangles agree on the common edge. In a triangle ABC
+flux is transported along the edge A–B, then to C by the plans from A to C and from B to
+C.
 
 Flux and squared radius are interpolated linearly; the flux of lobes without a match
-fades at constant position. If the total flux is known, lobe fluxes are scaled to it,
-most where they differ most between the corners.
+fades at constant position. If the total flux is given, lobe fluxes are scaled to this
+total; fluxes that differ most between the corners change most.
 
 Lobe centres are interpolated linearly in the unit disc onto which the hemisphere is
 projected. In the disc, flat surfaces, prisms and gratings nearly translate the incident
-direction, so that a beam has the same barycentric coordinates as that direction.
+direction, so that beam and incident direction have the same barycentric coordinates.
 
 References: N. Bonneel et al., ACM Transactions on Graphics 30 (6), 2011; G. Ward, M.
 Kurt, N. Bonneel, MAM 2014, for triangles.
@@ -28,7 +29,7 @@ from clerestory.gonio.angles import directions_over_disc
 from clerestory.gonio.lobes import Lobes, joined
 from clerestory.gonio.optimal_transport import Plan
 
-# Fraction of the flux of the smallest particles that is dropped and redistributed.
+# The smallest particles are dropped, up to this fraction of the total flux.
 _SMALL_CHANGE = 2e-3
 
 _Light = dict[int, Float[np.ndarray, " particles"]]
@@ -36,11 +37,11 @@ _Light = dict[int, Float[np.ndarray, " particles"]]
 
 @dataclass(frozen=True, eq=False)
 class Particles:
-    """Matched lobes of the corners of a triangle or an edge, with fluxes."""
+    """Matches between lobes at the corners of a mesh triangle or edge, with fluxes."""
 
-    # Index of each particle's lobe at the corners A, B and C; -1 for none
+    # Index of the lobe of each particle at corners A, B and C; -1 for no lobe
     corner: Int[np.ndarray, "particles 3"]
-    # Flux of each particle at A, at B, at C from A, and at C from B
+    # Flux of each particle at A, at B, at C (from A) and at C (from B)
     flux: Float[np.ndarray, "particles 4"]
 
 
@@ -78,14 +79,14 @@ def triangle_particles(a_to_b: Plan, a_to_c: Plan, b_to_c: Plan) -> Particles:
 def _onwards(
     mine: Indices, theirs: Indices, flux: Values, plan: Plan, *, own: int
 ) -> list[Particles]:
-    """Particles of the flux that is transported from A or B to C.
+    """Particles that transport flux from corner A or B to corner C.
 
-    `mine`, `theirs`: lobe indices at this corner, and at the other corner of the edge
-    A–B; `flux`: flux at this corner; `own`: 0 if this corner is A, 1 if it is B.
+    `own`: start corner, 0 for A or 1 for B; `mine`, `theirs`: lobe indices at the start
+    and at the other corner of the edge A–B; `flux`: flux of each particle at the start.
     """
     share = flux / np.bincount(mine, flux, len(plan.fading))[mine]
 
-    # Split each particle in proportion to the matches of its lobe
+    # Split each particle in proportion to the fluxes of the matches of its lobe
     by_source = np.argsort(plan.source, kind="stable")
     start = np.searchsorted(plan.source[by_source], mine)
     count = np.searchsorted(plan.source[by_source], mine, side="right") - start
@@ -106,9 +107,9 @@ def _onwards(
 
 
 def _only_at_c(plan: Plan, other_plan: Plan, mine: Indices, *, own: int) -> Particles:
-    """Particles of the flux at C from lobes that are in no particle of the edge A–B.
+    """Particles with flux at C from lobes that are in no particle of the edge A–B.
 
-    The lobe at the other corner is the main source of flux in `other_plan`.
+    At the other corner, a particle has the lobe that sends most flux to C.
     """
     late = np.flatnonzero(~np.isin(plan.source, mine) & (plan.received > 0))
     target = plan.target[late]
@@ -136,7 +137,7 @@ def _particles(corners: tuple[Indices | None, ...], flux: _Light) -> Particles:
 
 
 def _without_change(particles: Particles) -> Particles:
-    # Merge particles of equal lobes; drop the smallest and rescale all other particles
+    # Merge particles of equal lobes; drop small particles and rescale all others
     corner, which = np.unique(particles.corner, axis=0, return_inverse=True)
     flux = np.stack(
         [
@@ -158,7 +159,7 @@ def _without_change(particles: Particles) -> Particles:
 # Newton's method in `with_total`: largest |power|, largest number of steps, tolerance.
 _STEEPEST, _STEPS, _STEP_ENDS = 60.0, 20, 1e-9
 
-_NOTHING = 1e-9  # sum of corner weights below which equal weights are used instead
+_NOTHING = 1e-9  # sum of corner weights below which equal weights are used
 
 
 def displace(
@@ -175,9 +176,9 @@ def displace(
     Parameters
     ----------
     corners : lobes at the corners A, B and C; C is ignored on edges
-    s, t : fraction of the way from A to B, and from that point to C
+    s, t : fraction s of the way from A to B, and t from the point at s to C
     weights : barycentric coordinates for lobe positions; default: computed from s and t
-    total : total flux per incident flux; None or NaN keeps the interpolated flux
+    total : total scattered flux per incident flux; None or NaN: as interpolated
     """
     way = np.array([(1 - s) * (1 - t), s * (1 - t), t], dtype=float)
     place = way if weights is None else weights
@@ -201,7 +202,7 @@ def displace(
 
 
 def with_total(flux: Values, change: Values, total: float) -> Values:
-    """Scale fluxes to a given sum, most where they differ between corners.
+    """Scale fluxes to a given sum; fluxes that differ most between corners change most.
 
     Each flux is multiplied by exp(power · change), with a common power found by
     Newton's method, so that no flux becomes negative.
@@ -230,7 +231,7 @@ def with_total(flux: Values, change: Values, total: float) -> Values:
 def _among(
     present: Bool[np.ndarray, "particles 3"], weights: Vector
 ) -> Float[np.ndarray, "particles 3"]:
-    # Normalize weights over the corners at which a matched lobe exists
+    # Normalize corner weights over the corners at which a particle has a lobe
     own = present * weights
     total = own.sum(axis=1, keepdims=True)
     even = present / present.sum(axis=1, keepdims=True)

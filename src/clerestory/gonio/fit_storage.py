@@ -29,7 +29,7 @@ from clerestory.matrix.netcdf import SEAL_LENGTH, seal
 
 _FORMAT = "Clerestory scattering interpolant 1"
 
-# Names of variables in the file, with the attributes that they store
+# Attributes of `Lobes` and `Plan`, by name of the variable in the file
 _LOBES = {"lobe_centre": "centre", "lobe_radius_rad": "radius", "lobe_flux": "flux"}
 _MATCHES = {
     "move_source": "source",

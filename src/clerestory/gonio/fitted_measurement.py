@@ -26,11 +26,11 @@ from clerestory.progress import Progress
 
 @dataclass(frozen=True, eq=False)
 class Fitted:
-    """One scattering function of a layer, fitted to its measurement."""
+    """Scattering function of a layer, fitted to a measurement."""
 
     interpolant: Interpolant  # interpolated scattering function
-    function: Function  # such as "transmission_front"
-    channel: str = "visible"  # such as "visible" or "cie-x"
+    function: Function  # name of the function, such as "transmission_front"
+    channel: str = "visible"  # spectral channel, such as "visible" or "cie-x"
     name: str = ""  # name of the sample
     options: FitOptions = DEFAULT  # options of the lobe fits
 
@@ -139,13 +139,13 @@ def export_bsdf(
 class Conserved:
     """Fitted functions, scaled so that transmittance plus reflectance is at most 1."""
 
-    fits: tuple[Fitted, ...]  # scaled functions in the given order
+    fits: tuple[Fitted, ...]  # scaled functions, in input order
     largest: float  # largest transmittance plus reflectance before the correction
     changed: int  # number of incident directions at which fluxes were scaled
 
 
 def conserve_energy(fits: Sequence[Fitted]) -> Conserved:
-    """Scale fluxes where transmittance plus reflectance exceeds 1.
+    """Scale lobe fluxes where transmittance plus reflectance exceeds 1.
 
     The scale factors of the visible channel are used for all channels.
     """

@@ -1,14 +1,15 @@
-"""Interpolation of hemispherical transmittance or reflectance over incidence.
+"""Interpolation of transmittance or reflectance between incident directions.
 
-Displacement interpolation of lobes is linear in flux. At 10° steps, a linear
+Displacement interpolation of lobes is linear in flux. At steps of 10°, linear
 interpolation is up to 5 % below Fresnel's equations and does not resolve cut-offs
 between measured directions.
 
 For isotropic layers the flux is a monotone cubic function of 1 − cos θ, the variable of
 Schlick's approximation. For anisotropic layers a Gaussian process is used. With
-horizontal slats or prisms the flux depends mainly on the profile angle; with this angle
-as a coordinate the process resolves cut-offs between measured directions. Coordinates
-and length scales maximize the marginal likelihood of the measured values.
+horizontal slats or prisms the flux depends mainly on the profile angle; with the
+profile angle as a coordinate the process resolves cut-offs between measured directions.
+Coordinates and length scales are chosen for the largest marginal likelihood of the
+measured flux.
 
 References: C. Schlick, "An inexpensive BRDF model for physically-based rendering",
 Computer Graphics Forum 13 (3), 1994; F. N. Fritsch, R. E. Carlson, "Monotone piecewise
@@ -30,27 +31,28 @@ from clerestory.gonio.incident_mesh import Mesh
 from clerestory.gonio.lobes import NO_LIGHT
 from clerestory.gonio.symmetry import Symmetry, fold, images
 
-# Coordinates besides the polar angle: "profile", "sideways": profile angle across
-# horizontal or vertical slats, and direction cosine along them; "disc": x and y.
+# Coordinates besides the polar angle: for "profile" (horizontal slats) and "sideways"
+# (vertical slats), the profile angle and x or y along the slats; for "disc", x and y.
 Coordinates = Literal["profile", "sideways", "disc"]
 _COORDINATES: tuple[Coordinates, ...] = ("profile", "sideways", "disc")
 
-# Candidate length scales of the kernel [rad or 1], and index of the initial scale.
+# Candidate length scales of the kernel [rad, or 1 for x and y], and index of the
+# initial scale.
 _REACHES = (0.12, 0.25, 0.5, 1.0, 2.0, 8.0)
 _FIRST = 3
 
 _NOISES = (1e-6, 1e-4, 1e-3)  # candidate ratios of noise variance to process variance
 _LEAST_HEIGHT = 0.02  # smallest z from which a profile angle is calculated
 
-# Largest number of sweeps over the length scales and the noise ratio.
+# Largest number of search sweeps over the length scales and the noise ratio.
 _SWEEPS = 4
 
 _AT_NORMAL = 1e-9  # directions with a smaller 1 − cos θ count as normal incidence
 
-# Directions count as equal if they agree to this number of decimal places.
+# Number of decimal places to which equal directions agree.
 _DIGITS = 7
 
-# Fluxes and kernel values at the known directions
+# Transmittance or reflectance at known directions, and kernel values of their pairs
 _Totals = Float[np.ndarray, " known"]
 _Table = Float[np.ndarray, "known known"]
 
@@ -59,14 +61,14 @@ class Flux(Protocol):
     """Hemispherical transmittance or reflectance by incident direction."""
 
     def at(self, direction: Directions) -> Values:
-        """Transmittance or reflectance at each direction; NaN outside the domain."""
+        """Transmittance or reflectance at each direction; NaN where it is unknown."""
 
 
 @dataclass(frozen=True, eq=False)
 class FluxCurve:
     """Hemispherical transmittance or reflectance of an isotropic layer."""
 
-    curve: PchipInterpolator  # as a function of 1 − cos θ
+    curve: PchipInterpolator  # transmittance or reflectance by 1 − cos θ
 
     def at(self, direction: Directions) -> Values:
         """Transmittance or reflectance; NaN beyond the largest measured polar angle."""
@@ -99,7 +101,7 @@ class FluxProcess:
     """Hemispherical transmittance or reflectance as a Gaussian process."""
 
     kernel: _Kernel
-    weight: _Totals  # weights of the kernels
+    weight: _Totals  # weight of the kernel about each known direction
     mean: float
     most: float  # upper limit of transmittance or reflectance
 
@@ -144,8 +146,8 @@ def flux_surface(
 
 
 def _likeliest(kernel: _Kernel, totals: _Totals) -> tuple[float, _Kernel, float]:
-    # Smallest negative log likelihood, with the kernel of its length scales and the
-    # noise ratio; one scale or the noise ratio is varied at a time
+    # Find the most likely length scales and noise ratio, varying one of them at a time;
+    # return the negative log likelihood, the kernel and the noise ratio
     seen: dict[tuple[int, ...], float] = {}
 
     def scaled(choice: tuple[int, ...]) -> _Kernel:
@@ -198,6 +200,6 @@ def _coordinates(direction: Directions, name: Coordinates) -> Directions:
 
 
 def _fall(direction: Directions) -> Values:
-    # 1 − cos θ, exact near the normal
+    # 1 − cos θ, computed without cancellation near the normal
     square = direction[:, 0] ** 2 + direction[:, 1] ** 2
     return np.asarray(square / (1 + direction[:, 2]))

@@ -1,9 +1,9 @@
 """Triangulation of incident directions.
 
 Stereographic projection preserves circles, so that a Delaunay triangulation in the
-plane is also a Delaunay triangulation on the sphere. The position in a triangle
-(A, B, C) is given by the fraction s of the way from A to B and the fraction t of the
-way from that point to C. Directions outside the mesh are projected onto its border.
+plane is also a Delaunay triangulation on the sphere. The position in a triangle ABC is
+given by the fraction s of the way from A to B and the fraction t of the way from the
+point at s to C. Directions outside the mesh are projected onto its border.
 
 For isotropic layers the mesh is a chain of edges along a meridian.
 """
@@ -21,8 +21,8 @@ from clerestory.gonio.angles import angle_between, from_degrees
 # Smallest barycentric coordinate of directions that count as inside a triangle.
 _INSIDE = -1e-9
 
-_SIDES = ((0, 1), (0, 2), (1, 2))  # corners at both ends of each side of a triangle
-_THINNEST = 1e-6  # triangles are removed if their corner vectors span a smaller volume
+_SIDES = ((0, 1), (0, 2), (1, 2))  # corner numbers of each side of a triangle
+_THINNEST = 1e-6  # triangles whose corner vectors span less volume are removed
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +43,7 @@ class Mesh:
         return bool(len(self.triangles) == 0)
 
     def only(self, kept: Bool[np.ndarray, " triangles"]) -> "Mesh":
-        """Mesh of some of the triangles; border edges are those of the whole mesh."""
+        """Mesh of selected triangles; border edges remain those of the whole mesh."""
         corners = self.triangles[kept]
         ends = [len(self.vertices), 1]
         used = np.isin(self.edges @ ends, corners[:, _SIDES].reshape(-1, 2) @ ends)
@@ -60,9 +60,9 @@ class Place:
     on_edge: Bool[np.ndarray, " directions"]
     # Fraction of the way from the first corner to the second
     s: Float[np.ndarray, " directions"]
-    # Fraction of the way from that point to the third corner; 0 on edges
+    # Fraction of the way from the point at s to the third corner; 0 on edges
     t: Float[np.ndarray, " directions"]
-    # The direction itself, or its projection onto the border
+    # Directions inside the mesh; others are projected onto the border
     found: Float[np.ndarray, "directions 3"]
 
 
@@ -107,9 +107,9 @@ def locate(mesh: Mesh, direction: Directions) -> Place:
 
 
 def flat_weights(corners: Directions, direction: Vector) -> tuple[Vector, Vector2]:
-    """Barycentric weights of corners in the unit disc, and the weighted mean point.
+    """Barycentric coordinates of a direction in the unit disc, and interpolated point.
 
-    In a triangle this point is the projected direction; on an edge it is the nearest
+    In a triangle the point is the projected direction; on an edge it is the nearest
     point of the edge.
 
     >>> corners = from_degrees(np.array([0.0, 90]), np.array([0.0, 0]))

@@ -41,14 +41,14 @@ _GATHER = 6
 # Numbers of rings and azimuths of incident directions in a patch average.
 _PATCH_RINGS, _PATCH_AZIMUTHS = 2, 4
 
-# The reciprocal and the tabulated function have 2^6 cells along each axis.
+# log2 of the number of cells along each axis of reciprocal and tabulated functions.
 _HALVINGS = 6
 
 
 @final
 @dataclass(frozen=True, eq=False)
 class Interpolant(ScatteringFunction):
-    """One scattering function of a measured layer."""
+    """Scattering function interpolated between measured incident directions."""
 
     # Lobes at the measured directions, and transport plans between them
     network: Network
@@ -171,7 +171,7 @@ class Interpolant(ScatteringFunction):
         return self._tree
 
     def own_partitions(self) -> None:
-        """None: an interpolant has no patches."""
+        """Return None, because an interpolant has no patches."""
 
     def _at(self, place: Place, k: int, wanted: Vector, total: float) -> Lobes:
         mesh, lobes = self.network.mesh, self._moving.lobes
@@ -191,7 +191,7 @@ class Interpolant(ScatteringFunction):
         weights, middle = flat_weights(mesh.vertices[corner], place.found[k])
         found = displace(particles, parts, s=s, t=t, weights=weights, total=total)
         if on_edge:
-            # Displace the lobes as the incident direction is displaced from the edge
+            # Move lobes in proportion to the offset of the direction from the edge
             shift = (middle - wanted[:2]) * self.mean_motion
             centre = directions_over_disc(found.centre[:, :2] + shift)
             found = replace(found, centre=centre) if np.hypot(*shift) >= 1e-9 else found

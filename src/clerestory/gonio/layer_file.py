@@ -1,7 +1,7 @@
 """Reader of layers from BSDF files or from files of fitted measurements.
 
-The reader of fitted measurements is imported on demand, as it imports the optimal
-transport solver.
+The reader of fitted measurements, which needs the optimal transport solver, is imported
+on demand.
 """
 
 import importlib

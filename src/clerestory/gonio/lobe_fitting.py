@@ -6,10 +6,10 @@ value, as for photon counts. Lobe fluxes are regularized towards the measured fl
 the cell of the lobe. Finally all fluxes are scaled to the measured total flux.
 
 Least squares are solved by block principal pivoting. All unknowns that violate the
-optimality conditions are exchanged together between the free and the zero set. Without
-progress they are exchanged one at a time, which guarantees termination. As most lobe
-fluxes are positive, a few linear solves suffice; an active-set method that starts from
-zero would need one solve per lobe.
+optimality conditions are exchanged together between the free and the zero set. If the
+number of violations does not decrease, unknowns are exchanged one at a time, which
+guarantees termination. As most lobe fluxes are positive, a few linear solves suffice;
+an active-set method that starts from zero would need one solve per lobe.
 
 Reference: L. F. Portugal, J. J. Júdice, L. N. Vicente, "A comparison of block pivoting
 and interior-point algorithms for linear least squares problems with nonnegative
@@ -52,7 +52,7 @@ _EVEN = 0.05  # quantile of the BSDF values that is taken as the uniform backgro
 # Lower limit of the BSDF in statistical weights, as a fraction of the mean BSDF.
 _FLOOR = 1e-2
 
-# Unknown fluxes and their normal equations
+# Unknown lobe fluxes, and the matrix of the normal equations
 _Unknowns = Float[np.ndarray, " unknowns"]
 _Gram = Float[np.ndarray, "unknowns unknowns"]
 
@@ -64,8 +64,8 @@ class FitOptions:
     # Largest number of lobes per scan; doubled if more than 5 % of the flux is
     # misplaced, as for beams with steep edges
     lobes: int = 200
-    # Relative width of lobes; smaller values than 1 give sharper fits that are more
-    # sensitive to noise
+    # Relative width of lobes; values below 1 give sharper fits that are more sensitive
+    # to noise
     smoothing: float = 1.0
 
     def __post_init__(self) -> None:
@@ -144,7 +144,7 @@ def fit_lobes(scan: Scan, options: FitOptions = DEFAULT, least: float = 0.0) -> 
 
 
 def misplaced_flux(points: Points, predicted: Values) -> float:
-    """Fraction of the measured flux predicted in wrong directions; 1 without flux.
+    """Fraction of the measured flux predicted in wrong directions; 1 if the flux is 0.
 
     `predicted`: predicted BSDF at the points [1/sr].
     """
@@ -167,7 +167,7 @@ def _fitted(points: Points, options: FitOptions, most: int) -> Lobes:
 def _placed(
     points: Points, options: FitOptions, most: int
 ) -> tuple[Directions, Values, Values]:
-    # Centre each lobe at the flux centroid of a cell; radius and flux follow the cell
+    # Place lobes at flux centroids of cells; cells give the lobe radius and prior flux
     cells = Quadtree(points.direction, points.value).cut(
         most - 1, coarsest=_COARSEST_LOBE
     )
@@ -205,7 +205,7 @@ def _solve(
     return non_negative(gram, target)
 
 
-# Number of block exchanges without progress before single exchanges.
+# Number of block exchanges without progress before unknowns are exchanged singly.
 _PATIENCE = 3
 
 # Tolerance for negative values, relative to the largest absolute value of `target`.
@@ -215,7 +215,7 @@ _NEGATIVE = 1e-12
 def non_negative(gram: _Gram, target: _Unknowns) -> _Unknowns:
     """Return x ≥ 0 that minimizes xᵀ·gram·x/2 − targetᵀ·x.
 
-    `gram`: symmetric and positive definite.
+    `gram`: symmetric positive definite matrix; `target`: vector.
     """
     # Scale the unknowns so that the diagonal of the matrix is 1
     scale = 1 / np.sqrt(np.diag(gram))

@@ -1,9 +1,9 @@
 """Motion of lobes with the incident direction, estimated from transport plans.
 
-A 2 × 2 matrix per lobe gives the displacement of the lobe centre in the unit disc from
-the displacement of the undeviated direction. It is estimated from the displacements of
-the lobe and of nearby lobes to all neighbouring incident directions. Lobes without a
-match at the next incident direction move according to this matrix while they fade.
+Directions are projected onto the unit disc. A 2 × 2 matrix per lobe converts the
+displacement of the undeviated direction to the displacement of the lobe centre. The
+matrix is estimated from matches of the lobe and nearby lobes at neighbouring incident
+directions. Lobes without a match move according to their matrix while they fade.
 """
 
 from dataclasses import replace
@@ -26,7 +26,7 @@ _WIDE = 0.5  # the motion of lobes with larger radii [rad] is ignored
 
 
 def mean_motion(network: Network) -> float:
-    """Mean displacement of lobes relative to the undeviated direction, −1…1."""
+    """Mean displacement of lobes per displacement of the undeviated direction, −1…1."""
     along, squared = 0.0, 0.0
     for number, plan in enumerate(network.plans):
         turn = network.turn(number)
@@ -88,12 +88,12 @@ class LobeMotion:
         self.sure = np.clip(1 - missed / np.maximum(moved, 1e-30), 0, 1)
 
     def expected(self, turn: Vector2) -> Points2:
-        """Expected lobe centres in the disc; displacements are multiplied by `sure`."""
+        """Expected lobe centres in the unit disc; `sure` scales the displacements."""
         shift = self.sure[:, None] * (self.matrix @ turn)
         return np.asarray(self.lobes.centre[:, :2] + shift)
 
     def moved(self, number: Indices, turn: Vector2) -> Lobes:
-        """Displaced lobes with zero flux."""
+        """Lobes with given indices, displaced and with zero flux."""
         disc = self.lobes.centre[number, :2] + self.matrix[number] @ turn
         return Lobes(
             directions_over_disc(disc), self.lobes.radius[number], np.zeros(len(number))

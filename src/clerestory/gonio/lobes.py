@@ -1,8 +1,8 @@
 """Scattered distributions as sums of Gaussian lobes (radial basis functions).
 
-A lobe has a centre, a radius and a flux. Its BSDF is proportional to exp((cos α − 1) /
-r²), the radial basis function of Ward, Kurt and Bonneel. It is normalized over the part
-above the horizon, so that the total flux is conserved when lobes move.
+A lobe has a centre, a radius r and a flux. The BSDF of a lobe is proportional to
+exp((cos α − 1) / r²) at the angle α from the centre, as in Ward, Kurt and Bonneel. The
+BSDF is normalized above the horizon, so that total flux is conserved when lobes move.
 
 Reference: G. Ward, M. Kurt, N. Bonneel, "Reducing anisotropic BSDF measurement to
 common practice", Workshop on Material Appearance Modeling, 2014.
@@ -31,8 +31,8 @@ LEAST_RADIUS, MOST_RADIUS = 3e-4, 2.0
 # Total flux of dark distributions; positive, so that normalization is possible.
 NO_LIGHT = 1e-9
 
-# Number of candidate lobes for the largest BSDF; largest number of steps and tolerance
-# of the mean-shift iteration.
+# Search for the largest BSDF: number of candidate lobes, and largest number of steps
+# and tolerance of the mean-shift iteration.
 _CANDIDATES, _MOST_STEPS, _STEP_ENDS = 64, 200, 1e-5
 
 # Table of the curvature correction: numbers of elevations, of radii and of quadrature
@@ -107,7 +107,7 @@ class Lobes:
         )
 
     def climb(self, direction: Vector) -> Vector:
-        """Direction of the local maximum reached from a direction by mean shift.
+        """Direction of the local BSDF maximum reached from a direction by mean shift.
 
         Reference: D. Comaniciu, P. Meer, "Mean shift", IEEE Transactions on Pattern
         Analysis and Machine Intelligence 24 (5), 2002.
@@ -129,7 +129,7 @@ class Lobes:
 
 
 def joined(parts: Sequence[_Arrays]) -> _Arrays:
-    """Join values whose attributes are arrays, such as lobes, one after another."""
+    """Concatenate the array attributes of objects of one type, such as `Lobes`."""
     columns = zip(*(vars(part).values() for part in parts), strict=True)
     return type(parts[0])(*map(np.concatenate, columns))
 
@@ -143,7 +143,7 @@ def angles_among(lobes: Lobes) -> Float[np.ndarray, "lobes lobes"]:
 
 
 def norm(height: Values, radius: Values) -> Values:
-    """Integral of exp((cos α − 1)/r²) times the cosine over the hemisphere [sr].
+    """Integral of exp((cos α − 1)/r²) · cos θ over the hemisphere [sr].
 
     `height`: z coordinate of the lobe centre.
     """
@@ -154,7 +154,7 @@ def norm(height: Values, radius: Values) -> Values:
 
 
 def _flat(elevation: Values, radius: Values) -> Values:
-    # Plane Gaussian truncated at the horizon: E[max(sin(e + r·x), 0)], first order in r
+    # 2π r² · E[max(sin(e + r·x), 0)] for standard normal x, to first order in r
     reach = elevation / radius
     above = special.ndtr(reach)
     edge = np.exp(-(reach**2) / 2) / np.sqrt(2 * np.pi)

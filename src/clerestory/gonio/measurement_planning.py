@@ -12,7 +12,7 @@ from clerestory.gonio.angles import angle_between, from_degrees
 from clerestory.gonio.cross_validation import CrossValidation
 from clerestory.gonio.symmetry import Symmetry, fold, images, measured_quadrant
 
-# Number of candidate directions over the hemisphere; they are 2° apart.
+# Number of candidate directions over the hemisphere, about 2° apart.
 _CANDIDATES = 4000
 
 

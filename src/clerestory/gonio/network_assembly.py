@@ -1,16 +1,16 @@
-"""Lobes, mesh and transport plans of a measurement.
+"""Assembly of lobes, mesh and transport plans of a measurement.
 
 The mesh includes mirror images of the measured incident directions, so that it is
 continuous across symmetry planes; triangles outside the measured part are removed.
 
-Beams of prisms and gratings move with the incident direction. If they move by more than
-half of the distance between beams, transport of least cost matches wrong beams. The
-motion of each lobe is therefore estimated from initial plans (`lobe_motion`). New plans
-are then calculated from the expected lobe positions at both ends of an edge, with a
-smaller reach. The cost uses angles, not distances in the unit disc: the latter are
-small near the horizon, to which the flux of diffusers would move. The estimated motion
-is weighted by the fraction of the variance of lobe displacements that it explains,
-which is small for diffusers.
+Beams of prisms and gratings move with the incident direction. Beams that move by more
+than half of the distance between beams are matched wrongly by transport of least cost.
+The motion of each lobe is therefore estimated from initial plans (`lobe_motion`). New
+plans are then calculated from the expected lobe positions at both ends of an edge, with
+a smaller reach. The cost uses angles: distances in the unit disc are small near the
+horizon and would attract the flux of diffusers there. The estimated motion is weighted
+by the fraction of the variance of lobe displacements that it explains, which is small
+for diffusers.
 """
 
 from collections.abc import Mapping, Sequence
@@ -70,7 +70,7 @@ def join(
 ) -> Network:
     """Connect lobe fits by initial (unrefined) transport plans.
 
-    `known`: initial plans of another network of the same fits, which are reused.
+    `known`: initial plans by edge key, reused from another network of the same fits.
     """
     found = f"number of incident directions is {len(fits)}"
     require(len(fits) >= 2, f"{found}; two or more expected for interpolation")
@@ -90,7 +90,7 @@ def join(
 def refine_plans(
     network: Network, *, chosen: Indices | None = None, workers: Workers = IN_SERIES
 ) -> Network:
-    """Refine the transport plans of all or of some edges by the motion of lobes.
+    """Refine the transport plans of all or some edges from the estimated lobe motion.
 
     `chosen`: indices of the edges; default: all.
     """
@@ -115,7 +115,7 @@ def refine_plans(
 def _missed(
     start: LobeMotion, end: LobeMotion, turn: Vector2
 ) -> Float[np.ndarray, "start end"]:
-    # Angles between lobes and expected positions, plus distances outside the unit disc
+    # Angles from lobes to expected positions, plus distances of positions from the disc
     onward, over = _lifted(start.expected(turn))
     back, short = _lifted(end.expected(-turn))
     there = angle_table(onward, end.lobes.centre) + over[:, None]
@@ -124,7 +124,7 @@ def _missed(
 
 
 def _lifted(disc: Points2) -> tuple[Directions, Values]:
-    # Directions of positions in the unit disc, and distances of positions outside it
+    # Directions of positions in the unit disc; distances beyond its rim (0 inside)
     beyond = np.maximum(np.linalg.norm(disc, axis=1) - 1, 0)
     return directions_over_disc(disc), beyond
 
@@ -135,7 +135,7 @@ _Assembly = tuple[Mesh, tuple[Lobes, ...], Vector2]
 def _around(
     incidents: Directions, fits: Sequence[Lobes], symmetry: Symmetry
 ) -> _Assembly:
-    # Add mirror images; keep the triangles that overlap the measured part
+    # Add mirror images of lobe fits; keep triangles that overlap the measured part
     vertices, lobes = list(incidents), list(fits)
     for factor in images(symmetry)[1:]:
         for incident, fit in zip(incidents, fits, strict=True):
@@ -152,8 +152,8 @@ def _around(
 def _isotropic(
     incidents: Directions, fits: Sequence[Lobes], _symmetry: Symmetry
 ) -> _Assembly:
-    # Rotate every direction to azimuth 0; without normal incidence, add the image of
-    # the smallest polar angle
+    # Rotate every direction to azimuth 0; without normal incidence, add the mirror
+    # image of the lobes at the smallest polar angle
     azimuth = np.arctan2(incidents[:, 1], incidents[:, 0])
     theta = np.arctan2(np.hypot(*incidents[:, :2].T), incidents[:, 2])
     order = np.argsort(theta)

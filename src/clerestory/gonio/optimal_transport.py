@@ -1,12 +1,13 @@
 """Optimal transport between the lobes of two incident directions.
 
-Lobes at the two ends of a mesh edge are matched so that the cost is smallest: flux
-times the sum of squared angle and squared difference of radii.
+Lobes at both ends of a mesh edge are matched at least cost: flux times the sum of
+squared angle between lobes and squared difference of radii.
 
 The total flux differs between the ends. The flux of a lobe in the optimization is
 therefore limited to the flux at the other end within a given angle, the *reach* of the
 lobe. The remaining flux is gained or lost along the edge. A lobe without a match within
-its reach fades at constant position; moving it would create a spurious beam half-way.
+its reach fades at constant position; moving it would create a spurious beam half-way
+along the edge.
 
 References: N. Bonneel, M. van de Panne, S. Paris, W. Heidrich, "Displacement
 interpolation using Lagrangian mass transport", ACM Transactions on Graphics 30 (6),
@@ -35,8 +36,8 @@ _TOUCHING = 1.5
 
 _WIDER = 3.0  # ratio of radii above which lobes belong to different peaks
 
-# The weight of a neighbouring lobe is 1 / (1 + d^n) for a distance of d reaches, with
-# n = 2^(1 + steepness).
+# The weight of a neighbouring lobe at a distance of d reaches is 1 / (1 + d^n), where n
+# is 2^(1 + _STEEPNESS).
 _STEEPNESS = 2
 
 # Smallest matched flux as a fraction of the total flux, and smallest fraction of the
@@ -53,8 +54,8 @@ _Distances = Float[np.ndarray, "start end"]
 class Plan:
     """Transport plan: matches between the lobes of two incident directions."""
 
-    source: _Matches  # index of the lobe of each match at the start
-    target: _Matches  # index of the lobe of each match at the end
+    source: _Matches  # lobe index of each match at the start of the edge
+    target: _Matches  # lobe index of each match at the end of the edge
     sent: _Fluxes  # flux of each match at the start
     received: _Fluxes  # flux of each match at the end
     fading: Float[np.ndarray, " start"]  # unmatched flux of each lobe at the start
@@ -77,7 +78,7 @@ class Network:
         return np.asarray(end - start)
 
     def plans_of(self, triangle: int) -> list[Plan]:
-        """Plans from A to B, from A to C and from B to C of a triangle."""
+        """Transport plans of a triangle from A to B, from A to C and from B to C."""
         corners = self.mesh.triangles[triangle]
         sides = corners[[[0, 1], [0, 2], [1, 2]]]
         found = (self.mesh.edges == sides[:, None]).all(axis=-1).argmax(axis=1)

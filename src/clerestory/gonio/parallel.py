@@ -1,6 +1,6 @@
 """Parallel map over one or several processes.
 
-Linear algebra is limited to one thread per process, as its matrices are small.
+Linear algebra is limited to one thread per process, as the matrices are small.
 """
 
 import functools
@@ -21,7 +21,7 @@ _Result = TypeVar("_Result")
 
 @dataclass(frozen=True)
 class Workers:
-    """Number of parallel processes, and progress callbacks by name of a phase."""
+    """Number of processes, and function that returns a progress callback per phase."""
 
     processes: int = 1
     progress: Callable[[str], Progress] = lambda _name: lambda _share, _note: None
@@ -34,7 +34,7 @@ class Workers:
     ) -> list[_Result]:
         """Call a function with each tuple of arguments, in parallel if there are many.
 
-        The function is at module level, so that other processes can import it.
+        The function must be at module level, so that other processes can import it.
 
         >>> Workers().map("powers", pow, [(2, 3), (3, 2)])
         [8, 9]

@@ -1,7 +1,7 @@
 """Adaptive quadtree over the hemisphere.
 
 The hemisphere is mapped to a disc by Lambert's equal-area map and to a square by the
-Shirley–Chiu map. A plane is fitted to the values in each cell. Cells with the largest
+Shirley–Chiu map. A plane is fitted to the BSDF in each cell. Cells with the largest
 residuals are split, if all quarters of the cell contain points.
 """
 
@@ -22,7 +22,7 @@ FINEST = 9
 _LevelValues = Float[np.ndarray, " _"]
 _LevelMask = Bool[np.ndarray, " _"]
 
-# Lower limit of the value that divides residuals, as a fraction of the mean value.
+# Lower limit of the BSDF by which residuals are divided, as a fraction of the mean.
 _FLOOR = 1e-2
 
 
@@ -32,7 +32,7 @@ class Cells:
 
     # Level of each cell; the square has 2^level cells along each axis
     level: Int[np.ndarray, " cells"]
-    # Index in `order` of the first point of each cell; then the number of points
+    # Index in `order` of the first point of each cell, followed by the number of points
     first: Int[np.ndarray, " limits"]
     order: Int[np.ndarray, " points"]  # indices of the points, sorted by cell
 
@@ -66,7 +66,7 @@ class _Level:
 
 
 class Quadtree:
-    """Occupied cells of all levels, with the residual of a plane fit in each."""
+    """Occupied cells of all levels, with the residual of a plane fit in each cell."""
 
     def __init__(self, direction: Directions, values: Values) -> None:
         scale = 1 / np.sqrt(1 + direction[:, 2])
@@ -80,7 +80,7 @@ class Quadtree:
     def cut(self, most: int, *, coarsest: int = 0) -> Cells:
         """Return at most `most` cells, small where residuals of plane fits are large.
 
-        `coarsest`: level of the largest cells, if all quarters contain points.
+        `coarsest`: level of the largest cells, except cells with an empty quarter.
         """
         levels = self._levels
         # Rate each cell by its largest residual over all finer levels; exclude cells
@@ -94,7 +94,7 @@ class Quadtree:
             if k < coarsest:
                 worth[k] = np.where(level.quarters == 4, np.inf, -1)
 
-        # Find the smallest threshold that leaves few enough cells
+        # Find the smallest residual threshold that gives at most `most` cells
         every = np.unique(np.concatenate([w[(w > 0) & np.isfinite(w)] for w in worth]))
         every = np.append(every, np.inf)
         found = bisect.bisect_left(

@@ -31,7 +31,7 @@ _COARSEST = 4
 # that are evaluated on each side of the lobe centre (3.3 lobe radii).
 _CELLS_PER_RADIUS, _SIDE = 0.75, 5
 
-# z of the cells in the margin around the grid, so that lobes are zero there.
+# z of cells in the margin around the grid, so low that lobes are zero in the margin.
 _UNREACHED = -1e4
 
 # Widening of lobes on the finest grid [cell widths], added in quadrature to the radius.
@@ -40,7 +40,7 @@ _NARROWEST = 0.5
 # Each cell of the projected square has 2^2 × 2^2 sample points.
 _GATHER = 2
 
-# Values and directions of the cells of a grid, and numbers of the lobes drawn on it
+# BSDF and directions of the cells of a grid, and indices of the lobes drawn on a grid
 _Cells = Float[np.ndarray, " cells"]
 _Centres = Float[np.ndarray, "cells 3"]
 _Drawn = Int[np.ndarray, " drawn"]
@@ -85,7 +85,7 @@ class Raster:
             values = _refined(values) if k else np.zeros(len(direction))
             of = np.flatnonzero(grid == k)
             if len(of):
-                # Evaluate narrower lobes: interpolation to finer grids widens them
+                # Draw narrower lobes, because interpolation to finer grids widens lobes
                 left = len(width) - 1 - k
                 change = -0.25 * (1 - 0.25**left) if left else _NARROWEST**2
                 draw = _draw_near if k else _draw_everywhere
@@ -114,7 +114,7 @@ def _draw_near(lobes: Lobes, of: _Drawn, direction: _Centres, change: float) -> 
     about = (line[:, None] * full + line).ravel()
     cell = (row * full + column)[:, None] + about
 
-    # Exponential of the squared chord; flux is weighted by the cosine
+    # Lobe shape exp((cos α − 1) / r²); flux is weighted by the cosine
     sharp = 1 / (lobes.radius[of] ** 2 + change)
     along = centre * sharp[:, None]
     height = z.take(cell)
@@ -167,7 +167,7 @@ def _centres(halvings: int) -> Directions:
 
 
 def _gathering(halvings: int, finest: int) -> sparse.csr_array:
-    # Average over sample points of each projected cell, interpolated linearly
+    # Average sample points of each projected cell, interpolated on the finest grid
     wide = 1 << halvings
     a, b = cell_centres(halvings + _GATHER)
     place = np.stack(_square(directions_from_square(a, b))) * (1 << finest) - 0.5

@@ -6,9 +6,9 @@ away from the layer, in window coordinates: x right and y up as seen from the ro
 z ≥ 0 on both sides of the layer.
 
 For integration, directions are projected onto the unit disc, where areas are projected
-solid angles, and triangulated. The weight of a point is a third of the area of its
-triangles, which integrates the piecewise linear interpolation exactly. Between the
-outermost points and the horizon, the value of the nearest point is used.
+solid angles, and triangulated. The weight of a point is a third of the area of the
+triangles around it; these weights integrate the piecewise linear interpolation exactly.
+Between the outermost points and the horizon, the value of the nearest point is used.
 """
 
 import functools
@@ -28,8 +28,8 @@ from clerestory.gonio.symmetry import Symmetry, deduce_symmetry
 # Number of points added on the horizon, each with the value of the nearest point.
 _RIM = 240
 
-# Points count as equal if they agree to this number of decimal places (at the normal
-# all azimuths are one point).
+# Number of decimal places to which equal points agree (at the normal, all azimuths are
+# one point).
 _DIGITS = 9
 
 _AT_RIM = 0.9995  # points at larger radii on the unit disc count as on the horizon
@@ -161,7 +161,7 @@ class Measurement:
     channel: str = "visible"  # spectral channel, such as "visible" or "cie-x"
     name: str = ""  # name of the sample
     claimed: Symmetry | None = None  # symmetry stated in the file; None if not stated
-    notes: tuple[str, ...] = ()  # irregularities of the files and their treatment
+    notes: tuple[str, ...] = ()  # irregularities of the files, and their treatment
 
     def __post_init__(self) -> None:
         require(self.scans, "no scan; one per incident direction expected")

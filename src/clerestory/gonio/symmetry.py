@@ -30,7 +30,7 @@ SYMMETRIES: tuple[Symmetry, ...] = get_args(Symmetry)
 _NEAR_NORMAL_DEG = 1.0
 _NEAR_AXIS_DEG = 1.0
 
-# Symmetry by the quadrants that contain azimuths.
+# Symmetry by the quadrants that contain measured azimuths.
 _IN_QUADRANTS: dict[frozenset[int], Symmetry] = {
     **{frozenset({k}): "quadrilateral" for k in range(4)},
     frozenset({0, 1}): "bilateral-y",
@@ -40,7 +40,7 @@ _IN_QUADRANTS: dict[frozenset[int], Symmetry] = {
     frozenset(range(4)): "none",
 }
 
-# Symmetry by whether azimuths are at 0 and 180°, and at 90 and 270°.
+# Symmetry by whether 0 and 180° were both measured, and by whether 90 and 270° were.
 _ON_AXES: dict[tuple[bool, bool], Symmetry] = {
     (True, True): "none",
     (True, False): "bilateral-y",
@@ -59,7 +59,7 @@ _IMAGES: dict[Symmetry, tuple[tuple[int, int], ...]] = {
 }
 
 
-# Axes along which the measured part of the hemisphere ends at the normal.
+# Axes (0 for x, 1 for y) of which only one sign was measured.
 _BOUNDED: dict[Symmetry, list[int]] = {
     "isotropic": [],
     "quadrilateral": [0, 1],
@@ -118,10 +118,10 @@ def rotation_about_normal(
 def fold(
     incident: Float[np.ndarray, "batch 3"], symmetry: Symmetry, quadrant: Vector2
 ) -> tuple[Float[np.ndarray, "batch 3"], Float[np.ndarray, "batch 3 3"]]:
-    """Images of directions in the measured part of the hemisphere.
+    """Map directions to their images in the measured part of the hemisphere.
 
-    Return the images, which have azimuth 0 for isotropic layers, and the matrices from
-    the images to the directions. `quadrant`: signs of x and y in the measured part.
+    Return the images, which have azimuth 0 for isotropic layers, and the matrices that
+    map images back to directions. `quadrant`: signs of x and y in the measured part.
     """
     if symmetry == "isotropic":
         x, y, z = incident.T

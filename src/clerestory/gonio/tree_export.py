@@ -30,7 +30,7 @@ _BLOCK = 3
 # Largest number of tree levels by rank, limited by time and memory.
 _DEEPEST: dict[int, int] = {4: 7, 3: 8}
 
-_FLOOR = 0.01  # constant added to the mean BSDF that divides differences [1/sr]
+_FLOOR = 0.01  # constant added to the mean BSDF in relative differences [1/sr]
 
 
 class Source(Protocol):
@@ -80,7 +80,7 @@ def to_tree(
 
 
 def _rank_3(interpolant: Source, halvings: int, tolerance: float) -> ScatteringTree:
-    # The first coordinate is half the distance from the rim of the disc: at most 1/2
+    # The first tree coordinate, half the distance from the disc rim, is at most 1/2
     wide, raster = 1 << halvings, Raster.of(halvings)
     radius = 1 - 2 * (np.arange(wide // 2) + 0.5) / wide
     height = np.sqrt(1 - radius**2)
@@ -135,7 +135,7 @@ def _grown(
     halvings: int,
     tolerance: float,
 ) -> Region:
-    # Slots of one subtree per row of `leaves`, roots first; merge similar cells
+    # Build slots of one subtree per row of `leaves`, roots first; merge similar cells
     width = 1 << rank
     mean, least, most = [leaves], [leaves], [leaves]
     for _ in range(halvings):
@@ -157,7 +157,7 @@ def _grown(
 
 
 def _assembled(forests: list[Region], halvings: int, inner: int) -> ScatteringTree:
-    # Build the upper levels, at the leaves of which the subtrees are attached
+    # Build the upper tree levels and attach the subtrees to the upper leaves
     top = halvings - inner
     upper = level_slots(full_levels(4, top), 4)
     count, size = 4**top, sum(map(len, upper)) + 16**top

@@ -5,9 +5,9 @@ WINDOW. File readers therefore build the partition from the rings in the file; t
 here are WINDOW's present definitions, used for traced matrices.
 
 In the frame of a window (right, up, normal into the room) the first patch of a ring is
-to the right and the following ones run upwards. Exit patch i contains the direction of
-travel into the room; incident patch i contains the reversed incident direction, so that
-undeviated light keeps its patch number.
+to the right, and the following patches run upwards. For incident and exiting light
+alike, the patch is that of the direction of travel into the room, so that undeviated
+light has equal patch numbers.
 
 References: J. H. Klems, ASHRAE Transactions 100 (1), 1994; LBNL WINDOW 7 technical
 documentation, angle bases.

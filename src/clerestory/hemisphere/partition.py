@@ -26,7 +26,7 @@ class RingPartition:
 
     Attributes
     ----------
-    name : name in files and messages
+    name : name of the partition in files and messages
     count : number of patches in each ring, in the order of patch numbers
     theta : polar angles of the ring limits [rad], from 0 to π/2 or from π/2 to 0
     azimuth : "compass" from +y towards +x (skies) or "polar" from +x towards +y

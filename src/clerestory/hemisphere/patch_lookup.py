@@ -2,7 +2,7 @@
 
 A fine grid over the projected hemisphere stores the patch of every cell that no patch
 boundary crosses. Directions in the remaining few per cent of cells are looked up in the
-partition, so that results equal those of `RingPartition.find`.
+partition, so that patch indices equal those of `RingPartition.find`.
 """
 
 from functools import lru_cache
@@ -14,18 +14,18 @@ from jaxtyping import Float, Int, Int16
 from clerestory.array_types import Directions, Indices, Values
 from clerestory.hemisphere.partition import RingPartition
 
-# Cells along each axis of the grid, and range of the grid, such that no grid line
+# Number of cells along each axis, and limits of the grid in x and y. No grid line
 # coincides with patch boundaries at x = 0, y = 0 or on the diagonals.
 _CELLS = 640
 _LEAST, _MOST = -1.00471, 1.00313
 
-# Value of a cell that a patch boundary crosses.
+# Table entry of a cell that a patch boundary crosses.
 _BORDER = -1
 
-# Largest deviation from 1 of the squared length of a unit vector.
+# Largest difference between 1 and the squared length of a unit vector.
 _NOT_UNIT = 1e-5
 
-# Smallest number of directions for which a table is built (0.1 s).
+# Smallest number of directions for which a table is built, which takes 0.1 s.
 _FEW = 1 << 11
 
 
@@ -66,8 +66,8 @@ def _table(
     line = np.linspace(_LEAST, _MOST, _CELLS + 1)
     corner = _on_disc(partition, *np.meshgrid(line, line, indexing="ij"))
 
-    # If one patch contains all corners of a cell, only the point nearest the pole may
-    # lie in another patch
+    # If all corners of a cell are in one patch, only the point of the cell nearest the
+    # pole may be in another patch
     nearest = np.clip(0, line[:-1], line[1:])
     middle = _on_disc(partition, *np.meshgrid(nearest, nearest, indexing="ij"))
     ring = np.repeat(np.arange(len(partition.count)), partition.count)
@@ -83,7 +83,7 @@ def _on_disc(
     x: Float[np.ndarray, "row column"],
     y: Float[np.ndarray, "row column"],
 ) -> Int[np.ndarray, "row column"]:
-    # Patches at points of the unit disc; points outside are projected onto its edge
+    # Patches at points of the unit disc; points outside are projected onto the circle
     height = np.sqrt(np.maximum(1 - x * x - y * y, 0))
     return _find(partition, x.ravel(), y.ravel(), height.ravel()).reshape(x.shape)
 

@@ -1,7 +1,7 @@
 """Tregenza and Reinhart sky partitions, with the ground as patch 0.
 
-Rows run from the horizon to the zenith; azimuth runs clockwise from north. The frame is
-that of the scene: x east, y north, z up.
+Patches are numbered in rows from the horizon to the zenith, in each row clockwise from
+north. Directions are in scene coordinates: x east, y north, z up.
 
 References: P. R. Tregenza, Lighting Research and Technology 19 (1), 1987; C. F.
 Reinhart, O. Walkenhorst, Energy and Buildings 33 (7), 2001.
@@ -41,7 +41,7 @@ class SkyPartition:
 
     @property
     def name(self) -> str:
-        """Name in files and messages."""
+        """Name of the partition in files and messages."""
         return f"Reinhart MF:{self.subdivision} with ground"
 
     def find(self, direction: Directions) -> Indices:
@@ -58,8 +58,9 @@ class SkyPartition:
 
 
 def reinhart(subdivision: int) -> SkyPartition:
-    """Return the sky with each Tregenza patch divided into `subdivision` ×
-    `subdivision`.
+    """Return the sky with each Tregenza patch divided into `subdivision`² patches.
+
+    The zenith patch is not divided.
 
     Raises
     ------

@@ -12,7 +12,7 @@ from jaxtyping import Float, Float32, Int32
 
 from clerestory.array_types import Directions, Values
 
-# Coefficients of x, x³, …, x¹⁷ in a polynomial approximation of the arc tangent
+# Coefficients of x, x³, …, x¹⁷ in a polynomial approximation of arctan x
 _ARC_TANGENT = (
     1.0,
     -0.3333314528,
@@ -35,8 +35,7 @@ _TINY = np.float32(1e-30)
 def square_from_disc(x: Values, y: Values) -> tuple[Values, Values]:
     """Points of the square [0, 1]² for points of the unit disc.
 
-    Opposite points of the disc map to opposite points of the square: −x, −y to 1 − a, 1
-    − b.
+    Opposite points map to opposite points: (−x, −y) to (1 − a, 1 − b).
 
     >>> a, b = square_from_disc(np.array([0.0, 1.0]), np.array([0.0, 0.0]))
     >>> a.tolist(), b.tolist()
@@ -58,8 +57,8 @@ def cells_from_disc(
 ) -> tuple[Int32[np.ndarray, " batch"], Int32[np.ndarray, " batch"]]:
     """Indices, 0 to 2^halvings − 1, of the grid cells that contain points of the disc.
 
-    The result equals that of `square_from_disc`; only points near cell boundaries are
-    computed in double precision.
+    The cells are the same as by `square_from_disc`, although only points near cell
+    boundaries are computed in double precision.
 
     >>> a, b = cells_from_disc(np.array([0.9]), np.array([0.1]), halvings=2)
     >>> a.tolist(), b.tolist()

@@ -71,7 +71,7 @@ class Axis:
         return True
 
     def at_window(self, window: str | None) -> "Axis":
-        """Return this axis with the name of a window, if it has none."""
+        """Return the axis, labelled with a window name if it has none."""
         if self.window is None and window and self.kind in ("interior", "exterior"):
             return replace(self, window=window)
         return self
@@ -112,5 +112,5 @@ def time_axis(times: np.ndarray) -> Axis:
 
 
 def unknown_axis(size: int) -> Axis:
-    """Return the axis of a file without labels."""
+    """Return an axis without labels."""
     return Axis("unknown", size)

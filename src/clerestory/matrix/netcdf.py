@@ -32,7 +32,7 @@ from clerestory.matrix.transfer_matrix import TransferMatrix
 
 _FORMAT = "Clerestory transfer matrix 1"
 
-# Length of the checksum line: line feed, name, hexadecimal digits.
+# Length of the checksum line [bytes]: line feed, "sha256 " and 64 hexadecimal digits.
 SEAL_LENGTH = 1 + len("sha256 ") + 64
 
 # Times are stored as whole nanoseconds since 1970, as in NumPy.
@@ -99,7 +99,7 @@ def seal(data: memoryview) -> bytes:
 def _add(
     file: h5netcdf.File, name: str, dimensions: tuple[str, ...], data: np.ndarray
 ) -> Any:
-    # HDF5 checksum against bit errors on disk
+    # The HDF5 checksum detects bit errors on disk
     check = {"fletcher32": True} if data.size else {}
     return file.create_variable(
         name, dimensions, data=np.ascontiguousarray(data), **check
@@ -107,7 +107,7 @@ def _add(
 
 
 def _write_bands(variable: h5netcdf.Variable, bands: Bands) -> None:
-    if bands == RGB:  # as in files of version 0.1
+    if bands == RGB:  # RGB is not labelled, as in version 0.1
         return
     variable.attrs["band_names"] = "\n".join(bands.names)
     if bands.efficacy is not None:
@@ -130,7 +130,7 @@ def _read_bands(variable: h5py.Dataset) -> Bands:
 
 
 def _write_axis(file: h5netcdf.File, side: str, axis: Axis) -> None:
-    # Indices of patches, sensors or time steps, with the labels as attributes
+    # Write the indices of patches, sensors or time steps; attributes label the axis
     variable = _add(file, f"{side}s", (side,), np.arange(axis.size))
     variable.attrs["kind"] = axis.kind
     if axis.window is not None:

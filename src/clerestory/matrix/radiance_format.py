@@ -33,15 +33,15 @@ _LONGEST_HEADER = 1 << 20
 @dataclass(frozen=True)
 class _Header:
     # Variables of the text header
-    rows: int | None  # None if NROWS is absent: all complete rows
+    rows: int | None  # None without NROWS: the length of the data gives the number
     columns: int
     channels: int
     encoding: Encoding
     big_endian: bool
-    length: int  # bytes of the header with its empty line
+    length: int  # length of the header in bytes, with the empty line
 
     def require_size(self, found: int, what: str, size: int) -> None:
-        # Compare the data with the size in the header, or with whole rows
+        # Require as many values or bytes as in the header; without NROWS, whole rows
         row = self.columns * self.channels * size
         expected = (self.rows or found // row or 1) * row
         require(
@@ -147,7 +147,7 @@ def write_rows(
 ) -> None:
     """Write a matrix given as blocks of rows, with one block in memory at a time.
 
-    `shape` are the numbers of rows, columns and channels of the matrix.
+    `shape` gives the numbers of rows, columns and channels of the matrix.
     """
     one_of(encoding, "matrix encoding", choices=("ascii", *_ITEM))
     rows, columns, channels = shape
@@ -166,7 +166,7 @@ def write_rows(
 
 
 def _format_row(row: Float[np.ndarray, "column channel"]) -> str:
-    # Enough digits to read the same floating-point numbers back
+    # Write enough digits for the same floating-point numbers to be read back
     digits = 9 if row.dtype == np.float32 else 17
     entry = " ".join([f"%.{digits}g"] * row.shape[1])
     return "\t".join([entry] * row.shape[0]) % tuple(row.ravel().tolist()) + "\n"

@@ -2,8 +2,8 @@
 
 The error of a traced matrix is stored as *error components*: the deviations of its
 independent batches from their mean, scaled so that the variance of any entry is the
-sum of their squares. Products propagate components like the values, so the standard
-error of V·T·D·S contains all correlations between coefficients:
+sum of their squares. A matrix product multiplies error components like coefficients, so
+the standard error of V·T·D·S includes all correlations between coefficients:
 
     E = A·B   →   components of E = (components of A)·B  and  A·(components of B)
 """
@@ -37,7 +37,7 @@ require_matrix = partial(require, error=MatrixError)
 
 @dataclass(frozen=True, eq=False)
 class TransferMatrix:
-    """Coefficients: quantity received by each row per unit sent by each column.
+    """Transfer matrix: quantity at each receiver per unit quantity of each sender.
 
     Attributes
     ----------
@@ -142,7 +142,7 @@ class TransferMatrix:
     def weighted(
         self, weights: Sequence[float] | Float[np.ndarray, " band"]
     ) -> "TransferMatrix":
-        """Return one channel: the sum of the bands weighted by `weights`.
+        """Return a matrix with one channel: the sum of the bands times `weights`.
 
         A matrix with one channel is multiplied by the sum of the weights.
         """
@@ -199,7 +199,7 @@ def illuminance_dataset(
     sensors: Axis,
     times: Axis,
 ) -> "xr.Dataset":
-    """Label illuminance and its standard error [lux] with sensors and times."""
+    """Return illuminance and standard error [lux] as a dataset over (sensor, time)."""
     names = list(sensors.names) if sensors.names else np.arange(sensors.size)
     moments = times.times if times.times is not None else np.arange(times.size)
 

@@ -19,7 +19,7 @@ from clerestory.metrics.daylight_factor import room_factors
 
 
 class IlluminanceCriterion(NamedTuple):
-    """Hours [h] in which the mean and the lowest illuminance reach their limits."""
+    """Hours a year in which the mean and the lowest illuminance reach their limits."""
 
     mean_hours: float
     worst_hours: float
@@ -36,8 +36,8 @@ def illuminance_criterion(
 ) -> IlluminanceCriterion:
     """Return the result of the illuminance criterion for one room.
 
-    The mean and the lowest illuminance over (sensor, time) reach their limits in the
-    required number of hours.
+    The mean and the lowest illuminance of the sensors must reach `mean_lux` and
+    `worst_lux`, each for the given number of hours a year.
 
     >>> lux = xr.DataArray(np.full((2, 2100), 350.0), dims=("sensor", "time"))
     >>> illuminance_criterion(lux).passed
@@ -61,8 +61,8 @@ def factor_criterion(
 ) -> bool:
     """Return whether a room meets the daylight factor criterion.
 
-    The limits are those of the mean, the uniformity and, as an alternative to the
-    uniformity, the minimum; default: `uniformity` times `mean`.
+    `mean`, `uniformity` and `minimum` are lower limits; `minimum` is an alternative to
+    `uniformity`, by default `uniformity` times `mean`.
 
     >>> factor_criterion(np.array([0.01, 0.03, 0.05]))
     True

@@ -33,10 +33,10 @@ def annual_statistic(
     hours: Bool[np.ndarray, " time"],
     statistic: Literal["mean", "median", "max"],
 ) -> xr.DataArray:
-    """Mean, median or maximum of each sensor over the selected hours.
+    """Mean, median or maximum illuminance of each sensor over the selected hours.
 
-    The mean of standard errors is an upper limit of the standard error of the mean,
-    since errors of all hours are correlated by the same traced matrices.
+    For hourly standard errors as `data`, the mean is an upper limit of the standard
+    error of the mean illuminance, valid for any correlation between hourly errors.
 
     >>> lux = xr.DataArray([[100.0, 300.0, 999.0]], dims=("sensor", "time"))
     >>> float(annual_statistic(lux, np.array([True, True, False]), "mean")[0])
@@ -69,7 +69,7 @@ def continuous_autonomy(
     *,
     target_lux: float = TARGET_LUX,
 ) -> xr.DataArray:
-    """Continuous daylight autonomy: hours below the target count as E / target.
+    """Continuous daylight autonomy: illuminance E below the target counts E / target.
 
     >>> lux = xr.DataArray([[150.0, 900.0]], dims=("sensor", "time"))
     >>> float(continuous_autonomy(lux, np.ones(2, bool))[0])
@@ -77,7 +77,7 @@ def continuous_autonomy(
     """
     counted = within_hours(illuminance, hours).astype(float)
 
-    # Negative values (noise of matrix differences) are not clipped, to avoid bias
+    # To avoid bias, negative illuminance (noise of direct correction) is not clipped
     return (counted / target_lux).clip(max=1).mean("time").assign_attrs(units="1")
 
 
@@ -89,9 +89,9 @@ def useful_illuminance(
 ) -> xr.DataArray:
     """Fraction of the selected hours in each range of useful daylight illuminance.
 
-    Ranges include the lower but not the upper limit; the four fractions sum to 1. Most
-    standards define the useful range as the two middle ranges.
-    The dimensions of the result are `band` (range) and `sensor`.
+    Ranges include the lower but not the upper limit; the four fractions sum to 1. In
+    most standards, useful daylight illuminance is within the two middle ranges. The
+    dimensions of the result are `band` (range) and `sensor`.
 
     >>> lux = xr.DataArray([[50.0, 100.0, 300.0, 4000.0]], dims=("sensor", "time"))
     >>> useful_illuminance(lux, np.ones(4, bool)).sel(sensor=0).values.tolist()

@@ -65,7 +65,7 @@ class DaylightProvision(NamedTuple):
 def daylight_hours(
     diffuse_horizontal: Float[np.ndarray, " time"],
 ) -> Bool[np.ndarray, " time"]:
-    """Daylight hours: half of the hours, those of highest diffuse irradiance.
+    """Daylight hours: the half of all hours with the highest diffuse irradiance.
 
     >>> daylight_hours(np.array([0.0, 5.0, 9.0, 0.0])).tolist()
     [False, True, True, False]
@@ -137,10 +137,10 @@ def reference_point(
     """Return the reference point of an opening for exposure to sunlight [m].
 
     The point is at least 1.2 m above the floor and 0.3 m above the sill, or at half the
-    height of openings that end lower. In roof windows it is the centre.
+    height of openings that end lower. In roof windows, the point is the centre.
 
-    `normal` is the normal into the room, `floor` the height of the floor, `depth` the
-    distance from the plane of the opening to the inner face of the wall.
+    `normal` is the normal into the room, `floor` the z coordinate of the floor, `depth`
+    the distance from the plane of the opening to the inner face of the wall.
 
     >>> window = np.array([[1.0, 0, 0.8], [3, 0, 0.8], [3, 0, 2.2], [1, 0, 2.2]])
     >>> inwards = np.array([0.0, 1, 0])
@@ -185,7 +185,7 @@ def hours_of_sun(
 def glare_level(
     dgp: Float[np.ndarray, " time"], occupied: Bool[np.ndarray, " time"]
 ) -> int:
-    """Level of protection from glare: DGP is above a limit in at most 5 % of the time.
+    """Level of protection from glare: DGP exceeds the limit in at most 5 % of the time.
 
     >>> dgp = np.array([0.36] * 6 + [0.2] * 94)
     >>> glare_level(dgp, np.ones(100, bool))

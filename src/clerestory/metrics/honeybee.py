@@ -40,7 +40,7 @@ class HoneybeeFolder:
     ----------
     paths : names of the light paths (window groups) of each grid
     states : folder names of the states of each dynamic light path
-    sun_up_hours : hours of the year with results, at their centres, such as 7.5
+    sun_up_hours : centres of the hours with results, in hours of the year, such as 7.5
     counts : number of sensors of each grid
     """
 
@@ -95,7 +95,7 @@ class HoneybeeFolder:
         return year
 
     def dynamic_paths(self, grid: str) -> tuple[str, ...]:
-        """Names of the light paths of a grid with several states."""
+        """Names of those light paths of a grid that have several states."""
         return tuple(p for p in self.paths[grid] if len(self.states.get(p, ())) > 1)
 
     def _load(

@@ -33,7 +33,7 @@ _OPTION_2: _Limits = {
 
 
 class Credit(NamedTuple):
-    """Points, fraction of the area that meets the criterion, further requirement."""
+    """LEED points, fraction of the area that meets the criterion, and a requirement."""
 
     points: int
     share: float
@@ -43,10 +43,10 @@ class Credit(NamedTuple):
 def simulated_daylight(
     autonomy: float, exposure: float, *, version: Version = "v4.1"
 ) -> Credit:
-    """Return the points of option 1.
+    """Return the LEED points of option 1, by annual simulation.
 
-    The arguments are sDA and ASE of the regularly occupied floor area. If ASE is above
-    10 %, v4 gives no points and v4.1 requires a statement on glare.
+    `autonomy` and `exposure` are sDA and ASE of the regularly occupied floor area. If
+    ASE is above 10 %, v4 gives no points and v4.1 requires a statement on glare.
 
     >>> simulated_daylight(0.60, 0.05).points
     2
@@ -71,11 +71,11 @@ def clear_sky_illuminance(
     view_preserving_blinds: bool = False,
     area: Float[np.ndarray, " sensor"] | None = None,
 ) -> Credit:
-    """Return the points of option 2.
+    """Return the LEED points of option 2, by illuminance under clear skies.
 
     Illuminance is given at 9 h and at 15 h of a clear equinox day [lux]. With automatic
-    blinds that preserve the view, only the lower limit applies. The default of `area`
-    is the same area for each sensor.
+    blinds that preserve the view, only the lower limit applies. By default, all sensors
+    represent equal areas.
 
     >>> lux = np.array([200.0, 400.0, 900.0, 2000.0])
     >>> clear_sky_illuminance([lux, lux]).points  # 75 % of the sensors

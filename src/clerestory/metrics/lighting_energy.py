@@ -25,8 +25,8 @@ class LightingZone:
     Attributes
     ----------
     power : electric power of the luminaires at full output [W]
-    full_lux : illuminance at the sensor from the luminaires at full output [lux]
-    setpoint_lux : illuminance to be maintained at the sensor [lux]
+    full_lux : illuminance at the photosensor from the luminaires at full output [lux]
+    setpoint_lux : illuminance to be maintained at the photosensor [lux]
     control : "dimming": dimming down to the minimum output; "dimming with switch-off":
         also off if daylight reaches the setpoint; "on-off": full output or off; "none":
         full output when occupied
@@ -57,8 +57,8 @@ class LightingZone:
 class LightingUse:
     """Light output, electric power [W] and energy [Wh] of the luminaires.
 
-    Light output is a fraction of full output, `illuminance` [lux] includes daylight;
-    `error` is the standard error of the energy due to the error of daylight.
+    Light output is a fraction of full output; `illuminance` [lux] includes daylight;
+    `error` is the standard error of the energy due to that of daylight illuminance.
     """
 
     output: Float[np.ndarray, " time"]
@@ -100,7 +100,7 @@ def lighting_use(
 
 
 def lighting_saving(use: LightingUse, reference: LightingUse) -> float:
-    """Energy saving, as a fraction of the energy of a reference."""
+    """Energy saving of a control, as a fraction of the energy of a reference."""
     positive(reference.energy, "energy of the reference", unit="Wh")
     return 1 - use.energy / reference.energy
 

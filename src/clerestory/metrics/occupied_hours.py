@@ -10,7 +10,7 @@ from clerestory.checks import require, same_length
 def occupied_hours(
     times: np.ndarray, *, from_hour: float = 8.0, to_hour: float = 18.0
 ) -> Bool[np.ndarray, " time"]:
-    """Mask of the steps with the centre between two hours, on every day of the week.
+    """Mask of the time steps whose centres are between two hours, on every day.
 
     >>> day = np.datetime64("2001-06-21T00:30") + np.arange(24) * np.timedelta64(1, "h")
     >>> int(occupied_hours(day).sum())
@@ -27,7 +27,7 @@ def occupied_hours(
 
 
 def within_hours(data: xr.DataArray, hours: Bool[np.ndarray, " time"]) -> xr.DataArray:
-    """Return the data of the selected time steps."""
+    """Return the data of the time steps selected by a mask."""
     same_length(hours, data["time"], "values of the mask", "time steps")
     require(np.any(hours), "no time step is within the schedule; at least one expected")
     return data if np.all(hours) else data.isel(time=np.flatnonzero(hours))

@@ -2,8 +2,8 @@
 
 The illuminances of all hours are computed from the same traced matrices, so their
 errors are assumed to be fully correlated. The error of a metric is half of the
-difference between the metrics of E + σ and E − σ, with the standard error σ of the
-illuminance E.
+difference between the metric for E + σ and the metric for E − σ, where σ is the
+standard error of the illuminance E.
 """
 
 from collections.abc import Callable
@@ -32,8 +32,9 @@ def sensor_metrics(
 ) -> xr.Dataset:
     """Return the metrics of each sensor over the selected hours.
 
-    Statistics of illuminance are in lux, the others are fractions 0…1. `useful` is the
-    range 100…3000 lux; `useful_bands` are the four ranges, over (band, sensor).
+    Statistics of illuminance are in lux; all other metrics are fractions of the hours,
+    0…1. `useful` is the fraction with 100…3000 lux, `useful_bands` the fraction in each
+    of the four ranges, over (band, sensor).
     """
     lux = hourly["illuminance"]
     autonomy = partial(daylight_autonomy, hours=hours, target_lux=target_lux)
@@ -68,7 +69,7 @@ def error_of_group_mean(
 ) -> float:
     """Standard error of the mean over a group of sensors.
 
-    Without independent error components, errors of all sensors are assumed to be fully
+    Without error components, the errors of all sensors are assumed to be fully
     correlated, which gives an upper limit.
 
     >>> error_of_group_mean(np.array([3.0, 5.0]))
@@ -80,7 +81,8 @@ def error_of_group_mean(
 
 
 def _mean_error(hourly: xr.Dataset, hours: Bool[np.ndarray, " time"]) -> xr.DataArray:
-    # From the error components of the mean, or with fully correlated hourly errors
+    # Error of the mean illuminance, from its error components or, without components,
+    # for fully correlated hourly errors
     if "mean_components" not in hourly:
         return annual_statistic(hourly["standard_error"], hours, "mean")
     variance = (hourly["mean_components"].astype(float) ** 2).sum("component")

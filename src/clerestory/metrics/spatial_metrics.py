@@ -116,7 +116,7 @@ def hours_above(
 def area_share(
     good: Bool[np.ndarray, " sensor"], area: Float[np.ndarray, " area"] | None
 ) -> float:
-    """Fraction of the area, or of the sensors, with a criterion met, 0…1.
+    """Fraction, 0…1, of the area, or of the sensors, that meets a criterion.
 
     >>> area_share(np.array([True, False]), np.array([3.0, 1.0]))
     0.75
@@ -134,7 +134,7 @@ def with_error(
     illuminance: xr.DataArray,
     standard_error: xr.DataArray | None,
 ) -> RoomShare:
-    """Return a fraction of the area with the error due to errors of the illuminance."""
+    """Return a fraction of the area, and the error due to errors of illuminance."""
     if standard_error is None:
         return RoomShare(share(illuminance))
     high, low = share(illuminance + standard_error), share(illuminance - standard_error)

@@ -1,13 +1,13 @@
-"""Blockwise product of the matrix equation, with its error components.
+"""Blockwise product of the matrix equation, with its statistical error.
 
 The result is computed in blocks of receivers × time steps. Error components, the
 deviations of the independent batches of each Monte Carlo estimate from their mean, are
-multiplied like the values. The view matrices of all windows are estimated from the
-same paths, so component k is summed over the windows. All other estimates are
-statistically independent.
+multiplied by the same matrices as the estimate. The view matrices of all windows are
+estimated from the same paths, so error components of equal number are summed over the
+windows. All other estimates are statistically independent.
 
-The order of multiplication is chosen by cost: V (T D S) for many receivers and for
-moving shades, (V T D) S for few receivers.
+Matrices are multiplied in the order that takes fewer operations: V (T D S) for many
+receivers and for moving shades, (V T D) S for few receivers.
 """
 
 from collections.abc import Iterator, Sequence
@@ -48,17 +48,16 @@ from clerestory.phases.receivers import (
 from clerestory.phases.stored_views import StoredColumns
 from clerestory.sky.sky_product import lit_steps
 
-# Maximum sizes [bytes] of the exiting radiance, with view matrices in memory and in
-# files, and of the result of one block of receivers
+# Memory limits [bytes] of a block: exiting radiance with view matrices in memory and in
+# files, and result
 _LIGHT, _LIGHT_OF_FILES, _RECEIVED = 1 << 25, 1 << 29, 1 << 26
 
 
 @dataclass(frozen=True, eq=False)
 class Components:
-    """Deviations of the batches of one estimate, for a block of receivers.
+    """Error components due to one estimated matrix, for a block of receivers.
 
-    The source identifies the estimate in all blocks. Values are multiplied by the sign
-    of their term.
+    `source` identifies the matrix in all blocks. `values` include the sign of the term.
     """
 
     source: tuple[int, int, int]
@@ -72,8 +71,8 @@ class Block:
 
     Attributes
     ----------
-    steps : indices, within `times`, of the steps with sky or sun light
-    terms : signed values of each term of the matrix equation
+    steps : indices of the time steps with light, counted from the start of `times`
+    terms : illuminance or radiance of each term, with the sign of the term
     """
 
     rows: slice
@@ -85,8 +84,7 @@ class Block:
 
 @dataclass(frozen=True, eq=False)
 class _Factor:
-    # Receiving matrices side by side, and the radiance or irradiance of their columns
-    # in the given steps
+    # Matrices V, C or C_ds, and the radiance or irradiance by which they are multiplied
     source: tuple[int, int]
     sign: int
     matrices: Sequence[Readable]
@@ -119,8 +117,8 @@ class BlockwiseProduct:
     Attributes
     ----------
     states : index of the shade state at each time step, per window group; default 0
-    weights : band weights; one row for illuminance, one row per band for pictures
-    count : number of receivers
+    weights : weights of the bands; one row for illuminance, one per band for pictures
+    count : number of receivers (sensors or pixels)
     errors : whether to compute error components as well
     most_receivers, most_steps : maximum block size; by default limited by memory
     """
@@ -144,7 +142,7 @@ class BlockwiseProduct:
                 require_columns(term, chain, self.skies)
 
     def blocks(self) -> Iterator[Block]:
-        """Yield all blocks: all receivers of the first steps, then of the next."""
+        """Yield all blocks, ordered by time steps, then by receivers."""
         parts = [self._chains(term) for term in self.terms]
         lit = _lit(self.skies)
         exiting = sum(_light_bytes(found, self.weights) for found in parts)
@@ -164,7 +162,7 @@ class BlockwiseProduct:
                 yield self._block(rows, times, inside - times.start, factors)
 
     def _chains(self, term: Term) -> list[MatrixChain]:
-        # Matrices of a term; the product V T D where it is faster
+        # Matrices of a term, or the product V T D if (V T D) S is faster
         found = chains(self.windows, term.part)
         states = self.states or ()
         fixed = all(len(s) and (s == s[0]).all() for s in states)
@@ -179,7 +177,7 @@ class BlockwiseProduct:
     def _times(
         self, lit: Int[np.ndarray, " lit"], most: int
     ) -> Iterator[tuple[slice, Int[np.ndarray, " step"]]]:
-        # Blocks of consecutive steps: of `most_steps`, else with `most` lit steps each
+        # Blocks of `most_steps` consecutive time steps, else of `most` steps with light
         steps = len(self.skies.times)
         edges = [0, *lit[most::most].tolist()]
         if self.most_steps:
@@ -216,7 +214,7 @@ class BlockwiseProduct:
         skies: Skies,
         steps: Int[np.ndarray, " step"],
     ) -> tuple[Readable, Light]:
-        # Coefficients from the sky patches or the suns straight to the receivers
+        # C and the sky radiance, or C_ds and the direct normal irradiance
         if term.part == "sun" and skies.suns is not None:
             normal = skies.suns.direct_normal[:, steps]
             columns, normal = shining_columns(matrix, normal)
@@ -244,7 +242,7 @@ class BlockwiseProduct:
 
 
 def _lit(skies: Skies) -> Int[np.ndarray, " lit"]:
-    # Time steps in which any of the skies is not dark
+    # Indices of the time steps with light from the sky or the sun
     found = [lit_steps(sky.diffuse, sky.sun) for sky in (skies.whole, skies.sun) if sky]
     if skies.suns is not None:
         found.append(np.flatnonzero(np.diff(skies.suns.direct_normal.indptr)))
@@ -254,7 +252,7 @@ def _lit(skies: Skies) -> Int[np.ndarray, " lit"]:
 def _row_blocks(
     parts: Sequence[Sequence[MatrixChain]], count: int, most: int
 ) -> list[slice]:
-    # A block of receivers never spans two files
+    # Blocks of receivers, each within one file of view matrices
     for found in parts:
         first = found[0].receiving[0]
         if isinstance(first, StoredColumns):
@@ -263,7 +261,7 @@ def _row_blocks(
 
 
 def _layers(found: Sequence[MatrixChain], *, errors: bool) -> int:
-    # Number of values per receiver and step: the estimate and its error components
+    # Number of error components of a term, plus one for the estimate
     if not errors:
         return 1
     views = max(component_count(m) for chain in found for m in chain.receiving)
@@ -271,7 +269,7 @@ def _layers(found: Sequence[MatrixChain], *, errors: bool) -> int:
 
 
 def _light_bytes(found: Sequence[MatrixChain], weights: Weights) -> int:
-    # Bytes of the exiting radiance of one time step
+    # Memory for the exiting radiance of one time step and its error components [bytes]
     patches = sum(
         chain.factors[0][0].rows.size * (1 + chain_components(chain))
         for chain in found

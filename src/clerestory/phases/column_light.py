@@ -1,12 +1,12 @@
-"""Radiance and irradiance by which the receiving matrices are multiplied.
+"""Radiance and irradiance by which the matrices V, C and C_ds are multiplied.
 
     exiting radiance  X(t) = T(t) D S(t), of the patches of all windows
     sky radiance      of the sky patches: a grey distribution times a colour
-    suns              direct normal irradiance of at most one sun per time step
+    sun irradiance    direct normal, of at most one sun per time step
 
-Results are weighted sums of bands: illuminance for sensors, each band by itself for
-pictures. The weights are applied to the radiance before the product, so that grey
-rooms need one product instead of one per band.
+The result is illuminance (a weighted sum of the bands) for sensors, and the radiance in
+each band for pictures. Light is weighted before it is multiplied by a matrix, so that
+grey rooms need one product instead of one per band.
 """
 
 from collections.abc import Sequence
@@ -34,9 +34,9 @@ class PatchLight:
 
     Attributes
     ----------
-    values : radiance, multiplied by the band weights if `summed`
-    components : error components of each window; windows are independent
-    summed : whether the result is the sum over all channels
+    values : exiting radiance, multiplied by the band weights if `summed`
+    components : error components of the radiance, for each window by itself
+    summed : whether products are summed over the channels, as for illuminance
     """
 
     values: Float32[np.ndarray, "channel patch step"]
@@ -44,7 +44,7 @@ class PatchLight:
     summed: bool
 
     def received(self, matrix: Layers) -> Received:
-        """Return the products of the radiance with a matrix and its components."""
+        """Multiply a matrix and its error components by the radiance."""
         if not self.summed:
             return np.asarray(matrix @ self.values)
         layers, _, rows, _ = matrix.shape
@@ -55,7 +55,7 @@ class PatchLight:
     def spread(
         self, values: Float32[np.ndarray, "channel row column"]
     ) -> list[Received]:
-        """Return the products of a matrix and the error components of each window."""
+        """Multiply a matrix by the error components of the radiance of each window."""
         found, first = [], 0
         for parts in self.components:
             columns = slice(first, first + parts.shape[2])
@@ -68,7 +68,7 @@ class PatchLight:
 
 
 def _wide(matrix: Layers, channels: int) -> np.ndarray:
-    # (layer, channel, row, column) as (layer, row, channel × column)
+    # Reshape (layer, channel, row, column) to (layer, row, channel × column)
     layers, _, rows, columns = matrix.shape
     wide = np.broadcast_to(matrix, (layers, channels, rows, columns))
     return np.moveaxis(wide, 1, 2).reshape(layers, rows, channels * columns)
@@ -82,7 +82,7 @@ class SkyLight:
     weights: Weights
 
     def received(self, matrix: Layers) -> Received:
-        """Return the products of the radiance with a matrix and its components."""
+        """Multiply a matrix and its error components by the radiance."""
         layers, _, rows, _ = matrix.shape
         shape = layers, rows, len(self.sky.times)
         products = (
@@ -98,13 +98,13 @@ class SkyLight:
 
 @dataclass(frozen=True, eq=False)
 class SunLight:
-    """Direct normal irradiance of the suns, the columns of a matrix [W/m²]."""
+    """Direct normal irradiance [W/m²] of the suns, one for each column of a matrix."""
 
     normal: csc_array
     weights: Weights
 
     def received(self, matrix: Layers) -> Received:
-        """Return the products of a matrix and its error components with irradiance."""
+        """Multiply a matrix and its error components by the irradiance."""
         layers, channels, rows, suns = matrix.shape
         weights = self.weights
         if channels == 1:
@@ -172,7 +172,7 @@ def _exiting(
     *,
     errors: bool,
 ) -> Float32[np.ndarray, "layer channel patch step"]:
-    # Value and error components; D S is computed once for states that share D
+    # Radiance and error components; D S is computed once for all states with equal D
     layers = 1 + (chain_components(chain) if errors else 0)
     patches = chain.factors[0][0].rows.size
     found = np.zeros((layers, len(weights), patches, len(state)), np.float32)
@@ -199,8 +199,8 @@ def _passed(
     *,
     errors: bool,
 ) -> Float32[np.ndarray, "more channel inner step"]:
-    # Product of a factor and the radiance; the error components of the factor follow
-    # those of the radiance
+    # Product of a matrix and the radiance, then error components: those due to the
+    # radiance first, those due to the matrix last
     found = factor.values.astype(np.float32) @ light
     if factor.components is None or not errors:
         return np.asarray(found)

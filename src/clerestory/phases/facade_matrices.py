@@ -1,4 +1,4 @@
-"""Façade matrices: exterior shades in front of a window, such as awnings and grates.
+"""Façade matrices of exterior shades in front of a window, such as awnings and grates.
 
     F  exterior patches of the window × exterior patches of a port     facade_matrix
 
@@ -64,7 +64,7 @@ def facade_matrices(
     ports : F apertures whose front faces the window, one for each orientation
     samples : number of paths per window patch
     relative_error : instead of samples: target standard error of the window irradiance
-        due to one port patch, as RMS over all port patches, relative to their mean
+        due to one port patch (RMS over the patches), relative to the mean irradiance
     bounces : maximum number of reflections, as Radiance -ab; default unlimited
 
     The other parameters are those of `view_matrix`.
@@ -131,9 +131,9 @@ def facade_daylight(
 def joint_sum(terms: Sequence[TransferMatrix]) -> TransferMatrix:
     """Sum of matrices, some of which were estimated from the same paths.
 
-    Terms with equally many error components are summed component by component: the
-    variance is exact for common paths and unbiased for independent paths. Terms with
-    different numbers of components are independent.
+    Matrices with equally many error components are summed component by component: the
+    variance is exact for common paths and unbiased for independent paths. Matrices with
+    different numbers of error components are assumed to be independent.
     """
     total = terms[0]
     for term in terms[1:]:

@@ -1,8 +1,8 @@
 """Fingerprints (hashes) of all inputs of a traced matrix.
 
-Every fingerprint includes the revision of the estimators. The fields `source`,
-`executor` and `progress` are left out, because the line number of an object in its
-file and the machine that traces the paths do not affect the matrix.
+Every fingerprint includes the version number of the tracing code. The fields `source`,
+`executor` and `progress` are left out, because the line number of an object in a file
+and the machine that traces the paths do not affect the matrix.
 """
 
 import hashlib
@@ -36,7 +36,7 @@ def fingerprint(*values: Any) -> str:
 
 
 def _feed(value: Any, feed: Feed) -> None:
-    # A prefix of type and length makes the byte stream unambiguous
+    # A prefix with type and length makes the bytes of every value unambiguous
     if isinstance(value, str):
         text = value.encode("utf-8", "surrogatepass")
         feed(b"text%d:" % len(text) + text)

@@ -48,8 +48,8 @@ def illuminance(
 
     Returns
     -------
-    `illuminance` and `standard_error` over (sensor, time); the unsigned terms, if
-    there are several; `mean_components` (component, sensor): the error components of
+    `illuminance` and `standard_error` over (sensor, time); each term without sign, if
+    there are several terms; `mean_components` (component, sensor): error components of
     the mean illuminance over `hours`
     """
     axis = chains(windows, terms[0].part)[0].receivers
@@ -85,7 +85,7 @@ def illuminance(
             long_name = "standard error of the illuminance"
             variables["standard_error"].attrs["long_name"] = long_name
             _fill(variables, product, means, progress)
-        # Lazy reading without a cache
+        # Read illuminance from the file when needed, without a cache
         data = xr.open_dataset(file, engine="h5netcdf", cache=False)
         data = data.assign_coords(sensor=np.arange(axis.size), time=skies.times)
     if means is not None:
@@ -99,7 +99,7 @@ def _fill(
     means: "MeanComponents | None",
     progress: Progress | None,
 ) -> None:
-    # Targets are arrays in memory or NetCDF variables
+    # Write the results to `targets`: arrays in memory or NetCDF variables
     done, whole = 0, product.count * len(product.skies.times)
     for block in product.blocks():
         terms = block.terms[:, 0]
@@ -140,7 +140,7 @@ class MeanComponents:
         self._found: dict[tuple[int, int, int], np.ndarray] = {}
 
     def add(self, block: Block) -> None:
-        """Add the contribution of a block to the means."""
+        """Add the error components of a block, weighted by the selected time steps."""
         share = self._share[block.times][block.steps]
         for part in block.components:
             own = part.values[:, 0] @ share[part.steps]
@@ -150,7 +150,7 @@ class MeanComponents:
             known[:, block.rows] += own
 
     def values(self) -> Float[np.ndarray, "component sensor"]:
-        """Return the components; the sum of their squares is the variance."""
+        """Return the error components; the variance is the sum of squares."""
         none = np.zeros((0, self._sensors), np.float32)
         return np.concatenate([none, *self._found.values()])
 

@@ -17,7 +17,7 @@ from clerestory.files import make_folder
 from clerestory.matrix.netcdf import read_netcdf, write_netcdf
 from clerestory.matrix.transfer_matrix import TransferMatrix
 
-# Functions that trace matrices by name, and a block of rows of a matrix
+# Functions that trace named matrices, and a block of rows of one matrix
 Maker = Callable[[], Mapping[str, TransferMatrix]]
 BlockMaker = Callable[[slice], TransferMatrix]
 
@@ -95,7 +95,7 @@ class MatrixStore:
         return tuple(self.path(block, fingerprint) for block in names)
 
     def _read(self, path: Path) -> TransferMatrix | None:
-        # None if the file is missing or damaged
+        # Matrix in the file; None if the file is missing or damaged
         if not path.is_file():
             return None
         try:

@@ -6,10 +6,10 @@
     5-phase   I = V T D S − V_d T D_d S_ds + C_ds S_sun
     6-phase   I = V T F D S − V_d T F_d D_d S_ds + C_ds S_sun
 
-The direct correction subtracts the direct sunlight of the sun spread over sky patches
-and adds the direct sunlight of the sun at its true position, through the window BSDF
-at full resolution. It is optional in the two-phase method:
-I = C S − C_d S_ds + C_ds S_sun.
+The direct correction subtracts direct sunlight computed with the sun spread over sky
+patches, and adds direct sunlight computed with the sun at its true position and with
+the window BSDF at full resolution. In the two-phase method the direct correction is
+optional: I = C S − C_d S_ds + C_ds S_sun.
 
 References: P. R. Tregenza, I. M. Waters, Lighting Research and Technology 15 (2), 1983
 (2-phase); S. Subramaniam, Daylighting simulations with Radiance using matrix-based
@@ -29,7 +29,7 @@ from clerestory.sky.sun_matrix import SunMatrix
 
 MethodName = Literal["2-phase", "3-phase", "4-phase", "5-phase", "6-phase"]
 
-# Result variables of the two terms of the direct correction
+# Names of the result variables for the two terms of the direct correction
 DIRECT_IN_PATCHES, DIRECT_SUN = "direct_in_patches", "direct_sun"
 
 
@@ -39,7 +39,7 @@ class PhaseMethod:
 
     Attributes
     ----------
-    whole : result variable of the term with interreflections
+    whole : name of the result variable for the term with interreflections
     windows : True for V T D, False for daylight coefficients C
     facade : whether the method includes façade matrices (F)
     correction : when the direct correction is applied
@@ -89,10 +89,10 @@ def three_phase(
 ) -> xr.Dataset:
     """Illuminance [lux] by the three-phase method, with its standard error.
 
-    With F D in place of D, this is the four-phase method.
+    With F D in place of D, the result is that of the four-phase method.
 
-    View matrices of the window groups are traced together. `states` are indices of
-    shade states at each time step, per window group, by default 0.
+    View matrices of several window groups must be traced together. `states` are indices
+    of shade states at each time step, per window group, by default 0.
     """
     return illuminance(windows, THREE_PHASE, Skies(sky), states)
 
@@ -106,7 +106,7 @@ def five_phase(
 ) -> xr.Dataset:
     """Illuminance [lux] by the three-phase method with direct correction.
 
-    With F D in place of D, this is the six-phase method.
+    With F D in place of D, the result is that of the six-phase method.
 
     Parameters
     ----------

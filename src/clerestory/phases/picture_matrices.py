@@ -4,11 +4,10 @@
     V_d    pixels × interior patches   picture_view_matrices(direct=True)
     C_ds   pixels × suns               picture_sun_coefficients
 
-`picture_series` multiplies them with skies. V is pixel radiance per patch radiance,
-C_ds is pixel radiance per direct normal irradiance [1/sr]. V_d and C_ds include the
-view of the window itself and one reflection at a surface of the room: C_ds is the sum
-of C_F-ds and C_R-ds of the extended five-phase method, V_d includes both material
-maps.
+V is pixel radiance per patch radiance, C_ds is pixel radiance per direct normal
+irradiance [1/sr]. V_d and C_ds include light straight from the window and light
+reflected once in the room. In the notation of the extended five-phase method, C_ds is
+C_F-ds + C_R-ds, and V_d includes both material maps.
 """
 
 from collections.abc import Callable, Sequence
@@ -39,7 +38,7 @@ from clerestory.scene.model import Scene
 from clerestory.scene.view import View
 from clerestory.scene.window import Window
 
-# Number of batches per pixel for its standard error, limited by memory
+# Number of batches of paths per pixel, for the standard error; few, to save memory
 _BATCHES = 4
 
 # Default number of paths per pixel and sun
@@ -87,10 +86,10 @@ def picture_view_matrices(
 
     Parameters
     ----------
-    direct : V_d instead of V: view of the windows, and one reflection in the room
+    direct : whether to trace V_d (at most one reflection in the room) instead of V
     samples : number of paths per pixel
     relative_error : instead of samples: target RMS of the pixels' standard errors for
-        windows of uniform radiance, relative to the mean pixel
+        windows of uniform radiance, relative to the mean pixel radiance
 
     The other parameters are those of `view_matrix`.
     """
@@ -137,8 +136,8 @@ def sun_pictures(
 ) -> SunPictures:
     """Return a function that traces direct-sun coefficients of a picture on demand.
 
-    The function returns the coefficients of the suns with given indices, since those
-    of all suns of a year do not fit into memory. See `picture_sun_coefficients`.
+    The function takes indices of `suns`, since the coefficients of all suns of a year
+    do not fit into memory. See `picture_sun_coefficients`.
     """
     effort = sun_effort(sun_pictures, keywords, samples=_SUN_SAMPLES)
     number = window_number(windows, window, bsdf, suns)

@@ -22,7 +22,7 @@ from clerestory.phases.picture_matrices import Camera
 # Time steps per block: 640,000 pixels × 16 steps take 123 MB
 _STEPS = 16
 
-# Pixels per block, whose half-precision coefficients are converted to float32
+# Pixels per block: the memory for coefficients converted from half precision to float32
 _PIXELS = 1 << 15
 
 
@@ -35,8 +35,8 @@ def pictures_over_time(
 ) -> Iterator[Picture]:
     """Yield the picture of every time step, in order.
 
-    With direct sun seen in the window (C_F-ds) and reflected once (C_R-ds), this is the
-    extended five-phase method. The rows of the matrices are the pixels of the camera.
+    The rows of all matrices are the pixels of the camera. With matrices from
+    `picture_matrices`, the terms `FIVE_PHASE` give the extended five-phase method.
     """
     bands = equation_bands(windows, skies)
     product = BlockwiseProduct(

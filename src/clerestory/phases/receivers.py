@@ -1,7 +1,7 @@
 """Receiving matrices (V, C or C_ds) read in blocks of rows.
 
-The matrices are in memory, in files, or computed on demand: the sky coefficients
-Σ V T D of a range of receivers, and the C_ds columns of suns with irradiance > 0.
+V is in memory or in files. Computed on demand are the sky coefficients Σ V T D of a
+range of receivers, and the columns of C_ds for suns with irradiance > 0.
 """
 
 from collections.abc import Sequence
@@ -21,7 +21,7 @@ from clerestory.phases.stored_views import StoredColumns
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """Selected columns of coefficients in memory."""
+    """Selected columns of a coefficient matrix in memory."""
 
     values: Float[np.ndarray, "channel row column"]
     components: Float[np.ndarray, "component channel row column"] | None
@@ -37,7 +37,7 @@ class Columns:
 
 @dataclass(frozen=True, eq=False)
 class SkyCoefficients:
-    """Sky coefficients Σ V T D of windows with fixed shades."""
+    """Sky coefficients Σ V T D, the sum over all windows, with fixed shades."""
 
     windows: Sequence[MatrixChain]
 
@@ -49,7 +49,7 @@ class SkyCoefficients:
 def sky_coefficients(windows: Sequence[MatrixChain], rows: slice) -> TransferMatrix:
     """Sum of V T D over the window groups in shade state 0, for some sensors [sr].
 
-    The error components of V come first, component k summed over the windows.
+    Error components of V come first; those of equal number are summed over the windows.
     """
     products: list[TransferMatrix] = []
     views: list[int] = []
@@ -76,7 +76,7 @@ def sky_coefficients(windows: Sequence[MatrixChain], rows: slice) -> TransferMat
 def side_by_side(
     matrices: Sequence[Readable], rows: slice, *, errors: bool
 ) -> Float32[np.ndarray, "layer channel row column"]:
-    """Return a range of rows of several matrices: values, then error components."""
+    """Join rows of several matrices side by side: values, then error components."""
     found = [matrix.read(rows) for matrix in matrices]
     counts = [0 if c is None or not errors else len(c) for _, c in found]
     channels = max(len(values) for values, _ in found)
@@ -112,7 +112,7 @@ def channel_count(matrix: Receiving) -> int:
 
 
 def chain_components(chain: MatrixChain) -> int:
-    """Return the maximum, over shade states, of the factors' total error components."""
+    """Return the number of error components due to T, F and D: maximum over states."""
     return max((sum(map(component_count, state)) for state in chain.factors), default=0)
 
 

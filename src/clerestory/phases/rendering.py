@@ -37,7 +37,7 @@ _DEFAULT = Goal(samples=None, relative_error=0.02)
 
 @dataclass(frozen=True, eq=False)
 class Rendering:
-    """A picture of radiance [W/(m²·sr)] or irradiance [W/m²], and its error."""
+    """Picture of radiance [W/(m²·sr)] or irradiance [W/m²], with standard errors."""
 
     picture: Picture
     error: Float[np.ndarray, "row column band"]
@@ -75,7 +75,7 @@ def render(
     columns, rows : size of the picture; see `View.size_for`
     samples : number of paths per pixel
     relative_error : instead of samples: target RMS of the pixels' standard errors,
-        relative to the mean pixel; 0.02 if neither is given
+        relative to the mean pixel value; 0.02 if neither is given
     bounces : maximum number of diffuse reflections, as Radiance -ab; default unlimited
     seed : random seed ≥ 0; same seed and device, bitwise identical results
     device : "auto" selects a GPU if one is available
@@ -101,9 +101,9 @@ def render_irradiance(
 ) -> Rendering:
     """Trace a picture of the irradiance of the visible surfaces [W/m²], as rpict -i.
 
-    Glass and dielectric surfaces are transparent. Pixels that show the sky or a lamp
-    are 0. The gather at the visible surface counts as the first bounce. See `render`
-    for the parameters.
+    Visible surfaces are those behind glass and dielectrics. Pixels that show the sky or
+    a lamp are 0. The gather at the visible surface counts as the first bounce. See
+    `render` for the parameters.
     """
     effort = effort_of(render_irradiance, keywords, default=_DEFAULT)
     require_gather(effort)
@@ -142,8 +142,8 @@ def irradiance(
 ) -> Gathered:
     """Trace the irradiance of sensors due to the sky and lamps of the scene [W/m²].
 
-    Every sensor must reach the relative error; for sensors below 1 % of the mean
-    irradiance, it is relative to this 1 %. See `render` for the other parameters.
+    `relative_error` applies to every sensor, relative to the irradiance of the sensor,
+    or to 1 % of the mean irradiance if larger. See `render` for the other parameters.
     """
     effort = effort_of(irradiance, keywords, default=_DEFAULT)
     require_sensors(sensors, effort)

@@ -4,9 +4,9 @@ Each file contains the rows of one block of sensors, with the columns of all win
 single precision. Only one block at a time is in memory. Each block is stored as soon
 as it is traced, so that an interrupted run resumes with the next block.
 
-The deviations of the sixteen batches are pooled into four error components: the mean of
-several batches is a batch as well, so the expected variance is unchanged. Fewer
-components need less memory and time, but the standard error is less precise.
+The sixteen batches of paths are merged into four, which give four error components. The
+expected variance is unchanged. Fewer error components need less memory and time, but
+the estimated standard error is less precise.
 """
 
 from collections.abc import Callable, Sequence
@@ -36,7 +36,7 @@ from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.window import Window
 
-# Number of error components after pooling
+# Number of error components after batches are merged
 FEW = 4
 
 
@@ -63,7 +63,7 @@ class StoredViews:
         ]
 
     def read(self, rows: slice, columns: slice) -> Entries:
-        """Return rows and columns of one file, and their error components."""
+        """Return some rows and columns of one file, and their error components."""
         stops = [block.stop for block in self.blocks]
         number = int(np.searchsorted(stops, rows.start, side="right"))
         start = self.blocks[number].start
@@ -74,9 +74,9 @@ class StoredViews:
     def of(
         self, sensors: Int[np.ndarray, " row"], columns: slice
     ) -> Float32[np.ndarray, "channel row column"]:
-        """Return a range of columns of selected sensors, without error components.
+        """Return a range of columns for selected sensors, without error components.
 
-        The indices of the sensors are in increasing order.
+        `sensors` are indices in increasing order.
         """
         parts = []
         for number, block in enumerate(self.blocks):
@@ -87,7 +87,7 @@ class StoredViews:
         return np.concatenate(parts, axis=1)
 
     def _block(self, number: int) -> TransferMatrix:
-        # Cache of the last block, which is read for each window in turn
+        # Keep the last block in memory, as it is read once for each window
         if number not in self._last:
             self._last.clear()
             self._last[number] = read_netcdf(self.files[number])
@@ -96,7 +96,7 @@ class StoredViews:
 
 @dataclass(frozen=True, eq=False)
 class StoredColumns:
-    """View matrix of one window group: columns from number `first` on."""
+    """View matrix of one window group: columns of `views` from index `first` on."""
 
     views: StoredViews
     columns: Axis
@@ -109,7 +109,7 @@ class StoredColumns:
 
     @property
     def part(self) -> slice:
-        """Range of columns of this group among the columns of all groups."""
+        """Columns of this window group among the columns of all window groups."""
         return slice(self.first, self.first + self.columns.size)
 
     def read(self, rows: slice) -> Entries:
@@ -139,8 +139,8 @@ def store_views(
 ) -> StoredViews:
     """Trace the view matrices of all windows into files; see `view_matrices`.
 
-    `store` is a function that stores blocks of rows, such as `MatrixStore.blocks` of a
-    name and a fingerprint of all inputs.
+    `store` is a function that stores blocks of rows, such as `MatrixStore.blocks` with
+    a given name and fingerprint.
     """
     effort = replace(matrix_effort(store_views, keywords), components=True)
     job = view_job(scene, windows, sensors, effort)
@@ -174,7 +174,7 @@ def _traced_block(job: ViewJob, effort: Effort, rows: slice) -> TransferMatrix:
 def pooled(
     components: Float[np.ndarray, "component channel row column"], count: int
 ) -> Float[np.ndarray, "few channel row column"]:
-    """Return a smaller number of error components.
+    """Merge error components into `count` components of equal expected variance.
 
     >>> pooled(np.full((16, 1, 1, 1), 0.25), 4).shape
     (4, 1, 1, 1)
@@ -189,7 +189,7 @@ def pooled(
 
 
 def with_few_components(matrix: TransferMatrix) -> TransferMatrix:
-    """Return a matrix with four error components, or without any if it has none."""
+    """Merge the error components of a matrix, if there are any, into four."""
     if matrix.components is None:
         return matrix
     return replace(matrix, components=pooled(matrix.components, FEW))

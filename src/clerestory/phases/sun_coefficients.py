@@ -29,7 +29,7 @@ from clerestory.scene.window import Window
 # Default number of paths per sensor and sun
 _SAMPLES = 64
 
-# Effort parameters that do not apply to direct-sun coefficients
+# Sampling parameters that do not apply to direct-sun coefficients
 _WITHOUT = ("relative_error", "bounces", "batches", "components")
 
 _BLACK = Plastic("black", np.zeros(3))
@@ -98,7 +98,7 @@ def sun_coefficients(
 def sun_effort(
     function: Callable[..., object], keywords: EffortKeywords, *, samples: int
 ) -> Effort:
-    """Return the checked effort of a function that traces direct sunlight.
+    """Return the checked sampling parameters for tracing direct sunlight.
 
     `samples` is the default number of paths per receiver and sun.
     """
@@ -111,7 +111,7 @@ def sun_effort(
 def window_number(
     windows: Sequence[Window], window: str, bsdf: Bsdf, suns: Float[np.ndarray, "sun 3"]
 ) -> int:
-    """Return the index of a window, after a check of the inputs."""
+    """Check window name, BSDF and suns, and return the index of the window."""
     names = [each.name for each in windows]
     one_of(window, "window", choices=names)
     message = "the BSDF has no visible transmission; a transmitting layer expected"

@@ -1,12 +1,12 @@
-"""Traced transfer matrices: view, daylight, daylight coefficients.
+"""Path tracing of view matrices, daylight matrices and daylight coefficients.
 
     V  sensors × interior patches     view_matrix
     D  exterior patches × sky         daylight_matrix
     C  sensors × sky                  daylight_coefficients (the two-phase method)
 
 Coefficients are irradiance per unit radiance [sr] for sensors, and radiance per
-unit radiance for window patches. `bounces` counts like -ab of Radiance: the first
-gather of an irradiance sensor is one bounce, the first ray from a window patch is none.
+unit radiance for window patches. `bounces` is counted as -ab of Radiance: the first
+gather at a sensor is a bounce, the first ray from a window patch is not.
 """
 
 import warnings
@@ -119,7 +119,7 @@ def daylight_matrix(
     subdivision : MF of the Reinhart sky subdivision, 1…6
     samples : number of paths per window patch
     relative_error : instead of samples: target standard error of the window irradiance
-        due to one sky patch, as RMS over the sky patches, relative to their mean
+        due to one sky patch (RMS over the patches), relative to the mean irradiance
 
     The other parameters are those of `view_matrix`.
     """
@@ -179,7 +179,7 @@ def daylight_coefficients(
 
 
 def matrix_effort(function: Callable[..., object], keywords: EffortKeywords) -> Effort:
-    """Return the checked effort of a function that traces matrices."""
+    """Return the checked sampling parameters for tracing matrices."""
     return effort_of(function, keywords, default=_DEFAULT)
 
 
@@ -230,7 +230,7 @@ def _traced(
 def split_columns(
     estimated: Estimate, rows: Axis, columns: Mapping[str, Axis], bands: Bands
 ) -> dict[str, TransferMatrix]:
-    """Return one matrix per axis of columns, for successive columns of an estimate."""
+    """Split the columns of an estimate into successive matrices, one per axis."""
     found, first = {}, 0
     for name, axis in columns.items():
         part = slice(first, first + axis.size)
@@ -238,7 +238,7 @@ def split_columns(
         if components is not None:
             components = components[:, :, :, part]
         if estimated.paths:
-            # A dry run has no paths, and its blank matrix must not take memory
+            # Not in a dry run, where a copy of the blank matrix would take memory
             values = np.ascontiguousarray(values)
             if components is not None:
                 components = np.ascontiguousarray(components)
@@ -252,7 +252,7 @@ def warn_if_short(
 ) -> None:
     """Warn if tracing ended before the target relative error was reached.
 
-    The warning is attributed to the caller at a depth of the call stack.
+    `depth` is the level of the call stack to which the warning is attributed.
     """
     if not traced.reached:
         warnings.warn(

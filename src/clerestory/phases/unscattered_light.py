@@ -1,4 +1,4 @@
-"""Direct coefficients of scenes with glazing: unscattered light of sky and sun.
+"""Coefficients of unscattered light from sky and sun, in scenes with clear glass.
 
     C_d    sensors × sky   unscattered part of the daylight coefficients [sr]
     C_ds   sensors × suns  irradiance per direct normal irradiance
@@ -42,7 +42,7 @@ def unscattered_coefficients(
     subdivision: int = 4,
     **keywords: Unpack[EffortKeywords],
 ) -> TransferMatrix:
-    """Direct part C_d of the daylight coefficients [sr]; zero for the ground.
+    """Daylight coefficients C_d of unscattered light [sr]; zero for the ground.
 
     `samples` is the number of rays per sensor and sky patch.
     """
@@ -87,7 +87,7 @@ def sun_visible(
 ) -> Bool[np.ndarray, "point sun"]:
     """Return whether the centre of the solar disc is visible from each point.
 
-    Clear glass is transparent, as is proxied geometry of a BSDF; all other surfaces are
+    Clear glass and proxied geometry of a BSDF are transparent, all other surfaces are
     opaque. `suns` are unit vectors.
     """
     if not (len(points) and len(suns)):
@@ -102,7 +102,7 @@ def _traced(
     directions: Float[np.ndarray, "column point 3"],
     effort: Effort,
 ) -> tuple[np.ndarray, np.ndarray]:
-    # Transmittance times cosine, averaged over the points of each column
+    # Transmittance times cosine, averaged over the directions in each patch or sun
     job = UnscatteredJob(
         scene=scene,
         sensors=sensors,
@@ -126,8 +126,8 @@ def _points(columns: int, effort: Effort) -> Float[np.ndarray, "column point 2"]
 def _in_patches(
     dome: RingPartition, points: Float[np.ndarray, "patch point 2"]
 ) -> Float[np.ndarray, "patch point 3"]:
-    # Uniform in solid angle: the sine of the altitude is uniform, whereas `sample` is
-    # uniform in its square
+    # Directions uniform in solid angle, that is in z; `RingPartition.sample` is uniform
+    # in z²
     ring = np.repeat(np.arange(len(dome.count)), dome.count)
     patch = np.broadcast_to(np.arange(len(dome))[:, None], points.shape[:2])
     first, last = (np.cos(dome.theta[ring + n])[:, None] for n in (0, 1))

@@ -1,8 +1,8 @@
 """Windows as secondary light sources, as by Radiance mkillum.
 
-The radiance of a window towards the room under one sky is traced per direction and zone
-and stored as an illum. Renderings then sample the window as a light source with this
-radiance, while camera rays see the window itself.
+The radiance of a window towards the room under one sky is traced for each direction and
+zone of the window, and stored as an illum. Renderings then sample the illum as a light
+source, while camera rays see the window itself.
 """
 
 from dataclasses import replace
@@ -50,12 +50,12 @@ def precompute_illums(
     ----------
     room : the scene without the windows, with its sky and sun
     panes : polygons of the windows, whose front faces the room
-    zone : maximum edge length of a piece of a pane [m]; only parallelograms are divided
-    rings : number of polar angle intervals over 90°; twice as many azimuth intervals
-    samples : paths per direction and zone
+    zone : maximum edge length of a zone of a pane [m]; only parallelograms are divided
+    rings : number of polar angle intervals; there are twice as many azimuth intervals
+    samples : number of paths per direction and zone
     relative_error : instead of samples: target RMS of the standard errors over all
         directions, relative to the mean radiance; 0.03 if neither is given
-    bounces : maximum number of diffuse reflections before the window
+    bounces : maximum number of diffuse reflections of light before it enters the window
     seed : random seed ≥ 0; same seed and device, bitwise identical results
     device : "auto" selects a GPU if one is available
     executor : executor of the tracing jobs, such as a `Cluster`; default: local

@@ -17,10 +17,10 @@ from clerestory.scene.model import BsdfSurface, Polygon, Scene
 from clerestory.scene.surface import transformed
 from clerestory.scene.transform import Transform
 
-# Distance of the rectangles from the geometry, relative to the layer's thickness
+# Distance of the enclosing rectangles from the geometry, relative to the thickness
 _CLEARANCE = 2e-5
 
-# Outdoor-side reflectance below which the outer rectangle is omitted
+# Maximum outdoor-side reflectance for which the outer rectangle is omitted
 _NO_REFLECTION = 1e-3
 
 
@@ -35,10 +35,10 @@ def layer_geometry(bsdf: Bsdf, *, transform: Transform | None = None) -> Scene:
 
 
 def package(bsdf: Bsdf, name: str, *, transform: Transform | None = None) -> Scene:
-    """Return surfaces with the layer's BSDF, enclosing the layer's geometry if any.
+    """Return rectangles with the BSDF of a layer, and the layer's geometry if any.
 
-    `name` is the prefix of the names of surfaces and materials; `transform` leads from
-    BSDF to scene coordinates.
+    `name` is the prefix of the names of surfaces and materials; `transform` converts
+    BSDF coordinates to scene coordinates.
     """
     product, place = bsdf.product, transform or Transform()
     if not (product.width and product.height):

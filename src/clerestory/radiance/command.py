@@ -24,10 +24,10 @@ _MOST_COPIES = 100_000
 
 @dataclass(frozen=True, eq=False)
 class Inclusion:
-    """Content included by a command, with the placement of each copy.
+    """Files, primitives or scene that a command includes, with a placement per copy.
 
-    The content is files by name, primitives made by a generator, or a scene that a
-    converter such as mgf2rad builds.
+    Commands include named files, primitives made by a generator, or a scene built by
+    a converter such as mgf2rad.
     """
 
     files: tuple[str, ...]
@@ -37,7 +37,7 @@ class Inclusion:
 
 
 def parse_command(text: str, *, find: Callable[[str], Path]) -> Inclusion:
-    """Return the content included by `xform …`, `cat …`, a generator or a pipe.
+    """Return what `xform …`, `cat …`, a generator or a pipe of commands includes.
 
     `find` returns the path of a file named in the command.
     """
@@ -156,7 +156,7 @@ def _copies(
 
 
 def _array_count(words: list[str]) -> int:
-    # Count of the first -a, after a check of the product of all counts
+    # Number of copies of the first -a; the product for all -a is limited
     counts = []
     for at in (i for i, word in enumerate(words) if word == "-a"):
         count = "".join(words[at + 1 : at + 2])
@@ -170,8 +170,8 @@ def _array_count(words: list[str]) -> int:
 
 
 def _numbered(words: list[str], fresh: str, i: int, which: slice) -> list[str]:
-    # Appends i to the prefix of copy i. Of several -n, xform numbers the first for -f;
-    # for -a it numbers the last and removes all other -n options.
+    # Appends i to the name prefix (-n) of copy i. If there are several -n, xform -f
+    # numbers the first one; xform -a replaces each by the last one, numbered.
     named = [at for at in range(1, len(words)) if words[at - 1] == "-n"][which]
     if not named:
         return ["-n", fresh, *words]
@@ -182,7 +182,7 @@ def _numbered(words: list[str], fresh: str, i: int, which: slice) -> list[str]:
 def _option_lines(
     name: list[str], find: Callable[[str], Path], reading: tuple[str, ...]
 ) -> list[list[str]]:
-    # Argument lists in the file of option -f, one per line
+    # xform options of each copy: the lines of the file named by option -f
     missing = "xform -f has no file; a file of xform options expected"
     require(name and not name[0].startswith("-"), missing)
     require(name[0] not in reading, f'xform -f: the file "{name[0]}" refers to itself')
@@ -199,7 +199,7 @@ def _option_lines(
 
 
 def _single(words: list[str]) -> tuple[Placement, list[str]]:
-    # Placement of one copy: surface options, then transform, then files
+    # Placement of one copy, and file names; the transform follows all other options
     modifier, prefixes, inverted, at = None, [], False, 0
     while at < len(words) and words[at] in ("-m", "-n", "-c", "-e", "-I"):
         option = words[at]

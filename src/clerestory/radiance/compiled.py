@@ -32,14 +32,14 @@ _EMPTY, _FULL, _TREE = range(3)
 
 @dataclass(frozen=True)
 class Octree:
-    """Primitives of a frozen octree, or scene files of any other octree."""
+    """An octree: its primitives if it is frozen, otherwise its scene files."""
 
     files: tuple[str, ...]
     items: tuple[Primitive, ...]
 
 
 def read_octree(path: str | Path) -> Octree:
-    """Return the scene files or primitives of an octree."""
+    """Read the primitives or the scene files of an octree."""
     reader = Reader(path)
     size = reader.header(*_OCTREE)
     for _ in range(4):
@@ -61,7 +61,7 @@ class Reader:
         self.data, self.path, self.at = read_bytes(path), path, 0
 
     def header(self, form: bytes, magic: int) -> int:
-        """Skip the header; return the size of an object index."""
+        """Skip the header; return the size of an object index [bytes]."""
         end = self.data.find(b"\n\n")
         known = end >= 0 and b"FORMAT=" + form in self.data[:end].replace(b" ", b"")
         self.require(known, f"the header has no FORMAT={form.decode()}")
@@ -72,7 +72,7 @@ class Reader:
         return size
 
     def require(self, valid: object, message: str) -> None:
-        """Raise an error about the file unless a condition is true."""
+        """Raise an error that names the file unless a condition is true."""
         expected = "a file compiled by Radiance expected"
         require(valid, f"{message}; {expected}", file=self.path)
 
@@ -84,11 +84,11 @@ class Reader:
         return part
 
     def whole(self, size: int) -> int:
-        """Read a signed integer."""
+        """Read a signed integer of `size` bytes."""
         return int.from_bytes(self.take(size), "big", signed=True)
 
     def within(self, size: int, low: int, high: int, what: str) -> int:
-        """Read a signed integer within limits."""
+        """Read a signed integer from `low` to `high`."""
         value = self.whole(size)
         self.require(low <= value <= high, f"{what} is {value}")
         return value
@@ -102,7 +102,7 @@ class Reader:
         return text
 
     def table(self, kind: str, rows: int, columns: int) -> np.ndarray:
-        """Read numbers of a NumPy data type."""
+        """Read numbers of the NumPy data type `kind`."""
         raw = self.take(np.dtype(kind).itemsize * rows * columns)
         return np.frombuffer(raw, dtype=kind).reshape(rows, columns)
 
@@ -133,7 +133,7 @@ class Reader:
         self.at = at
 
     def primitives(self, size: int) -> tuple[Primitive, ...]:
-        """Read the primitives up to the end of their list."""
+        """Read the list of primitives."""
         kinds = []
         while kind := self.text():
             kinds.append(kind)
@@ -164,7 +164,7 @@ class Reader:
 
 _VERTICES, _NORMALS, _COORDINATES = 1, 2, 4
 
-# Range of vertex indices reserved for each patch
+# Number of vertex indices reserved for each patch
 _PATCH = 256
 _MOST_TRIANGLES = 512
 
@@ -175,8 +175,8 @@ _NO_MATERIAL = -1
 class CompiledMesh:
     """Material primitives and triangles of a compiled mesh.
 
-    Faces are counter-clockwise as seen from the front; the material of a face is an
-    empty name if the face has none.
+    Faces are counter-clockwise as seen from the front; `material` has the name of each
+    face's material, empty if the face has none.
     """
 
     items: tuple[Primitive, ...]
@@ -186,7 +186,7 @@ class CompiledMesh:
 
 
 def read_compiled_mesh(path: str | Path) -> CompiledMesh:
-    """Return the triangles of a compiled mesh."""
+    """Read the triangles and materials of a compiled mesh."""
     reader = Reader(path)
     size = reader.header(*MESH_HEADER)
     cube = [number(reader.text()) for _ in range(4)]

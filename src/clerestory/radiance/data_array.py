@@ -1,7 +1,7 @@
 """Radiance's data files (.dat): interpolated tables over one or more axes.
 
-Interpolation is multilinear. Outside an axis, values are extrapolated linearly over one
-interval; beyond it, they decrease in inverse proportion to the distance.
+Interpolation is multilinear. Beyond the ends of an axis, values are extrapolated
+linearly over one grid interval; farther out, they decrease inversely with distance.
 
 A file contains the number of axes; for each axis, `begin end count`, or `0 0 count` and
 the positions if they are not equidistant; then the values, with the last axis fastest.
@@ -27,7 +27,7 @@ _MOST_AXES = 5
 
 @dataclass(frozen=True, eq=False)
 class DataArray:
-    """Table of values on a grid; positions along each axis ascend or descend."""
+    """A table of values on a grid; the positions along each axis ascend or descend."""
 
     axes: tuple[Float[np.ndarray, " positions"], ...]
     values: Float[np.ndarray, "..."]
@@ -51,7 +51,7 @@ class DataArray:
     def value(
         self, position: Float[np.ndarray, "points axes"]
     ) -> Float[np.ndarray, " points"]:
-        """Return interpolated values at positions."""
+        """Return the values interpolated at the given positions."""
         cells = [_cell(axis, x) for axis, x in zip(self.axes, position.T, strict=True)]
         return _interpolated(self.values, [], cells)
 
@@ -97,7 +97,7 @@ class _Reader:
 
 def _axis(reader: _Reader) -> Float[np.ndarray, " positions"]:
     begin, end = reader.take(2, "limits of an axis")
-    # Each position requires a value later in the file, which limits their number
+    # The table has at least one value per position, which limits the positions
     most = max(len(reader.numbers), 2)
     count = reader.whole("number of positions on an axis", 2, most)
     if begin == end:
@@ -108,7 +108,7 @@ def _axis(reader: _Reader) -> Float[np.ndarray, " positions"]:
 def _cell(
     axis: Float[np.ndarray, " positions"], x: Float[np.ndarray, " points"]
 ) -> tuple[np.ndarray, np.ndarray]:
-    # Interval of each point, and relative position in the interval (0 to 1 if inside)
+    # Index of the grid interval of each point, and position in it (0 to 1 if inside)
     if axis[0] > axis[-1]:
         axis, x = -axis, -x
     cell = np.clip(np.searchsorted(axis, x, side="right") - 1, 0, len(axis) - 2)
@@ -120,7 +120,7 @@ def _interpolated(
     chosen: list[np.ndarray],
     cells: list[tuple[np.ndarray, np.ndarray]],
 ) -> Float[np.ndarray, " points"]:
-    # Interpolates along the other axes recursively, then along the first axis
+    # Interpolates along all axes but the first recursively, then along the first
     if not cells:
         return np.asarray(values[tuple(chosen)])
     (cell, share), rest = cells[0], cells[1:]
@@ -134,7 +134,7 @@ def _along(
     high: Float[np.ndarray, " points"],
     t: Float[np.ndarray, " points"],
 ) -> Float[np.ndarray, " points"]:
-    # Linear up to one interval outside the axis, then in inverse proportion to distance
+    # Linear up to one interval beyond the axis, then decreasing inversely with distance
     straight = low * (1 - t) + high * t
     above = (2 * high - low) / np.where(t > 2, t + 1, 1.0)
     below = (2 * low - high) / np.where(t < -1, -t, 1.0)

@@ -1,4 +1,4 @@
-"""Expansion of scene files and of the files included by them."""
+"""Expansion of scene files: insertion of files, instances and generated surfaces."""
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
@@ -29,7 +29,7 @@ from clerestory.scene.primitive import Primitive
 
 @dataclass(frozen=True)
 class Scope:
-    """Begin or end of a scope of material names.
+    """Beginning or end of a scope of material names.
 
     Materials defined inside an instance are not visible outside it.
     """
@@ -47,11 +47,11 @@ _DEEPEST = 100
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """An item in its final position, with the file that contains it.
+    """An item of a scene file in its final position, with the name of the file.
 
     Items are polygons, other surfaces, materials and aliases (Primitive), directives,
-    begin and end of a scope, and scenes. The placement accumulates nested xforms; it is
-    already applied to the item.
+    scope limits and scenes. `placement` combines all nested xforms, which are already
+    applied to surfaces.
     """
 
     item: Item
@@ -60,14 +60,14 @@ class Placed:
 
 
 def placed_items(path: str | Path) -> Iterator[Placed]:
-    """Yield the items of a file and of included files, in Radiance's order."""
+    """Yield the items of a scene file and of included files, in Radiance's order."""
     walk = _Walk(Path(path).parent, {}, {})
     yield from walk.items(_Place(Path(path), Placement()))
 
 
 @dataclass(frozen=True)
 class _Place:
-    # Where items come from: file, placement of the file, files that include it
+    # Path and placement of a scene file, and paths of the files that include it
     path: Path
     placement: Placement
     within: tuple[Path, ...] = ()
@@ -81,7 +81,7 @@ class _Place:
 
 @dataclass(frozen=True)
 class _Walk:
-    # Files by path; each file is read once, even if it is placed several times
+    # Cache of files by path; each file is read once, even if it is placed repeatedly
     top: Path
     loaded: dict[Path, tuple[Item | Command, ...]]
     compiled: Loaded
@@ -127,7 +127,7 @@ class _Walk:
                 yield from self.items(place.inner(found, inner.placement))
 
     def _instanced(self, item: Primitive, place: _Place) -> Iterator[Placed]:
-        # Placed content of the file that an instance or mesh refers to
+        # Items of the file to which an instance or mesh refers
         file = str(place.path)
         with located(file=file, line=item.line):
             instance = read_instance(
@@ -145,7 +145,7 @@ class _Walk:
             yield from content
             yield inner.put(Scope(opens=False))
         else:
-            # A modifier of the instance replaces the materials of all surfaces in it
+            # The modifier of an instance replaces the materials of all its surfaces
             yield from (p for p in content if not isinstance(p.item, Primitive))
 
     def _finder(self, place: _Place) -> Callable[[str], Path]:
@@ -164,7 +164,7 @@ def _refuse_recursion(files: Iterable[Path], within: tuple[Path, ...]) -> None:
 def _built(
     statements: Iterable[Statement | TriangleMesh], file: str
 ) -> tuple[Item | Command, ...]:
-    # Statements, with surface primitives converted to surfaces
+    # Converts surface primitives to surfaces; other statements are unchanged
     items: list[Item | Command] = []
     for polygonal, group in groupby(statements, _is_polygon):
         if polygonal:
@@ -188,7 +188,7 @@ def _is_polygon(statement: Statement | TriangleMesh) -> bool:
 
 
 def _run(polygons: list[Primitive], file: str) -> PolygonRun:
-    # Consecutive polygons that were read word by word or made by a command
+    # Converts polygon primitives, read word by word or made by a command
     modifier, name, line, count = [], [], [], []
     numbers: list[float] = []
     for item in polygons:

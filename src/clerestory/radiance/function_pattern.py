@@ -1,7 +1,7 @@
-"""Patterns and textures by functions or tables (brightfunc, colordata, texfunc …).
+"""Patterns and textures of function or data files (brightfunc, colordata, texfunc …).
 
-Ray variables are those of Radiance, in the coordinates of the function (given by the
-transform after the file name). D points from the viewer to the surface or source.
+Ray variables are Radiance's, in function coordinates; the transform after the function
+file converts these to scene coordinates. D points from the viewer to the surface.
 """
 
 import warnings
@@ -24,10 +24,10 @@ _NORMAL = {f"N{a}" for a in "xyz"} | {f"N{a}P" for a in "xyz"} | {"Rdot", "RdotP
 _POINT = {f"P{a}" for a in "xyz"}
 _FRAME = {"S"} | {f"{k}{a}" for k in "TIJK" for a in "xyz"}
 
-# Names of the values interpolated in the tables
+# Names of the values interpolated in the data tables
 READINGS = ("$101", "$102", "$103")
 
-# Ray variables available to patterns; $1, $2, … are their numbers in Radiance
+# Ray variables available to patterns, in the order of Radiance's numbers $1, $2, …
 _CHANNELS = (
     *("Dx", "Dy", "Dz", "Nx", "Ny", "Nz", "Px", "Py", "Pz", "T", "Rdot", "S"),
     *("Tx", "Ty", "Tz", "Ix", "Iy", "Iz", "Jx", "Jy", "Jz", "Kx", "Ky", "Kz"),
@@ -41,10 +41,10 @@ class FunctionPattern:
     """A pattern or texture of Radiance: expressions, or functions of table values.
 
     Without tables (brightfunc, colorfunc, texfunc) the expressions give the values.
-    With tables (brightdata, colordata, texdata) the expressions are the names of
-    functions of the values interpolated in the tables at the coordinates. There is one
-    expression for all channels, or one per channel, and one table per expression.
-    `transform` leads from function to scene coordinates
+    With tables (brightdata, colordata, texdata) each table is interpolated at
+    `coordinates`, and each expression names a function of the interpolated values.
+    There is one expression for all channels, or one per channel, and one table per
+    expression. `transform` converts function coordinates to scene coordinates.
     """
 
     program: Program
@@ -57,7 +57,7 @@ class FunctionPattern:
 
     @cached_property
     def names(self) -> frozenset[str]:
-        """Names of the ray variables used in the expressions."""
+        """Names of the ray variables used in expressions and coordinates."""
         used = self.program.uses(*self.coordinates, *self.expressions)
         return frozenset(NUMBERED.get(name, name) for name in used)
 
@@ -82,12 +82,12 @@ class FunctionPattern:
         normal: RayVectors | None = None,
         point: RayVectors | None = None,
     ) -> RayVectors:
-        """Multiplier of radiance, 1 where undefined; see `Pattern.value`."""
+        """Return the multiplier of radiance, 1 where an expression is undefined."""
         computed = self.computed(_inputs(self.transform, direction, normal, point))
         return _multipliers(computed, self.source)
 
     def computed(self, inputs: dict[str, np.ndarray]) -> Computed:
-        """Return the values of the expressions for each ray, and their validity."""
+        """Return the values of the expressions for each ray; see `Computed`."""
         if not self.tables:
             return self.program.values(self.expressions, inputs, self.arguments)
         position = self.program.values(self.coordinates, inputs, self.arguments)
@@ -146,7 +146,7 @@ def _inputs(
     normal: RayVectors | None,
     point: RayVectors | None,
 ) -> dict[str, np.ndarray]:
-    # Radiance's ray variables in the coordinates of the function
+    # Radiance's ray variables in function coordinates
     count = len(direction)
     back = np.linalg.inv(transform.matrix)
     scale = 1 / transform.scale
@@ -170,7 +170,7 @@ def _inputs(
 
 
 def _multipliers(computed: Computed, source: Source | None) -> RayVectors:
-    # Where undefined, the pattern is ignored with a warning, as in Radiance
+    # Where an expression is undefined, the multiplier is 1, as in Radiance
     bad = int(np.count_nonzero(~computed.valid))
     if bad:
         place = "" if source is None else f"{source.file}:{source.line}: "

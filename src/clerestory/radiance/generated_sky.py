@@ -47,14 +47,14 @@ def sky_at(weather: Weather, moment: datetime) -> Scene:
 
     Parameters
     ----------
-    moment : local standard time; the irradiances are those of the time step around it
+    moment : local standard time; the weather is that of the time step at this moment
     """
     asked = np.datetime64(moment.replace(tzinfo=None), "s")
     half = np.timedelta64(round(weather.step_minutes * 30), "s")
     times = weather.times.astype("datetime64[s]")
     distance = np.abs(times - asked)
     if not np.any(distance <= half):
-        # In a typical meteorological year, months are from different years
+        # The year is ignored: a typical meteorological year has months of several years
         within = asked - asked.astype("datetime64[Y]")
         distance = np.abs(times - (times.astype("datetime64[Y]") + within))
     require(

@@ -1,8 +1,7 @@
 """Precomputed window emitters: radiance tables and files.
 
-As in mkillum, the radiance of a window, tabulated over polar angle and azimuth, makes
-the window an emitter (`illum`), while the camera sees the window itself. The tables are
-interpolated.
+As in mkillum, a window becomes an emitter (`illum`) with a radiance table over polar
+angle and azimuth, which is interpolated; the camera sees the material of the window.
 """
 
 from dataclasses import dataclass
@@ -22,13 +21,13 @@ from clerestory.radiance.rad_writer import primitive_text
 from clerestory.scene.model import Illum, Polygon, Scene
 from clerestory.scene.primitive import primitive
 
-# Polar angle of the emission direction −D from the normal A1–A3, and its azimuth from
-# A4–A6 towards A7–A9
+# Polar angle of the emission direction −D from the normal (A1, A2, A3); azimuth of −D
+# from (A4, A5, A6) towards (A7, A8, A9)
 _FROM_NORMAL = "Acos(-(Dx*A1+Dy*A2+Dz*A3))/DEGREE"
 _AROUND = "Atan2(-(Dx*A7+Dy*A8+Dz*A9),-(Dx*A4+Dy*A5+Dz*A6))/DEGREE"
 _COLOUR, _GREY = ("red", "green", "blue"), ("noop",)
 
-# Quadrature points per table row, for the exitance of a table
+# Quadrature points per table row in the integral of the exitance
 _FINE = 20
 
 
@@ -36,8 +35,8 @@ _FINE = 20
 class LeavingLight:
     """Outgoing radiance of a planar patch [W/(m²·sr)].
 
-    Its axes are polar angle, azimuth and channel. The rows of the frame are two axes in
-    the plane of the patch, and its normal.
+    The axes of `radiance` are polar angle, azimuth and channel. The rows of `frame` are
+    two axes in the plane of the patch, and the normal of the patch.
     """
 
     frame: Float[np.ndarray, "3 3"]
@@ -50,7 +49,7 @@ class LeavingLight:
 
 
 def _ring_weights(rings: int) -> Float[np.ndarray, " ring"]:
-    # Projected solid angle of each ring [sr]
+    # Projected solid angle of each ring of polar angles [sr]
     edge = np.sin(np.linspace(0, np.pi / 2, rings + 1)) ** 2
     return np.asarray(np.pi * np.diff(edge))
 
@@ -58,8 +57,8 @@ def _ring_weights(rings: int) -> Float[np.ndarray, " ring"]:
 def light_pattern(light: LeavingLight) -> FunctionPattern:
     """Return the pattern that gives an emitter of radiance 1 the radiance of a patch.
 
-    The table has values at the centres of rings and sectors. They are scaled so that
-    the exitance of the interpolated table equals that of `light`.
+    The table has radiances at the centres of polar angle and azimuth intervals, scaled
+    so that the interpolated table has the exitance of `light`.
     """
     grey = bool(np.ptp(light.radiance, axis=2).max() == 0)
     tables = [_table(light.radiance[..., c]) for c in range(1 if grey else 3)]
@@ -74,7 +73,7 @@ def light_pattern(light: LeavingLight) -> FunctionPattern:
 
 
 def _table(radiance: Float[np.ndarray, "ring sector"]) -> DataArray:
-    # Extends the table to the normal, to the horizon and to the full circle
+    # Extends the table to polar angles of 0° and 90° and beyond azimuths of ±180°
     rings, sectors = radiance.shape
     ring, sector = 90 / rings, 360 / sectors
     first = np.full((1, sectors), radiance[0].mean())
@@ -91,7 +90,7 @@ def _table(radiance: Float[np.ndarray, "ring sector"]) -> DataArray:
 
 
 def _exitance_of(table: DataArray) -> float:
-    # 2π ∫ L sin θ cos θ dθ by the midpoint rule
+    # Exitance 2π ∫ L sin θ cos θ dθ, by the midpoint rule
     count = _FINE * len(table.axes[0])
     theta = (np.arange(count) + 0.5) * 90 / count
     phi = np.linspace(-180, 180, 4 * len(table.axes[1]), endpoint=False)
@@ -104,9 +103,9 @@ def _exitance_of(table: DataArray) -> float:
 def write_illums(scene: Scene, path: str | Path) -> list[Path]:
     """Write precomputed window emitters as a Radiance scene file and data files.
 
-    The scene file refers to the alternate materials of the windows without defining
-    them; it must be read after the file that does. Data files have the same stem and a
-    number. The paths of all files are returned.
+    The scene file must be read after the file that defines the alternate materials of
+    the windows. Each data file has the stem of the scene file and a number. The paths
+    of all files are returned.
 
     Parameters
     ----------
@@ -156,7 +155,7 @@ def _lamp_lines(
 
 
 def _data_text(table: DataArray) -> str:
-    # Polar angles are listed, since they are not equidistant; azimuths are equidistant
+    # Polar angles are not equidistant and therefore listed; azimuths are equidistant
     theta, phi = table.axes
     uneven = " ".join(f"{x:.9g}" for x in theta)
     rows = "\n".join(" ".join(f"{x:.7g}" for x in row) for row in table.values)

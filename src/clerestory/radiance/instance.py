@@ -1,9 +1,8 @@
 """Instances and meshes: primitives that place the content of another file.
 
-An `instance` refers to an octree. The primitives of a frozen octree are read from it;
-those of any other octree from the scene files from which it was compiled. A `mesh`
-refers to a compiled mesh or an OBJ file, whose material names are modifiers of the
-scene.
+An `instance` refers to an octree. A frozen octree contains primitives; any other octree
+names the scene files from which it was compiled. A `mesh` refers to a compiled mesh, or
+to an OBJ file with material names that are modifiers of the scene.
 
 References: G. Ward, "The RADIANCE 6.0 Synthetic Imaging System", section 2.1.
 """
@@ -38,7 +37,7 @@ _OBJ = ".obj"
 class Instance:
     """The content of an instance or mesh: scene files to read, primitives and meshes.
 
-    A modifier of the placement replaces all materials.
+    The modifier of `placement`, if any, replaces all materials.
     """
 
     files: tuple[Path, ...]
@@ -46,16 +45,16 @@ class Instance:
     placement: Placement
 
 
-# Cache of file contents by path
+# Cache of parsed files by path
 Loaded = dict[Path, Octree | ObjText | CompiledMesh]
 
 
 def read_instance(
     item: Primitive, *, file: str, find: Callable[[str], Path], loaded: Loaded
 ) -> Instance:
-    """Return the content of a primitive of type instance or mesh in a scene file.
+    """Return the content of the file to which an instance or mesh primitive refers.
 
-    `find` returns the path of a file name; file contents are added to `loaded`.
+    `find` returns the path of a named file; `loaded` is the cache of parsed files.
     """
     given = Arguments(item, file)
     given.reals(0, strings=True)

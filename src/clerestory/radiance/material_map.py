@@ -51,8 +51,8 @@ class _MapFile(Table):
 class MaterialMap:
     """Materials for the material names in a mesh file; "*" for all other names.
 
-    `scale` is in metres per unit of the file. The default of the axis that points up
-    is that of the file format.
+    `scale` is in metres per unit of the mesh file. `up` is the axis that points up;
+    None: the axis of the file format.
     """
 
     materials: Mapping[str, Material]
@@ -61,7 +61,7 @@ class MaterialMap:
 
 
 def read_material_map(path: str | Path) -> MaterialMap:
-    """Return the material map in a TOML file; `file` is relative to its folder."""
+    """Return the material map in a TOML file; relative paths begin at its folder."""
     path = Path(path)
     told = read_toml(path, _MapFile)
     known = read_rad(path.parent / told.file).materials if told.file else {}

@@ -1,8 +1,8 @@
 """Patterns and textures as modifiers of materials.
 
 A modifier of a surface has the same effect as a modifier of its material: a pattern
-multiplies the colour, a texture perturbs the normal. Both parts of a mixture are
-modified; for a mirror with an alternate material, the alternate is modified.
+multiplies the colour, a texture perturbs the normal. Both materials of a mixture are
+modified; of a mirror with an alternate material, only the alternate is modified.
 """
 
 from dataclasses import dataclass, replace
@@ -20,13 +20,13 @@ from clerestory.scene.primitive import Arguments
 
 @dataclass(frozen=True, eq=False)
 class Modifiers:
-    """Patterns (multipliers of the colour, outermost first) and textures."""
+    """Patterns and textures that modify a material, the outermost ones first."""
 
     patterns: tuple[Pattern, ...] = ()
     textures: tuple[FunctionPattern, ...] = ()
 
     def within(self, outer: "Modifiers | None") -> "Modifiers":
-        """Return these modifiers combined with outer modifiers, if any."""
+        """Return the modifiers combined with outer modifiers, if there are any."""
         if outer is None:
             return self
         patterns, textures = outer.patterns + self.patterns, outer.textures
@@ -36,7 +36,7 @@ class Modifiers:
 def modified(material: Material, modifiers: Modifiers, given: Arguments) -> Material:
     """Return a material modified by patterns and textures.
 
-    Errors are about `given`, the primitive that combines material and modifiers.
+    Error messages refer to `given`, the primitive that combines both.
     """
     match material:
         case Emitter():

@@ -1,8 +1,8 @@
 """Reader of patterns, textures and mixture fractions in scene files.
 
-Function files of Radiance's library are replaced by the built-in functions of
-`cal.program`, unless the folder of the scene file or the current directory has a file
-of that name. Other function files are searched for like all files of a scene.
+The function files of Radiance's library are replaced by `cal.program`, unless the
+folder of the scene file or the current directory has a file of the same name. Other
+function files are searched for in these folders and in RAYPATH.
 """
 
 from collections.abc import Mapping
@@ -50,7 +50,7 @@ def read_modifiers(given: Arguments, *, placed: Transform) -> Modifiers:
 def read_share(given: Arguments, placed: Transform) -> float | Pattern:
     """Return the foreground fraction of a mixture, as a constant or a pattern.
 
-    The fraction is the pattern's first channel. Its function is the third string
+    The first channel of the pattern is the fraction. The function is the third string
     argument, after the two materials.
     """
     share = _read(given, placed)
@@ -59,10 +59,10 @@ def read_share(given: Arguments, placed: Transform) -> float | Pattern:
 
 
 def read_vector(given: Arguments, placed: Transform, first: int) -> Vector | Pattern:
-    """Return a vector given by three expressions; a pattern if it varies.
+    """Return a vector given by three expressions; a pattern if the vector varies.
 
-    String argument `first` is the first expression. The expressions give vector
-    components in the coordinates of the function.
+    `first` is the index of the string argument with the first expression. The
+    expressions give the vector in function coordinates.
     """
     with given.located():
         vector = _pattern(given, placed, 3, first)
@@ -79,8 +79,8 @@ def _read(given: Arguments, placed: Transform) -> FunctionPattern:
 def _pattern(
     given: Arguments, placed: Transform, count: int, first: int, files: int = 0
 ) -> FunctionPattern:
-    # String arguments: `count` functions from index `first` on, data files, function
-    # file, one coordinate per axis of the data, transform
+    # Order of string arguments, from index `first` on: `count` functions, data files,
+    # function file, one coordinate per axis of the data, transform
     middle = first + count
     at = middle + files
     strings = given.strings(at + 1, f"{at + 1} or more")
@@ -121,7 +121,7 @@ PATTERN_KINDS = frozenset(_FORMS) - {"mixfunc", "mixdata"}
 
 
 def _table(given: Arguments, name: str) -> DataArray:
-    # Photometric files are read as tables of radiant intensity
+    # Photometric files give tables of radiant intensity
     path = library_file(name, beside=given.file, line=given.item.line)
     if path.suffix.lower() in LUMINAIRE_SUFFIXES:
         return intensity_table(read_luminaire(path))
@@ -143,7 +143,7 @@ def _expression(given: Arguments, text: str) -> Node:
 
 
 def _program(given: Arguments, at: int) -> Program:
-    # Definitions in the function file named by string argument `at`; none for "."
+    # Definitions in the function file, string argument `at`; "." is no file
     name = given.item.strings[at]
     if name == ".":
         return Program()
@@ -162,7 +162,7 @@ def _check(given: Arguments, program: Program, nodes: tuple[Node, ...]) -> None:
             f'"{unknown[0]}" is not defined, or not available at an emitter;'
             " a name of its function file, an argument or D, N, P expected"
         )
-    # Evaluation for one ray detects missing arguments
+    # Evaluation for one ray detects missing real arguments
     computed = {"S": np.ones(1), **{name: np.full(1, 0.5) for name in KNOWN}}
     computed |= {"Dx": np.zeros(1), "Dy": np.full(1, 0.6), "Dz": np.full(1, 0.8)}
     values = tuple(node for node in nodes if program.is_value(node))

@@ -1,4 +1,4 @@
-"""Placement of included files: transform, modifier and prefix of xform."""
+"""Placement of included files by xform: transform, modifier, name prefix, inversion."""
 
 from dataclasses import dataclass, field, replace
 
@@ -11,7 +11,7 @@ from clerestory.scene.transform import Transform
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """The effect of one xform command; without a modifier, surfaces keep theirs."""
+    """The effect of an xform command; if `modifier` is None, surfaces keep theirs."""
 
     transform: Transform = field(default_factory=Transform)
     modifier: str | None = None
@@ -19,7 +19,7 @@ class Placement:
     inverted: bool = False
 
     def then(self, outer: "Placement") -> "Placement":
-        """Return this placement followed by another."""
+        """Return the placement followed by an outer placement."""
         return Placement(
             self.transform.then(outer.transform),
             self.modifier if outer.modifier is None else outer.modifier,
@@ -32,7 +32,7 @@ class Placement:
         return f"{self.prefix}.{name}" if self.prefix else name
 
     def polygons(self, run: PolygonRun) -> PolygonRun:
-        """Return transformed polygons."""
+        """Return the polygons transformed and renamed."""
         vertices = self.transform.points(run.vertices)
         if self.transform.mirrored != self.inverted:
             # Reverses each polygon: vertex k of n becomes vertex n-1-k
@@ -46,11 +46,11 @@ class Placement:
         return replace(run, modifier=modifier, name=name, vertices=vertices)
 
     def surface(self, surface: Simple) -> Simple:
-        """Return a transformed surface."""
+        """Return a surface transformed and renamed."""
         material = surface.material if self.modifier is None else self.modifier
         moved = transformed(surface, self.transform, inverted=self.inverted)
         return replace(moved, material=material, name=self.name(surface.name))
 
     def turned(self, surface: Surface) -> Surface:
-        """Return a surface that is already transformed, inverted if -I is set."""
+        """Return the surface, which is already transformed; inverted if -I is set."""
         return transformed(surface, Transform(), inverted=self.inverted)

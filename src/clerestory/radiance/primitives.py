@@ -1,4 +1,4 @@
-"""Reading, checks and writing of surface primitives of Radiance scene files."""
+"""Surface primitives of Radiance scene files: reading, checks and writing."""
 
 import warnings
 from collections.abc import Callable, Mapping
@@ -16,19 +16,19 @@ from clerestory.scene.primitive import Arguments, Primitive
 from clerestory.scene.surface import area_vectors
 from clerestory.scene.transform import LARGEST
 
-# Planarity tolerance relative to the polygon's size; absolute tolerance for coordinates
-# with six decimals [m]
+# Planarity tolerances: relative to the polygon's size, and for coordinates that are
+# rounded to six decimals [m]
 _ROUNDING, _SIX_DECIMALS = 1e-4, 2e-6
 
-# Radiance's FTINY: lengths up to it are treated as zero
+# Length up to which a length is treated as zero (Radiance's FTINY) [m]
 _TINY = 1e-6
 
-# Maximum number of polygons per file that are reported individually
+# Maximum number of polygons per kind of warning that are reported individually
 _NAMED = 5
 
 
 def checked(run: PolygonRun, *, file: str) -> PolygonRun:
-    """Return the polygons of non-zero area, without repeated last vertices.
+    """Return the polygons of non-zero area, without a last vertex equal to the first.
 
     Warnings are given for polygons of zero area, which Radiance ignores too, and for
     non-planar polygons, with the largest distance of a vertex from the mean plane.
@@ -41,7 +41,7 @@ def checked(run: PolygonRun, *, file: str) -> PolygonRun:
     away = run.vertices - np.repeat(middle, np.diff(run.first), axis=0)
     size = _per_polygon(np.maximum, np.linalg.norm(away, axis=1), run)
 
-    # Areas within the rounding error of the coordinates count as zero
+    # An area is zero if it is within the rounding error of the coordinates
     magnitude = _per_polygon(np.maximum, np.abs(run.vertices).max(axis=1), run)
     flat = area <= 1e-15 * magnitude * size + 1e-300
     _warn(run, flat, file, lambda i: "it has no area and is omitted")
@@ -70,7 +70,7 @@ def _refuse_beyond_measure(run: PolygonRun, file: str) -> None:
 
 
 def _without_closing_vertex(run: PolygonRun) -> PolygonRun:
-    # A last vertex equal to the first is removed, as in Radiance
+    # Removes a last vertex equal to the first, as in Radiance
     last = run.first[1:] - 1
     length = np.diff(run.first)
     gap = run.vertices[run.first[:-1]] - run.vertices[last]
@@ -118,7 +118,7 @@ def _warn(
 
 
 def surface(item: Primitive, *, file: str) -> Simple | None:
-    """Return the surface of a primitive other than a polygon.
+    """Return the surface defined by a primitive other than a polygon.
 
     Returns None, with a warning, if the surface has no extent.
     """
@@ -187,7 +187,7 @@ SURFACES: Mapping[str, Callable[[Arguments], Simple | None]] = {
 def specification(
     surface: Polygon | Sphere | Cone | Ring | DistantSource,
 ) -> Specification:
-    """Return the type and arguments of a surface in Radiance."""
+    """Return the Radiance type and arguments of a surface."""
     match surface:
         case Polygon():
             return Specification("polygon", (), (*surface.vertices.ravel(),))

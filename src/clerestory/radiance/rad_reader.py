@@ -84,8 +84,8 @@ class _Reading:
     surfaces: list[Surface] = field(default_factory=list)
     distant: list[DistantSource] = field(default_factory=list)
     bsdfs: dict[Path, Bsdf] = field(default_factory=dict)
-    # Current meaning of each name: key of a material, or patterns and textures
-    # including their own modifiers, which `bare` excludes
+    # Key of a material, or patterns and textures combined with their own modifiers, by
+    # name; `bare` has patterns and textures without modifiers
     named: dict[str, str | Modifiers] = field(default_factory=lambda: {"void": _VOID})
     outside: list[dict[str, str | Modifiers]] = field(default_factory=list)
     bare: dict[str, Modifiers] = field(default_factory=dict)
@@ -132,7 +132,7 @@ class _Reading:
         )
 
     def _add_scene(self, scene: Scene, file: str, placement: Placement) -> None:
-        # Adds transformed surfaces; a modifier of xform replaces their materials
+        # Adds a scene; the modifier of xform, if any, replaces all its materials
         given = scene.materials.items()
         keys = {name: insert_material(self.materials, m) for name, m in given}
         for surface in scene.surfaces:
@@ -218,14 +218,14 @@ class _Reading:
         return Void() if key == _VOID else self.materials[key]
 
     def _bsdf(self, name: str, source: Source) -> Bsdf:
-        # One object per file, so that equal materials are recognized
+        # A BSDF file is read only once, so that equal materials are recognized
         path = library_file(name, beside=source.file, line=source.line).resolve()
         if path not in self.bsdfs:
             self.bsdfs[path] = read_layer(path)
         return self.bsdfs[path]
 
     def _alias(self, given: Arguments) -> None:
-        # "inherit" preserves the original's modifiers; other modifiers replace them
+        # "inherit" keeps the modifiers of the target; other modifiers replace them
         name, (target,) = given.item.name, given.item.strings
         if target == "void":
             message = f'alias "{name}" refers to void; a material expected'

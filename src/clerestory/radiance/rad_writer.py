@@ -19,7 +19,7 @@ from clerestory.scene.surface import Polygon, Simple, TriangleMesh
 def format_rad(scene: Scene, *, bsdf_file: Mapping[str, str | Path]) -> str:
     """Return a scene as the text of a Radiance scene file.
 
-    `bsdf_file` has the paths of BSDF files by key of the material.
+    `bsdf_file` are the paths of BSDF files by key of the material.
     """
     require(
         scene.bands == RGB, f"the scene is in the bands {scene.bands}; {RGB} expected"
@@ -42,7 +42,7 @@ class _Writer:
         self.bsdf_file = bsdf_file
 
     def define(self, material: Material, key: str) -> str:
-        """Add a material, after the materials it is composed of; return its name."""
+        """Write a material after its component materials; return the name."""
         if isinstance(material, Void):
             return "void"
         given = material.specification()
@@ -78,7 +78,7 @@ class _Writer:
         return f"{value:.12g}"
 
     def held(self, material: Material) -> str:
-        """Return the name of a component material; add it first if necessary."""
+        """Return the name of a component material, written first if necessary."""
         if isinstance(material, Void):
             return "void"
         known = set(self.written)
@@ -96,7 +96,7 @@ def _shapes(surface: Polygon | Simple) -> Iterator[Specification]:
 
 
 def primitive_text(item: Primitive) -> str:
-    """Return a primitive as text."""
+    """Return a primitive as text of a scene file."""
     words = " ".join([str(len(item.strings)), *map(_quoted, item.strings)])
     numbers = " ".join([str(len(item.reals)), *(f"{v:.12g}" for v in item.reals)])
     head = f"{_quoted(item.modifier)} {item.kind} {_quoted(item.name)}"

@@ -9,7 +9,7 @@ from clerestory.files import is_file
 
 
 def library_file(name: str, *, beside: str | Path, line: int) -> Path:
-    """Return the path of a file that a scene file refers to in a line.
+    """Return the path of a file to which a scene file refers; errors give the line.
 
     The folder of the scene file is searched, then the current directory and the folders
     in the environment variable RAYPATH. Absolute paths are used as they are.

@@ -1,6 +1,6 @@
 """Parser of the statements of scene files (.rad).
 
-Polygons with plain numbers, the bulk of long files, are matched by one regular
+For speed in long files, polygons with plain numbers are matched by one regular
 expression and converted together; other statements are read word by word.
 """
 
@@ -32,7 +32,7 @@ class PolygonRun:
     def polygons(
         self, file: str, key: Callable[[str, Source], str] = lambda name, _: name
     ) -> Iterator[Polygon]:
-        """Yield the polygons; `key` returns the material of a modifier."""
+        """Yield the polygons; `key` returns the key of the material of a modifier."""
         ends = self.first.tolist()
         for i, modifier in enumerate(self.modifier):
             source = Source(file, self.line[i])
@@ -82,7 +82,7 @@ _WORD = re.compile(r"""\s*(?:"([^"]*)(")?|'([^']*)(')?|(\S+))""", re.ASCII)
 
 
 def parse_statements(text: str, *, file: str) -> list[Statement]:
-    """Return the statements of a file's text in order."""
+    """Return the statements in the text of a scene file, in order."""
     statements: list[Statement] = []
     polygons = _PolygonCollector()
     cursor = _Cursor(text, file)

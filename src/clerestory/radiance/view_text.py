@@ -1,7 +1,7 @@
 """Views in Radiance's options, view files and image headers.
 
-Each line `rvu -vtv -vp … -vd …` of a view file changes only the parameters it contains;
-the view after the last line is returned.
+Each line `rvu -vtv -vp … -vd …` of a view file changes the parameters in the line; the
+view after the last line is returned.
 """
 
 import re
@@ -28,12 +28,12 @@ _NUMBERS = {
     "-va": "aft",
 }
 
-# First words of lines with a view (image.c: isview); view options without values
+# Beginnings of lines that define a view (Radiance, image.c: isview)
 _OPENING = re.compile(
     r"(?:\S*/)?(?:VIEW=|rpict|rview|rvu|rpiece|pinterp)|-v[tpduhvslo]"
 )
 
-# Maximum length of a header [bytes]; it ends with an empty line, before the pixels
+# Maximum length of an image header [bytes]; an empty line ends the header
 _LONGEST_HEADER = 1 << 20
 
 
@@ -45,7 +45,7 @@ def parse_view(text: str, base: View | None = None) -> View:
     Parameters
     ----------
     text : options, with or without a program name before them
-    base : view with the values of omitted options; None: Radiance's default view
+    base : view that gives the values of omitted options; None: Radiance's default view
 
     Raises
     ------

@@ -1,7 +1,7 @@
 """Reader of windows in Radiance scene files with comments for rfluxmtx.
 
-A comment `#@rfluxmtx h=kf u=Z` gives the basis and the up vector of the polygons after
-it. Without one, the basis is Klems full; up is +z, or +y for a horizontal window.
+A comment `#@rfluxmtx h=kf u=Z` gives angular basis and up vector of the polygons after
+it. The default basis is Klems full; up is +z, or +y for a horizontal window.
 """
 
 from dataclasses import dataclass
@@ -59,7 +59,7 @@ def read_windows(*paths: str | Path) -> tuple[Window, ...]:
 
 @dataclass(frozen=True, eq=False)
 class _Pane:
-    # A polygon, with the basis and up vector valid for it
+    # A polygon with its angular basis and up vector
     polygon: Polygon
     basis: str
     up: Vector | None
@@ -105,7 +105,7 @@ def _window(name: str, panes: list[_Pane]) -> Window:
 def _variables(
     directive: Directive, basis: str, up: Vector | None
 ) -> tuple[str, Vector | None]:
-    # Basis and up vector after a `#@rfluxmtx` comment
+    # Angular basis and up vector, changed by a `#@rfluxmtx` comment
     for word in directive.text.split():
         key, _, value = word.partition("=")
         match key:
@@ -114,7 +114,7 @@ def _variables(
             case "u":
                 up = _up(value)
             case "o":
-                pass  # output file of rfluxmtx
+                pass  # output file, used by rfluxmtx only
             case _:
                 raise InputError(
                     f'unknown variable "{word}" of #@rfluxmtx; h=kf|kh|kq or'

@@ -36,7 +36,7 @@ def in_bands(
 
     Parameters
     ----------
-    upsampling : function of red, green and blue and of the bands
+    upsampling : function that returns the values in given bands of an RGB colour
     """
     require(
         scene.bands == RGB, f"the scene is in the bands {scene.bands}; {RGB} expected"
@@ -56,10 +56,9 @@ def in_bands(
 
 
 def step_spectrum(rgb: Rgb, bands: Bands) -> Colour:
-    """Return the step spectrum of blue up to 480 nm, green up to 588 nm, red above.
+    """Return band means of a spectrum: blue up to 480 nm, green up to 588 nm, then red.
 
-    This is the conversion of Radiance's spectral rendering (color.h: WLPART). A band
-    that contains a step receives the mean over its wavelengths.
+    Radiance's spectral rendering converts RGB in the same way (color.h: WLPART).
 
     Examples
     --------

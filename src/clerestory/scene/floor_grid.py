@@ -1,8 +1,8 @@
 """Automatic sensor grid over the floor of the room behind a window.
 
-The room is found by a flood fill at the height of the window's centre, from a point
-behind the window to the surrounding surfaces. The floor is at the most frequent height
-below the filled points. No sensors are placed where furniture is higher than them.
+The room is found by a flood fill at the height of the window's centre, from a point in
+the room to the surrounding surfaces. The floor height is the most frequent height of
+the surfaces below the filled points. No sensors are placed inside or below furniture.
 """
 
 from collections.abc import Sequence
@@ -18,10 +18,10 @@ from clerestory.scene.sensors import Sensors
 from clerestory.scene.tessellate import meshes
 from clerestory.scene.window import Window
 
-# Distance of the start point from the window; maximum extent of a room [m]
+# Distance from the window to the start of the flood fill; maximum room extent [m]
 _START, _LARGEST = 0.3, 60.0
 
-# Tolerance within which heights belong to the same floor [m]
+# Difference of heights up to which surfaces belong to the same floor [m]
 _SAME = 0.02
 
 _UP = np.array([0.0, 0.0, 1.0])
@@ -38,9 +38,9 @@ def floor_grid(
 ) -> Sensors:
     """Return a regular grid of upward-facing sensors in the room behind a window.
 
-    The scene is without its windows; the others also bound the room. The normal of the
-    window may point inwards or outwards. Spacing, and height above the floor, are in
-    metres.
+    `scene` is without windows; `others` are further windows of the room. The normal of
+    `window` may point inwards or outwards. `spacing` and `height` above the floor are
+    in metres.
     """
     walls = _walls(scene, [window, *others])
     side = room_side(scene, window)
@@ -49,7 +49,7 @@ def floor_grid(
     drop = np.array([first_hits(p, -_UP[None], walls.corner)[0] for p in inside])
     floor = _most_frequent(inside[:, 2] - drop)
 
-    # Sensors below an obstacle are omitted
+    # Sensors inside or below furniture are omitted
     free = inside[:, 2] - drop < floor + height - _SAME
     below = np.isfinite(drop) & free & (inside[:, 2] > floor + height)
     position = inside[below]
@@ -65,8 +65,8 @@ def floor_grid(
 def room_side(scene: Scene, window: Window) -> int:
     """Return 1 if the room is on the window's front side, −1 if on its back side.
 
-    The room is on the side that has a surface above it; if both sides or neither have
-    one, the front side is returned.
+    The room is on the side where a surface (the ceiling) is above; if this is so on
+    both sides or on neither, the front side is returned.
     """
     walls, centre = _walls(scene, []), _centre(window)
     front, back = (
@@ -77,7 +77,7 @@ def room_side(scene: Scene, window: Window) -> int:
 
 
 def _walls(scene: Scene, windows: Sequence[Window]) -> Triangulation:
-    # Windows are closed by triangles, so that the flood fill remains in the room
+    # Triangles close the windows, so that the flood fill does not leave the room
     parts = [mesh.vertices[mesh.faces] for mesh in meshes(scene)]
     parts += [t.vertices[t.faces] for window in windows for t in window.triangles()]
     corner = np.concatenate(parts) if parts else np.zeros((0, 3, 3))
@@ -85,14 +85,14 @@ def _walls(scene: Scene, windows: Sequence[Window]) -> Triangulation:
 
 
 def _centre(window: Window) -> Vector:
-    # The centre of the largest triangle is within the window, whatever its outline
+    # The centre of the largest triangle is inside the window for any outline
     largest = max(window.triangles(), key=lambda t: t.areas().max())
     chosen = largest.faces[int(np.argmax(largest.areas()))]
     return np.asarray(largest.vertices[chosen].mean(axis=0))
 
 
 def _centred(walls: Triangulation, start: Vector, spacing: float) -> Vector:
-    # Moves the start point so that the grid is centred between opposite walls
+    # Moves the start point so that grid points are centred between opposite walls
     east, west, north, south = first_hits(start, _SIDEWAYS, walls.corner)
     moved = start.copy()
     for axis, ahead, behind in ((0, east, west), (1, north, south)):

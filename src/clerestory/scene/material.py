@@ -1,11 +1,11 @@
 """Interface of all material types.
 
-Each material type has one file in `scene.materials`, with its dataclass, the reading
-and writing of its arguments in Radiance scene files (`READERS`, `specification`) and
-its Mitsuba plugin.
+Each material type has one file in `scene.materials` with a dataclass, functions that
+read and write its Radiance arguments (`READERS`, `specification`), and the name and
+parameters of its Mitsuba plugin.
 
-Fields of the type `Colour` have one value per band of the scene, or equal values
-(grey), which are valid for any number of bands.
+A field of the type `Colour` has one value per band of the scene. If all values are
+equal (grey), the colour is valid for any number of bands.
 """
 
 from abc import ABC, abstractmethod
@@ -25,7 +25,7 @@ Colour = Float[np.ndarray, " band"]
 
 @dataclass(frozen=True)
 class Source:
-    """File and line of a definition."""
+    """File and line of a definition in a scene file."""
 
     file: str
     line: int
@@ -33,7 +33,7 @@ class Source:
 
 @dataclass(frozen=True)
 class Plugin:
-    """Name of a Mitsuba plugin, and parameters; materials and patterns as objects."""
+    """Name and parameters of a Mitsuba plugin."""
 
     name: str
     parameters: "Mapping[str, Parameter]" = field(default_factory=dict)
@@ -49,7 +49,7 @@ def error_at(source: Source | None, message: str) -> InputError:
 class Specification:
     """Type and arguments of a material in Radiance's scene language.
 
-    Of the string arguments, materials are written as names and BSDFs as file names.
+    String arguments that are materials or BSDFs are written as names or file names.
     """
 
     kind: str
@@ -74,17 +74,17 @@ class Material(ABC):
 
     @abstractmethod
     def plugin(self) -> Plugin:
-        """Return the rendering plugin; light sources are rendered as black."""
+        """Return the Mitsuba plugin; the surface of a light source is black."""
 
     @abstractmethod
     def specification(self) -> Specification | None:
-        """Return type and arguments in Radiance; None if there is no equivalent."""
+        """Return Radiance type and arguments; None if the material is not writable."""
 
 
 class Emitter(Material, ABC):
     """A material that emits light from its front, with a radiance [W/(m²·sr)].
 
-    A pattern multiplies the radiance by direction and point; None: constant radiance.
+    `pattern` multiplies the radiance, depending on direction and point; None: by 1.
     """
 
     radiance: Colour
@@ -110,7 +110,7 @@ def colours(material: Material) -> Iterator[Colour]:
 def with_colours(
     material: _AnyMaterial, change: Callable[[Colour], Colour]
 ) -> _AnyMaterial:
-    """Return a material with converted colours, also of component materials."""
+    """Return a material with all colours converted, also in component materials."""
     changed: dict[str, object] = {}
     for known in fields(material):  # type: ignore[arg-type]
         value = getattr(material, known.name)
@@ -122,9 +122,9 @@ def with_colours(
 
 
 def insert_material(materials: dict[str, Material], material: Material) -> str:
-    """Add a material under its name, numbered if the name is in use; return its key.
+    """Add a material under its name, numbered if the name is in use; return the key.
 
-    If an equal material (apart from its source) has that name, none is added.
+    The material is not added if an equal material (source aside) has the same name.
     """
     stem = material.name.rpartition("#")[0] if "#" in material.name else material.name
     key, count = material.name, 1
@@ -138,7 +138,7 @@ def insert_material(materials: dict[str, Material], material: Material) -> str:
 
 
 def altered(material: _AnyMaterial, **values: object) -> _AnyMaterial:
-    """Return a copy of a material with some fields changed."""
+    """Return a copy of a material with new values of some fields."""
     return replace(material, **values)  # type: ignore[type-var]
 
 

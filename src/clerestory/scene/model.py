@@ -157,7 +157,7 @@ class Scene:
 
 
 def display_colour(material: Material) -> Colour:
-    """Return the colour in drawings, without patterns; white for light sources."""
+    """Return a material's colour for drawings, without patterns; lights are white."""
     match material:
         case Mixture(foreground=one, background=other, amount=amount):
             share = amount if isinstance(amount, float) else 0.5
@@ -172,7 +172,7 @@ def display_colour(material: Material) -> Colour:
 
 
 def _check_colours(material: Material, bands: Bands) -> None:
-    # A grey colour is valid in all bands; colours of RGB scenes have three values
+    # Grey colours are valid in other bands, but in RGB scenes all have three values
     for colour in colours(material):
         if len(colour) != len(bands) and (bands == RGB or np.ptp(colour) > 0):
             raise error_at(

@@ -1,11 +1,12 @@
 """Patterns: multipliers of radiance that vary with direction and position.
 
-Patterns correspond to Radiance's brightfunc and brightdata. Arguments by emitter type:
+Patterns correspond to Radiance's brightfunc and brightdata. The arguments depend on the
+emitter; directions and normals are unit vectors:
 
 - surface of the scene: `direction` points from the surface to the viewer; `normal` and
   `point` [m] are normal and point of the surface;
 - source at infinity (sky, sun, ground): `direction` points to the source; `normal` and
-  `point` are None. Directions and normals are unit vectors.
+  `point` are None.
 
 The rendering engine tabulates patterns over directions, and over points if necessary.
 """
@@ -24,15 +25,15 @@ class Pattern(Protocol):
 
     @property
     def needs_normal(self) -> bool:
-        """Whether the value depends on the surface normal."""
+        """Whether the multiplier depends on the surface normal."""
 
     @property
     def needs_point(self) -> bool:
-        """Whether the value depends on the point of emission."""
+        """Whether the multiplier depends on the point of emission."""
 
     @property
     def grey(self) -> bool:
-        """Whether the value is the same in all bands."""
+        """Whether the multiplier is the same in all bands."""
 
     def value(
         self,
@@ -61,7 +62,7 @@ class Product:
 
     @property
     def grey(self) -> bool:
-        """Whether all factors are the same in all bands."""
+        """Whether each factor is the same in all bands."""
         return all(factor.grey for factor in self.factors)
 
     def value(
@@ -70,7 +71,7 @@ class Product:
         normal: RayVectors | None = None,
         point: RayVectors | None = None,
     ) -> RayVectors:
-        """Multiplier of radiance; see `Pattern.value`."""
+        """Return the product of the multipliers; see `Pattern.value`."""
         product = np.ones(direction.shape)
         for factor in self.factors:
             product = product * factor.value(direction, normal, point)

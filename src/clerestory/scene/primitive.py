@@ -1,7 +1,7 @@
-"""Primitives of Radiance scene files, with checks of their arguments.
+"""Primitives of Radiance scene files, with checks of the arguments.
 
 A primitive has a modifier, a type, a name, string arguments and real arguments. The
-parser is in the package `radiance`.
+parser of scene files is in the package `radiance`.
 """
 
 import warnings
@@ -41,14 +41,14 @@ def primitive(
     reals: npt.ArrayLike = (),
     strings: tuple[str, ...] = (),
 ) -> Primitive:
-    """Return a primitive made by a command, with line number 0."""
+    """Return a primitive that is not from a file, with line number 0."""
     finite(reals, f'a number of {kind} "{name}"')
     return Primitive(modifier, kind, name, strings, tuple(np.ravel(reals).tolist()), 0)
 
 
 @dataclass(frozen=True, eq=False)
 class Arguments:
-    """Checked access to the arguments of a primitive; errors give file and line."""
+    """Arguments of a primitive, with checks; errors give file and line."""
 
     item: Primitive
     file: str
@@ -60,13 +60,13 @@ class Arguments:
 
     @property
     def labels(self) -> tuple[str, str, Source]:
-        """Modifier, name, and file and line of a surface."""
+        """Modifier and name of a surface, with its file and line."""
         return self.item.modifier, self.item.name, self.source
 
     def reals(
         self, *counts: int, strings: bool = False
     ) -> Float[np.ndarray, " numbers"]:
-        """Return the real arguments, of which there are as many as one of `counts`.
+        """Return the real arguments; `counts` are the valid numbers of arguments.
 
         String arguments are an error unless `strings` is set.
         """
@@ -101,12 +101,12 @@ class Arguments:
         return value
 
     def full_angle(self, degrees: float) -> None:
-        """Raise an error unless the full angle of a cone is valid."""
+        """Raise an error unless the full angle of a cone is above 0 and at most 360."""
         if not 0 < degrees <= 360:
             raise self.error(f"angle is {degrees:g}°; more than 0 to 360 expected")
 
     def constant(self, what: str, at: int) -> float:
-        """Return a string argument as a number."""
+        """Return the string argument of index `at` as a number."""
         word = self.item.strings[at]
         value = number(word)
         if value is None:
@@ -121,7 +121,7 @@ class Arguments:
             )
 
     def transform(self, at: int) -> Transform:
-        """Return the transform given by the string arguments from `at` on."""
+        """Return the transform in the string arguments from index `at` on."""
         words = list(self.item.strings[at:])
         with self.located():
             transform, taken = parse_transform(words)
@@ -154,11 +154,11 @@ class Arguments:
 
 @dataclass(frozen=True, eq=False)
 class Definition(Arguments):
-    """Arguments of a material, with access to the objects named in them.
+    """Arguments of a material, with access to the materials and files that they name.
 
-    The functions return the material of a name, the BSDF in a file, the vector (or
-    varying pattern) of three expressions from a string argument on, and the foreground
-    fraction of a mixture. `placed` is the transform of the scene file.
+    `placed` is the transform of the scene file. The functions return a material by
+    name, the BSDF in a file, a vector (a pattern if it varies) given by the three
+    expressions from an index on, and the foreground fraction of a mixture.
     """
 
     placed: Transform
@@ -168,7 +168,7 @@ class Definition(Arguments):
     share_of_foreground: Callable[[], float | Pattern]
 
     def oriented(self, at: int) -> Transform:
-        """Return the transform from argument `at` on, followed by `placed`."""
+        """Return the transform in the string arguments, followed by `placed`."""
         with self.located():
             return self.transform(at).then(self.placed)
 

@@ -1,11 +1,11 @@
 """View projections: six mappings from directions to the image plane.
 
 Plane coordinates (u, v) point right and up, with (0, 0) on the view axis; local
-directions are (right, up, forward) in the frame of the view. A projection defines the
-mapping between directions and plane, the plane coordinate of a view angle, and the
-solid angle of a rectangle in the plane, between grid lines in plane coordinates. If
-there is a closed form for rectangles with a corner at the origin, the solid angle of
-any rectangle is the signed sum of four such solid angles. Source: Radiance, image.c.
+directions are (right, up, forward) in the frame of the view. A projection maps
+directions to plane coordinates and back, maps view angles to plane coordinates and
+back, and computes the solid angles of rectangles in the plane. If there is a closed
+form for rectangles with a corner at the origin, the solid angle of any rectangle is the
+signed sum of the solid angles of four such rectangles. Source: Radiance, image.c.
 """
 
 from collections.abc import Callable
@@ -42,9 +42,10 @@ class Projection:
     """The mapping of one view type between directions and the image plane.
 
     `largest` are the maximum horizontal and vertical view angles [deg]. `axes` convert
-    full view angles [deg] to plane coordinates of the image edges, and back. Plane
-    points have local unit directions and a validity; directions outside the projection
-    have NaN as plane points. Solid angles [sr] are those between grid lines.
+    full view angles [deg] to the plane coordinates of image edges, and back.
+    `to_direction` returns local unit directions, and whether points are inside the
+    projection; `to_plane` returns NaN outside. `solid_angles` returns the solid angles
+    [sr] of the rectangles between grid lines.
     """
 
     largest: tuple[float, float]
@@ -129,7 +130,7 @@ def _angular_direction(u: _Plane, v: _Plane) -> tuple[_Local, np.ndarray]:
 def _angular_plane(local: _Local) -> tuple[_Plane, _Plane]:
     sine = np.hypot(local[..., 0], local[..., 1])
     theta = np.arctan2(sine, local[..., 2])
-    # θ / sin θ tends to 1 on the axis; the backward direction has no azimuth
+    # θ / sin θ tends to 1 on the axis; the backward direction is assigned to u = π
     ratio = np.divide(theta, sine, out=np.ones_like(theta), where=sine > 0)
     behind = (sine == 0) & (local[..., 2] < 0)
     return np.where(behind, np.pi, local[..., 0] * ratio), local[..., 1] * ratio
@@ -156,12 +157,12 @@ def _cylindrical_plane(local: _Local) -> tuple[_Plane, _Plane]:
     return np.arctan2(local[..., 0], local[..., 2]), local[..., 1] / flat
 
 
-# Maximum pixel size [rad] for quadrature with two Gauss points per axis
+# Pixel size [rad] below which quadrature has two Gauss points per axis, else eight
 _FINE = 0.02
 
 
 def _between(corner: Callable[[_Plane, _Plane], _Plane]) -> Callable[..., np.ndarray]:
-    # `corner` returns the solid angle between origin and (u, v), with the sign of u·v
+    # `corner`: solid angle of the rectangle from (0, 0) to (u, v), with the sign of u·v
     def solid_angles(u: np.ndarray, v: np.ndarray) -> np.ndarray:
         at_corners = corner(*np.meshgrid(u, v))
         return np.asarray(np.abs(np.diff(np.diff(at_corners, axis=0), axis=1)))
@@ -176,13 +177,13 @@ def _perspective_angles(u: _Plane, v: _Plane) -> _Plane:
 
 
 def _parallel_angles(u: np.ndarray, v: np.ndarray) -> np.ndarray:
-    # All rays are parallel
+    # Parallel rays span no solid angle
     return np.zeros((v.size - 1, u.size - 1))
 
 
 @_between
 def _hemispherical_angles(u: _Plane, v: _Plane) -> _Plane:
-    # ∫∫ du dv / √(1 − u² − v²) over the part of the rectangle within the unit disc
+    # ∫∫ du dv / √(1 − u² − v²) over the intersection of rectangle and unit disc
     x, y = np.minimum(np.abs(u), 1), np.minimum(np.abs(v), 1)
     rest = 1 - x * x - y * y
     root_x, root_y = np.sqrt(1 - x * x), np.sqrt(1 - y * y)

@@ -1,6 +1,6 @@
 """Point–triangle distances and ray–triangle intersections.
 
-The functions evaluate one point at a time, for checks of sensors, not for rendering.
+The functions evaluate one point at a time; they check sensors and do not render.
 """
 
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from clerestory.array_types import RayValues, RayVectors, Vector
 
 @dataclass(frozen=True, eq=False)
 class Triangulation:
-    """Triangle corners [m] and surface indices, with bounding boxes."""
+    """Corners [m] of triangles and index of each triangle's surface."""
 
     corner: Float[np.ndarray, "triangles 3 3"]
     surface: Int[np.ndarray, " triangles"]
@@ -25,11 +25,11 @@ class Triangulation:
             object.__setattr__(self, name, box)
 
     def near(self, point: Vector, reach: float) -> "Triangulation":
-        """Return triangles whose bounding boxes are within `reach` [m] of a point."""
+        """Return the triangles with bounding boxes within `reach` [m] of a point."""
         return self._meeting(point - reach, point + reach)
 
     def beneath(self, point: Vector) -> "Triangulation":
-        """Return the triangles whose bounding boxes extend below a point."""
+        """Return the triangles with bounding boxes vertically below a point."""
         return self._meeting(np.array([point[0], point[1], -np.inf]), point)
 
     def _meeting(self, low: Vector, high: Vector) -> "Triangulation":

@@ -28,8 +28,8 @@ _SHUT_IN = 0.25
 # Minimum and maximum plausible dimensions of scenes [m]
 _SMALLEST, _LARGEST = 0.1, 2000.0
 
-# Maximum number of sensor–triangle tests; if exceeded, a regular subset of the sensors
-# is checked for surrounding surfaces
+# Maximum number of sensors times triangles; if it is larger, only every n-th sensor is
+# checked for surrounding surfaces
 _EFFORT = 300_000_000
 
 _RAYS = 64
@@ -49,12 +49,12 @@ def check_scene(
 ) -> tuple[str, ...]:
     """Return warnings about implausible geometry, one line for each problem.
 
-    Warnings are given for sensors outside the scene, on a surface, enclosed by
+    Warnings are given for sensors that are outside the scene, on a surface, enclosed by
     surfaces, without a surface below, in the plane of a window, or duplicate; for
-    windows whose back faces the sensors, that are outside the scene, or that are
-    covered by a surface; and for scenes of implausible size. The scene is without the
-    windows. In large scenes a subset of the sensors is checked for surrounding
-    surfaces; the warnings give the size of the subset.
+    windows that have the sensors behind them, are outside the scene, or are covered by
+    a surface; and for scenes of implausible size. `scene` does not contain the windows.
+    In large scenes a subset of the sensors is checked for surrounding surfaces; the
+    warnings give the number of sensors checked.
 
     >>> check_scene(Scene())
     ('the scene has no surfaces',)
@@ -203,7 +203,7 @@ def _finding(
     *,
     looked: int | None = None,
 ) -> Iterator[str]:
-    # One line for all sensors with the same problem, with the names of the first five
+    # One line for all sensors with the same problem, naming the first five sensors
     found = np.flatnonzero(which).tolist()
     if not found:
         return

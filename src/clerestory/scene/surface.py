@@ -49,7 +49,7 @@ class Sphere:
 
 @dataclass(frozen=True, eq=False)
 class Cone:
-    """The lateral surface of a truncated cone; if `inward`, cup or tube."""
+    """The lateral surface of a truncated cone; if `inward`, the front is inside."""
 
     base: Vector
     top: Vector
@@ -98,7 +98,7 @@ Surface = Polygon | Sphere | Cone | Ring | TriangleMesh
 
 @dataclass(frozen=True, eq=False)
 class DistantSource:
-    """A disc of sky, sun or ground at infinity, up to 360° of full angle."""
+    """A source at infinity (sky, sun or ground) with the full angle `angle_deg`."""
 
     direction: Vector
     angle_deg: float
@@ -179,7 +179,7 @@ def _disc_extent(
 
 
 def area_vector(vertices: Vertices) -> Vector:
-    """Return a polygon's normal by Newell's method; its length is the area [m²]."""
+    """Return a polygon's normal by Newell's method, with the area [m²] as length."""
     local = vertices - vertices[0]
     return np.asarray(np.cross(local, np.roll(local, -1, axis=0)).sum(axis=0) / 2)
 
@@ -187,7 +187,7 @@ def area_vector(vertices: Vertices) -> Vector:
 def area_vectors(
     vertices: Vertices, first: np.ndarray
 ) -> Float[np.ndarray, "polygons 3"]:
-    """Return the normals of polygons as `area_vector` does; lengths are areas [m²]."""
+    """Return the normals of polygons, with the areas [m²] as lengths."""
     length = np.diff(first)
     origin = vertices[first[:-1]]
     local = vertices - np.repeat(origin, length, axis=0)

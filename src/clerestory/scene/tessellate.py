@@ -1,11 +1,10 @@
 """Tessellation of scenes into one triangle mesh per material.
 
-Spheres, cones and rings keep their areas. A circle becomes a regular polygon of 64
-sides with the area of the circle, so that the areas of discs, rings and tube openings
-are exact. The lateral area of a cylinder is 0.04 % too large; points deviate from the
-true surface by at most 0.13 % of the radius. A sphere becomes 1280 triangles with the
-exact surface area and mean projected area of the sphere; points deviate by at most
-0.5 % of the radius.
+A circle becomes a regular polygon of 64 sides with the area of the circle, so that the
+areas of discs, rings and tube openings are exact. The lateral area of a cylinder is
+0.04 % too large; points deviate from the true surface by at most 0.13 % of the radius.
+A sphere becomes 1280 triangles with the exact surface area and mean projected area of
+the sphere; points deviate by at most 0.5 % of the radius.
 """
 
 from collections.abc import Iterator, Sequence
@@ -34,7 +33,7 @@ from clerestory.scene.triangulate import Triangles, triangulate
 class Mesh:
     """Triangles of one material, counter-clockwise as seen from the front.
 
-    `surface` is the index into `Scene.surfaces` of each triangle.
+    `surface` has the index of each triangle's surface in `Scene.surfaces`.
     """
 
     material: Material
@@ -46,8 +45,8 @@ class Mesh:
 def meshes(scene: Scene) -> tuple[Mesh, ...]:
     """Return the surfaces of a scene as triangles, one mesh per material in use.
 
-    Polygons are filled by the even–odd rule, with new vertices only if they intersect
-    themselves; for curved surfaces see `curved`.
+    Polygons are filled by the even–odd rule; only polygons that intersect themselves
+    get new vertices. For curved surfaces see `curved_triangles`.
     """
     groups: dict[str, list[int]] = {}
     for i, surface in enumerate(scene.surfaces):
@@ -74,7 +73,7 @@ def _mesh(material: Material, surfaces: Sequence[Surface], chosen: list[int]) ->
 def _parts(
     surfaces: Sequence[Surface], chosen: list[int]
 ) -> Iterator[tuple[Triangles, Int[np.ndarray, " triangles"]]]:
-    # Triangles, and the surface of each; convex polygons together by number of corners
+    # Triangles and surface indices; convex polygons with equal corner counts together
     by_corners: dict[int, list[int]] = {}
     rest: list[int] = []
     for i in chosen:
@@ -111,7 +110,7 @@ def _corners(
 
 
 def _fans(corner: Float[np.ndarray, "polygons corners 3"]) -> Triangles:
-    # Triangle fans around the first corners
+    # Triangle fans around the first corner of each polygon
     count, corners = corner.shape[:2]
     fan = np.array([(0, k, k + 1) for k in range(1, corners - 1)])
     faces = (corners * np.arange(count)[:, None, None] + fan).reshape(-1, 3)
@@ -121,8 +120,8 @@ def _fans(corner: Float[np.ndarray, "polygons corners 3"]) -> Triangles:
 def _convex(
     corner: Float[np.ndarray, "polygons corners 3"],
 ) -> Bool[np.ndarray, " polygons"]:
-    # Convex: all corners turn in the sense of the polygon; seen from the first corner,
-    # all corners are in order within 180°, so that the winding number is one
+    # In a convex polygon all corners turn in the same sense; seen from the first one,
+    # the others are in order within 180°, so that the winding number is one
     if corner.shape[1] == 3:
         return np.ones(len(corner), dtype=bool)
     edge = np.roll(corner, -1, axis=1) - corner
@@ -143,7 +142,7 @@ _CIRCUMRADIUS = np.sqrt(2 * np.pi / (SIDES * np.sin(2 * np.pi / SIDES)))
 
 
 def curved_triangles(surface: Sphere | Cone | Ring) -> Triangles:
-    """Return triangles that approximate a curved surface, oriented like its front."""
+    """Return triangles that approximate a curved surface, with the same front."""
     match surface:
         case Sphere():
             ball = _unit_sphere()
@@ -168,7 +167,7 @@ def _turned(triangles: Triangles, inward: bool) -> Triangles:
 
 
 def _circle(axis: Vector) -> Float[np.ndarray, "sides 3"]:
-    # Polygon corners around an axis; equal for the opposite axis (discs fit tubes)
+    # Regular polygon around an axis; equal for the opposite axis, so discs close tubes
     along = axis / np.linalg.norm(axis)
     first = np.cross(np.eye(3)[np.argmin(np.abs(along).round(9))], along)
     first = first / np.linalg.norm(first)
@@ -194,7 +193,7 @@ def _band(
 
 @cache
 def _unit_sphere() -> Triangles:
-    # An icosahedron of which each face is subdivided into four, three times
+    # An icosahedron; each face is divided into four triangles, three times
     golden = (1 + np.sqrt(5)) / 2
     flat = np.array([(0, s, t * golden) for s in (-1, 1) for t in (-1, 1)])
     vertices = np.concatenate([np.roll(flat, k, axis=1) for k in range(3)])

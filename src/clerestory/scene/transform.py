@@ -15,7 +15,7 @@ from clerestory.errors import InputError
 
 _AXES = "xyz"
 
-# Maximum coordinate [m] and scale factor; larger values overflow when squared
+# Maximum coordinate [m] and maximum scale factor; larger values overflow when squared
 LARGEST = 1e15
 
 
@@ -32,15 +32,15 @@ class Transform:
     mirrored: bool = False
 
     def points(self, points: Directions) -> Directions:
-        """Return transformed points."""
+        """Return the points transformed."""
         return np.asarray(points @ self.matrix[:3, :3] + self.matrix[3, :3])
 
     def vectors(self, vectors: Directions) -> Directions:
-        """Return transformed vectors: rotated, reflected and scaled, not translated."""
+        """Return the vectors rotated, reflected and scaled, but not translated."""
         return np.asarray(vectors @ self.matrix[:3, :3])
 
     def then(self, outer: "Transform") -> "Transform":
-        """Return this transform followed by another."""
+        """Return the transform followed by a second one."""
         both = Transform(
             self.matrix @ outer.matrix,
             self.scale * outer.scale,
@@ -55,10 +55,10 @@ class Transform:
 
 
 def parse_transform(words: list[str]) -> tuple[Transform, int]:
-    """Return the transform given by the leading options, and the number of words read.
+    """Return the transform given by the first options, and the number of words read.
 
     Options: -t x y z, -rx -ry -rz degrees, -s factor, -mx -my -mz, and -i count, which
-    repeats the options between it and the next -i. Any other word ends the transform.
+    repeats the options up to the next -i. Any other word ends the transform.
     """
     total, part, count = Transform(), Transform(), 1
     at = 0
@@ -96,7 +96,7 @@ def _step(option: str, value: list[float]) -> Transform:
             matrix[axis, axis] = -1
             return Transform(matrix, mirrored=True)
         case _:
-            # Rotation of the next axis towards the axis after it, in cyclic order
+            # Rotates y towards z (-rx), z towards x (-ry) or x towards y (-rz)
             axis = _AXES.index(option[2])
             one, two = (axis + 1) % 3, (axis + 2) % 3
             angle = math.radians(value[0])
@@ -107,7 +107,7 @@ def _step(option: str, value: list[float]) -> Transform:
 
 
 def _repeat(part: Transform, count: int) -> Transform:
-    # Power of a transform, by repeated squaring
+    # Transform applied `count` times, by repeated squaring
     if count == 1:
         return part
     result = Transform()
@@ -137,7 +137,7 @@ def _whole(words: list[str], at: int) -> int:
 
 
 def number(word: str) -> float | None:
-    """Return a word as a finite number; None if it is not one."""
+    """Return the finite number that a word represents; None for any other word."""
     try:
         value = float(word)
     except ValueError:

@@ -5,8 +5,8 @@ Edges that occur an even number of times, such as seams, are removed. The remain
 edges form loops; a loop within an odd number of other loops is a hole.
 
 Self-intersecting contours are decomposed into slabs, which are bounded by the x
-coordinates of all corners and intersections. Edges do not intersect within a slab, so
-that the filled region is between its first and second, third and fourth, … edge.
+coordinates of all corners and intersections. Edges do not intersect inside a slab. The
+filled region in a slab is between the first and second edge, third and fourth, ….
 """
 
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from jaxtyping import Float, Int
 
 from clerestory.array_types import Faces, Vector, Vertices, Vertices2
 
-# Distance, relative to the size of the polygon, below which vertices coincide
+# Distance below which two vertices coincide, relative to the size of the polygon
 _WELD = 1e-9
 
 Loop = list[int]
@@ -40,10 +40,8 @@ class Triangles:
 def triangulate(vertices: Vertices) -> Triangles:
     """Return triangles that fill a polygon by the even–odd rule.
 
-    The polygon is planar except for rounding; its area vector points to its front. New
+    The polygon is planar except for rounding; the area vector points to the front. New
     vertices are added only if the contour intersects itself.
-
-    A square with a square hole of the same orientation, connected by a seam:
     """
     origin, frame = _plane(vertices)
     flat = (vertices - origin) @ frame.T
@@ -65,7 +63,7 @@ def triangulate(vertices: Vertices) -> Triangles:
 
 
 def _plane(vertices: Vertices) -> tuple[Vector, Float[np.ndarray, "3 3"]]:
-    # Centroid of the vertices, and right-handed axes: two in the plane, and the normal
+    # Mean of the vertices, and right-handed axes: two in the plane, and the normal
     origin = vertices.mean(axis=0)
     away = vertices - origin
     normal = np.cross(away, np.roll(away, -1, axis=0)).sum(axis=0)
@@ -76,7 +74,7 @@ def _plane(vertices: Vertices) -> tuple[Vector, Float[np.ndarray, "3 3"]]:
 
 
 def _weld(points: Vertices2, size: float) -> Int[np.ndarray, " vertices"]:
-    # For each vertex, index of the first vertex at the same place
+    # For each vertex, the index of the first vertex that coincides with it
     grid = np.round(points / (size * _WELD))
     _, first, same = np.unique(grid, axis=0, return_index=True, return_inverse=True)
     return first[same.ravel()]
@@ -91,8 +89,8 @@ def _odd_edges(vertex: Int[np.ndarray, " vertices"]) -> Int[np.ndarray, "edges 2
 
 
 def _loops(edges: Int[np.ndarray, "edges 2"]) -> list[Loop]:
-    # Edges are followed until a vertex repeats, which closes a loop. All vertex degrees
-    # are even.
+    # Follows edges until a vertex repeats, which closes a loop; each vertex has an even
+    # number of edges
     neighbours: dict[int, set[int]] = {}
     for a, b in edges.tolist():
         neighbours.setdefault(a, set()).add(b)
@@ -142,7 +140,7 @@ def _area(loop: Vertices2) -> float:
 
 
 def _containment(points: Vertices2, loops: list[Loop]) -> np.ndarray:
-    # [i, j]: whether loop i is inside loop j; loops touch at vertices only
+    # Entry [i, j]: whether loop i is inside loop j; loops touch at vertices only
     result = np.zeros((len(loops), len(loops)), dtype=bool)
     for i, loop in enumerate(loops):
         x, y = points[loop[:2]].mean(axis=0)
@@ -165,13 +163,13 @@ def _doubled_areas(points: Vertices2, faces: Faces) -> Float[np.ndarray, " trian
 
 
 def _facing_up(points: Vertices2, faces: Faces, size: float) -> Faces:
-    # Triangles oriented like the polygon; triangles of zero area are omitted
+    # Orients triangles like the polygon, and omits triangles of zero area
     doubled = _doubled_areas(points, faces)
     turned = np.where((doubled < 0)[:, None], faces[:, ::-1], faces)
     return np.asarray(turned[np.abs(doubled) > 1e-14 * size**2])
 
 
-# Maximum number of edge pairs that are intersected together
+# Maximum number of edge pairs in one array operation
 _BLOCK = 2_000_000
 
 
@@ -190,7 +188,7 @@ def crossings(
 def slab_triangles(
     segments: Float[np.ndarray, "edges 2 2"],
 ) -> Float[np.ndarray, "corners 2"]:
-    """Return the corners, three per triangle, of the region enclosed by edges."""
+    """Return triangles, three corners each, that fill the region enclosed by edges."""
     cuts = np.unique(np.concatenate([segments[:, :, 0].ravel(), crossings(segments)]))
     flip = segments[:, 0, 0] > segments[:, 1, 0]
     left = np.where(flip[:, None], segments[:, 1], segments[:, 0])
@@ -218,7 +216,7 @@ def slab_triangles(
 def _block_crossings(
     some: Float[np.ndarray, "some 2 2"], all_: Float[np.ndarray, "edges 2 2"]
 ) -> Float[np.ndarray, " crossings"]:
-    # Side of each edge's line on which the end points of all other edges are
+    # For each edge, the side of its line on which the ends of every other edge lie
     a, b = some[:, None, 0], some[:, None, 1]
     c, d = all_[None, :, 0], all_[None, :, 1]
     size = np.ptp(all_.reshape(-1, 2), axis=0).max()
@@ -226,7 +224,7 @@ def _block_crossings(
     c_side, d_side = _side(a, b, c), _side(a, b, d)
     a_side, b_side = _side(c, d, a), _side(c, d, b)
 
-    # Edges that intersect, and end points within another edge
+    # x coordinates where edges cross, and of end points in the interior of an edge
     across = (c_side * d_side < 0) & (a_side * b_side < 0)
     across &= np.minimum(abs(c_side), abs(d_side)) > tiny
     across &= np.minimum(abs(a_side), abs(b_side)) > tiny

@@ -19,7 +19,7 @@ from clerestory.scene.projection import PROJECTIONS, TINY, Kind, Projection
 
 
 class Rays(NamedTuple):
-    """Rays through the pixels of a view; of length 0 outside the projection."""
+    """Rays through the pixels of a view; `direction` is 0 outside the projection."""
 
     origin: Float[np.ndarray, "row column 3"]
     direction: Float[np.ndarray, "row column 3"]
@@ -112,7 +112,7 @@ class View:
 
     @property
     def _half(self) -> tuple[float, float]:
-        # Half width and half height of the image in the plane
+        # Half width and half height of the image in plane coordinates
         return self._projection.extent(self.horizontal, self.vertical)
 
     def aspect(self) -> float:
@@ -123,14 +123,14 @@ class View:
     def size_for(
         self, resolution: int | tuple[int, int], *, pixel_aspect: float = 1.0
     ) -> tuple[int, int]:
-        """Return the columns and rows of the largest image within `resolution`.
+        """Return the numbers of columns and rows of the largest image in `resolution`.
 
         `pixel_aspect` is the ratio of pixel height to pixel width.
         """
         columns, rows = np.broadcast_to(resolution, 2).tolist()
         positive([columns, rows], "resolution")
         aspect = self.aspect()
-        # Rounding as in Radiance's function normaspect
+        # Rounds as Radiance's function normaspect does
         if aspect * columns > pixel_aspect * rows:
             columns = int(rows / aspect * pixel_aspect + 0.5)
         else:
@@ -145,8 +145,8 @@ class View:
     ) -> Rays:
         """Return rays through the pixels of an image, by default through their centres.
 
-        `jitter` is the position in each pixel, 0…1 to the right and up from its lower
-        left corner.
+        `jitter` is the position (right, up) of the ray in each pixel, 0…1 from the
+        lower left corner.
         """
         offset = np.full((rows, columns, 2), 0.5) if jitter is None else jitter
         x = (np.arange(columns)[None, :] + offset[..., 0]) / columns
@@ -171,17 +171,17 @@ class View:
         return np.asarray(1 / np.maximum(along, TINY))
 
     def reach(self, direction: Directions) -> Values:
-        """Return ray lengths from fore to aft clipping plane [m]; inf if aft is 0."""
+        """Return ray lengths from fore to aft plane [m]; inf without an aft plane."""
         if self.aft <= TINY:
             return np.full(direction.shape[:-1], np.inf)
         length = (self.aft - self.fore) * self._stretch(direction @ self._axes.T)
         return np.asarray(length[..., 0])
 
     def pixel(self, direction: Directions, *, columns: int, rows: int) -> Points2:
-        """Return fractional row and column of the pixels for directions.
+        """Return the pixel coordinates (row, column) of directions.
 
-        Values may be outside the image. They are NaN outside the projection, such as
-        behind a perspective view, and for all directions in a parallel view.
+        Pixel coordinates may be outside the image. They are NaN outside the projection,
+        such as behind a perspective view, and for all directions in a parallel view.
         """
         local = unit(direction) @ self._axes.T
         u, v = self._projection.to_plane(local.reshape(-1, 3))
@@ -189,7 +189,7 @@ class View:
         return where.reshape(*local.shape[:-1], 2)
 
     def pixel_of_point(self, point: Directions, *, columns: int, rows: int) -> Points2:
-        """Return fractional row and column of the pixels for points."""
+        """Return the pixel coordinates (row, column) of points in the scene."""
         if self.kind != "parallel":
             return self.pixel(point - self.position, columns=columns, rows=rows)
         local = (point - self.position) @ self._axes.T
@@ -209,8 +209,8 @@ def solid_angles(
 ) -> Float[np.ndarray, "row column"]:
     """Return the solid angles of the pixels of an image [sr].
 
-    For pixels partly outside the projection, such as at the rim of a hemispherical
-    view, only the part inside counts, so that sums over a whole view are exact. In a
+    The solid angle of a pixel excludes areas outside the projection, such as beyond the
+    rim of a hemispherical view, so that the sum over a whole view is exact. In a
     parallel view the solid angles are zero.
 
     >>> view = View(kind="hemispherical", horizontal=180, vertical=180)

@@ -15,7 +15,7 @@ from clerestory.scene.material import error_at
 from clerestory.scene.surface import Polygon, area_vectors
 from clerestory.scene.triangulate import Triangles, triangulate
 
-# Tolerance between the normals in a window group
+# Maximum angle between polygon normal and window normal [deg]
 _SAME_NORMAL_DEG = 0.5
 
 
@@ -23,8 +23,8 @@ _SAME_NORMAL_DEG = 0.5
 class Window:
     """A window group: polygons with a common normal, whose fronts face the room.
 
-    The name is the modifier of the polygons, or the name of the file. The normal of the
-    frame points into the room. The partition is the angular basis on both sides.
+    `name` is the modifier of the polygons, or the name of the file. The normal of
+    `frame` points into the room. `partition` is the angular basis of both sides.
 
     Raises
     ------

@@ -1,9 +1,9 @@
 """Clear-sky irradiance of Ineichen and Perez.
 
 Global horizontal and direct normal irradiance are functions of the solar altitude, the
-Linke turbidity and the elevation; diffuse horizontal irradiance is the global minus the
-direct horizontal irradiance. The model is that of `pvlib.clearsky.ineichen`, which is
-not used, since it imports pandas.
+Linke turbidity and the elevation of the site; diffuse horizontal irradiance is the
+global minus the direct horizontal irradiance. The model is that of
+`pvlib.clearsky.ineichen`, which is not used, since it imports pandas.
 
 References: P. Ineichen, R. Perez, A new airmass independent formulation for the Linke
 turbidity coefficient, Solar Energy 73 (3), 2002; F. Kasten, A. T. Young, Applied
@@ -28,10 +28,10 @@ _MINUTES_A_YEAR = 365 * 24 * 60
 def clear_sky_weather(
     site: Site, *, turbidity: float = 3.0, step_minutes: int = 60
 ) -> Weather:
-    """Return the weather of a cloudless year (2023), of constant Linke turbidity.
+    """Return the weather of the year 2023 with clear sky of constant Linke turbidity.
 
     Turbidity is 2 for a very clear, 3 for a typical and 5 for a hazy atmosphere. The
-    length of a time step is a divisor of 60 minutes.
+    length of a time step must divide 60 minutes.
 
     >>> place = Site(51.5, 0.0, 0.0, place="London")
     >>> year = clear_sky_weather(place, step_minutes=30)
@@ -79,7 +79,7 @@ def clear_sky_irradiance(
     mass = pressure / (sine + 0.50572 * (altitude_deg + 6.07995) ** -1.6364)
     low, high = np.exp(-elevation / 8000), np.exp(-elevation / 1250)
 
-    # Global and direct normal (beam) irradiance of Ineichen and Perez
+    # Global horizontal and direct normal irradiance of Ineichen and Perez
     c1, c2 = 5.09e-5 * elevation + 0.868, 3.92e-5 * elevation + 0.0387
     attenuation = np.exp(-c2 * mass * (low + high * (turbidity - 1)))
     total = c1 * extraterrestrial * sine * attenuation

@@ -1,8 +1,8 @@
 """Measured irradiance in CSV files with user-defined columns.
 
-Times are in ISO 8601 or a given format, with or without UTC offset. The offset may
-change with daylight saving time. Times without offset are local standard time, or the
-civil time of a given time zone; the hour repeated at the end of daylight saving time is
+Times are in ISO 8601 or a given format, with or without UTC offset, which may change
+with daylight saving time. Times without offset are local standard time, or the civil
+time of a given time zone; the hour repeated at the end of daylight saving time is
 resolved by the order of the rows.
 """
 
@@ -31,10 +31,10 @@ _MISSING = (-9999.9, -9999.0, -999.0, 9999.0, 99999.0)
 
 @dataclass(frozen=True)
 class Columns:
-    """Names of the columns of a CSV file; None if not measured.
+    """Column names of the quantities in a CSV file; None if not measured.
 
-    The texts of several columns of times are joined by a space. Irradiance is in W/m²,
-    illuminance in lux, and the dew point temperature in °C.
+    If the time is in several columns, their texts are joined by spaces. Irradiance is
+    in W/m², illuminance in lux, and the dew point temperature in °C.
     """
 
     time: str | tuple[str, ...]
@@ -66,9 +66,9 @@ def read_measured(
 ) -> Weather:
     """Return the weather in a CSV file of measured irradiance or illuminance.
 
-    Times in the format of `datetime.strptime`, by default ISO 8601, are the "start",
-    "centre" or "end" of the steps, in local standard time or in the civil time of a
-    time zone such as "Europe/Berlin". The header follows `skip_lines` lines.
+    `time_format` is that of `datetime.strptime`; default: ISO 8601. Times mark the
+    "start", "centre" or "end" of the steps, in local standard time or in the civil time
+    of the zone `clock`, such as "Europe/Berlin". `skip_lines` lines precede the header.
     """
     table = read_table(path, separator, skip_lines)
     times = local_times(table, columns.time, time_format, clock, site.utc_offset_hours)
@@ -84,7 +84,7 @@ def read_measured(
 
 @dataclass(frozen=True, eq=False)
 class LoggerTable(DataRows):
-    """Rows of a CSV file with the line number of the header and the column names."""
+    """Rows of a CSV file, with line number and column names of the header."""
 
     header_line: int
     names: list[str]
@@ -163,8 +163,8 @@ def _zone(clock: str | None) -> ZoneInfo | None:
 def _civil_time(
     moment: datetime, zone: ZoneInfo, standard: timezone, before: float
 ) -> datetime:
-    # A time in the repeated hour is its second occurrence if times would otherwise
-    # decrease
+    # In the hour repeated at the end of daylight saving time, take the second
+    # occurrence if the first is not later than the previous row
     first = moment.replace(tzinfo=zone).astimezone(standard)
     if first.replace(tzinfo=UTC).timestamp() > before:
         return first

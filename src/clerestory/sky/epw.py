@@ -1,7 +1,7 @@
 """EnergyPlus weather files (.epw).
 
-Hours are numbered 1…24 and mark the end of a time step; the solar position is that at
-the centre of the step. The header states the number of records per hour. In hourly
+Hours are numbered 1…24 and mark the end of a time step; the solar position is computed
+at the centre of the step. The header states the number of records per hour. In hourly
 files the minute field, 0 or 60, is ignored. pvlib's reader is not used, since it
 imports pandas and its error messages lack line numbers.
 
@@ -25,7 +25,7 @@ from clerestory.sky.weather import Site, Weather
 
 _HEADER_LINES = 8
 
-# Indices of the fields, from 0
+# Indices of the fields in a line, from 0
 _SITE = {"latitude": 6, "longitude": 7, "time zone": 8, "elevation": 9}
 _TIME = {"month": 1, "day": 2, "hour": 3, "minute": 4}
 _SERIES = {
@@ -34,13 +34,13 @@ _SERIES = {
     "dew point": 7,
 }
 
-# Lower limit of the code for a missing dew point, 99.9 °C; codes for missing irradiance
-# are removed by quality control
+# Dew points from this value are missing (code 99.9 °C); quality control removes the
+# codes for missing irradiance
 _MISSING_DEW_POINT = 99.0
 
 
 def read_epw(path: str | Path) -> Weather:
-    """Return the weather of an EPW file, in the year 2023 (2024 with a 29 February)."""
+    """Return the weather in an EPW file, dated 2023 (2024 if it has a 29 February)."""
     lines = read_text(path).splitlines()
     cells = lines[0].split(",") if lines else [""]
     require(
@@ -55,7 +55,7 @@ def read_epw(path: str | Path) -> Weather:
     table = (text.split(",") if text.strip() else [] for text in lines)
     rows = DataRows.below(_HEADER_LINES, table, file=path)
 
-    # Convert ends of steps to centres
+    # Convert times from the ends of steps to their centres
     month, day, hour, minute = (rows.column(i, name) for name, i in _TIME.items())
     end = hour if per_hour == 1 else hour - 1 + minute / 60
     times = calendar_times(month, day, end - 0.5 / per_hour, rows=rows)
@@ -93,7 +93,7 @@ def _records_per_hour(lines: list[str]) -> int:
 def _warn_if_truncated(
     times: np.ndarray, per_hour: int, lines: list[str], path: str | Path
 ) -> None:
-    # A truncated year has no gaps before its end, unlike a selection of hours
+    # A truncated year has no gaps before the last row; a selection of hours has gaps
     step = np.timedelta64(3600 // per_hour, "s")
     unbroken = len(times) > 24 * per_hour and bool(np.all(np.diff(times) == step))
     last = times[-1].astype("datetime64[D]")

@@ -51,10 +51,10 @@ def cie_sky(
     """Return a CIE sky at one moment, as gensky does.
 
     `kind` is a sky type of gensky, or the number of a CIE general sky, 1…15. Azimuth is
-    clockwise from north [rad]. By default, irradiance [W/m²] follows from gensky's
-    zenith luminance, a function of the Linke turbidity, and from its solar radiance;
-    CIE general skies require the diffuse irradiance. The ground radiance includes
-    reflected sunlight also without sun; uniform and overcast skies have no sun.
+    clockwise from north [rad]. By default, diffuse irradiance [W/m²] follows from
+    gensky's zenith luminance for the Linke turbidity, and direct irradiance from
+    gensky's solar radiance; CIE general skies require diffuse irradiance. The ground
+    reflects sunlight even without `with_sun`; uniform and overcast skies have no sun.
     """
     is_overcast = kind in ("uniform", "overcast")
     altitude = sun_altitude if is_overcast else min(sun_altitude, HIGHEST_SUN)
@@ -72,7 +72,7 @@ def cie_sky(
         at_zenith = float(distribution(np.array([0.0, 0.0, 1.0]), sun))
         scale = zenith_radiance(kind, altitude, turbidity) / at_zenith
 
-    # Radiance of the ground from global horizontal irradiance
+    # Ground radiance from global horizontal irradiance
     direct = 0.0
     if not is_overcast and sun[2] > 0:
         direct = sun_radiance(kind, float(sun[2])) * SUN_SOLID_ANGLE

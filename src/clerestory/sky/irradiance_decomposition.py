@@ -1,14 +1,14 @@
 """Decomposition of measured irradiance into direct and diffuse components.
 
-With the solar altitude h, GHI = DHI + DNI sin h, so two of the three determine the
-third. The division by sin h amplifies errors near the horizon; therefore:
+With the solar altitude h, GHI = DHI + DNI sin h, so any two of these irradiances
+determine the third. The division by sin h amplifies errors near the horizon; therefore:
 
 1. DNI is computed with sin h of at least sin 3°.
 2. DNI is limited to the extraterrestrial irradiance; an excess of computed DNI is added
    to DHI.
 3. DHI is limited to GHI.
 4. Irradiance is zero with the sun more than 6° below the horizon (civil twilight).
-5. If only GHI is measured, it is decomposed by the model of Erbs (hourly) or DIRINT.
+5. If only GHI is measured, it is decomposed by the Erbs or the DIRINT model.
 """
 
 import importlib
@@ -31,13 +31,13 @@ Decomposition = Literal["erbs", "dirint"]
 _LOWEST_SINE = np.sin(np.radians(3.0))
 _TWILIGHT = np.radians(-6.0)
 
-# Largest violation of a limit that is not reported [W/m²]
+# Largest excess over a limit that is corrected without a note [W/m²]
 _TOLERANCE = 5.0
 
 
 @dataclass(frozen=True, eq=False)
 class Irradiance:
-    """Direct normal and diffuse horizontal irradiance [W/m²], and corrections made."""
+    """Direct normal and diffuse horizontal irradiance [W/m²], and correction notes."""
 
     direct_normal: Series
     diffuse_horizontal: Series
@@ -53,8 +53,8 @@ def split_irradiance(
 ) -> Irradiance:
     """Return direct and diffuse irradiance from measured components [W/m²].
 
-    Components are global alone, or any two; of three, global is ignored. Global alone
-    is decomposed by the model `decomposition`.
+    `series` has global irradiance alone, or two of global, direct and diffuse; of all
+    three, global is ignored. Global alone is decomposed by the model `decomposition`.
     """
     direct, diffuse = series.get("direct_normal"), series.get("diffuse_horizontal")
     notes: tuple[str, ...] = ()
@@ -77,7 +77,7 @@ def split_irradiance(
         rest = _without_direct(series["global_horizontal"], direct, sun)
         split = Irradiance(direct, np.maximum(rest, 0))
 
-    # Set irradiance to zero after civil twilight
+    # Set irradiance to zero with the sun more than 6° below the horizon
     dark = sun.altitude < _TWILIGHT
     stray = dark & (split.direct_normal + split.diffuse_horizontal > _TOLERANCE)
     notes += split.notes
@@ -96,7 +96,7 @@ def split_irradiance(
 def limit_to_extraterrestrial(
     direct_normal: Series, times: np.ndarray
 ) -> tuple[Series, tuple[str, ...]]:
-    """Return direct normal irradiance [W/m²] limited to extraterrestrial, and notes."""
+    """Return DNI [W/m²] limited to the extraterrestrial irradiance, and notes."""
     note = "direct values above the extraterrestrial irradiance limited to it"
     return _limited(direct_normal, _extraterrestrial(times), note)
 

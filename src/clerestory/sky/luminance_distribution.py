@@ -21,7 +21,7 @@ from clerestory.checks import require
 _LOWEST_COSINE = 1e-3
 
 
-# Relative luminance for unit vectors above the horizon and the unit vector to the sun
+# Relative luminance, from directions above the horizon and the direction to the sun
 Distribution = Callable[[Directions, Vector], Values]
 
 
@@ -29,8 +29,8 @@ Distribution = Callable[[Directions, Vector], Values]
 class FiveParameters:
     """Luminance distribution of the Perez sky and the CIE general skies.
 
-    a and b are parameters of the gradation from horizon to zenith, c, d, e and base of
-    the indicatrix around the sun, or around `centre` in place of the sun.
+    a and b define the gradation from horizon to zenith; c, d, e and base define the
+    indicatrix around the sun, or around the direction `centre` if it is given.
     """
 
     a: float
@@ -42,7 +42,7 @@ class FiveParameters:
     centre: Vector | None = None
 
     def __call__(self, direction: Directions, sun: Vector) -> Values:
-        """Return relative luminance, 0 or more."""
+        """Return the relative luminance of the given directions, clipped at 0."""
         cos_zeta = np.maximum(direction[..., 2], _LOWEST_COSINE)
         centre = sun if self.centre is None else self.centre
         cos_gamma = np.clip(direction @ centre, -1, 1)
@@ -77,7 +77,7 @@ def intermediate(direction: Directions, sun: Vector) -> Values:
 
 
 # ISO 15469 / CIE S 011, table 1: parameters a, b of the gradations I…VI and c, d, e of
-# the indicatrices 1…6; the fifteen skies are pairs of them
+# the indicatrices 1…6; each of the fifteen skies is a pair of them
 _GRADATION = (
     (4.0, -0.7),
     (1.1, -0.8),
@@ -118,7 +118,7 @@ def cie_general(number: int) -> FiveParameters:
 
 
 def horizontal_integral(distribution: Distribution, *, sun: Vector) -> float:
-    """Horizontal irradiance for a relative luminance taken as radiance [W/(m²·sr)].
+    """Integral of relative luminance times cos ζ over the sky hemisphere [sr].
 
     Computed by Gauss–Legendre quadrature in sin² ζ and the midpoint rule in azimuth.
     """

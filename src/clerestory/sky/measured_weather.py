@@ -1,4 +1,4 @@
-"""Weather from series of irradiance or illuminance, by quality control.
+"""Weather from measured irradiance or illuminance, with quality control.
 
 1. Values from -10 to 0 W/m² (zero offset of a pyranometer) are set to 0.
 2. Missing values and values below -10 or above 1500 W/m² (physically impossible) are
@@ -50,7 +50,7 @@ _ILLUMINANCE: dict[Quantity, Component] = {
     "direct_illuminance": "direct_normal",
 }
 
-# Limits of irradiance [W/m²]; they apply to illuminance at 100 lux per W/m²
+# Limits of irradiance [W/m²]; those of illuminance [lux] are 100 times as large
 _ZERO_OFFSET, _LARGEST = -10.0, 1500.0
 _LUX_PER_WATT = 100.0
 
@@ -63,8 +63,8 @@ _Notes = tuple[str, ...]
 class Measurement:
     """Irradiance [W/m²] or illuminance [lux] at one site; NaN where missing.
 
-    Times are local standard time at the centres of the steps. The rows of the file and
-    the names of the columns are for messages.
+    Times are local standard time at the centres of the steps. The file rows and column
+    names are used in messages.
     """
 
     site: Site
@@ -85,7 +85,7 @@ def weather_of_components(
     step_minutes: float | None = None,
     dew_point_c: Series | None = None,
 ) -> Weather:
-    """Return the weather of the rows of a file; irradiance at night is preserved."""
+    """Return weather from direct and diffuse irradiance; values at night are kept."""
     step = typical_step(times) if step_minutes is None else step_minutes
     series: dict[Quantity, np.ndarray] = {
         "direct_normal": parts.direct_normal,
@@ -102,9 +102,9 @@ def weather_of_components(
 def weather_of(
     measurement: Measurement, *, decomposition: Decomposition = "erbs"
 ) -> Weather:
-    """Return the weather of a measurement, with zero irradiance at night.
+    """Return the weather from a measurement; irradiance at night is set to zero.
 
-    `decomposition` is the model that decomposes global irradiance if it alone is given.
+    `decomposition` is the model applied if only global irradiance is measured.
     """
     times, rows = measurement.times, measurement.rows
     sun = sun_at(measurement.site, times)
@@ -169,7 +169,7 @@ def _repaired(
     scale: float,
     unit: str,
 ) -> tuple[dict[Component, Series], _Notes]:
-    # Return the series by component, in W/m² or hundreds of lux, and notes
+    # Return corrected series by component [W/m² or 100 lux], and notes of corrections
     notes: _Notes = ()
     series = {}
     for quantity, component in kind.items():
@@ -210,7 +210,7 @@ def _filled(
             f" {first}; at most {_longest(gap)} in a row)"
         )
 
-    # Interpolate across the gaps in time
+    # Replace missing values by linear interpolation in time
     moment = (measurement.times - measurement.times[0]).astype(float)
     filled = np.where(offset, 0.0, values)
     filled[gap] = np.interp(moment[gap], moment[~gap], filled[~gap])

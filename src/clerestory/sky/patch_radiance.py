@@ -1,8 +1,8 @@
 """Sky matrix S: radiance of every sky patch at every time step.
 
 The matrix is stored as achromatic radiance times a colour per patch, plus a sparse
-matrix of the sun. Its memory and, with `SkyResponse`, the time of a matrix product are
-those of a single band.
+matrix of the sun. Memory and, with `SkyResponse`, the time of a matrix product are the
+same as for a single band.
 """
 
 from collections.abc import Iterator, Mapping
@@ -28,7 +28,7 @@ from clerestory.sky.sky_product import fold, lit_steps, product_blocks, row_bloc
 if TYPE_CHECKING:
     import xarray as xr
 
-# Rows or columns computed at once, so that they fit in the cache
+# Rows or columns per block, so that a block fits in the cache
 _BLOCK = 64
 
 
@@ -129,7 +129,7 @@ class SkyMatrix:
     def mean(self) -> "SkyMatrix":
         """Return the mean over all steps, including nights, as a matrix of one step.
 
-        The sum has the time of the first step.
+        The mean is assigned to the time of the first step.
         """
         weight = csc_array(np.full((len(self.times), 1), 1 / len(self.times)))
         diffuse = self.diffuse.mean(axis=1, keepdims=True, dtype=float)
@@ -174,7 +174,7 @@ class SkyMatrix:
             yield radiance
 
     def __rmatmul__(self, transfer: object) -> "SkyResponse":
-        """Return the product of a transfer matrix and this sky, not yet evaluated."""
+        """Return the product of a transfer matrix and the sky, for later evaluation."""
         if not isinstance(transfer, TransferMatrix):
             return NotImplemented
         return SkyResponse(transfer, self)
@@ -182,7 +182,7 @@ class SkyMatrix:
 
 @dataclass(frozen=True, eq=False)
 class SkyResponse:
-    """Product of daylight coefficients and a sky matrix, evaluated by its methods."""
+    """Product of daylight coefficients and sky, evaluated by `illuminance` or `rgb`."""
 
     transfer: TransferMatrix
     sky: SkyMatrix
@@ -196,9 +196,9 @@ class SkyResponse:
         yield self.sky.bands, len(self.sky.colour)
 
     def illuminance(self) -> "xr.Dataset":
-        """Illuminance of the sensors at each time step, and its standard error [lux].
+        """Illuminance and its standard error at each sensor and time step [lux].
 
-        The bands are summed with their luminous efficacies before the matrix product;
+        The bands are summed, weighted by luminous efficacy, before the matrix product;
         steps without sky and sun radiance are skipped.
         """
         weights, sky = common_bands(self._parts()).weights, self.sky
@@ -229,5 +229,5 @@ class SkyResponse:
         )
 
     def rgb(self) -> TransferMatrix:
-        """Return the product in all bands as a dense matrix, with error components."""
+        """Return the product in all bands, with standard errors, as a dense matrix."""
         return self.transfer @ self.sky.to_transfer_matrix()

@@ -65,10 +65,10 @@ _LARGEST_EXPONENT = 600.0
 
 @dataclass(frozen=True, eq=False)
 class PerezSky:
-    """Relative luminance distribution at each time step.
+    """Relative luminance distribution of the Perez sky at each time step.
 
-    The parameters are a, b, c, d and e; the zenith angle of the unit vectors to the sun
-    is limited to 3°…90°.
+    `parameters` are a, b, c, d and e; `sun` has unit vectors to the sun, whose zenith
+    angle is limited to 3°…90°.
     """
 
     parameters: Float[np.ndarray, "five time"]
@@ -77,7 +77,7 @@ class PerezSky:
     def gradation(
         self, cos_zenith: Float[np.ndarray, " patch"]
     ) -> Float[np.ndarray, "time patch"]:
-        """Gradation 1 + a exp(b / cos ζ), up to a factor per time step."""
+        """Gradation 1 + a exp(b / cos ζ), times some factor per time step."""
         a, b = self.parameters[:2, :, None]
         exponent = b / cos_zenith
         largest = np.maximum(exponent.max(axis=1, keepdims=True), 0)
@@ -86,9 +86,9 @@ class PerezSky:
     def indicatrix(
         self, cos_sun: Float32[np.ndarray, "time patch"]
     ) -> Float32[np.ndarray, "time patch"]:
-        """Indicatrix 1 + c exp(d γ) + e cos² γ, up to a factor per time step.
+        """Indicatrix 1 + c exp(d γ) + e cos² γ, times some factor per time step.
 
-        `cos_sun`, cos γ, is overwritten and returned.
+        The array `cos_sun` of cos γ is overwritten with the result.
         """
         # Divide by the largest of 1, |c| exp(d π) and |e|
         _, _, c, d, e = self.parameters
@@ -159,10 +159,10 @@ def dome_radiance(
 ) -> None:
     """Write the radiance of the patches [W/(m²·sr)] at the given steps into `out`.
 
-    The sky is scaled to the diffuse horizontal irradiance [W/m²] with one of two
-    weights of the patches: "exact" projected solid angles, or solid angle times cosine
-    at the patch "centres" as in Radiance. One exponential and one arc cosine per patch
-    and step dominate the computing time; they are computed in float32, in parallel.
+    The sky is scaled to the diffuse horizontal irradiance [W/m²]. Patches are weighted
+    by their "exact" projected solid angle, or by solid angle times cosine at the patch
+    "centres" as in Radiance. One exponential and one arc cosine per patch and step
+    dominate the computing time; they are computed in float32, in parallel.
     """
     one_of(quadrature, "quadrature", choices=("exact", "centres"))
     centres = dome.centres()

@@ -1,6 +1,6 @@
 """Sky at one moment, as a function of direction or as a sky vector.
 
-Pictures are rendered with the function of direction. The sky vector, as of Radiance's
+Pictures are rendered with the function of direction. The sky vector, as in Radiance's
 genskyvec, is a sky matrix of one time step.
 """
 
@@ -31,7 +31,7 @@ from clerestory.sky.weather import Illuminance, Weather
 # Sample points per patch edge of a sky vector
 _SAMPLES = 4
 
-# Day on which the distance to the sun is its annual mean
+# Day on which the distance to the sun equals the annual mean
 _MEAN_DAY = np.datetime64("2023-04-04", "s")
 
 
@@ -39,9 +39,9 @@ _MEAN_DAY = np.datetime64("2023-04-04", "s")
 class PointSky:
     """Sky, sun and ground at one moment.
 
-    `scale` is the radiance at a relative luminance of 1, `ground` that of the ground
-    [W/(m²·sr)]; `colour` is a factor on the sky radiance in each band. The time is
-    local standard time, or NaT.
+    `scale` is the sky radiance at a relative luminance of 1, `ground` the ground
+    radiance [W/(m²·sr)]; `colour` is a factor on the sky radiance in each band. `time`
+    is local standard time, or NaT if unknown.
     """
 
     distribution: Distribution
@@ -107,8 +107,8 @@ def perez_moment(
     """Return the Perez sky for a solar position and visible irradiances [W/m²].
 
     Azimuth is clockwise from north [rad]; visible irradiance is illuminance divided by
-    179 lm/W; the day of `time` determines the distance to the sun. The ground radiance
-    includes reflected sunlight also without sun.
+    179 lm/W; the day of `time` determines the distance to the sun. The ground reflects
+    sunlight even without `with_sun`.
     """
     not_negative(diffuse_horizontal, "diffuse horizontal irradiance", unit="W/m²")
     not_negative(direct_normal, "direct normal irradiance", unit="W/m²")
@@ -119,7 +119,7 @@ def perez_moment(
     sky = np.array([diffuse_horizontal], dtype=float)
     times = np.array([time], dtype="datetime64[s]")
 
-    # Estimate the irradiance of the whole solar spectrum for the Perez parameters
+    # The Perez parameters require irradiance of the whole solar spectrum: estimate it
     lux = Illuminance(LUMINOUS_EFFICACY * visible, LUMINOUS_EFFICACY * sky)
     irradiance = irradiance_of(lux, times=times, sun=sun)
     state = sky_state(

@@ -38,10 +38,10 @@ _NORTHERN_SUMMER, _NORTHERN_WINTER = (5, 6, 7, 8), (11, 12, 1, 2)
 
 @dataclass(frozen=True)
 class ClockShift:
-    """Time shift of irradiance to solar position [h], positive if the clock is slow.
+    """Time by which irradiance is early [h]; positive if the logger's clock is slow.
 
-    `summer_less_winter` is the time shift in summer minus that in winter; 0 if one of
-    the seasons is missing.
+    `whole` is the time shift over all steps, `summer_less_winter` the shift in summer
+    minus the shift in winter, or 0 if data of a season are missing.
     """
 
     whole: float
@@ -120,14 +120,14 @@ def _hours(shift: float) -> str:
 
 
 def _height(weather: Weather, hours: float) -> Series:
-    # Sine of the solar altitude, at least 0, at times shifted by some hours
+    # Sine of the solar altitude, clipped at 0, at times shifted by `hours`
     later = weather.times + np.timedelta64(round(hours * 3600), "s")
     sun = sun_at(weather.site, later, formula="radiance")
     return np.asarray(np.maximum(np.sin(sun.altitude), 0))
 
 
 def _best_shift(light: Series, heights: Float[np.ndarray, "shift time"]) -> float:
-    # Vertex of the parabola through the largest correlation and the two adjacent ones
+    # Vertex [h] of the parabola through the largest correlation and its two neighbours
     correlation = np.array([np.corrcoef(height, light)[0, 1] for height in heights])
     best = int(np.clip(np.argmax(correlation), 1, len(_SHIFTS) - 2))
     left, top, right = correlation[best - 1 : best + 2]
@@ -137,10 +137,10 @@ def _best_shift(light: Series, heights: Float[np.ndarray, "shift time"]) -> floa
 
 
 def describe_weather(weather: Weather) -> list[tuple[str, str]]:
-    """Return rows of a summary table of weather data, as labels and values.
+    """Return a summary table of weather data, as rows of label and text.
 
-    The rows are site, times, irradiation [kWh/m²], corrections and problems. Sums are
-    over the steps of the file; missing steps are not replaced.
+    The rows are site, times, irradiation [kWh/m²], corrections and problems.
+    Irradiation is summed over the steps in the file; missing steps are not replaced.
     """
     level = weather.direct_normal * np.sin(np.maximum(sun_over(weather).altitude, 0))
     first, last = weather.times[[0, -1]].astype("datetime64[m]")

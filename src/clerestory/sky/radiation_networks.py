@@ -22,8 +22,8 @@ from clerestory.sky.table_cells import DataRows, numbers
 from clerestory.sky.time_steps import StandsFor, step_centres
 from clerestory.sky.weather import Site, Weather
 
-# Index, from 0, and limits of the cells of time in a SURFRAD row, and indices of the
-# cells of irradiance; a quality flag follows each value
+# SURFRAD rows: index, from 0, smallest and largest value of each time cell; indices of
+# irradiance cells, each of which is followed by a quality flag
 _TIME = {
     "year": (0, 1900, 2200),
     "day": (1, 1, 366),
@@ -35,7 +35,7 @@ _SERIES: dict[Quantity, int] = {"direct_normal": 12, "diffuse_horizontal": 14}
 # Values below this are missing; SURFRAD files contain -9999.9
 _MISSING = -9000.0
 
-# pvlib's column names of SRML quantities begin with these; an instrument number follows
+# Prefixes of pvlib's column names for SRML quantities; an instrument number follows
 _SRML: dict[Quantity, str] = {
     "global_horizontal": "ghi",
     "diffuse_horizontal": "dhi",
@@ -81,7 +81,7 @@ def _surfrad_site(lines: list[str], offset: float | None) -> Site:
     cells = lines[1].split()
     latitude, longitude, elevation = numbers(cells, fields, 2)
 
-    # Stations are west of Greenwich; older files omit the sign of the longitude
+    # All stations are west of Greenwich; older files omit the minus sign of longitude
     longitude = -abs(longitude)
     if offset is None:
         offset = round(longitude / 15)

@@ -25,13 +25,13 @@ from clerestory.sky.weather import Weather
 
 Spectrum = Literal["visible", "solar"]
 
-# Irradiance up to which a step is night [W/m²], as in gendaymtx
+# Steps with irradiance up to this value are night [W/m²], as in gendaymtx
 _NIGHT = 1e-4
 
-# Direct normal irradiance that exceeds the uncertainty of instruments [W/m²]
+# Direct normal irradiance at night above which a warning is issued [W/m²]
 _BRIGHT = 20.0
 
-# Number of Newton iterations, for times of sunrise within a few seconds
+# Number of Newton iterations, enough for sunrise times within a few seconds
 _ITERATIONS = 3
 
 # Range of dew points on Earth [°C]
@@ -40,9 +40,9 @@ _DEW_POINTS = (-60.0, 35.0)
 
 @dataclass(frozen=True, eq=False)
 class SkyConditions:
-    """Sun, in scene coordinates, and sky at each time step.
+    """Solar position in scene coordinates, Perez parameters and irradiance per step.
 
-    Irradiance [W/m²] is that of the chosen spectrum, and zero at night.
+    Irradiance [W/m²] is visible or of the whole solar spectrum, and zero at night.
     """
 
     sun: SunPosition
@@ -115,9 +115,9 @@ def sun_over(
 ) -> SunPosition:
     """Return the solar position at each step of the weather.
 
-    The position is that at the centre of the step; in steps with sunrise or sunset, at
-    the centre of the interval with the sun above the horizon. Radiance's formula is
-    always evaluated at the centre of the step, as in gendaymtx.
+    The position is computed at the centre of the step or, in steps with sunrise or
+    sunset, at the centre of the interval with the sun above the horizon. Radiance's
+    formula is always evaluated at the centre of the step, as in gendaymtx.
     """
     finite(rotation_deg, "rotation", unit="degrees")
     sun = sun_at(weather.site, weather.times, formula=sun_formula)
@@ -149,7 +149,7 @@ def _at_sunrise_and_sunset(weather: Weather, sun: SunPosition) -> SunPosition:
     cross = first * last < 0
     near, centre, first, last = near[cross], centre[cross], first[cross], last[cross]
 
-    # Find the time of sunrise or sunset by Newton's method; -1 to 1 is the step
+    # Find sunrise or sunset by Newton's method, in time from -1 to 1 across the step
     def moved_to(share: Float[np.ndarray, " step"]) -> SunPosition:
         seconds = np.round(share * half.astype(float)).astype("timedelta64[s]")
         return sun_at(weather.site, centre + seconds)

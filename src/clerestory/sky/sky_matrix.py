@@ -53,15 +53,15 @@ def sky_matrix(
     ----------
     weather : irradiance over time
     subdivision : Reinhart's MF, 1 to 6
-    include : "all"; "sky": sky, and ground including reflected sunlight, without direct
-        sun; "sun": direct sun only
+    include : "all"; "sky": sky and sunlit ground without the direct sun; "sun": direct
+        sun only
     sun : assignment of the direct sun to patches, see `sun_radiance`
     sun_diameter_deg : angular diameter of the sun [°], for `sun="disc"`
     ground_reflectance : reflectance of the ground, one value or one per band
     sky_colour : factor on the sky radiance in each band; default: that of gendaymtx in
         RGB, white in other bands
     rotation_deg, sun_formula, dew_point_c, spectrum : as in `sky_conditions`
-    quadrature : weights of the patches in the scaling to the diffuse irradiance:
+    quadrature : patch weights for scaling the sky to the diffuse irradiance:
         "exact" projected solid angles, or solid angle times cosine at the patch
         "centres" as in gendaymtx, which gives 0.55 % less irradiance at MF 1 and 0.04 %
         less at MF 4
@@ -86,7 +86,7 @@ def sky_matrix(
         spectrum=spectrum,
     )
 
-    # Compute the included parts
+    # Compute sky and ground, and the direct sun, if included
     diffuse = _sky_and_ground(conditions, partition, quadrature, empty=include == "sun")
     added = sun_radiance(
         conditions.direct_normal * (include != "sky"),

@@ -1,9 +1,8 @@
 """Product of daylight coefficients and an annual sky matrix, in blocks of time steps.
 
-The sky radiance in each band is achromatic radiance times a colour per patch. The
-weighted sum over bands, such as that of illuminance, is therefore applied to the
-daylight coefficients first, and a year takes one matrix product instead of one per
-band.
+The sky radiance in each band is achromatic radiance times a colour per patch. Daylight
+coefficients are therefore first summed over bands, with weights such as luminous
+efficacy, and a year takes one matrix product instead of one per band.
 """
 
 from collections.abc import Iterator
@@ -21,9 +20,9 @@ def fold(
     colour: Float[np.ndarray, "band patch"],
     weights: Float[np.ndarray, " band"],
 ) -> Float32[np.ndarray, "*batch row patch"]:
-    """Sum over bands of weight · colour · coefficient.
+    """Sum of weight · colour · daylight coefficient over bands.
 
-    A single channel of coefficients applies to all bands.
+    Coefficients with a single channel apply to all bands.
     """
     tint = weights[:, None] * colour
     if values.shape[-3] == 1:
@@ -49,10 +48,10 @@ def product_blocks(
     direct: csc_array,
     steps: Int[np.ndarray, " lit"],
 ) -> Iterator[tuple[Int[np.ndarray, " block"], Float32[np.ndarray, "row block"]]]:
-    """Yield blocks of time steps and the product for each row, such as illuminance.
+    """Yield blocks of time steps with the products, such as illuminance, for all rows.
 
-    `sky` and `sun` are coefficients from `fold`, with the colours of the sky and of the
-    sun; `diffuse` and `direct` the achromatic radiance of both [W/(m²·sr)].
+    `sky` and `sun` are coefficients from `fold`, with the colours of sky and sun;
+    `diffuse` and `direct` are achromatic radiances of sky and sun [W/(m²·sr)].
     """
     rows, patches = sky.shape
     size = max(1, min(_BLOCK // max(rows, patches), 4096))
@@ -71,7 +70,7 @@ def product_blocks(
 
 
 def row_blocks(rows: int, *, layers: int, patches: int) -> Iterator[slice]:
-    """Yield slices of rows whose coefficients do not exceed the block size."""
+    """Yield slices of rows; the coefficients of a slice take at most 128 MB."""
     size = max(1, _BLOCK // (layers * patches))
     for start in range(0, rows, size):
         yield slice(start, min(start + size, rows))

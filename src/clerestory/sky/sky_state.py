@@ -59,7 +59,7 @@ _DIRECT = np.array(
     ]
 )
 
-# Initial luminous efficacy: that of an average sky [lm/W]
+# Initial luminous efficacy, typical of an average sky [lm/W]
 _MEAN_EFFICACY = 110.0
 _ITERATIONS = 40
 
@@ -71,8 +71,8 @@ _EFFICACIES = (20.0, 250.0)
 class SkyState:
     """Parameters of the Perez models at each time step.
 
-    They are the solar zenith angle, limited to 3°…90° [rad], sky clearness ε and sky
-    brightness Δ, and the clearness category, from 0 (overcast) to 7 (clear).
+    The parameters are solar zenith angle [rad], limited to 3°…90°, sky clearness ε, sky
+    brightness Δ, and clearness category, from 0 (overcast) to 7 (clear).
     """
 
     zenith: Series
@@ -143,7 +143,7 @@ def irradiance_of(
     The luminous efficacy depends on the irradiance, so the irradiance is computed by
     fixed-point iteration. The efficacy is discontinuous between clearness categories:
     for some illuminances there are two solutions, for a few there is none. Unknown dew
-    points (NaN or None) are 11 °C.
+    points (NaN or None) are replaced by 11 °C.
     """
     lux = np.stack([illuminance.direct_normal, illuminance.diffuse_horizontal])
     dew_point = np.full(lux.shape[1], np.nan) if dew_point_c is None else dew_point_c
@@ -166,7 +166,7 @@ def irradiance_of(
 
 
 def orbit_factor(day_of_year: Int[np.ndarray, " time"]) -> Series:
-    """Squared ratio of the mean to the actual distance to the sun (Spencer 1971)."""
+    """Squared ratio of mean to actual distance between sun and earth (Spencer 1971)."""
     angle = 2 * np.pi / 365 * (day_of_year - 1)
     factor = 1.00011 + 0.034221 * np.cos(angle) + 0.00128 * np.sin(angle)
     return np.asarray(

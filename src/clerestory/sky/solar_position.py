@@ -1,8 +1,8 @@
 """Solar position: altitude and azimuth of the sun.
 
-The default is NREL's Solar Position Algorithm (SPA) of pvlib; only the module `spa` is
-loaded, since importing the package takes a second. Radiance's formulas, for comparisons
-with Radiance, differ by some tenths of a degree.
+The default is NREL's Solar Position Algorithm (SPA) as implemented in pvlib; only
+pvlib's module `spa` is loaded, since importing all of pvlib takes a second. Radiance's
+formulas, for comparisons with Radiance, differ by some tenths of a degree.
 
 References: I. Reda, A. Andreas, NREL/TP-560-34302, 2008; Radiance, src/gen/sun.c,
 the formulas of gensky and gendaymtx.
@@ -60,7 +60,7 @@ def sun_at(
     formula: SunFormula = "spa",
     temperature_c: float = 12.0,
 ) -> SunPosition:
-    """Return the solar position at a site, at moments of its local standard time.
+    """Return the solar position at a site, at times in local standard time.
 
     Formula "spa" is accurate to 0.0003° in the years -2000 to 6000. Refraction depends
     on the elevation of the site and on the air temperature [°C].
@@ -109,7 +109,7 @@ def solar_declination(day: _Day) -> _Times:
 def horizontal_position(
     latitude: float, declination: _Times | float, solar_hour: _Times | float
 ) -> SunPosition:
-    """Return the solar position for a latitude and declination [rad], at solar time."""
+    """Return the solar position from latitude, declination [rad] and solar time [h]."""
     hour_angle = np.asarray(solar_hour * np.pi / 12)
     sin_d, cos_d = np.sin(declination), np.cos(declination)
     sine = np.sin(latitude) * sin_d - np.cos(latitude) * cos_d * np.cos(hour_angle)

@@ -23,12 +23,12 @@ SunPlacement = Literal["spread", "patch", "disc"]
 SUN_DIAMETER_DEG = math.degrees(SUN_DIAMETER)
 _WIDEST_SUN_DEG = 30.0
 
-# Number of nearest patches in gendaymtx, and constant s in their weights
-# 1 / (s − cos γ), with the angle γ to the sun
+# Number of nearest patches that gendaymtx illuminates, and constant s in the patch
+# weights 1 / (s − cos γ), with the angle γ to the sun
 _NEIGHBOURS = 4
 _SOFTENING = 1.002
 
-# Direct irradiance below which there is no sun [W/m²], as in gendaymtx: 1e-4 lux
+# Direct irradiance up to which the sun is ignored [W/m²], as in gendaymtx: 1e-4 lux
 _THRESHOLD = 1e-4 / 179
 
 # Number of rings, and of patches per ring, that are searched for the nearest patches;
@@ -38,7 +38,7 @@ _MOST = 4
 
 
 class Nearest(NamedTuple):
-    """Nearest patches of each direction, in order of distance between unit vectors."""
+    """Patches nearest to each direction, in order of distance between unit vectors."""
 
     distance: Float[np.ndarray, "direction neighbour"]
     patch: Int[np.ndarray, "direction neighbour"]

@@ -49,12 +49,12 @@ class SiteTable(Table):
     place: str = ""
 
     def site(self) -> Site:
-        """Return the location as a value."""
+        """Return the location as a `Site`."""
         return Site(**self.model_dump(include=set(SiteTable.model_fields)))
 
 
 class ColumnsTable(Table):
-    """Table [columns]: names of the columns."""
+    """Table [columns]: column name of each measured quantity."""
 
     time: OneOrSeveral = Field(min_length=1, description="the name of a column")
     global_horizontal: str | None = None
@@ -74,7 +74,7 @@ class ColumnsTable(Table):
 class MeasuredTable(Table):
     """Description of a measurement file, with the arguments of `read_measured`.
 
-    SURFRAD and SRML files have fixed columns.
+    SURFRAD and SRML files have fixed columns, so they take no table [columns].
     """
 
     format: Literal["csv", "srml", "surfrad"] = "csv"
@@ -106,7 +106,7 @@ class _StationFile(MeasuredTable):
 
 
 def read_with(path: str | Path, how: MeasuredTable) -> Weather:
-    """Return the weather in a measurement file with a given description."""
+    """Return the weather in a measurement file; `how` describes the file."""
     if how.format == "surfrad":
         offset = None if how.site is None else how.site.utc_offset_hours
         return read_surfrad(path, utc_offset_hours=offset)
@@ -124,7 +124,7 @@ def read_with(path: str | Path, how: MeasuredTable) -> Weather:
 def read_station(path: str | Path) -> Weather:
     """Return the weather of a station file.
 
-    The measurement file is relative to the folder of the station file.
+    The path of the measurement file is relative to the folder of the station file.
     """
     station = read_toml(path, _StationFile)
     return read_with(Path(path).parent / station.file, station)

@@ -2,7 +2,7 @@
 
 Every step with direct irradiance has its exact solar position, unlike in the five-phase
 method with 5185 patch centres, most of which the sun never reaches. Solar positions
-within a given angle are merged into the position of largest irradiance.
+within a given angle are merged into the position with the largest irradiance.
 """
 
 import importlib
@@ -31,7 +31,7 @@ _WIDEST_TOLERANCE_DEG = 10.0
 class SunMatrix:
     """Direct normal irradiance [W/m²] from every solar position at every time step.
 
-    The matrix is over (sun, time), with at most one solar position per step.
+    Rows are solar positions, columns are time steps, each with at most one position.
     """
 
     directions: Float[np.ndarray, "sun 3"]
@@ -142,10 +142,10 @@ def merge_suns(
     *,
     tolerance: float,
 ) -> Int[np.ndarray, " step"]:
-    """Merge solar positions; return the index of the representative step of each step.
+    """Merge solar positions; return for each step the index of its representative step.
 
-    By greedy clustering: the unassigned step of largest weight represents all
-    unassigned steps within the angle `tolerance` [rad].
+    In greedy clustering, the unassigned step of largest weight represents all
+    unassigned steps with the sun within the angle `tolerance` [rad].
     """
     count = len(directions)
     if count == 0 or tolerance == 0:

@@ -11,7 +11,7 @@ from clerestory.sky.weather import Weather
 def sun_path_table(
     weather: Weather, *, sun_formula: SunFormula = "spa", rotation_deg: float = 0.0
 ) -> str:
-    """Return a line per step: time, altitude [°], azimuth [°], direct irradiance."""
+    """Return a line per step: time, solar altitude and azimuth [°], DNI [W/m²]."""
     position = sun_over(weather, rotation_deg=rotation_deg, sun_formula=sun_formula)
     return _table(
         "time,altitude,azimuth clockwise from north,direct normal [W/m²]",
@@ -24,7 +24,7 @@ def sun_path_table(
 
 
 def suns_table(suns: SunMatrix, *, step_minutes: float) -> str:
-    """Return a line per solar position: angles [°], number of steps, irradiation.
+    """Return a line per solar position: angles [°], step count, irradiation [kWh/m²].
 
     >>> from scipy.sparse import csc_array
     >>> noon = np.array([[0.0, -0.6, 0.8]])

@@ -77,7 +77,7 @@ class DataRows:
     def require(
         self, valid: Bool[np.ndarray, " row"], message: Callable[[int], str]
     ) -> None:
-        """Raise an input error with the line number of the first invalid row."""
+        """Raise `InputError` with the line number of the first invalid row, if any."""
         if not np.all(valid):
             i = int(np.argmin(valid))
             require(False, message(i), file=self.file, line=int(self.lines[i]))

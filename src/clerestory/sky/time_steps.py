@@ -11,7 +11,7 @@ from clerestory.sky.weather import TYPICAL_LEAP_YEAR, TYPICAL_YEAR
 
 StandsFor = Literal["start", "centre", "end"]
 
-# Offset from the time in the file to the centre of the step, in step lengths
+# Offset from the time in the file to the centre of the step, as fraction of the step
 _SHIFTS = {"start": 0.5, "centre": 0.0, "end": -0.5}
 
 _DAYS = np.array([31, 29, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31])
@@ -37,13 +37,13 @@ def calendar_times(
         (hour >= 0) & (hour <= 24), lambda i: f"hour {hour[i]:g}; 0 to 24 expected"
     )
 
-    # Dates in the fixed year
+    # Dates in the year 2023 or 2024
     leap = np.any((month == 2) & (day == 29))
     year = TYPICAL_LEAP_YEAR if leap else TYPICAL_YEAR
     first = np.datetime64(f"{year}-01", "M") + (month.astype(int) - 1)
     date = first.astype("datetime64[D]") + (day.astype(int) - 1)
 
-    # Add the hours, and correct for rounding in the file
+    # Add the hours; round times within 2 s of a whole minute
     seconds = np.round(hour * 3600)
     minute = 60 * np.round(seconds / 60)
     seconds = np.where(np.abs(seconds - minute) <= 2, minute, seconds).astype(int)
@@ -55,7 +55,7 @@ def calendar_times(
 def step_centres(
     times: np.ndarray, stands_for: StandsFor, *, rows: DataRows
 ) -> tuple[np.ndarray, float]:
-    """Return centres and length [min] of steps from times at start, centre or end."""
+    """Return centres and length [min] of steps from their starts, centres or ends."""
     one_of(stands_for, "stands_for", choices=_SHIFTS)
     _require_increasing(times, rows)
     step = typical_step(times)

@@ -39,7 +39,7 @@ _MISSING_DEW_POINT = 9999.0
 
 
 def read_tmy2(path: str | Path) -> Weather:
-    """Return the weather of a TMY2 file, in the year 2023 (2024 with a 29 February)."""
+    """Return the weather in a TMY2 file, dated 2023 (2024 if it has a 29 February)."""
     lines = read_text(path).splitlines() or [""]
     require(
         is_tmy2_header(lines[0]),
@@ -58,7 +58,7 @@ def read_tmy2(path: str | Path) -> Weather:
 
 
 def is_tmy2_header(line: str) -> bool:
-    """Whether a line has the hemisphere letters of a TMY2 header."""
+    """Whether a line has N or S, and E or W, in the columns of a TMY2 header."""
     return line[37:38] in ("N", "S") and line[45:46] in ("E", "W")
 
 

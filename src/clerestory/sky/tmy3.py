@@ -26,13 +26,13 @@ _SITE = {"latitude": 4, "longitude": 5, "time zone": 3, "elevation": 6}
 DATE, _TIME = "Date (MM/DD/YYYY)", "Time (HH:MM)"
 _SERIES = ("DNI (W/m^2)", "DHI (W/m^2)", "Dew-point (C)")
 
-# Upper limit of the code for a missing dew point; codes for missing irradiance are
-# removed by quality control
+# Dew points up to this value are missing; quality control removes the codes for missing
+# irradiance
 _MISSING_DEW_POINT = -9900.0
 
 
 def read_tmy3(path: str | Path) -> Weather:
-    """Return the weather of a TMY3 file, in the year 2023."""
+    """Return the weather in a TMY3 file, dated 2023."""
     table = list(csv.reader(read_text(path).splitlines()))
     require(
         len(table) > 2 and DATE in table[1],
@@ -51,7 +51,7 @@ def read_tmy3(path: str | Path) -> Weather:
             line=2,
         )
 
-    # Convert ends of hours to centres
+    # Convert times from the ends of hours to their centres
     month, day = _parts(rows, index[DATE], DATE, "/")
     hour, _ = _parts(rows, index[_TIME], _TIME, ":")
     times = calendar_times(month, day, hour - 0.5, rows=rows)
@@ -67,7 +67,7 @@ def read_tmy3(path: str | Path) -> Weather:
 def _parts(
     rows: DataRows, index: int, name: str, separator: str
 ) -> tuple[np.ndarray, np.ndarray]:
-    # Return the first two numbers of a date or time
+    # Return the first two numbers of each date or time, such as month and day
     cells = [
         row[index].split(separator) if index < len(row) else [] for row in rows.cells
     ]

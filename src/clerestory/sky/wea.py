@@ -30,7 +30,7 @@ _COLUMNS = (
     "diffuse horizontal irradiance",
 )
 
-# Values of weather_data_file_units, the quantities of the last two columns
+# Codes of weather_data_file_units, the quantity in the last two columns
 _DIRECT_NORMAL, _DIRECT_HORIZONTAL, _ILLUMINANCE = 1, 2, 3
 
 _KEYS = (
@@ -44,7 +44,7 @@ _KEYS = (
 
 
 def read_wea(path: str | Path) -> Weather:
-    """Return the weather of a WEA file, in the year 2023 (2024 with a 29 February)."""
+    """Return the weather in a WEA file, dated 2023 (2024 if it has a 29 February)."""
     lines = read_text(path).splitlines()
     site, units = _header(lines)
     rows = DataRows.below(len(_KEYS), (text.split() for text in lines), file=path)

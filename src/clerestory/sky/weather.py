@@ -68,7 +68,7 @@ class Weather:
     dew_point_c : dew point [°C], NaN where unknown; None if unknown at all steps
     illuminance : measured illuminance; None if it is computed from the irradiance
     source : name of the weather file
-    notes : corrections of the data, with numbers of values
+    notes : corrections, with the number of corrected values
 
     Raises
     ------

@@ -19,12 +19,12 @@ from clerestory.sky.weather import Weather
 
 Reader = Callable[[str | Path], Weather]
 
-# Number of characters from which the format is recognised
+# Number of characters at the start of a file by which the format is recognised
 _HEAD = 4000
 
 
 class WeatherFormat(NamedTuple):
-    """Name of a weather file format, test of the first lines of a file, and reader."""
+    """Weather file format: name, test of the first lines of a file, and reader."""
 
     name: str
     recognises: Callable[[list[str]], bool]

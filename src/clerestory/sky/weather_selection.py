@@ -12,7 +12,7 @@ from clerestory.sky.weather import Weather
 def select_days(
     weather: Weather, *, first: str = "01-01", last: str = "12-31"
 ) -> Weather:
-    """Return the weather of a range of days "MM-DD", both included.
+    """Return the weather from day `first` to day `last`, "MM-DD", both included.
 
     If `last` is before `first`, the range includes 1 January.
     """

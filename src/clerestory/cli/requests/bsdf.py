@@ -14,7 +14,7 @@ BsdfFiles = Annotated[list[Path], Argument("BSDF files.", "FILE…")]
 
 @options
 class Drawing:
-    """Content of a figure of BSDFs."""
+    """Content of a BSDF figure: incident directions, scattering function, channel."""
 
     patch: list[int] | None = option(
         None, "Incident Klems patch, from 0 (WINDOW: from 1); repeatable.", metavar="N"
@@ -53,7 +53,7 @@ class CheckBsdf:
 
 @command("bsdf:plot", "blind.xml --from 40,90 -o blind.png")
 class PlotBsdf:
-    """Plot scattering as false-colour discs, or the transmittance over angles."""
+    """Plot a BSDF as false-colour discs, or hemispherical values over the angle."""
 
     file: common.BsdfFile
     output: common.FigureOutput
@@ -62,7 +62,7 @@ class PlotBsdf:
 
 @command("bsdf:compare", "a.xml b.xml --patch 63 -o figure.png")
 class CompareBsdfs:
-    """Compare BSDFs with the first one: print differences, draw a figure."""
+    """Compare BSDFs with the first BSDF: print differences, draw a figure."""
 
     files: BsdfFiles
     output: Path | None = option(None, "Figure with the layers side by side.", "-o")
@@ -71,7 +71,7 @@ class CompareBsdfs:
 
 @command("bsdf:view", "blind.xml -o blind.html")
 class ViewBsdf:
-    """Write an interactive HTML view of the scattering per incident direction."""
+    """Write an interactive HTML view of a BSDF for selectable incident directions."""
 
     file: common.BsdfFile
     output: Path = required("Self-contained HTML file to write.", "-o")
@@ -81,8 +81,8 @@ class ViewBsdf:
 class InsertBsdf:
     """Insert the data of one BSDF file into another file, used as a template.
 
-    This makes layers traced by genBSDF readable by WINDOW, with the material, thickness
-    and emissivities of the template.
+    WINDOW can then read a layer traced by genBSDF, with the material, thickness and
+    emissivities of the template.
     """
 
     source: Path = argument("File whose data are inserted.", "SOURCE")
@@ -109,7 +109,7 @@ class ConvertBsdf:
 
 @command("bsdf_convert:reduce", "tree.xml --percent 95 -o small.xml")
 class ReduceBsdf:
-    """Reduce a tensor tree, and print the loss of accuracy; flux is conserved."""
+    """Merge cells of a tensor tree; flux is conserved, the loss of accuracy printed."""
 
     file: common.BsdfFile
     output: common.BsdfOutput
@@ -118,10 +118,10 @@ class ReduceBsdf:
 
 @command("bsdf_package:package", "blind.xml -o blind.rad")
 class PackageBsdf:
-    """Write a scene file of a BSDF: surfaces with the BSDF, and its geometry.
+    """Write a Radiance scene file of a BSDF: BSDF surfaces and shading geometry.
 
-    The layer is centred at the origin, y up, room side towards +z. Geometry in the file
-    is placed between a front and a back surface.
+    The layer is centred at the origin, y up, room side towards +z. Geometry in the BSDF
+    file is placed between a front and a back surface.
     """
 
     file: common.BsdfFile
@@ -140,7 +140,7 @@ def _kind(example: str) -> Any:
 
 @options
 class ParametricSystem:
-    """A parametric system; at most one field is given."""
+    """Parametric shading system: at most one option is given, with its parameters."""
 
     venetian: str | None = _kind("slat_width=0.08,spacing=0.072,tilt_deg=45")
     microlouvre: str | None = _kind("cutoff_deg=40, or default")
@@ -155,7 +155,7 @@ class ParametricSystem:
 
 @options
 class Tracing:
-    """Basis, sides and effort: keywords of `generate_bsdf`."""
+    """Options of BSDF tracing, with the names of the keywords of `generate_bsdf`."""
 
     basis: Literal["full", "half", "quarter", "tree3", "tree4"] = option(
         "full", "Klems basis, or a tensor tree of rank 3 or 4."

@@ -103,7 +103,7 @@ class SunEffort:
 
 @options
 class MatrixFile:
-    """File of a matrix, and whether its summary is printed."""
+    """Output file of a matrix, its encoding, and whether a summary is printed."""
 
     output: Path = required("File; .nc keeps standard errors and labels.", "-o")
     encoding: Encoding = option("float", "Encoding, except for .nc.", "--format")

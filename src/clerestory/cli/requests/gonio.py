@@ -25,7 +25,7 @@ Processes = Annotated[int, Option("Number of processes.", "-n", least=1)]
 
 @options
 class MeasurementFiles:
-    """Files of measurements, and how to read them."""
+    """Measurement files, and options for reading them."""
 
     files: list[Path] = argument("Files of one sample (pab-opto, VIAVI, …).", "FILE…")
     form: str | None = option(
@@ -41,7 +41,7 @@ class MeasurementFiles:
 
 @options
 class Fit:
-    """Parameters of a fit."""
+    """Options of the fit of lobes to scans."""
 
     symmetry: SymmetryOption = None
     lobes: Lobes = 200
@@ -51,7 +51,7 @@ class Fit:
 
 @command("gonio:info", "scans/*.txt")
 class MeasurementInfo:
-    """Describe the coverage of measurements: angles, gaps, noise, symmetry, flux.
+    """Describe measured scans: angular range, gaps, noise, symmetry, flux.
 
     Exit status: 1 if a finding of the quality checks can change results.
     """
@@ -61,7 +61,7 @@ class MeasurementInfo:
 
 @command("gonio:fit", "scans/*.txt -o film.nc")
 class FitMeasurement:
-    """Fit lobes to every scan, and compute transport plans between neighbours."""
+    """Fit lobes to every scan, and compute transport plans between adjacent scans."""
 
     measurement: MeasurementFiles
     output: Path = required("File to write, .nc.", "-o")
@@ -71,7 +71,7 @@ class FitMeasurement:
 
 @command("gonio:check", "scans/*.txt -o errors.png")
 class CrossValidation:
-    """Cross-validate: predict each incident direction from the others."""
+    """Cross-validate: predict the scan of each incident direction from other scans."""
 
     measurement: MeasurementFiles
     output: Path | None = option(None, "Map of the errors to write.", "-o")
@@ -87,7 +87,7 @@ class CrossValidation:
 
 @command("gonio:export", "film.nc --to tree -o film.xml")
 class ExportBsdf:
-    """Write fits as one BSDF file for Radiance, WINDOW and Clerestory."""
+    """Write fitted lobes as one BSDF file for Radiance, WINDOW and Clerestory."""
 
     files: list[Path] = argument("Files written by clerestory gonio fit.", "FIT…")
     output: Path = required("BSDF file to write, .xml.", "-o")
@@ -104,7 +104,7 @@ class ExportBsdf:
 
 @command("gonio:plot", "scans/*.txt --scan 3 -o scan.png")
 class PlotMeasurement:
-    """Plot measured points, fitted lobes and mesh, or an interpolation."""
+    """Plot measured points and fitted lobes of a scan, or an interpolation of scans."""
 
     measurement: MeasurementFiles
     output: common.FigureOutput

@@ -78,7 +78,7 @@ class FalseColour:
     "picture:add", "sky.hdr sun.hdr --weight 1 --weight 0.5 -o both.hdr", name="sum"
 )
 class SumPictures:
-    """Add pictures of equal size with weights; the first view is kept."""
+    """Add weighted pictures of equal size; the view is that of the first picture."""
 
     files: PictureFiles
     output: common.PictureOutput
@@ -99,7 +99,7 @@ class ReducePicture:
 
 @command("picture:crop", "room.hdr --corner 100 50 --size 400 300 -o part.hdr")
 class CropPicture:
-    """Crop a picture; the view is adapted."""
+    """Crop a picture, and adapt the view in its header."""
 
     file: common.PictureFile
     output: common.PictureOutput

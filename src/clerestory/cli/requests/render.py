@@ -39,9 +39,9 @@ class Render:
 class Illum:
     """Precompute window emitters: trace the emission of windows, like mkillum.
 
-    To render, replace the file of the panes by the written file. Without --samples or
-    --relative-error, paths are traced until the standard error of a direction is on
-    average 3 %.
+    To render, replace the pane file by the written file. Without --samples or
+    --relative-error, paths are traced until the standard error of the radiance in a
+    direction is on average 3 %.
     """
 
     scene: common.SceneFiles

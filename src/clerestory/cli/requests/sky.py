@@ -102,10 +102,10 @@ class SkyVectorRequest:
 
 @command("sky:sun", "oslo.epw -o suns.csv")
 class SunTable:
-    """Table of solar altitude and azimuth at every time step, as CSV [°].
+    """Write a CSV table of solar altitude and azimuth [°] at every time step.
 
-    With --occurring or --reinhart, table of suns: position, number of time steps, and
-    irradiance of each sun.
+    With --occurring or --reinhart, write a table of suns: position, number of time
+    steps and irradiance of each sun.
     """
 
     weather: WeatherFile

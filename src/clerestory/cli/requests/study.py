@@ -25,7 +25,7 @@ class NewStudy:
     """Write a study file: the room, its window, a grid over the floor, the weather.
 
     The scene is the room without the window glazing, which the BSDF replaces. Windows
-    whose front does not face the room are reversed in a copy.
+    whose front does not face the room are reversed in a copy of their file.
     """
 
     folder: Path = argument("Folder for the study; created if missing.", "DIR")
@@ -41,7 +41,7 @@ class NewStudy:
 
 @command("study:run", "study.toml --out results")
 class RunStudy:
-    """Run a study: trace, multiply by a year of sky, write results and a report.
+    """Run a study: trace matrices, multiply by sky, write results and a report.
 
     Matrices in OUT/matrices are reused, so that an interrupted run can be resumed.
     """
@@ -102,7 +102,7 @@ class Metrics:
 
 @command("compare:compare", "measured.csv study_results -o found")
 class Compare:
-    """Compare a study with measurements: bias, shares within 5, 10 and 20 %.
+    """Compare a study with measurements: bias, fraction of values within 5, 10, 20 %.
 
     A time shift that would improve the agreement is reported but not applied.
     """
@@ -130,8 +130,8 @@ class Compare:
 class ImportModel:
     """Convert a honeybee model to a study, or an OBJ or glTF file to a scene.
 
-    A honeybee model gives scene, windows, BSDFs, sensors, views and, with weather, a
-    study. Objects that cannot be converted are listed.
+    A honeybee model is converted to scene, windows, BSDFs, sensors, views and, with
+    --weather, a study. Objects that cannot be converted are listed.
     """
 
     model: Path = argument("Model file: .hbjson, .obj, .gltf or .glb.", "MODEL")

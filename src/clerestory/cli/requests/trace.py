@@ -17,9 +17,9 @@ HELP = "Trace transfer matrices."
 class ViewMatrix:
     """View matrix: irradiance of sensors per radiance of window patches [sr].
 
-    With --view, radiance of pixels per radiance of patches: an output such as
-    V_%03d.hdr becomes one picture per patch. Windows of several groups are written to
-    one file each: V.mtx becomes V-south.mtx.
+    With --view, radiance of pixels per radiance of window patches; an output such as
+    V_%03d.hdr is one picture per patch. With several window groups, one file is written
+    per group: V.mtx becomes V-south.mtx.
     """
 
     scene: common.SceneFiles
@@ -38,7 +38,7 @@ class ViewMatrix:
 class DaylightMatrix:
     """Daylight matrix: radiance of window patches per radiance of sky patches.
 
-    Windows of several groups are written to one file each: D.mtx becomes D-south.mtx.
+    With several window groups, one file is written per group, such as D-south.mtx.
     """
 
     scene: common.SceneFiles
@@ -71,8 +71,8 @@ class DaylightCoefficients:
 class FacadeMatrix:
     """Façade matrix: radiance of window patches per radiance of port patches.
 
-    Ports enclose the space of a shade in front of the window. Several ports are written
-    to one file each: F.nc becomes F-top.nc; with several windows, F-south-top.nc.
+    Ports enclose an exterior shade in front of the window. With several ports, one file
+    is written per port: F-top.nc, or with several windows F-south-top.nc.
     """
 
     scene: common.SceneFiles

@@ -149,7 +149,7 @@ def _luminaire(
 
 
 def _shape(sizes: list[float], year: int) -> LuminousShape:
-    # Negative width, length or height: round; the combinations depend on the version
+    # Negative sizes mean round shapes; which shape depends on the version
     width, length, height = map(abs, sizes)
     round_width, round_length, round_height = (size < 0 for size in sizes)
     if width == length == height == 0:

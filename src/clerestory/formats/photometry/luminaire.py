@@ -1,7 +1,7 @@
 """Luminous intensity distribution, luminous shape and flux of luminaires.
 
 The nadir of the luminaire is −z; photometric 0° is +x. For a direction of emission l,
-the angles of the table are:
+the angles of the intensity table are:
 
 - type C: vertical angle from the nadir; horizontal angle from +x towards +y;
 - type B: vertical angle atan2(lx, −lz) about the y axis; horizontal angle asin(−ly)
@@ -32,8 +32,8 @@ _SAME_DEG = 1e-6
 class LuminousShape:
     """The luminous shape of a luminaire, centred at the origin; sizes in metres.
 
-    A height `z` of 0 means a flat area; `x` and `y` are the diameter of a cylinder or
-    sphere.
+    A height `z` of 0 means a flat area; `x` and `y` equal the diameter of a cylinder
+    or sphere.
     """
 
     kind: Literal["box", "cylinder", "sphere"]
@@ -83,7 +83,7 @@ class Luminaire:
     lamp_lumens : luminous flux of all lamps [lm]; None for absolute photometry
     watts : electric power [W]
     keywords : other data in the file, by keyword
-    tilt : dependence of flux on tilt; None if there is none
+    tilt : flux multipliers by tilt angle; None if the flux is independent of tilt
     """
 
     name: str
@@ -176,7 +176,7 @@ def _check_angles(
 def _place(
     angles: Float[np.ndarray, " angles"], at: Float[np.ndarray, "*batch"]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    # Interval of each angle, relative position in it, and whether the table contains it
+    # Interval of the table and position in it for each angle; whether it is inside
     if len(angles) == 1:
         zero = np.zeros(at.shape)
         return zero.astype(int), zero, np.ones(at.shape, dtype=bool)

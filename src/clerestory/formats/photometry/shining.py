@@ -1,7 +1,7 @@
 """Emitting surfaces of luminaires, and their radiance by direction.
 
 The radiance is the intensity divided by the projected area of all emitting surfaces. A
-luminaire that emits only downwards, or only upwards, emits from that face only.
+luminaire that emits only downwards (upwards) emits only from its lower (upper) face.
 """
 
 from dataclasses import dataclass, field
@@ -36,8 +36,8 @@ class Faces:
 def faces(luminaire: Luminaire) -> Faces:
     """Return which faces of a luminaire emit light.
 
-    The lower and the upper face emit if there is downward or upward intensity; the
-    sides emit if the shape has a height and the table extends above and below the
+    The lower (upper) face emits if there is downward (upward) intensity. The sides
+    emit if the shape has a height and the intensity table extends above and below the
     horizontal.
     """
     if luminaire.photometry != "C":
@@ -96,7 +96,7 @@ class LuminairePattern:
 def shining_surfaces(
     luminaire: Luminaire, *, material: str, name: str
 ) -> tuple[Shining, ...]:
-    """Return the emitting surfaces in the luminaire's frame, with fronts outwards.
+    """Return the emitting surfaces in luminaire coordinates, facing outwards.
 
     `name`: prefix of the names of the surfaces.
     """

@@ -14,7 +14,7 @@ def unfold_type_c(
 ) -> tuple[Float[np.ndarray, " all"], Float[np.ndarray, "all vertical"]]:
     """Return horizontal angles from 0° to 360°, and the intensities at these angles.
 
-    Tables of a quadrant (0 to 90°) are reflected twice, those of a half (0 to 180°, 90
+    Tables of a quadrant (0 to 90°) are reflected twice, half tables (0 to 180°, 90
     to 270° or −90 to 90°) once; a single angle means rotational symmetry.
     """
     if len(horizontal_deg) == 1:
@@ -39,7 +39,7 @@ def unfold_sides(
     horizontal_deg: Float[np.ndarray, " given"],
     intensity: Float[np.ndarray, "given vertical"],
 ) -> tuple[Float[np.ndarray, " all"], Float[np.ndarray, "all vertical"]]:
-    """Return angles of type A or B; tables from 0 to 90° are reflected to −90°."""
+    """Return a type A or B table; if it starts at 0°, reflect it to negative angles."""
     if len(horizontal_deg) > 1 and abs(horizontal_deg[0]) < _SAME_DEG:
         angle = np.concatenate([-horizontal_deg[:0:-1], horizontal_deg])
         return angle, np.concatenate([intensity[:0:-1], intensity])
@@ -54,7 +54,7 @@ def _joined(
     copies: list[Float[np.ndarray, " given"]],
     intensity: Float[np.ndarray, "given vertical"],
 ) -> tuple[Float[np.ndarray, " all"], Float[np.ndarray, "all vertical"]]:
-    # Sorted angles of all copies without duplicates, extended to the full circle
+    # Merge the reflected copies of a table into distinct angles from 0° to 360°
     angle = np.mod(np.concatenate(copies), 360.0).round(6)
     table = np.concatenate([intensity] * len(copies))
     angle, first = np.unique(angle, return_index=True)

@@ -1,12 +1,11 @@
-"""Text files with columns of incident θ and φ, scattered θ and φ [°], and a value.
+"""Text files with columns of incident θ and φ, scattered θ and φ [°], and BSDF.
 
     theta_i,phi_i,theta_s,phi_s,btdf
     30,0,30,180,12.5
 
-Incident and scattered φ are measured from the same axis, from right to up: undeviated
-transmission is at φ + 180°. The last column name is bsdf, brdf, btdf or value [1/sr],
-or dsf for BSDF times the cosine of θ_s. Columns are separated by commas,
-semicolons or blanks.
+Incident and scattered φ both run from right (0°) to up (90°): undeviated transmission
+is at φ + 180°. The last column name is bsdf, brdf, btdf or value [1/sr], or dsf for
+BSDF times the cosine of θ_s. Columns are separated by commas, semicolons or blanks.
 """
 
 import re

@@ -1,4 +1,4 @@
-"""Interface of goniophotometer file formats, and tables of numbers in text files.
+"""Interface of readers of goniophotometer files, and parsing of tables of numbers.
 
 Each module of this package that defines `FORMAT` is registered as a file format.
 """
@@ -39,7 +39,7 @@ class FileHead:
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """Information about a measurement that some file formats do not contain."""
+    """Properties of a measurement that some file formats do not state."""
 
     # Measured scattering function; None for the default of the format
     function: Function | None = None
@@ -53,10 +53,10 @@ class FileFormat:
     """Reader of one goniophotometer file format."""
 
     name: str  # name of the format, as in the option `--format`
-    # Function that returns whether a file with a given head is in the format
+    # Function that returns whether the first bytes of a file are in the format
     recognizes: Callable[[FileHead], bool]
     # Function that returns the measurements in a file, one per scattering function and
-    # channel; errors without a file name refer to this file
+    # channel; the caller adds the file name to errors
     read: Callable[[Path, ReadOptions], Iterable[Measurement]]
 
 
@@ -64,7 +64,7 @@ Line = tuple[int, str]
 
 _SEPARATOR = re.compile(r"[,;\s]+")
 
-# Polar angles of scattered directions are limited to this angle [°].
+# Upper limit of the polar angles of scattered directions [°].
 _LARGEST_THETA_DEG = 89.99
 
 
@@ -135,7 +135,7 @@ def scan_of_rows(
 def scan_of_block(lines: Sequence[Line], path: Path, *, scale: float = 1.0) -> Scan:
     """Return a scan from a line of incident θ and φ [°] and lines of θ, φ and BSDF.
 
-    The incident φ is the azimuth of propagation: mirror reflection is at this φ.
+    The incident φ is the azimuth of propagation: mirror reflection is at the same φ.
     """
     ((theta, phi),) = table(lines[:1], columns=2, what="incident θ and φ [°]")
     data = table(lines[1:], columns=3, what="θ, φ [°] and BSDF [1/sr]")

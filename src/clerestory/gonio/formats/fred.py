@@ -6,7 +6,7 @@
     5 0 0.034271   θ, φ and BSDF [1/sr] of scattered light
 
 A line of two numbers starts the next incident direction. The incident φ is the azimuth
-of propagation: mirror reflection is at the incident φ.
+of propagation: mirror reflection is at the same φ.
 
 Reference: Photon Engineering's article 304, and files in ua-loft/bsdf-tools.
 """

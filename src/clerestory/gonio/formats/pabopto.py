@@ -2,12 +2,12 @@
 
 Lines that start with # hold the header; all other lines hold θ, φ and a value, or three
 values for CIE X, Y and Z. Each file contains one incident direction. θ is measured from
-the normal of the sample, from 0 to 180°; φ runs anticlockwise for a viewer whom the
-normal faces. "upphi" is the φ of the up direction. Values are BSDF, or DSF: BSDF times
+the normal of the sample, from 0 to 180°; φ runs anticlockwise as seen from the tip of
+the normal. "upphi" is the φ of the up direction. Values are BSDF, or DSF: BSDF times
 the cosine of θ.
 
-The normal of the sample points to the room, or optionally to the sky; directions are
-then rotated by 180° about the up axis.
+The normal of the sample points to the room, or optionally to the sky; in the latter
+case directions are rotated by 180° about the up axis.
 
 Reference: manual page of Radiance's pabopto2bsdf, version 6.0a.
 """
@@ -40,14 +40,14 @@ _KINDS = ("DSF", "BSDF", "BRDF", "BTDF")
 _CHANNELS = {"cie-y": ("visible",), "cie-xyz": ("cie-x", "visible", "cie-z")}
 _NAME = re.compile(r'sample_name\s*:?\s*"([^"]*)"')
 
-# Directions closer to the sample plane [°] do not decide between reflection and
-# transmission.
+# Directions within this angle of the sample plane [°] are ignored in deciding between
+# reflection and transmission.
 _GRAZING_DEG = 1e-3
 
 
 @dataclass
 class _Header:
-    # Values of the header lines; None if missing
+    # Angles [°], BSDF or DSF, colorimetry and sample name; None or empty if missing
     theta: float | None = None
     phi: float | None = None
     up: float = 0.0

@@ -3,7 +3,7 @@
 Each column is one reading. The rows give the azimuth A of the detector plane, the angle
 of incidence I, the angle R of the detector and the reading RT relative to a white
 standard: BRDF = RT / (π cos R). Mirror reflection is at R = I and A = −90°; φ = 90° + A
-is measured from this direction, and the source is at φ = 180°.
+is measured from the azimuth of mirror reflection; the source is at φ = 180°.
 
 Readings without a sample (the blank) must be subtracted. Without a blank file, negative
 readings are kept. Near A = ±90° and R = −I the detector shades the source; these
@@ -31,11 +31,11 @@ from clerestory.gonio.scattering_measurement import Measurement, Scan
 from clerestory.gonio.symmetry import Symmetry
 
 _ROWS = ("azimuth", "incidence", "receive", "rt")
-# First bytes of Excel 97 workbooks; sample rotation [°] in file names.
+# First bytes of Excel 97 workbooks, and pattern of sample rotation [°] in file names.
 _WORKBOOK = b"\xd0\xcf\x11\xe0"
 _ROTATION = re.compile(r"stageRotation(-?\d+)", re.IGNORECASE)
 
-# Detector positions that shade the source [°]: ±30 in azimuth, ±10 in angle R.
+# Angles A and R [°] around the source within which the detector shades the source.
 _SHADOW_AZIMUTH, _SHADOW_ANGLE = 30.0, 10.0
 
 # Readings at larger detector angles [°] are omitted: the sample is seen edge-on.

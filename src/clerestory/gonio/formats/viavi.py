@@ -2,11 +2,11 @@
 
 Two lines that start with !! are followed by the incident angles and by lines of θ, φ
 and BSDF [1/sr]. The incident φ is the azimuth of propagation: undeviated transmission
-and mirror reflection are at the incident φ. The file does not state whether values are
-for reflection or for transmission.
+and mirror reflection are at the same φ. The file does not state whether values are for
+reflection or for transmission.
 
 Reference: files of the engineered diffuser EDS10 in ua-loft/bsdf-tools, and Photon
-Engineering's article 304 on them.
+Engineering's article 304 on these files.
 """
 
 from collections.abc import Iterator

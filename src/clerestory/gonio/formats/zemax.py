@@ -1,17 +1,17 @@
-"""Tabular BSDF of Radiant and Zemax: rotations × incidences × azimuths × radii.
+"""BSDF tables of Radiant and Zemax by rotation, incidence, azimuth and radius.
 
 Scattered directions are relative to the mirror direction: the radius is the angle to
 the mirror direction, azimuth 0 points to the normal, and azimuths run anticlockwise. A
 sample rotation rotates the incident direction in the opposite sense. Zeros after the
-last non-zero value of a row were not measured; these directions and directions below
-the sample are skipped.
+last non-zero value of a row mark directions that were not measured; these directions
+and directions below the sample are skipped.
 
 "PlaneSymmetrical" files contain half of the azimuths and are completed by mirror
-images. A file with a single rotation contains an isotropic sample. Of tristimulus files
+images. A sample with a single rotation is treated as isotropic. Of tristimulus files
 only Y is read.
 
 References: R. Rykowski, "BSDF Data Interchange File Format Specification", Radiant
-Zemax 2008; the frame as derived in ua-loft/bsdf-tools, fred_frame_to_zemax.m.
+Zemax 2008; for the coordinate frame, ua-loft/bsdf-tools, fred_frame_to_zemax.m.
 """
 
 from collections.abc import Iterator

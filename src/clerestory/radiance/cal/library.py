@@ -1,8 +1,8 @@
 """Predefined functions and variables of function files, evaluated for arrays of rays.
 
 The functions are those of Radiance's calcomp and rayinit.cal, without fractal noise.
-As in Radiance, a division by zero or a root of a negative number affects one ray only:
-the value is 0, and the ray is marked as invalid.
+As in Radiance, a division by zero or a root of a negative number gives the value 0 and
+marks the ray as invalid; the other rays are not affected.
 
 Reference: G. Ward, Radiance, icalc and rayinit.cal (names and meanings).
 """
@@ -23,7 +23,7 @@ Values = Float[np.ndarray, " rays"]
 
 
 class Surroundings(Protocol):
-    """The evaluation context of a native function."""
+    """Ray variables and real arguments for predefined functions."""
 
     @property
     def arguments(self) -> tuple[float, ...]:
@@ -38,9 +38,9 @@ class Surroundings(Protocol):
 
 @dataclass(frozen=True)
 class Native:
-    """A function of a minimum number of arguments, or a variable (None), in Python.
+    """A predefined function, or a variable (arity None), computed in Python.
 
-    `uses` are the names of the variables read by `compute`.
+    `arity` is the minimum number of arguments; `compute` reads the variables `uses`.
     """
 
     compute: Callable[..., Any]
@@ -87,7 +87,7 @@ def _argument(env: Surroundings, number: Values) -> Values:
 
 
 def _numbered(number: int) -> Native:
-    # Variables A1…A10: real arguments
+    # Variable A1, A2, …: real argument of that number
     def compute(env: Surroundings) -> Values:
         if number > len(env.arguments):
             raise InputError(

@@ -1,4 +1,4 @@
-"""Perlin noise with values from -1 to 1, for any type of array.
+"""Perlin noise with values from -1 to 1, for arrays of any library.
 
 A permutation of 256 numbers assigns one of twelve gradients to each integer lattice
 point; the interpolant has degree five. `noise3x`, `noise3y` and `noise3z` are
@@ -17,7 +17,7 @@ from jaxtyping import Float
 # Step of the backward differences
 STEP = 0.0005
 
-# Permutation of 0…255; gradients, selected by the last four bits of the permutation
+# Permutation of 0…255; its last four bits select one of the gradients
 SHUFFLE = np.array(
     [
         151, 160, 137, 91, 90, 15, 131, 13, 201, 95, 96, 53, 194, 233, 7, 225, 140,
@@ -49,18 +49,18 @@ GRADIENTS = np.array(
     dtype=float,
 )  # fmt: skip
 
-# Four tables of 256 numbers: the permutation; x, y and z components of the gradients
+# Tables of 256 numbers: the permutation; x, y and z of the gradients it selects
 TABLES = (SHUFFLE, *GRADIENTS[SHUFFLE.astype(int) & 15].T)
 
-# Function of a table's index and integer array indices of any size
+# Function that returns entries of a table, given table number and indices
 Take = Callable[[int, Any], Any]
 
 
 def noise(x: Any, y: Any, z: Any, *, floor: Callable[[Any], Any], take: Take) -> Any:
     """Return the noise at the points (x, y, z).
 
-    `floor` is the floor function of the arrays; `take` returns entries of one of
-    `TABLES`, for indices modulo 256.
+    `floor` rounds arrays down; `take(n, i)` returns the entries of `TABLES[n]` at the
+    indices i modulo 256.
     """
     cell = [floor(c) for c in (x, y, z)]
     local = [c - low for c, low in zip((x, y, z), cell, strict=True)]

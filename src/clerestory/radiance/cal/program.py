@@ -1,6 +1,6 @@
-"""Programs: function files together with the predefined functions.
+"""Function files combined with the predefined functions of Radiance.
 
-Built-in programs replace the function files of Radiance's library.
+`FUNCTION_FILES` replaces the function files of Radiance's library.
 
 References: CIE 22-1973 (clear sky); P. Moon, D. E. Spencer 1942 (overcast sky);
 J. Matsuura, T. Iwata 1990 (intermediate sky); R. Perez, R. Seals, J. Michalsky, Solar
@@ -57,11 +57,11 @@ class Program:
         return 0 if found is None else found.arity or 0
 
     def is_value(self, node: Node) -> bool:
-        """Whether an expression has a numeric value, unlike a function name."""
+        """Whether an expression is numeric, not the name of a function."""
         return not (isinstance(node, Name) and self.arity(node.name) > 0)
 
     def uses(self, *nodes: Node) -> frozenset[str]:
-        """Return the undefined names in expressions and in the definitions they use."""
+        """Return the undefined names, such as ray variables, that expressions use."""
         open_names, seen = set().union(*(_names(node) for node in nodes)), set()
         missing = set()
         while open_names:
@@ -86,8 +86,8 @@ class Program:
     ) -> "Computed":
         """Return the values of expressions for each ray.
 
-        The inputs are ray variables by name, with at least the scale S; `arguments`
-        are the real arguments of the primitive.
+        `inputs` are the values of the ray variables by name, at least the scale S;
+        `arguments` are the real arguments of the primitive.
         """
         faulty = np.zeros(len(inputs["S"]), dtype=bool)
         run = Run(self.definition, inputs, arguments, faulty)
@@ -96,7 +96,7 @@ class Program:
 
 @dataclass(frozen=True, eq=False)
 class Computed:
-    """Values of expressions (columns) for rays, and whether all of them are defined."""
+    """Values of expressions per ray, and whether all values of a ray are defined."""
 
     value: Float[np.ndarray, "rays expressions"]
     valid: Bool[np.ndarray, " rays"]
@@ -123,10 +123,9 @@ def _names(node: Node) -> set[str]:
     return found
 
 
-# Skies of gensky: A1 type, A2 zenith radiance, A3 ground radiance, A4 normalisation, A5
-# to A7 sun. Sky and ground are blended at the horizon with the weights (z + 1.01)^±10.
-# The intermediate sky is defined below the horizon too, where the ground has almost all
-# of the weight.
+# Skies of gensky: A1 type, A2 zenith radiance, A3 ground radiance, A4 relative zenith
+# radiance, A5 to A7 direction to the sun. At the horizon, sky and ground radiance are
+# blended with the weights (z + 1.01)^10 and (z + 1.01)^-10.
 _SKYBRIGHT = """
 blend : (Dz + 1.01)^20;
 skybr : (blend*select(A1, clear, A2*(1 + 2*Dz)/3, A2, between) + A3)/(blend + 1);
@@ -137,8 +136,8 @@ between : A2*((1.35*sin(5.631 - 3.59*eta) + 3.12)*sin(4.396 - 2.6*zeta) + 6.37 -
     /2.326*exp(gamma*-.563*((2.629 - eta)*(1.562 - zeta) + .812))/A4;
 """
 
-# Sky of gendaylit: A1 scale, A2 ground radiance, A3 to A7 Perez's parameters, A8 to A10
-# sun. The gradation is constant below a sine of the elevation of 0.01.
+# Sky of gendaylit: A1 scale, A2 ground radiance, A3 to A7 Perez's parameters a to e, A8
+# to A10 direction to the sun. The gradation is constant where sin(elevation) < 0.01.
 _PEREZLUM = """
 blend : (Dz + 1.01)^20;
 skybright : (blend*A1*gradation*indicatrix + A2)/(blend + 1);
@@ -147,9 +146,9 @@ gradation : 1 + A3*exp(max(A4/max(Dz, .01), -700));
 indicatrix : 1 + A5*exp(A6*Acos(cosine)) + A7*cosine*cosine;
 """
 
-# Luminaires: photometric angles [deg] of the emission direction -D, theta from the
-# nadir and phi from +x towards +y, folded for symmetric luminaires; intensity divided
-# by the projected area of a flat, box-shaped or cylindrical luminaire
+# Luminaires: photometric angles [deg] of the emission direction -D (theta from the
+# nadir, phi from +x towards +y; phi is folded for symmetric luminaires), and radiance
+# as intensity per projected area of a flat, box-shaped or cylindrical luminaire
 _SOURCE = """
 src_theta : Acos(Dz)/DEGREE; src_phi : mod(atan2(-Dy, -Dx)/DEGREE, 360);
 fold(period) : period - abs(mod(src_phi, 2*period) - period);
@@ -161,20 +160,20 @@ boxcorr(v) : A1*v/(abs(Dx)*A3*A4 + abs(Dy)*A2*A4 + abs(Dz)*A2*A3);
 cylcorr(v) : A1*v/(A2*A3*Sqrt(1 - Dz*Dz) + PI/4*A2*A2*abs(Dz));
 """
 
-# Normal perturbation of a gensurf patch, bilinear in the two axes other than A1
+# Normal perturbation of a gensurf patch, bilinear in two coordinates; A1 is the third
 _SURF = """
 u = select(A1 + 1, Py, Pz, Px); v = select(A1 + 1, Pz, Px, Py);
 bent(i) = u*v*arg(i) + u*arg(i + 3) + v*arg(i + 6) + arg(i + 9);
 surf_dx = bent(2); surf_dy = bent(3); surf_dz = bent(4);
 """
 
-# Surface of revolution around z: radial normal component A3 r + A4, axial A1 z + A2
+# Normal of a surface of revolution: A3 r + A4 radially, A1 z + A2 along the axis
 _REV = """
 r = sqrt(Px*Px + Py*Py); outwards = A3*r + A4;
 rev_dx = outwards*Px/r; rev_dy = outwards*Py/r; rev_dz = A1*Pz + A2;
 """
 
-# Triangle normal, interpolated by three linear functions of the two axes other than A1
+# Triangle normal: each component is linear in two coordinates; A1 is the third axis
 _TMESH = """
 p = select(A1 + 1, Py, Pz, Px); q = select(A1 + 1, Pz, Px, Py);
 along(i) = p*arg(i) + q*arg(i + 1) + arg(i + 2);

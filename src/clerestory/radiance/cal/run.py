@@ -1,8 +1,8 @@
 """Evaluation of function files for many rays at once.
 
-At conditions the rays are divided: each branch is evaluated only for the rays that take
-it, so that recursion terminates. Arguments and variables are evaluated lazily, once per
-set of rays. The depth of nesting and the number of evaluated nodes are limited.
+At a condition the rays are divided: each branch is evaluated only for the rays that
+take it, so that recursion terminates. Arguments and variables are evaluated when first
+used, once per set of rays. Nesting depth and number of evaluated nodes are limited.
 """
 
 from abc import ABC, abstractmethod
@@ -35,9 +35,9 @@ Nodes = tuple[Node, ...]
 
 
 class Rows:
-    """A subset of the rays (indices among all rays), with a cache of values by key.
+    """Indices of a subset of the rays, with a cache of computed values.
 
-    `place` is the selection mask within the superset `parent`.
+    `place` is the mask that selects the subset from its superset `parent`.
     """
 
     def __init__(
@@ -50,11 +50,11 @@ class Rows:
         self.known: dict[Hashable, Any] = {}
 
     def part(self, place: Bool[np.ndarray, " all"]) -> "Rows":
-        """Return a subset of these rays."""
+        """Return the subset selected by a mask."""
         return Rows(self.index[place], self, place)
 
     def find(self, key: Hashable) -> Any:
-        """Return the value cached for these rays or a superset; None if not cached."""
+        """Return a value cached for the subset or a superset; None if not cached."""
         value = self.known.get(key)
         if value is None and self.parent is not None:
             outer = self.parent.find(key)
@@ -63,7 +63,7 @@ class Rows:
         return value
 
     def once(self, key: Hashable, compute: Callable[[], Value]) -> Value:
-        """Return the cached value; compute it first if necessary."""
+        """Return the value cached under a key; compute it if it is not cached."""
         value: Value | None = self.find(key)
         if value is None:
             value = self.known[key] = compute()
@@ -72,7 +72,7 @@ class Rows:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """Arguments of a function call, evaluated in the outer frame, if any."""
+    """Arguments of a function call; `outer` is the frame of the caller, if any."""
 
     parameters: tuple[str, ...]
     arguments: tuple[Node, ...]
@@ -80,11 +80,7 @@ class Frame:
 
 
 class Evaluation(ABC, Generic[Value]):
-    """Evaluation of expressions, for any representation of the values of rays.
-
-    The depth of nested expressions and calls, and the number of nodes evaluated in one
-    run, are limited.
-    """
+    """Evaluator of expression trees for many rays, for arrays of any library."""
 
     deepest: ClassVar[int]
     most_steps: ClassVar[int]
@@ -100,7 +96,7 @@ class Evaluation(ABC, Generic[Value]):
 
     @abstractmethod
     def constant(self, number: float, rows: Rows) -> Value:
-        """Return a number as a value."""
+        """Return a constant for each ray."""
 
     @abstractmethod
     def negative(self, value: Value) -> Value:
@@ -112,7 +108,7 @@ class Evaluation(ABC, Generic[Value]):
 
     @abstractmethod
     def native(self, found: Native, given: Sequence[Value], rows: Rows) -> Value:
-        """Return the value of a function or variable written in Python."""
+        """Return the value of a predefined function or variable."""
 
     @abstractmethod
     def choice(self, given: Nodes, rows: Rows, frame: Frame | None) -> Value:
@@ -128,10 +124,10 @@ class Evaluation(ABC, Generic[Value]):
 
     @abstractmethod
     def undefined(self, name: str) -> InputError:
-        """Return the error of a name without a definition."""
+        """Return the error for a name without a definition."""
 
     def node(self, node: Node, rows: Rows, frame: Frame | None) -> Value:
-        """Evaluate an expression for some rays, with the arguments of a call if any."""
+        """Evaluate an expression for a subset of rays; `frame` has call arguments."""
         self.depth, self.steps = self.depth + 1, self.steps + 1
         if self.depth > self.deepest or self.steps > self.most_steps:
             raise self.endless()
@@ -140,7 +136,7 @@ class Evaluation(ABC, Generic[Value]):
         return value
 
     def endless(self) -> InputError:
-        """Return the error of a function that may not terminate."""
+        """Return the error for a function that may not terminate."""
         return InputError(
             f"a function takes more than {self.most_steps} steps or {self.deepest}"
             f" nested calls; {self.terminating}"
@@ -208,7 +204,7 @@ class Evaluation(ABC, Generic[Value]):
         raise self.undefined(name)
 
     def _function_name(self, name: str, frame: Frame | None) -> str:
-        # Name of the function passed as an argument
+        # Replaces the name of a parameter by that of its argument
         while frame is not None and name in frame.parameters:
             handed = frame.arguments[frame.parameters.index(name)]
             if not isinstance(handed, Name):
@@ -219,7 +215,7 @@ class Evaluation(ABC, Generic[Value]):
 
 @dataclass(eq=False)
 class _Env:
-    # The evaluation context of native functions
+    # Ray variables and real arguments for predefined functions
     run: "Run"
     rows: Rows
 
@@ -236,14 +232,14 @@ class _Env:
 
 @dataclass(eq=False)
 class Run(Evaluation[Values]):
-    """One evaluation of expressions for arrays of rays.
+    """Evaluator of expressions for NumPy arrays of rays.
 
     Attributes
     ----------
     definition : function that returns the definition of a name
     inputs : values of the ray variables by name; at least the scale S
     arguments : real arguments of the primitive
-    faulty : whether the ray is invalid
+    faulty : for each ray, whether an expression is undefined
     """
 
     deepest: ClassVar[int] = 100
@@ -269,7 +265,7 @@ class Run(Evaluation[Values]):
         return self.definition(name)
 
     def constant(self, number: float, rows: Rows) -> Values:
-        """Return the number for each ray."""
+        """Return an array with a constant for each ray."""
         return np.full(len(rows.index), number)
 
     def negative(self, value: Values) -> Values:
@@ -292,7 +288,7 @@ class Run(Evaluation[Values]):
         return value
 
     def native(self, found: Native, given: Sequence[Values], rows: Rows) -> Values:
-        """Return the values of a function or variable written in Python."""
+        """Return the values of a predefined function or variable."""
         value: Values = found.compute(_Env(self, rows), *given)
         return value
 
@@ -302,11 +298,11 @@ class Run(Evaluation[Values]):
         return None if given is None else np.asarray(given[rows.index])
 
     def undefined(self, name: str) -> InputError:
-        """Return the error of a name without a definition."""
+        """Return the error for a name without a definition."""
         return InputError(f'"{name}" is not defined')
 
     def choice(self, given: Nodes, rows: Rows, frame: Frame | None) -> Values:
-        """Evaluate each branch for the rays that take it."""
+        """Evaluate if(…): each branch for the rays that take it."""
         yes = self.node(given[0], rows, frame) > 0
         if yes.all():
             return self.node(given[1], rows, frame)
@@ -318,7 +314,7 @@ class Run(Evaluation[Values]):
         return value
 
     def selection(self, given: Nodes, rows: Rows, frame: Frame | None) -> Values:
-        """Evaluate each choice for the rays that select it."""
+        """Evaluate select(…): each choice for the rays that select it."""
         # select(0, …) returns the number of choices
         which = self.node(given[0], rows, frame)
         number = np.trunc(np.where(which < -0.5, -1.0, which + 0.5))

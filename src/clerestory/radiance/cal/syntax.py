@@ -2,8 +2,8 @@
 
 A definition is `name = expression;`, `name : expression;` or `f(x, y) = expression;`.
 Powers are right-associative and precede products, products precede sums; a sign binds
-more tightly than a power, so -2^2 is 4. Comments are in braces.
-A chain of sums or products is one node, so that long expressions are not deeply nested.
+more tightly than a power, so -2^2 is 4. Comments are in braces. A chain of sums or of
+products is one node, so that long expressions are not deeply nested.
 
 Reference: G. Ward, Radiance, "calcomp" (icalc manual page, section Expressions).
 """
@@ -42,7 +42,7 @@ class Name:
 
 @dataclass(frozen=True)
 class Call:
-    """A function applied to its arguments."""
+    """A function call with its arguments."""
 
     name: str
     arguments: tuple["Node", ...]
@@ -50,7 +50,7 @@ class Call:
 
 @dataclass(frozen=True)
 class Negative:
-    """The negative of a value."""
+    """An expression with a minus sign."""
 
     value: "Node"
 
@@ -84,7 +84,7 @@ class Definition:
 
 
 def parse_definitions(text: str, *, file: str | None = None) -> dict[str, Definition]:
-    """Return the definitions in a text by name; of equal names, the last is valid.
+    """Return the definitions in a text by name; the last definition of a name applies.
 
     >>> made = parse_definitions("{ square } sq(x) : x*x; two = 2;")
     >>> sorted(made), made["sq"].parameters
@@ -194,7 +194,7 @@ def _definition(cursor: _Cursor) -> Definition:
 
 
 def plain_name(name: str) -> str:
-    """Return a name without its context marks (`)."""
+    """Return a name without the marks ` that denote its context."""
     return name.strip("`") or "`"
 
 
@@ -257,7 +257,7 @@ def _primary(cursor: _Cursor) -> Node:
 
 
 def _inside(cursor: _Cursor, *, one: bool = False) -> tuple[Node, ...]:
-    # One or more expressions in brackets
+    # Reads one or more expressions in brackets
     cursor.depth += 1
     if cursor.depth > _DEEPEST:
         raise cursor.error(f"brackets are nested too deep; at most {_DEEPEST} expected")

@@ -1,7 +1,7 @@
 """Radiance's genblinds: venetian blinds with flat or curved slats.
 
-Slats extend along y from 0 to the width of the blind, and across from their axis of
-rotation at x = 0 to the slat depth.
+Slats are parallel to y, from y = 0 to the width of the blind. Each slat is rotated
+about its edge at x = 0.
 """
 
 from itertools import pairwise
@@ -12,7 +12,7 @@ from jaxtyping import Float
 from clerestory.formats.word_reader import WordReader
 from clerestory.scene.primitive import Primitive, primitive
 
-# Largest angle between adjacent strips of a curved slat [deg]
+# Maximum angle between adjacent flat strips of a curved slat [deg]
 _STRIP_DEG = 3.0
 
 _MOST_SLATS = 100_000
@@ -57,11 +57,11 @@ def blinds(words: WordReader) -> list[Primitive]:
 def _profile(
     depth: float, angle: float, radius: float
 ) -> Float[np.ndarray, "points 2"]:
-    # Cross-section of a slat: points (x, z) from the axis of rotation to the other edge
+    # Cross-section of a slat: points (x, z) from the edge at x = 0 to the other edge
     chord = np.array([np.cos(angle), np.sin(angle)])
     if radius == 0:
         return np.stack([np.zeros(2), depth * chord])
-    # Arc above the chord; angles are measured from the middle of the arc
+    # Circular arc over the chord; angles are measured from the middle of the arc
     half = np.arcsin(depth / (2 * abs(radius)))
     strips = int(2 * np.degrees(half) / _STRIP_DEG + 0.99999)
     turn = np.linspace(-half, half, strips + 1)

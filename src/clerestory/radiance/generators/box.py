@@ -1,8 +1,8 @@
 """Radiance's genbox: plain, bevelled or rounded boxes.
 
-The index of a corner has one bit for each axis: 0 at the origin, 1 at the opposite
-face. With bevelled or rounded edges, three more bits mark the axes along which the
-corner is moved inwards.
+Corners are numbered by one bit per axis: 0 at the origin, 1 at the opposite face. With
+bevelled or rounded edges, three more bits mark the axes along which the corner is moved
+inwards.
 """
 
 import numpy as np
@@ -68,7 +68,7 @@ def box(words: WordReader) -> list[Primitive]:
 
 
 def _positions(size: Vector, cut: float, *, inward: bool) -> Float[np.ndarray, "64 3"]:
-    # Position of the corner with each index
+    # Positions of the 64 possible corners
     bits = np.arange(64)[:, None] >> np.arange(3)
     margin = np.where(bits & 8, cut, 0.0)
     far = (bits & 1 == 1) != inward
@@ -78,6 +78,6 @@ def _positions(size: Vector, cut: float, *, inward: bool) -> Float[np.ndarray, "
 def _rounded(*, inward: bool) -> list[tuple[str, tuple[int, ...]]]:
     # Cylinders along the edges and spheres at the corners
     edge, corner = ("tube", "bubble") if inward else ("cylinder", "sphere")
-    ends = (0o70, 0o73, 0o75, 0o76)  # no two of these share an edge
+    ends = (0o70, 0o73, 0o75, 0o76)  # no two of these corners share an edge
     edges = [(edge, (one, one ^ axis)) for one in ends for axis in (1, 4, 2)]
     return [*edges, *((corner, (one,)) for one in range(0o70, 0o100))]

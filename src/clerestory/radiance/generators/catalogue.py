@@ -1,4 +1,4 @@
-"""Registry of scene generators and of converters to scenes."""
+"""Registry of Radiance's scene generators and file converters."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -22,7 +22,7 @@ from clerestory.scene.transform import Transform
 # Function that returns the path of a file named in a command
 Find = Callable[[str], Path]
 
-# Function that returns a converted scene, placed by a transform
+# Function that returns a converted scene, given the transform to apply to it
 Build = Callable[[Transform], Scene]
 
 GENERATORS: Mapping[str, Callable[[WordReader, Find], list[Primitive]]] = {
@@ -39,7 +39,7 @@ GENERATORS: Mapping[str, Callable[[WordReader, Find], list[Primitive]]] = {
 
 
 def mgf2rad(words: WordReader, find: Find) -> Build:
-    """Return a function that builds the scene of `mgf2rad file.mgf …`."""
+    """Return a function that builds the scene for `mgf2rad file.mgf …`."""
     texts = [(path, read_text(path)) for path in _paths(words, find)]
 
     def build(place: Transform) -> Scene:
@@ -50,7 +50,7 @@ def mgf2rad(words: WordReader, find: Find) -> Build:
 
 
 def pkg_bsdf(words: WordReader, find: Find) -> Build:
-    """Return a function that builds the scene of `pkgBSDF [-s] [-i] file.xml …`.
+    """Return a function that builds the scene for `pkgBSDF [-s] [-i] file.xml …`.
 
     The options -s and -i are ignored.
     """

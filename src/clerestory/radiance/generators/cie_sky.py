@@ -33,7 +33,7 @@ _KINDS: dict[str, CieSky] = {
 }
 _NUMBERS = {"clear": 1, "overcast": 2, "uniform": 3, "intermediate": 4}
 
-# Options with a number
+# Options that are followed by a number
 _VALUES = {
     "-t": "the turbidity",
     "-g": "the ground reflectance",
@@ -43,7 +43,7 @@ _VALUES = {
     "-R": "the irradiance of the sun",
 }
 
-# Horizontal irradiance / zenith radiance: polynomial in the scaled sun altitude
+# Sky irradiance on the horizontal / zenith radiance: polynomial in the solar altitude
 _NORMAL = {
     "clear": (2.766521, 0.547665, -0.369832, 0.009237, 0.059229),
     "intermediate": (3.5556, -2.7152, -1.3081, 1.0660, 0.60227),
@@ -64,7 +64,7 @@ def gensky(words: WordReader) -> list[Primitive]:
             kind = _KINDS[option[1:]]
             with_sun = option[0] == "+" if kind in _NORMAL else with_sun
         elif option in _VALUES:
-            # Of -b and -B, and of -r and -R, the last is valid
+            # The last of -b and -B applies, and the last of -r and -R
             given.pop(option.swapcase(), None)
             given[option] = words.real(_VALUES[option])
         elif not moment.take(option, words):
@@ -98,7 +98,7 @@ def _sky(
     zenith = given["-B"] / (share * np.pi) if "-B" in given else zenith
     ambient = zenith * share
 
-    # Radiance of the sun; the sun lights the ground even if omitted from the output
+    # Radiance of the sun; it lights the ground even if the output has no sun
     made = []
     if kind in _NORMAL and height > 0:
         radiance = given.get("-r", sun_radiance(kind, height))
@@ -116,8 +116,9 @@ def _sky(
 def levels(kind: CieSky, altitude: float, height: float) -> tuple[float, float]:
     """Return the relative zenith radiance and the normalization factor of a sky.
 
-    The normalization factor is the radiance of a white horizontal plane divided by the
-    zenith radiance. `altitude` is that of the sun [rad], and `height` its sine.
+    The normalization factor is the radiance of a white horizontal plane lit by the sky
+    alone, divided by the zenith radiance. `height` is the sine of the sun's `altitude`
+    [rad].
     """
     if kind == "uniform":
         return 1.0, 1.0

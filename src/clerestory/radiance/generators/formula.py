@@ -1,7 +1,7 @@
 """Radiance's gensurf, genrev and genworm: surfaces given by formulas.
 
-Formulas and the definitions of -e and -f are in Radiance's function language. Surfaces
-are flat facets and cones; -s (smooth normals) is ignored with a warning.
+Formulas, and the definitions given by -e and -f, are in Radiance's function language.
+Surfaces are flat facets and cones; -s (smooth normals) is ignored with a warning.
 """
 
 import warnings
@@ -29,10 +29,10 @@ from clerestory.scene.primitive import Primitive, primitive
 
 Find = Callable[[str], Path]
 
-# Length below which differences are ignored, as in the generators
+# Differences of coordinates or radii treated as zero, as in Radiance's generators
 _TINY = 1e-7
 
-# Tolerance of 1 − cosine between the normals of two triangles merged to a quadrilateral
+# Maximum 1 − cos of the angle between two triangles merged to a quadrilateral
 _FLAT = 1e-12
 
 _MOST_STEPS = 100_000
@@ -49,7 +49,7 @@ class _Formulas:
         return primitive(self.material, kind, f"{self.name}.{label}", reals)
 
     def at(self, **places: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n values"]:
-        """Return the values of the formulas; NaN where undefined."""
+        """Return the values of the formulas at parameters; NaN where undefined."""
         count = len(next(iter(places.values())))
         computed = self.program.values(self.nodes, {"S": np.ones(count), **places})
         return np.where(computed.valid[:, None], computed.value, np.nan)
@@ -179,7 +179,7 @@ def _normal(corner: Float[np.ndarray, "3 3"]) -> Vector | None:
 def _read(
     words: WordReader, find: Find, formulas: int, counts: tuple[str, ...]
 ) -> tuple[_Formulas, list[int]]:
-    # Arguments in the order material, name, formulas, counts, options
+    # Reads arguments in the order material, name, formulas, counts, options
     material, name = words.word("a material"), words.word("a name")
     nodes = tuple(
         parse_expression(words.word(f"formula {i + 1} of {formulas}"))

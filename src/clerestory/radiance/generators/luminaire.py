@@ -1,7 +1,7 @@
 """Radiance's ies2rad: luminaires from IES or EULUMDAT files.
 
-The output refers to the photometric file itself, which `brightdata` can read, instead
-of to a data file written by ies2rad. Lamps are white unless -c gives another colour.
+Unlike ies2rad, the generator writes no data file: the `brightdata` pattern refers to
+the photometric file. Lamps are white unless -c gives another colour.
 """
 
 import re
@@ -24,7 +24,7 @@ from clerestory.scene.primitive import Primitive, primitive
 from clerestory.scene.surface import transformed
 from clerestory.scene.transform import Transform
 
-# Units of -d per metre
+# Units of length per metre, as in option -d
 _UNITS = {"m": 1.0, "c": 100.0, "f": 1 / 0.3048, "i": 12 / 0.3048}
 _DIMENSION = re.compile(r"-d([mcfi])(?:/(\d+\.?\d*))?")
 
@@ -34,7 +34,7 @@ _NAMED = ("-p", "-l", "-f", "-u")
 
 @dataclass
 class _Request:
-    # Values of the command's options
+    # Values of the options of ies2rad
     file: str = ""
     name: str = ""
     scale: float = 1.0
@@ -88,7 +88,7 @@ def _take(request: _Request, word: str, words: WordReader) -> None:
 
 
 def _distribution(lamp: Luminaire, path: Path, factor: float, name: str) -> Primitive:
-    # Pattern that gives the radiance: intensity divided by projected area
+    # Pattern of the radiance: radiant intensity divided by projected area
     shape = lamp.shape
     reals: tuple[float, ...]
     if shape.kind == "sphere":
@@ -106,7 +106,7 @@ def _distribution(lamp: Luminaire, path: Path, factor: float, name: str) -> Prim
 
 
 def intensity_table(luminaire: Luminaire) -> DataArray:
-    """Return the radiant intensity [W/sr] as a table over `table_coordinates`."""
+    """Return a table of the radiant intensity [W/sr] over the photometric angles."""
     value = luminaire.intensity / LUMINOUS_EFFICACY
     if len(luminaire.horizontal_deg) == 1:
         return DataArray((luminaire.vertical_deg,), value[0])
@@ -114,7 +114,7 @@ def intensity_table(luminaire: Luminaire) -> DataArray:
 
 
 def table_coordinates(luminaire: Luminaire) -> tuple[str, ...]:
-    """Return the functions of source.cal for the angles along the table's axes."""
+    """Return the functions of source.cal that compute the photometric angles."""
     if luminaire.photometry == "A":
         raise InputError(
             f'luminaire "{luminaire.name}" has photometry of type A; B or C expected'

@@ -27,22 +27,22 @@ Light = Vector2
 # Limits of Perez's sky clearness
 _CLEARNESS = (1.0, 12.009)
 
-# Dew point at 2 cm of precipitable water [°C]
+# Dew point for 2 cm of precipitable water [°C]
 DEW_POINT_C = 10.97353115
 
-# Maximum direct normal illuminance: extraterrestrial solar illuminance [lx]
+# Maximum direct normal illuminance: the extraterrestrial illuminance [lx]
 _MOST_LUX = 127_500.0
 
-# Iterations of the conversion from illuminance to irradiance
+# Number of iterations of the conversion from illuminance to irradiance
 _ROUNDS = 9
 
 
 @dataclass
 class Request:
-    """Values of the command's options.
+    """Values of the options of gendaylit.
 
-    The option `by` (-P, -W, -L, -G or -E) gives the irradiance. The output is visible
-    radiance (0), solar radiance (1) or luminance (2).
+    `by` is the option that gives the irradiance: -P, -W, -L, -G or -E. `output` is 0
+    for visible radiance, 1 for solar radiance and 2 for luminance.
     """
 
     by: str = "-P"
@@ -55,7 +55,7 @@ class Request:
 
 @dataclass(frozen=True)
 class Air:
-    """Altitude of the sun [rad], and properties of the atmosphere."""
+    """Solar altitude [rad], day of the year and dew point [°C]."""
 
     altitude: float
     day_of_year: int
@@ -78,11 +78,11 @@ class Air:
 
     @property
     def bend(self) -> float:
-        """Zenith-angle term in Perez's sky clearness."""
+        """Term of the solar zenith angle in Perez's sky clearness."""
         return 1.041 * self.zenith**3
 
     def light(self, request: Request, words: WordReader) -> Light | None:
-        """Return the irradiance given by the options; None if diffuse is zero."""
+        """Return direct and diffuse irradiance [W/m²]; None if diffuse is zero."""
         first, second = request.given[0], request.given[-1]
         match request.by:
             case "-P":
@@ -106,7 +106,7 @@ class Air:
         return light if light[1] > 0 else None
 
     def state(self, light: Light, request: Request) -> SkyState:
-        """Return the sky clearness and brightness."""
+        """Return Perez's sky clearness and sky brightness."""
         if request.by == "-P":
             clear, bright = request.given
         else:
@@ -123,7 +123,7 @@ class Air:
     def output(
         self, light: Light, state: SkyState, request: Request, words: WordReader
     ) -> Light:
-        """Return visible or solar irradiance, or illuminance, as selected by -O."""
+        """Return visible irradiance, solar irradiance or illuminance (option -O)."""
         if request.output == 1:
             return light
         if request.by == "-L":
@@ -150,13 +150,13 @@ class Air:
             if light[1] <= 0:
                 break
             direct, diffuse = self._to_lux(np.ones(2), self.state(light, request))
-            # No direct irradiance if its efficacy vanishes
+            # The direct irradiance is 0 if the luminous efficacy is about 0
             direct = direct if direct >= 0.1 else np.inf
             light = lux / np.array([direct, max(diffuse, 1e-9)])
         return light
 
     def _erbs(self, level: float) -> Light:
-        # Diffuse fraction as a function of the clearness index
+        # Erbs's diffuse fraction as a function of the clearness index
         sine = np.sin(self.altitude)
         outside = self.outside * sine
         level = max(level, 0.0) if level <= outside else 0.999 * outside

@@ -1,8 +1,8 @@
 """Radiance's gendaylit: Perez all-weather sky for one moment.
 
-As in gendaylit, the diffuse irradiance is normalized over the 145 Tregenza patches, and
-the ground radiance is that under gensky's overcast, intermediate or clear sky. Unlike
-in gendaylit, values are not rounded.
+As in gendaylit, the diffuse irradiance is a sum over the 145 Tregenza patches, and the
+ratio of ground to zenith radiance is that of gensky's overcast, intermediate or clear
+sky. Unlike in gendaylit, values are not rounded.
 
 References: R. Perez et al., Solar Energy 44 (5), 1990 and 50 (3), 1993; D. G. Erbs,
 S. A. Klein, J. A. Duffie, Solar Energy 28 (4), 1982 (-E); Radiance, gendaylit (limits).
@@ -31,7 +31,7 @@ from clerestory.sky.perez import perez_sky
 
 _DEW_POINTS = (-40.0, 40.0)
 
-# Solid angle of the sun, for the solar irradiance of the ground [sr]
+# Solid angle of the sun in the irradiance of the ground, as in gendaylit [sr]
 _SUN_ON_GROUND = 6.8e-5
 
 # Tregenza rings: zenith angle [deg] and number of patches
@@ -113,7 +113,7 @@ def _lit_sky(
     scale = sent[1] / _tregenza_integral(distribution, towards)
     radiance = sent[0] / (2 * np.pi * (1 - np.cos(SUN_DIAMETER / 2)))
 
-    # Ground radiance under gensky's sky type for this clearness
+    # Ground radiance, as under gensky's sky of similar clearness
     clearness = float(state.clearness[0])
     kind: CieSky = "overcast" if clearness <= 1 else "intermediate"
     kind = "clear" if clearness >= 6 else kind
@@ -134,7 +134,7 @@ def _sky_pattern(reals: list[float], sun: Vector) -> Primitive:
 
 
 def _tregenza_integral(distribution: FiveParameters, sun: Vector) -> float:
-    # Horizontal irradiance, summed over the centres of 145 patches of equal solid angle
+    # Horizontal irradiance, summed over 145 patch centres with equal solid angles
     theta = np.radians(np.repeat([t for t, _ in _RINGS], [n for _, n in _RINGS]))
     phi = np.concatenate([2 * np.pi * np.arange(n) / n for _, n in _RINGS])
     sine, cosine = np.sin(theta), np.cos(theta)

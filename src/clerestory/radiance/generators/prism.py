@@ -1,8 +1,8 @@
 """Radiance's genprism: polygons in the plane z = 0, extruded along a vector.
 
-Corners may be rounded. Let t be the tangent of half the exterior angle of a corner: the
-circle of radius r whose centre is t·r before the corner and r inside the outline is
-tangent to both edges. At concave corners t is negative.
+Corners may be rounded. A circle of radius r that is tangent to both edges at a corner
+has its centre t·r before the corner, measured along the edge, and r inside the outline;
+t is the tangent of half the exterior angle, negative at concave corners.
 """
 
 from collections.abc import Callable
@@ -151,7 +151,7 @@ def _round_side(
     centre: Float[np.ndarray, "corners 2"],
 ) -> list[Primitive]:
     j, r = (i + 1) % len(t), made.radius * made.upwards
-    # Oblique prisms: tangent points are tilted out of the horizontal plane
+    # In oblique prisms, the tangent points are not in a horizontal plane
     tilt = made.along[1] * u[j, 0] - made.along[0] * u[j, 1]
     sine = made.upwards * tilt / np.linalg.norm(made.along)
     sine = sine if abs(sine) > _TINY else 0.0

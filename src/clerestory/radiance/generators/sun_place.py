@@ -1,7 +1,7 @@
 """Sun position of gensky and gendaylit from date, time and site.
 
-As in these commands, longitudes and meridians are in degrees west. The sun position is
-computed by Radiance's formulas, or by the Astronomical Almanac if a year is given.
+As in Radiance, longitudes and meridians are in degrees west. The sun position is
+computed by Radiance's formulas, or by the Astronomical Almanac's if a year is given.
 
 References: Radiance, sun.c (time zones, defaults, solar time); J. J. Michalsky, The
 Astronomical Almanac's algorithm for approximate solar position (1950-2050), Solar
@@ -37,11 +37,11 @@ _HOUR = re.compile(r"(\+?)(\d{1,2})(?::(\d{1,2})|(\.\d*))?([A-Za-z]*)", re.ASCII
 
 @dataclass
 class Moment:
-    """Date, time and site; or, without a month, altitude and azimuth of the sun [rad].
+    """Date, time and site; if `month` is 0, altitude and azimuth of the sun [rad].
 
     The azimuth is clockwise from south. Time is standard time, or solar time if `solar`
-    is set. Longitude and meridian are west-positive; a time zone (`zoned`) overrides
-    -m.
+    is set. Longitude and meridian are west-positive. `zoned`: the time zone of the hour
+    overrides option -m.
     """
 
     altitude: float = 0.0
@@ -57,7 +57,7 @@ class Moment:
     zoned: bool = False
 
     def take(self, option: str, words: WordReader) -> bool:
-        """Read an option for date or site; return False for other options."""
+        """Read the option -a, -o, -m or -y; return False for any other option."""
         match option:
             case "-a":
                 self.latitude_deg = words.real("a latitude")
@@ -78,7 +78,7 @@ class Moment:
         return _DAYS_BEFORE[self.month - 1] + self.day if self.month else 0
 
     def sun(self) -> tuple[float, float]:
-        """Altitude of the sun, and azimuth clockwise from south [rad]."""
+        """Return solar altitude, and solar azimuth clockwise from south [rad]."""
         if not self.month:
             return self.altitude, self.azimuth
         if self.year:
@@ -86,7 +86,7 @@ class Moment:
             return self._position(declination, self.hour if self.solar else solar_hour)
         hour = self.hour
         if not self.solar:
-            # Equation of time, and distance from the standard meridian
+            # Solar time: equation of time and distance from the meridian
             hour += float(equation_of_time(self.day_of_year))
             hour += (self.meridian_deg - self.longitude_deg) / 15
         declination = float(solar_declination(self.day_of_year))
@@ -150,7 +150,7 @@ def direction(altitude: float, azimuth: float) -> Vector:
 
 
 def sun_source(radiance: float, sun: Vector, *, angle_deg: float) -> list[Primitive]:
-    """Return the sun as a light and a source of an angular diameter."""
+    """Return the sun: a light, and a source of the full angle `angle_deg`."""
     return [
         primitive("void", "light", "solar", (radiance,) * 3),
         primitive("solar", "source", "sun", (*sun, angle_deg)),

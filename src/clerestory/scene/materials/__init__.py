@@ -1,7 +1,7 @@
 """Registry of material types, discovered from the files in this folder.
 
-Each file defines subclasses of `Material`, and a dictionary `READERS` from Radiance
-material types to functions that read the arguments of the type.
+Each file defines subclasses of `Material`, and a dictionary `READERS` of the functions
+that read the arguments, by Radiance material type.
 """
 
 import importlib

@@ -26,10 +26,10 @@ class BsdfSurface(Material):
     bsdf : scattering functions
     thickness : 0 for a surface; otherwise the depth of the geometry represented by the
         BSDF, behind (positive) or in front of (negative) the surface [m]
-    up : vector that, with the normal, orients the BSDF, before `transform`
+    up : up vector of the BSDF before `transform`
     transform : rotation or reflection of `up` to scene coordinates: up @ transform
-    front, back : diffuse reflectance added on the front or the back
-    transmission : diffuse transmittance added in both directions
+    front, back : diffuse reflectance of front and back, added to the BSDF
+    transmission : diffuse transmittance in both directions, added to the BSDF
     peak : whether direct transmission is extracted as a specular peak (aBSDF)
     """
 
@@ -71,7 +71,7 @@ def _read(given: Definition) -> Material:
     up = given.vector(first + 1, Transform())
     if isinstance(up, Pattern):
         raise InputError("the up vector varies; a constant vector expected")
-    # Up vector before the transform
+    # Undoes the transform that `vector` applied to the up vector
     up = up @ np.linalg.inv(given.transform(first + 5).matrix[:3, :3])
     return BsdfSurface(
         name=given.item.name,

@@ -92,7 +92,7 @@ def _interface(given: Definition) -> Material:
 
 
 def _per_metre(given: Definition, value: Colour) -> Colour:
-    # From the transmittance per unit length of the scene file, at most 1
+    # Converts transmittance per unit length of the scene file to 1/m; at most 1
     passed = np.minimum(given.share("transmissivity", value), 1)
     return np.asarray(passed ** (1 / given.placed.scale))
 

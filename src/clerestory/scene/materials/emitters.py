@@ -45,10 +45,9 @@ class Light(Emitter):
 
 @dataclass(frozen=True, eq=False)
 class Glow(Emitter):
-    """A light source that is sampled by shadow rays within a maximum distance only.
+    """A light source that shadow rays sample only up to the distance `radius` [m].
 
-    The distance is the radius [m]; 0: never sampled; negative: without indirect light
-    either.
+    A radius of 0 means no shadow rays; a negative radius, no indirect light either.
     """
 
     name: str
@@ -65,7 +64,7 @@ class Glow(Emitter):
 
 @dataclass(frozen=True, eq=False)
 class Spotlight(Emitter):
-    """A light source that emits within a cone of a full angle around a unit vector.
+    """A light source that emits into a cone of full angle `angle_deg` around an axis.
 
     `length` is the distance of the cone's apex behind the surface [m].
     """
@@ -87,7 +86,7 @@ class Spotlight(Emitter):
 
 @dataclass(frozen=True, eq=False)
 class Illum(Emitter):
-    """A light source that the camera sees as another material."""
+    """A light source that the camera sees as the material `alternate`."""
 
     name: str
     radiance: Colour

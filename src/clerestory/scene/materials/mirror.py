@@ -12,7 +12,7 @@ from clerestory.scene.primitive import Definition, Readers
 class Mirror(Material):
     """A plane mirror with a black back.
 
-    An alternate material is seen by rays other than shadow rays.
+    If there is an alternate material, rays other than shadow rays see it.
     """
 
     name: str

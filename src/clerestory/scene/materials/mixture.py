@@ -26,7 +26,7 @@ class Void(Material):
 class Mixture(Material):
     """A blend of two materials; `amount` is the fraction of the foreground.
 
-    Of a pattern, the first channel is the fraction.
+    If `amount` is a pattern, the first channel is the fraction.
     """
 
     name: str

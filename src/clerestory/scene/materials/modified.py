@@ -29,7 +29,7 @@ class Patterned(Material):
 
 @dataclass(frozen=True, eq=False)
 class Textured(Material):
-    """A material whose unit normal is perturbed by a vector in function coordinates."""
+    """A material with a texture, a vector function that is added to the unit normal."""
 
     name: str
     base: Material

@@ -30,10 +30,10 @@ from clerestory.scene.primitive import Definition, Readers
 # Minimum roughness of anisotropic highlights (Radiance's FTINY)
 _TINY = 1e-6
 
-# Rms facet slope; for an anisotropic highlight, along `up` and perpendicular to it
+# Rms facet slope; anisotropic highlight: slopes along `up` and perpendicular to it
 Roughness = float | Vector2
 
-# Vector in scene coordinates; pattern: vector in the coordinates of a function
+# Up vector: constant in scene coordinates, or a pattern in function coordinates
 Up = Vector | Pattern | None
 
 
@@ -102,7 +102,7 @@ class Glossy(Protocol):
 
 
 def highlight_parameters(material: Glossy) -> dict[str, Parameter]:
-    """Return the plugin parameters that all glossy materials have in common."""
+    """Return the plugin parameters of glossy materials: reflectance and highlight."""
     first, *second = np.atleast_1d(material.roughness).tolist()
     shared: dict[str, Parameter] = {
         "reflectance": material.reflectance,
@@ -117,10 +117,9 @@ def highlight_parameters(material: Glossy) -> dict[str, Parameter]:
 def highlight_specification(
     kind: str, material: Glossy, *further: float
 ) -> Specification:
-    """Return the type and arguments of a glossy material.
+    """Return the Radiance type and arguments of a glossy material.
 
-    `kind` is the type with an isotropic highlight; `further` arguments follow the
-    roughness.
+    `kind` is the type for isotropic highlights; `further` arguments follow roughness.
     """
     gloss = material.specularity, *np.atleast_1d(material.roughness).tolist()
     reals = (*material.reflectance, *gloss, *further)
@@ -133,7 +132,7 @@ def highlight_specification(
 def read_highlight(
     given: Definition, further: int
 ) -> tuple[tuple[Colour, float, Roughness], Up, Float[np.ndarray, " further"]]:
-    """Return reflectance, specularity and roughness; up vector; `further` arguments."""
+    """Return (reflectance, specularity, roughness), up vector, `further` arguments."""
     elliptical = given.item.kind.endswith("2")
     up = _up(given) if elliptical else None
     end = 6 if elliptical else 5

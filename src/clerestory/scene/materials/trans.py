@@ -20,9 +20,9 @@ class Trans(Material):
 
     Attributes
     ----------
-    reflectance : colour of diffuse reflection and of all transmission
+    reflectance : colour of diffuse reflection and of transmission
     specularity : specular reflectance, uncoloured
-    roughness, up : parameters of both highlights; see `Plastic`
+    roughness, up : parameters of reflected and transmitted highlight; see `Plastic`
     transmission : transmitted fraction of the light that is not reflected specularly
     transmitted_specular : specular fraction of the transmitted light
     """
