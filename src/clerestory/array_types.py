@@ -1,18 +1,18 @@
 """Array types for type annotations.
 
-They are used in functions whose arrays all have the same batch shape; other functions
+Functions whose arrays all have the same batch shape use these types; other functions
 annotate the shape of each array.
 """
 
 import numpy as np
 from jaxtyping import Bool, Float, Int, Int32
 
-# Unit vectors, scalars, and points of the unit square
+# Unit vectors, numbers, and points of the unit square, in batches of any shape
 Directions = Float[np.ndarray, "*batch 3"]
 Values = Float[np.ndarray, "*batch"]
 Points2 = Float[np.ndarray, "*batch 2"]
 
-# Integers and booleans
+# Integers and booleans, in batches of any shape
 Indices = Int[np.ndarray, "*batch"]
 Mask = Bool[np.ndarray, "*batch"]
 
@@ -40,5 +40,5 @@ ExitIncident = Float[np.ndarray, "exit incident"]
 # One value per wavelength
 PerWavelength = Float[np.ndarray, " wavelength"]
 
-# Values and branches of a tensor tree
+# Leaf values and branch nodes of a tensor tree
 Slots = Int32[np.ndarray, " slots"]

@@ -112,7 +112,7 @@ def weighted_sum(
 def unnamed_bands(count: int) -> Bands:
     """Return the bands of a file without band names, from the number of channels.
 
-    One channel or three channels stand for Radiance's RGB.
+    One channel (grey) or three channels are taken as Radiance's RGB.
     """
     if count in (1, len(RGB)):
         return RGB
@@ -122,7 +122,7 @@ def unnamed_bands(count: int) -> Bands:
 def common_bands(parts: Iterable[tuple[Bands, int]]) -> Bands:
     """Return the common bands of the operands of a product or sum.
 
-    Operands are given by their bands and numbers of channels. An operand with one
+    Each operand is given by its bands and its number of channels. An operand with one
     channel is compatible with any bands. If all operands have one channel, the bands of
     the last operand are returned.
     """

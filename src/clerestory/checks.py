@@ -1,4 +1,4 @@
-"""Checks of input values, with error messages of one pattern.
+"""Checks of input values, with uniform error messages.
 
 Each function raises `InputError` "WHAT is VALUE; EXPECTED expected" unless its
 condition holds. The location of a fault is added by `errors.located`, or by the
@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from clerestory.errors import InputError
 
-# Number of characters of a value that a message repeats
+# Largest number of characters of a value in a message
 _SHOWN = 60
 
 
@@ -41,7 +41,7 @@ def require(
 
 
 def positive(value: npt.ArrayLike, what: str, *, unit: str = "") -> None:
-    """Require finite numbers above zero; the message has the first other number.
+    """Require finite numbers above zero; the message states the first invalid number.
 
     >>> positive([2, -1.5], "height", unit="m")
     Traceback (most recent call last):
@@ -120,7 +120,7 @@ def has_shape(
 
 
 def distinct(names: Iterable[str], what: str) -> None:
-    """Require names of which none is repeated.
+    """Require names without duplicates.
 
     >>> distinct(["a", "b", "a"], "windows")
     Traceback (most recent call last):
@@ -145,6 +145,6 @@ def _require_all(
 
 
 def _shown(value: object) -> str:
-    # A value as a message repeats it
+    # Text of a value in a message, shortened if long
     text = repr(value) if isinstance(value, str) else str(value)
     return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}…"

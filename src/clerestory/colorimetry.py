@@ -68,7 +68,7 @@ class Primaries:
         return np.column_stack([xy, 1 - xy.sum(axis=1)]).T
 
     def _scale(self) -> Float[np.ndarray, "3"]:
-        # Amounts of the primaries in white with Y = 1
+        # Amounts of the primaries that add up to white with Y = 1
         return np.asarray(np.linalg.solve(self._corners(), xyz_of(self.white)))
 
     def to_xyz(self) -> Float[np.ndarray, "3 3"]:
@@ -135,8 +135,8 @@ def rgb_from_xyz(
 def wavelength_bands(limits_nm: Sequence[float]) -> Bands:
     """Return adjacent bands with the given limits [nm].
 
-    The luminous efficacy of a band is 179 lm/W times the fraction of the integral of
-    V(λ) within the band, so equal-energy white in the visible range has 179 lm/W.
+    The luminous efficacy of a band is 179 lm/W times the fraction of ∫ V(λ) dλ within
+    the band, so the efficacies of bands over the visible range add up to 179 lm/W.
 
     >>> nine = wavelength_bands(range(380, 830, 45))
     >>> nine.names[2], round(float(nine.weights.sum()), 6)

@@ -38,7 +38,7 @@ def from_azimuth(azimuth: Values, altitude: Values) -> Directions:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """Right-handed frame of unit vectors of a surface: right × up = normal."""
+    """Right-handed frame of a surface, as unit vectors: right × up = normal."""
 
     right: Float[np.ndarray, "3"]
     up: Float[np.ndarray, "3"]
@@ -46,7 +46,7 @@ class Frame:
 
     @classmethod
     def from_normal_up(cls, normal: Vector, up: Vector) -> "Frame":
-        """Frame with the given normal and with `up` projected onto the surface."""
+        """Frame with the given normal, and with `up` projected onto the surface."""
         normal, up = unit(normal), unit(up)
         flat = up - np.dot(up, normal) * normal
         require(

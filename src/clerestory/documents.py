@@ -1,4 +1,4 @@
-"""JSON and TOML files as pydantic models, with error messages of one line.
+"""Readers of JSON and TOML files as pydantic models, with one-line error messages.
 
 A message gives the line in TOML files, the path of the item, its value and the expected
 value, such as `study.toml:27: trace.samples is "many"; a whole number expected`.
@@ -26,13 +26,13 @@ from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.toml_lines import key_lines, line_of
 
-# Numbers that are not booleans or text
+# Numbers; booleans and numbers in quotes are invalid
 Number = Annotated[float, Strict()]
 Positive = Annotated[Number, Field(gt=0)]
 
 Document = TypeVar("Document", bound=BaseModel)
 
-# Expected value for each type of pydantic error, with the limits in {…}
+# Text of the expected value for each type of pydantic error; {…} is a limit
 _EXPECTED = {
     "bool_parsing": "true or false",
     "bool_type": "true or false",
@@ -54,12 +54,12 @@ _EXPECTED = {
     "tuple_type": "a list in [ ]",
 }
 
-# Number of characters of a value that a message repeats
+# Largest number of characters of a value in a message
 _SHOWN = 60
 
 
 class Table(BaseModel):
-    """A table of which all keys are known; types are not converted."""
+    """Base class of TOML tables; unknown keys and values of wrong type are invalid."""
 
     model_config = ConfigDict(
         extra="forbid", frozen=True, strict=True, allow_inf_nan=False
@@ -67,7 +67,7 @@ class Table(BaseModel):
 
 
 class Item(Table):
-    """A JSON object of which only some members are read; `null` means missing."""
+    """Base class of JSON objects; unknown members are ignored, `null` means missing."""
 
     model_config = ConfigDict(extra="ignore", strict=False)
 
@@ -80,23 +80,23 @@ class Item(Table):
 
 
 def read_json(path: str | Path, model: type[Document]) -> Document:
-    """Return the document in a JSON file."""
+    """Return the content of a JSON file as a model."""
     return parse_json(read_text(path), model, file=path)
 
 
 def parse_json(
     text: str | bytes, model: type[Document], *, file: str | Path
 ) -> Document:
-    """Return the document in a JSON text; `file` is for error messages."""
+    """Return the content of a JSON text as a model; `file` is for error messages."""
     return validated(json_value(text, file=file), model, file=file)
 
 
 def json_value(text: str | bytes, *, file: str | Path) -> Any:
-    """Return the value of a JSON text.
+    """Return the content of a JSON text as Python objects.
 
     Raises
     ------
-    InputError : the text is not JSON, with the line
+    InputError : the text is not JSON; the message states the line
     """
     try:
         return json.loads(text)
@@ -111,16 +111,16 @@ def json_value(text: str | bytes, *, file: str | Path) -> Any:
 def read_toml(
     path: str | Path, model: type[Document], context: dict[str, Any] | None = None
 ) -> Document:
-    """Return the document in a TOML file; messages count tables from 1.
+    """Return the content of a TOML file as a model; messages count tables from 1.
 
     Parameters
     ----------
-    context : values for the validators of the model
+    context : values that the validators of the model use
 
     Raises
     ------
-    InputError : the file cannot be read, is not TOML, or a key is missing, unknown or
-        wrong; with the line, and the valid choices
+    InputError : the file cannot be read or is not TOML, a key is missing or unknown,
+        or a value is invalid; the message states the line and the valid choices
     """
     text = read_text(path)
     value = toml_tables(text, file=path)
@@ -128,11 +128,11 @@ def read_toml(
 
 
 def toml_tables(text: str, *, file: str | Path) -> dict[str, Any]:
-    """Return the tables of a TOML text.
+    """Return the content of a TOML text as nested dictionaries.
 
     Raises
     ------
-    InputError : the text is not TOML, with the line
+    InputError : the text is not TOML; the message states the line
     """
     try:
         return tomllib.loads(text)
@@ -155,7 +155,7 @@ def validated(
     context: dict[str, Any] | None = None,
     toml: str = "",
 ) -> Document:
-    """Return a value as a model; the error is the first in the file.
+    """Return a value as a model; an error message states the first fault in the file.
 
     Parameters
     ----------
@@ -211,7 +211,7 @@ def _keys(model: type[BaseModel]) -> list[str]:
 def _model_at(
     model: type[BaseModel] | None, where: tuple[str | int, ...]
 ) -> type[BaseModel] | None:
-    # Table class at a path of keys; None for tables with keys of any name
+    # Model of the table at a path of keys; None for a table with arbitrary keys
     for part in where:
         if isinstance(part, str):
             field = _field(model, part)
@@ -231,7 +231,7 @@ def _field(model: type[BaseModel] | None, key: str) -> FieldInfo | None:
 
 
 def _table_of(annotation: object) -> type[BaseModel] | None:
-    # Table class in an annotation such as list[WindowTable]
+    # Model of the table in a type annotation such as list[WindowTable]
     if get_origin(annotation) in (list, tuple, types.UnionType):
         annotation = get_args(annotation)[0]
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-# Number of characters of a message, and of one of its words
+# Largest number of characters of a message and of a word
 _LONGEST_MESSAGE, _LONGEST_WORD = 400, 80
 
 
@@ -77,7 +77,7 @@ class OutputError(ClerestoryError):
 def located(
     *, file: str | Path | None, line: int | None = None, subject: str = ""
 ) -> Iterator[None]:
-    """Add a location to input errors without one, raised in the `with` block.
+    """Add a location to an `InputError` without file that the `with` block raises.
 
     >>> with located(file="room.rad", line=41, subject='sphere "s"'):
     ...     raise InputError("radius is 0")

@@ -14,8 +14,8 @@ from clerestory.errors import InputError, OutputError
 def replace_file(path: str | Path) -> Iterator[BinaryIO]:
     """Open a binary stream to a file that replaces `path` if the `with` block succeeds.
 
-    Data are written to a temporary file in the same folder, which is finally renamed;
-    after an error or interruption, an existing file is unchanged.
+    Data are written to a temporary file in the same folder, which is renamed at the
+    end; after an error or interruption, an existing file is unchanged.
     """
     with replace_path(path) as temporary, temporary.open("wb") as stream:
         yield cast(BinaryIO, stream)
@@ -51,7 +51,7 @@ def write_text(path: str | Path, text: str) -> None:
 
 
 def is_file(path: str | Path) -> bool:
-    """Whether a file exists; False for names that the system refuses as too long."""
+    """Whether a file exists; False for names too long for the operating system."""
     try:
         return Path(path).is_file()
     except OSError:

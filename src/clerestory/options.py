@@ -16,9 +16,9 @@ _Class = TypeVar("_Class", bound=type)
 class Option:
     """Description of an option; the help text is one sentence, with units in brackets.
 
-    Without a name that begins with two dashes, the option also has the name of its
-    field; the name "--" suppresses that. `metavar` is the placeholder of the value in
-    the help text, `panel` the heading of a group of options.
+    Unless a name begins with two dashes, the name of the field is added as a long
+    option; the name "--" prevents this addition. `metavar` is the placeholder of the
+    value in the help text, `panel` the heading of a group of options.
     """
 
     def __init__(
@@ -44,7 +44,7 @@ class Argument:
 
 @dataclass_transform(frozen_default=True, kw_only_default=True)
 def options(group: _Class) -> _Class:
-    """Make a class of options a frozen dataclass with keyword arguments."""
+    """Turn a class of options into a frozen dataclass with keyword arguments."""
     dataclass(frozen=True, kw_only=True)(group)
     return group
 
@@ -66,7 +66,7 @@ def argument(help: str, metavar: str | None = None, *, default: Any = MISSING) -
 
 
 def description(each: "Field[Any]", hint: Any) -> tuple[Any, Option | Argument]:
-    """Return the type and the description of a field, from the resolved type hint."""
+    """Return the type of a field and its `Option` or `Argument`, from the type hint."""
     if _KEY in each.metadata:
         return hint, each.metadata[_KEY]
     kind, described = get_args(hint)

@@ -7,14 +7,14 @@ Progress = Callable[[float, str], None]
 
 
 def silent(_title: str) -> Progress:
-    """Return a progress callback without effect, for a display of this title."""
+    """Return a progress callback that displays nothing, whatever the title."""
     return lambda _share, _note: None
 
 
 def share_of_progress(
     progress: Progress | None, start: float, share: float, name: str = ""
 ) -> Progress | None:
-    """Return a progress callback for one part of a computation, with named notes.
+    """Return a callback for one part of a computation; `name` precedes the notes.
 
     >>> report = share_of_progress(lambda done, note: print(done, note), 0.5, 0.25)
     >>> report(0.5, "second part") if report else None

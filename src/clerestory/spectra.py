@@ -12,7 +12,7 @@ from jaxtyping import Float
 from clerestory.checks import finite, positive, require, same_length
 from clerestory.errors import InputError
 
-# Wavelength units in nanometres, by the first letters of the unit name
+# Length of wavelength units in nanometres, by the first letters of the unit name
 _UNITS_NM = {"nm": 1.0, "nano": 1.0, "um": 1000.0, "µm": 1000.0, "micro": 1000.0}
 
 
@@ -37,7 +37,7 @@ class Spectrum:
     def at(
         self, wavelength_nm: Float[np.ndarray, "*batch"]
     ) -> Float[np.ndarray, "*batch"]:
-        """Values interpolated at the given wavelengths; constant beyond both ends."""
+        """Values interpolated at given wavelengths [nm]; constant beyond both ends."""
         return np.asarray(np.interp(wavelength_nm, self.wavelength_nm, self.value))
 
 
@@ -56,9 +56,9 @@ def check_wavelengths(wavelength_nm: Float[np.ndarray, " wavelength"]) -> None:
 def interpolation_matrix(
     known_nm: Float[np.ndarray, " known"], wanted_nm: Float[np.ndarray, " wanted"]
 ) -> Float[np.ndarray, "wanted known"]:
-    """Matrix of linear interpolation from known to wanted wavelengths [nm].
+    """Matrix that interpolates values from known to wanted wavelengths [nm].
 
-    Values beyond the ends are constant.
+    Beyond the shortest and longest known wavelength, values are constant.
 
     >>> one = interpolation_matrix(np.array([1.0, 2.0]), np.array([1.25]))
     >>> one.tolist()
@@ -91,7 +91,7 @@ def common_wavelengths(
 
 
 def wavelength_unit_nm(name: str) -> float | None:
-    """Return a wavelength unit in nanometres from its name; None if unknown.
+    """Return the length of a named wavelength unit [nm]; None for unknown names.
 
     >>> wavelength_unit_nm("Microns"), wavelength_unit_nm("nanometers")
     (1000.0, 1.0)

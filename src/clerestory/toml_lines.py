@@ -14,7 +14,7 @@ Path = tuple[str | int, ...]
 def key_lines(text: str) -> dict[Path, int]:
     r"""Return the line number of every key and table of a valid TOML text.
 
-    Keys are paths from the root: names, and indices for elements of arrays of tables.
+    Paths are tuples of table and key names, with indices for arrays of tables.
 
     >>> key_lines('a = 1\n[[window]]\nfile = "south.rad"\n')[("window", 0, "file")]
     3
@@ -35,7 +35,7 @@ def key_lines(text: str) -> dict[Path, int]:
                 found.setdefault(parent, start + 1)
             continue
 
-        # Join lines to a complete statement
+        # Join lines until they are a complete statement
         statement, parsed = lines[start], _parse(lines[start])
         while parsed is None and number < len(lines):
             statement += "\n" + lines[number]
@@ -75,7 +75,7 @@ def _table(header: str, elements: dict[Path, int]) -> Path:
 
 
 def _chain(tree: dict[str, Any]) -> Iterator[tuple[str, ...]]:
-    # Names in a table header, from its nested dictionaries
+    # Names in a table header, which tomllib parses into nested dictionaries
     for name, branch in tree.items():
         inner = branch[0] if isinstance(branch, list) else branch
         rest = next(_chain(inner), ())

@@ -61,7 +61,7 @@ def annual_glare(
 
     Returns
     -------
-    dataset with one variable per index, over the pictures
+    dataset with one variable per index, and one value per picture
 
     Raises
     ------
@@ -96,7 +96,7 @@ def annual_glare(
 def _checked(
     luminance: Iterable[np.ndarray], view: View
 ) -> Iterator[tuple[np.ndarray, GlareView]]:
-    # Yield each picture, after checking, with the pixel quantities of the common view
+    # Check each picture; yield it with the pixel quantities of the common view
     eye = None
     for step, picture in enumerate(luminance):
         if eye is None:

@@ -9,7 +9,7 @@ from clerestory.glare.source_table import GlareSources
 def cgi(sources: GlareSources, *, illuminance: float, direct: float) -> float:
     """CIE glare index; 0 without sources.
 
-    Both illuminances are vertical, at the eye [lux]; `direct` is from the sources
+    Illuminances are vertical, at the eye [lux]; `direct` is that from the sources
     alone.
 
     Reference: Einhorn, H. D. (1979): Discomfort glare: a formula to bridge differences.

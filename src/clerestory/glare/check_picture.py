@@ -1,4 +1,4 @@
-"""Check picture: grey picture with coloured glare sources, as of evalglare -c.
+"""Check picture: grey picture with coloured glare sources, as from evalglare -c.
 
 The luminances of the pixels are preserved.
 """

@@ -9,7 +9,7 @@ from clerestory.array_types import Values
 from clerestory.checks import require, within
 from clerestory.glare.dgp import DGP
 
-# DGP from which glare is perceptible, disturbing and intolerable
+# DGP above which glare is perceptible, disturbing and intolerable
 LIMITS = DGP.thresholds
 
 # Largest permitted fraction of the occupied time with DGP above a limit

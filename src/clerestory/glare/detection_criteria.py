@@ -15,10 +15,7 @@ LARGEST_FACTOR = 100.0
 
 @dataclass(frozen=True)
 class Zone:
-    """A circular zone: row, from the top, and column of its centre, and opening [rad].
-
-    The opening is the full opening angle.
-    """
+    """Circular zone: centre row (from the top) and column, full opening angle [rad]."""
 
     row: int
     column: int
@@ -40,8 +37,8 @@ class SourceRules:
     threshold_kind : "luminance", or ratio to the mean luminance of the picture
         ("times_mean") or of the task ("times_task")
     task : task zone
-    merge_angle : opening angle; sources closer than half this angle are merged [rad]
-    peak_luminance : luminance from which pixels are extracted as separate sources
+    merge_angle : sources closer than half this angle are merged [rad]
+    peak_luminance : lowest luminance of pixels extracted as separate sources
         [cd/m²]; None for no peak extraction
     smooth : whether dark pixels surrounded by a source are added to the source
     smallest : solid angle below which sources are ignored [sr]

@@ -40,7 +40,7 @@ def dgi(
 def modified_dgi(sources: GlareSources, *, average: float) -> float:
     """DGI with an adaptation luminance in place of the background luminance.
 
-    The adaptation luminance is a power of the mean luminance Ev/π [cd/m²].
+    The adaptation luminance is a power of `average`, the mean luminance Ev/π [cd/m²].
 
     Reference: Fisekis, K. et al. (2003): Prediction of discomfort glare from windows.
     Lighting Research and Technology 35(4), equation 11.

@@ -7,7 +7,7 @@ from clerestory.glare.index import GlareIndex
 from clerestory.glare.index_settings import EVALGLARE, DgpCoefficients
 from clerestory.glare.source_table import GlareSources
 
-# Illuminance from which the low-light correction factor is 1 [lux]
+# Vertical illuminance from which the low-light correction factor is 1 [lux]
 _BRIGHT = 1000.0
 
 
@@ -20,8 +20,8 @@ def dgp(
     """Daylight glare probability: probability that a person is disturbed, at most 1.
 
     Valid for vertical illuminances above 380 lux and DGP above 0.2. With sources from a
-    picture of the direct sun alone, the result is the enhanced simplified DGP. The
-    vertical illuminance at the eye is in lux.
+    picture of the direct sun alone, the result is the enhanced simplified DGP.
+    `illuminance` is vertical, at the eye [lux].
 
     Reference: Wienold, J. and Christoffersen, J. (2006): Evaluation methods and
     development of a new glare prediction model for daylight environments with the use

@@ -69,7 +69,7 @@ class Evaluation:
         return check_picture(self.picture, self.members, colour=colour, task=blue)
 
     def window_votes(self) -> dict[str, float]:
-        """Return the predicted glare sensation votes of the window in the mask."""
+        """Return the glare sensation votes (PGSV) of the window marked by the mask."""
         if "mask" not in self.regions:
             return {}
         window = self.regions["mask"]
@@ -151,7 +151,7 @@ def evaluate_picture(
     zones: Zones | None = None,
     seen: SeenRows | None = None,
 ) -> Evaluation:
-    """Return the glare evaluation of a picture whose view is checked."""
+    """Return the glare evaluation of a picture already checked by `eye_of`."""
     luminance = picture.luminance()
     if seen is not None:
         luminance = fill_cut(luminance, eye, seen)
@@ -167,7 +167,7 @@ def eye_of(
     position_model: PositionModel = "guth",
     trust: bool = False,
 ) -> GlareView:
-    """Check a picture and return the pixel quantities of the view."""
+    """Check a picture and return the pixel quantities of its view."""
     seen = view or picture.view
     if seen is None:
         raise InputError(
@@ -205,7 +205,7 @@ def summarise(
     *,
     zones: Zones | None = None,
 ) -> Glare:
-    """Return the glare of a picture whose glare source pixels are `members`."""
+    """Return the glare indices of a picture with the glare source pixels `members`."""
     zone_of = None
     if zones is not None:
         members, zone_of = cut_along(members, zones.of_pixels(eye))

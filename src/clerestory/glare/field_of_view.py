@@ -19,7 +19,7 @@ _CHEEK = np.radians(135)
 
 
 def in_field(sigma: Values, tau: Values, below: Mask, *, field: FieldOfView) -> Mask:
-    """Whether directions lie in the field of view of one eye ("total") or both eyes.
+    """Whether directions are seen by either eye ("total") or by both ("binocular").
 
     Directions are given by their angle sigma from the line of sight, and their azimuth
     tau around it from the upward vertical [rad].
@@ -43,7 +43,7 @@ def _upper_total(tau: np.ndarray) -> np.ndarray:
 
 
 def _lower_total(tau: np.ndarray) -> np.ndarray:
-    # Valid for τ up to 45° from the downward vertical, where the fit has no pole
+    # Limit τ to 45° from the downward vertical, since the fit has a pole beyond
     tau = np.minimum(tau, 45)
     inverse = np.polyval([5.1539687e-8, -4.6898068e-6, 1.5541106e-5, 0.014699242], tau)
     return np.asarray(1 / inverse)

@@ -1,7 +1,7 @@
 """Pixel quantities of a view: direction, solid angle, cosine and position index.
 
-They are computed once for all pictures of a view. Only pixels in the hemisphere in
-front of the eye are valid.
+The quantities are computed once for all pictures of a view. Only pixels in the
+hemisphere in front of the eye are valid.
 """
 
 import os
@@ -22,7 +22,7 @@ from clerestory.glare.position_index import PositionModel, position_index
 from clerestory.scene.projection import Kind
 from clerestory.scene.view import View
 
-# Smallest width and height of a picture [pixels], required for the angle per pixel
+# Smallest picture width and height from which `pixel_angle` can be computed [pixels]
 _SMALLEST = 21
 
 # Pixels per block, so that several arrays fit in the cache of a processor core
@@ -31,7 +31,7 @@ _MOST_THREADS = 8
 
 
 class Pitch(NamedTuple):
-    """Smallest and largest angle per pixel over all directions in the picture [rad]."""
+    """Angle per pixel [rad], smallest and largest of all directions in the picture."""
 
     least: Image
     most: Image
@@ -41,9 +41,9 @@ class Pitch(NamedTuple):
 class GlareView:
     """Pixel quantities of a view.
 
-    The angle sigma is that from the line of sight, tau the azimuth around it from the
-    upward vertical [rad]. Solid angle [sr] and cosine of sigma are zero for pixels that
-    are not valid.
+    `sigma` is the angle from the line of sight, `tau` the azimuth around the line of
+    sight from the upward vertical [rad]. Solid angle [sr] and cosine of sigma are zero
+    for invalid pixels.
     """
 
     view: View
@@ -72,7 +72,7 @@ class GlareView:
 
     @cached_property
     def eye_weight(self) -> Image:
-        """Vertical illuminance from each pixel per unit of its luminance [sr]."""
+        """Vertical illuminance at the eye from each pixel per pixel luminance [sr]."""
         return np.asarray(self.solid_angle * self.cosine)
 
     def in_field(self, field: FieldOfView) -> ImageMask:
@@ -98,20 +98,20 @@ class GlareView:
         return float(least[least > 0].min(initial=np.inf))
 
     def farthest_within(self, angle: float) -> int:
-        """Upper limit of rows or columns between two pixels within an angle [rad]."""
+        """Upper limit of the row or column distance of pixels within an angle [rad]."""
         # The factor accounts for variation of the angle per pixel
         reach = 1.25 * angle / self._least_pitch
         return int(min(np.ceil(reach) + 1, max(self.shape)))
 
     def surely_within(self, angle: float) -> Image:
-        """Distance in pixels up to which other pixels are within an angle [rad]."""
+        """Radius [pixels] around each pixel that stays within an angle [rad]."""
         with np.errstate(divide="ignore"):
             return np.asarray(angle / self._pitch.most)
 
     def pixel_angle(self) -> float:
         """Angle per pixel [rad], averaged over ten pixels along the central diagonal.
 
-        In evalglare, the merging angle is compared with this angle.
+        evalglare converts the merging angle to pixels by this angle.
         """
         rows, columns = self.shape
         # The central pixel of evalglare, which counts rows from below
@@ -123,7 +123,7 @@ class GlareView:
 def glare_view(
     view: View, columns: int, rows: int, *, model: PositionModel = "guth"
 ) -> GlareView:
-    """Return the pixel quantities of a view; the last results are cached.
+    """Return the pixel quantities of a view; recent results are cached.
 
     >>> eye = glare_view(View(kind="angular", horizontal=180, vertical=180), 64, 64)
     >>> round(float(eye.eye_weight.sum() / np.pi), 3)
@@ -152,7 +152,7 @@ def _glare_view(
     shape: tuple[int, int],
     model: PositionModel,
 ) -> GlareView:
-    # The arguments are hashable: the view parameters on which the directions depend
+    # Hashable arguments for the cache: the view parameters that define the directions
     direction, up = map(np.array, axes)
     view = View(kind, np.zeros(3), direction, up, *size)
     rows, columns = shape
@@ -190,7 +190,7 @@ def _by_rows(work: Callable[[slice], None], rows: int, columns: int) -> None:
 
 def _tau(view: View, direction: np.ndarray, cosine: np.ndarray) -> np.ndarray:
     # Angle from the up vector; as in evalglare, the up vector of a tilted view is not
-    # projected to the plane across the line of sight
+    # projected perpendicular to the line of sight
     ahead = float(view.direction @ view.up)
     with np.errstate(divide="ignore", invalid="ignore"):
         across = (direction @ view.up - cosine * ahead) / np.sqrt(1 - cosine * cosine)
@@ -199,7 +199,7 @@ def _tau(view: View, direction: np.ndarray, cosine: np.ndarray) -> np.ndarray:
 
 
 def pixel_pitch(direction: Float[np.ndarray, "row column 3"]) -> Pitch:
-    """Return the angles per pixel [rad], from the gradient of the directions."""
+    """Return the angles per pixel [rad], from the gradient of the pixel directions."""
     rows, columns = direction.shape[:2]
     pitch = Pitch(np.empty((rows, columns)), np.empty((rows, columns)))
 

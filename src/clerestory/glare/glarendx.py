@@ -14,7 +14,7 @@ from clerestory.glare.imageless import position_of
 from clerestory.glare.position_index import PositionModel
 from clerestory.scene.view import View
 
-# Azimuth of the points on the rim, counter-clockwise from the right
+# Azimuth of the points on the rim [rad], counter-clockwise from the right
 _RIM = np.radians([0, 60, 180, 240, 300, 120])
 
 

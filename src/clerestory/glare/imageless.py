@@ -2,8 +2,8 @@
 
 DGP is computed from the vertical illuminance and from luminances in a set of
 directions: the sky patches visible through the windows, and the sun. Each direction
-with luminance above the threshold is a separate glare source. The merging of sources,
-and sources by reflection in the room, are neglected.
+with luminance above the threshold is a separate glare source. Merging of sources and
+reflections in the room are neglected.
 """
 
 import numpy as np
@@ -27,10 +27,10 @@ def imageless_dgp(
 ) -> Series:
     """Daylight glare probability at each step from vertical illuminance [lux].
 
-    Luminances [cd/m²] are those through the window, and 0 for a hidden sun; directions
-    with luminance above `threshold` are glare sources. Solid angles [sr] of the visible
-    part of each patch, or of the sun, and position indices, infinite behind the eye,
-    have one column, or one per step.
+    `luminance` [cd/m²] is that seen through the window, or 0 for a hidden sun;
+    directions with luminance above `threshold` are glare sources. `solid_angle` [sr] is
+    that of the sun, or of the visible part of a sky patch; `index` is the position
+    index, infinite behind the eye. Both have a single column, or one per step.
 
     Reference: Jones, N. L. (2019): Fast climate-based glare analysis and spatial
     mapping. Building Simulation, Rome. Wasilewski, S. et al. (2022): Efficient
@@ -60,7 +60,7 @@ def position_of(
 ) -> Values:
     """Position index of directions from the eye; infinite behind the eye.
 
-    The vertical is the up vector of the view, projected to the plane across the line of
+    The vertical is the up vector of the view, projected perpendicular to the line of
     sight.
     """
     right = np.cross(view.direction, view.up)

@@ -22,9 +22,9 @@ CATEGORIES = ("imperceptible", "perceptible", "disturbing", "intolerable")
 class EyePhotometry:
     """Photometric quantities of a field of view: the inputs of the glare indices.
 
-    The illuminance at the eye is vertical [lux]. Luminances are the mean of the
-    picture, the mean of the task (of the picture without a task), and that of the
-    brightest pixel [cd/m²]. The solid angle is that of all pixels in view [sr].
+    `illuminance` is vertical, at the eye [lux]. `average` is the mean luminance of the
+    picture, `reference` that of the task, or of the picture if there is no task,
+    `brightest` the largest [cd/m²]. `solid_angle` is that of all pixels in view [sr].
     """
 
     sources: GlareSources
@@ -68,8 +68,7 @@ class EyePhotometry:
 class Quantity:
     """A quantity reported for every picture.
 
-    `column` is its name in the output of evalglare; None if evalglare does not print
-    it.
+    `column` is the name in evalglare's output; None if evalglare does not print it.
     """
 
     name: str
@@ -80,7 +79,7 @@ class Quantity:
 
 @dataclass(frozen=True, kw_only=True)
 class GlareIndex(Quantity):
-    """An index of discomfort glare, which increases with glare, except for VCP.
+    """An index of discomfort glare; all indices but VCP increase with glare.
 
     `thresholds` are the values from which glare is perceptible, disturbing and
     intolerable; empty if not published.
@@ -97,10 +96,10 @@ class GlareIndex(Quantity):
 
 
 def without_logarithm(sources: GlareSources, adaptation: float) -> float | None:
-    """Return a substitute for a logarithmic index whose logarithm is undefined.
+    """Return the value of a logarithmic index where its logarithm is undefined.
 
-    It is 0 without glare sources, NaN for an adaptation luminance of 0 or less, and
-    None if the logarithm is defined.
+    The value is 0 without glare sources, and NaN for an adaptation luminance of 0 or
+    less; otherwise the logarithm is defined, and None is returned.
     """
     if not sources.count:
         return 0.0

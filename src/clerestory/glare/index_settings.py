@@ -29,7 +29,7 @@ EVALGLARE = DgpCoefficients()
 
 @dataclass(frozen=True)
 class IndexSettings:
-    """Settings of the glare indices, as described at `evaluate_glare`."""
+    """Settings of the glare indices, as in `evaluate_glare`."""
 
     background: Background = "cie"
     given_illuminance: float | None = None

@@ -33,8 +33,8 @@ class FieldLuminances(NamedTuple):
 def field_luminances(luminance: Image, eye: GlareView) -> FieldLuminances:
     """Return mean and median luminances of the pixels in view.
 
-    `average_by_square` differs from av_lum_pos2 of evalglare, which is divided twice by
-    the solid angle of the view.
+    evalglare divides av_lum_pos2 by the solid angle of the view twice;
+    `average_by_square` is divided once.
     """
     bright = luminance[eye.valid].astype(float)
     omega = eye.solid_angle[eye.valid]
@@ -49,10 +49,10 @@ def field_luminances(luminance: Image, eye: GlareView) -> FieldLuminances:
 
 @dataclass(frozen=True)
 class RegionStatistics:
-    """Pixels, solid angle [sr], luminances [cd/m²] and illuminance of a region.
+    """Pixel count, solid angle [sr], luminances [cd/m²] and illuminance of a region.
 
-    The average luminance is weighted by solid angle; the other luminances are
-    statistics over pixels. The illuminance is vertical, at the eye [lux].
+    The average luminance is weighted by solid angle, the other luminances are not. The
+    illuminance from the region is vertical, at the eye [lux].
     """
 
     pixels: int

@@ -19,7 +19,7 @@ _Labels = Int[np.ndarray, "row column"]
 
 
 class Window(NamedTuple):
-    """Rectangular window around a central pixel, with its upper left pixel.
+    """Rectangular window around a central pixel; `top` and `left` are its first pixel.
 
     `near` tells whether a pixel is within the search angle of the central pixel,
     `blind` whether the row of the central pixel is not searched, due to rounding.
@@ -34,9 +34,9 @@ class Window(NamedTuple):
 class Neighbourhood:
     """Pixels within a search angle [rad] of a pixel.
 
-    `chord` is the distance between unit vectors at this angle. Pixels within the angle
-    are at most `reach` rows or columns apart; pixels within `sure_reach` are always
-    within the angle.
+    `chord` is the distance between two unit vectors at the search angle. Pixels within
+    the angle are at most `reach` rows or columns apart; pixels up to `sure_reach`
+    pixels apart are always within the angle.
     """
 
     def __init__(self, eye: GlareView, angle: float) -> None:
@@ -79,8 +79,8 @@ def first_found(
 ) -> int:
     """Return the first wanted source label above or below a pixel; 0 if none.
 
-    Pixels without source have the label 0. The search is `upwards` from the row above
-    the central pixel, or downwards from its row, in columns up to `last_column`.
+    Pixels outside of sources have the label 0. The search is `upwards` from the row
+    above the central pixel, or downwards from the central row, up to `last_column`.
     """
     top, left, near, blind = window
     height, width = near.shape

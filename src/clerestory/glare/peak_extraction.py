@@ -29,7 +29,7 @@ def split_peaks(
     turned = np.ascontiguousarray((place >= 0)[::-1].T)
     peaks = peaks._replace(island=islands(turned, nearer.reach))
 
-    # `birth` is the index of the first pixel of the group of each pixel
+    # `birth` is, for each pixel, the index of the first pixel of its group
     alone = _is_alone(row, column, place, nearer)
     tips = np.bincount(peaks.island, weights=alone)
     begin = np.full(tips.size, row.size)
@@ -49,8 +49,8 @@ def split_peaks(
 def _is_alone(
     row: np.ndarray, column: np.ndarray, place: np.ndarray, nearer: Neighbourhood
 ) -> np.ndarray:
-    # Whether none of the adjacent pixels scanned before a pixel is a peak pixel, which
-    # the search would always find
+    # Whether no adjacent pixel scanned before a pixel is a peak pixel; the search would
+    # always find an adjacent peak pixel
     rows, _ = place.shape
     alone = np.ones(row.size, dtype=bool)
     close = nearer.sure_reach[row, column] >= np.sqrt(2)

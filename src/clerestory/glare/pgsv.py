@@ -6,7 +6,7 @@ from clerestory.checks import require
 
 
 def contrast_pgsv(*, window: float, window_solid_angle: float, average: float) -> float:
-    """PGSV from the contrast between a window and its surround.
+    """PGSV due to the contrast between a window and its surround.
 
     `window` is the mean luminance of the window, `average` that of the field of view of
     2π sr [cd/m²].
@@ -48,9 +48,9 @@ def surround_luminance(
 
 
 def saturation_pgsv(illuminance: float) -> float:
-    """PGSV from saturation, from the vertical illuminance at the eye [lux].
+    """PGSV due to saturation, from the vertical illuminance at the eye [lux].
 
-    For windows that fill the field of view.
+    The formula applies to windows that fill the field of view.
 
     >>> round(saturation_pgsv(5000.0), 2)
     1.76
@@ -66,10 +66,10 @@ def pgsv(
     illuminance: float,
     task: float,
 ) -> float:
-    """PGSV from contrast or from saturation.
+    """PGSV due to contrast or due to saturation.
 
-    Contrast applies if the ratio of window to surround luminance exceeds the ratio of
-    mean luminance Ev/π to the luminance of the task [cd/m²].
+    The contrast formula applies if the ratio of window to surround luminance exceeds
+    the ratio of mean luminance Ev/π to the luminance of the task [cd/m²].
 
     >>> window = {"window": 3000.0, "window_solid_angle": 0.5, "average": 600.0}
     >>> round(pgsv(**window, illuminance=1900.0, task=200.0), 2)

@@ -9,18 +9,18 @@ from clerestory.image.denoise import is_denoised
 from clerestory.image.picture import Picture
 from clerestory.scene.view import View
 
-# A fisheye picture has black corners: largest luminance of black pixels [cd/m²], and
-# smallest fraction of black pixels in the corners (evalglare)
+# Criteria of a fisheye picture (evalglare): largest luminance of black pixels [cd/m²],
+# and smallest fraction of black pixels in the corners
 _BLACK, _BLACK_CORNERS = 7.0, 0.70
 
 # Largest relative deviation of the aspect ratio of a picture
 _ASPECT = 0.02
 
-# Largest radiance for which sums do not overflow [W/(m²·sr)]; that of the sun is 10⁷
+# Largest radiance for which sums do not overflow [W/(m²·sr)]; the sun has 10⁷
 _LARGEST = 1e30
 
-# A photograph without photometric scale has clipped pixels at a radiance of 1: smallest
-# fraction of clipped pixels, and largest deviation from 1
+# Criteria of a photograph without photometric scale: smallest fraction of clipped
+# pixels, and largest deviation of their radiance from 1
 _CLIPPED, _WHITE = 1e-3, 5e-3
 
 

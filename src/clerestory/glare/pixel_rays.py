@@ -2,8 +2,8 @@
 
 `View.rays` gives the same directions with different rounding. Rounding matters because
 evalglare does not search the row of a pixel whose direction has a squared length above
-one, and merges sources by exact comparison of solid angles. The projections are those
-of image.c, in the order of operations of the compiled Radiance programs.
+one, and merges sources by exact comparison of solid angles. The formulas are those of
+Radiance's image.c, in the order of operations of the compiled programs.
 
 Pixel corners are joined by great circles, and a pixel with a corner outside of the
 projection has zero solid angle; exact solid angles are in `scene.view.solid_angles`.
@@ -46,7 +46,7 @@ def pixel_rays(
 def directions(
     view: View, x: Float[np.ndarray, " column"], y: Float[np.ndarray, " row"]
 ) -> PixelRays:
-    """Return the directions of a grid of points, from 0 to 1 across the picture."""
+    """Return directions of a grid of points; x and y are 0 to 1 over the picture."""
     across, high = np.meshgrid(x - 0.5 + view.shift, y - 0.5 + view.lift)
     right, up = _screen(view)
     size = view.horizontal, view.vertical
@@ -168,7 +168,7 @@ def _angles(grid: PixelRays, rows_of: np.ndarray, columns_of: np.ndarray) -> np.
 
 
 def _sides(count: int) -> tuple[np.ndarray, np.ndarray]:
-    # Lower and upper edge of each pixel, 0 to 1 over the picture
+    # Lower and upper edge of each pixel along one axis, from 0 to 1 over the picture
     half = 0.5 / count
     begin = (np.arange(count) + 0.5) / count - half
     return begin, begin + 2 * half

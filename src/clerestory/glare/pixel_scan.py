@@ -20,12 +20,12 @@ _SURE = 0.6
 
 _AROUND = np.ones((3, 3), dtype=bool)
 
-# Number of cells per search radius of the coarse grid in `islands`
+# Number of cells per search radius, in the coarse grid of `islands`
 _CELLS = 4
 
 
 class ScannedPixels(NamedTuple):
-    """Glare pixels in the order of the scan, with the index of their island."""
+    """Glare pixels in the order of the scan, each with the index of its island."""
 
     row: Int[np.ndarray, " pixel"]
     column: Int[np.ndarray, " pixel"]
@@ -48,7 +48,7 @@ def scan_order(mask: ImageMask, reach: int) -> ScannedPixels:
 
 
 def islands(mask: ImageMask, reach: int) -> Int[np.ndarray, " pixel"]:
-    """Index, from 0, of the island of each pixel of the mask, in row-major order.
+    """Return the island index, from 0, of each pixel of the mask, in row-major order.
 
     Islands are groups of pixels more than `reach` rows or columns apart, and are
     processed separately. They are found on a coarse grid, which may join close islands.
@@ -63,7 +63,7 @@ def islands(mask: ImageMask, reach: int) -> Int[np.ndarray, " pixel"]:
     row, column = row // size, column // size
     cells = np.zeros((row.max(initial=0) + 1, column.max(initial=0) + 1), dtype=bool)
     cells[row, column] = True
-    # Dilate the cells by half the search radius, so that islands within it join
+    # Dilate the cells by half the search radius, so that islands within the radius join
     grow = (reach // size + 2) // 2
     grown = np.pad(cells, grow)
     grown = ndimage.maximum_filter(grown, size=2 * grow + 1)
@@ -74,7 +74,7 @@ def islands(mask: ImageMask, reach: int) -> Int[np.ndarray, " pixel"]:
 def first_scan(
     pixels: ScannedPixels, mask: ImageMask, near: Neighbourhood, *, single: bool
 ) -> Int[np.ndarray, " pixel"]:
-    """Source label of each pixel after the first scan, from 1 in order of creation.
+    """Return the source label of each pixel after the first scan, from 1.
 
     With `single`, every pixel is a run of its own.
     """
@@ -89,7 +89,7 @@ def first_scan(
     # An island in which at most one run can begin a source is one source
     labels = np.zeros(mask.shape, dtype=np.int64)
     tips = np.bincount(island[start], weights=alone, minlength=island.max() + 1)
-    birth = np.zeros(start.size, dtype=np.int64)  # first run of the source of each run
+    birth = np.zeros(start.size, dtype=np.int64)  # first run of each run's source
     for here in np.flatnonzero(tips > 1):
         members = np.flatnonzero(island[start] == here)
         birth[members] = _scan_runs(
@@ -135,7 +135,7 @@ def _scan_runs(
     labels: np.ndarray,
     alone: np.ndarray,
 ) -> np.ndarray:
-    # Index of the first run of the source of each run, by the search of evalglare
+    # For each run, index of the first run of its source, by the search of evalglare
     only = 0  # the only label in use, or −1 if several are in use
     ends = np.append(np.flatnonzero(begins)[1:], begins.size)
     birth = np.zeros(members.size, dtype=np.int64)
@@ -163,7 +163,7 @@ def _find(
     *,
     alone: bool,
 ) -> int:
-    # Labels above the pixel precede labels below; the upper left pixel precedes all
+    # The search visits the upper left pixel first, then rows above, then rows below
     if row > 0 and column > 0 and near.sure_reach[row, column] >= 2:
         label = int(labels[row - 1, column - 1])
         if label:

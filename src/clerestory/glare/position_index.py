@@ -21,7 +21,7 @@ LARGEST = 16.0
 def position_index(
     sigma: Values, tau: Values, below: Mask, *, model: PositionModel = "guth"
 ) -> Values:
-    """Position index of directions; 1 on the line of sight, except Kim's.
+    """Position index of directions; on the line of sight 1, except in Kim's model.
 
     Directions are given by their angle sigma from the line of sight, and their azimuth
     tau around it from the upward vertical [rad]. Models are "guth" as in evalglare,
@@ -59,8 +59,7 @@ def _guth(sigma: np.ndarray, tau: np.ndarray) -> np.ndarray:
 
 
 def _iwata(sigma: np.ndarray, tau: np.ndarray) -> np.ndarray:
-    # Guth's index for τ = 90° at a larger angle, by the factor √(1 + 0.3225 cos² τ) on
-    # the tangent
+    # Guth's index for τ = 90° at the angle with tangent tan σ · √(1 + 0.3225 cos² τ)
     wide = np.sqrt(1 + 0.3225 * np.cos(tau) ** 2)
     beta = np.degrees(np.arctan(np.tan(sigma) * wide))
     return np.asarray(np.exp(6.49e-3 * beta + 21e-5 * beta * beta))

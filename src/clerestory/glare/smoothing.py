@@ -5,16 +5,16 @@ from scipy import fft
 
 from clerestory.array_types import Image, ImageMask
 
-# A dark pixel is added if a larger fraction of the disc around it belongs to the source
+# A dark pixel is added if more than this fraction of the disc around it is source
 _SHARE = 0.2
 
 
 def surrounded(mine: ImageMask, solid_angle: Image, radius: float) -> ImageMask:
     """Whether more than a fifth of the disc around each pixel belongs to a source.
 
-    `mine` are the pixels of the source; the radius of the disc is in pixels. Fractions
-    are of solid angle. As in evalglare, discs that cross the right or upper edge of the
-    picture exclude the rightmost column or the top row.
+    `mine` are the pixels of the source; the radius of the disc is in pixels. The
+    fraction is that of the solid angle of the disc. As in evalglare, discs that cross
+    the right or upper edge of the picture exclude the rightmost column or the top row.
     """
     rows, columns = mine.shape
     reach = int(np.ceil(radius)) + 1

@@ -18,7 +18,7 @@ from clerestory.glare.pixel_scan import ScannedPixels
 
 _EIGHT = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0)]
 
-# Distance from the edge of the picture within which pixels count as outer pixels
+# Distance from the picture edge within which pixels count as outer pixels [pixels]
 _EDGE = 2
 
 
@@ -30,7 +30,7 @@ def merge_sources(
     *,
     skip_inner: bool,
 ) -> Int[np.ndarray, " pixel"]:
-    """Source label of each pixel after merging.
+    """Return the source label of each pixel after merging.
 
     With `skip_inner`, pixels surrounded by pixels of the same source are skipped.
     """
@@ -54,7 +54,7 @@ def merge_sources(
 
 @dataclass
 class _Merging:
-    # State of the sources of one island during merging
+    # Labels and solid angles of the sources of one island during merging
     pixels: ScannedPixels
     labels: np.ndarray
     picture: np.ndarray
@@ -72,7 +72,7 @@ class _Merging:
         self.current = np.arange(self.size.size)
 
     def _meetings(self) -> tuple[np.ndarray, np.ndarray]:
-        # Pairs of an outer pixel and the label of a source within the search angle
+        # Pairs of an outer pixel and the label of another source in the search angle
         outer = np.flatnonzero(self._is_outer(np.arange(self.labels.size)))
         row, column = self.pixels.row[outer], self.pixels.column[outer]
         direction, reach = self.near.direction[row, column], self.near.reach
@@ -93,7 +93,7 @@ class _Merging:
         return pixel, neighbour
 
     def _is_outer(self, index: np.ndarray) -> np.ndarray:
-        # Whether pixels have an adjacent pixel of another label or are at the edge
+        # Whether pixels adjoin another label or are at the edge of the picture
         row, column = self.pixels.row[index], self.pixels.column[index]
         rows, columns = self.picture.shape
         outer: np.ndarray = (np.minimum(row, column) < _EDGE) | (row >= rows - _EDGE)

@@ -31,7 +31,7 @@ _FEW_PIXELS = 3.0
 
 
 class Members(NamedTuple):
-    """Pixels of glare sources, with the label of their source.
+    """Pixels of glare sources, each with the label of its source.
 
     Labels start at 1; labels of merged sources are unused. A pixel that smoothing adds
     to several sources is listed once per source.
@@ -50,7 +50,7 @@ def threshold_luminance(luminance: Image, eye: GlareView, rules: SourceRules) ->
 
 
 def reference_luminance(luminance: Image, eye: GlareView, task: Zone | None) -> float:
-    """Mean luminance of the task, or of the picture without a task [cd/m²]."""
+    """Mean luminance of the task, or of the picture if there is no task [cd/m²]."""
     weight = eye.solid_angle
     if task is not None:
         weight = weight * in_zone(eye, task)

@@ -13,9 +13,9 @@ from clerestory.glare.sources import Members, in_zone
 
 @dataclass(frozen=True)
 class Zones:
-    """Zone 1 within a circle, and zone 2, the ring up to an outer opening angle [rad].
+    """Zone 1 is a circle, zone 2 the ring around it up to `outer_opening` [rad].
 
-    Without `outer_opening` there is a single zone.
+    Without `outer_opening` there is no zone 2.
     """
 
     inner: Zone
@@ -44,9 +44,9 @@ def cut_along(
 ) -> tuple[Members, Int[np.ndarray, " label"]]:
     """Divide glare sources along the borders of zones.
 
-    The part of a source in a zone becomes a new source. New labels follow all existing
-    labels, in the order of the scan. The second result is the zone number of each
-    label.
+    The pixels of a source that lie in a zone become a new source. New labels follow all
+    existing labels, in scan order. Return the divided sources and the zone number of
+    each label.
     """
     label, row, column = members
     where = zone[row, column]

@@ -57,7 +57,7 @@ class SlatGeometry:
         within(self.segments, "number of segments per slat", least=1, most=100)
 
     def polyline(self) -> Points2:
-        """Points of a slat from outdoors to indoors, relative to its mid-chord [m]."""
+        """Points of a slat from outdoors to indoors, relative to mid-chord [m]."""
         if self.curvature_radius:
             radius = self.curvature_radius
             half = np.arcsin(self.width / 2 / abs(radius))
@@ -191,7 +191,7 @@ class SlatCell:
     def _reciprocal(
         self, factors: Float[np.ndarray, "face face"]
     ) -> Float[np.ndarray, "face face"]:
-        # Enforce L_i F_ij = L_j F_ji while keeping the row sums
+        # Enforce reciprocity, L_i F_ij = L_j F_ji, and keep row sums of 1
         length = self.lengths[:, None]
         flux = length * factors
         for _ in range(50):

@@ -1,6 +1,6 @@
-"""Animation of one day: the pictures of all views side by side, by time step.
+"""Animation of one day: pictures of all views side by side, a frame per time step.
 
-Frames are small JPEG images embedded in the page and shown by its script.
+Frames are small JPEG images embedded in the page and shown by the script film.js.
 """
 
 from collections.abc import Iterator, Sequence
@@ -34,20 +34,19 @@ from clerestory.report.window_states import window_states
 # Smallest and largest number of frames of an animation
 _FEWEST, _MOST = 6, 96
 
-# Maximum size of all frames [characters], frame widths tried [pixels], JPEG quality
+# Limit of all data URLs [characters]; frame widths to try [pixels]; JPEG quality
 _BUDGET = 6_000_000
 _WIDTHS = (480, 400, 320, 256, 200, 160, 120)
 _QUALITY = 78
 
-# Colour of frames without daylight
+# Colour in the glare row for frames in the dark
 _DARK = "#eceef0"
 
 
 class Frames(NamedTuple):
-    """Frames of one view: data URLs, empty for time steps without picture.
+    """Frames of one view as data URLs; "" for time steps without a picture.
 
-    The images are tone-mapped (`seen`) and in false colour (`luminance`), of one size
-    [pixels].
+    `seen` are tone-mapped images, `luminance` false-colour images; `size` is in pixels.
     """
 
     view: str
@@ -58,9 +57,9 @@ class Frames(NamedTuple):
 
 
 def film_section(content: ReportContent) -> Section:
-    """Return the animation of one day with its controls, at the middle frame.
+    """Return the animation of one day with controls, showing the middle frame first.
 
-    The section is empty if no day has six pictures.
+    The section is empty if no day has six time steps with pictures.
     """
     pictures, times = view_pictures(content), content.times
     steps = film_steps(pictures, times, brightness=content.illuminance.mean(axis=0))
@@ -80,7 +79,7 @@ def film_section(content: ReportContent) -> Section:
             {
                 "name": view.view,
                 "note": notes[view.view][middle],
-                # The first picture of the view if this frame has none
+                # If the middle frame is empty, show the first picture of the view
                 "address": view.seen[middle] or next(filter(None, view.seen)),
                 "columns": view.size[0],
                 "rows": view.size[1],
@@ -103,9 +102,9 @@ def film_steps(
     *,
     brightness: Float[np.ndarray, " time"],
 ) -> Int[np.ndarray, " frame"]:
-    """Return the time steps of the day with most pictures; empty if fewer than six.
+    """Return the time steps with pictures on the day that has most of them.
 
-    Among days with equal numbers of pictures, the brightest day is chosen.
+    The result is empty below six. Of days with equal numbers, the brightest is chosen.
     """
     steps = np.unique([m.step for view in views for m in view.moments]).astype(int)
     if not len(steps):
@@ -122,7 +121,7 @@ def film_steps(
 def _frames(
     views: Sequence[ViewPictures], steps: Int[np.ndarray, " frame"]
 ) -> list[Frames]:
-    # Frames of the largest width for which all of them fit the page
+    # Frames of the largest width at which all data URLs are within the limit
     shown: list[Frames] = []
     for width in _WIDTHS:
         shown = [
@@ -153,7 +152,7 @@ def _view_frames(
 def _rows(
     content: ReportContent, steps: Int[np.ndarray, " frame"]
 ) -> list[dict[str, Any]]:
-    # Window states, then glare of each frame, as coloured text below the frames
+    # Rows of coloured text below the frames: states of each window, DGP of each view
     rows = []
     for each in window_states(content.data):
         shades = hexadecimal(each.colours())

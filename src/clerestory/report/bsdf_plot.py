@@ -1,7 +1,7 @@
-"""Figures of BSDFs: angular distributions, transmittances, comparisons of layers.
+"""Figures of the BSDFs of one or more layers: angular distribution, transmittance.
 
-All discs are seen from the room, with right and up as in the room and the polar angle
-as distance from the centre. The ring marks the undeviated direction.
+Discs show exit directions as seen from the room; the radius is the polar angle. A ring
+marks the direction of undeviated transmission or mirror reflection.
 """
 
 from collections.abc import Sequence
@@ -31,15 +31,15 @@ _PIXELS = 480
 _DECADES = 5
 _LINE: dict[str, Any] = {"color": "white", "linewidth": 0.35, "alpha": 0.35}
 
-# Step of the polar angle in curves of direct-hemispherical values [°].
+# Step of the incidence angle in curves of transmittance or reflectance [°].
 _CURVE_DEG = 2.5
 
 
 def patch_direction(patch: int, function: Function) -> Float[np.ndarray, "3"]:
-    """Incident direction at the centre of a patch of the full Klems basis."""
+    """Direction to the source for one incident patch of the full Klems basis."""
     centres = klems("full").centres()
     within(patch, "patch", least=0, most=len(centres) - 1)
-    # The undeviated direction is the centre (room) or its mirror image (outdoors)
+    # Undeviated light leaves towards the patch centre, mirrored if it goes outdoors
     signs = (-1.0, -1.0, -1.0 if function.endswith("front") else 1.0)
     return np.asarray(centres[patch] * signs)
 
@@ -47,9 +47,9 @@ def patch_direction(patch: int, function: Function) -> Float[np.ndarray, "3"]:
 def direction_from_angles(
     theta_deg: float, phi_deg: float, function: Function
 ) -> Float[np.ndarray, "3"]:
-    """Incident direction from the polar angle and azimuth of its source.
+    """Direction to a source with the given polar angle and azimuth.
 
-    The azimuth is measured from the right upwards, as seen from the room.
+    Seen from the room, azimuth 0° is to the right and 90° is up.
     """
     require(
         0 <= theta_deg < 90,
@@ -71,7 +71,7 @@ def lobe_figure(
 ) -> Figure:
     """Draw the BSDF of each layer (columns) for each incident direction (rows).
 
-    All discs share one logarithmic scale of at most five decades.
+    All discs share one logarithmic colour scale of at most five decades.
     """
     leaving, inside = _disc(function)
     rows = [
@@ -112,9 +112,9 @@ def share_figure(
     channel: str = "visible",
     names: Sequence[str] = (),
 ) -> Figure:
-    """Draw direct-hemispherical T or R against the angle of incidence.
+    """Plot direct-hemispherical transmittance or reflectance by angle of incidence.
 
-    One panel covers the vertical plane (up and down), one the horizontal plane.
+    The left panel is for light from above and below, the right one from the sides.
     """
     figure = Figure(figsize=(8.4, 3.4), layout="constrained")
     panels = figure.subplots(1, 2, sharey=True)
@@ -146,7 +146,7 @@ def share_figure(
 def _disc(
     function: Function,
 ) -> tuple[Float[np.ndarray, "row column 3"], np.ndarray]:
-    # Exit directions of the pixels of a disc, row 0 at the bottom
+    # Exit direction of each pixel, row 0 at the bottom, and whether it is on the disc
     line = (np.arange(_PIXELS) + 0.5) / _PIXELS * 2 - 1
     x, y = np.meshgrid(line, line)
     radius = np.hypot(x, y)
@@ -158,7 +158,7 @@ def _disc(
 
 
 def _draw_patches_or_rings(axes: Axes, part: ScatteringFunction) -> None:
-    # Draw patch outlines, or circles of equal polar angle, and the rim
+    # Draw the rim, and patch outlines (matrix) or circles at 30° and 60° (tensor tree)
     if isinstance(part, ScatteringMatrix):
         _draw_patches(axes, part.exits)
     else:

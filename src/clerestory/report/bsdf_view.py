@@ -1,8 +1,8 @@
 """Interactive view of a BSDF as one self-contained HTML file.
 
 A matrix is shown on its own patches. A tensor tree, or a matrix of more than a million
-values, is averaged over cells of about three degrees and the 145 incident patches of
-the full Klems basis, conserving flux.
+values, is averaged over the 145 incident patches of the full Klems basis and over exit
+patches about three degrees wide; flux is conserved.
 """
 
 from pathlib import Path
@@ -32,27 +32,27 @@ _FUNCTIONS: tuple[Function, ...] = (
 )
 _SCRIPTS = ("raster.js", "solids.js", "bsdf_discs.js", "bsdf_lobes.js", "bsdf_view.js")
 
-# Width of the cells on which a tensor tree is shown [°].
+# Width of the exit patches over which a tensor tree is averaged [°].
 _CELL_DEG = 3.0
 
-# Decades shown below the maximum, and number of codes, equidistant in the logarithm.
+# Decades shown below the maximum BSDF; number of 16-bit codes for them.
 _DECADES = 6
 _CODES = 65_534
 
-# Maximum number of values on a page: about 8 MB after compression.
+# Maximum number of BSDF values on a page: about 8 MB after compression.
 _MOST_VALUES = 5_000_000
 
-# Number of values above which a matrix is averaged like a tensor tree.
+# Number of BSDF values above which a matrix is averaged like a tensor tree.
 _MOST_VALUES_OF_ONE = 1_000_000
 
 
 def write_view(bsdf: Bsdf, path: str | Path) -> None:
-    """Write the view of a BSDF as one self-contained HTML file."""
+    """Write the interactive view of a BSDF as one self-contained HTML file."""
     write_text(path, view_page(bsdf))
 
 
 def view_page(bsdf: Bsdf) -> str:
-    """Return the view as HTML."""
+    """Return the interactive view of a BSDF as HTML."""
     require(
         bsdf.functions,
         "BSDF without data; at least one function expected",
@@ -81,9 +81,9 @@ def view_page(bsdf: Bsdf) -> str:
 
 
 def view_data(bsdf: Bsdf) -> dict[str, Any]:
-    """Return the data of the view as JSON values.
+    """Return the BSDF values, patches and colours of the view as JSON values.
 
-    Transmittances and reflectances that would make the page too large are only listed.
+    BSDF functions that would make the page too large are listed by name only.
     """
     functions: list[dict[str, Any]] = []
     left_out: list[str] = []
@@ -93,7 +93,7 @@ def view_data(bsdf: Bsdf) -> dict[str, Any]:
             if not bsdf.has(name, channel=channel):
                 continue
             part = bsdf.scattering(name, channel=channel)
-            # Patches of the file, unless it has none or too many
+            # Use the patches of the BSDF file, unless it has none or too many
             exits, incidents = part.own_partitions() or coarse
             if len(exits) * len(incidents) > _MOST_VALUES_OF_ONE:
                 exits, incidents = coarse
@@ -112,7 +112,7 @@ def view_data(bsdf: Bsdf) -> dict[str, Any]:
 
 
 def fine_partition() -> RingPartition:
-    """Return patches about three degrees wide, on which tensor trees are shown."""
+    """Return patches about three degrees wide, over which tensor trees are averaged."""
     limits = np.concatenate([[0.0], np.arange(_CELL_DEG / 2, 90, _CELL_DEG), [90.0]])
     middle = np.radians((limits[1:] + limits[:-1]) / 2)
     count = np.maximum(1, np.round(360 / _CELL_DEG * np.sin(middle) / 4) * 4)
@@ -142,9 +142,9 @@ def _function_data(
 def value_codes(
     values: Float[np.ndarray, "*batch"], high: float
 ) -> UInt16[np.ndarray, "*batch"]:
-    """Encode values in 16 bits, logarithmically up to `high`; 0 for zero.
+    """Encode values logarithmically in 16 bits; 0 if six decades or more below `high`.
 
-    The page decodes them to a relative precision of 0.01 %.
+    The relative error of decoded values is at most 0.01 %.
     """
     floor = high * 10.0**-_DECADES
     step = _DECADES * np.log(10) / _CODES

@@ -1,7 +1,6 @@
-"""Heat maps of classes over the days and hours of a year.
+"""Annual heat maps of classes, such as glare categories or window states.
 
-Examples are glare categories, window states and dimming levels of luminaires. The page
-shows the class of the cell under the mouse pointer.
+The page shows the class of the cell under the mouse pointer.
 """
 
 from collections.abc import Sequence
@@ -22,16 +21,16 @@ _NO_DATA = 255
 
 @dataclass(frozen=True, eq=False)
 class DayMap:
-    """Class of every time step, with labels and colours of the classes.
+    """Annual map: class of every time step, with labels and colours of the classes.
 
     Attributes
     ----------
     identifier : HTML identifier of the drawing
     label : description of the map
-    codes : class of each time step, -1 for none; if several steps share a cell, such as
-        steps of different years, the highest class is shown
+    codes : class index of each time step, -1 for none; a cell that contains several
+        time steps, such as those of several years, shows their highest class
     texts : label of each class
-    colours : red, green and blue of each class
+    colours : sRGB colour of each class
     """
 
     identifier: str
@@ -46,13 +45,13 @@ class DayMap:
         require(highest < known, f"class {highest} in a map; 0 to {known - 1} expected")
 
     def cells(self, grid: DayHourGrid) -> UInt8[np.ndarray, " cell"]:
-        """Class of each cell, in the order of days; 255 without data."""
+        """Class index of each cell, day by day; 255 for cells without data."""
         found = np.full(grid.days * grid.bins, -1)
         np.maximum.at(found, grid.cell, self.codes)
         return np.where(found < 0, _NO_DATA, found).astype(np.uint8)
 
     def image(self, grid: DayHourGrid) -> str:
-        """Return the coloured cells as a data URL."""
+        """Return the coloured cells as the data URL of a PNG image."""
         cells = self.cells(grid).reshape(grid.days, grid.bins).T[::-1]
         known = cells != _NO_DATA
         return png(self.colours[np.where(known, cells, 0)], known)
@@ -60,7 +59,7 @@ class DayMap:
     def drawing(
         self, grid: DayHourGrid, *, occupied: Bool[np.ndarray, " time"]
     ) -> Markup:
-        """Return the drawing of a map, with occupied hours as dashed lines."""
+        """Return the map with axes; dashed lines bound the occupied hours."""
         shown = heat_map(
             grid,
             image=self.image(grid),
@@ -71,12 +70,12 @@ class DayMap:
         return element("div", shown, class_="year-scroll class-map")
 
     def data(self, grid: DayHourGrid) -> dict[str, Any]:
-        """Return classes and labels as JSON values."""
+        """Return the class of each cell, and the class labels, as JSON values."""
         return {"cells": packed(self.cells(grid)), "texts": list(self.texts)}
 
 
 def keys(
     texts: Sequence[str], colours: UInt8[np.ndarray, "kind 3"]
 ) -> list[tuple[str, str]]:
-    """Return the colour `#rrggbb` and the label of each class."""
+    """Return the legend of a map: colour `#rrggbb` and label of each class."""
     return list(zip(hexadecimal(colours), texts, strict=True))

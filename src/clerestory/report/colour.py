@@ -1,4 +1,4 @@
-"""Colour scales of the drawings of a page, with perceptually uniform palettes."""
+"""Colour scales of report drawings, with perceptually uniform palettes."""
 
 import math
 
@@ -9,7 +9,7 @@ from clerestory.image.colour_scale import ColourScale
 from clerestory.report.embedded_data import png
 from clerestory.report.markup import Markup, element
 
-# Ratio of the limits of a scale above which only powers of ten are labelled
+# Ratio of largest to smallest value above which only powers of ten are labelled
 _WIDE = 2000
 
 
@@ -37,7 +37,7 @@ def illuminance_scale(
     """Return a logarithmic scale up to the 99.5th percentile of the illuminance.
 
     The scale starts at `low` [lux], by default at a round value below the minimum, but
-    not below 10 lux. It spans at least a factor of ten.
+    not below 10 lux. The scale spans at least one decade.
 
     Examples
     --------
@@ -56,12 +56,12 @@ def illuminance_scale(
 def value_colours(
     scale: ColourScale, values: Float[np.ndarray, "*batch"]
 ) -> UInt8[np.ndarray, "*batch 3"]:
-    """Colour of each value on a scale."""
+    """Colour (sRGB) of each value on a scale."""
     return scale.colours(scale.place(values))
 
 
 def hexadecimal(colours: UInt8[np.ndarray, "colour 3"]) -> list[str]:
-    """Return colours as `#rrggbb`."""
+    """Return sRGB colours as text `#rrggbb`."""
     return ["#{:02x}{:02x}{:02x}".format(*rgb) for rgb in colours.tolist()]
 
 

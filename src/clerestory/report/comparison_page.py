@@ -1,4 +1,4 @@
-"""HTML page of a comparison with measurements: tables, figures and notes."""
+"""HTML page that compares simulations with measurements: tables, figures, notes."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -44,9 +44,9 @@ def comparison_drawings(
     comparisons: Sequence[Comparison],
     places: dict[str, Float[np.ndarray, " 3"]] | None = None,
 ) -> list[Drawing]:
-    """Return all figures of a comparison, overviews first.
+    """Return all figures of a comparison, scatter plots first.
 
-    `places` are the positions of the sensors by name [m], for maps of grids.
+    `places` are the positions [m] of the sensors by name, required for maps of grids.
     """
     kinds = dict.fromkeys(kind for c in comparisons for kind in c.table())
     drawings = []
@@ -100,7 +100,7 @@ def _maps(
 
 
 def _shown_series(comparisons: Sequence[Comparison]) -> list[str]:
-    # All series if there are few; otherwise evenly spaced series of each group
+    # All series if nine or fewer; otherwise some of each group and quantity
     names = list(dict.fromkeys(name for c in comparisons for name in c.series()))
     if len(names) <= _MOST_SERIES:
         return names

@@ -32,7 +32,7 @@ _TITLE: dict[str, Any] = {"loc": "left", "fontsize": 10}
 def scatter_figure(comparisons: Sequence[Comparison], quantity: str) -> Figure | None:
     """Draw simulated against measured values, one panel per simulation.
 
-    Bands mark deviations of 10 and 20 %. None if no simulation has the quantity.
+    Bands mark deviations of 10 and 20 %. Returns None if no simulation has `quantity`.
     """
     panels = [(c.name, _pairs(c, quantity)) for c in comparisons]
     panels = [(name, pairs) for name, pairs in panels if pairs.measured.size]
@@ -70,7 +70,7 @@ def days_figure(comparisons: Sequence[Comparison], name: str) -> Figure:
     found = [(c.name, c.pairs.of(name)) for c in comparisons if name in c.pairs.names]
     times = np.concatenate([pairs.times for _, pairs in found])
     days, counts = np.unique(times.astype("datetime64[D]"), return_counts=True)
-    # Evenly spaced days with nearly complete data
+    # Evenly spaced days that have at least 60 % of the largest number of values
     days = days[counts >= max(1, 0.6 * counts.max())]
     days = days[evenly(len(days), _MOST_DAYS)]
     columns = min(len(days), 3)
@@ -93,7 +93,7 @@ def days_figure(comparisons: Sequence[Comparison], name: str) -> Figure:
 
 
 def time_figure(comparisons: Sequence[Comparison], group: str, quantity: str) -> Figure:
-    """Draw the time series of the mean over a group of sensors, without nights."""
+    """Plot the mean of a group of sensors over time, without gaps such as nights."""
     figure = Figure(figsize=(10.5, 3.2), layout="constrained")
     axes = figure.subplots()
     drawn = [_means(_pairs(c, quantity, group)) for c in comparisons]
@@ -122,10 +122,10 @@ def _finish(axes: Axes, quantity: str) -> None:
 def scan_figure(
     comparison: Comparison, group: str, places: dict[str, Float[np.ndarray, " 3"]]
 ) -> Figure | None:
-    """Draw maps of a grid at several times: measured, simulated and deviation.
+    """Draw maps of a sensor grid at several times: measured, simulated and deviation.
 
-    `places` are the positions of the sensors by name [m]. None if fewer than nine
-    sensors have simultaneous measurements.
+    `places` are the positions [m] of the sensors by name. Returns None if no hour has
+    nine measurements.
     """
     pairs = _pairs(comparison, ILLUMINANCE, group)
     stamps, counts = np.unique(pairs.times.astype("datetime64[h]"), return_counts=True)
@@ -195,7 +195,7 @@ def _draw_day(panel: Axes, part: Pairs, *, label: str, number: int) -> None:
 
 
 def _pairs(comparison: Comparison, quantity: str, group: str | None = None) -> Pairs:
-    # Pairs of one quantity, of all groups or of one
+    # Pairs (measured, simulated) of one quantity, from one group or from all groups
     pairs = comparison.pairs
     chosen = [
         quantity_of(name) == quantity and group in (None, group_of(name))
@@ -214,7 +214,7 @@ def _means(pairs: Pairs) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def _by_day(
     times: np.ndarray, stamps: np.ndarray, lines: list[np.ndarray]
 ) -> tuple[np.ndarray, list[np.ndarray]]:
-    # Consecutive axis positions of time steps; lines have gaps between days
+    # Axis positions count the time steps; NaN values interrupt lines between days
     day = times.astype("datetime64[D]").astype(int)
     cuts = np.flatnonzero(np.diff(day)) + 1
     days = np.unique(stamps.astype("datetime64[D]").astype(int))

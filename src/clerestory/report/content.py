@@ -1,7 +1,6 @@
-"""Content of a report as plain data classes.
+"""Content of a report as data classes.
 
-The page depends only on these values, which come from a run, a results file or an
-analytic solution in a test.
+Pages are made from these classes alone; tests fill them from analytic solutions.
 """
 
 from dataclasses import dataclass, field
@@ -19,7 +18,7 @@ from clerestory.report.uncertain_value import number
 
 
 class Room(NamedTuple):
-    """Surfaces of the scene: corners of triangles [m], and their RGB reflectances."""
+    """Scene as triangles: corners [m] and RGB reflectance of each triangle."""
 
     corners: Float[np.ndarray, "triangle 3 3"]
     colour: Float[np.ndarray, "triangle 3"]
@@ -44,13 +43,13 @@ class WindowSurface:
 
     @property
     def centre(self) -> Float[np.ndarray, "3"]:
-        """Centroid [m]."""
+        """Centroid of the window surface [m]."""
         weight = self._areas() + 1e-12
         return np.asarray(np.average(self.corners.mean(axis=1), axis=0, weights=weight))
 
     @property
     def area(self) -> float:
-        """Area [m²]."""
+        """Area of the window surface [m²]."""
         return float(self._areas().sum())
 
     def _areas(self) -> Float[np.ndarray, " triangle"]:
@@ -62,7 +61,7 @@ class WindowSurface:
 
 @dataclass(frozen=True, eq=False)
 class SensorPoints:
-    """Positions [m] and unit normals of sensors, and the grid of each sensor."""
+    """Names, grid names, positions [m] and unit normals of sensors."""
 
     names: tuple[str, ...]
     grids: tuple[str, ...]
@@ -73,13 +72,13 @@ class SensorPoints:
         return len(self.names)
 
     def by_grid(self) -> dict[str, Int[np.ndarray, " member"]]:
-        """Return the indices of the sensors of each grid, in the order of the grids."""
+        """Return the sensor indices of each grid, by name of the grid."""
         grids = np.array(self.grids, dtype=object)
         return {name: np.flatnonzero(grids == name) for name in dict.fromkeys(grids)}
 
 
 class FactTable(NamedTuple):
-    """A titled list of labels and values, such as the parameters of tracing."""
+    """Titled table of labels and values, such as ray-tracing parameters."""
 
     title: str
     rows: tuple[tuple[str, str], ...]
@@ -87,25 +86,25 @@ class FactTable(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ReportContent:
-    """Content of a report.
+    """Content of a report: results, metrics, scene and records of a run.
 
     Attributes
     ----------
     title, method, place : title, simulation method and location of the study
-    data : results, see `Results`; optional sections of the report are made from them
+    data : dataset of `Results`, from which optional sections are made
     times : local standard time at the middle of each time step
-    illuminance, standard_error : values and standard errors over (sensor, time) [lux]
-    occupied : whether each time step is an occupied hour
+    illuminance, standard_error : illuminance and its standard error [lux]
+    occupied : whether each time step is within the occupied hours
     schedule : description of the occupied hours
     metrics : metrics of each sensor, as returned by `sensor_metrics`, and
-        `useful_bands_error` over (band, sensor)
+        `useful_bands_error`, the standard error of the UDI bands
     sensors : positions and directions of the sensors
-    room, windows : surfaces of the scene; both may be empty
+    room, windows : surfaces of the scene and of its windows; both may be empty
     north : azimuth of the scene's +y axis, clockwise from north [rad]
     tables : tables of parameters, versions, seeds and compute device
     seconds : run time of each phase [s]
-    warnings : warnings of the run
-    picture_folder : folder of the pictures of the run; None for a report without them
+    warnings : warnings issued during the run
+    picture_folder : folder with pictures of the run; None for a report without pictures
     """
 
     title: str
@@ -141,11 +140,11 @@ class ReportContent:
 
     @cached_property
     def grid(self) -> DayHourGrid:
-        """Days and hours of the time steps."""
+        """Cells (day, time of day) of the annual heat maps."""
         return day_hour_grid(self.times)
 
     def occupied_share(self, chosen: Bool[np.ndarray, " time"]) -> str:
-        """Percentage and number of the occupied hours among the chosen time steps."""
+        """Text such as "12.3 %, 450 h": occupied hours in the chosen time steps."""
         counted = self.occupied & chosen
         share = 100 * counted.sum() / max(self.occupied.sum(), 1)
         return f"{share:.1f} %, {number(self.grid.hours(counted))} h"

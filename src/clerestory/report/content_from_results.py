@@ -41,7 +41,7 @@ _METRICS = ("mean_illuminance", "daylight_autonomy", "useful", "useful_bands")
 def from_results(
     results: Results, *, pictures: str | Path | None = None
 ) -> ReportContent:
-    """Return the content of the report of a run, with pictures from a folder."""
+    """Return the report content of a run; `pictures` is the folder of its pictures."""
     results = results.thinned(_MOST_SENSORS)
     data, run = results.data, results.run
     study = json.loads(data.attrs.get("study", "{}"))
@@ -76,7 +76,7 @@ def from_results(
 
 
 def place_words(attrs: Mapping[Any, Any], study: Mapping[str, Any]) -> str:
-    """Return the location of the weather data, as far as it is known.
+    """Return name, latitude and longitude of the weather location, if known.
 
     >>> place_words({"place": "Oslo", "latitude_deg": 59.9, "longitude_deg": 10.6}, {})
     'Oslo (59.90° N, 10.60° E)'
@@ -104,7 +104,7 @@ def schedule_words(schedule: Mapping[str, Any]) -> str:
 
 
 def study_tables(study: Mapping[str, Any]) -> tuple[FactTable, ...]:
-    """Return parameters of the study as tables, one per table of the study file."""
+    """Return the parameters of a study, one table per table of the study file."""
     tables = []
     chosen = study.get("method", "")
     methods = chosen if isinstance(chosen, list) else [chosen]
@@ -133,7 +133,7 @@ def run_tables(run: Mapping[str, Any]) -> tuple[FactTable, ...]:
             tables.append(FactTable(_label(name), setting_rows(value)))
     matrices = {}
     for name, facts in dict(run.get("matrices", {})).items():
-        # Abbreviate the hash in the name of a matrix
+        # Abbreviate the hash in the file name of a matrix to eight digits
         stem, _, digest = str(name).removesuffix(".nc").rpartition("-")
         found = dict(facts).get("found")
         origin = "kept from an earlier run" if found else "traced in this run"
@@ -149,7 +149,7 @@ def _label(key: str) -> str:
 
 
 def _metrics(data: xr.Dataset, occupied: Bool[np.ndarray, " time"]) -> xr.Dataset:
-    # Metrics of the run, computed if missing; errors of the useful bands are added
+    # Metrics of the run, computed if missing, with standard errors of the UDI bands
     metrics = data
     if not all(name in data for name in _METRICS):
         target = float(data.attrs.get("target_lux", TARGET_LUX))

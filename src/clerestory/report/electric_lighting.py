@@ -38,7 +38,7 @@ def lamps_section(content: ReportContent) -> Section:
 
 
 def _words(zone: xr.Dataset, content: ReportContent) -> str:
-    # Light output and energy of a zone over the year
+    # Sentences on the mean light output and the energy of a zone of luminaires
     output = zone["dimming"].values.astype(float)[content.occupied]
     off = 100 * float((output <= 0).mean())
     full = content.grid.hours(content.occupied) * float(output.mean())

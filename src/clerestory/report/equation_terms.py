@@ -27,13 +27,13 @@ from clerestory.report.uncertain_value import number
 # Largest number of sensors whose terms are on the page
 _MOST = 12
 
-# Correction relative to the uncorrected illuminance above which it is called large
+# Ratio of correction to uncorrected illuminance above which a correction is large
 _MUCH = 0.10
 
 # CSS classes of the lines in the drawing
 _CLASSES = ("whole", "spread", "sun", "sum")
 
-# Round steps of an axis within a decade
+# Round numbers within a decade, for the intervals of the illuminance axis
 _STEPS = (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8)
 
 _WIDTH, _HEIGHT, _LEFT, _TOP, _FOOT = 760, 250, 62, 12, 30
@@ -41,12 +41,12 @@ _WIDTH, _HEIGHT, _LEFT, _TOP, _FOOT = 760, 250, 62, 12, 30
 
 @dataclass(frozen=True, eq=False)
 class EquationTerms:
-    """Terms of the equation and their sum [lux].
+    """Terms of the matrix equation and their sum, as illuminance [lux].
 
     Attributes
     ----------
-    lux : illuminance without correction, direct sun in patches, direct sun at its exact
-        position, and the corrected illuminance
+    lux : illuminance without correction, from direct sun spread over patches, from
+        direct sun at its exact position, and with correction
     method : name of the method with direct-sun correction, such as "5-phase"
     """
 
@@ -54,7 +54,7 @@ class EquationTerms:
     method: MethodName
 
     def names(self) -> tuple[str, str]:
-        """Names of the results without and with the direct-sun correction."""
+        """Names of the methods without and with direct-sun correction."""
         method = METHODS[self.method]
         if method.correction == "choice":
             return f"{self.method} method", f"{self.method} method with the exact sun"
@@ -62,7 +62,7 @@ class EquationTerms:
         return f"{plain} method", f"{self.method} method"
 
     def labels(self) -> tuple[str, str, str, str]:
-        """Labels of the lines in the drawing."""
+        """Label of the line of each term of `lux`: words and formula."""
         method, (plain, corrected) = METHODS[self.method], self.names()
         whole, spread, sun = map(method.formula, method.terms(corrected=True))
         return (
@@ -73,25 +73,25 @@ class EquationTerms:
         )
 
     def correction(self) -> Float[np.ndarray, "sensor time"]:
-        """Change of illuminance by the exact sun position [lux]."""
+        """Direct-sun correction: corrected minus uncorrected illuminance [lux]."""
         return np.asarray(self.lux[2] - self.lux[1])
 
     def chosen(self) -> list[int]:
-        """Indices of shown sensors: the most corrected one, then evenly spaced ones."""
+        """Indices of sensors to show: the most corrected one, then evenly spaced."""
         changed = np.abs(self.correction()).sum(axis=1)
         most = int(np.argmax(changed))
         others = [k for k in evenly(len(changed), _MOST) if k != most]
         return [most, *others[: _MOST - 1]]
 
     def strongest_day(self, sensor: int, times: np.ndarray) -> np.datetime64:
-        """Return the day of the largest correction of a sensor."""
+        """Return the day with the largest total correction at a sensor."""
         days, place = np.unique(times.astype("datetime64[D]"), return_inverse=True)
         changed = np.bincount(place, weights=np.abs(self.correction()[sensor]))
         return np.datetime64(days[int(np.argmax(changed))])
 
 
 def equation_terms(data: xr.Dataset) -> EquationTerms | None:
-    """Return the terms in the results; None without direct-sun correction."""
+    """Return the terms of the matrix equation; None without direct-sun correction."""
     found = [
         name
         for name, method in METHODS.items()
@@ -106,7 +106,7 @@ def equation_terms(data: xr.Dataset) -> EquationTerms | None:
 
 
 def equation_section(content: ReportContent) -> Section:
-    """Return the terms of one sensor on one day, and their means over grids.
+    """Return the equation terms at one sensor on one day, and their means by grid.
 
     The section is empty without direct-sun correction.
     """
@@ -183,7 +183,7 @@ def _drawing(
 
 
 def ceiling(lux: float) -> float:
-    """Return the upper limit (≥ `lux`, ≥ 4) of an axis with four round intervals.
+    """Return the lowest axis limit ≥ `lux`, at least 4, with four round intervals.
 
     >>> ceiling(950.0), ceiling(0.0), ceiling(40_001.0)
     (1000.0, 4.0, 60000.0)
@@ -208,7 +208,7 @@ def _path(minute: Int[np.ndarray, " step"], share: Float[np.ndarray, " step"]) -
 def _grid_rows(
     terms: EquationTerms, content: ReportContent
 ) -> list[tuple[str, list[str]]]:
-    # Grid means of the terms, and fraction of time steps with a large correction
+    # For each grid: mean of each term, percentage of values with a large correction
     rows = []
     for grid, members in content.sensors.by_grid().items():
         lux = terms.lux[:, members][..., content.occupied].astype(float)

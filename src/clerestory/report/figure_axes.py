@@ -1,7 +1,6 @@
-"""Axes of figures: discs of a hemisphere, compass, days and hours of a year.
+"""Axes of figures: hemisphere as a disc, compass, year by day and hour.
 
-Discs show directions as seen from the room, with right and up as in the room and the
-polar angle as distance from the centre.
+Discs show directions as seen from the room; the radius is the polar angle.
 """
 
 from typing import Any
@@ -23,9 +22,9 @@ _PALETTE = "inferno"
 def log_norm(
     values: Float[np.ndarray, "*batch"], *, decades: int, quantile: float
 ) -> LogNorm:
-    """Return a logarithmic norm from a quantile of the positive values to the maximum.
+    """Return a logarithmic scale from a quantile of the positive values to the maximum.
 
-    It spans at least one and at most the given number of decades.
+    The scale spans at least one decade and at most `decades`.
     """
     top = float(values.max()) or 1.0
     some = values[values > 0]
@@ -36,7 +35,7 @@ def log_norm(
 def draw_disc(
     axes: Axes, values: Float[np.ndarray, "row column"], norm: LogNorm
 ) -> None:
-    """Draw values on the disc, row 0 at the bottom; NaN is left blank."""
+    """Draw an image of values on a disc, row 0 at the bottom; NaN is left blank."""
     shown = np.maximum(values, norm.vmin or 0)
     square = (-90, 90, -90, 90)
     axes.imshow(shown, norm=norm, cmap=_PALETTE, origin="lower", extent=square)
@@ -48,7 +47,7 @@ def draw_points(
     values: Float[np.ndarray, " point"],
     norm: LogNorm,
 ) -> None:
-    """Draw values at points of the disc, the largest values on top."""
+    """Draw values as coloured dots on a disc, the largest values on top."""
     order = np.argsort(values)
     size = np.clip(6000 / len(place), 0.3, 12)
     shown = np.maximum(values[order], norm.vmin or 0)
@@ -59,7 +58,7 @@ def draw_points(
 def disc_place(
     direction: Float[np.ndarray, "*points 3"],
 ) -> Float[np.ndarray, "*points 2"]:
-    """Position of directions on the disc [°], those below the plane mirrored."""
+    """Positions of directions on a disc [°]; directions with z < 0 are mirrored."""
     across = np.hypot(direction[..., 0], direction[..., 1])
     theta = np.degrees(np.arctan2(across, np.abs(direction[..., 2])))
     scale = theta / np.maximum(across, 1e-12)
@@ -67,18 +66,18 @@ def disc_place(
 
 
 def polar_degrees(direction: Float[np.ndarray, "3"]) -> tuple[float, float]:
-    """Angle to the normal and azimuth of a direction [°]."""
+    """Polar angle from the normal, 0…90°, and azimuth, 0…360°, of a direction."""
     x, y = disc_place(direction)
     return float(np.hypot(x, y)), float(np.degrees(np.arctan2(y, x)) % 360)
 
 
 def mark_undeviated(axes: Axes, place: Float[np.ndarray, "2"]) -> None:
-    """Mark the undeviated direction by a ring."""
+    """Mark the direction of undeviated light by a ring."""
     axes.plot(*place, "o", markersize=9, fillstyle="none", color="#37c0ff")
 
 
 def colour_bar(figure: Figure, axes: Any, norm: LogNorm, label: str) -> None:
-    """Draw the colour bar of discs."""
+    """Add the colour bar of one or more discs to a figure."""
     bar = figure.colorbar(
         ScalarMappable(norm, _PALETTE), ax=list(axes), shrink=0.8, extend="min"
     )

@@ -18,7 +18,7 @@ def figure_format(path: Path) -> str:
 
 
 def write_figure(figure: Figure, path: str | Path) -> None:
-    """Write a figure in the format of the extension."""
+    """Write a figure in the format given by the file extension."""
     kind = figure_format(Path(path))
     with replace_file(path) as stream:
         figure.savefig(stream, format=kind, dpi=150)

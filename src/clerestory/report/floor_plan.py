@@ -1,7 +1,7 @@
 """False-colour floor plans of sensor values.
 
-Walls are the horizontal section of the scene at the height of the sensors. Sensors that
-face up or down are drawn as cells, all other sensors as arrows.
+Walls are the horizontal section of the scene at the height of the sensors. Grids that
+face up or down are drawn as cells, other grids as one arrow per sensor.
 """
 
 from dataclasses import dataclass, replace
@@ -30,7 +30,7 @@ _MOST_SEGMENTS = 12_000
 
 @dataclass(frozen=True, eq=False)
 class PlanFrame:
-    """Extent of a plan, and geometry common to the plans of all metrics.
+    """Extent, walls and sensors of a floor plan, common to all metrics of a grid.
 
     Coordinates are in metres. `identifier` is the HTML identifier of the walls.
     """
@@ -47,14 +47,14 @@ class PlanFrame:
     def place(
         self, points: Float[np.ndarray, "*batch 2"]
     ) -> Float[np.ndarray, "*batch 2"]:
-        """Return drawing coordinates of points in the plan [m]; +y points upwards."""
+        """Convert scene coordinates x, y [m] into drawing coordinates; +y is up."""
         x = _MARGIN + (points[..., 0] - self.low[0]) * self.scale
         y = _MARGIN + (self.high[1] - points[..., 1]) * self.scale
         return np.stack([x, y], axis=-1)
 
     @property
     def size(self) -> tuple[float, float]:
-        """Width and height of the drawing."""
+        """Width and height of the plan in drawing units."""
         width, height = (self.high - self.low) * self.scale + 2 * _MARGIN
         return float(width), float(height) + _FOOT
 
@@ -62,7 +62,7 @@ class PlanFrame:
 def plan_frame(
     content: ReportContent, members: Int[np.ndarray, " member"], *, identifier: str
 ) -> PlanFrame:
-    """Return the frame of a plan of the room visible from the given sensors."""
+    """Return the frame of a plan showing the room visible from the given sensors."""
     position = content.sensors.position[members]
     points = position[:, :2]
     height = float(np.median(position[:, 2]))
@@ -100,7 +100,7 @@ def plan(
     content: ReportContent,
     label: str,
 ) -> Markup:
-    """Return the plan of one metric at the given sensors."""
+    """Return the false-colour plan of one metric at the given sensors."""
     width, height = frame.size
     colours = hexadecimal(value_colours(scale, metric.values[members]))
     cells = frame.place(frame.cells)
@@ -137,7 +137,7 @@ def plan(
 
 
 def walls_definition(frame: PlanFrame) -> Markup:
-    """Return the walls of a frame, defined once and used by each plan."""
+    """Return the walls as an SVG definition, used by the plans of all metrics."""
     path = element("path", d=frame.walls, id=frame.identifier)
     return element(
         "svg", element("defs", path), class_="definitions", aria_hidden="true"
@@ -150,7 +150,7 @@ def _arrows(
     *,
     size: float,
 ) -> Float[np.ndarray, "sensor corner 2"]:
-    # Arrows whose tails are at the sensors
+    # Outlines of arrows that start at the sensors and point in their directions
     length = np.maximum(np.linalg.norm(towards, axis=1, keepdims=True), 1e-6)
     ahead = size * towards / length
     aside = np.stack([-ahead[:, 1], ahead[:, 0]], axis=-1)
@@ -162,13 +162,13 @@ def _arrows(
 def _longest(
     segments: Float[np.ndarray, "segment 2 2"],
 ) -> Float[np.ndarray, "kept 2 2"]:
-    # Limit the number of segments: keep the longest
+    # Keep only the longest segments if there are too many
     length = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1)
     return segments[np.sort(np.argsort(-length)[:_MOST_SEGMENTS])]
 
 
 def _paths(outlines: Float[np.ndarray, "outline corner 2"]) -> str:
-    # SVG path data of closed outlines, or of single segments
+    # SVG path data of closed outlines, or of segments between two points
     end = "Z" if outlines.shape[1] > 2 else ""
     return "".join(
         "M" + "L".join(f"{x:.1f},{y:.1f}" for x, y in outline) + end
@@ -207,7 +207,7 @@ def _arrow(
 
 
 def _scale_bar(frame: PlanFrame) -> Markup:
-    # Of 1, 2, 5 and 10 times a power of ten, the length nearest to 70 drawing units
+    # Choose a length of 1, 2 or 5 × 10ⁿ m that is nearest to 70 drawing units
     lengths = np.outer(10.0 ** np.arange(-3, 5), (1, 2, 5)).ravel()
     length = float(lengths[np.argmin(np.abs(np.log(lengths * frame.scale / 70)))])
     x, y = _MARGIN, frame.size[1] - 12

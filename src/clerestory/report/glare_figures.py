@@ -20,7 +20,7 @@ from clerestory.report.figure_axes import compass_axes, draw_year
 from clerestory.report.heat_map import day_hour_grid
 from clerestory.report.view_glare import class_words
 
-# Colours of imperceptible to intolerable glare, which also differ in lightness
+# Colours from imperceptible to intolerable glare, distinct even in greyscale
 _COLOURS = ("#dce9f2", "#f6d55c", "#ed7d3a", "#9c1b2f")
 
 
@@ -31,17 +31,17 @@ def glare_year_figure(
     use: Bool[np.ndarray, " time"] | None = None,
     title: str = "",
 ) -> Figure:
-    """Return a heat map of the year, days to the right and hours upwards.
+    """Return a heat map of annual DGP, days to the right and hours upwards.
 
     Parameters
     ----------
     dgp : DGP of each time step
     times : middle of each time step
-    use : time steps included in the statistics of the title; default: all
+    use : whether each time step enters the statistics in the title; default: all do
 
     Raises
     ------
-    InputError : the numbers of time steps differ
+    InputError : `dgp` and `times` differ in length
     """
     same_length(times, dgp, "times", "DGPs")
     figure = Figure(figsize=(11, 3.9), layout="constrained")
@@ -84,7 +84,7 @@ def glare_rosette_figure(
     *,
     title: str = "",
 ) -> Figure:
-    """Return a polar plot of time fractions by glare category and view direction.
+    """Return a polar plot: fraction of time in each glare category, by view direction.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def glare_rosette_figure(
 
     Raises
     ------
-    InputError : the numbers of views differ
+    InputError : `dgp` and `azimuth` differ in the number of views
     """
     same_length(azimuth, dgp, "azimuths", "views")
     count = len(CATEGORIES)
@@ -102,7 +102,7 @@ def glare_rosette_figure(
     figure = Figure(figsize=(6.4, 7.0), layout="constrained")
     axes = compass_axes(figure)
     width = 0.86 * 2 * np.pi / max(azimuth.size, 4)
-    # The worst category is at the centre, where views are easily compared
+    # Bars start with the worst category at the centre, where they are easily compared
     inner = np.zeros(azimuth.size)
     for i in reversed(range(count)):
         axes.bar(azimuth, share[i], width, bottom=inner, color=_COLOURS[i])

@@ -1,7 +1,7 @@
 """Figures of goniophotometer measurements and their fits.
 
-Discs are seen from the room, with right and up as in the room and the angle to the
-normal as distance from the centre. The ring marks the undeviated direction.
+Discs show directions as seen from the room; the radius is the polar angle. A ring
+marks the direction of undeviated light.
 """
 
 from typing import Any
@@ -41,7 +41,7 @@ _LABEL = "BSDF [1/sr]"
 def fit_figure(measurement: Measurement, interpolant: Interpolant, scan: int) -> Figure:
     """Draw one scan: measured points, fitted lobes, sum of lobes, incident directions.
 
-    `scan` is the number of the scan.
+    `scan` is the index of the scan in the measurement.
     """
     one = measurement.scans[scan]
     lobes = _measured(interpolant, one)
@@ -73,7 +73,7 @@ def between_figure(
 ) -> Figure:
     """Draw the BSDF at two incident directions, and interpolated half-way between them.
 
-    For comparison, the arithmetic mean of both BSDFs is drawn; it has every lobe twice.
+    For comparison, the arithmetic mean of both BSDFs is drawn, with each lobe twice.
     """
     middle = (start + end) / np.linalg.norm(start + end)
     ends = [interpolant.lobes(direction) for direction in (start, end)]
@@ -100,7 +100,7 @@ def between_figure(
 
 
 def error_figure(validation: CrossValidation) -> Figure:
-    """Draw the cross-validation errors of scans over their incident directions."""
+    """Draw cross-validation errors on discs, each scan at its incident direction."""
     scans = validation.scans
     place = disc_place(np.array([from_degrees(s.theta_deg, s.phi_deg) for s in scans]))
     quantities = {
@@ -120,7 +120,7 @@ def error_figure(validation: CrossValidation) -> Figure:
 
 
 def _panels(*titles: str) -> tuple[Figure, Any]:
-    # Figure of four discs with their titles
+    # Figure with one disc per title, side by side
     size = (len(titles) * _SIZE + 0.8, _SIZE + 0.5)
     figure = Figure(figsize=size, layout="constrained")
     axes = figure.subplots(1, len(titles))
@@ -135,7 +135,7 @@ def _source_words(direction: Float[np.ndarray, "3"]) -> str:
 
 
 def draw_mesh(axes: Axes, mesh: Mesh) -> None:
-    """Draw incident directions and the edges between them."""
+    """Draw the mesh of incident directions: vertices and edges."""
     place = disc_place(mesh.vertices)
     lines = LineCollection(list(place[mesh.edges]), colors="#888888", linewidths=0.6)
     axes.add_collection(lines)
@@ -144,7 +144,7 @@ def draw_mesh(axes: Axes, mesh: Mesh) -> None:
 
 
 def _measured(interpolant: Interpolant, scan: Scan) -> Lobes:
-    # Fitted lobes; those of isotropic samples are rotated to the azimuth of the scan
+    # Lobes fitted to a scan; for isotropic samples, rotated to the scan's azimuth
     vertices = interpolant.network.mesh.vertices
     incident, turn = scan.incident, np.eye(3)
     if interpolant.symmetry == "isotropic":

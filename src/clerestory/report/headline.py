@@ -69,7 +69,7 @@ def _lead(content: ReportContent, maps: dict[str, MetricMap]) -> str:
 
 
 def _glare_words(content: ReportContent) -> str:
-    # The view with most glare
+    # Sentence on the view in which glare is most often disturbing
     views, use = view_glare(content.data), content.occupied
     if not views:
         return ""
@@ -81,12 +81,12 @@ def _glare_words(content: ReportContent) -> str:
 
 
 def target_words(content: ReportContent) -> str:
-    """Return the target of daylight autonomy, such as "300 lux"."""
+    """Return the target illuminance of daylight autonomy, such as "300 lux"."""
     return f"{float(content.metrics.attrs.get('target_lux', 300)):,.0f} lux"
 
 
 def _warnings(content: ReportContent) -> list[str]:
-    # Orientation problems, then warnings of the run
+    # Wrong window orientations, then warnings of the run
     problems = [
         f"Window “{row.window}”: {row.problem}"
         for row in (orientation(window, content) for window in content.windows)
@@ -98,7 +98,7 @@ def _warnings(content: ReportContent) -> list[str]:
 def _grid_figures(
     content: ReportContent, maps: dict[str, MetricMap], members: Members
 ) -> list[Figure]:
-    # Means over a grid, in the order of `_TITLES`
+    # Mean of each metric over a grid, in the order of `_TITLES`
     mean, autonomy, exceeded = (
         maps[key].mean(members) for key in ("mean", "autonomy", "exceeded")
     )
@@ -108,7 +108,7 @@ def _grid_figures(
 def _key_figures(
     content: ReportContent, maps: dict[str, MetricMap]
 ) -> list[tuple[str, str, str, str]]:
-    # Title, value, unit with error, and note of each figure of the first grid
+    # For each key figure of the first grid: title, value, unit with error, note
     members = next(iter(content.sensors.by_grid().values()))
     low, _, high = (f"{limit:,.0f}" for limit in USEFUL_LIMITS_LUX)
     notes = (

@@ -1,7 +1,7 @@
 """Annual heat maps: days from left to right, hours of the day upwards.
 
-Each cell shows the mean of its time steps. Time steps may be shorter than an hour, days
-may be missing, and several years are superposed.
+Each cell shows the mean over the time steps in it. Time steps may be shorter than an
+hour, days may be missing, and several years are superposed.
 """
 
 from dataclasses import dataclass
@@ -15,10 +15,10 @@ _WIDTH, _HEIGHT = 1000, 240
 _LEFT, _TOP, _RIGHT, _BOTTOM = 46, 8, 12, 26
 _SHORTEST_MINUTES = 5
 
-# Fraction of days with data below which the gaps between days are left out
+# If a smaller fraction of days has data, days without data are left out
 _SPARSE = 0.3
 
-# Number of days above which months are marked instead of days
+# Number of days above which the axis marks months instead of days
 _LONG = 62
 
 # Lower limit of the colour scale [lux]
@@ -27,10 +27,10 @@ DARKEST_LUX = 10.0
 
 @dataclass(frozen=True, eq=False)
 class DayHourGrid:
-    """Cells of an image with one column per day, of `bins` cells.
+    """Cells of an annual heat map: a column of `bins` cells for each day.
 
-    `dates` are the days of the columns, and `cell` is the index of the cell of each
-    time step; cells are ordered by day.
+    `dates` are the days of the columns. `cell` is the cell index of each time step,
+    counted upwards within a day, and day by day.
     """
 
     dates: np.ndarray
@@ -39,7 +39,7 @@ class DayHourGrid:
 
     @property
     def days(self) -> int:
-        """Number of columns."""
+        """Number of days, one per column."""
         return len(self.dates)
 
     @property
@@ -48,11 +48,11 @@ class DayHourGrid:
         return 24 * 60 / self.bins
 
     def hours(self, counted: Bool[np.ndarray, " time"]) -> float:
-        """Duration of the counted time steps [h]."""
+        """Total duration of the counted time steps [h]."""
         return float(np.count_nonzero(counted)) * self.step_minutes / 60
 
     def fill(self, values: Float[np.ndarray, " time"]) -> Float[np.ndarray, "bin day"]:
-        """Mean of the values in each cell, NaN without values; hour 0 first."""
+        """Mean of the values in each cell, NaN if it has none; midnight in row 0."""
         size = self.days * self.bins
         count = np.bincount(self.cell, minlength=size)
         total = np.bincount(self.cell, weights=values, minlength=size)
@@ -60,9 +60,9 @@ class DayHourGrid:
             return (total / count).reshape(self.days, self.bins).T
 
     def day_marks(self) -> list[tuple[int, float, str]]:
-        """Start, middle and name of months, or of some of the days of a short period.
+        """Start, middle and name of axis marks: months, or days of a short period.
 
-        Starts and middles are in columns.
+        Starts and middles are numbers of columns.
         """
         month = self.dates.astype("datetime64[M]")
         dense = self.dates[-1] - self.dates[0] < np.timedelta64(self.days, "D")
@@ -77,7 +77,7 @@ class DayHourGrid:
 
 
 def day_hour_grid(times: np.ndarray) -> DayHourGrid:
-    """Return the grid of cells for the given middles of time steps."""
+    """Return the heat-map cells of time steps, given by their middles."""
     times = np.asarray(times).astype("datetime64[s]")
     day = _folded(times.astype("datetime64[D]"))
     bins = round(24 * 60 / _step_minutes(times))
@@ -93,7 +93,7 @@ def day_hour_grid(times: np.ndarray) -> DayHourGrid:
 
 
 def _folded(day: np.ndarray) -> np.ndarray:
-    # Superpose years in one leap year, which contains all dates
+    # Map all years to one leap year, which contains every date
     if (day.max() - day.min()).astype(int) <= 366:
         return day
     month = day.astype("datetime64[M]")
@@ -103,7 +103,7 @@ def _folded(day: np.ndarray) -> np.ndarray:
 
 
 def _step_minutes(times: np.ndarray) -> float:
-    # The median interval within a day is the time step
+    # Time step [min]: the median interval, without intervals of two hours or more
     gaps = np.diff(np.unique(times)).astype(int) / 60
     gaps = gaps[gaps < 120]
     minutes = float(np.median(gaps)) if len(gaps) else 60.0
@@ -118,7 +118,7 @@ def heat_map(
     label: str,
     identifier: str = "heat-map",
 ) -> Markup:
-    """Return the heat map: axes around an image given as a data URL."""
+    """Return a heat map: an image, given as a data URL, with axes."""
     area = {"x": _LEFT, "y": _TOP, "width": _WIDTH, "height": _HEIGHT}
     stretched = {"preserveAspectRatio": "none", "class_": "pixels"}
     return drawing(

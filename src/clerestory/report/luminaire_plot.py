@@ -1,7 +1,7 @@
 """Polar diagram of a luminaire: luminous intensity in vertical planes.
 
-The nadir is at the bottom. Each curve is one plane; its right half is at the given
-horizontal angle, its left half at the opposite angle.
+The nadir is at the bottom. Each curve is a vertical plane: its right half is at the
+given horizontal angle, its left half at the opposite angle.
 """
 
 from collections.abc import Sequence
@@ -21,16 +21,16 @@ from clerestory.formats.photometry.luminaire import Luminaire
 _STEP_DEG = 0.5
 _COLOURS = ("#c1440e", "#1f4e79", "#5f8d4e", "#8064a2")
 
-# Largest number of characters in the title
+# Largest number of characters of the luminaire's name in the title
 _TITLE = 44
 
 MOST_PLANES = len(_COLOURS)
 
 
 def polar_figure(luminaire: Luminaire, *, planes_deg: Sequence[float]) -> Figure:
-    """Return the polar diagram of a luminaire [cd].
+    """Return the polar diagram of the luminous intensity of a luminaire [cd].
 
-    `planes_deg` are the horizontal angles of the planes, from +x towards +y.
+    `planes_deg` are the horizontal angles of the planes [°], from +x towards +y.
     """
     within(len(planes_deg), "number of planes", least=1, most=MOST_PLANES)
     figure = Figure(figsize=(5.2, 5.6), layout="constrained")
@@ -57,7 +57,7 @@ def polar_figure(luminaire: Luminaire, *, planes_deg: Sequence[float]) -> Figure
 def _directions(
     angle: Float[np.ndarray, " n"], plane_deg: float
 ) -> Float[np.ndarray, "n 3"]:
-    # Angles are from the nadir, positive on the given side of the plane
+    # `angle` is from the nadir, positive in the half-plane at `plane_deg`
     turn = np.radians(plane_deg)
     side = np.sin(angle)
     return np.stack([side * np.cos(turn), side * np.sin(turn), -np.cos(angle)], axis=1)

@@ -13,7 +13,7 @@ from clerestory.report.room_view import MOST_TRIANGLES, room_view
 from clerestory.report.section import Section
 from clerestory.report.uncertainty import LIT_LUX, error_histogram, error_rows
 
-# Colours of the 3-D view, as in view.js
+# Legend of the 3-D view; the colours are those in view.js
 _KEYS = (
     ("#2f8f5b", "front of a window, and its normal: must face the room"),
     ("#d9772b", "back of a window: must face outdoors"),
@@ -39,20 +39,20 @@ def room_section(content: ReportContent) -> Section:
 
 
 def accuracy_section(content: ReportContent) -> Section:
-    """Return the distribution of the standard errors."""
+    """Return the section on uncertainty: relative standard errors of illuminance."""
     histogram, rows = error_histogram(content), error_rows(content)
     least = f"{LIT_LUX:.0f}"
     return Section(render("accuracy.html", least=least, histogram=histogram, rows=rows))
 
 
 def computation_section(content: ReportContent) -> Section:
-    """Return the parameters, versions and run times."""
+    """Return the section with parameters, versions and run times."""
     times = time_table(content.seconds) if content.seconds else ""
     return Section(render("computation.html", tables=content.tables, times=times))
 
 
 def time_table(seconds: Mapping[str, float]) -> Markup:
-    """Return the run time of each phase with bars, longest first."""
+    """Return the run time of each phase of the simulation as bars, longest first."""
     total = sum(seconds.values())
     rows = [
         (phase, duration(spent), 100 * spent / total if total > 0 else 0.0)
@@ -62,7 +62,7 @@ def time_table(seconds: Mapping[str, float]) -> Markup:
 
 
 def duration(seconds: float) -> str:
-    """Return a time span with its unit.
+    """Return a duration [s] as text with units.
 
     >>> duration(0.0314), duration(12.34), duration(754)
     ('0.03 s', '12.3 s', '12 min 34 s')
@@ -78,7 +78,7 @@ def duration(seconds: float) -> str:
 
 
 def glossary_section(content: ReportContent) -> Section:
-    """Return the definitions of the terms."""
+    """Return the glossary of daylight metrics."""
     return Section(
         render(
             "glossary.html",

@@ -25,12 +25,12 @@ def _templates() -> Environment:
 
 
 def render(template: str, **values: object) -> Markup:
-    """Return a rendered template of the package."""
+    """Return a template of the package, rendered with the given values."""
     return Markup(_templates().get_template(template).render(**values))
 
 
 def element(tag: str, *children: object, **attributes: object) -> Markup:
-    """Return an element; plain text among its children is escaped.
+    """Return an HTML or SVG element; children that are plain text are escaped.
 
     In attribute names a trailing underscore is removed, and other underscores become
     hyphens. Attributes that are None are left out.
@@ -62,12 +62,12 @@ def drawing(
 
 
 def join(*children: object) -> Markup:
-    """Return the concatenated children, with plain text escaped."""
+    """Return markup and plain text, concatenated; plain text is escaped."""
     return Markup("").join(escape(child) for child in children)
 
 
 def embedded_json(identifier: str, value: Any) -> Markup:
-    """Return a script element with JSON data, escaped so that no string closes it."""
+    """Return a script element with JSON data; no string in it can close the element."""
     text = json.dumps(value, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     for sign in "<>&\u2028\u2029":
         text = text.replace(sign, f"\\u{ord(sign):04x}")

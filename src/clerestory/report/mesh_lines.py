@@ -3,10 +3,10 @@
 import numpy as np
 from jaxtyping import Float, Int
 
-# Cosine of the smallest angle between faces that form an edge
+# Cosine of the smallest angle between the normals of two faces that form an edge
 _CREASE = np.cos(np.radians(15))
 
-# Offset of the section plane, which avoids coplanar surfaces such as desk tops [m]
+# Height added to the section plane to avoid coplanar surfaces such as desk tops [m]
 _CLEARANCE = 0.011
 _SHORTEST = 0.002
 _DIRECTIONS = 90
@@ -16,7 +16,7 @@ _FARTHEST = 60.0
 def weld(
     corners: Float[np.ndarray, "triangle 3 3"],
 ) -> tuple[Float[np.ndarray, "vertex 3"], Int[np.ndarray, "triangle 3"]]:
-    """Return vertices merged within 0.1 mm, and faces as vertex indices."""
+    """Merge corners within 0.1 mm; return vertices, and triangles as vertex indices."""
     points = corners.reshape(-1, 3).round(4)
     vertices, inverse = np.unique(points, axis=0, return_inverse=True)
     return vertices, inverse.reshape(-1, 3)
@@ -25,9 +25,9 @@ def weld(
 def feature_edges(
     vertices: Float[np.ndarray, "vertex 3"], faces: Int[np.ndarray, "face 3"]
 ) -> Int[np.ndarray, "edge 4"]:
-    """Boundary and crease edges, each as two vertices and the two adjacent faces.
+    """Boundary and crease edges: indices of two vertices and of two adjacent faces.
 
-    The face of a boundary edge is listed twice.
+    A boundary edge has one adjacent face, which is listed twice.
     """
     if not len(faces):
         return np.zeros((0, 4), dtype=int)
@@ -60,7 +60,7 @@ def horizontal_section(
     cut = lone_side | (above.sum(axis=1) == 2)
     corners, above, lone_side = corners[cut], above[cut], lone_side[cut]
 
-    # The plane separates one corner of a triangle from the other two
+    # In each cut triangle, one corner is alone on its side of the plane
     lone = np.argmax(above == lone_side[:, None], axis=1)
     row = np.arange(len(corners))
     apex = corners[row, lone]
@@ -77,17 +77,17 @@ def horizontal_section(
 def visible_extent(
     segments: Float[np.ndarray, "segment 2 2"], points: Float[np.ndarray, "point 2"]
 ) -> tuple[Float[np.ndarray, "2"], Float[np.ndarray, "2"]]:
-    """Low and high corner of the region visible from the points in the plane [m].
+    """Bounding rectangle of the region visible from the points: two corners [m].
 
-    The region covers the room of the sensors without its surroundings. Directions
-    without an obstruction within 60 m are ignored.
+    The segments are walls, which block the view. Directions without a wall within 60 m
+    are ignored.
     """
     seen = [points]
     angle = np.arange(_DIRECTIONS) * 2 * np.pi / _DIRECTIONS + 0.01
     ray = np.stack([np.cos(angle), np.sin(angle)], axis=-1)[:, None, :]
     along = segments[:, 1] - segments[:, 0]
     for point in points[:: max(1, len(points) // 6)]:
-        # Intersect every ray with every segment: point + t ray = start + s along
+        # Intersect every ray with every segment: t ray = start + s along
         start = segments[:, 0] - point
         with np.errstate(divide="ignore", invalid="ignore"):
             cross = ray[..., 0] * along[:, 1] - ray[..., 1] * along[:, 0]

@@ -1,4 +1,4 @@
-"""Comparison of simulation methods on one scene: deviations from the last method."""
+"""Table of simulation methods: deviations of illuminance from the last method."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from clerestory.study.method_comparison import LEAST_LUX, differences
 
 
 def methods_section(content: ReportContent) -> Section:
-    """Return the deviations of each method, per grid; empty for a single method."""
+    """Return deviations from the last method, by grid; empty for a single method."""
     if "illuminance_by_method" not in content.data:
         return Section()
     by_method = content.data["illuminance_by_method"]

@@ -1,8 +1,8 @@
 """Metrics of the sensors and their means over grids, with standard errors.
 
-The standard error of the mean illuminance follows from error components, which include
-the correlation between sensors. Errors of other metrics are assumed fully correlated,
-so that the error of a grid mean is the mean of the errors.
+The error of a grid's mean illuminance is calculated from independent components of the
+errors at its sensors. Errors of other metrics are assumed to be fully correlated: the
+error of a grid mean is the mean of the errors at the sensors.
 """
 
 from dataclasses import dataclass
@@ -22,11 +22,11 @@ class MetricMap:
 
     Attributes
     ----------
-    key : identifier of the metric in the page
+    key : HTML identifier of the metric
     title, note : title and description
     values, errors : value and standard error per sensor, in `unit`
     unit : lux or %
-    components : error components of the values, if known
+    components : independent components of the standard errors, if known
     """
 
     key: str
@@ -38,14 +38,14 @@ class MetricMap:
     components: Float[np.ndarray, "component sensor"] | None = None
 
     def mean(self, members: Int[np.ndarray, " member"]) -> Figure:
-        """Mean over sensors; errors without components count as fully correlated."""
+        """Mean over the given sensors, with its standard error."""
         known = None if self.components is None else self.components[:, members]
         error = error_of_group_mean(self.errors[members], known)
         return Figure(float(self.values[members].mean()), error, self.unit)
 
 
 def metric_maps(metrics: xr.Dataset) -> tuple[MetricMap, ...]:
-    """Return mean illuminance, daylight autonomy and the four UDI bands of sensors."""
+    """Return maps of mean illuminance, daylight autonomy and the four UDI bands."""
     target = float(metrics.attrs.get("target_lux", 300.0))
     low, middle, high = (f"{limit:,.0f}" for limit in USEFUL_LIMITS_LUX)
     ranges = (f"below {low} lux", f"{low}–{middle} lux", f"{middle}–{high} lux")
@@ -67,7 +67,7 @@ def metric_maps(metrics: xr.Dataset) -> tuple[MetricMap, ...]:
 
 
 def useful_share(metrics: xr.Dataset, members: Int[np.ndarray, " member"]) -> Figure:
-    """Return the mean fraction of hours in the useful range of UDI [%]."""
+    """Return the percentage of hours in the useful UDI range, mean over sensors."""
     value, error = (x[members].mean() for x in _with_error(metrics, "useful", 100))
     return Figure(float(value), float(error), "%")
 

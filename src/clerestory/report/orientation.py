@@ -24,8 +24,8 @@ _COMPASS = (
 class Orientation:
     """Orientation of one window, with compass directions in words.
 
-    `in_front` is the fraction of the sensors in front of the window, 0…1, and `problem`
-    the description of a wrong orientation; empty if correct.
+    `in_front` is the fraction of sensors in front of the window, 0…1. `problem`
+    describes a wrong orientation, and is empty for a correct one.
     """
 
     window: str

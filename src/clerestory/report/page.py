@@ -55,18 +55,18 @@ def write_report(
 ) -> None:
     """Write the report of a run as one self-contained HTML file.
 
-    Pictures are read from the folder `pictures` of the run, if it is given.
+    `pictures` is the folder of the run's pictures; without it no pictures are shown.
     """
     write_text(path, report_page(from_results(results, pictures=pictures)))
 
 
 def picture_folder(folder: Path, results: Results) -> Path:
-    """Return the picture folder of a run, for its last method if it has several."""
+    """Return the picture folder of a run; of several methods, that of the last one."""
     own = folder / str(results.data.attrs.get("method", "")) / PICTURE_FOLDER
     return own if own.is_dir() else folder / PICTURE_FOLDER
 
 
-# Sections of a page, with their titles in the table of contents
+# Sections of a report: HTML identifier, title in the table of contents, function
 _SECTIONS: tuple[tuple[str, str, Callable[[ReportContent], Section]], ...] = (
     ("plans", "Plans", plans_section),
     ("year", "Year", year_section),

@@ -11,13 +11,13 @@ from clerestory.report.markup import Markup, embedded_json, render
 
 
 def asset(name: str) -> str:
-    """Return the text of a file in the folder of scripts and styles."""
+    """Return the text of a script or style sheet of the package."""
     folder = resources.files("clerestory.report") / "assets"
     return (folder / name).read_text(encoding="utf-8")
 
 
 def content_policy(script: str) -> str:
-    """Return the content security policy: one script, and no external files.
+    """Return a content security policy that permits only `script`, and no files.
 
     >>> content_policy("")[:19]
     "default-src 'none';"
@@ -32,7 +32,7 @@ def content_policy(script: str) -> str:
 def render_page(
     *, title: str, style: str, body: Markup, data: Any, scripts: Sequence[str]
 ) -> str:
-    """Return a page with embedded data and scripts."""
+    """Return an HTML page with embedded style, data and scripts."""
     script = Markup("\n".join(asset(name) for name in scripts))
     return render(
         "page.html",

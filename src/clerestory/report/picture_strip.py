@@ -21,14 +21,14 @@ from clerestory.report.view_pictures import (
     view_pictures,
 )
 
-# Pictures per view, for up to two views and for more; image width and JPEG quality
+# Pictures per view for up to two views, and for more; width [pixels]; JPEG quality
 _MOST, _MOST_OF_MANY = 6, 3
 _WIDTH = 480
 _QUALITY = 82
 
 
 def pictures_section(content: ReportContent) -> Section:
-    """Return the pictures, with false-colour images below."""
+    """Return the pictures of each view, with false-colour images below."""
     views = view_pictures(content)
     if not views:
         return Section()
@@ -41,7 +41,7 @@ def pictures_section(content: ReportContent) -> Section:
 def _strip(
     view: ViewPictures, most: int, times: np.ndarray, note: Callable[[str, int], str]
 ) -> dict[str, object]:
-    # At most `most` pictures of a view, with their exposure and one scale of luminance
+    # Up to `most` pictures of a view, tone-mapped and in false colour, with notes
     name, total = view.view, len(view.moments)
     moments = [view.moments[k] for k in evenly(total, most)]
     pictures = [read_small(moment.file, width=_WIDTH) for moment in moments]

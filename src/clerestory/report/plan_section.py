@@ -13,7 +13,7 @@ from clerestory.report.metric_maps import metric_maps
 from clerestory.report.section import Section
 from clerestory.report.uncertain_value import Figure
 
-# Maximum number of rows of the sensor table, and metrics of vertical sensors
+# Maximum number of rows of the sensor table; metrics drawn for vertical sensors
 _MOST_ROWS = 500
 _UPRIGHT = ("mean", "autonomy", "exceeded")
 
@@ -68,7 +68,7 @@ def _plans(
 
 
 def _grid_data(frame: PlanFrame, members: Int[np.ndarray, " member"]) -> dict[str, Any]:
-    # Sensors in drawing coordinates, and the distance at which a sensor is selected
+    # Sensors in drawing coordinates; distance within which the pointer selects one
     place, cells = frame.place(frame.points), frame.place(frame.cells)
     reach = float(np.linalg.norm(cells - place[:, None], axis=2).max())
     x, y = place.round(1).T.tolist()
@@ -81,7 +81,7 @@ def _grid_data(frame: PlanFrame, members: Int[np.ndarray, " member"]) -> dict[st
 
 
 def _sensor_table(content: ReportContent) -> Markup:
-    # Limited to the first 500 sensors
+    # Positions and metrics of the first 500 sensors
     sensors, maps = content.sensors, metric_maps(content.metrics)
     rows = []
     for k in range(min(len(sensors), _MOST_ROWS)):

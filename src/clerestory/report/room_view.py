@@ -1,7 +1,6 @@
-"""Data of the 3-D view of a scene: triangles, edges, arrows and bounding box.
+"""Geometry of the 3-D view of a scene: triangles, edges, windows and sensors.
 
-The view is rendered in software, so it contains only the largest triangles of a scene,
-up to a limit, and the edges between surfaces.
+As the page renders the view in software, only the 40,000 largest triangles are drawn.
 """
 
 from typing import Any
@@ -27,7 +26,7 @@ MOST_TRIANGLES = 40_000
 def room_view(
     content: ReportContent, *, means: Float[np.ndarray, " sensor"], scale: ColourScale
 ) -> dict[str, Any]:
-    """Return the data of the 3-D view as JSON values.
+    """Return triangles, edges, windows and sensors of the 3-D view as JSON values.
 
     `means` is the mean illuminance of each sensor [lux], shown as colour.
     """
@@ -67,7 +66,7 @@ def room_view(
 def largest_triangles(
     corners: Float[np.ndarray, "triangle 3 3"],
 ) -> Int[np.ndarray, " kept"]:
-    """Indices of the triangles to draw, in ascending order."""
+    """Indices of the largest triangles, in ascending order."""
     sides = corners[:, 1:] - corners[:, :1]
     area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
     kept = np.argsort(-area, kind="stable")[:MOST_TRIANGLES]
@@ -77,7 +76,7 @@ def largest_triangles(
 def framed_box(
     content: ReportContent,
 ) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"]]:
-    """Low and high corner [m] of the room around the sensors, including windows."""
+    """Bounding box [m] of the windows and of the room around the sensors."""
     position = content.sensors.position
     segments = horizontal_section(
         content.room.corners, height=float(np.median(position[:, 2]))

@@ -1,4 +1,4 @@
-"""Sections of a report: HTML, and data for the scripts of the page."""
+"""Section of a report: HTML, and JSON values for the scripts of the page."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -10,13 +10,13 @@ from clerestory.report.markup import Markup
 
 @dataclass(frozen=True, eq=False)
 class Section:
-    """Section of a report.
+    """Section of a report: HTML, JSON values and annual maps.
 
     Attributes
     ----------
-    body : HTML; empty if the results lack the quantities of the section
+    body : HTML; empty if the results lack the quantities that the section shows
     data : JSON values for the scripts of the page
-    maps : annual maps in the section
+    maps : annual maps of classes in the section
     """
 
     body: Markup | str = ""

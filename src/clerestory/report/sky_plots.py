@@ -31,7 +31,7 @@ _DARKEST = 1 / 300
 
 _SUN_COLOUR = "#111111"
 
-# Style of the hours on the sun path
+# Text style of the hours on the sun path
 _HOUR: dict[str, Any] = {
     "xytext": (0, 7),
     "textcoords": "offset points",
@@ -41,7 +41,7 @@ _HOUR: dict[str, Any] = {
     "bbox": {"boxstyle": "round,pad=0.15", "fc": "#000000a0", "ec": "none"},
 }
 
-# Smallest number of days for lines of sunrise and sunset
+# Smallest number of days for which sunrise and sunset are drawn
 _FEWEST_DAYS = 8
 
 _PALETTE = "inferno"
@@ -51,7 +51,7 @@ _NO_DATA = "#d9d9d9"
 def dome_figure(weather: Weather, *, sun_formula: SunFormula = "spa") -> Figure:
     """Return the luminance of the Perez sky in false colour, with the sun path.
 
-    The weather is that of a single time step.
+    `weather` contains a single time step.
     """
     sky = perez_point(weather, sun_formula=sun_formula)
     require(
@@ -130,7 +130,7 @@ def _altitude_axes(figure: Figure) -> PolarAxes:
 
 
 def _sun_path(axes: PolarAxes, weather: Weather, formula: SunFormula) -> None:
-    # Sun path of the day with hours, and position of the sun
+    # Sun path of the day with marks at full hours, and the sun at the time step
     day = weather.times[0].astype("datetime64[D]").astype("datetime64[s]")
     minutes = day + 60 * np.arange(0, 24 * 60 + 1, 5)
     azimuth, zenith = _sun(weather, minutes, formula)
@@ -151,7 +151,7 @@ def _sun_path(axes: PolarAxes, weather: Weather, formula: SunFormula) -> None:
 def _sun(
     weather: Weather, times: np.ndarray, formula: SunFormula
 ) -> tuple[Float[np.ndarray, " time"], Float[np.ndarray, " time"]]:
-    # Azimuth [rad] and angle to the zenith [°]
+    # Azimuth [rad] and zenith angle [°] of the sun
     sun = sun_at(weather.site, times, formula=formula)
     return sun.azimuth, 90 - np.degrees(sun.altitude)
 

@@ -60,7 +60,7 @@ def clock(hours: float) -> str:
 
 
 def _drawing(data: xr.Dataset) -> Markup:
-    # A row of bars per opening below an axis of hours
+    # One row of bars per opening, above an axis of hours
     foot = _TOP + data.sizes["opening"] * (_BAR + _GAP)
     marks = []
     for hour in range(_MORNING, _EVENING + 1):
@@ -82,7 +82,7 @@ def _drawing(data: xr.Dataset) -> Markup:
 def _bars(
     label: str, reached: Bool[np.ndarray, " moment"], *, top: int
 ) -> list[Markup]:
-    # Label, and a bar for each period of sun
+    # Label of an opening, and a bar for each period with sun
     hours = np.flatnonzero(np.diff(np.pad(reached.astype(int), 1))) * 24 / len(reached)
     return [
         element("text", label, x=0, y=top + 12),

@@ -1,10 +1,10 @@
-"""Values with standard errors, numbers and settings in words."""
+"""Text of values with standard errors, of numbers, and of settings."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-# Length above which lists are abbreviated to their first and last item
+# Number of items above which lists are abbreviated to the first and last item
 _MOST_ITEMS = 8
 
 
@@ -17,7 +17,7 @@ class Figure:
     unit: str
 
     def __str__(self) -> str:
-        """Value and error, rounded according to the error.
+        """Value ± error and unit; the error determines the number of decimals.
 
         >>> str(Figure(612.34, 4.2, "lux")), str(Figure(57.96, 0.3, "%"))
         ('612 ± 4 lux', '58.0 ± 0.3 %')
@@ -31,7 +31,7 @@ class Figure:
 
 
 def number(value: float) -> str:
-    """Return a number rounded to about three digits.
+    """Return a number as text: three digits, or no decimals from 100 upwards.
 
     >>> [number(x) for x in (12345.6, 345.67, 7.891, 0.04567, 0.0)]
     ['12,346', '346', '7.89', '0.0457', '0']
@@ -42,7 +42,7 @@ def number(value: float) -> str:
 
 
 def setting_label(key: str) -> str:
-    """Return the name of a setting, with its unit.
+    """Return the name of a setting in the study file as words with a unit.
 
     >>> setting_label("tilt_deg"), setting_label("target_lux")
     ('tilt [°]', 'target [lux]')
@@ -52,7 +52,7 @@ def setting_label(key: str) -> str:
 
 
 def setting_rows(settings: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
-    """Return names and values of the settings that are given."""
+    """Return names and values of the settings that are not empty."""
     return tuple(
         (str(key), setting_words(value))
         for key, value in settings.items()
@@ -61,7 +61,7 @@ def setting_rows(settings: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
 
 
 def setting_words(value: Any) -> str:
-    """Return the value of a setting in one line."""
+    """Return the value of a setting as one line of text."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):

@@ -1,4 +1,4 @@
-"""Uncertainty of the results: standard errors of all hourly values."""
+"""Uncertainty of the results: standard errors of all hourly illuminances."""
 
 from itertools import pairwise
 
@@ -16,7 +16,7 @@ _BARS = 32
 
 
 def error_words(content: ReportContent) -> str:
-    """Return the uncertainty of the hourly values in words."""
+    """Return a sentence on the relative standard errors of hourly illuminance."""
     errors = _relative_errors(content)
     if not errors.size:
         return f"No sensor receives more than {LIT_LUX:.0f} lux in any time step."
@@ -71,7 +71,7 @@ def error_histogram(content: ReportContent) -> Markup:
 
 
 def error_rows(content: ReportContent) -> list[tuple[str, list[str]]]:
-    """Return number, median and 95th percentile of errors per illuminance range."""
+    """Return number, median and 95th percentile of errors by range of illuminance."""
     rows = []
     for low, high in pairwise(_BANDS):
         relative = _relative_errors(content, low, high)
@@ -86,7 +86,7 @@ def error_rows(content: ReportContent) -> list[tuple[str, list[str]]]:
 def _relative_errors(
     content: ReportContent, low: float = LIT_LUX, high: float = np.inf
 ) -> Float[np.ndarray, " value"]:
-    # Relative standard errors [%] of the values above `low`, up to `high` [lux]
+    # Relative standard errors [%] of illuminances above `low`, up to `high` [lux]
     lux = content.illuminance
     within = (lux > low) & (lux <= high)
     return np.asarray(100 * content.standard_error[within] / lux[within])

@@ -23,7 +23,7 @@ from clerestory.report.period import moment_words
 from clerestory.report.section import Section
 from clerestory.report.uncertain_value import number
 
-# Colours of imperceptible to intolerable glare, which also differ in lightness
+# Colours from imperceptible to intolerable glare, distinct even in greyscale
 COLOURS = np.array(
     [[158, 196, 222], [246, 213, 92], [237, 125, 58], [156, 27, 47]], dtype=np.uint8
 )
@@ -39,10 +39,10 @@ _PALE = np.array([235.0, 243.0, 249.0])
 
 @dataclass(frozen=True, eq=False)
 class ViewGlare:
-    """Annual glare of one view, NaN in the dark.
+    """Annual glare of one view; values are NaN in the dark.
 
-    `illuminance` is that of the eye [lux], `brightest` the luminance of the brightest
-    pixel [cd/m²].
+    `illuminance` is the illuminance at the eye [lux], `brightest` the luminance of the
+    brightest pixel [cd/m²].
     """
 
     view: str
@@ -60,7 +60,7 @@ class ViewGlare:
 
 
 def view_glare(data: xr.Dataset) -> tuple[ViewGlare, ...]:
-    """Return the glare of the views in the results; empty without views."""
+    """Return the annual glare of each view in the results; empty without views."""
     if "glare_dgp" not in data:
         return ()
     names = ("glare_dgp", "glare_illuminance", "glare_brightest_luminance")
@@ -72,7 +72,7 @@ def view_glare(data: xr.Dataset) -> tuple[ViewGlare, ...]:
 
 
 def glare_maps(views: Sequence[ViewGlare]) -> list[DayMap]:
-    """Return the annual map of each view, with DGP in steps of 0.01."""
+    """Return an annual map of DGP, in steps of 0.01, for each view."""
     level = np.arange(round(1 / _STEP) + 1) * _STEP
     group = DGP.category(level)
     texts = tuple(
@@ -91,7 +91,7 @@ def glare_maps(views: Sequence[ViewGlare]) -> list[DayMap]:
 
 
 def shades(dgp: Float[np.ndarray, " level"]) -> UInt8[np.ndarray, "level 3"]:
-    """Colour of DGP values by category, paler far below the perceptible limit."""
+    """Colour of each DGP by glare category, paler for DGP far below perceptible."""
     colours = COLOURS[DGP.category(dgp)].astype(float)
     low = dgp <= LIMITS[0]
     share = np.clip((dgp[low] - _PALEST) / (LIMITS[0] - _PALEST), 0, 1)[:, None]
@@ -100,7 +100,7 @@ def shades(dgp: Float[np.ndarray, " level"]) -> UInt8[np.ndarray, "level 3"]:
 
 
 def _steps(dgp: Float[np.ndarray, " time"]) -> Int[np.ndarray, " time"]:
-    # DGP in steps of 0.01, rounded without changing the glare category
+    # DGP × 100, rounded to integers of the same glare category; -1 for NaN
     exact = np.nan_to_num(dgp)
     steps = np.round(np.clip(exact, 0, 1) / _STEP).astype(int)
     moved = DGP.category(exact) - DGP.category(steps * _STEP)
@@ -108,7 +108,7 @@ def _steps(dgp: Float[np.ndarray, " time"]) -> Int[np.ndarray, " time"]:
 
 
 def class_words() -> list[str]:
-    """Return the glare categories with their limits of DGP."""
+    """Return the glare categories with their DGP limits."""
     limits = [*(f"to {limit:.2f}" for limit in LIMITS), f"above {LIMITS[-1]:.2f}"]
     return [f"{c}, DGP {limit}" for c, limit in zip(CATEGORIES, limits, strict=True)]
 
@@ -201,7 +201,8 @@ def worst_steps(
 ) -> Int[np.ndarray, " step"]:
     """Occupied time steps of highest DGP, at most five, one per day, worst first.
 
-    Without perceptible glare, only the worst time step is returned.
+    Time steps without perceptible glare are left out, unless there are no others; then
+    only the worst is returned.
     """
     rated = np.where(occupied & np.isfinite(glare.dgp), glare.rated(), -1.0)
     order = np.argsort(-rated, kind="stable")

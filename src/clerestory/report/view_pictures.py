@@ -29,10 +29,10 @@ from clerestory.report.window_states import (
 
 Pixels = UInt8[np.ndarray, "row column 3"]
 
-# Weight of the automatic exposure: 0 common exposure, 1 exposure of the picture
+# Weight of a picture's automatic exposure; the common exposure has the remainder
 _ADAPTATION = 0.5
 
-# Dynamic range of the false-colour scale, and quantile at its upper limit
+# Ratio of the limits of the false-colour scale; quantile of luminance at its top
 _SPAN = 1000.0
 _COVERED = 0.997
 
@@ -65,7 +65,7 @@ def view_pictures(content: ReportContent) -> tuple[ViewPictures, ...]:
     for table in study.get("view", []):
         view = table_name(table)
         asked = table.get("pictures") or []
-        # File names as written by runs
+        # Runs write files such as VIEW_06-21T1200.hdr
         moments = [
             Moment(step, folder / f"{view}_{stamp.replace(':', '')}.hdr")
             for step, stamp in enumerate(stamps)
@@ -78,9 +78,9 @@ def view_pictures(content: ReportContent) -> tuple[ViewPictures, ...]:
 
 
 def moment_notes(content: ReportContent) -> Callable[[str, int], str]:
-    """Return the function that describes a view at a time step.
+    """Return a function that describes the glare and the window states in words.
 
-    Its words are the glare of the view and the states of the windows.
+    The function's arguments are the name of a view and the index of a time step.
     """
     glare, states = view_glare(content.data), window_states(content.data)
 
@@ -92,7 +92,7 @@ def moment_notes(content: ReportContent) -> Callable[[str, int], str]:
 
 
 def read_small(file: str | Path, *, width: int) -> Picture:
-    """Return a picture, reduced to `width` [pixels] if it is wider."""
+    """Read a picture, and reduce it to `width` [pixels] if it is wider."""
     picture = read_picture(file)
     if picture.columns <= width:
         return picture
@@ -101,10 +101,10 @@ def read_small(file: str | Path, *, width: int) -> Picture:
 
 
 def exposures(pictures: Sequence[Picture]) -> list[float]:
-    """Return the luminance mapped to white in each picture [cd/m²].
+    """Return the luminance shown as white in each picture [cd/m²].
 
-    The value is the geometric mean of the automatic values of the picture and of all
-    pictures.
+    This is the geometric mean of `key_luminance` of the picture and the average of
+    `key_luminance` over all pictures.
     """
     keys = np.log([key_luminance(picture) for picture in pictures])
     mixed = _ADAPTATION * keys + (1 - _ADAPTATION) * keys.mean()

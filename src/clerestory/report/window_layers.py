@@ -1,4 +1,4 @@
-"""Window layers: angular distribution and transmittance."""
+"""Figures of window layers: discs of the BSDF, and curves of the transmittance."""
 
 import xarray as xr
 from matplotlib.figure import Figure
@@ -17,8 +17,8 @@ from clerestory.report.embedded_data import figure_png, image_address
 from clerestory.report.markup import Markup, element, render
 from clerestory.report.section import Section
 
-# Maximum numbers of layers drawn as discs and as curves; incident polar angle and
-# azimuth [°]; resolution
+# Maximum numbers of layers drawn as discs and as curves; polar angle and azimuth of
+# the source [°]; dots per inch
 _MOST_DISCS, _MOST = 5, 8
 _SOURCES = ((0.0, 90.0), (45.0, 90.0))
 _DPI = 80

@@ -1,4 +1,4 @@
-"""Annual window states, as selected by the control."""
+"""Annual states of windows, such as open or closed, selected by a control rule."""
 
 import json
 from collections.abc import Sequence
@@ -21,10 +21,10 @@ from clerestory.study.window_tables import ControlTable
 
 @dataclass(frozen=True, eq=False)
 class WindowStates:
-    """States of a window group over the year.
+    """State of a window group (such as open or closed) at each time step.
 
-    The names of the states are ordered from open to closed. The description of the
-    control rule may be empty.
+    `names` are the states from open to closed; `state` is an index of `names`. `rule`
+    describes the control rule and may be empty.
     """
 
     window: str
@@ -40,7 +40,7 @@ class WindowStates:
 
 
 def window_states(data: xr.Dataset) -> tuple[WindowStates, ...]:
-    """Return the states in the results, for windows with several states."""
+    """Return the annual states of all windows that have several states."""
     if "state" not in data:
         return ()
     study = json.loads(data.attrs.get("study", "{}"))
@@ -86,7 +86,7 @@ def states_section(content: ReportContent) -> Section:
 
 
 def _shares(each: WindowStates, content: ReportContent) -> list[str]:
-    # Name, percentage and number of occupied hours of each state
+    # For each state: name, percentage of the occupied hours, number of occupied hours
     return [
         f"{name}: {content.occupied_share(each.state == k)}"
         for k, name in enumerate(each.names)
@@ -110,12 +110,12 @@ def state_names(data: xr.Dataset, window: str) -> tuple[str, ...]:
 
 
 def table_name(table: dict[str, Any]) -> str:
-    """Return the name of a table of the study; default: that of its file."""
+    """Return `name` of a table in the study; without a name, the stem of its file."""
     return str(table.get("name") or Path(str(table.get("file", ""))).stem)
 
 
 def rule_words(control: dict[str, Any] | None) -> str:
-    """Return the name of the rule, and parameters that differ from the defaults."""
+    """Return the name of a control rule and its parameters other than defaults."""
     if not control:
         return ""
     fields = ControlTable.model_fields

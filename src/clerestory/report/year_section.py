@@ -1,7 +1,7 @@
-"""Heat map of the illuminance over the year, for the means of grids and for sensors.
+"""Annual heat map of illuminance, for the mean of each grid and for single sensors.
 
-Annual series are the largest part of a page. The mean of each grid is always included,
-and as many evenly spaced sensors as the size limit allows.
+The page contains the mean of each grid, and as many evenly spaced sensors as the limit
+of its size allows.
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ from clerestory.report.markup import render
 from clerestory.report.period import evenly
 from clerestory.report.section import Section
 
-# Maximum number of values on a page: about 3 MB after compression
+# Maximum number of illuminances on a page: about 3 MB after compression
 _MOST_VALUES = 1_500_000
 
 
@@ -61,7 +61,7 @@ def year_section(content: ReportContent) -> Section:
 def _series(
     content: ReportContent,
 ) -> list[tuple[str, int | None, Float[np.ndarray, " time"]]]:
-    # Name, index of the sensor (None for means of grids) and illuminance
+    # For each series: name, sensor index (None for a grid mean) and illuminance
     lux, names = content.illuminance, content.sensors.names
     means = [
         (f"Mean of {grid} ({len(members):,} sensors)", None, lux[members].mean(axis=0))

@@ -1,7 +1,7 @@
 """Annual glare of the views of a study, and images of selected time steps.
 
-Images are computed and evaluated one after the other; only those of the selected time
-steps are written.
+Images are computed and evaluated one at a time; only the images of selected time steps
+are written to files.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -28,7 +28,7 @@ from clerestory.study.view_matrices import ViewMatrices
 
 PICTURE_FOLDER = "pictures"
 
-# Minimum view angle for glare evaluation [degrees], with a tolerance of 1°
+# Minimum view angle for glare evaluation [°]: 180° less a tolerance of 1°
 _EYE_DEG = 179.0
 
 
@@ -42,10 +42,10 @@ def study_views(
     out: Path,
     display: Display,
 ) -> xr.Dataset:
-    """Return glare metrics of every view and time step; write the selected images.
+    """Return glare indices of views and time steps; write the selected images.
 
-    Views wide enough for glare have variables `glare_…` (view, time), NaN in time steps
-    without light. `output` is the dimming level 0…1 of each zone.
+    The variables `glare_…` (view, time) are NaN in time steps without light; views too
+    narrow for glare are omitted. `output` is the dimming level 0…1 of each zone.
     """
     times = skies.whole.times
     daylight = skies.whole.diffuse.max(axis=0) > 0
@@ -83,9 +83,9 @@ def sees_glare(view: View) -> bool:
 def glare_function(
     views: Sequence[ViewMatrices], skies: Skies, *, display: Display
 ) -> GlareFunction:
-    """Return a function that computes DGP at given time steps, for daylight only.
+    """Return a function that computes DGP due to daylight at given time steps.
 
-    The function returns the maximum DGP of the views, and 0 without daylight.
+    The function returns the largest DGP among the views, 0 in steps without daylight.
     """
     times = skies.whole.times
     lit = skies.whole.diffuse.max(axis=0) > 0
@@ -141,7 +141,7 @@ def _counted(progress: Progress, count: int) -> Callable[[int], None]:
 def _asked_for(
     table: ViewTable, times: np.ndarray, steps: np.ndarray
 ) -> dict[int, str]:
-    # Step index of each selected picture, and its moment as given in the study
+    # Date and time of each selected picture, as given in the study, by time-step index
     names = np.datetime_as_string(times[steps], unit="m").tolist()
     stamps = {name[5:]: int(step) for name, step in zip(names, steps, strict=True)}
     wanted = list(stamps) if EVERY in table.pictures else table.pictures
@@ -159,7 +159,7 @@ def _with_lamps(
     lamps: Sequence[np.ndarray],
     output: Float[np.ndarray, "zone time"],
 ) -> Iterator[tuple[int, Picture]]:
-    # Add the radiance due to each zone, scaled by its dimming level
+    # Add the radiance due to each lighting zone, scaled by the zone's dimming level
     for step, picture in series:
         pixels = picture.radiance
         for lit, share in zip(lamps, output[:, step], strict=True):

@@ -1,7 +1,7 @@
 """Schema of the study file (TOML); see `docs/study-file.md`.
 
-Each table of the file is a class; error messages state the description of a key as
-the expected value.
+Each TOML table is a class. If a value is wrong, the error message quotes the
+`description` of its field as the expected value.
 """
 
 import json
@@ -29,7 +29,7 @@ _METHODS = " or".join(", ".join(f'"{name}"' for name in METHODS).rsplit(",", 1))
 
 
 def _methods(value: Any) -> Any:
-    # One method, or a list of distinct methods to compare
+    # Accept one method, or a list of distinct methods to compare
     chosen = value if isinstance(value, list) else [value]
     known = all(isinstance(m, str) and m in METHODS for m in chosen)
     if not (chosen and known and len(set(chosen)) == len(chosen)):
@@ -39,7 +39,7 @@ def _methods(value: Any) -> Any:
 
 
 class Study(Table):
-    """Study, as described by a study file; paths are relative to its folder."""
+    """Content of a study file; its paths are relative to the folder of the file."""
 
     _folder: Path = PrivateAttr(Path())
 
@@ -114,7 +114,7 @@ class Study(Table):
 
     @model_validator(mode="after")
     def _names_that_exist(self) -> "Study":
-        # Grids, views and zones named in rules, zones and luminaires must exist
+        # Control rules, lighting zones and luminaires must name tables that exist
         grids = [table.label for table in self.sensors]
         views = [table.label for table in self.view]
         for window in self.window:
@@ -163,7 +163,7 @@ class Study(Table):
 
     @property
     def terms(self) -> tuple[Term, ...]:
-        """Terms of the matrix equation."""
+        """Terms of the matrix equation of the phase method."""
         return METHODS[self.method].terms(corrected=self.corrected)
 
     @property
@@ -172,7 +172,7 @@ class Study(Table):
         return self._folder
 
     def with_method(self, method: MethodName) -> "Study":
-        """Return the study with one method; without views for the two-phase method."""
+        """Return a copy of the study with one method, without views for "2-phase"."""
         views = [] if method == "2-phase" else self.view
         return self.model_copy(update={"methods": [method], "view": views})
 
@@ -187,13 +187,13 @@ class Study(Table):
         device: Device | None = None,
         cluster: str | None = None,
     ) -> "Study":
-        """Return the study with another seed, device or cluster, if given."""
+        """Return a copy with the given seed, device and cluster; None: unchanged."""
         given = {"seed": seed, "device": device, "cluster": cluster}
         change = {key: value for key, value in given.items() if value is not None}
         return self.model_copy(update={"trace": self.trace.model_copy(update=change)})
 
     def facts(self) -> dict[str, Any]:
-        """Return all keys and values, with file paths relative to the study folder."""
+        """Return all keys and values of the study, with paths relative to `folder`."""
 
         def plain(value: Any) -> Any:
             if isinstance(value, dict):
@@ -211,7 +211,7 @@ class Study(Table):
         return facts
 
     def to_json(self) -> str:
-        """Return all keys and values as JSON."""
+        """Return all keys and values of the study file as JSON."""
         return json.dumps(self.facts(), sort_keys=True)
 
 
@@ -225,12 +225,12 @@ def _require(what: str, kind: str, names: list[str], known: list[str]) -> None:
 
 
 def read_study(path: str | Path) -> Study:
-    """Read a study from a TOML file; its paths are relative to that file.
+    """Read a study from a TOML file, whose paths are relative to its folder.
 
     Raises
     ------
     InputError : the file cannot be read, is not TOML, or a key is missing,
-        unknown or wrong; with the line and the valid choices
+        unknown or wrong; the message has the line and the valid choices
     """
     path = Path(path)
     study = read_toml(path, Study, {"folder": path.parent})

@@ -1,7 +1,7 @@
 """Tables of the study file, except for windows and lighting.
 
-Each table is a class; error messages state the description of a key as the expected
-value.
+Each TOML table is a class. If a value is wrong, the error message quotes the
+`description` of its field as the expected value.
 """
 
 from collections.abc import Mapping, Sequence
@@ -25,7 +25,7 @@ from clerestory.sky.station_file import MeasuredTable, SiteTable
 
 
 def _input_file(value: Any, info: Any) -> Any:
-    # Paths are relative to the study, and the files must exist; info is ValidationInfo
+    # Path of a file that must exist, relative to the study; `info` is ValidationInfo
     if not isinstance(value, str) or not value:
         raise PydanticCustomError("file", "the name of a file in quotes")
     path: Path = (info.context or {}).get("folder", Path()) / value
@@ -43,13 +43,13 @@ MonthDay = Annotated[str, Field(pattern=r"^(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])
 
 
 def require_rule(valid: object, message: str) -> None:
-    """Raise a validation error for inconsistent keys of a table unless `valid`."""
+    """Raise a validation error with a message, unless `valid`."""
     if not valid:
         raise PydanticCustomError("rule", "{message}", {"message": message})
 
 
 class Named(Table):
-    """A table with a name."""
+    """Table with an optional name."""
 
     name: str = Field(
         "",
@@ -64,7 +64,7 @@ class Named(Table):
 
 
 class NamedFile(Named):
-    """Table that refers to a file; its default name is that of the file."""
+    """Table with a file; without a name, the table is named after the file."""
 
     file: InputFile
 
@@ -83,19 +83,19 @@ def _distinct(tables: Sequence[Named]) -> Sequence[Named]:
     return tables
 
 
-# Check that the names of the tables of a list differ
+# Check that all tables in a list have different names
 Distinct = AfterValidator(_distinct)
 
 
 def require_one_of(keys: Mapping[str, object]) -> None:
-    """Raise a validation error unless one of two keys is given."""
+    """Raise a validation error unless exactly one of two keys is given."""
     given = sum(map(bool, keys.values()))
     words = "both {} and {}" if given else "neither {} nor {}"
     require_rule(given == 1, f"{words.format(*keys)}; one of them expected")
 
 
 class SceneTable(Table):
-    """Files of the room and its surroundings."""
+    """Scene files of the room and its surroundings."""
 
     files: list[InputFile] = Field(
         min_length=1, description="a list of Radiance scene files"
@@ -109,7 +109,7 @@ class SensorsTable(NamedFile):
 
 
 class HoursTable(Table):
-    """Hours of the day, in local standard time."""
+    """Range of hours of the day, in local standard time."""
 
     from_hour: float = Field(0.0, ge=0, le=24)
     to_hour: float = Field(24.0, ge=0, le=24)
@@ -140,7 +140,7 @@ class ClearSkyTable(SiteTable):
 
 
 class WeatherTable(HoursTable):
-    """Weather data, and the simulated part of the year."""
+    """Weather file or clear skies, and selection of the simulated time steps."""
 
     file: InputFile | None = Field(
         None,
@@ -183,14 +183,14 @@ class SkyTable(Table):
 
 
 def _pictures(value: Any) -> Any:
-    # The word "every" selects all steps
+    # The word "every" selects all time steps
     if isinstance(value, str) and value != EVERY:
         raise PydanticCustomError("choice", '"every", or a list of moments')
     return [value] if isinstance(value, str) else value
 
 
 class ViewTable(NamedFile):
-    """View for glare at every time step and for images of selected moments."""
+    """View for glare at every time step and for images at selected dates and times."""
 
     file: InputFile = Field(description="a Radiance view file")
     resolution: int = Field(200, ge=8, le=4096)
@@ -210,7 +210,7 @@ def sun_places(value: Any) -> Any:
 
 
 class SunTable(Table):
-    """Direct sun of the direct correction."""
+    """Sun positions and sampling of the direct correction."""
 
     places: Literal["exact", "patches"] = "exact"
     tolerance_deg: float = Field(0.25, ge=0, le=5)
@@ -220,7 +220,7 @@ class SunTable(Table):
 
 
 class TraceTable(Table):
-    """Accuracy of tracing; default `relative_error` is 0.01 without `samples`."""
+    """Options of ray tracing; without `samples`, `relative_error` defaults to 0.01."""
 
     relative_error: float | None = Field(None, gt=0, lt=1)
     samples: int | None = Field(None, ge=1)
@@ -228,7 +228,7 @@ class TraceTable(Table):
     seed: int = Field(1, ge=0, lt=2**32)
     device: Device = "auto"
     memory_gb: float = Field(8.0, ge=0)
-    # Results do not depend on it, so it is excluded from them
+    # Excluded from the results file, as results do not depend on the cluster
     cluster: str | None = Field(
         None, exclude=True, description="the address of a dask scheduler"
     )
@@ -250,7 +250,7 @@ class ScheduleTable(HoursTable):
 
 
 class MetricsTable(Table):
-    """Targets and limits of the metrics."""
+    """Target illuminance of the metrics [lux]."""
 
     target_lux: float = Field(TARGET_LUX, gt=0)
 

@@ -23,7 +23,7 @@ from clerestory.study.config import Study
 from clerestory.study.inputs import Inputs
 from clerestory.study.study_matrices import StudyMatrices
 
-# Function from steps, views and states to the largest DGP among the views
+# Function of shade states, time steps and view names: largest DGP among these views
 GlareFunction = Callable[
     [States, Int[np.ndarray, " step"], Sequence[str]], Float[np.ndarray, " step"]
 ]
@@ -31,7 +31,7 @@ GlareFunction = Callable[
 
 @dataclass(frozen=True, eq=False)
 class ControlInputs:
-    """Inputs of the control rules; `judge` returns the largest DGP of some views."""
+    """Inputs of shade control rules; `judge` returns the largest DGP of given views."""
 
     study: Study
     inputs: Inputs
@@ -52,7 +52,7 @@ class ControlInputs:
 
     @cached_property
     def occupied(self) -> Bool[np.ndarray, " time"]:
-        """Whether each time step lies within the schedule of the study."""
+        """Whether each time step lies within the occupied hours of the study."""
         schedule = self.study.schedule
         return occupied_hours(
             self.times, from_hour=schedule.from_hour, to_hour=schedule.to_hour
@@ -67,7 +67,7 @@ class ControlInputs:
     def profile(
         self, group: int, *, vertical: bool = False
     ) -> Float[np.ndarray, " time"]:
-        """Profile angle [rad] of the sun; NaN at night and with the sun behind."""
+        """Profile angle [rad] of the sun; NaN at night or if behind the façade."""
         frame = self.inputs.groups[group].inner.frame
         angle = profile_angle(self.sun, frame, vertical=vertical)
         return np.where(self.sun[:, 2] > 0, angle, np.nan)
@@ -83,7 +83,7 @@ class ControlInputs:
         return self._on_facade("irradiance", group, self._solar) / LUMINOUS_EFFICACY
 
     def facade_illuminance(self, group: int) -> Float[np.ndarray, " time"]:
-        """Illuminance on a façade [lux]."""
+        """Return the global illuminance on a façade [lux]."""
         return self._on_facade("illuminance", group, self.skies.whole)
 
     @cached_property
@@ -105,11 +105,11 @@ class ControlInputs:
         return self._kept[name, group]
 
     def _facade_row(self, group: int) -> TransferMatrix:
-        # Irradiance coefficients [sr] of the window: D weighted by projected solid
-        # angle, or those of an unobstructed plane if the method has no D
+        # Façade irradiance per sky patch radiance [sr]: D weighted by projected solid
+        # angle, or coefficients of an unobstructed plane if the method has no D
         whole = self.matrices.windows[group].whole
         if whole and whole.factors:
-            daylight = whole.factors[0][-1]  # shade state 0
+            daylight = whole.factors[0][-1]  # D of shade state 0
             outer = self.inputs.groups[group].outer.partition
             values = outer.projected_solid_angles()[None, :] @ daylight.values
             return replace(
@@ -127,7 +127,7 @@ class ControlInputs:
     def illuminance(
         self, states: States, grid: str
     ) -> Float[np.ndarray, "sensor time"]:
-        """Return the illuminance of a grid for given states of the windows [lux]."""
+        """Return the sensor illuminance of a grid [lux] for given shade states."""
         everything = range(len(self.inputs.groups))
         part = self.matrices.reduced(everything, self.inputs.rows(grid))
         found = part.illuminance(self.skies, states)

@@ -1,8 +1,8 @@
-"""Shade control rules: states of window groups over time.
+"""Shade control rules: shade state of each window group at each time step.
 
-Rules with interior inputs are evaluated group by group, in the order of the study file.
-Groups evaluated before are in their chosen states, groups evaluated later are closed.
-Limits are thus met if possible, with earlier groups as open as possible.
+Rules based on interior illuminance or glare are evaluated group by group, in the order
+of the study file. Groups evaluated before are in their chosen states, groups evaluated
+later are closed. Limits are thus met if possible, with earlier groups most open.
 """
 
 from collections.abc import Callable
@@ -32,9 +32,9 @@ _StateTimes = Int[np.ndarray, " time"]
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """Control problem of one window group, given by its number.
+    """Inputs of the control rule of one window group, given by its index `number`.
 
-    The states of the group itself among `others` are ignored.
+    `others` has the shade states of all groups; entry `number` is ignored.
     """
 
     signals: ControlInputs
@@ -44,11 +44,11 @@ class Case:
 
     @property
     def count(self) -> int:
-        """Number of states of the group."""
+        """Number of shade states of the group."""
         return len(self.signals.inputs.groups[self.number].states)
 
     def with_state(self, state: int) -> list[_StateTimes]:
-        """States of all groups, with this group in a given state at all steps."""
+        """Shade states of all groups, with this group always in a given state."""
         states = list(self.others)
         states[self.number] = np.full_like(states[self.number], state)
         return states
@@ -60,13 +60,13 @@ class Case:
 
 
 def fixed(case: Case) -> _StateTimes:
-    """Return a constant state."""
+    """Return the state of rule "fixed", which is the same at all time steps."""
     group = case.signals.inputs.groups[case.number]
     return np.full(len(case.signals.times), group.number_of(case.control.state))
 
 
 def cut_off(case: Case) -> _StateTimes:
-    """Return the most open slat tilt that blocks direct sun, at each time step."""
+    """Return the state with the most open slat tilt that blocks direct sun."""
     control = case.control
     return blocking_states(
         case.signals.profile(case.number, vertical=control.vertical),
@@ -78,7 +78,7 @@ def cut_off(case: Case) -> _StateTimes:
 
 
 def by_profile(case: Case) -> _StateTimes:
-    """Return the number of `angles_deg` above the solar profile angle as the state."""
+    """Return as state the number of `angles_deg` above the solar profile angle."""
     angle = case.signals.profile(case.number, vertical=case.control.vertical)
     if case.control.vertical:
         angle = np.abs(angle)
@@ -87,7 +87,7 @@ def by_profile(case: Case) -> _StateTimes:
 
 
 def by_threshold(case: Case) -> _StateTimes:
-    """Return states by thresholds of one quantity, with hysteresis and delays."""
+    """Return states by thresholds of one quantity, with hysteresis and time delays."""
     control = case.control
     quantity = _quantity(case)
     delays = {
@@ -123,7 +123,7 @@ def by_glare(case: Case) -> _StateTimes:
 
 
 def by_score(case: Case) -> _StateTimes:
-    """Return the state with the highest mean of min(illuminance, target), in limits."""
+    """Return the state within limits with the highest mean min(illuminance, target)."""
     control = case.control
     target = control.target_lux or case.signals.study.metrics.target_lux
     lux = case.illuminance(control.grid)
@@ -138,7 +138,7 @@ def by_score(case: Case) -> _StateTimes:
 
 
 def by_schedule(case: Case) -> _StateTimes:
-    """Return the states of a schedule file; each line applies until the next line."""
+    """Return the states of a schedule file; each line applies until the next one."""
     group = case.signals.inputs.groups[case.number]
     file = case.control.file
     if file is None:
@@ -194,7 +194,7 @@ def situation(case: Case) -> Situation:
 
 
 def _wanted(case: Case) -> dict[str, Float[np.ndarray, "state time"]]:
-    # Illuminance and DGP of every state, as required by the user-defined function
+    # Mean illuminance of each grid and DGP, for every state, if listed in `needs`
     found, needs = {}, case.control.needs
     if "illuminance" in needs:
         for grid in case.signals.inputs.grids:
@@ -205,7 +205,7 @@ def _wanted(case: Case) -> dict[str, Float[np.ndarray, "state time"]]:
     return found
 
 
-# Rules with exterior inputs only, and rules with interior inputs
+# Rules based on exterior quantities, and rules based on interior light, by name
 OUTSIDE: dict[str, Callable[[Case], _StateTimes]] = {
     "fixed": fixed,
     "cut-off": cut_off,
@@ -253,7 +253,7 @@ def _quantity(case: Case) -> Float[np.ndarray, " time"]:
 
 
 def _glare(case: Case, *, until: float = -np.inf) -> Float[np.ndarray, "state time"]:
-    # DGP of each state at the time steps at which all more open states exceed a limit
+    # DGP of each state; infinite if a more open state has DGP ≤ `until`
     steps = np.arange(len(case.signals.times))
     glare = np.full((case.count, len(steps)), np.inf)
     for state in range(case.count):

@@ -1,4 +1,4 @@
-"""Geometry and BSDF data in the results, for drawings."""
+"""Scene geometry and BSDFs that are stored in the results for drawings."""
 
 from collections.abc import Sequence
 
@@ -15,7 +15,7 @@ from clerestory.study.window_groups import WindowGroup
 
 
 def room_drawing(scene: Scene) -> xr.Dataset:
-    """Return the surfaces as triangles [m], with material colours 0…1.
+    """Return the surfaces of a scene as triangles [m], with material colours 0…1.
 
     The dataset is empty for a scene without surfaces.
     """
@@ -60,9 +60,9 @@ def window_drawing(windows: Sequence[Window]) -> xr.Dataset:
 
 
 def layer_drawing(groups: Sequence[WindowGroup]) -> xr.Dataset:
-    """Return the BTDFs for light from outside [1/sr], in the Klems full basis.
+    """Return the BTDF of each shade state [1/sr] for light from outside (Klems full).
 
-    A layer is a shade state; states with the same BSDF file and name share a layer.
+    The BTDF is stored once for states with the same BSDF file and name.
     """
     shown: dict[tuple[str, str], list[str]] = {}
     values = []

@@ -1,4 +1,4 @@
-"""Output, illuminance and energy use of the luminaires of a study."""
+"""Dimming level, illuminance and energy use of the luminaires of a study."""
 
 from collections.abc import Sequence
 
@@ -11,7 +11,7 @@ from clerestory.metrics.lighting_energy import LightingUse, LightingZone, lighti
 from clerestory.study.lighting_tables import LightingTable
 from clerestory.study.luminaire_matrices import Lamps, Zone
 
-# Number of fixed-point iterations for zones that illuminate each other
+# Number of fixed-point iterations for lighting zones that illuminate each other
 _ROUNDS = 8
 
 
@@ -26,8 +26,8 @@ def lighting(
     """Return dimming level, illuminance and power of the luminaires over time.
 
     Photosensors of dimmed zones measure daylight and the light of other zones,
-    photosensors of switched zones ("on-off") measure daylight only. `rows` are the
-    indices of the sensors that control each zone.
+    photosensors of switched zones ("on-off") measure daylight only. `rows` has the
+    indices of the sensors whose illuminance controls each zone.
     """
     if not lamps.zones:
         return xr.Dataset()
@@ -77,8 +77,8 @@ def _governed(zone: Zone, full: np.ndarray) -> LightingZone:
 def _reading(
     table: LightingTable, seen: Float[np.ndarray, "sensor time"], full: np.ndarray
 ) -> Float[np.ndarray, " time"]:
-    # Photosensor reading [lux]: mean of the sensors, or by the sensor with the largest
-    # required output
+    # Photosensor reading [lux]: mean illuminance of the sensors, or the reading for
+    # which the sensor that lacks most light reaches the setpoint
     if table.reading == "mean":
         return np.asarray(seen.mean(axis=0))
     missing = ((table.setpoint_lux - seen) / full[:, None]).max(axis=0)

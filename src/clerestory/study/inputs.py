@@ -26,9 +26,9 @@ from clerestory.study.window_groups import WindowGroup, read_window_groups
 
 @dataclass(frozen=True, eq=False)
 class Inputs:
-    """Content of the files of a study, without the windows in the scene.
+    """Content of the input files of a study; `scene` is the room without its windows.
 
-    Grids are sensors by grid name; cameras are views in the order of the study file.
+    `grids` has sensors by grid name, `cameras` the views as ordered in the study.
     """
 
     scene: Scene
@@ -46,13 +46,13 @@ class Inputs:
         )
 
     def rows(self, grid: str) -> Int[np.ndarray, " sensor"]:
-        """Return the indices of the sensors of a grid, or all if `grid` is empty."""
+        """Return the sensor indices of a grid, or of all grids if `grid` is empty."""
         owner = np.repeat(list(self.grids), [len(s) for s in self.grids.values()])
         return np.flatnonzero((owner == grid) | (not grid))
 
 
 def read_inputs(study: Study) -> Inputs:
-    """Read the files of a study."""
+    """Read the input files of a study."""
     groups = [group for table in study.window for group in read_window_groups(table)]
     names = [group.name for group in groups]
     for name in names:
@@ -109,7 +109,7 @@ def _whole(table: WeatherTable) -> Weather:
 
 
 def _chosen(weather: Weather, table: WeatherTable) -> np.ndarray:
-    # Indices of the steps within the hours, at the given moments, every n-th of them
+    # Indices of every n-th time step within the given hours and at given moments
     steps = occupied_hours(
         weather.times, from_hour=table.from_hour, to_hour=table.to_hour
     )

@@ -17,17 +17,17 @@ from clerestory.scene.window import Window
 from clerestory.study.config import Study
 from clerestory.study.inputs import Inputs
 
-# Function that starts the progress display of a phase of this name
+# Function that starts the progress display of a phase, given its name
 Display = Callable[[str], Progress]
 
-# Seed offsets of V_d and D_d, direct-sun coefficients, electric light, and daylight
-# coefficients (V and D: no offset)
+# Offsets added to the random seed for V_d and D_d, direct-sun coefficients, electric
+# light, and daylight coefficients
 DIRECT, SUN, LAMPS, COEFFICIENTS = 0x10000, 0x20000, 0x30000, 0x40000
 
-# Seed offset between the shade states of a window
+# Seed difference between consecutive shade states of a window
 STATE = 0x100
 
-# Default relative error, if a study gives neither samples nor relative_error
+# Default relative standard error, if a study gives neither samples nor relative_error
 _RELATIVE_ERROR = 0.01
 
 
@@ -36,8 +36,8 @@ class Job:
     """Common inputs of all traced matrices of a study.
 
     `found` records which matrix files were in the cache. Results do not depend on the
-    executor. The folder `scratch` is for hourly results that do not fit into memory. A
-    job with `direct` traces matrices of direct light (V_d, D_d, C_d).
+    executor. The folder `scratch` is for hourly results that do not fit into memory.
+    With `direct`, the job traces matrices of direct light (V_d, D_d, C_d).
     """
 
     study: Study
@@ -51,7 +51,7 @@ class Job:
 
     @property
     def prefix(self) -> str:
-        """First part of the names of matrices."""
+        """Prefix of the names of matrices, which marks direct light."""
         return "direct-" if self.direct else ""
 
     @property
@@ -70,7 +70,7 @@ class Job:
         return self.executor.resolve(self.study.trace.device)
 
     def effort(self, stream: int = 0) -> Effort:
-        """Number of samples or target error, bounces, seed and device of a matrix."""
+        """Return the sampling effort of a matrix; `stream` is added to the seed."""
         trace = self.study.trace
         error = None if trace.samples else trace.relative_error or _RELATIVE_ERROR
         return Effort(
@@ -83,11 +83,11 @@ class Job:
         )
 
     def pixel_effort(self, samples: int, stream: int = 0) -> Effort:
-        """Effort with a given number of paths per pixel."""
+        """Return the sampling effort for a given number of paths per pixel."""
         return replace(self.effort(stream), samples=samples, relative_error=None)
 
     def direct_effort(self, stream: int, samples: int | None = None) -> Effort:
-        """Effort of direct coefficients, without reflections."""
+        """Return the sampling effort of direct coefficients, without reflections."""
         effort = self.effort(stream)
         return replace(effort, samples=samples, relative_error=None, bounces=None)
 
@@ -101,8 +101,8 @@ class Job:
     ) -> TransferMatrix:
         """Return a matrix from the cache, or trace and store it.
 
-        The tracing function has all inputs of the matrix except the effort. The
-        progress display shows the name `shown`.
+        The function `trace` lacks only the arguments `effort` and `progress`. The
+        progress display has the title `shown`, by default `name`.
         """
         name, title = self.prefix + name, self.prefix + (shown or name)
 
@@ -122,7 +122,7 @@ class Job:
     ) -> dict[str, TransferMatrix]:
         """Return matrices that are traced together, by window name; see `matrix`.
 
-        The name of a matrix in the cache is followed by that of its window.
+        A matrix in the cache is named `name`, followed by the name of the window.
         """
         names = {f"{self.prefix}{name}-{each.name}": each.name for each in windows}
 
@@ -134,7 +134,7 @@ class Job:
         return {window: found[name] for name, window in names.items()}
 
     def _key(self, trace: "partial[Any]", effort: Effort) -> str:
-        # Fingerprint of function and inputs; that of the scene is computed once
+        # Fingerprint of tracing function and inputs; the scene is fingerprinted once
         inputs = [*trace.args, *trace.keywords.values()]
         known = [self.scene_key if each is self.scene else each for each in inputs]
         return fingerprint(trace.func.__name__, known, list(trace.keywords), effort)
@@ -150,7 +150,7 @@ class Job:
     def blocks(
         self, name: str, key: str, rows: Sequence[slice], make: BlockMaker
     ) -> tuple[Path, ...]:
-        """Return the files of a matrix larger than memory; trace missing ones."""
+        """Return the block files of a large stored matrix; trace missing blocks."""
         kept = [self.store.holds(n, key) for n in block_names(name, len(rows))]
         self.found.setdefault(self.store.path(name, key).name, all(kept))
         return self.store.blocks(name, key, rows, make)

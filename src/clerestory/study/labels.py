@@ -14,7 +14,7 @@ from clerestory.study.inputs import Inputs
 from clerestory.study.results import sensor_names
 from clerestory.study.shade_operation import ShadeOperation
 
-# Sensors per block in the computation of metrics: a year of hours requires 140 MB
+# Sensors per block in the computation of metrics: 8760 hours of a block take 140 MB
 _SENSORS = 4096
 
 
@@ -74,7 +74,7 @@ def label_results(
 def _metrics(
     hourly: xr.Dataset, hours: Bool[np.ndarray, " time"], *, target_lux: float
 ) -> xr.Dataset:
-    # In blocks of sensors, as hourly results may be in a file
+    # Compute metrics in blocks of sensors, as hourly results may be in a file
     parts = [
         sensor_metrics(
             hourly.isel(sensor=slice(first, first + _SENSORS)).load(),
@@ -95,7 +95,7 @@ def _metrics(
 
 
 def _states(signals: ControlInputs, acts: ShadeOperation) -> xr.Dataset:
-    # States and control inputs of windows with several states
+    # Shade states and control inputs; empty if each window has only one state
     groups = signals.inputs.groups
     if all(len(group.states) == 1 for group in groups):
         return xr.Dataset()
@@ -131,7 +131,7 @@ def _states(signals: ControlInputs, acts: ShadeOperation) -> xr.Dataset:
 
 
 def _direct_sun(signals: ControlInputs, hours: Bool[np.ndarray, " time"]) -> xr.Dataset:
-    # Direct sunlight with all shades in state 0, if it was traced
+    # Direct sun illuminance with all shades in state 0, if direct light was traced
     matrices = signals.matrices
     if not matrices.has_direct:
         return xr.Dataset()

@@ -27,7 +27,7 @@ class LuminaireTable(NamedFile):
 
     @property
     def photometric(self) -> bool:
-        """Whether the file is a photometric file of one luminaire."""
+        """Whether `file` is a photometric file, not a scene file."""
         return self.file.suffix.lower() in (".ies", ".ldt")
 
     @model_validator(mode="after")
@@ -49,7 +49,7 @@ class LuminaireTable(NamedFile):
 
 
 class LightingTable(Named):
-    """Zone of luminaires that are controlled by one photosensor."""
+    """Lighting zone: luminaires that are controlled by one photosensor."""
 
     control: Control = Field(
         "dimming",

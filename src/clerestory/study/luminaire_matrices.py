@@ -1,6 +1,6 @@
 """Electric light of a study, traced once at full output and dimmed per time step.
 
-Windows are black for electric light. Light sources in the scene files are turned off.
+When electric light is traced, windows are black and light sources of the room are off.
 """
 
 from dataclasses import dataclass, field
@@ -27,7 +27,7 @@ from clerestory.study.lighting_tables import LightingTable, LuminaireTable
 
 @dataclass(frozen=True, eq=False)
 class Zone:
-    """Luminaires that one photosensor controls, and their power at full output [W]."""
+    """Lighting zone: its luminaires, and their electric power at full output [W]."""
 
     table: LightingTable
     light: Scene
@@ -36,9 +36,9 @@ class Zone:
 
 @dataclass(frozen=True, eq=False)
 class Lamps:
-    """Electric light of each zone at full output.
+    """Illuminance and pixel radiance due to each lighting zone at full output.
 
-    The views have the radiance (pixel, channel) of each zone, by view name.
+    `views` has the radiance (pixel, channel) due to each zone, by view name.
     """
 
     zones: tuple[Zone, ...] = ()
@@ -49,7 +49,7 @@ class Lamps:
 
 
 def trace_lamps(job: Job) -> Lamps:
-    """Return the electric light of a study, from the cache if possible."""
+    """Return the electric light of all lighting zones, from the cache if possible."""
     zones = tuple(_zone(job, table) for table in job.study.lighting)
     if not zones:
         return Lamps()
@@ -65,7 +65,7 @@ def trace_lamps(job: Job) -> Lamps:
 
 
 def unlit(scene: Scene) -> Scene:
-    """Return a scene without light: black emitters, no sources at infinity."""
+    """Return a copy of a scene without light: black emitters, no sky and no sun."""
 
     def dark(material: Material) -> Material:
         if isinstance(material, Illum):

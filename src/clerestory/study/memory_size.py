@@ -1,7 +1,7 @@
-"""Choice between matrices and hourly results in memory or in files.
+"""Choice whether matrices and hourly results are kept in memory or in files.
 
-The choice depends on the study alone, so that results are the same on every machine:
-matrices in files have fewer error components.
+Matrices in files have fewer error components. The choice depends on the study alone, so
+that all machines give the same results.
 """
 
 import warnings
@@ -25,7 +25,7 @@ _HOURLY = 8
 
 
 def is_stored(study: Study, inputs: Inputs, *, direct: bool) -> bool:
-    """Whether view matrices (if `direct`, V_d too) and hourly results are in files."""
+    """Whether V (and V_d if `direct`) and hourly results are kept in files."""
     each = _sensor_bytes(study, inputs, coefficient=_COEFFICIENT, direct=direct)
     whole = len(inputs.sensors()) * each * 1e-9
     large = whole > study.trace.memory_gb
@@ -41,7 +41,7 @@ def is_stored(study: Study, inputs: Inputs, *, direct: bool) -> bool:
 
 
 def most_sensors(study: Study, inputs: Inputs, *, direct: bool) -> int:
-    """Return the maximum number of sensors for a control rule, limited by memory."""
+    """Return the maximum number of sensors whose matrices fit into memory together."""
     each = _sensor_bytes(study, inputs, coefficient=_SINGLE, direct=direct)
     return int(study.trace.memory_gb * 1e9) // each
 
@@ -49,7 +49,7 @@ def most_sensors(study: Study, inputs: Inputs, *, direct: bool) -> int:
 def _sensor_bytes(
     study: Study, inputs: Inputs, *, coefficient: int, direct: bool
 ) -> int:
-    # Bytes of the coefficients and hourly results of one sensor
+    # Bytes of memory for the coefficients and hourly results of one sensor
     patches = sum(len(group.inner.partition) for group in inputs.groups)
     coefficients = patches * channels_of(inputs.scene) * (2 if direct else 1)
     hours = len(inputs.weather.times)

@@ -1,6 +1,6 @@
 """Comparison of several phase methods for one scene.
 
-All methods have the same shade states, which are controlled with the last method.
+All methods have the same shade states, which the last method determines.
 """
 
 from collections.abc import Mapping
@@ -22,7 +22,7 @@ from clerestory.study.results import Results, save_results
 
 COMPARISON_FILE = "comparison.csv"
 
-# Minimum reference illuminance for differences [lux]
+# Minimum illuminance by the reference method for values to be compared [lux]
 LEAST_LUX = 100.0
 
 _HEAD = (
@@ -42,7 +42,7 @@ def compare_methods(
 ) -> Results:
     """Run a study with each of its methods; return the results of the last method.
 
-    The folder `out` gets these results, the comparison, and a folder per method.
+    These results, a comparison table and a folder per method are written to `out`.
     """
     found: dict[str, Results] = {}
     states: list[np.ndarray] | None = None
@@ -89,9 +89,9 @@ def comparison_table(methods: Mapping[str, xr.Dataset]) -> str:
 def differences(
     illuminance: Float[np.ndarray, "*shape"], reference: Float[np.ndarray, "*shape"]
 ) -> list[float]:
-    """Relative MBE, CV(RMSE), and share of values within 5, 10 and 20 % [%].
+    """Relative MBE, CV(RMSE), and fraction of values within 5, 10 and 20 %, all in %.
 
-    Only values with a reference of at least 100 lux are included; NaN without any.
+    Only values with a reference of at least 100 lux are included; NaN if there is none.
     """
     lit = reference >= LEAST_LUX
     if not lit.any():

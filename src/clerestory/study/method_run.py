@@ -40,23 +40,23 @@ from clerestory.study.study_tracing import study_skies, trace_study
 from clerestory.study.sunlight_exposure import sunlight
 from clerestory.study.view_matrices import trace_views
 
-# Folder of hourly values that do not fit into memory, until results.nc is written
+# Temporary folder for hourly values that do not fit into memory
 SCRATCH_FOLDER = "unfinished"
 
-# Packages whose versions are recorded
+# Packages whose versions are recorded in run.json
 _PACKAGES = ("mitsuba", "drjit", "numpy", "xarray", "pvlib")
 
 
 @dataclass
 class RunLog:
-    """Run time of each phase [s], and warnings of a run."""
+    """Duration of each step of a run [s], and warnings of the run."""
 
     seconds: dict[str, float] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
 
     @contextmanager
     def phase(self, name: str) -> Iterator[None]:
-        """Measure the run time of a phase, and record and re-issue its warnings."""
+        """Measure the duration of a step of the run; record and re-issue warnings."""
         start = perf_counter()
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", ClerestoryWarning)
@@ -81,7 +81,7 @@ def run_method(
 ) -> Results:
     """Run a study with its first method and write the results into a folder.
 
-    The default shade states follow from the control rules of the study.
+    Without `states`, the control rules of the study choose the shade states.
     """
     log = RunLog()
     with log.phase("read"):
@@ -144,7 +144,7 @@ def _simulate(job: Job, log: RunLog, states: States | None, *, out: Path) -> xr.
 
 @contextmanager
 def _scratch_folder(out: Path) -> Iterator[Path]:
-    # Empty folder; files of an interrupted run are deleted
+    # Empty folder, without files of an interrupted run; deleted at the end
     folder = out / SCRATCH_FOLDER
     shutil.rmtree(folder, ignore_errors=True)
     try:

@@ -28,7 +28,7 @@ _BASES = {145: "kf", 77: "kh", 73: "kh", 41: "kq"}
 @final
 @dataclass(frozen=True)
 class Written:
-    """Files of an import; no study without weather or sensors."""
+    """Files written by an import; `study` is None without weather or sensors."""
 
     study: Path | None
     files: tuple[Path, ...]
@@ -37,7 +37,7 @@ class Written:
 def write_honeybee_model(
     model: HoneybeeModel, folder: str | Path, *, weather: str | Path | None = None
 ) -> Written:
-    """Write a model as Radiance files, BSDF files and, with weather, a study file.
+    """Write a Honeybee model as Radiance and BSDF files and, with weather, as a study.
 
     BSDFs of glass and other sheet materials are computed by ray tracing.
     """
@@ -126,7 +126,7 @@ def sheet_bsdf(modifier: Material) -> Bsdf:
 def _window_table(
     group: ApertureGroup, bsdfs: Mapping[str, Path], folder: Path
 ) -> dict[str, Any]:
-    # Table of a window group, whose polygons are written to a file
+    # Study-file table of a window group; the polygons are written to a file
     states = [
         {"name": _plain(name), "bsdf": bsdfs[name].name} for name, _ in group.states
     ]

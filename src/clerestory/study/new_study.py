@@ -1,4 +1,4 @@
-"""New studies: from a room, windows, a BSDF and a weather file, and the demo study."""
+"""Creation of a study from a room, windows, a BSDF and weather, and of the demo."""
 
 import importlib.resources
 from collections.abc import Sequence
@@ -30,7 +30,7 @@ _WEATHER = "723170TYA.CSV"
 
 @dataclass(frozen=True)
 class NewStudy:
-    """Study file, number of sensors, and windows that were turned to the room."""
+    """Study file, number of sensors, and names of windows flipped to face the room."""
 
     study: Path
     sensors: int
@@ -68,7 +68,7 @@ def begin_study(
         else read_sensors(sensors)
     )
 
-    # Flip windows to face the room; write files only after all are read
+    # Flip windows to face the room; write files only after all input files are read
     make_folder(folder)
     shown, turned = [], []
     for file, found in groups.items():
@@ -98,7 +98,7 @@ def begin_study(
 
 
 def _facing_room(window: Window, turned: Sequence[str]) -> str:
-    # Text of a window with vertices counter-clockwise as seen from the room
+    # Radiance text of a window; vertices are counter-clockwise as seen from the room
     sign = -1 if window.name in turned else 1
     outlines = [polygon.vertices[::sign] for polygon in window.polygons]
     return study_files.window_text(window.name, outlines, up=window.frame.up)

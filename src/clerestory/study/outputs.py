@@ -17,10 +17,10 @@ from clerestory.files import replace_file, write_text
 from clerestory.study.config import Study
 from clerestory.study.results import Results
 
-# Number of time steps per read
+# Number of time steps that are read at a time
 _BLOCK = 730
 
-# Columns of metrics.csv: result variable, heading, factor
+# Columns of metrics.csv: result variable, heading, factor for the unit
 _METRICS = (
     ("mean_illuminance", "mean [lux]", 1),
     ("mean_illuminance_error", "mean, standard error [lux]", 1),
@@ -113,7 +113,7 @@ def write_ill(results: Results, path: str | Path, *, grid: str) -> None:
 
 
 def _steps(chosen: xr.Dataset, form: str) -> Iterator[tuple[np.datetime64, str]]:
-    # Time and illuminance of all sensors as text for each step, read in blocks
+    # Time, and row of sensor illuminances as text, for each time step; read in blocks
     moments, line = chosen["time"].values, form * chosen.sizes["sensor"]
     for first in range(0, len(moments), _BLOCK):
         block = slice(first, first + _BLOCK)

@@ -28,7 +28,7 @@ _FORMAT = "clerestory results 1"
 # Hourly arrays above this size [bytes] are read and written in blocks of sensors
 _LARGE = 500_000_000
 
-# Sensors per block in writing: a year of hours takes 36 MB
+# Sensors per block in writing: 8760 hours of a block take 36 MB
 _SENSORS = 1024
 
 
@@ -54,7 +54,7 @@ class Results:
     def thinned(self, most: int) -> "Results":
         """Return the results of at most `most` evenly spaced sensors, in memory.
 
-        A warning in `run` states the number of sensors.
+        A warning in `run` states how many sensors are shown.
 
         >>> many = xr.Dataset({"lux": ("sensor", np.arange(10))})
         >>> few = Results(many).thinned(4)
@@ -88,7 +88,7 @@ def save_results(results: Results, folder: str | Path) -> Path:
 
 
 def _append_hourly(path: Path, name: str, data: xr.DataArray) -> None:
-    # Copied in blocks of sensors, as the values may be in another file
+    # Copy in blocks of sensors, as the hourly values may be in another file
     sensors, steps = data.shape
     with h5netcdf.File(path, "a") as file:
         variable = hourly_variable(file, name, sensors, steps)
@@ -106,7 +106,7 @@ def _is_large(data: xr.DataArray) -> bool:
 def read_results(path: str | Path) -> Results:
     """Return the results of a run, from its folder or its `results.nc`.
 
-    Values of a large file are read on demand.
+    Values in a large file are read on demand.
     """
     path = Path(path)
     path = path / RESULTS_FILE if path.is_dir() else path

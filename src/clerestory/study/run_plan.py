@@ -1,7 +1,7 @@
 """Dry run: estimate of time, memory and disk space of a run.
 
 A dry run has the same steps as a run, with an executor that records the tracing jobs
-instead of executing them. Cached matrices are listed at no cost.
+instead of executing them. Matrices in the cache have no cost.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -23,8 +23,8 @@ from clerestory.study.study_run import MATRIX_FOLDER
 from clerestory.study.study_tracing import needs_direct, trace_study
 from clerestory.study.view_matrices import trace_views
 
-# Memory besides matrices [bytes]: libraries and compiled kernels, and the accumulators
-# of one block of rows
+# Memory besides matrices [bytes]: libraries and compiled kernels; maximum memory of
+# the accumulators for one block of rows
 _PROCESS, _SUMS = 450e6, 5 * 2**29
 
 # Approximate memory per triangle, on host and device [bytes]
@@ -36,10 +36,10 @@ _TEXT = 7
 
 @dataclass(frozen=True)
 class PlannedMatrix:
-    """Size and tracing cost of a matrix, which may be in the cache (`kept`).
+    """Size and tracing cost of a matrix; `kept` if the matrix is in the cache.
 
-    Matrices that are traced together have the same number of paths; the tracing time is
-    that of the first of them. A stored matrix is never completely in memory.
+    Matrices that are traced together have the same number of paths; the first has the
+    tracing time, the others 0 s. A `stored` matrix is never completely in memory.
     """
 
     file: str
@@ -56,8 +56,8 @@ class PlannedMatrix:
 class StudyPlan:
     """Estimated cost of a run; sizes in bytes.
 
-    `later` is the cost of direct suns traced during picture output, `streamed` the
-    memory for the exiting radiance of all steps if hourly results are in files.
+    `later` is the cost of direct-sun coefficients traced for pictures, `streamed` the
+    memory for the window radiance of all time steps if hourly results are in files.
     """
 
     device: str
@@ -81,21 +81,21 @@ class StudyPlan:
             (m.bytes * (32 if m.stored else 6) for m in self.matrices), default=0
         )
         sums = min(_SUMS, sums)
-        # Exiting radiance is allocated after the accumulators are freed; hourly results
-        # are allocated at the same time as the accumulators
+        # The accumulators are freed before window radiance is allocated; they exist at
+        # the same time as hourly results in memory
         work = max(sums, self.streamed) if self.streamed else sums + self.results
         return _PROCESS + held + self.scene + work
 
     @property
     def disk(self) -> int:
-        """Disk space for matrices and results [bytes]."""
+        """Disk space for new matrices and results [bytes]."""
         return self.results + sum(m.bytes for m in self.matrices if not m.kept)
 
 
 @dataclass(frozen=True, eq=False)
 class _Entry:
-    # Matrices traced together, the fraction of them in the cache, and the indices of
-    # their recorded jobs
+    # Matrices traced together, the fraction of their rows in the cache, and the indices
+    # of the recorded tracing jobs
     files: tuple[str, ...]
     kept: float
     matrices: tuple[TransferMatrix, ...]
@@ -112,7 +112,7 @@ class PlannedStore:
     entries: list[_Entry] = field(default_factory=list)
 
     def path(self, name: str, fingerprint: str) -> Path:
-        """Path of the file of a matrix."""
+        """Return the path of a matrix file."""
         return self.store.path(name, fingerprint)
 
     def holds(self, name: str, fingerprint: str) -> bool:
@@ -125,7 +125,7 @@ class PlannedStore:
         fingerprint: str,
         make: Callable[[], Mapping[str, TransferMatrix]],
     ) -> dict[str, TransferMatrix]:
-        """Record the matrices; return blank matrices of the same shape."""
+        """Record the requested matrices; return blank matrices of their shape."""
         first = len(self.plan.planned)
         made = dict(make())
         files = tuple(self.path(name, fingerprint).name for name in names)
@@ -141,7 +141,7 @@ class PlannedStore:
         rows: Sequence[slice],
         make: Callable[[slice], TransferMatrix],
     ) -> tuple[Path, ...]:
-        """Record the whole matrix and the fraction of it in the cache."""
+        """Record a matrix in blocks, and the fraction of its rows in the cache."""
         first, whole = len(self.plan.planned), rows[-1].stop
         matrix = make(slice(0, whole))
         parts = zip(block_names(name, len(rows)), rows, strict=True)
@@ -151,7 +151,7 @@ class PlannedStore:
         return ()
 
     def _record(self, entry: _Entry) -> None:
-        # Matrices in the cache or recorded before have no jobs
+        # Discard the tracing jobs of matrices in the cache or recorded before
         planned, first = self.plan.planned, entry.jobs.start
         twice = any(entry.files == other.files for other in self.entries)
         if entry.kept == 1 or twice:
@@ -175,7 +175,7 @@ def plan_study(study: Study, *, out: str | Path) -> StudyPlan:
 
 
 def _walk_through(study: Study, store: PlannedStore, plan: Plan) -> Inputs:
-    # Request the same matrices as a run
+    # Request the matrices that a run would request
     inputs = read_inputs(study)
     job = Job(study, inputs, store, silent, executor=plan)
     for view in trace_views(job, trace_study(job)):
@@ -220,7 +220,7 @@ def _hour_bytes(study: Study) -> int:
 
 
 def _leaving(entry: _Entry, steps: int) -> int:
-    # Exiting radiance and its error components in lit steps, half of all steps
+    # Bytes of window radiance and its error components in lit steps, half of all
     if not entry.stored:
         return 0
     channels, _, patches = entry.matrices[0].values.shape

@@ -1,7 +1,7 @@
 """Shade operation: the state of every window group at every time step.
 
-Rules with exterior inputs are evaluated first, then the LM-83 rule for all its groups
-together, then rules with interior inputs, in the order of the study file.
+First, rules based on exterior quantities are evaluated, then the rule "LM-83" for all
+groups with this rule together, then rules based on interior light, group by group.
 """
 
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ from clerestory.study.window_groups import WindowGroup
 class ShadeOperation:
     """Shade states of each window group over time.
 
-    `kept` tells at which time steps the LM-83 limit is met; None without that rule.
+    `kept`: whether the LM-83 limit is met, per time step; None without rule "LM-83".
     """
 
     states: list[Int[np.ndarray, " time"]]
@@ -33,7 +33,7 @@ def operate(signals: ControlInputs) -> ShadeOperation:
     steps = len(signals.times)
     states = [np.full(steps, len(group.states) - 1) for group in groups]
 
-    # Rules with exterior inputs only
+    # Rules based on exterior quantities; groups without a rule are in state 0
     for number, group in enumerate(groups):
         control = group.control
         if control is None or len(group.states) == 1:
@@ -43,7 +43,7 @@ def operate(signals: ControlInputs) -> ShadeOperation:
 
     kept = _by_direct_sun(signals, states)
 
-    # Rules with interior inputs, one group after the other
+    # Rules based on interior light, one group after the other
     for number, group in enumerate(groups):
         if len(group.states) > 1 and _looks_inside(group):
             _decide(signals, number, states)
@@ -58,7 +58,7 @@ def _looks_inside(group: WindowGroup) -> bool:
 
 
 def _decide(signals: ControlInputs, number: int, states: list[np.ndarray]) -> None:
-    # Set the states of one group by its rule
+    # Set the shade states of one group by the control rule of the group
     control = signals.inputs.groups[number].control
     if control is not None:
         rule = (OUTSIDE | INSIDE)[control.rule]
@@ -69,7 +69,7 @@ def _decide(signals: ControlInputs, number: int, states: list[np.ndarray]) -> No
 def _by_direct_sun(
     signals: ControlInputs, states: list[np.ndarray]
 ) -> np.ndarray | None:
-    # LM-83 rule for its groups together; the direct light of other groups is fixed
+    # Rule "LM-83" for all its groups together; the states of other groups are fixed
     groups = signals.inputs.groups
     governed = {
         n: group.control

@@ -1,8 +1,8 @@
 """Daylight coefficients (C, C_d) and direct-sun coefficients (C_ds) of a study.
 
 In the two-phase method, each window group is traced separately, as a BSDF surface, with
-the other groups black; the results are summed. Room light reflected by the group's
-own BSDF is included; reflection by the other groups is neglected.
+the other groups black; the results are summed. Room light reflected by the BSDF of
+the traced group is included; reflection by the other groups is neglected.
 """
 
 from collections.abc import Callable
@@ -30,7 +30,7 @@ from clerestory.study.window_groups import state_label
 def coefficients(job: Job) -> list[MatrixChain]:
     """Return C of each window group and shade state, or of a scene with glazing.
 
-    For a job of direct light, return C_d.
+    If `job.direct`, return C_d instead of C.
     """
     if job.inputs.groups:
         return _of_states(job, _of_state)
@@ -51,7 +51,7 @@ def direct_suns(job: Job, suns: SunMatrix) -> list[MatrixChain]:
 def _of_states(
     job: Job, trace: Callable[[Job, int, int], TransferMatrix]
 ) -> list[MatrixChain]:
-    # Matrices of every window group and shade state, from their numbers
+    # Traced matrices of every window group and shade state
     return [
         MatrixChain(tuple(trace(job, number, at) for at in range(len(group.states))))
         for number, group in enumerate(job.inputs.groups)
@@ -59,7 +59,7 @@ def _of_states(
 
 
 def _of_state(job: Job, number: int, at: int) -> TransferMatrix:
-    # Scene with one window group in the given state, and the other groups black
+    # C of one window group in a given shade state, with the other groups black
     groups = job.inputs.groups
     chosen, state = groups[number], groups[number].states[at]
     up = chosen.inner.frame.up

@@ -31,7 +31,7 @@ def study_text(tables: Mapping[str, Any]) -> str:
 
 
 def _lines(table: Mapping[str, Any], path: str = "") -> Iterator[str]:
-    # Keys of the table, followed by the tables within it
+    # TOML lines of a table: keys and values, followed by nested tables
     inner: list[tuple[str, Mapping[str, Any]]] = []
     for key, value in table.items():
         if isinstance(value, Mapping):
@@ -53,7 +53,7 @@ def window_text(
 ) -> str:
     """Return the Radiance text of a window group, with the comment for `rfluxmtx`.
 
-    Outlines are counter-clockwise as seen from the room; `up` is that of the BSDF.
+    Outlines are counter-clockwise as seen from the room; `up` is +y of the BSDF.
     """
     polygons = [
         Polygon(vertices, name, f"{name}.{number}")
@@ -73,7 +73,7 @@ def write_sensors(path: Path, sensors: Sensors) -> Path:
 
 
 def relative_path(file: str | Path, folder: Path) -> str:
-    """Return the path of a file relative to a folder, if both are on one drive."""
+    """Return a path relative to a folder, or an absolute path to another drive."""
     try:
         return Path(os.path.relpath(file, folder)).as_posix()
     except ValueError:

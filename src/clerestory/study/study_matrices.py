@@ -1,4 +1,4 @@
-"""Sensor matrices of a study, and their products with the skies."""
+"""Sensor matrices of a study, and their products with sky matrices."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -24,11 +24,11 @@ from clerestory.sky.sun_matrix import SunMatrix
 
 @dataclass(frozen=True, eq=False)
 class StudyMatrices:
-    """Traced matrices of a study, by window group or of a scene with glazing.
+    """Traced sensor matrices of a study, by window group or of a scene with glazing.
 
-    Suns are the columns of C_ds. Hourly results are in the folder, or in memory if it
-    is None. If view matrices are in files, memory holds those of `most_sensors`
-    sensors.
+    `suns` are the columns of C_ds. Hourly results are in files in `folder`, or in
+    memory if `folder` is None. If view matrices are in files, memory is sufficient for
+    `most_sensors` sensors.
     """
 
     terms: tuple[Term, ...]
@@ -39,7 +39,7 @@ class StudyMatrices:
 
     @property
     def has_direct(self) -> bool:
-        """Whether direct matrices were traced."""
+        """Whether direct matrices (V_d and D_d, C_d, or C_ds) were traced."""
         return all(window.direct or window.sun for window in self.windows)
 
     def illuminance(
@@ -52,7 +52,7 @@ class StudyMatrices:
     ) -> xr.Dataset:
         """Illuminance [lux] over (sensor, time), with its standard error.
 
-        Error components of the mean are those of the time steps `hours`.
+        Error components are given for the mean illuminance over the steps `hours`.
         """
         return illuminance(
             self.windows,

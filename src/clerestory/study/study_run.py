@@ -25,7 +25,7 @@ def run_study(
     study : study, as returned by `read_study`
     out : folder for `results.nc`, `run.json`, tables and `matrices/`; with several
         methods, also a folder for each method
-    display : function that starts the progress display of a phase of this name, and
+    display : function that starts the progress display of a phase, given its name, and
         returns a callback (completed fraction 0…1, status text)
 
     Returns

@@ -43,12 +43,12 @@ from clerestory.study.study_coefficients import coefficients, direct_suns
 from clerestory.study.study_matrices import StudyMatrices
 from clerestory.study.window_groups import WindowGroup, state_label
 
-# Seed offsets of façade matrices and of the daylight matrices of ports
+# Offsets added to the random seed for façade matrices and for D of ports
 FACADE, PORTS = 0x100000, 0x200000
 
 
 def study_skies(study: Study, inputs: Inputs, suns: SunMatrix | None) -> Skies:
-    """Return S, and S_ds and S_sun if required, in the bands of the scene."""
+    """Return sky matrices S and, if required, S_ds and S_sun, in the scene's bands."""
     make = partial(
         sky_matrix,
         inputs.weather,
@@ -78,7 +78,7 @@ def study_suns(study: Study, weather: Weather) -> SunMatrix | None:
 
 
 def trace_study(job: Job) -> StudyMatrices:
-    """Return the matrices of a study, from the cache if possible."""
+    """Return the sensor matrices of a study, from the cache if possible."""
     study, direct = job.study, needs_direct(job.study)
     method, stored = METHODS[study.method], is_stored(study, job.inputs, direct=direct)
     rules = [window.control.rule for window in study.window if window.control]
@@ -105,7 +105,7 @@ def trace_study(job: Job) -> StudyMatrices:
 
 
 def _window_chains(job: Job, *, stored: bool) -> list[MatrixChain]:
-    # V, T and D or F D; view matrices are traced together, daylight matrices separately
+    # V, T and D (or F D) of each window; V is traced for all windows together
     views: Sequence[TransferMatrix | StoredColumns] = _views(job, stored=stored)
     chains = []
     for number, (group, view) in enumerate(zip(job.inputs.groups, views, strict=True)):
@@ -121,7 +121,7 @@ def _views(job: Job, *, stored: bool) -> Sequence[TransferMatrix | StoredColumns
     sensors, effort = job.inputs.sensors(), job.effort()
     windows = [group.inner for group in job.inputs.groups]
     if job.direct:
-        # The gather at the sensor counts as one bounce
+        # The path from the sensor to the window counts as one bounce
         effort = replace(effort, bounces=1)
     if not stored:
         trace = partial(view_matrices, job.scene, windows, sensors=sensors)
@@ -145,7 +145,7 @@ def _daylight(job: Job, group: WindowGroup, number: int) -> list[TransferMatrix]
         D = _port_daylight(job, group, number)
         states = range(len(group.states))
         return [facade_daylight(_facade(job, group, number, at), D) for at in states]
-    # Separate seeds for each window and for the view matrices
+    # The random seed differs between windows, and from the seed of view matrices
     subdivision = job.study.sky.subdivision
     matrix = job.matrix(
         f"daylight-{group.name}",
@@ -164,7 +164,7 @@ def _outside_effort(job: Job, stream: int) -> Effort:
 def _port_daylight(
     job: Job, group: WindowGroup, number: int
 ) -> dict[str, TransferMatrix]:
-    # D of each port, without the exterior shade
+    # D of each port, traced without the exterior shade
     subdivision = job.study.sky.subdivision
     return job.matrices(
         f"daylight-{group.name}",
@@ -178,7 +178,7 @@ def _port_daylight(
 def _facade(
     job: Job, group: WindowGroup, number: int, at: int
 ) -> dict[str, TransferMatrix]:
-    # F of each port, with one state of the exterior shade
+    # F of each port, with the exterior shade in one state
     shade, label = group.states[at].shade, state_label(group, at)
     scene = job.scene + (blackened(shade) if job.direct else shade)
     return job.matrices(

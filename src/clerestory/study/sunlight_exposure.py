@@ -16,7 +16,7 @@ _STEP_MINUTES = 1
 
 
 def sunlight(study: Study, inputs: Inputs) -> xr.Dataset:
-    """Return the hours of sunlight of each opening; empty without a sunlight table."""
+    """Return the hours of sunlight of each opening; empty without table [sunlight]."""
     table = study.sunlight
     if table is None:
         return xr.Dataset()
@@ -28,7 +28,7 @@ def sunlight(study: Study, inputs: Inputs) -> xr.Dataset:
     lowest = {"lowest_sun_deg": table.lowest_sun_deg}
     high = sun.altitude >= np.radians(table.lowest_sun_deg)
     reached = np.zeros((len(points), len(moments)), dtype=bool)
-    # Computed locally; the device setting of a cluster applies to its workers
+    # Computed on this machine; with a cluster, `device` is that of the workers
     device = "auto" if study.trace.cluster else study.trace.device
     directions = sun.directions()[high]
     inwards = np.array([w.frame.normal for w in windows for _ in w.polygons])
@@ -49,7 +49,7 @@ def sunlight(study: Study, inputs: Inputs) -> xr.Dataset:
 def _openings(
     table: SunlightTable, windows: tuple[Window, ...]
 ) -> tuple[list[str], np.ndarray]:
-    # Each polygon is a separate opening
+    # Names and reference points of openings; each window polygon is one opening
     names, points = [], []
     for window in windows:
         several = len(window.polygons) > 1
@@ -65,7 +65,7 @@ def _openings(
 def _day(
     study: Study, table: SunlightTable, inputs: Inputs
 ) -> tuple[np.ndarray, SunPosition]:
-    # Centres of all minutes, and the sun in the coordinate system of the scene
+    # Centres of all minutes of the day, and sun positions in scene coordinates
     year = str(inputs.weather.times[0])[:4]
     half = 30 * _STEP_MINUTES
     seconds = np.arange(half, 86400, 2 * half).astype("timedelta64[s]")

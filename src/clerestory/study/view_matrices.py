@@ -1,9 +1,9 @@
 """Matrices of the pixels of one view, and pictures for given shade states.
 
 V and V_d are traced once for all shade states. Direct-sun coefficients of a shade state
-are traced when it first occurs. All are cached in half precision. If the direct-sun
-coefficients of all states exceed the limit `keep_gb` of the study, they are traced on
-demand for each picture and not cached.
+are traced when the state first occurs. Matrices are cached in half precision. If the
+direct-sun coefficients of all states exceed the limit `keep_gb` of the study, the
+coefficients are traced for each picture and not cached.
 """
 
 from collections.abc import Iterator
@@ -43,7 +43,7 @@ _PIXEL_BYTES = 6
 class ViewMatrices:
     """Matrices of the pixels of one view, for all window groups and shade states.
 
-    They share T and D with the sensor matrices of the study.
+    T and D are those of the sensor matrices of the study.
     """
 
     job: Job
@@ -56,9 +56,9 @@ class ViewMatrices:
     def pictures(
         self, states: States, skies: Skies, steps: Int[np.ndarray, " step"]
     ) -> Iterator[tuple[int, Picture]]:
-        """Yield index and picture of the selected time steps.
+        """Yield the index and the picture of each selected time step.
 
-        Steps are grouped by combination of shade states, in order of time.
+        Time steps with the same shade states follow each other, in order of time.
         """
         for alike in _combinations(states, steps):
             series = pictures_over_time(
@@ -73,11 +73,11 @@ class ViewMatrices:
     def order(
         self, states: States, steps: Int[np.ndarray, " step"]
     ) -> Int[np.ndarray, " step"]:
-        """Indices of the time steps in the order of `pictures`."""
+        """Return the indices of the time steps in the order of `pictures`."""
         return np.concatenate(_combinations(states, steps))
 
     def sun(self, number: int, state: int) -> SunPictures:
-        """Function for the direct-sun coefficients of a window group and state."""
+        """Return a function from suns to C_ds of a window group and shade state."""
         if (number, state) not in self._suns:
             self._suns[number, state] = self._sun(number, state)
         return self._suns[number, state]
@@ -107,7 +107,7 @@ class ViewMatrices:
         return lambda asked: found.values[:, :, asked]
 
     def _bytes(self, suns: int) -> int:
-        # Size of the direct-sun coefficients of all views and shade states
+        # Size of the direct-sun coefficients of all views and shade states [bytes]
         inputs = self.job.inputs
         pixels = sum(len(camera) for camera in inputs.cameras)
         states = sum(len(group.states) for group in inputs.groups)
@@ -124,8 +124,8 @@ def _half_views(*where: Any, **how: Any) -> dict[str, TransferMatrix]:
 
 
 def _half(matrix: TransferMatrix) -> TransferMatrix:
-    # Three digits suffice, as the noise of a pixel is larger. Grey rooms have equal
-    # channels, of which one is stored
+    # Half precision (three digits) suffices, as pixel noise is larger. If channels are
+    # equal, as in grey rooms, only one is stored
     values = matrix.values
     alike = values.strides[0] == 0
     return replace(matrix, values=(values[:1] if alike else values).astype(np.float16))
@@ -143,7 +143,7 @@ def _combinations(
 
 
 def trace_views(job: Job, matrices: StudyMatrices) -> tuple[ViewMatrices, ...]:
-    """Return the matrices of all views, from the cache if possible."""
+    """Return the pixel matrices of all views, from the cache if possible."""
     return tuple(
         _view(job, matrices, table, camera)
         for table, camera in zip(job.study.view, job.inputs.cameras, strict=True)
@@ -176,7 +176,7 @@ def _view(
 
 
 def _on_demand(view: ViewMatrices, number: int, state: int) -> SunPictures:
-    # Direct-sun coefficients of given suns, traced when they are first used
+    # Function that gives C_ds for given suns; C_ds is traced at the first call
     return lambda asked: view.sun(number, state)(asked)
 
 

@@ -27,10 +27,10 @@ from clerestory.study.window_tables import (
 
 @dataclass(frozen=True, eq=False)
 class WindowState:
-    """Shade state of a window group, with the name "" if it is the only one.
+    """Shade state of a window group; `name` is "" if the group has one state.
 
-    The matrix T is that of the BSDF; the BSDF `fine` is for the direct sun, with its
-    direct transmission extracted if `peak`. The exterior shade stands before the ports.
+    `transmission` is the matrix T. `fine` is the BSDF for the direct sun, with its
+    direct transmission extracted if `peak`. `shade` is the exterior shade.
     """
 
     name: str
@@ -42,10 +42,10 @@ class WindowState:
 
 @dataclass(frozen=True, eq=False)
 class WindowGroup:
-    """Window group with its shade states, the most open first, and its control.
+    """Window group with its shade states, the most open first, and its control rule.
 
-    The window is given twice, with the patches of its inner and of its outer side.
-    Ports (F apertures) enclose exterior shades.
+    `inner` and `outer` are the same window, with the patches of its inner and its outer
+    side. `ports` (F apertures) enclose exterior shades.
     """
 
     inner: Window
@@ -60,7 +60,7 @@ class WindowGroup:
         return self.inner.name
 
     def number_of(self, choice: StateChoice) -> int:
-        """Return the index of a state that is given by index or name."""
+        """Return the index of a shade state that is given by index or name."""
         if isinstance(choice, int):
             return choice
         return [state.name for state in self.states].index(choice)
@@ -119,7 +119,7 @@ def _on_common_patches(layers: list[Bsdf], window: str) -> list[TransferMatrix]:
 
 
 def _with_patches(window: Window, axis: Axis, *, file: Path) -> Window:
-    # The BSDF determines the hemisphere partition of the window
+    # Window with the hemisphere partition of its BSDF
     if not isinstance(axis.partition, RingPartition):
         raise InputError("is not given on patches of a hemisphere", file=file)
     if not axis.partition.matches(window.partition):

@@ -71,7 +71,7 @@ def _state(value: Any) -> Any:
 
 
 def _levels(value: Any) -> Any:
-    # One threshold, or one for each step to the next state
+    # One threshold, or a rising list with one for each change to the next state
     levels = value if isinstance(value, list) else [value]
     numbers = all(isinstance(x, int | float) for x in levels)
     if not levels or not numbers or any(isinstance(x, bool) for x in levels):
@@ -86,7 +86,7 @@ Levels = Annotated[list[float], BeforeValidator(_levels)]
 
 
 class LayerTable(Table):
-    """Fine BSDF and exterior shade of a window or shade state."""
+    """High-resolution BSDF and exterior shade of a window or shade state."""
 
     sun_bsdf: InputFile | None = Field(
         None, description="a BSDF file (.xml) of high resolution"
@@ -207,7 +207,7 @@ class WindowTable(NamedFile, LayerTable):
         return self
 
     def _check_control(self) -> None:
-        # States in the rule must exist, and numbers of angles and levels must match
+        # A rule must name existing states, and have as many angles and levels as needed
         control, labels = self.control, [table.label for table in self.states()]
         if control is None:
             return
@@ -231,7 +231,7 @@ class WindowTable(NamedFile, LayerTable):
             )
 
     def states(self) -> list[StateTable]:
-        """Return the shade states, a single one for a window with one BSDF."""
+        """Return the shade states; a window with one BSDF has a single state."""
         if self.bsdf is None:
             return list(self.state)
         keys = {name: getattr(self, name) for name in LayerTable.model_fields}
