@@ -124,7 +124,6 @@ class Cluster:
         waiting, running = iter(units), deque[tuple[Unit, Any]]()
         try:
             while True:
-                # Submit several units per worker in advance
                 ahead = _AHEAD * max(1, self.workers())
                 while len(running) < ahead and (unit := next(waiting, None)):
                     running.append((unit, self._submit(job, unit)))

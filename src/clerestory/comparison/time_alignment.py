@@ -1,9 +1,9 @@
 """Time alignment of measured and simulated series.
 
-The series with shorter time steps is averaged over those steps of the other series of
-which it covers enough. If both series have steps of the same length, or measurements
-are instantaneous, simulated values are interpolated between the centres of the steps.
-Clock offsets are not corrected.
+The series with shorter time steps is averaged over the steps of the other series; steps
+with too few values are left out. If both series have steps of the same length, or
+measurements are instantaneous, simulated values are interpolated between the centres of
+the steps. Clock offsets are not corrected.
 """
 
 from dataclasses import dataclass, replace

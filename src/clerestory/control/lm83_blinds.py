@@ -51,7 +51,7 @@ def operate_by_direct_sun(
 
     The most open combination of states has the smallest sum of state numbers; among
     equal sums, the first window groups are most open. If there are more than 256
-    combinations, blinds are closed state by state, each time in the window group that
+    combinations, one window group at a time is closed by one state: the group that
     contributes most direct illuminance to sensors in direct sunlight.
 
     >>> sun = np.array([[[2000.0, 500.0]], [[100.0, 25.0]]])  # open, closed; two hours

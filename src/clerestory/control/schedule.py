@@ -153,7 +153,7 @@ def write_schedule(path: str | Path, schedule: StateSchedule) -> None:
 
 
 def _of_the_year(times: np.ndarray) -> np.ndarray:
-    # Month, day and time of day as minutes of the leap year 2024, since 1970
+    # Minutes since 1970, after the year is replaced by the leap year 2024
     moments = times.astype("datetime64[m]")
     months = moments.astype("datetime64[M]")
     month = months.astype(int) % 12

@@ -13,7 +13,7 @@ from clerestory.checks import has_shape, require
 @final
 @dataclass(frozen=True, eq=False)
 class Limit:
-    """Values of a quantity, such as DGP, in every state, and a limit of the values.
+    """Values of a quantity, such as DGP, in every state, and the limit of the values.
 
     Permitted values are equal to `bound` or on the given side of `bound`.
     """

@@ -1,7 +1,7 @@
 """Spheres and cylinders as Mitsuba's analytic shapes, with exact normals.
 
 Highlights and refraction depend on the normal, so facets would be visible. Emitters
-and proxies stay tessellated: their tables consist of triangles.
+and proxies stay tessellated, since they are tabulated by triangle.
 """
 
 from dataclasses import replace
@@ -20,7 +20,7 @@ from clerestory.scene.model import (
 
 
 def without_analytic(scene: Scene) -> tuple[Scene, tuple[Sphere | Cone, ...]]:
-    """Split off the analytic shapes: return the remaining scene and the shapes."""
+    """Return a scene without its analytic shapes, and the analytic shapes."""
     exact, left = [], []
     for surface in scene.surfaces:
         curved = isinstance(surface, Sphere | Cone)

@@ -1,7 +1,7 @@
 """Camera rays through the pixels of a view.
 
-A ray is interpolated from the ray at the pixel centre and its derivatives across the
-pixel, in the same way for all view types.
+A ray through a point of a pixel is computed from the ray through the pixel centre and
+the derivatives of that ray across the pixel, for all view types alike.
 """
 
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from clerestory.scene.view import View
 class CameraRays:
     """Rays through pixel centres, and their derivatives across a pixel.
 
-    The position of the view is the origin of device coordinates.
+    The viewpoint is the origin of device coordinates.
     """
 
     origin: mi.Point3f

@@ -1,6 +1,6 @@
-"""Channels of the engine: a scene's bands, traced three at a time.
+"""Spectral channels of the engine: the bands of a scene, traced three at a time.
 
-The engine traces three values per path. A scene with more bands is traced once per
+A path carries three spectral values. A scene with more bands is traced once per
 group of three bands, along the same paths (same seed). One channel is enough for a
 scene of grey materials.
 """
@@ -51,7 +51,7 @@ def _groups(scene: Scene) -> tuple[Scene, ...]:
 
 
 def _group(scene: Scene, first: int) -> Scene:
-    # The scene in three bands, from the first on
+    # The scene in the three bands from index `first` on
     count = len(scene.bands)
     chosen = np.minimum(np.arange(first, first + GROUP), count - 1)
 
@@ -84,7 +84,7 @@ def _refuse_rgb(material: Material) -> None:
 
 
 def _has_rgb(material: Material) -> bool:
-    # Whether a pattern or BSDF of a material is coloured, and hence in RGB
+    # Whether a material has a coloured pattern or BSDF; both are defined in RGB only
     if isinstance(material, BsdfSurface):
         bsdf = material.bsdf
         return any(bsdf.in_colour(name) for name in FUNCTIONS if bsdf.has(name))

@@ -4,9 +4,9 @@ Every row is estimated by independent batches. Each batch has its own scrambled
 low-discrepancy sequence; accuracy is increased by longer batches, not by more batches.
 The standard error is computed from the variance of the batch means.
 
-A job defines its rows, its empty sums, and the relative error of sums. The controller
-lengthens the batches until the samples are used up or the error is reached, divides
-the work into units, adds their sums in order, and reports progress.
+A job defines its matrix rows, their sums, and the relative error of sums. A controller
+lengthens the batches until all samples are used or the target error is reached, divides
+the tracing into work units, adds the sums of units in order, and reports progress.
 """
 
 import time
@@ -23,7 +23,7 @@ from clerestory.engine.sums import Estimate, Sums, estimated
 from clerestory.engine.work_units import Job, Unit, UnitSize, evenly_spaced
 from clerestory.progress import share_of_progress
 
-# Largest number of sequence points in one unit
+# Largest number of consecutive sample points in one work unit
 _LONGEST_RANGE = 1 << 16
 
 # Exponent of convergence: the error decreases approximately as n^(-1/1.6) for n points
@@ -34,17 +34,16 @@ CONVERGENCE = 1.6
 # this number affects the result and must not depend on the machine
 _SUMS = 1 << 29
 
-# Rows of a pilot unit, unless convergence is tested for all rows together
+# Number of rows of a pilot unit, unless convergence is tested for all rows together
 _PILOT_ROWS = 64
 
 
 @dataclass(frozen=True)
 class Growth:
-    """Growth of the batches towards a target error.
+    """Lengths of batches, increased in steps until a target error is reached.
 
-    `pilot` and `longest` are the first and the largest number of sample points of a
-    batch; `most` is the largest growth factor per step. Smaller errors than those of
-    the longest batches cannot be reached.
+    A batch grows from `pilot` to at most `longest` sample points, by a factor of at
+    most `most` per step. Target errors that need longer batches are not reached.
     """
 
     pilot: int
@@ -57,8 +56,8 @@ class EstimatedJob(Job):
     """A job with batches of increasing length, by default with fixed-point sums.
 
     `together` tells whether convergence is tested for all rows together. A fixed-point
-    sum can hold 2^22 weights of π. `cut` is the size of units; by default it is chosen
-    by the executor, since fixed-point sums do not depend on the division into units.
+    sum can hold 2^22 paths of weight π. `cut` is the largest size of a unit; by default
+    the executor chooses it: fixed-point sums do not depend on the division into units.
     """
 
     together: ClassVar[bool]
@@ -67,14 +66,14 @@ class EstimatedJob(Job):
 
     @abstractmethod
     def error(self, sums: Sums) -> float | Float[np.ndarray, " row"]:
-        """Return the relative error of each row, or a single error of all rows."""
+        """Return the relative standard error of each row, or one for all rows."""
 
     def empty_sums(self, rows: int) -> Sums:
         """Return zero sums for a number of rows."""
         return Sums.empty(np.uint64, (rows, *self.shape[1:]))
 
     def pilot_unit(self, paths: int) -> Unit:
-        """Return a unit of rows distributed over the matrix."""
+        """Return a pilot unit of rows that are evenly distributed over the matrix."""
         rows, batches, _, _ = self.shape
         few = np.arange(rows) if self.together else evenly_spaced(rows, _PILOT_ROWS)
         count = int(np.clip(paths // (len(few) * batches), 1, _LONGEST_RANGE))
@@ -83,10 +82,9 @@ class EstimatedJob(Job):
     def units(
         self, rows: Int[np.ndarray, " row"], first: int, end: int, size: UnitSize
     ) -> Iterator[Unit]:
-        """Divide rows and a range of the sequence into units of limited size."""
-        # Fixed-point units have few rows and a long range of the sequence, since each
-        # unit transfers its sums once; floating-point units have all rows and a short
-        # range
+        """Divide rows and a range of sample points into units of limited size."""
+        # A fixed-point unit has few rows and many sample points, since it transfers its
+        # sums once; a floating-point unit has all rows and few sample points
         together = 1 if self.cut is None else len(rows)
         points = size.paths // (self.batches * together)
         points = min(_LONGEST_RANGE, max(self.growth.pilot, points))
@@ -131,15 +129,15 @@ def row_bytes(job: Job) -> int:
 
 
 def estimate_rows(job: EstimatedJob, rows: slice, effort: Effort) -> Estimate:
-    """Estimate one of the blocks of `row_blocks`, independently of the others."""
+    """Estimate one block of rows (see `row_blocks`) independently of other blocks."""
     sums, reached = sum_rows(job, rows, effort)
     return estimated(sums, reached=reached, components=effort.components)
 
 
 def sum_rows(job: EstimatedJob, rows: slice, effort: Effort) -> tuple[Sums, bool]:
-    """Lengthen the batches until the samples are used up or the error is reached.
+    """Trace rows in growing batches up to the number of samples or the target error.
 
-    Return the sums, and whether the error was reached.
+    Return the sums, and whether the target error was reached.
     """
     numbers = np.arange(rows.start, rows.stop)
     sums, active = job.empty_sums(len(numbers)), np.full(len(numbers), True)
@@ -148,8 +146,8 @@ def sum_rows(job: EstimatedJob, rows: slice, effort: Effort) -> tuple[Sums, bool
         _lengthen(job, numbers, sums, active, length, effort)
         return sums, True
 
-    # Report a small fraction of progress for the pilot run; divide the remainder by
-    # expected work
+    # The pilot run counts as 2 % of the progress, each later step as its expected
+    # fraction of the remaining paths
     growth, aim = job.growth, effort.relative_error or 1.0
     length, spent, share = min(growth.pilot, growth.longest), 0.0, 0.02
     while True:
@@ -177,7 +175,7 @@ def _lengthen(
     length: int,
     effort: Effort,
 ) -> None:
-    # Extend the batches of the active rows to `length` points, unit by unit
+    # Trace the batches of the active rows up to `length` sample points, unit by unit
     todo = np.flatnonzero(active)
     size = job.cut or effort.executor.unit_size(job.device)
     units = list(job.units(numbers[todo], int(sums.count[todo[0]]), length, size))
@@ -191,7 +189,7 @@ def _lengthen(
 def traced_units(
     job: Job, units: Sequence[Unit], effort: Effort, note: str
 ) -> Iterator[tuple[Unit, np.ndarray]]:
-    """Yield units and their sums in order, and report progress."""
+    """Trace units; yield each unit and its sums in order, and report progress."""
     begin, done = time.perf_counter(), 0
     work = sum(unit.paths(job.batches) for unit in units)
     for unit, part in zip(units, effort.executor.map(job, units), strict=True):
@@ -203,7 +201,7 @@ def traced_units(
 
 
 def _blank(job: EstimatedJob, effort: Effort) -> Estimate:
-    # Estimate of the right shape that occupies no memory
+    # Estimate of zeros in the shape of the matrix, which occupies hardly any memory
     rows, batches, columns, channels = job.shape
     values = np.broadcast_to(0.0, (channels, rows, columns))
     none = np.float32(0)

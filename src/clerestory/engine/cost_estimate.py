@@ -1,10 +1,10 @@
 """Cost estimates of planned jobs from pilot runs.
 
 A plan is an executor that records jobs without tracing them. One job of each kind is
-then traced for about a second, to measure the time of preparation, the rate of paths,
-and the number of paths required for the target error. A pilot run includes all steps of
-the actual run: the given number of paths per row, means and deviations of the sums, and
-a second job of the kind in the same scene.
+then traced for about a second, to measure the preparation time, the paths traced per
+second, and the paths required for the target error. As in the actual run, the pilot run
+traces the given number of paths per row, computes mean values and standard errors, and
+prepares a second job of the kind in the same scene.
 """
 
 import time
@@ -25,13 +25,13 @@ from clerestory.engine.work_units import (
     evenly_spaced,
 )
 
-# Paths of a pilot run per worker, and largest size of its sums [bytes]
+# Number of paths of a pilot run per worker, and largest size of the sums [bytes]
 _PILOT_PATHS, _PILOT_BYTES = 1 << 19, 1 << 27
 
 
 @dataclass(frozen=True, eq=False)
 class PlannedJob:
-    """A job and its goal."""
+    """A recorded job and its stopping criterion."""
 
     job: Job
     goal: Goal
@@ -47,9 +47,9 @@ class JobCost:
 
 @dataclass(frozen=True)
 class _Rates:
-    # Time to prepare the first job of a kind and further jobs in its scene [s], paths
-    # per second, time per receiver in addition to its paths [s], and points per batch
-    # for a relative error of 1
+    # Preparation time of the first job of a kind, and of another job in the same scene
+    # [s]; paths traced per second; time per receiver apart from tracing [s]; sample
+    # points per batch for a relative error of 1
     preparation: float
     next_preparation: float
     paths: float
@@ -69,12 +69,12 @@ class Plan:
         return self.place.resolve(device)
 
     def accepts(self, job: Job, goal: Goal) -> bool:
-        """Record the job; return False."""
+        """Record the job, and return False: the job is not traced."""
         self.planned.append(PlannedJob(job, goal))
         return False
 
     def unit_size(self, device: Processor) -> UnitSize:
-        """Return the limits of the size of units."""
+        """Return the largest size of a work unit of the actual run."""
         return self.place.unit_size(device)
 
     def workers(self) -> int:
@@ -89,9 +89,9 @@ class Plan:
 def estimate_costs(plan: Plan) -> list[JobCost]:
     """Return the cost of each planned job, after a pilot run of each kind of job.
 
-    The pilot run traces the largest job of a kind, and the start of the next job in its
-    scene. Jobs of one kind are assumed to have equal times of preparation, equal rates
-    of paths, and equal numbers of paths per row.
+    A pilot run traces one unit of the largest job of a kind, and one unit of another
+    job in the same scene. Jobs of one kind are assumed to have equal preparation times,
+    paths per second, and paths per row.
     """
     kinds: dict[type, list[PlannedJob]] = {}
     for planned in sorted(plan.planned, key=lambda each: -each.job.receivers):
@@ -122,12 +122,12 @@ def _cost(planned: PlannedJob, rates: _Rates | None, *, again: bool) -> JobCost:
 
 
 def _length(planned: PlannedJob) -> int:
-    # Points per batch, if samples are given
+    # Number of sample points per batch, if the number of samples is given
     return max(1, -(-(planned.goal.samples or 1) // planned.job.batches))
 
 
 def _pilot_run(kind: Sequence[PlannedJob], place: Executor) -> _Rates:
-    # Run twice: the first run builds the scene and compiles its kernels
+    # Trace the unit twice: only the first run builds the scene and compiles kernels
     planned, workers = kind[0], place.workers()
     job, unit = planned.job, _pilot_unit(planned)
     units = [unit] * workers
@@ -151,7 +151,7 @@ def _timed(
 
 
 def _pilot_unit(planned: PlannedJob) -> Unit:
-    # Unit with the number of paths per row of the actual run, if known
+    # Pilot unit, with as many paths per row as the actual run if that number is known
     job, unit = planned.job, planned.job.pilot_unit(_PILOT_PATHS)
     if not isinstance(job, EstimatedJob) or unit.columns is not None:
         return unit
@@ -165,8 +165,8 @@ def _pilot_unit(planned: PlannedJob) -> Unit:
 
 
 def _summed(job: Job, unit: Unit, part: np.ndarray) -> tuple[float, float]:
-    # Time per row in addition to its paths, for addition, mean and deviations [s], and
-    # points per batch for a relative error of 1
+    # Time per row apart from tracing, to add sums and compute mean and standard error
+    # [s]; sample points per batch for a relative error of 1
     if not isinstance(job, EstimatedJob) or unit.columns is not None:
         return 0.0, 0.0
     start = time.perf_counter()

@@ -1,9 +1,9 @@
 """Choice of the compute device, and of the LLVM library for the CPU.
 
-Dr.Jit compiles its kernels with an LLVM library loaded at run time. Some versions are
-rejected, others *abort the process* during compilation (Debian's LLVM 15). A library
-not installed with this package is therefore tested in a child process before Mitsuba is
-imported.
+Dr.Jit compiles its kernels with an LLVM library loaded at run time. Dr.Jit rejects some
+versions of LLVM; others *abort the process* during compilation (Debian's LLVM 15). A
+library not installed with this package is therefore tested in a child process before
+Mitsuba is imported.
 """
 
 import ctypes
@@ -23,7 +23,7 @@ from typing import Literal, get_args
 
 from clerestory.errors import ClerestoryWarning, DeviceError, InputError
 
-# Devices that can be asked for, and those that trace
+# Values of the setting `device`, and the actual devices
 Device = Literal["auto", "cpu", "cuda"]
 Processor = Literal["cpu", "cuda"]
 
@@ -39,7 +39,7 @@ _ADVICE = {
 
 @dataclass(frozen=True)
 class Finding:
-    """One line of `clerestory doctor`."""
+    """One line of the report of `clerestory doctor`."""
 
     name: str
     value: str
@@ -47,7 +47,7 @@ class Finding:
 
 
 def load(device: Device = "auto", module: str = "controller") -> ModuleType:
-    """Start the device and return a module of this package, such as one of tracers."""
+    """Start the compute device, import a module of this package, and return it."""
     chosen = resolve(device)
     mitsuba = importlib.import_module("mitsuba")
     if mitsuba.variant() != _VARIANT[chosen]:
@@ -80,7 +80,7 @@ def resolve(device: Device) -> Processor:
 def free_memory() -> int | None:
     """Return the free memory of the GPU [bytes]; None if unknown.
 
-    The driver is queried directly: Dr.Jit reports only its own allocations.
+    The CUDA driver is queried directly, since Dr.Jit reports only its own allocations.
     """
     name = _cuda_driver()
     if name is None:
@@ -107,7 +107,7 @@ def _start_llvm() -> None:
     if os.environ.get(_LIBRARY):
         library = os.environ[_LIBRARY]
     elif "drjit" in sys.modules:
-        # Too late to choose: test the library chosen by Dr.Jit
+        # Dr.Jit is imported and has already chosen a library: test that library
         error = _probe(_VARIANT["cpu"], {})
         if error is not None:
             raise DeviceError(
@@ -157,14 +157,14 @@ def _cuda_driver() -> str | None:
 
 
 def _probe_llvm(library: str) -> str | None:
-    # Error of an LLVM library; None if it works
+    # Error message of kernels compiled with an LLVM library; None if they run
     if not library:
         return "none was found"
     return _probe(_VARIANT["cpu"], {_LIBRARY: library})
 
 
 def _probe(variant: str, environment: dict[str, str]) -> str | None:
-    # None if a kernel compiles and runs in a child process; otherwise the error
+    # Run a test kernel in a child process; return its error message, None if it runs
     script = Path(__file__).with_name("probe.py")
     try:
         child = subprocess.run(
@@ -186,7 +186,7 @@ def _probe(variant: str, environment: dict[str, str]) -> str | None:
 
 
 def describe() -> list[Finding]:
-    """Return findings about devices and libraries, for `clerestory doctor`."""
+    """Return the report of `clerestory doctor` on devices and LLVM libraries."""
     findings = [
         Finding("platform", f"{platform.system()} {platform.machine()}", True),
         Finding("python", platform.python_version(), sys.version_info >= (3, 11)),

@@ -1,7 +1,7 @@
-"""Jobs of direct light: suns through a window, and light transmitted by glass.
+"""Jobs of direct light: suns through a window, and distant sources through glass.
 
-Coefficients are floating-point numbers; units have disjoint rows and columns, so the
-result does not depend on the order of units.
+Coefficients are summed in floating point. No two units contain the same element of the
+matrix, so the result does not depend on the order of units.
 """
 
 from abc import abstractmethod
@@ -22,28 +22,28 @@ from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View
 from clerestory.scene.window import Window
 
-# Largest number of lanes in one unit
+# Largest number of parallel paths (lanes) in one work unit
 _LANES = 1 << 21
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _DirectJob(Job):
-    # `samples` paths per receiver and column
+    # Job with `samples` paths per pair of a sensor or pixel (row) and a source (column)
 
     samples: int
 
     @property
     def points(self) -> int:
-        """Number of sample points of a batch."""
+        """Number of sample points in each batch."""
         return -(-self.samples // self.batches)
 
     @property
     def receivers(self) -> int:
-        """Number of pairs of a row and a column."""
+        """Number of pairs of a sensor or pixel (row) and a source (column)."""
         return self.shape[0] * self.shape[2]
 
     def pilot_unit(self, paths: int) -> Unit:
-        """Return a unit of consecutive rows and evenly spaced columns."""
+        """Return a pilot unit of consecutive rows and evenly spaced columns."""
         rows, _, columns, _ = self.shape
         pairs = max(1, paths // (self.batches * self.points))
         few = evenly_spaced(columns, max(1, min(8, pairs)))
@@ -64,17 +64,17 @@ class _DirectSensorJob(_DirectJob, EstimatedJob):
         """Number of lanes per sensor and column."""
 
     def empty_sums(self, rows: int) -> Sums:
-        """Return sums of batch means."""
+        """Return zero sums, to which units add the means of batches."""
         return Sums.empty(float, (rows, *self.shape[1:]), 1 / self.points)
 
     def error(self, sums: Sums) -> float:
-        """Return zero: the number of paths is given."""
+        """Return zero: convergence is not tested, as the number of paths is given."""
         return 0.0
 
     def units(
         self, rows: Int[np.ndarray, " row"], first: int, end: int, size: UnitSize
     ) -> Iterator[Unit]:
-        """Divide rows and columns into units."""
+        """Divide the rows and columns of the matrix into work units."""
         del size
         columns = np.arange(self.shape[2])
         block = max(1, min(len(rows), _LANES // self.lanes))
@@ -85,10 +85,10 @@ class _DirectSensorJob(_DirectJob, EstimatedJob):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SunlightJob(_DirectJob):
-    """Light of suns transmitted by the window of index `number` among several windows.
+    """Sunlight transmitted by one of several windows, the window of index `number`.
 
-    If `peak`, unscattered light keeps the angular diameter of the sun. `samples` counts
-    the paths per receiver and sun.
+    If `peak`, light transmitted without scattering keeps the angular diameter of the
+    sun. `samples` is the number of paths per receiver and sun.
     """
 
     windows: tuple[Window, ...]
@@ -121,8 +121,8 @@ class SunJob(SunlightJob, _DirectSensorJob):
 class UnscatteredJob(_DirectSensorJob):
     """Irradiance of sensors from distant sources, unobstructed or through glass.
 
-    `directions` are unit vectors to the sample points of each column's source, batch by
-    batch.
+    Each column has one source; `directions` are unit vectors to sample points of the
+    source, batch by batch.
     """
 
     tracer: ClassVar[tuple[str, str]] = ("direct_visibility", "prepare_unscattered")
@@ -131,7 +131,7 @@ class UnscatteredJob(_DirectSensorJob):
 
     @property
     def shape(self) -> tuple[int, int, int, int]:
-        """Sensors, batches, columns and channels."""
+        """Numbers of sensors, batches, sources and channels."""
         rows, columns = len(self.sensors), len(self.directions)
         return rows, self.batches, columns, channels_of(self.scene)
 
@@ -143,7 +143,7 @@ class UnscatteredJob(_DirectSensorJob):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PixelSunJob(SunlightJob):
-    """Radiance of a view's pixels (columns × rows) per direct normal irradiance."""
+    """Radiance of columns × rows pixels per direct normal irradiance of suns [1/sr]."""
 
     tracer: ClassVar[tuple[str, str]] = ("direct_sun_tracer", "prepare_pixel_sun")
 
@@ -153,18 +153,18 @@ class PixelSunJob(SunlightJob):
 
     @property
     def shape(self) -> tuple[int, int, int, int]:
-        """Pixels, one batch, suns and bands."""
+        """Numbers of pixels, batches (one), suns and bands."""
         return self.columns * self.rows, 1, len(self.suns), len(self.scene.bands)
 
 
 def trace_pixel_sun(
     job: PixelSunJob, numbers: Int[np.ndarray, " sun"], effort: Effort
 ) -> Float[np.ndarray, "band pixel sun"]:
-    """Radiance of pixels per direct normal irradiance of each sun [1/sr].
+    """Return the radiance of pixels per direct normal irradiance of each sun [1/sr].
 
-    `numbers` are the indices of the suns of the job, which seed their random numbers.
-    The efforts of all calls with one job have the same executor, so that the scene is
-    built once.
+    `numbers` selects suns of the job by index; the index also seeds the random numbers.
+    Calls with the same job should pass the same executor, so that the scene is built
+    only once.
     """
     pixels, _, _, bands = job.shape
     count = len(numbers)
@@ -183,7 +183,6 @@ def trace_pixel_sun(
 def _places(
     rows: int, columns: int, block: int, every: int
 ) -> list[tuple[slice, slice]]:
-    # Divide the matrix into blocks of rows and columns
     return [
         (slice(at, min(at + block, rows)), slice(first, min(first + every, columns)))
         for first in range(0, columns, every)

@@ -18,7 +18,7 @@ def direct_transmittance(
     points: Float[np.ndarray, "point 3"],
     directions: Float[np.ndarray, "sun 3"],
 ) -> Float[np.ndarray, "point sun"]:
-    """Return the unscattered transmittance from distant sources to each point."""
+    """Return the direct (unscattered) transmittance from distant sources to points."""
     origin = points.mean(axis=0)
     count = len(directions)
     with launching():
@@ -31,7 +31,7 @@ def direct_transmittance(
 
 
 def prepare_unscattered(job: UnscatteredJob) -> Tracer:
-    """Return the tracer of unscattered light to sensors."""
+    """Return the tracer of unscattered light from distant sources to sensors."""
     origin = job.sensors.position.mean(axis=0)
     model = lower(job.scene, origin=origin)
 

@@ -1,9 +1,9 @@
 """Radiance over all directions as a table: two squares, above and below the horizon.
 
 A hemisphere is mapped to a disc by r² = 1 − |z|, which preserves relative solid angle,
-and the disc to a square by Shirley and Chiu's map. All cells have equal solid angle;
-512 cells per edge are 0.3° wide. Values are interpolated between cell centres, never
-across the horizon.
+and the disc to a square by Shirley and Chiu's map. All cells have equal solid angle; a
+cell of a 512 × 512 table is 0.3° wide. Radiance is interpolated between cell centres,
+never across the horizon.
 """
 
 import drjit as dr
@@ -17,9 +17,9 @@ from clerestory.hemisphere.shirley_chiu import cell_centres, disc_from_square
 
 
 def map_directions(edge: int) -> Float[np.ndarray, "n 3"]:
-    """Unit vectors through the cell centres, in the order of the tables.
+    """Return unit vectors through the cell centres, in the order of the tables.
 
-    The edge of a table is a power of two.
+    The number of cells along an edge (`edge`) is a power of two.
     """
     x, y = disc_from_square(*cell_centres(edge.bit_length() - 1))
     height = 1 - (x * x + y * y)
@@ -31,7 +31,7 @@ def map_directions(edge: int) -> Float[np.ndarray, "n 3"]:
 class DirectionalMap:
     """One or several tables of radiance over all directions.
 
-    The values are the RGB radiance of each table, for each of `map_directions(edge)`.
+    Each table holds the RGB radiance in the directions `map_directions(edge)`.
     """
 
     def __init__(self, values: Float[np.ndarray, "table n 3"], edge: int):
@@ -39,7 +39,7 @@ class DirectionalMap:
         self.values = on_device(mi.Float, values)
 
     def look_up(self, direction, table=0):
-        """Return the radiance in a direction, interpolated."""
+        """Return the interpolated radiance of a table in a direction."""
         height = dr.minimum(dr.abs(direction.z), 1)
         scale = dr.rsqrt(1 + height)
         place = square_from_disc(direction.x * scale, direction.y * scale)

@@ -12,10 +12,10 @@ from clerestory.engine.sampler import Distribution
 from clerestory.engine.upload import on_device, vectors
 from clerestory.scene.model import DistantSource, Scene
 
-# Sources of a smaller opening angle are sampled directly, as discs with sharp edges.
+# Sources up to this opening angle [°] are sampled directly, as discs with sharp edges.
 _DISC_DEG = 12.0
 
-# Number of cells along the edge of the sky's table, and of sample points per cell.
+# Number of cells along an edge of the table of sky radiance.
 _EDGE = 512
 
 
@@ -26,7 +26,7 @@ def is_sun(source: DistantSource) -> bool:
 
 @dataclass
 class SunSample:
-    """A direction to a sun, its density [1/sr], and the sun's radiance."""
+    """A sampled direction to a sun, its pdf [1/sr], and the sun's radiance."""
 
     direction: mi.Vector3f
     pdf: mi.Float
@@ -37,9 +37,9 @@ class SunSample:
 class DistantEmitters:
     """Device arrays of all distant sources.
 
-    `dome` is the radiance of all sources of a large solid angle. The arrays describe
-    the narrow sources (suns): `one_minus_cos` is 1 − cos of the angular radius,
-    `chosen` the distribution by irradiance.
+    `dome` is the total radiance of the wide sources (sky, ground). The arrays describe
+    the narrow sources (suns): `one_minus_cos` is 1 − cos of the angular radius, and
+    `chosen` the sampling probability, proportional to irradiance.
     """
 
     dome: DirectionalMap | None
@@ -70,14 +70,14 @@ class DistantEmitters:
         )
 
     def environment_radiance(self, direction):
-        """Return the radiance of the wide sources in a direction."""
+        """Return the radiance of the wide sources (sky, ground) in a direction."""
         if self.dome is None:
             return mi.Color3f(0)
         return self.dome.look_up(direction)
 
     @dr.syntax
     def sun_radiance(self, direction, active):
-        """Return the radiance of the narrow sources, and the direction's pdf [1/sr]."""
+        """Return the radiance of suns in a direction, and its sampling pdf [1/sr]."""
         found = mi.Color3f(0)
         pdf = mi.Float(0)
         number = mi.UInt32(0)
@@ -94,7 +94,7 @@ class DistantEmitters:
         return found, pdf
 
     def sample_sun(self, pick, u, v) -> SunSample:
-        """Sample a direction to a narrow source."""
+        """Sample a direction to a sun."""
         number, chance, _ = self.chosen.sample(pick)
         depth = dr.gather(mi.Float, self.one_minus_cos, number)
         axis = dr.gather(mi.Vector3f, self.direction, number)

@@ -22,7 +22,7 @@ _MOST_SAMPLES, _LEAST_ERROR, _MOST_ERROR = 1 << 26, 1e-5, 10.0
 
 
 class JobOptions(TypedDict):
-    """Fields of a job that come from an effort."""
+    """Fields of a job that are set by an `Effort`."""
 
     bounces: int | None
     seed: int
@@ -32,22 +32,21 @@ class JobOptions(TypedDict):
 
 @dataclass(frozen=True, kw_only=True)
 class Effort:
-    """Amount of tracing, executor and random seed.
+    """Computational effort of an estimate: samples or error, path depth, seed, device.
 
     Attributes
     ----------
     samples : paths per row; None if a relative error is given
-    relative_error : target relative standard error, defined by the tracing functions
+    relative_error : target relative standard error; see the tracing functions
     bounces : largest number of diffuse reflections, as Radiance's -ab; None: no limit
     seed : whole number ≥ 0; equal seeds on the same device give bitwise identical
         results
     device : "auto" selects a GPU if there is one
-    executor : executor of the work, such as a `Cluster`; default: this process. Results
-        are bitwise identical for all executors
+    executor : executor of work units, such as a `Cluster`; default: this process.
+        Results are bitwise identical for all executors
     progress : callback that receives the fraction done, 0…1, and a note
-    batches : number of independent estimates of each row; None: the default of the
-        quantity
-    components : whether the deviations of the batches are kept as error components
+    batches : number of independent estimates of each row; None: the default of the job
+    components : whether the deviation of each batch from the mean is kept
 
     Raises
     ------
@@ -81,11 +80,11 @@ class Effort:
 
     @property
     def goal(self) -> Goal:
-        """Stopping criterion."""
+        """Stopping criterion: number of samples, or relative error."""
         return Goal(self.samples, self.relative_error)
 
     def job_options(self, batches: int = BATCHES) -> JobOptions:
-        """Return the part of the effort that the sums of a job depend on.
+        """Return the options of the effort that affect the sums of a job.
 
         `batches` is the default number of batches.
         """

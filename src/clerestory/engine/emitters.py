@@ -1,4 +1,4 @@
-"""Emitting surfaces: radiance by direction, and sampling by area and power.
+"""Emitting surfaces: radiance by direction, and sampling in proportion to power.
 
 Every emitting shape is one emitter. A pattern that varies with direction is tabulated
 over all directions; a pattern that varies with position is evaluated at the centre of
@@ -26,7 +26,7 @@ _EDGE = 256
 
 
 def split_by_surface(mesh: Mesh) -> list[Mesh]:
-    """Split a mesh into its surfaces if its pattern depends on normal or position."""
+    """Split a mesh into surfaces if its pattern depends on normal or position."""
     pattern = getattr(mesh.material, "pattern", None)
     if pattern is None or not (pattern.needs_normal or pattern.needs_point):
         return [mesh]
@@ -45,13 +45,13 @@ class Emitters:
 
     Attributes
     ----------
-    table : 1 + index of the pattern of each emitter, or 0
+    table : 1 + index of the pattern of each emitter, or 0 without a pattern
     view_only : whether an emitter is visible but does not illuminate (glow of negative
         radius)
-    illum : whether camera rays see the alternate material of an illum instead
-    emitter : emitter of each triangle
-    chosen : distribution of the triangles by power
-    density : probability of each emitter divided by its area [1/m²]; 0 if not sampled
+    illum : whether an emitter is an illum; camera rays see its alternate material
+    emitter : index of the emitter that each triangle belongs to
+    chosen : sampling probabilities of the triangles, proportional to power
+    density : probability per area on each emitter [1/m²]; 0 if not sampled
     """
 
     count: int
@@ -67,7 +67,7 @@ class Emitters:
 
     @classmethod
     def of(cls, shining: list[Mesh], origin: Origin) -> "Emitters":
-        """Return the tables of emitting meshes; emitter i is mesh i."""
+        """Return the device arrays of emitting meshes; emitter i is mesh i."""
         radiance = np.array([m.material.radiance for m in shining]).reshape(-1, 3)
         found = [_pattern(mesh) for mesh in shining]
         tables = [table for table in found if table is not None]
@@ -76,7 +76,7 @@ class Emitters:
         mean = radiance.mean(axis=1)
         mean *= [1 if table is None else table.mean() for table in found]
 
-        # Sampled triangles, by power
+        # Triangles of sampled emitters, and their power
         emitting = np.array([is_sampled(m.material) for m in shining], dtype=bool)
         sampled = np.flatnonzero(emitting & (mean > 0))
         meshes = [shining[index] for index in sampled]

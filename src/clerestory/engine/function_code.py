@@ -52,7 +52,7 @@ class FunctionCode(Evaluation[Value]):
         return found or FUNCTIONS.get(name)
 
     def constant(self, number: float, rows: Rows) -> Value:
-        """Return a number, which is not converted to an array."""
+        """Return a constant as a Python number, not as an array."""
         return Value(number)
 
     def negative(self, value: Value) -> Value:
@@ -60,7 +60,7 @@ class FunctionCode(Evaluation[Value]):
         return Value(-value.value, value.bad)
 
     def native(self, found: Native, given: Sequence[Value], rows: Rows) -> Value:
-        """Return the value of a function written in Python."""
+        """Return the value of a calculator function that is written in Python."""
         value: Value = found.compute(self, *given)
         return value
 
@@ -73,11 +73,11 @@ class FunctionCode(Evaluation[Value]):
         return Value(self.inputs[name]) if name in self.inputs else None
 
     def undefined(self, name: str) -> InputError:
-        """Return the error of a name that has no definition for kernels."""
+        """Return the error to raise for a name that is not defined on surfaces."""
         return InputError(f'"{name}" is not defined for patterns of surfaces')
 
     def argument(self, which: Value) -> Value:
-        """Return the real argument of a number; 0 is their count."""
+        """Return real argument number `which`; number 0 is the count of arguments."""
         if isinstance(which.value, float | int):
             place = int(np.floor(which.value + 0.5))
             if place > len(self.arguments):
@@ -93,7 +93,7 @@ class FunctionCode(Evaluation[Value]):
         return Value(dr.gather(mi.Float64, table, index), either_bad(which.bad, bad))
 
     def combined(self, one: Value, sign: str, other: Value, rows: Rows) -> Value:
-        """Return the result of an operation: +, -, *, / or ^."""
+        """Return the result of a binary operation: +, -, *, / or ^."""
         bad = either_bad(one.bad, other.bad)
         match sign:
             case "+":
@@ -111,7 +111,7 @@ class FunctionCode(Evaluation[Value]):
         return Value(dr.select(zero, 0, quotient), either_bad(bad, zero))
 
     def choice(self, given: Nodes, rows: Rows, frame: Frame | None) -> Value:
-        """Evaluate both branches, unless the condition is constant."""
+        """Evaluate both branches; only one if the condition is constant."""
         condition = self.node(given[0], rows, frame)
         yes = condition.value > 0
         if isinstance(yes, bool):
@@ -124,7 +124,7 @@ class FunctionCode(Evaluation[Value]):
         )
 
     def selection(self, given: Nodes, rows: Rows, frame: Frame | None) -> Value:
-        """Evaluate all choices, unless the number is constant."""
+        """Evaluate all choices of select(); only one if the index is constant."""
         # select(0, …) returns the number of choices
         which = self.node(given[0], rows, frame)
         if isinstance(which.value, float | int):

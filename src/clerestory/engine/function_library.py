@@ -1,6 +1,7 @@
 """Functions of Radiance's calculator for Dr.Jit arrays, used by `function_code`.
 
-Arguments and results have a mask of faulty values. Python numbers are not converted.
+Arguments and results carry a mask of undefined (faulty) values. Python numbers are not
+converted to arrays.
 """
 
 from collections.abc import Callable, Mapping

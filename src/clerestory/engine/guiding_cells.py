@@ -14,11 +14,11 @@ from jaxtyping import Float
 from clerestory.engine.upload import vectors
 
 # Cell size [m], increased if an axis would need more cells than the limit; fraction of
-# the given points at either end of an axis that belong to the boundary cells.
+# points outside the grid at either end of an axis, which belong to the boundary cells.
 _SIZE, _MOST = 0.75, 16
 _OUTLYING = 0.01
 
-# Number of classes of normals: positive and negative sense of three axes.
+# Number of classes of normals: nearest direction of ±x, ±y and ±z.
 _FACINGS = 6
 
 
@@ -52,7 +52,7 @@ class GuidingCells:
         )
 
     def number(self, point: mi.Point3f, normal: mi.Vector3f) -> mi.UInt32:
-        """Return the cell of a surface point from its position and normal."""
+        """Return the index of the cell that contains a surface point with a normal."""
         place = (point - self.low) / self.size
         number = mi.UInt32(0)
         for here, cells in zip(place, self.shape, strict=True):

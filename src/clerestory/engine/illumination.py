@@ -38,7 +38,7 @@ class Environment(Source):
     distant: DistantEmitters
 
     def escaped(self, path: Path, active) -> Emission:
-        """Return the radiance of the path's direction."""
+        """Return the radiance of sky and ground in the direction of an escaped path."""
         return Emission(self.distant.environment_radiance(path.ray.d), active)
 
 
@@ -50,7 +50,7 @@ class SurfaceEmitters(Source):
     model: LoweredScene
 
     def met(self, path: Path, si, shape, active) -> tuple[Emission, mi.Bool]:
-        """Return the radiance of an emitter's front; camera rays pass illums."""
+        """Return the radiance of the front of an emitter; camera rays pass illums."""
         emitters = self.model.emitters
         role = dr.gather(mi.UInt32, self.model.emitter_of_shape, shape, active)
         ended = active & (role > 0)
@@ -67,7 +67,7 @@ class SurfaceEmitters(Source):
     def samples(
         self, vertex: Vertex, path: Path | None, numbers: PathNumbers
     ) -> Iterator[LightSample]:
-        """Yield a direction to a point of an emitter."""
+        """Yield one sampled direction to a point of an emitter."""
         emitters = self.model.emitters
         if emitters.count == 0:
             return

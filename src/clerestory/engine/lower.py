@@ -1,7 +1,7 @@
 """Conversion of a scene to a Mitsuba scene and device arrays.
 
-Coordinates are translated so that the region of interest is at the origin: ray offsets
-grow with the distance from the origin, and models far from their origin are common.
+Coordinates are translated so that the region of interest is at the origin, because ray
+offsets grow with the distance from it. Models far from their origin are common.
 """
 
 from dataclasses import dataclass
@@ -34,10 +34,10 @@ class LoweredScene:
 
     Attributes
     ----------
-    window_of_shape, emitter_of_shape : 1 + number of the window or emitter, or 0
+    window_of_shape, emitter_of_shape : 1 + index of the shape's window or emitter, or 0
     first_face : index of the shape's first face in `reach`
-    reach : largest coordinate of each face [m], to which rounding is proportional
-    panes : whether shadow rays may be transmitted
+    reach : largest coordinate of each face [m]; rounding errors are proportional to it
+    panes : whether any material transmits shadow rays
     grey : whether all materials are grey, so that one channel is enough
     thickness_of_shape : thickness of proxied geometry behind (positive) or in front of
         (negative) a BSDF [m]; 0 for all other shapes
@@ -65,8 +65,8 @@ def lower(
 ) -> LoweredScene:
     """Return the device scene around `origin`, possibly cached from the previous job.
 
-    The receivers are windows that are surfaces of the scene and terminate paths. The
-    scene has three channels; see `channels.band_groups`.
+    The windows `receivers` become surfaces of the scene at which paths end. The scene
+    has three bands; see `channels.band_groups`.
     """
     require(scene.bands == RGB, f"a scene in the bands {scene.bands}; {RGB} expected")
     key = mi.variant(), scene, tuple(origin.tolist()), receivers

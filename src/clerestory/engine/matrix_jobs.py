@@ -6,7 +6,7 @@
     C  sensors × sky                              CoefficientsJob
     T  patches × patches of a sample area         SlabJob
 
-Jobs are plain values and need no compute device; `matrix_tracers` traces them.
+Jobs are plain data and need no compute device; `matrix_tracers` traces them.
 """
 
 from abc import abstractmethod
@@ -26,7 +26,7 @@ from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View
 from clerestory.scene.window import Window
 
-# Rows below this fraction of the mean row need not reach the relative error
+# Rows with a sum below this fraction of the mean sum need not reach the target error
 _DARK = 0.01
 
 
@@ -48,20 +48,20 @@ class MatrixJob(EstimatedJob):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _SensorJob(MatrixJob):
-    # Each sensor is traced until its irradiance from windows or a sky of uniform
-    # radiance reaches the relative error
+    # Job traced until the irradiance of each sensor, from windows or a sky of uniform
+    # radiance, reaches the target relative error
     together: ClassVar[bool] = False
 
     sensors: Sensors
 
     def error(self, sums: Sums) -> Float[np.ndarray, " row"]:
-        """Relative error of each sensor's irradiance, summed over all columns."""
+        """Relative error of the irradiance of each sensor from all columns together."""
         return row_errors(sums)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ViewJob(_SensorJob):
-    """From irradiance sensors to window patches (columns: window by window)."""
+    """View matrix V: irradiance sensors × patches of all windows, window by window."""
 
     tracer: ClassVar[tuple[str, str]] = ("matrix_tracers", "prepare_view")
 
@@ -75,7 +75,7 @@ class ViewJob(_SensorJob):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CoefficientsJob(_SensorJob):
-    """From irradiance sensors to the patches of the sky."""
+    """Daylight coefficients C: irradiance sensors × sky patches."""
 
     tracer: ClassVar[tuple[str, str]] = ("matrix_tracers", "prepare_coefficients")
 
@@ -89,16 +89,16 @@ class CoefficientsJob(_SensorJob):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _WindowJob(MatrixJob):
-    # Rows of a window's patches on the outer side
+    # Job whose rows are the patches of a window on its outer side
     together: ClassVar[bool] = True
 
     window: Window
 
     def error(self, sums: Sums) -> float:
-        """Error of the window's irradiance from one column, relative to the mean.
+        """Relative error of the window's irradiance from one column.
 
-        The root mean square over the columns: it applies to the sun in any patch, not
-        only to a uniform sky.
+        The error is the root mean square over all columns, so it applies to the sun in
+        any sky patch, not only to a uniform sky.
         """
         projected = self.window.partition.projected_solid_angles()
         irradiance = np.einsum("r,rbcx->bcx", projected, sums.means())
@@ -107,7 +107,7 @@ class _WindowJob(MatrixJob):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class DaylightJob(_WindowJob):
-    """From the outer side of a window's patches to the patches of the sky."""
+    """Daylight matrix D: patches on the outer side of a window × sky patches."""
 
     tracer: ClassVar[tuple[str, str]] = ("matrix_tracers", "prepare_daylight")
 
@@ -121,7 +121,7 @@ class DaylightJob(_WindowJob):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FacadeJob(_WindowJob):
-    """From the outer side of a window's patches to the patches of its ports.
+    """Facade matrix F: patches on the outer side of a window × patches of its ports.
 
     Ports are virtual surfaces that, with the wall, enclose the window and its shade.
     """
@@ -138,7 +138,7 @@ class FacadeJob(_WindowJob):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PixelViewJob(MatrixJob):
-    """From the pixels of a view (columns × rows) to the patches of windows.
+    """View matrix V of a picture: pixels (columns × rows) × patches of all windows.
 
     If `direct`, paths end at the first surface.
     """
@@ -158,7 +158,7 @@ class PixelViewJob(MatrixJob):
         return self.columns * self.rows, patches_of(self.windows)
 
     def error(self, sums: Sums) -> float:
-        """Relative error of the mean pixel under windows of uniform radiance."""
+        """RMS error of pixels for windows of equal radiance, relative to the mean."""
         return mean_error(sums.collected(), axis=1)
 
 
@@ -167,14 +167,14 @@ class SlabJob(MatrixJob):
     """Flux fractions of a sample area, from incident patches to leaving patches.
 
     The rows are the incident patches of the first side, then of the second. The columns
-    are the patches of transmission, then of reflection. Patches refer to the direction
-    of travel, with its z component taken as positive. A value is a fraction of the
-    incident flux; a row sums to one minus the absorptance.
+    are the patches of transmission, then of reflection. The patch of a direction of
+    travel is that of (x, y, |z|). An element is a fraction of the incident flux; the
+    sum of a row is one minus the absorptance.
 
     Attributes
     ----------
     box : lower and upper corner of the slab; paths start on its end planes [m]
-    sides : for each side in order, whether it is the back (facing the room)
+    sides : whether each traced side is the back, which faces the room
     incidents : indices of the incident patches
     stands_for : number of equivalent patches that each incident patch represents
     """
@@ -195,7 +195,7 @@ class SlabJob(MatrixJob):
         return len(self.sides) * len(self.incidents), 2 * len(self.partition)
 
     def error(self, sums: Sums) -> float:
-        """RMS error of the BSDF over all pairs of patches, relative to its mean."""
+        """RMS error of the BSDF over all pairs of patches, relative to the mean."""
         alike = self.stands_for / self.stands_for.mean()
         weight = np.tile(alike, len(self.sides))[:, None, None]
         measure = np.tile(self.partition.projected_solid_angles(), 2)
@@ -221,9 +221,9 @@ def mean_error(values: np.ndarray, *, axis: int) -> float:
 
 
 def row_errors(sums: Sums) -> Float[np.ndarray, " row"]:
-    """Return the relative error of each row, summed over its columns.
+    """Return the relative standard error of the sum of each row.
 
-    For rows below 1 % of the mean row, the error is relative to 1 % of the mean row.
+    For sums below 1 % of the mean sum, the error is relative to 1 % of the mean sum.
     """
     irradiance = sums.collected()
     mean = irradiance.mean(axis=1)

@@ -1,8 +1,9 @@
 """Evaluation and sampling of BSDF matrices on the device.
 
-The four functions of a layer are stored consecutively, each as a matrix of exiting rows
-and incident columns. A path is traced against the direction of light: for a given
-exiting direction, the incident patch is sampled in proportion to its contribution.
+The four functions of a layer are stored consecutively, each as a matrix with a row for
+each exiting patch and a column for each incident patch. A path is traced against the
+direction of light: for a given exiting direction, an incident patch is sampled in
+proportion to its contribution.
 """
 
 from collections.abc import Sequence
@@ -19,7 +20,7 @@ from clerestory.engine.upload import on_device, search
 class MatrixTable:
     """Scattering matrices of one layer, on common partitions.
 
-    Each function has three matrices (colour) or one, or is None if the layer lacks it.
+    A function has three matrices (colour) or one; it is None if the layer lacks it.
     """
 
     def __init__(self, functions: Sequence[tuple[ScatteringMatrix, ...] | None]):
@@ -76,7 +77,7 @@ class MatrixTable:
         return mi.Point2f(-through.x, -through.y), self._value(cell), density
 
     def colour(self, value):
-        """Convert a value of the table to RGB."""
+        """Convert a BSDF value of the table to RGB."""
         return value
 
     def _value(self, cell):

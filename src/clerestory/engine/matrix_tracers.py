@@ -36,8 +36,8 @@ from clerestory.errors import DeviceError
 from clerestory.hemisphere.reinhart import SkyPartition
 from clerestory.scene.model import Scene
 
-# Random number streams: errors of V and D must be independent. Pictures and their
-# direct part may use the stream of either.
+# Random number streams, which differ so that errors of V and D are independent. View
+# matrices of pictures may use either stream.
 _SENSORS, _WINDOWS = 0, 1
 _PIXELS, _PIXELS_DIRECT = 0, 1
 
@@ -54,37 +54,37 @@ Launch = Callable[[MatrixSink, Lanes, Unit], None]
 
 
 def prepare_view(job: ViewJob) -> Tracer:
-    """Return the tracer from sensors to windows."""
+    """Return the tracer of view matrices from sensors to windows."""
     origin = np.mean(job.sensors.position, axis=0)
     model = lower(job.scene, origin=origin, receivers=job.windows)
     return _from_sensors(job, _to_windows(model), origin)
 
 
 def prepare_coefficients(job: CoefficientsJob) -> Tracer:
-    """Return the tracer from sensors to the sky."""
+    """Return the tracer of daylight coefficients from sensors to the sky."""
     origin = np.mean(job.sensors.position, axis=0)
     return _from_sensors(job, _to_sky(job.scene, job.sky, origin), origin)
 
 
 def prepare_daylight(job: DaylightJob) -> Tracer:
-    """Return the tracer from a window to the sky."""
+    """Return the tracer of daylight matrices from a window to the sky."""
     origin = window_origin(job.scene, job.window)
     tracer = _to_sky(job.scene, job.sky, origin)
     return _from_window(job, tracer, job.seed, origin)
 
 
 def prepare_facade(job: FacadeJob) -> Tracer:
-    """Return the tracer from a window to the ports in front of it."""
+    """Return the tracer of facade matrices from a window to the ports around it."""
     origin = middle_of_window(job.window)
     model = lower(job.scene, origin=origin, receivers=job.ports)
     return _from_window(job, _to_windows(model), job.seed ^ _FACADE_SEED, origin)
 
 
 def prepare_pixel_view(job: PixelViewJob) -> Tracer:
-    """Return the tracer from pixels to windows.
+    """Return the tracer of view matrices from pixels to windows.
 
-    The direct part contains visible windows, and the light of windows after one diffuse
-    or specular reflection at the first surface.
+    If the job is `direct`, only light straight from windows to the eye, or after one
+    reflection (diffuse or specular) at the first surface, is included.
     """
     origin = np.asarray(job.view.position, dtype=float)
     model = lower(job.scene, origin=origin, receivers=job.windows)
@@ -149,8 +149,8 @@ def matrix_tracer(
 ) -> Tracer:
     """Return a function that traces a unit of a matrix and returns its sums.
 
-    `launch` traces the paths of a unit into the sink. Random numbers follow from the
-    stream and from `seed`, by default the job's seed.
+    `launch` traces the paths of a unit and adds their weights to a sink. `stream` and
+    `seed` (by default the job's seed) determine the random numbers.
     """
     _, batches, columns, channels = job.shape
     start = job.seed if seed is None else seed
@@ -174,7 +174,7 @@ def matrix_tracer(
 
 
 def refuse_out_of_range(number: int) -> None:
-    """Raise a DeviceError if any contributions were outside the range of the sums."""
+    """Raise a DeviceError if path contributions were outside the range of the sums."""
     if number:
         raise DeviceError(
             f"{number} contributions of paths are negative or too large for the sums;"

@@ -18,17 +18,17 @@ from clerestory.engine.upload import vectors
 from clerestory.engine.visibility import along, first_opaque, interaction, offset
 from clerestory.scene.model import Mirror, Polygon, Ring, Scene
 
-# Largest number of mirror orientations (curved mirrors have many); reflections in the
-# smallest mirrors are left to BSDF sampling.
+# Largest number of mirror orientations (curved mirrors have many); light reflected by
+# the smallest mirrors is found by BSDF sampling only.
 MOST = 64
 
-# Normals are equal if their scalar product differs from one by less (0.08°).
+# Normals count as equal if 1 minus their scalar product is below this limit (0.08°).
 _SAME = 1e-6
 
 
 @dataclass
 class Mirrors:
-    """Unit normals of plane mirrors, and their distribution by area."""
+    """Unit normals of plane mirrors, sampled in proportion to mirror area."""
 
     count: int
     normal: mi.Vector3f
@@ -36,7 +36,7 @@ class Mirrors:
 
     @classmethod
     def of(cls, scene: Scene) -> "Mirrors":
-        """Return the orientations of a scene's plane mirrors, the largest first."""
+        """Return the normals of a scene's plane mirrors, the largest mirrors first."""
         normals: list[np.ndarray] = []
         areas: list[float] = []
         for surface in scene.surfaces:
@@ -52,7 +52,7 @@ class Mirrors:
         return cls(len(order), vectors(mi.Vector3f, kept), Distribution.of(share))
 
     def choose(self, pick):
-        """Return the normal of a sampled mirror orientation, and its probability."""
+        """Sample a mirror normal; return the normal and its probability."""
         number, chance, _ = self.chosen.sample(pick)
         return dr.gather(mi.Vector3f, self.normal, number), chance
 
@@ -79,10 +79,10 @@ def is_same(normal, other):
 
 
 def reflected(model: LoweredScene, start, direction, normal, active: mi.Bool):
-    """Find a mirror of a given normal in a direction, through panes.
+    """Trace a ray through panes to a mirror that has a given normal.
 
-    Return the transmittance to the mirror times its reflectance, zero if there is no
-    such mirror, and the point on the mirror, offset from its front [m].
+    Return the transmittance to the mirror times the mirror's reflectance (zero if the
+    ray hits no such mirror), and the point hit, offset from the front [m].
     """
     share, ray, hit = first_opaque(model, start, along(direction), active)
     met = active & hit.is_valid()
@@ -96,7 +96,7 @@ def reflected(model: LoweredScene, start, direction, normal, active: mi.Bool):
 
 
 def _area_vector(surface: Polygon | Ring) -> Float[np.ndarray, "3"]:
-    # Normal times area [m²]
+    # Unit normal of a surface times its area [m²]
     if isinstance(surface, Ring):
         area = np.pi * (surface.outer_radius**2 - surface.inner_radius**2)
         return surface.normal / np.linalg.norm(surface.normal) * area

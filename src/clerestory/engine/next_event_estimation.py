@@ -1,9 +1,9 @@
 """Next-event estimation and multiple importance sampling.
 
 A *source* is a light source or a receiver: suns, sky, emitters, or the windows and sky
-patches of a matrix. It returns its radiance along a path (BSDF sampling), and samples
-directions towards it from a vertex (next-event estimation). Both techniques are
-combined in this module.
+patches of a matrix. A source returns the radiance found by a path (BSDF sampling), and
+samples directions from a vertex to the source (next-event estimation). This module
+combines both techniques.
 
 References: E. Veach, Robust Monte Carlo Methods for Light Transport Simulation, 1997,
 chapter 9 (balance and power heuristics); M. Pharr, W. Jakob, G. Humphreys, Physically
@@ -25,7 +25,7 @@ Heuristic = Callable[[mi.Float, mi.Float], mi.Float]
 def balance_heuristic(own, other):
     """Return the balance heuristic weight of two techniques, divided by `own` [sr].
 
-    The arguments are the densities of the technique and of the other one [1/sr].
+    `own` and `other` are the densities of a direction by both techniques [1/sr].
     """
     return dr.rcp(own + other)
 
@@ -44,8 +44,8 @@ def power_heuristic(own, other):
 class Densities:
     """Densities of sampling a direction at a vertex [1/sr].
 
-    `path` is that of the continued path, `sunlit` that of rays towards sunlit surfaces
-    in portals.
+    `path` is the density of the continued path, `sunlit` the density of rays towards
+    sunlit surfaces in portals.
     """
 
     path: mi.Float
@@ -66,7 +66,7 @@ class Vertex:
     densities : function of direction, density of BSDF sampling and mask that returns
         all densities of the vertex
     active : mask of vertices at which sources are sampled
-    shape, flags : Mitsuba's shape index, None for a sensor, and BSDF flags
+    shape, flags : Mitsuba's shape index (None for a sensor), and BSDF flags
     cell, chance : guiding cell, and probability that a path continues towards a portal
     opaque : whether the material only reflects
     continues : whether the path may continue after the vertex
@@ -87,7 +87,7 @@ class Vertex:
 
 @dataclass
 class Path:
-    """A path at its current segment.
+    """A path, described at the current segment.
 
     Attributes
     ----------
@@ -96,7 +96,7 @@ class Path:
         not sampled there
     camera : whether the segment is a camera ray, possibly after mirror reflection or
         direct transmission
-    memory : state that each source stored at the previous vertex, by source name
+    memory : values returned by `Source.begin` or `Source.remember`, by source name
     """
 
     ray: mi.Ray3f
@@ -111,8 +111,8 @@ class Path:
 class Scattering:
     """Continuation of a path at a vertex.
 
-    The throughput is multiplied by a factor. `flags` are the BSDF flags of the sampled
-    component; `null` marks paths transmitted without deflection, `delta` those mirrored
+    `factor` multiplies the throughput. `flags` are the BSDF flags of the sampled
+    component; `null` marks paths transmitted without deflection, `delta` paths mirrored
     or refracted.
     """
 
@@ -124,7 +124,7 @@ class Scattering:
     delta: mi.Bool
 
     def pass_straight(self, passed: mi.Bool, si: mi.SurfaceInteraction3f) -> None:
-        """Continue the chosen paths unscattered."""
+        """Let the paths of a mask pass the surface undeflected and unattenuated."""
         self.null |= passed
         self.delta &= ~passed
         self.direction = dr.select(passed, -si.to_world(si.wi), self.direction)
@@ -135,8 +135,8 @@ class Scattering:
 class Emission:
     """Radiance of a source that a path hits, or 1 for a receiver in a matrix column.
 
-    `pdf` is the density of next-event estimation of this direction at the previous
-    vertex [1/sr], None if the source is not sampled.
+    `pdf` is the density with which next-event estimation at the previous vertex samples
+    the direction [1/sr], or None if it does not sample the source.
     """
 
     value: mi.Color3f
@@ -146,7 +146,7 @@ class Emission:
     heuristic: Heuristic = balance_heuristic
 
     def share(self, path: Path):
-        """Return the weight in the combination with next-event estimation."""
+        """Return the MIS weight of the path against next-event estimation."""
         if self.pdf is None:
             return mi.Float(1)
         shared = path.pdf * self.heuristic(path.pdf, self.pdf)
@@ -161,7 +161,7 @@ class LightSample:
     ----------
     pdf : total density of all sampling techniques of the source [1/sr], or a function
         of the vertex densities that returns it, called after `arriving`
-    active : mask of useful samples
+    active : mask of samples that may contribute light
     arriving : function of vertex and mask that returns the arriving radiance
     heuristic : heuristic that weights the sample and continued paths; None if continued
         paths never meet the source
@@ -177,7 +177,7 @@ class LightSample:
     luminaire: bool = False
 
     def estimate(self, vertex: Vertex, active):
-        """Return the radiance scattered by the vertex, and the mask of its support."""
+        """Return the estimate of scattered radiance, and the mask of nonzero values."""
         value, own = vertex.scatter(self.direction, self.luminaire)
         lit = active & self.active & (dr.max(value) > 0)
         arriving = self.arriving(vertex, lit)
@@ -217,15 +217,15 @@ class Source:
         return ()
 
     def begin(self, pdf: mi.Float, sunlit: mi.Float):
-        """Return the densities that the source needs on the first path segment.
+        """Return the values that the source needs to weight the first path segment.
 
         `pdf` is the density of the segment's direction, or 0 for camera rays; `sunlit`
-        is that of rays towards sunlit surfaces, negative if none were sampled.
+        is the density of rays to sunlit surfaces, negative if none were sampled [1/sr].
         """
         return
 
     def remember(
         self, si: mi.SurfaceInteraction3f, vertex: Vertex, after: Scattering, memory
     ):
-        """Return the densities that the source needs on the next path segment."""
+        """Return the values that the source needs to weight the next path segment."""
         return memory

@@ -20,7 +20,7 @@ _SURFACES = 1000
 
 
 def middle_of_scene(scene: Scene) -> Origin:
-    """Return the median of the surfaces' centres, robust to a distant ground [m]."""
+    """Return the median of surface centres, unaffected by distant surfaces [m]."""
     if not scene.surfaces:
         return np.zeros(3)
     few = [scene.surfaces[n] for n in evenly_spaced(len(scene.surfaces), _SURFACES)]
@@ -36,8 +36,8 @@ def middle_of_window(window: Window) -> Origin:
 def window_origin(scene: Scene, window: Window) -> Origin:
     """Return the origin of device coordinates for rays that start at a window [m].
 
-    It is the centre of the scene if that is near, so that all windows of a building
-    share one device scene; otherwise the centre of the window.
+    The origin is the centre of the scene if the window is near it, so that all windows
+    of a building share one device scene; otherwise it is the centre of the window.
     """
     common, own = middle_of_scene(scene), middle_of_window(window)
     return common if np.linalg.norm(common - own) < _NEAR else own

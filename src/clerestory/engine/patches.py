@@ -1,7 +1,7 @@
 """Hemisphere partitions on the device: patch of a direction, and sampling of patches.
 
-The tables are built from the rings and counts of `hemisphere.partition`; a test
-compares both look-ups for random directions.
+The tables are built from the rings of `hemisphere.partition`; a test compares the patch
+look-up with that of `hemisphere` for random directions.
 """
 
 from dataclasses import dataclass
@@ -64,7 +64,7 @@ class PatchTable:
 
     def find(self, direction):
         """Return the patch of a direction in local coordinates, z > 0."""
-        # Count the limits below the direction's sin²
+        # Index of the ring: number of ring limits below sin² of the polar angle
         sin2 = dr.square(direction.x) + dr.square(direction.y)
         ring = mi.UInt32(0)
         for limit in self.inner:
@@ -95,8 +95,8 @@ class PatchTable:
 class SkyTable:
     """Device arrays of sky patches, with the ground as patch 0.
 
-    The rows, which include the zenith, are ordered from the horizon; each has a number
-    of patches and the index of its first patch.
+    Rows of patches are ordered from the horizon to the zenith, which is the last row.
+    Each row has a number of patches, and the index of its first patch.
     """
 
     rows: int

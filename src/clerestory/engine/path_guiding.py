@@ -1,12 +1,11 @@
-"""Learned sampling probabilities of portals, by cells of a room.
+"""Learned probabilities of sampling each portal, by cells of a room.
 
-The optimal probabilities for sampling one of several disjoint parts of a sum are
-proportional to the root mean square of each part: the variance Σ mᵢ/pᵢ is smallest for
-pᵢ ∝ √mᵢ, where mᵢ is the second moment of part i. The parts are the light from each
-portal and the light from all other directions. A pilot run measures the moments at
-surface points of the room, in cells of position and normal, for continued paths and for
-rays towards sunlit surfaces. Few paths are enough: inexact probabilities increase
-noise but cause no bias.
+Irradiance is a sum of terms: light from each portal, and light from all other
+directions. If one term is sampled, term i with probability pᵢ, the variance Σ mᵢ/pᵢ is
+smallest for pᵢ ∝ √mᵢ, where mᵢ is the second moment of the samples of term i. A pilot
+run measures the second moments at surface points of the room, in cells of position and
+normal, for continued paths and for rays towards sunlit surfaces. Few paths are enough:
+inexact probabilities increase noise but cause no bias.
 
 Reference: E. Veach, Robust Monte Carlo Methods for Light Transport Simulation, 1997,
 chapter 9.
@@ -26,11 +25,11 @@ from clerestory.engine.sampler import PathNumbers, points, random_numbers
 from clerestory.engine.sinks import RadianceSink
 from clerestory.engine.upload import launching, vectors
 
-# Largest probability of continuing towards a portal instead of BSDF sampling; portals
-# whose probability is below the second number in all cells are removed.
+# Largest probability of sampling a portal instead of the BSDF; least probability of a
+# portal, which must be exceeded in at least one cell.
 _MOST, _LEAST = 0.25, 0.02
 
-# Weight of the room's mean in a cell's estimate, in numbers of pilot samples.
+# Weight of the mean over the room in the estimate of a cell, as number of samples.
 _PRIOR = 8.0
 
 # Number of segments of a pilot path.
@@ -70,14 +69,14 @@ def learned_portals(
 
 
 def _shares(size: Float[np.ndarray, "cell part"]) -> Float[np.ndarray, "cell part"]:
-    # Probabilities proportional to the sizes; 0 if all sizes are 0
+    # Probabilities proportional to RMS values in each cell; 0 if all values are 0
     shares: Float[np.ndarray, "cell part"]
     shares = size / np.maximum(size.sum(axis=1, keepdims=True), 1e-30)
     return shares
 
 
 def _even(shares: Float[np.ndarray, "cell part"]) -> Float[np.ndarray, "cell part"]:
-    # Equal probabilities if all are zero
+    # Replace the probabilities of a cell by equal ones if all are zero
     none = shares.sum(axis=1, keepdims=True) == 0
     return np.where(none, 1 / shares.shape[1], shares)
 
@@ -85,9 +84,9 @@ def _even(shares: Float[np.ndarray, "cell part"]) -> Float[np.ndarray, "cell par
 def _pilot_samples(
     scene: Illumination, portals: Portals, places: SurfacePoints
 ) -> tuple[Float[np.ndarray, "place part"], Float[np.ndarray, "place portal"]]:
-    # Irradiance from one sample towards each portal and one in another direction: of a
-    # continued path, without next-event estimation at the first point; and of a ray
-    # towards sunlit surfaces
+    # Irradiance of each point from one sample towards each portal and one elsewhere: by
+    # a continued path (without next-event estimation at the point), and by a ray to
+    # sunlit surfaces
     parts = portals.count + 1
     every = dr.opaque(mi.UInt32, portals.count)
     lanes = dr.arange(mi.UInt32, len(places) * parts)
@@ -131,8 +130,8 @@ def _root_mean_squares(
     cell: Int[np.ndarray, " place"],
     cells: int,
 ) -> Float[np.ndarray, "cell part"]:
-    # Root mean square of the samples of a cell, relative to the sum of all parts, with
-    # all samples as prior: sunlit points have the same weight as shaded points
+    # Root mean square of each term in a cell, with the mean over the room as prior.
+    # Normalised by the sum of all terms, so that sunlit cells have no larger weight
     square = samples**2
     total = np.zeros((cells, samples.shape[1]))
     np.add.at(total, cell, square)

@@ -34,13 +34,13 @@ from clerestory.engine.vertices import (
 )
 from clerestory.engine.visibility import interaction, passes_proxy
 
-# Safety limit for unlimited bounces, never reached in physical scenes.
+# Largest number of vertices of a path, never reached in physical scenes.
 _MOST_VERTICES = 1000
 
-# Density of a first segment for sources that are already sampled at its origin.
+# Density of a first path segment whose contribution is left to next-event estimation.
 SAMPLED_AT_START = 1e-20
 
-# Number of segments of paths with unlimited bounces.
+# Limit of segments that represents unlimited bounces.
 _UNLIMITED = 1 << 30
 
 
@@ -84,7 +84,7 @@ class PathTracer:
         )  # fmt: skip
 
     def camera_path(self, ray: mi.Ray3f) -> Path:
-        """Return a path at a camera ray."""
+        """Return a path whose first segment is a camera ray."""
         return self.path(ray, 1, 0, camera=True)
 
     def gather(
@@ -94,7 +94,7 @@ class PathTracer:
         position: mi.Point3f,
         normal: mi.Vector3f,
     ) -> tuple[mi.Color3f | None, Path]:
-        """Sample the sources at irradiance sensors; return the sum and the paths."""
+        """Sample the sources at sensors; return the irradiance sum and the paths."""
         vertex = sensor_vertex(self.portals, position, normal)
         one = mi.Color3f(1)
         total = self.sample_sources(sink, sink.begin(), vertex, numbers, one)
@@ -182,7 +182,7 @@ class PathTracer:
             if dr.hint(self.direct_only and not model.panes, mode="scalar"):
                 active = mi.Bool(False)
             else:
-                # Continue the path; null transmission does not change its state
+                # Continue the path; null transmission keeps its previous vertex and pdf
                 after = continue_from_surface(
                     self.portals, vertex, si, numbers, works,
                     split_lobes=self.split_lobes,

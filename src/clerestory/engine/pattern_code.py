@@ -22,13 +22,13 @@ from clerestory.scene.material import Source
 from clerestory.scene.pattern import Pattern, Product
 from clerestory.scene.transform import Transform
 
-# Function of an interaction that returns one or three values, and a mask of faulty
-# values
+# Function of an interaction that returns one or three values of a pattern, and a mask
+# of undefined (faulty) values
 Code = Callable[[Any], tuple[list[Any], Any]]
 
 
 def pattern_code(pattern: Pattern, origin: Origin) -> Code:
-    """Return a pattern as a function of an interaction."""
+    """Convert a pattern to a function of a surface interaction."""
     match pattern:
         case FunctionPattern():
             code = _function(pattern, origin)
@@ -41,13 +41,13 @@ def pattern_code(pattern: Pattern, origin: Origin) -> Code:
 
 
 def multiplier(pattern: Pattern, origin: Origin) -> Callable[[Any], Any]:
-    """Return a pattern as a multiplier of colours; 1 if undefined."""
+    """Convert a pattern to a multiplier of colours, 1 where it is undefined."""
     code = pattern_code(pattern, origin)
     return lambda si: mi.Color3f(*_single(_factors(*code(si))))
 
 
 def share(pattern: Pattern, origin: Origin) -> Callable[[Any], Any]:
-    """Return a pattern as the foreground fraction of a mixture; 0 if undefined."""
+    """Convert a pattern to the foreground fraction of a mixture, 0 where undefined."""
     code = pattern_code(pattern, origin)
 
     def amount(si: Any) -> mi.Float:
@@ -59,7 +59,7 @@ def share(pattern: Pattern, origin: Origin) -> Callable[[Any], Any]:
 
 
 def perturbation(pattern: Pattern, origin: Origin) -> Callable[[Any], Any]:
-    """Return a pattern as a vector in scene coordinates that perturbs a normal."""
+    """Convert a pattern to a vector in scene coordinates that perturbs normals."""
     if not isinstance(pattern, FunctionPattern):
         what = f"a {type(pattern).__name__} is no texture"
         raise InputError(f"{what}; functions expected")
@@ -103,7 +103,7 @@ def _function(pattern: FunctionPattern, origin: Origin) -> Code:
 
 def _product(codes: list[Code]) -> Code:
     def code(si: Any) -> tuple[list[Any], Any]:
-        # Omit undefined factors
+        # Multiply the patterns; undefined values count as 1
         total: list[Any] = [mi.Float64(1)] * 3
         for one in codes:
             total = [t * f for t, f in zip(total, _factors(*one(si)), strict=True)]
@@ -149,7 +149,7 @@ def _turned(vector: Any, matrix: np.ndarray, shift: Any = (0, 0, 0)) -> list[Any
 
 
 def _try(code: Code, source: Source | None) -> None:
-    # Detect errors before a kernel is compiled
+    # Raise errors of an expression before a kernel is compiled
     try:
         code(dr.zeros(mi.SurfaceInteraction3f, 1))
     except InputError as error:

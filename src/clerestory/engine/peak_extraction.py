@@ -1,10 +1,10 @@
 """Extraction of unscattered transmission from a BSDF (Radiance's aBSDF).
 
 A clear pane in a BSDF file is one bright cell around the direction of straight
-transmission. Of the cells around that direction, the peak consists of those within a
-factor of eight of the brightest cell and at most 1.5 times as large as the smallest
-cell. Their flux above the surrounding values is transmitted straight and removed from
-the data.
+transmission. The peak consists of the cells around that direction that are at least an
+eighth as bright as the brightest cell and at most 1.5 times as large as the smallest
+cell of the file. The flux of the peak above the surrounding BTDF is transmitted
+undeflected, and is removed from the BTDF.
 
 The criteria are documented in Radiance's source (m_bsdf.c).
 """
@@ -43,7 +43,7 @@ _SIDES: tuple[Function, ...] = ("transmission_front", "transmission_back")
 
 
 class PeakTable:
-    """Device arrays of the peak of a layer's transmission.
+    """Device arrays of the direct transmission (peak) of a layer.
 
     The first half of each array is for light exiting to the room, the second half for
     light exiting to the outside.
@@ -64,7 +64,7 @@ class PeakTable:
         return dr.gather(mi.Color3f, self.passed, self._cell(wi))
 
     def without(self, value, wi, wo):
-        """Return a BTDF value of the data without the peak [1/sr]."""
+        """Return a BTDF value of the layer with the peak removed [1/sr]."""
         cell = self._cell(wi)
         side = dr.select(wi.z > 0, mi.UInt32(0), mi.UInt32(1))
         apart = dr.square(wi.x + wo.x) + dr.square(wi.y + wo.y)
@@ -76,8 +76,8 @@ class PeakTable:
 def _peaks(
     bsdf: Bsdf, side: Function
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
-    # By cell: direct transmittance in RGB, surrounding BTDF and least BTDF of the peak;
-    # squared radius of the peak
+    # By grid cell: direct transmittance in RGB, surrounding BTDF, and least BTDF of the
+    # peak. Last, squared radius of the peak on the disc
     cells = _GRID * _GRID
     none = np.zeros((cells, 3)), np.zeros(cells), np.full(cells, np.inf), 0.0
     if not bsdf.has(side):
@@ -94,7 +94,7 @@ def _peaks(
     bright = values[len(values) // 2]
     in_peak, limit = _select(bright, size, inside, smallest)
 
-    # Transmittance of the peak above the surrounding values; each cell counts once
+    # Transmittance of the peak above the surrounding BTDF; each cell counts once
     first = _first_of_each(bright) & inside
     around = first & ~in_peak
     weight = np.where(around, size, 0).sum(axis=1)
@@ -135,7 +135,7 @@ def _around(edge: float):
 
 
 def _first_of_each(values: Float[np.ndarray, "cell step"]):
-    # Points with equal values are in the same cell
+    # First point of each cell of the file; points of equal BTDF are in the same cell
     order = np.argsort(values, axis=1, kind="stable")
     ranked = np.take_along_axis(values, order, axis=1)
     new = np.ones_like(ranked, dtype=bool)

@@ -1,8 +1,8 @@
 """Surface points sampled by pilot paths.
 
-Pilot paths scatter diffusely from surface to surface inside all windows. Their vertices
-sample the surfaces that may be sunlit (`sun_patches`) and from which portals are
-sampled (`path_guiding`).
+Pilot paths scatter diffusely at opaque surfaces and end at windows. The vertices of
+pilot paths are samples of the surfaces that may be sunlit (`sun_patches`) and from
+which portals are sampled (`path_guiding`).
 """
 
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ _VERTICES = 4
 class SurfacePoints:
     """Points on the surfaces of a room.
 
-    `start` is the point offset from the surface [m], `normal` is on the side of the
+    `start` is the point offset from the surface [m]; `normal` is on the side of the
     arriving path.
     """
 
@@ -39,7 +39,7 @@ class SurfacePoints:
 
 
 def sample_surfaces(model: LoweredScene, ray: mi.Ray3f) -> SurfacePoints:
-    """Trace pilot paths from their first segments; return their vertices."""
+    """Trace pilot paths from given first segments; return the surface points hit."""
     index, seed = dr.arange(mi.UInt32, dr.width(ray.d)), mi.UInt32(0)
     numbers = PathNumbers(points(0, dr.width(ray.d)), seed, index, mi.UInt32(0))
     active = mi.Bool(True)

@@ -4,10 +4,10 @@ Daylight enters a room through a few openings. Directions towards them are sampl
 addition to BSDF sampling; the density of each technique is known for every direction,
 so the combination is unbiased even if rectangles are missing.
 
-Rectangles are sampled by the solid angle they subtend (`spherical_rectangle`). Sunlit
-areas join the windows (`sun_patches`). Sampling probabilities are learned per cell of
-the room (`path_guiding`), separately for continued paths and for rays towards sunlit
-surfaces.
+Rectangles are sampled by the solid angle they subtend (`spherical_rectangle`), around
+windows and around sunlit areas (`sun_patches`). Sampling probabilities are learned per
+cell of the room (`path_guiding`), separately for continued paths and for rays towards
+sunlit surfaces.
 """
 
 from dataclasses import astuple, dataclass
@@ -23,14 +23,14 @@ from clerestory.engine.spherical_rectangle import Parallelograms
 from clerestory.engine.upload import on_device, vectors
 from clerestory.scene.model import BsdfSurface, Glass, Illum, Polygon, Scene, Trans
 
-# Largest number of rectangles; smaller rectangles cost more time than they save.
+# Largest number of rectangles; further, smaller ones cost more time than they save.
 MOST = 12
 
 # Polygons below this fraction of the largest polygon are not used as portals.
 _SMALLEST = 1e-3
 
-# The loop over rectangles is unrolled: a loop that fetches them from memory is five
-# times slower. There is one kernel per multiple of this number.
+# The loop over rectangles is unrolled, as a loop that fetches rectangles from memory is
+# five times slower. There is one kernel for each multiple of this number of rectangles.
 _TOGETHER = 4
 
 # Probability of sampling a portal before probabilities are learned.
@@ -60,7 +60,7 @@ class Rectangles:
         return cls(*(np.tile(edge, (count, 1)) for edge in np.eye(3)))
 
     def some(self, chosen: Bool[np.ndarray, " n"]) -> "Rectangles":
-        """Return the chosen rectangles."""
+        """Return the rectangles chosen by a mask."""
         return Rectangles(self.corner[chosen], self.edge_u[chosen], self.edge_v[chosen])
 
 
@@ -186,9 +186,9 @@ class Portals:
 
     @dr.syntax
     def pdf(self, origin, cell, direction, active):
-        """Return the densities of a direction [1/sr].
+        """Return the densities of sampling a direction towards portals [1/sr].
 
-        The first is that of continued paths, the second that of rays towards sunlit
+        The first density is for continued paths, the second for rays towards sunlit
         surfaces.
         """
         onward, sunlit = mi.Float(0), mi.Float(0)
@@ -208,7 +208,7 @@ def _inverse(edges: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
 
 
 def window_rectangles(scene: Scene, origin: Origin) -> Rectangles:
-    """Return rectangles around the largest transmitting polygons, around an origin."""
+    """Return rectangles around the largest transmitting polygons, from `origin`."""
     found = [
         _rectangle(surface.vertices)
         for surface in scene.surfaces

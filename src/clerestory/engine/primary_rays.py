@@ -26,9 +26,9 @@ from clerestory.engine.windows import WindowTable
 class Lanes:
     """Paths of one launch.
 
-    Their row is counted within the launch (`row`) and in the whole matrix (`number`);
-    `slot` numbers rows and batches within the launch. The sample numbers are those of
-    the paths' first vertex.
+    Each path has the index of its row within the launch (`row`) and in the matrix
+    (`number`), the index of its row and batch within the launch (`slot`), and the
+    sample numbers of its first vertex (`numbers`).
     """
 
     row: mi.UInt32
@@ -57,10 +57,11 @@ def lanes(
 
 
 def window_ray(window: WindowTable, paths: Lanes) -> mi.Ray3f:
-    """Return outward rays from the patches of one window, distributed over its area.
+    """Return rays from random points of a window outwards, in directions of patches.
 
-    A row of a daylight matrix is the radiance incident from one patch. Unscattered
-    light keeps its patch index, so rays are traced against the patch's direction.
+    A row of a daylight matrix is the radiance incident on the window from one patch. A
+    patch index refers to the direction of travel into the room, which is unchanged by
+    unscattered transmission; rays are traced in the opposite direction.
     """
     numbers = paths.numbers
     a, b = numbers.sobol(CONNECT_U), numbers.sobol(CONNECT_V)

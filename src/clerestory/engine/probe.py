@@ -1,6 +1,6 @@
 """Test kernel, compiled in a child process to check that a device works.
 
-Run as a script with the Mitsuba variant as its argument. It contains the features that
+Run as a script with a Mitsuba variant as argument. The kernel contains features that
 abort with unsuitable LLVM versions: a compiled loop with ray tracing, a virtual call
 and exact sums by 64-bit scatters.
 """

@@ -54,12 +54,12 @@ class RadianceJob(EstimatedJob):
         return Sums.empty(float, (rows, *self.shape[1:]), 1.0)
 
     def error(self, sums: Sums) -> float:
-        """Root mean square error of the rows, relative to their mean."""
+        """Root mean square error of the rows, relative to the mean of all rows."""
         return mean_error(sums.collected(), axis=1)
 
     def pilot_unit(self, paths: int) -> Unit:
-        """Return a unit of consecutive rows in the middle."""
-        # A large fraction of the rows, or all rows with many samples
+        """Return a pilot unit of consecutive rows around the middle row."""
+        # As many rows as the paths allow; longer batches only if all rows fit
         rows, shortest = self.shape[0], self.growth.pilot
         block = max(1, min(rows, paths // (self.batches * shortest)))
         first = (rows - block) // 2
@@ -108,11 +108,11 @@ class IrradianceJob(RadianceJob):
 
 @dataclass(frozen=True, eq=False)
 class EmitterPatches:
-    """Flat patches cut into triangles.
+    """Flat surface patches, each cut into triangles.
 
-    The rows of a frame are two axes in the patch and its normal. `first` is the index
-    of each patch's first triangle, followed by the number of triangles; `cumulative` is
-    the cumulative area fraction of the triangles within each patch.
+    The rows of `frame` are two axes in the plane of a patch, and the normal. `first` is
+    the index of each patch's first triangle, followed by the number of triangles;
+    `cumulative` is the cumulative area fraction of the triangles within each patch.
     """
 
     frame: Float[np.ndarray, "patch 3 3"]
@@ -123,9 +123,9 @@ class EmitterPatches:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ExitingRadianceJob(RadianceJob):
-    """Mean exiting radiance of patches within rings and sectors, patch by patch.
+    """Mean exiting radiance of surface patches, by rings and sectors of directions.
 
-    Suns seen straight through the patch are excluded.
+    Suns seen straight through a patch are excluded.
     """
 
     tracer: ClassVar[tuple[str, str]] = ("radiance_tracers", "prepare_outgoing")
@@ -136,12 +136,12 @@ class ExitingRadianceJob(RadianceJob):
 
     @property
     def receivers(self) -> int:
-        """Number of directions of all patches."""
+        """Number of patches times number of direction cells (rings × sectors)."""
         return len(self.patches.frame) * self.rings * self.sectors
 
 
 def estimate_radiance(job: RadianceJob, effort: Effort) -> RadianceEstimate:
-    """Estimate radiance or irradiance up to the given samples or relative error."""
+    """Estimate radiance or irradiance by given samples or to a relative error."""
     rows, _, _, bands = job.shape
     if not effort.executor.accepts(job, effort.goal):
         nothing = np.zeros((rows, bands))

@@ -38,7 +38,7 @@ from clerestory.scene.model import Scene
 # Dimensions of the hashed random numbers for the point in a pixel or patch
 _PLACE = 0x40000
 
-# Distance of the rays of exiting radiance from the patch [m]
+# Distance from the patch at which rays of exiting radiance start [m]
 _BEFORE = 1e-3
 
 _SINK = RadianceSink()
@@ -53,7 +53,7 @@ def prepare_picture(job: PictureJob) -> Tracer:
     limit = segments_of(job.bounces)
 
     def irradiance(numbers: PathNumbers, row):
-        # The low-discrepancy dimensions are left to the surface; the pixel uses hashes
+        # Hashed numbers for the pixel; Sobol' dimensions serve the surface vertex
         x, y = numbers.hashed(_PLACE), numbers.hashed(_PLACE + 1)
         ray, valid = rays.through(row, x, y)
         position, normal, found = first_hit(tracer.model, ray, valid)
@@ -138,7 +138,7 @@ def prepare_outgoing(job: ExitingRadianceJob) -> Tracer:
 
 
 def irradiance_at(tracer: PathTracer, numbers, position, normal, limit: int, active):
-    """Return the irradiance of points, one path each."""
+    """Return the irradiance at points, estimated by one path per point."""
     light, path = tracer.gather(_SINK, numbers, position, normal)
     active = active & (dr.max(path.throughput) > 0)
     return tracer.trace(_SINK, path, numbers, max(limit, 0), active, light)
@@ -150,9 +150,10 @@ def radiance_tracer(
     bounces: int | None,
     pilots: Callable[[], mi.Ray3f],
 ) -> PathTracer:
-    """Return a path tracer around a point, guided towards windows and sunlit areas.
+    """Return a path tracer of radiance, guided towards windows and sunlit areas.
 
-    The function `pilots` returns the first segments of pilot paths.
+    `origin` is the origin of device coordinates; the function `pilots` returns the
+    first segments of pilot paths.
     """
     illuminated = Illumination.of(scene, origin)
     windows = window_rectangles(scene, origin)
@@ -170,7 +171,7 @@ def _splits_lobes(scene: Scene, bounces: int | None) -> bool:
 
 
 def _pilot_numbers(count: int):
-    # Row of each pilot path, and random numbers for its direction
+    # Index of the pixel or sensor of each pilot path, and two random numbers
     lane = dr.arange(mi.UInt32, PILOT_PATHS)
     numbers = PathNumbers(points(0, PILOT_PATHS), mi.UInt32(1), lane, mi.UInt32(0))
     pick, u, v = (numbers.sobol(n) for n in (LOBE, DIRECTION_U, DIRECTION_V))
@@ -191,7 +192,7 @@ def _sensor_pilots(position: mi.Point3f, normal: mi.Vector3f, count: int) -> mi.
 
 
 def tracer_of(light: Callable, seed: int, batches: int) -> Tracer:
-    """Return the tracer of units: consecutive rows and a range of the sequence."""
+    """Return the tracer of units, each of consecutive rows and a range of samples."""
     stretch = lru_cache(maxsize=1)(points)
 
     def trace(unit: Unit) -> Float[np.ndarray, "row batch 1 3"]:

@@ -2,12 +2,12 @@
 
 Paths are traced in the direction of light. They start on the plane in front of the
 system or behind it, uniformly over the sample area, and end where they are absorbed or
-leave the slab between both planes. Paths of large weight are split at each vertex: each
-branch that leaves the slab is scored, and one of the branches that stay in the slab
-continues with the weight of all of them.
+leave the slab between both planes. Paths of large weight are split at each vertex. The
+weight of each branch that leaves the slab is recorded; one of the branches that stay in
+the slab continues with the total weight of these branches.
 
-The lateral boundaries of the slab are open, so that a finite sample loses light there,
-or periodic: a path that leaves through one side enters through the opposite side.
+The lateral sides of the slab are open (light that leaves through a side is lost) or
+periodic (a path that leaves through one side enters through the opposite side).
 """
 
 from dataclasses import dataclass
@@ -35,13 +35,13 @@ from clerestory.scene.model import Scene
 _ROULETTE = 0.5
 
 # Number of branches of a path of full weight. For a blind, the work (time × variance)
-# is near its minimum for two to four.
+# is near the minimum for two to four branches.
 BRANCHES = 3
 
 # Relative extension of rays beyond the sides of a cell, to hit surfaces on the sides.
 _BEYOND = 1e-5
 
-# Largest number of vertices for unlimited bounces; far above that of physical scenes.
+# Largest number of vertices for unlimited bounces; far more than in physical scenes.
 _MOST_STEPS = 4000
 
 
@@ -61,18 +61,18 @@ class Slab:
 
 
 class Receiver(Protocol):
-    """An object that scores the paths that leave the slab."""
+    """An object that records the paths that leave the slab."""
 
     def receive(self, direction, weight, active) -> None:
-        """Score the weight of each path that leaves the slab along a direction."""
+        """Record the direction and the weight of each path that leaves the slab."""
 
 
 @dataclass
 class Step:
     """Result of tracing a ray to a surface or to a side of the cell.
 
-    `left` tells whether the ray leaves the slab. `origin` is that of the continued ray
-    on the opposite side of a periodic cell; `way` is the distance to the side [m].
+    `left` tells whether the ray leaves the slab. In a periodic cell, `way` is the
+    distance to a side [m]; the ray continues at `origin` on the opposite side.
     """
 
     hit: mi.PreliminaryIntersection3f
@@ -89,7 +89,7 @@ def lower_slab(scene: Scene, box: Float[np.ndarray, "2 3"], *, periodic: bool) -
 
 
 def start(slab: Slab, numbers: PathNumbers, table, cell, back) -> mi.Ray3f:
-    """Return rays from uniform points on the plane in front of the system or behind it.
+    """Return rays from random points on the plane in front of or behind the system.
 
     Directions of travel are sampled uniformly by projected solid angle in a cell of the
     table's partition. If `back`, rays start behind the system, on the side of the room.
@@ -129,10 +129,10 @@ def _step(slab: Slab, ray: mi.Ray3f, active) -> Step:
 def follow(
     slab: Slab, receiver: Receiver, first: PathNumbers, ray: mi.Ray3f, limit: int
 ) -> None:
-    """Trace paths from their first ray; the receiver scores those that leave the slab.
+    """Trace paths from their first ray; the receiver records paths that leave the slab.
 
-    `first` holds the sample numbers of the paths' start; `limit` is the largest number
-    of segments, counted between diffuse scattering events.
+    `first` holds the sample numbers of each path at its start; `limit` is the largest
+    number of segments between diffuse scattering events.
     """
     context, segments = mi.BSDFContext(), dr.opaque(mi.UInt32, limit)
 
@@ -143,7 +143,7 @@ def follow(
     weight = mi.Color3f(1)  # throughput of the path
     segment = mi.UInt32(1)  # number of segments, counted between diffuse vertices
     vertex = mi.UInt32(1)  # number of vertices, including the start
-    travelled = mi.Float(0)  # length from the last vertex to the last side [m]
+    travelled = mi.Float(0)  # distance from the last vertex to the last side [m]
 
     while active:
         # Prepare the vertex, unless the ray only passes a side of the cell
@@ -179,7 +179,7 @@ def follow(
             found = _step(slab, branch, branching)
             receiver.receive(branch.d, share, branching & found.left)
 
-            # Select the branch in proportion to its weight
+            # Select one branch in proportion to weight
             stays = branching & ~found.left
             bright = dr.select(stays, dr.max(share), 0)
             total += bright

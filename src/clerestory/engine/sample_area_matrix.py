@@ -1,4 +1,4 @@
-"""BSDF matrices of a sample area: fractions of the flux from patch to patch."""
+"""BSDF matrices of a sample area: flux from patch to patch per incident flux."""
 
 from dataclasses import dataclass
 
@@ -15,15 +15,15 @@ from clerestory.engine.sinks import MatrixSink
 from clerestory.engine.upload import on_device
 from clerestory.engine.work_units import Tracer, Unit
 
-# Separates the random numbers from those of other matrices with the same seed.
+# Makes the random numbers differ from those of other matrices with the same seed.
 _SALT = 0x5BD1E995
 
 
 @dataclass
 class Patches:
-    """Receiver that scores paths by the patch of their leaving direction.
+    """Receiver that adds up path weights by patch of the leaving direction.
 
-    `count` is the number of patches of transmission, `back` is true of paths that
+    `count` is the number of patches of transmission; `back` is true for paths that
     started on the side of the room.
     """
 
@@ -33,7 +33,7 @@ class Patches:
     back: mi.Bool
 
     def receive(self, direction, weight, active) -> None:
-        """Score the weight in the patch of the leaving direction."""
+        """Add the path weight to the patch of the leaving direction."""
         column = self.table.find(direction)
         reflected = (direction.z > 0) == self.back
         column += dr.select(reflected, mi.UInt32(self.count), 0)

@@ -2,7 +2,7 @@
 
 The cells are traced in blocks. A block is a square of incident cells with all their
 leaving cells, in the order of the tree's branches: the cells below a node are
-contiguous. Rank 3 has a single block; all incident azimuths are rotated to one.
+contiguous. A tree of rank 3 has a single block, with one common incident azimuth.
 """
 
 from dataclasses import dataclass
@@ -23,10 +23,10 @@ from clerestory.engine.sums import FIXED_POINT
 
 __all__ = ["Grid", "Scores", "lower_slab", "trace_block"]
 
-# Separates the random numbers from those of other jobs with the same seed.
+# Makes the random numbers differ from those of other jobs with the same seed.
 _SALT = 0x2545F491
 
-# Largest numbers of paths and of consecutive sequence points in one launch.
+# Largest numbers of paths and of consecutive sample points in one launch.
 _PATHS, _STRETCH = 1 << 22, 1 << 16
 
 
@@ -35,8 +35,8 @@ class Grid:
     """The finest cells of a tree, divided into blocks.
 
     The tree has rank 3 if the BSDF is isotropic, and 4 otherwise. Its finest cells have
-    an edge of 2^-depth. A block covers the lowest `block` levels in the incident
-    coordinates.
+    an edge of 2^-depth. In the incident coordinates, a block is a square of 2^`block`
+    finest cells per edge.
     """
 
     rank: int
@@ -63,8 +63,8 @@ class Grid:
 class Scores:
     """Sums of path weights in the finest cells, without cells of zero sum.
 
-    Cells are indexed within the block, in ascending order. The last column of the sums
-    is of the squared luminance, the others are of the channels.
+    `cell` holds the indices of the cells within the block, ascending. `sums` has one
+    column per channel, and a last column for the squared luminance.
     """
 
     cell: Int64[np.ndarray, " score"]
@@ -73,7 +73,7 @@ class Scores:
 
 @dataclass
 class _IncidentCells:
-    # Directions of travel of the incident cells; an index interleaves its coordinates
+    # Directions of travel in incident cells; a cell's index interleaves its coordinates
     grid: Grid
 
     def sample(self, cell, u, v):
@@ -94,7 +94,7 @@ class _IncidentCells:
 
 @dataclass
 class _Cells:
-    # Receiver that scores paths by their incident and leaving cells
+    # Receiver that adds up path weights by incident cell and leaving cell
     grid: Grid
     sink: MatrixSink
     incident: mi.UInt32
@@ -102,7 +102,7 @@ class _Cells:
     turn: mi.Vector2f
 
     def receive(self, direction, weight, active) -> None:
-        """Score the weight, and the square of its luminance, in a cell."""
+        """Add the path weight, and its squared luminance, to the sums of a cell."""
         grid = self.grid
         x = direction.x * self.turn.x + direction.y * self.turn.y
         y = direction.y * self.turn.x - direction.x * self.turn.y
@@ -141,9 +141,9 @@ def trace_block(
 ) -> tuple[Scores, Scores]:
     """Trace paths from incident cells of a block, and return their sums.
 
-    `groups` holds indices of incident cells within the block, with the first path
-    number and the number of paths of each cell; for `back` and `segments`, see `start`
-    and `follow`. Return the sums of transmission, and of reflection.
+    Each group holds indices of incident cells within the block, the number of the first
+    path, and the number of paths per cell; for `back` and `segments`, see `start` and
+    `follow`. Return the sums of transmission, then the sums of reflection.
     """
     channels = 1 if slab.model.grey else 3
     sink = MatrixSink(dr.zeros(mi.UInt64), 2 * grid.cells, channels + 1)
@@ -157,7 +157,7 @@ def trace_block(
         paths = lanes(sequence, rows=rows, batches=1, seed=seed ^ _SALT, stream=0)
         incident = paths.number % total
         ray = start(slab, paths.numbers, _IncidentCells(grid), incident, behind)
-        # Rank 3: rotate all incident azimuths to one
+        # Rank 3: rotate all incident azimuths to the same azimuth
         turn = _azimuth(ray.d) if grid.rank == 3 else mi.Vector2f(1, 0)
         receiver = _Cells(grid, sink, incident, behind, turn)
         follow(slab, receiver, paths.numbers, ray, segments)
@@ -166,7 +166,7 @@ def trace_block(
 
 
 def _scores(sink: MatrixSink, grid: Grid) -> tuple[Scores, Scores]:
-    # Scores of transmission and reflection, without cells of zero sum
+    # Sums of transmission and of reflection, without cells of zero sum
     cell = dr.arange(mi.UInt32, sink.columns)
     first = cell * sink.channels + 1
     channels = range(sink.channels)
@@ -200,7 +200,7 @@ def _azimuth(direction):
 
 
 def _every_other(number, bits: int):
-    # Number composed of the bits 0, 2, 4 …
+    # One coordinate of an interleaved index: the number composed of bits 0, 2, 4 …
     found = mi.UInt32(0)
     for bit in range(bits):
         found |= (number >> bit) & (1 << bit)

@@ -1,8 +1,8 @@
 """Low-discrepancy sample points: Sobol' sequences with hashed Owen scrambling.
 
 One table contains the sequence for the first vertices of a path; it is scrambled with a
-different seed for every row and batch of a matrix. Batches are then independent,
-unbiased estimates, and within a batch the points of each vertex are evenly distributed.
+different seed for every row and batch of a matrix. Batches are therefore independent,
+unbiased estimates, and the points of each vertex in a batch are evenly distributed.
 Later vertices, of low throughput, use hashed random numbers.
 
 References: I. M. Sobol', USSR Comput. Math. Math. Phys. 7 (4), 1967, with the
@@ -30,7 +30,7 @@ VERTICES = 8
 
 @dataclass
 class Points:
-    """A range of the sequence, bit-reversed, dimension-major.
+    """A range of the Sobol' sequence, as bit-reversed integers by dimension.
 
     `stride` is `count` in device memory, so that one kernel serves any range; `first`
     is the index of the first point in the sequence, which seeds the hashed numbers.
@@ -56,7 +56,7 @@ def points(first: int, count: int) -> Points:
 
 
 def mix(value, salt):
-    """Return well-mixed 32-bit integers (the finaliser lowbias32 by C. Wellons)."""
+    """Return hashes of 32-bit integers (function lowbias32 by C. Wellons)."""
     value = value ^ salt
     value = (value ^ (value >> 16)) * mi.UInt32(0x7FEB352D)
     value = (value ^ (value >> 15)) * mi.UInt32(0x846CA68B)
@@ -93,7 +93,7 @@ class Distribution:
         return cls(on_device(mi.Float, cumulative), len(weights))
 
     def sample(self, pick):
-        """Return a number, its probability, and `pick` rescaled to [0, 1)."""
+        """Return a sampled number, its probability, and `pick` rescaled to [0, 1)."""
         number = search(self.cumulative, self.count, pick)
         low = dr.gather(mi.Float, self.cumulative, number - 1, number > 0)
         chance = self.probability(number)
@@ -107,9 +107,9 @@ class Distribution:
 
 @dataclass
 class PathNumbers:
-    """Sample numbers of a path at one of its vertices.
+    """Random numbers of a path at one vertex, from the sequence or hashed.
 
-    `seed` is the seed of the row and batch, `index` that of the path's sample point.
+    `seed` is the seed of the row and batch, `index` the index of the sample point.
     """
 
     points: Points

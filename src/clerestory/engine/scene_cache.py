@@ -1,9 +1,9 @@
 """Cache of device scenes between successive jobs.
 
 A scene of millions of triangles takes longer to build than the daylight matrix of one
-of its windows takes to trace. Objects built by a preparation are therefore kept in the
-executor's cache. The next preparation reuses equal objects; objects not reused are
-released *before* anything new is built.
+of its windows takes to trace. Device objects built for one job are therefore kept in
+the executor's cache, and the next job reuses equal objects. Objects not yet reused are
+released *before* a new object is built.
 """
 
 from collections.abc import Callable, Iterator
@@ -15,7 +15,7 @@ _in_use: ContextVar["SceneCache | None"] = ContextVar("cache", default=None)
 
 
 class SceneCache:
-    """Cache of the objects built by the last preparation.
+    """Cache of the device objects built for the last job.
 
     Examples
     --------
@@ -34,7 +34,7 @@ class SceneCache:
 
     @contextmanager
     def preparing(self) -> Iterator[None]:
-        """Serve `cached` within the block; unused objects are released at the end."""
+        """Use this cache for `cached` in a with block, then release unused objects."""
         self._former = set(self._kept)
         token = _in_use.set(self)
         try:

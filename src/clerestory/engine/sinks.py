@@ -14,7 +14,7 @@ from clerestory.engine.sums import FIXED_POINT
 # A weight is converted as two integers of at least 20 bits, which is fastest on CPUs.
 _HALF = FIXED_POINT**0.5
 
-# Weights are at most a few π; anything beyond this limit would overflow.
+# Path weights are at most a few π; larger weights than this limit would overflow.
 _LARGEST = 2000.0
 
 
@@ -22,9 +22,9 @@ _LARGEST = 2000.0
 class MatrixSink:
     """Sums of a matrix in fixed point.
 
-    The first sum counts the weights outside the range of the sums; then follows a sum
-    for each (row and batch, column, channel). Equal channels are summed once. `slot` is
-    the row and batch of each path.
+    The first element of `sums` counts path weights outside the valid range; the others
+    are sums by row and batch, column, and channel. `slot` indexes the path's row and
+    batch.
     """
 
     sums: mi.UInt64
@@ -33,7 +33,7 @@ class MatrixSink:
     slot: mi.UInt32 | int = 0
 
     def begin(self) -> None:
-        """Return None: paths carry no partial sum."""
+        """Return None: contributions are added to the matrix at once."""
 
     def add(self, _total: None, column, value, active) -> None:
         """Add the contribution of a path to a column of its row and batch."""
@@ -67,7 +67,7 @@ Sink = MatrixSink | RadianceSink
 
 
 def _reduction() -> dr.ReduceMode:
-    # Copies of the sums per CPU thread bring no gain here, and require a separate
-    # kernel for every number of sums
+    # On a CPU, all threads add to the same sums: copies for each thread are no faster,
+    # and require a separate kernel for every number of sums
     processor = dr.backend_v(mi.UInt64) == dr.JitBackend.LLVM
     return dr.ReduceMode.Direct if processor else dr.ReduceMode.Auto

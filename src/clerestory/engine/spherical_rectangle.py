@@ -67,7 +67,7 @@ class SphericalRectangle:
     x0, x1, y0, y1 : limits of the rectangle in local coordinates [m]
     depth : local z coordinate of the rectangle's plane, negative (the paper's z0) [m]
     b0, b1, k : constants of the parametrization
-    usable : whether to sample by solid angle; otherwise by area
+    usable : whether the rectangle is sampled by solid angle, not by area
     """
 
     right: mi.Vector3f
@@ -88,8 +88,8 @@ class SphericalRectangle:
     def of(cls, corner, edge_u, edge_v, rectangle) -> "SphericalRectangle":
         """Return the spherical rectangle of a corner and two edges [m].
 
-        The corner is relative to the reference point. Unless `rectangle`, the element
-        is a triangle or an oblique parallelogram, sampled by area.
+        The corner is relative to the reference point. If `rectangle` is false, the
+        element is a triangle or an oblique parallelogram, and is sampled by area.
         """
         width, height = dr.norm(edge_u), dr.norm(edge_v)
         right, up = edge_u / width, edge_v / height

@@ -1,6 +1,6 @@
 """Shirley–Chiu map between disc and square, in Dr.Jit arrays.
 
-The map is that of `hemisphere.shirley_chiu`.
+The map is the same as in `hemisphere.shirley_chiu`.
 """
 
 import drjit as dr

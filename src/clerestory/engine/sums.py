@@ -13,7 +13,7 @@ from jaxtyping import Float, Int
 # Default number of independent batches per row
 BATCHES = 16
 
-# Bytes of sums converted at a time, to fit in the processor's cache
+# Size of the sums that are averaged at a time, to fit in the processor's cache [bytes]
 _CACHED = 1 << 20
 
 # A path of weight 1 adds 2⁴⁰ to a fixed-point sum; the sum of weights must stay below
@@ -23,10 +23,10 @@ FIXED_POINT = float(1 << 40)
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """Mean values of a traced matrix over its batches, and their error components.
+    """Traced matrix: mean values over all batches, and error components by batch.
 
-    The variance is the sum of the squared components, which may be discarded. `reached`
-    tells whether all rows reached the target relative error.
+    The variance of a value is the sum of its squared error components, which are
+    optional. `reached` tells whether all rows reached the target relative error.
     """
 
     values: Float[np.ndarray, "channel row column"]
@@ -39,8 +39,8 @@ class Estimate:
 class Sums:
     """Sums of the path contributions of some rows, in fixed or floating point.
 
-    `count` is the number of sample points of each batch so far; a path of weight 1 adds
-    `one`.
+    `count` is the number of sample points that each batch of a row has traced; a path
+    of weight 1 adds `one` to a sum.
     """
 
     total: np.ndarray
@@ -51,7 +51,7 @@ class Sums:
     def empty(
         cls, kind: type, shape: tuple[int, ...], one: float = FIXED_POINT
     ) -> "Sums":
-        """Return empty sums of rows, batches, columns and channels."""
+        """Return zero sums for numbers of rows, batches, columns and channels."""
         return cls(np.zeros(shape, kind), np.zeros(shape[0], np.int64), one)
 
     def add(
@@ -60,7 +60,7 @@ class Sums:
         part: np.ndarray,
         columns: Int[np.ndarray, " some_columns"] | None = None,
     ) -> None:
-        """Add the sums of a unit, of all columns or of consecutive ones."""
+        """Add the sums of a unit that has all columns, or consecutive columns."""
         chosen: slice | np.ndarray = rows
         if rows[-1] - rows[0] == len(rows) - 1:
             chosen = slice(rows[0], rows[-1] + 1)
@@ -70,12 +70,12 @@ class Sums:
             self.total[chosen, :, columns[0] : columns[-1] + 1] += part
 
     def means(self) -> Float[np.ndarray, "row batch column channel"]:
-        """Mean weight of each batch's paths."""
+        """Return the mean path weight of each batch, by row and column."""
         means: np.ndarray = self.total / (self.one * self.count[:, None, None, None])
         return means
 
     def collected(self) -> Float[np.ndarray, "row batch channel"]:
-        """Mean weight of each batch's paths, summed over all columns."""
+        """Return the mean path weight of each batch, summed over all columns."""
         means: np.ndarray = self.total.sum(axis=2)
         return means / (self.one * self.count[:, None, None])
 
@@ -88,7 +88,7 @@ def variance(values: np.ndarray, *, axis: int) -> np.ndarray:
 
 
 def estimated(sums: Sums, *, reached: bool, components: bool) -> Estimate:
-    """Return the means of sums and, on request, error components."""
+    """Return the mean values of sums and, on request, their error components."""
     rows, batches, columns, channels = sums.total.shape
     values = np.empty((channels, rows, columns))
     shape = batches, channels, rows, columns

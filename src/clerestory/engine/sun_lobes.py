@@ -1,8 +1,9 @@
 """Sampling of rays from room surfaces to windows along lobes of transmitted sunlight.
 
 A blind or a film scatters sunlight into narrow lobes, which sampling of window points
-seldom finds. Directions are therefore sampled from the BSDF for the incident direction
-of the sun, and rays from room surfaces are traced along their reverse to the windows.
+seldom finds. Leaving directions are therefore sampled from a window's BSDF for the
+incident direction of the sun; rays from room surfaces are traced in the reverse
+direction to the windows.
 
 The sampled direction does not depend on the window that the ray hits, so its density
 is the sum over the lobes of all windows.
@@ -34,7 +35,7 @@ _TRIED = 1024
 # Least sine of the angle between up vector and normal that defines a frame.
 _UPRIGHT = 1e-6
 
-# Transmission function for the sun on the back (1) or on the front (-1) of a surface.
+# Transmission function by side of the sun: behind (1) or in front of (-1) a surface.
 _SIDES: dict[int, Function] = {1: "transmission_front", -1: "transmission_back"}
 
 
@@ -42,9 +43,9 @@ _SIDES: dict[int, Function] = {1: "transmission_front", -1: "transmission_back"}
 class Lobes:
     """Lobes of sunlight transmitted by windows of one BSDF and one orientation.
 
-    The table samples the BSDF for a given incident direction, in a local frame whose
-    normal is that of the surfaces. The sun is behind the surfaces if `side` is 1, and
-    in front of them if it is -1. `chance` is the probability of sampling these lobes.
+    The table samples the BSDF for a given incident direction, in a local frame whose z
+    axis is the normal of the windows. The sun is behind the windows if `side` is 1, and
+    in front of the windows if -1. `chance` is the probability of sampling these lobes.
     """
 
     table: Table
@@ -84,7 +85,7 @@ class Lobes:
 
 @dataclass
 class SunLobes:
-    """Lobes of all windows of a scene."""
+    """Lobes of sunlight transmitted by the windows of a scene."""
 
     groups: list[Lobes]
 

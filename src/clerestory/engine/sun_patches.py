@@ -23,13 +23,13 @@ from clerestory.engine.visibility import along, offset, transmittance
 _SUNBEAMS = 1 << 18
 _PANES = 6
 
-# Rays cover a sphere around the surface points between this quantile and its
-# complement along each axis, enlarged by this factor.
+# Rays cover a sphere around the surface points without outliers: fraction of outliers
+# at either end of an axis, and factor that enlarges the sphere.
 _OUTLYING = 0.04
 _WIDENED = 1.1
 
-# Portals are used if the sun lights at most this share of the surface points; least
-# number of sun-ray hit points in a portal.
+# Portals are used if the sun lights at most this fraction of the surface points; least
+# number of hit points of sun rays in a portal.
 _SELDOM = 0.25
 _FEWEST = 24
 
@@ -52,7 +52,7 @@ def sun_patches(scene: Illumination, places: SurfacePoints) -> Rectangles:
 
 
 def _sunlit_share(scene: Illumination, places: SurfacePoints) -> float:
-    # Share of the surface points lit directly by a sun
+    # Fraction of the surface points lit directly by a sun
     u, v, pick = random_numbers(1, dr.arange(mi.UInt32, len(places)), 3)
     sun = scene.distant.sample_sun(pick, u, v).direction
     start, ray = vectors(mi.Point3f, places.start), along(sun)
@@ -102,7 +102,7 @@ def _sunbeams(scene: Illumination, places: SurfacePoints):
 def _plane(
     point: Float[np.ndarray, "n 3"], normal: Float[np.ndarray, "n 3"]
 ) -> Int[np.ndarray, " n"]:
-    # Integer key that is equal for points of one plane
+    # Integer key of each point's plane; points of one plane have equal keys
     facing = np.round(normal / _SLOPE).astype(np.int64)
     height = np.sum(facing * _SLOPE * point, axis=1)
     most = round(1 / _SLOPE)
@@ -132,7 +132,7 @@ def _patches(
 def _rectangles(
     point: Float[np.ndarray, "n 3"], normal: Float[np.ndarray, "3"]
 ) -> list[tuple[int, Float[np.ndarray, "3 3"]]]:
-    # Number of points, corner and edges of the rectangle around each cluster
+    # By cluster of hit points: number of points, and rectangle (corner and two edges)
     axis = np.eye(3)[np.argmin(np.abs(normal))]
     right = np.cross(axis, normal)
     right /= np.linalg.norm(right)

@@ -1,9 +1,9 @@
 """Next-event estimation of suns: direct, by plane mirrors, and on sunlit surfaces.
 
-BSDF sampling hardly ever hits the sun's image in a mirror. Single reflections of a sun
-in plane mirrors are therefore sampled like Radiance's virtual light sources. Sunlit
+BSDF-sampled paths hardly ever hit the sun's image in a mirror. Single reflections of a
+sun in plane mirrors are therefore sampled like Radiance's virtual light sources. Sunlit
 blinds and sunlit areas of the room are sampled by one ray along a lobe of transmitted
-sunlight or towards a portal; a shadow ray to the sun starts at its hit point.
+sunlight or towards a portal; a shadow ray to the sun starts where this ray hits.
 """
 
 from collections.abc import Iterator
@@ -38,10 +38,10 @@ from clerestory.engine.visibility import (
     transmittance,
 )
 
-# Probability that a ray to sunlit surfaces is sampled along a window's lobe.
+# Probability that a ray to sunlit surfaces is sampled along a lobe, not to a portal.
 _LOBES = 0.5
 
-# Stored density of a path segment for which no ray to sunlit surfaces was sampled.
+# Density stored for a path segment whose start samples no ray to sunlit surfaces.
 NOT_SAMPLED = -1.0
 
 
@@ -49,10 +49,10 @@ NOT_SAMPLED = -1.0
 class Suns(Source):
     """Suns of a scene, sampled in proportion to their power.
 
-    The state stored with a path has two parts: the number of mirror reflections since
-    the last vertex with next-event estimation (0 or 1; 2 for all other histories), and
-    the density of sampling the path segment as a ray to sunlit surfaces [1/sr],
-    negative if no such ray was sampled.
+    A path stores two values: the number of mirror reflections since the last vertex
+    with next-event estimation (0 or 1; 2 in all other cases), and the density of
+    sampling the path segment as a ray to sunlit surfaces [1/sr], negative if no such
+    ray was sampled.
     """
 
     name: ClassVar[str] = "suns"
@@ -68,11 +68,11 @@ class Suns(Source):
         return bool(self.lobes.groups or (self.portals and self.portals.sunny))
 
     def begin(self, pdf, sunlit):
-        """Return the state stored with a path's first segment."""
+        """Return the mirror count and the sunlit density of a first path segment."""
         return dr.select(pdf > 0, mi.UInt32(0), mi.UInt32(2)), mi.Float(sunlit)
 
     def remember(self, si, vertex: Vertex, after: Scattering, memory):
-        """Update the mirror count and the density of sampling sunlit surfaces."""
+        """Return the mirror count and the sunlit density of the next path segment."""
         mirrors, _ = memory
         if self.mirrors.count:
             known = after.delta & is_mirror(si.bsdf())
@@ -97,7 +97,7 @@ class Suns(Source):
     def samples(
         self, vertex: Vertex, path: Path | None, numbers: PathNumbers
     ) -> Iterator[LightSample]:
-        """Yield directions to a sun, to sunlit surfaces, and to a sun in a mirror."""
+        """Yield directions to a sun, to sunlit surfaces, and to a mirrored sun."""
         u, v = numbers.sobol(CONNECT_U), numbers.sobol(CONNECT_V)
         pick = numbers.extra(0) if self.distant.suns > 1 else mi.Float(0)
         sun = self.distant.sample_sun(pick, u, v)
@@ -111,7 +111,7 @@ class Suns(Source):
             yield self._in_mirror(numbers)
 
     def _share_of_path(self, vertex: Vertex, path: Path, sun: SunSample):
-        # MIS weight of a BSDF-sampled path on a surface that is also sampled as sunlit
+        # MIS weight of a path at a surface also sampled by rays to sunlit surfaces
         _, sunlit = path.memory[self.name]
         other = self._sunlit_pdf(sun, path.ray.d, sunlit)
         shared = (sunlit >= 0) & (path.pdf > 0)
@@ -131,7 +131,7 @@ class Suns(Source):
         )  # fmt: skip
 
     def _seen(self, start: mi.Point3f, sun: SunSample, active):
-        # Transmittance from a point to the sun
+        # Transmittance along the shadow ray from a point to the sun
         ray = along(sun.direction)
         return transmittance(self.model, start, ray, active, through_illums=True)
 
@@ -165,7 +165,7 @@ class Suns(Source):
     def on_surface(self, sun: SunSample, ray: mi.Ray3f, active):
         """Return the radiance of sunlight scattered along a ray by the surface hit.
 
-        It is zero for surfaces that `_is_sought` excludes.
+        The radiance is zero for surfaces that `_is_sought` excludes.
         """
         hit = self.model.scene.ray_intersect_preliminary(ray, active=active)
         active = active & hit.is_valid()
@@ -205,8 +205,8 @@ class Suns(Source):
 
 
 def _is_sought(model: LoweredScene, shape, active):
-    # Whether sunlight on a shape is sampled: opaque surfaces with a non-delta BSDF, and
-    # BSDF layers
+    # Whether rays to sunlit surfaces sample a shape: an opaque surface with a non-delta
+    # BSDF, or a BSDF layer
     flags = dr.gather(mi.UInt32, model.flags_of_shape, shape, active)
     depth = dr.gather(mi.Float, model.thickness_of_shape, shape, active)
     matt = mi.has_flag(flags, mi.BSDFFlags.Smooth) & only_reflects(flags)

@@ -2,7 +2,7 @@
 
 Directions to the window are sampled by solid angle and by the BSDF lobes for the
 incident direction of the sun, so wide and narrow lobes converge alike. Direct
-transmission (the peak of the BSDF), if separated, is a term of its own with the
+transmission (the peak of the BSDF), if separated, is an additional term with the
 angular width of the solar disc.
 """
 
@@ -56,7 +56,7 @@ class SunlitWindow(Source):
     ----------
     inside : scene with all windows as receivers, at which paths in the room end
     outside : scene without windows
-    own, role : table of this window, and its number among the windows, plus one
+    own, role : table of this window alone, and 1 + index of the window in `inside`
     lobes : BSDF of the window, sampled for the incident direction of the sun
     peak : direct transmission as a separate term; None: part of the lobes
     middle, sun : unit vectors to the centre and to a point of the solar disc, by path
@@ -74,7 +74,7 @@ class SunlitWindow(Source):
 
     @classmethod
     def of(cls, job: SunlightJob, origin: Origin) -> "SunlitWindow":
-        """Return the window of a job, without a sun."""
+        """Return the window of a job, not yet lit by a sun (see `lit_by`)."""
         own, _ = window_shapes((job.windows[job.number],), origin)
         frame = mi.Frame3f(own.right, own.up, own.normal)
         return cls(
@@ -98,7 +98,7 @@ class SunlitWindow(Source):
         return replace(self, middle=middle, sun=mi.Frame3f(middle).to_world(local))
 
     def met(self, path: Path, si, shape, active) -> tuple[Emission, mi.Bool]:
-        """Return the window's radiance towards the path: scattered and direct sun."""
+        """Return the radiance of the window: scattered and direct sunlight."""
         towards_eye = -path.ray.d
         role = dr.gather(mi.UInt32, self.inside.window_of_shape, shape, active)
         front = active & (role == self.role)
@@ -112,7 +112,7 @@ class SunlitWindow(Source):
     def samples(
         self, vertex: Vertex, path: Path | None, numbers: PathNumbers
     ) -> Iterator[LightSample]:
-        """Yield samples to a point of the window, along a lobe, and to the sun."""
+        """Yield directions to a point of the window, along a lobe, and to the sun."""
         u, v = numbers.sobol(CONNECT_U), numbers.sobol(CONNECT_V)
         yield self._to_window(vertex, u, v)
         u, v = numbers.sobol(DIRECTION_U), numbers.sobol(DIRECTION_V)
@@ -139,7 +139,7 @@ class SunlitWindow(Source):
         return dr.select(leaving.z > 0, self.peak.transmittance(leaving), 0)
 
     def _outside(self, point, active):
-        # Transmittance of the outside scene from the sun to a point of the window
+        # Transmittance from the sun through the outside scene to a point of the window
         normal = self.lobes.frame.n
         reach = dr.maximum(dr.max(dr.abs(point)), 0.05)
         lit = active & (dr.dot(normal, self.sun) < 0)
@@ -188,7 +188,7 @@ class SunlitWindow(Source):
         return LightSample(self.sun, mi.Float(1), active, arriving, heuristic=None)
 
     def _from_window(self, vertex: Vertex, direction, active):
-        # Transmittance from the vertex to the window and on to the sun; window hit
+        # Transmittance from the vertex through the window to the sun, and the hit
         inside, start = self.inside, vertex.leave(direction, active)
         share, ray, hit = first_opaque(inside, start, along(direction), active)
         active = active & hit.is_valid()

@@ -44,8 +44,8 @@ class TreeTable:
     """Tensor trees of one layer, all of one rank.
 
     Each function has trees of X, Y and Z, or one tree; it is None if the layer has no
-    such function. `other` holds, for each function, the number of the function equal to
-    it by reciprocity, used where the function itself is missing.
+    such function. `other` holds the index of each function's reciprocal function, which
+    replaces the function if it is missing.
     """
 
     def __init__(
@@ -63,7 +63,7 @@ class TreeTable:
             for colour in range(self.colours)
         ]
 
-        # Rank 4 trees are sampled directly, rank 3 trees with directions exchanged
+        # Rank 4 trees are sampled directly, rank 3 trees with exchanged directions
         numbers = range(len(functions))
         known = [part is not None for part in functions]
         own = [n if known[n] else o for n, o in zip(numbers, other, strict=True)]
@@ -73,14 +73,13 @@ class TreeTable:
             for number in numbers:
                 part = functions[own[number]]
                 tree = None if part is None else part[self.middle]
-                # A function evaluated with directions exchanged is sampled directly
+                # A tree that is evaluated with exchanged directions is sampled directly
                 trees.append(exchanged_tree(tree) if tree and known[number] else tree)
         self._tabulate(trees)
         shares = [self._shares(functions[n], functions[own[n]]) for n in numbers]
         self.share = on_device(mi.Float, np.concatenate(shares))
 
     def _tabulate(self, trees: list[ScatteringTree | None]) -> None:
-        # Concatenate the trees
         zero = np.zeros(1, dtype=np.int32)
         slots = [zero if tree is None else tree.slots for tree in trees]
         means = [
@@ -103,12 +102,12 @@ class TreeTable:
         return np.maximum(exact.hemispherical(direction), _LEAST)
 
     def gathered(self, function, leaving):
-        """Return the approximate reflectance or transmittance of uniform light."""
+        """Return the tabulated hemispherical reflectance or transmittance."""
         cell = function * (_GRID * _GRID) + cell_of_disc(leaving, _GRID)
         return dr.gather(mi.Float, self.share, cell)
 
     def evaluate(self, function, incident, leaving):
-        """Return the BSDF [1/sr], or its X, Y, Z, and the pdf per projected sr."""
+        """Return the BSDF or its X, Y, Z [1/sr], and the pdf per projected sr."""
         if self.rank == 4:
             value, density = self._read(function, incident, leaving, (2, 3))
         else:
@@ -124,11 +123,11 @@ class TreeTable:
         return value, density
 
     def colour(self, value):
-        """Convert a value of the table to RGB."""
+        """Convert a BSDF value of the table to RGB."""
         return _rgb(value) if self.colours == 3 else value
 
     def _read(self, function, incident, leaving, fixed):
-        # Values of all channels, and pdf of sampling the dimensions not in `fixed`
+        # BSDF of all channels, and pdf of sampling the dimensions not in `fixed`
         number = function * self.colours + self.middle
         place = self._places(number, incident, leaving)
         luminous, density = self._descend(number, place, fixed)
@@ -180,14 +179,15 @@ class TreeTable:
         return [mi.UInt32(dr.clip(cell, 0, edge - 1)) for cell in cells]
 
     def _radial(self, number, direction):
-        # Half the distance from the disc's rim, kept below the unused half of the tree
+        # Cell of half the distance from the rim of the disc, below 0.5: the upper half
+        # of the tree is unused
         radius = dr.sqrt(dr.square(direction.x) + dr.square(direction.y))
         inwards = dr.clip(0.5 - 1e-6 - 0.5 * radius, 0, 1)
         return self._place(number, mi.Point2f(inwards, inwards))[0]
 
     @dr.syntax
     def _descend(self, number, place, fixed):
-        """Return the value of a cell, and the pdf of sampling a direction in it."""
+        """Return the BSDF of a cell, and the pdf of sampling a direction in it."""
         start = dr.gather(mi.UInt32, self.start, number)
         code = dr.gather(mi.Int32, self.slots, start)
         height = dr.gather(mi.UInt32, self.depth, number)
@@ -216,7 +216,7 @@ class TreeTable:
 
     @dr.syntax
     def _draw(self, number, known, free, u, v):
-        """Sample a point of the square of the incident direction."""
+        """Sample a point of the unit square that represents the incident direction."""
         start = dr.gather(mi.UInt32, self.start, number)
         code = dr.gather(mi.Int32, self.slots, start)
         height = dr.gather(mi.UInt32, self.depth, number)

@@ -50,8 +50,8 @@ def surface_vertex(
 ) -> Vertex:
     """Return a path vertex on a surface; see `Vertex`.
 
-    `thickness` is that of the geometry that a proxy surface stands for [m]; transmitted
-    rays start on its far side.
+    `thickness` is the thickness of the geometry that a proxy represents [m];
+    transmitted rays start on the far side of the geometry.
     """
     bsdf = si.bsdf()
     contexts = {False: mi.BSDFContext(), True: materials.lamp_context()}
@@ -99,7 +99,7 @@ def _guiding(portals: Portals | None, point, normal, share):
 def continue_from_sensor(
     portals: Portals | None, vertex: Vertex, normal: mi.Vector3f, numbers: PathNumbers
 ) -> tuple[mi.Vector3f, mi.Color3f, Densities]:
-    """Sample a direction; return it with its throughput weight and its densities."""
+    """Sample a direction; return it, the weight of the path, and the densities."""
     u, v = numbers.sobol(DIRECTION_U), numbers.sobol(DIRECTION_V)
     local = mi.warp.square_to_cosine_hemisphere(mi.Point2f(u, v))
     direction = mi.Frame3f(normal).to_world(local)
@@ -124,8 +124,9 @@ def continue_from_surface(
 ) -> Scattering:
     """Sample the continuation of a path at a surface, from the BSDF or to a portal.
 
-    With `split_lobes`, a guided direction counts as diffuse only by the diffuse share
-    of its BSDF value. This matters for few diffuse bounces; it costs an evaluation.
+    With `split_lobes`, a direction to a portal counts as diffuse with the probability
+    of the diffuse fraction of the BSDF value. This affects results if diffuse bounces
+    are few, and costs a BSDF evaluation.
     """
     context, bsdf = mi.BSDFContext(), si.bsdf()
     lobe, u, v = (numbers.sobol(n) for n in (LOBE, DIRECTION_U, DIRECTION_V))

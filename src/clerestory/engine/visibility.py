@@ -54,7 +54,7 @@ def along(direction: mi.Vector3f) -> ShadowRay:
 
 
 def towards(point: mi.Point3f) -> ShadowRay:
-    """Return a function from origins, even offset ones, to rays that end at a point."""
+    """Return a function from origins to rays that end just before a point."""
 
     def ray_from(origin):
         across = point - origin
@@ -68,10 +68,10 @@ def towards(point: mi.Point3f) -> ShadowRay:
 
 
 def passes_proxy(thickness, cosine):
-    """Whether an indirect ray passes a surface: a proxy, hit on its inactive side.
+    """Whether an indirect ray passes a surface: a proxy hit on the non-scattering side.
 
-    The thickness of a surface is nonzero for proxies only [m]; `cosine` is that of the
-    angle between the normal and the reversed ray.
+    `thickness` [m] is nonzero for proxies only; `cosine` is the cosine of the angle
+    between the normal and the reversed ray.
     """
     return (thickness != 0) & ((thickness > 0) != (cosine > 0))
 
@@ -88,9 +88,9 @@ def transmittance(
     """Return the unscattered transmittance along shadow rays, by channel.
 
     `shadow_ray` is a function from a point to the ray towards the light source. If
-    `direct`, rays pass proxies; otherwise proxies that scatter them block them. With
-    `through_illums`, illums transmit like their alternate material, as for suns, which
-    are not included in the illums' distributions.
+    `direct`, rays pass proxies; otherwise, a proxy blocks rays that it scatters. With
+    `through_illums`, illums transmit like their alternate material: rays to suns need
+    this, as the radiance distributions of illums exclude suns.
     """
     if not model.panes:
         blocked = model.scene.ray_test(shadow_ray(origin), active)
@@ -106,10 +106,10 @@ def first_opaque(
 ):
     """Trace shadow rays to the first surface that blocks them; see `transmittance`.
 
-    Return the transmittance up to that surface, the ray's last segment, and its hit.
+    Return the transmittance up to that surface, the last ray segment, and its hit.
     """
     if not model.panes:
-        # A loop over panes would cost time
+        # No panes: avoid the loop over panes, which costs time
         ray = shadow_ray(origin)
         hit = model.scene.ray_intersect_preliminary(ray, active=active)
         return mi.Color3f(1), ray, hit

@@ -21,8 +21,8 @@ from clerestory.engine.sampler import CONNECT_U, CONNECT_V, PathNumbers
 from clerestory.engine.visibility import towards, transmittance
 
 # Number of window points sampled per vertex, in a lattice. Compared with one point,
-# three need 1.7 times less work (time × variance) for single coefficients and equal
-# work for sums over many patches; more points increase the work for sums.
+# three points divide the work (time × variance) for single coefficients by 1.7, with
+# equal work for sums over many patches; more points increase the work for sums.
 SAMPLES = 3
 
 
@@ -34,7 +34,7 @@ class SkyPatches(Source):
     table: SkyTable
 
     def escaped(self, path: Path, active) -> Emission:
-        """Return the patch that a path reaches."""
+        """Return the sky patch that an escaped path reaches."""
         return Emission(mi.Color3f(1), active, column=self.table.find(path.ray.d))
 
 

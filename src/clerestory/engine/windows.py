@@ -33,12 +33,12 @@ class WindowTable:
 
     Attributes
     ----------
-    elements, rectangle : rectangles, and triangles u + v < 1
+    elements, rectangle : elements, and whether each is a rectangle or a triangle
     chosen, area : distribution of the elements by area, and their total area [m²]
-    window : number of each element's window
-    first_element : number of each window's first element; an element has two faces
+    window : index of each element's window
+    first_element : index of each window's first element; an element has two faces
     right, up, normal : unit vectors of each window's frame
-    first, tables : column of each window's first patch, and its partition
+    first, tables : column of each window's first patch, and the window's partition
     columns : number of patches of all windows
     """
 
@@ -128,7 +128,7 @@ class _Element:
     rectangle: bool
 
     def faces(self) -> Float[np.ndarray, "2 3 3"]:
-        """Two triangular faces; the second face of a triangle has zero area."""
+        """Return two triangular faces; the second face of a triangle has zero area."""
         a, b, d = self.corner, self.corner + self.edge_u, self.corner + self.edge_v
         c = b + self.edge_v if self.rectangle else d
         return np.array([[a, b, c], [a, c, d]])

@@ -1,6 +1,6 @@
 """Work units: independent, deterministic parts of an estimate for any process.
 
-A *job* holds plain values: a scene, receivers such as sensors or pixels, a seed. A
+A *job* holds plain data: a scene, receivers such as sensors or pixels, a seed. A
 *unit* is a part of a job: a set of matrix rows and columns, and a range of the sample
 sequence. The sums of a unit depend only on the job and the unit. Results therefore do
 not depend on the number of processes, and a lost unit can be traced again.
@@ -65,7 +65,7 @@ def evenly_spaced(count: int, most: int) -> Int[np.ndarray, " number"]:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Job(ABC):
-    """Plain values that an estimate depends on.
+    """Plain data that determine an estimate: base class of all jobs.
 
     `tracer` names an engine module and its function that returns the tracer of the
     job's units. `batches` is the number of independent estimates of each row; for
@@ -87,7 +87,7 @@ class Job(ABC):
 
     @property
     def receivers(self) -> int:
-        """Number of receivers that the samples of a goal are counted by: rows."""
+        """Number of receivers with samples of their own: the rows of the matrix."""
         return self.shape[0]
 
     @abstractmethod
@@ -118,19 +118,19 @@ class Executor(Protocol):
     """An object that traces units."""
 
     def resolve(self, device: Device) -> Processor:
-        """Return the device chosen for a request such as "auto"."""
+        """Return the device for a setting such as "auto"."""
 
     def accepts(self, job: Job, goal: Goal) -> bool:
         """Return whether to trace a job; the result of a rejected job is zero."""
 
     def unit_size(self, device: Processor) -> UnitSize:
-        """Return the largest size of a unit."""
+        """Return the largest size of a work unit."""
 
     def workers(self) -> int:
         """Return the number of units traced in parallel."""
 
     def map(self, job: Job, units: Iterable[Unit]) -> Iterator[np.ndarray]:
-        """Yield the sums of each unit, in the order of the units."""
+        """Trace work units, and yield the sums of each one in the given order."""
 
 
 def tracer_of_bands(job: Job, prepare: Callable[[Job], Tracer]) -> Tracer:
@@ -161,7 +161,7 @@ def _with_scene(job: Job, scene: Scene) -> Job:
 class Local:
     """The executor that traces units in this process, one after another.
 
-    The last job stays prepared; the next job reuses its device scenes.
+    The last job stays prepared; the next job reuses equal device scenes.
     """
 
     def __init__(self) -> None:
@@ -170,7 +170,7 @@ class Local:
         self._cache = SceneCache()
 
     def resolve(self, device: Device) -> Processor:
-        """Return the device of this machine for a request such as "auto"."""
+        """Return the device of this machine for a setting such as "auto"."""
         return resolve(device)
 
     def accepts(self, job: Job, goal: Goal) -> bool:
@@ -182,7 +182,7 @@ class Local:
         return 1
 
     def unit_size(self, device: Processor) -> UnitSize:
-        """Return the size of one launch; on a GPU, it depends on the free memory."""
+        """Return the largest size of a unit, which depends on the memory of a GPU."""
         if device == "cpu":
             return UnitSize(_PATHS, _SUMS)
         free = free_memory() or 0
@@ -190,12 +190,12 @@ class Local:
         return UnitSize(max(_PATHS, paths), max(_SUMS, min(_MOST_SUMS, free // 4)))
 
     def map(self, job: Job, units: Iterable[Unit]) -> Iterator[np.ndarray]:
-        """Yield the sums of each unit, in the order of the units."""
+        """Trace work units, and yield the sums of each one in the given order."""
         for unit in units:
             yield self.run(job, unit)
 
     def run(self, job: Job, unit: Unit) -> np.ndarray:
-        """Return the sums of a unit."""
+        """Trace a unit, and return its sums of path contributions."""
         name, prepare = job.tracer
         module = load(job.device, name)  # the Mitsuba variant is set per thread
         if job is not self._job or self._tracer is None:

@@ -3,7 +3,7 @@
     F  exterior patches of the window × exterior patches of a port     facade_matrix
 
 *Ports* (F apertures) are virtual surfaces that, with the wall, enclose the window and
-its shade. They are `Window` objects whose front faces the enclosed space. Light enters
+its shade. Ports are `Window` objects; the front faces the enclosed space. Light enters
 through a port and reaches the window directly or via the shade. D leads from the sky to
 the ports. A change of the shade changes F alone, not V or D. With the sum of F D over
 the ports in place of D, `three_phase` and `five_phase` compute the four-phase and

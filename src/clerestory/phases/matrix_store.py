@@ -62,7 +62,7 @@ class MatrixStore:
         return self.folder / f"{safe}-{fingerprint[:_DIGITS]}.nc"
 
     def holds(self, name: str, fingerprint: str) -> bool:
-        """Whether the file of a matrix exists; it may still be damaged."""
+        """Whether the file of a matrix exists; the file may be damaged."""
         return self.path(name, fingerprint).is_file()
 
     def matrix(

@@ -2,7 +2,7 @@
 
 Each plugin is a file of this folder. The file defines the plugin's name (`PLUGIN`), a
 function that returns its class (`define`; each Mitsuba variant has its own base class),
-and a function that sets parameters given as functions or BSDFs (`vary`). Radiance's
+and a function that sets parameters that are functions or BSDFs (`vary`). Radiance's
 materials scatter alike on both sides of a surface, except `radiance_mirror` and the two
 media of `radiance_dielectric`.
 
@@ -57,9 +57,9 @@ def register() -> None:
 
 
 def load(material: Material, origin: np.ndarray | None = None) -> mi.BSDF:
-    """Return the Mitsuba BSDF that renders a material.
+    """Return the Mitsuba BSDF of a material.
 
-    Patterns depend on the origin of device coordinates, by default that of the scene.
+    Patterns need `origin`, the origin of device coordinates in scene coordinates.
     """
     origin = np.zeros(3) if origin is None else origin
     plugin = material.plugin()

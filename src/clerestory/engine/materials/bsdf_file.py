@@ -1,12 +1,12 @@
 """BSDF files as a Mitsuba plugin: `{"type": "bsdf_file", "filename": "blind.xml"}`.
 
-The plugin evaluates the visible data of a `Bsdf` (matrices or tensor trees) for both
-sides, and adds diffuse reflection and transmission as Radiance's BSDF material does.
+The plugin evaluates the visible-light data of a `Bsdf` (matrices or tensor trees) for
+both sides, and adds diffuse reflection and transmission as Radiance's BSDF material.
 Directions are transformed to the frame of the layer, defined by the up vector and by
 the surface normal, which points into the room.
 
-With `peak`, direct transmission is separated from the data (Radiance's aBSDF): it
-passes straight as through a pane, and shadow rays may pass.
+With `peak`, direct transmission is separated from the other data, as by Radiance's
+aBSDF: light and shadow rays pass undeflected, as through a pane.
 """
 
 import itertools
@@ -51,10 +51,10 @@ def scattering_table(bsdf: Bsdf) -> Table:
 
 
 def forward_table(bsdf: Bsdf, name: Function = "transmission_front") -> Table:
-    """Return a table that samples the leaving direction of a transmission function.
+    """Return a table for sampling the leaving direction of transmitted light.
 
-    The table holds the reciprocal function: its leaving direction is the actual
-    incident direction, and vice versa.
+    The table holds the reciprocal function, whose leaving direction is the actual
+    incident direction and vice versa.
     """
     bsdf = bsdf.tabulated()
     parts = _colours(bsdf, name)
@@ -80,7 +80,7 @@ def _colours(bsdf: Bsdf, name: Function):
 
 
 def _matrices(bsdf: Bsdf):
-    # All functions, resampled to the patches of the first; coloured if the file is
+    # Matrices of all functions on the patches of the first; coloured if the file is
     first = next(name for name in FUNCTIONS if bsdf.has(name))
     like = bsdf.function(first)
     found = []
@@ -106,10 +106,10 @@ def define() -> type:
 
     @completed(up="up")
     class BsdfFile(mi.BSDF):
-        """Scattering by the data of a BSDF file, with added diffuse parts.
+        """Scattering by the data of a BSDF file, plus diffuse scattering.
 
-        The parts are reflectances, at the front (the side of the normal, which faces
-        the room) and at the back, and a transmittance.
+        The added diffuse scattering has a reflectance of the front (the side of the
+        normal, which faces the room), a reflectance of the back, and a transmittance.
         """
 
         def __init__(self, props):
@@ -142,7 +142,7 @@ def define() -> type:
             self._flag()
 
         def turned(self, si):
-            """Return the layer's frame; no axes if up is parallel to the normal."""
+            """Return the layer's frame; zero axes if up is parallel to the normal."""
             normal = si.sh_frame.n
             right = dr.cross(self.up, normal)
             length = dr.norm(right)
@@ -150,14 +150,14 @@ def define() -> type:
             return mi.Frame3f(right, dr.cross(normal, right), normal)
 
         def split(self, si, wo):
-            """Return both directions in the layer's frame, and if it is defined."""
+            """Return wi and wo in the layer's frame, and whether it has axes."""
             frame = self.turned(si)
             wi = frame.to_local(si.sh_frame.to_world(si.wi))
             oriented = dr.squared_norm(frame.s) > 0.5
             return wi, frame.to_local(si.sh_frame.to_world(wo)), oriented
 
         def parts(self, wi):
-            """Return the functions for the side of wi, and component probabilities."""
+            """Return the functions for the side of wi, and sampling probabilities."""
             room = wi.z > 0
             transmission = dr.select(room, mi.UInt32(0), mi.UInt32(1))
             reflection = dr.select(room, mi.UInt32(3), mi.UInt32(2))

@@ -1,8 +1,8 @@
 """Reflectance of a smooth coat, which increases towards grazing angles as in Radiance.
 
-As in Radiance, the coat reduces the diffuse component by its reflectance at the view
-angle, and for direct light from luminaires and the sun also by its reflectance at the
-angle of incidence. Plugins apply the second factor in a `lamp_context` only.
+As in Radiance, the coat reduces the diffuse component by the reflectance of the coat at
+the view angle, and for direct light from luminaires and the sun (in a `lamp_context`)
+also by the reflectance at the angle of incidence.
 """
 
 import drjit as dr
@@ -26,7 +26,7 @@ def grazing_share(specularity, smooth, cos_theta):
 def lamp_context() -> mi.BSDFContext:
     """Return the BSDF context for direct light from luminaires and suns.
 
-    Its type mask has all component flags, marked by an otherwise unused flag.
+    The type mask selects all components; an otherwise unused flag marks the context.
     """
     mask = +mi.BSDFFlags.All | +mi.BSDFFlags.SpatiallyVarying
     return mi.BSDFContext(mi.TransportMode.Radiance, mask)

@@ -3,10 +3,9 @@
     {"type": "radiance_dielectric", "inside_index": 1.5,
      "inside_transmissivity": [0.8, 0.9, 0.8]}
 
-The inside is the medium behind the front. Absorption is applied at each intersection
-with the surface, for the preceding path segment, by the medium's transmissivity per
-metre. Hence, light is not absorbed on its way to a surface of another material inside
-the medium.
+The inside is the medium behind the front. Where a path meets the surface, the preceding
+path segment is attenuated by the medium's transmissivity per metre. Segments that end
+on another material inside the medium are not attenuated.
 
 References: M. Born and E. Wolf, Principles of Optics, section 1.5.2 (Fresnel's
 formulas); E. Veach, Robust Monte Carlo Methods for Light Transport Simulation, 1997,
@@ -55,7 +54,7 @@ def define() -> type:
             )
 
         def refraction(self, wi):
-            """Reflectance, refracted cosine and ratio of indices (arrival / other)."""
+            """Reflectance, cosine of refraction, index on the wi side / other index."""
             ratio = self.outside_index / self.inside_index
             ratio = dr.select(wi.z > 0, ratio, 1 / ratio)
             cosine = dr.abs(wi.z)

@@ -1,9 +1,9 @@
 """Classification of sampled directions as diffuse or glossy scattering.
 
-A material with a diffuse and a glossy component samples a direction from one of them,
-and weights it by the sum of both. If diffuse reflections are limited, the direction
-must be counted as diffuse with the probability of the diffuse share of the BSDF value,
-and not according to the component that was sampled.
+A material with a diffuse and a glossy component samples a direction from one component,
+and weights it by the sum of both components. If the number of diffuse reflections is
+limited, a direction counts as diffuse with a probability equal to the diffuse fraction
+of the BSDF value, whichever component was sampled.
 """
 
 import drjit as dr

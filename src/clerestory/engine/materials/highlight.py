@@ -30,7 +30,7 @@ _SMOOTHEST = 1e-6
 # Lower limit of cosines in denominators (normal.c, pdot)
 _GRAZING = 1e-3
 
-# Least length of the up vector's projection that defines an axis of the ellipse
+# Least length of the projected up vector that defines an axis of the ellipse
 _NO_AXIS = 1e-6
 
 
@@ -38,8 +38,8 @@ _NO_AXIS = 1e-6
 class Ellipse:
     """Axes and roughness of a highlight at one point.
 
-    The first axis has an azimuth of given cosine and sine in the local frame; u2 and v2
-    are the squared roughness along both axes.
+    `cos` and `sin` are those of the azimuth of the first axis in the local frame; `u2`
+    and `v2` are the squared roughness along the first and the second axis.
     """
 
     cos: "mi.Float"
@@ -98,7 +98,7 @@ class Highlight:
         bell = dr.exp(-slope) * dr.inv_pi * dr.rsqrt(shape.u2 * shape.v2)
         value = bell * square / dr.square(axial2)
 
-        # The pdf of the half vector is bell/cos³; the pdf of wo is that over 4 (h·wo)
+        # The pdf of the half vector is bell/cos³; the pdf of wo is bell/cos³ / 4 (h·wo)
         norm = dr.sqrt(square)
         cos_half = dr.abs(half.z) / norm
         pdf = bell / (dr.square(cos_half) * cos_half * 4 * dr.dot(half, wo) / norm)
@@ -127,8 +127,8 @@ class Highlight:
         slant = dr.sqrt(dr.abs(wo.z) / dr.maximum(wi.z, _GRAZING))
         bell = dr.exp(-spread) * dr.inv_pi * dr.rsqrt(shape.u2 * shape.v2)
 
-        # The sampled lobe has the width of the longer axis: the ratio of value to pdf
-        # is limited by the ratio of the axes
+        # The sampled lobe is as wide as the longer axis of the ellipse in all azimuths,
+        # so that BTDF / pdf is limited by the ratio of the axes
         widest = dr.maximum(shape.u2, shape.v2)
         norm = dr.pi * widest * (1 - dr.exp(-4 / widest))
         return bell * slant, dr.exp(-square / widest) / norm

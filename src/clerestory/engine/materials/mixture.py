@@ -1,4 +1,4 @@
-"""`radiance_mixture`: two materials mixed in parts too small to be resolved.
+"""`radiance_mixture`: two materials mixed in areas too small to be resolved.
 
 {"type": "radiance_mixture", "amount": 0.8,
  "foreground": {"type": "radiance_plastic"}, "background": {"type": "null"}}

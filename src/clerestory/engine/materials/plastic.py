@@ -4,12 +4,12 @@
      "roughness": 0.1}
 
 `metallic` gives the highlight the colour of the reflectance; `roughness_v` and `up`
-make it anisotropic, with `roughness` along `up`. At roughness zero it is a mirror
-reflection, whose reflectance increases towards grazing angles.
+make it anisotropic, with `roughness` along `up`. At roughness zero, the highlight is a
+mirror reflection, whose reflectance increases towards grazing angles.
 
-As in Radiance, such a smooth coat reduces the diffuse component according to the view
+As in Radiance, a smooth coat reduces the diffuse component according to the view
 angle, and for direct light from luminaires and the sun also according to the angle of
-incidence (`coat.lamp_context`). With the view angle alone, the BRDF is not reciprocal.
+incidence (`coat.lamp_context`). For other light, the BRDF is not reciprocal.
 """
 
 import drjit as dr
@@ -48,7 +48,7 @@ def define() -> type:
             set_components(self, mi.BSDFFlags.DiffuseReflection, glossy)
 
         def shares(self, si, cos_theta):
-            """Diffuse and specular reflectance, and probability of the latter."""
+            """Diffuse and specular reflectance, and chance of sampling the latter."""
             added = grazing_share(self.specularity, self.highlight.smooth, cos_theta)
             rest = 1 - self.specularity
             colour = self.paint.at(si)
@@ -60,7 +60,7 @@ def define() -> type:
             return diffuse, specular, dr.select(strength > 0, chance, 0)
 
         def parts(self, ctx, si, wi, wo, active):
-            """BRDF × cosine, diffuse and glossy, and pdf, without delta reflection."""
+            """Diffuse and glossy BRDF × cosine, and pdf, without delta reflection."""
             active = active & (wi.z > 0) & (wo.z > 0)
             diffuse, specular, chance = self.shares(si, wi.z)
             value, pdf = self.highlight.reflected(self.highlight.at(si), wi, wo)

@@ -1,7 +1,7 @@
 """Parameters of plugins, made opaque to the compiler.
 
-Each literal parameter would require a separate kernel; all instances with opaque
-parameters share one kernel. An instance with a pattern has separate code.
+Each value of a literal parameter would require a separate kernel; all instances with
+opaque parameters share one kernel. An instance with a pattern has code of its own.
 """
 
 from __future__ import annotations

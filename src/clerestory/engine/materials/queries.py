@@ -1,4 +1,4 @@
-"""Parts that the plugins of materials share: flags, samples and derived methods."""
+"""Code shared by the plugins of materials: flags, samples and derived methods."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ def sampled(wo, pdf, kind, component=0, *, eta=1.0) -> mi.BSDFSample3f:
 
 
 def upwards(si) -> mi.Vector3f:
-    """Return the direction of the viewer, mirrored to the front."""
+    """Return the direction to the viewer, mirrored to the front (z > 0)."""
     return mi.Vector3f(si.wi.x, si.wi.y, dr.abs(si.wi.z))
 
 
 def eval_pdf_of_parts(self, ctx, si, wo, active=True):
-    """Evaluate a BSDF that is alike on both sides and has a method `parts`."""
+    """Return BSDF × cosine and pdf, by the method `parts`, alike on both sides."""
     wo = mi.Vector3f(wo.x, wo.y, dr.mulsign(wo.z, si.wi.z))
     matt, glossy, pdf = self.parts(ctx, si, upwards(si), wo, active)
     return matt + glossy, pdf
@@ -45,8 +45,8 @@ def completed(**parameters: str):
     """Return a class decorator that adds methods which a BSDF class does not define.
 
     `eval`, `pdf` and `eval_pdf_sample` are derived from `eval_pdf` and `sample`. A
-    class without `eval_pdf` has delta components only. Keywords map the parameter
-    names of `mi.traverse` to the paths of attributes.
+    class without `eval_pdf` has delta components only. Each keyword is a parameter name
+    of `mi.traverse`; its value is the path of an attribute.
     """
     shown = {name: attrgetter(path) for name, path in parameters.items()}
 

@@ -3,9 +3,9 @@
     {"type": "radiance_trans", "reflectance": [0.9, 0.9, 0.9], "specularity": 0.05,
      "roughness": 0.1, "transmission": 0.6, "transmitted_specular": 0.5}
 
-Of the light not reflected specularly, the fraction `transmission` is transmitted, and
-of this the fraction `transmitted_specular` is specular: direct transmission, which
-shadow rays may pass, at roughness zero, and a lobe otherwise. For the other parameters
+Of the light not reflected specularly, the fraction `transmission` is transmitted. Of
+the transmitted light, the fraction `transmitted_specular` is specular: a lobe, or at
+roughness zero direct transmission, which shadow rays may pass. For the other parameters
 see `radiance_plastic`.
 """
 
@@ -56,7 +56,7 @@ def define() -> type:
             set_components(self, *diffuse, mirrored, passed)
 
         def shares(self, si, cos_theta):
-            """Diffuse reflectance and transmittance, specular ones likewise."""
+            """Diffuse reflectance and transmittance, then both specular ones."""
             added = grazing_share(self.specularity, self.highlight.smooth, cos_theta)
             rest = (1 - self.specularity) * (1 - added)
             passed = self.transmission * rest
@@ -76,7 +76,7 @@ def define() -> type:
             return [dr.select(total > 0, each / total, 0) for each in strength]
 
         def parts(self, ctx, si, wi, wo, active):
-            """BSDF × cosine, diffuse and glossy, and pdf, without delta components."""
+            """Diffuse and glossy BSDF × cosine, and pdf, without delta components."""
             active = active & (wi.z > 0) & (wo.z != 0)
             shares = self.shares(si, wi.z)
             chances = self.chances(shares)
