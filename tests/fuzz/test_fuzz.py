@@ -26,4 +26,5 @@ def test_damaged_files_are_refused_in_words(name, request):
         timeout=600,
     )
     assert ran.returncode == 0, ran.stderr[-2000:]
-    assert json.loads(ran.stdout)["defects"] == []
+    # Image libraries print warnings of their own before it
+    assert json.loads(ran.stdout.splitlines()[-1])["defects"] == []

@@ -1,7 +1,7 @@
 """Adaptive sampling of one block of a tensor tree.
 
 A pilot run traces the same number of paths from each incident cell. From its results,
-tree cells are selected and the variances of their values estimated. Further runs trace
+tree cells are selected and the variances of their BSDFs estimated. Further runs trace
 more paths from the incident cells with the largest errors, mostly where small exit
 cells resolve BSDF peaks.
 """
@@ -28,7 +28,7 @@ from clerestory.engine.effort import Effort
 _FIRST_SHARE = 0.25
 _PILOT = 256
 
-# Variance of path weights due to Russian roulette, measured for a lossless film.
+# Variance over mean of path weights under Russian roulette, for a lossless film.
 _ROULETTE = 0.25
 
 # Largest number of paths per incident cell.
@@ -39,10 +39,9 @@ _MOST = 1 << 20
 class FunctionEstimate:
     """Estimates of one scattering function in one block.
 
-    `finest` has the BSDF of the smallest cells; `incident` the directional-
-    hemispherical transmittance or reflectance of each incident cell; `leaving`, for
-    rank 4, the contribution of the block to that of each exit cell with reversed
-    directions.
+    `finest`: BSDF of the smallest cells. `incident`: directional-hemispherical
+    transmittance or reflectance per incident cell. `leaving` (rank 4 only): the same
+    per exit cell for reversed light, summed over the incident cells of the block.
     """
 
     finest: NodeValues
@@ -66,9 +65,9 @@ class BlockEstimator:
     Attributes
     ----------
     engine : module of the ray-tracing kernel
-    slab : geometry in the sample area, as lowered by the kernel
+    slab : geometry in the sample area, prepared for the kernel
     grid : angular grid of the tree, divided into blocks
-    weights : weight of each channel in the luminance
+    weights : weight of each traced channel in the luminance
     """
 
     engine: Any
@@ -87,7 +86,7 @@ class BlockEstimator:
         self._scores = [nothing, nothing]
 
     def count(self, effort: Effort) -> BlockEstimate:
-        """Trace the given number of samples, or until the target error is reached."""
+        """Trace the given number of paths, or until the target error is reached."""
         goal = effort.samples
         first = _PILOT if goal is None else max(1, round(goal * _FIRST_SHARE))
         self._trace(np.full(len(self._rows), first), effort)
@@ -145,8 +144,8 @@ class BlockEstimator:
         noise = np.maximum(sums[:, -1] - luminous**2 / paths, 0)
         noise /= (paths * exit_size) ** 2
 
-        # Path weights are close to 0 or 1: their variance is about s (1 − s) for a mean
-        # s, and at least the variance of Russian roulette
+        # Path weights are close to 0 or 1: for a mean s, their variance is about
+        # s (1 − s), and at least s × _ROULETTE
         share = np.bincount(incident, luminous, minlength=grid.incidents) / every
         variance = share * np.maximum(1 - share, _ROULETTE) / every
         single = mean.astype(np.float32), noise.astype(np.float32)
@@ -179,7 +178,7 @@ class BlockEstimator:
         return selected_cells(levels, rank=grid.rank, roots=roots)
 
     def _risk(self, cells: Cells) -> Values:
-        # Expected squared error per incident cell, summed over the smallest exit cells
+        # Expected squared BSDF error per incident cell, summed over smallest exit cells
         grid, bits = self.grid, self.grid.rank - 2
         risk = np.zeros(grid.incidents)
         for height in np.unique(cells.height):

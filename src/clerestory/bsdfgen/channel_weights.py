@@ -36,9 +36,9 @@ _WHITE_UV = 4 / 19, 9 / 19
 
 
 def channel_values(name: str, value: Share, solar: float | None = None) -> Vector:
-    """Return a reflectance or transmittance in the three traced channels.
+    """Return a reflectance or transmittance in the three traced bands.
 
-    With a solar value, the channels are visible, solar and solar.
+    With a solar value, the bands hold the visible, the solar and the solar value.
     """
     channels = np.atleast_1d(np.asarray(value, dtype=float))
     within(channels, name, least=0, most=1)
@@ -53,7 +53,7 @@ def channel_values(name: str, value: Share, solar: float | None = None) -> Vecto
 
 
 def system_bands(solar: float | None) -> Mapping[str, Weights]:
-    """BSDF channels that match the traced channels of `channel_values`."""
+    """Weights of the BSDF channels for bands filled by `channel_values`."""
     return dict(VISIBLE if solar is None else VISIBLE_AND_SOLAR)
 
 

@@ -13,7 +13,7 @@ _STRIP = np.radians(3.0)
 
 
 def arc(width: float, rise: float) -> Points2:
-    """Points (along, above) of a slat profile from edge to edge, with centre (0, 0).
+    """Points (along, above) of a slat profile from edge to edge, its middle at 0.
 
     `width` is the chord, `rise` the height of the middle above the chord.
     """
@@ -35,7 +35,7 @@ def extruded(
     name: str,
     closed: bool = False,
 ) -> Iterator[Polygon]:
-    """Extrude a cross-section (y, z) along x to strips.
+    """Extrude a cross-section (y, z) along x to one strip per segment.
 
     The normal of a strip has positive y where the cross-section runs towards −z.
 

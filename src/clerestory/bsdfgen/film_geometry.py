@@ -17,7 +17,7 @@ from clerestory.scene.model import Dielectric, Material, Metal, Polygon, Scene
 # Smallest ratio of the unit cell's width and height to the thickness of the film.
 _SLENDER = 8.0
 
-# Largest ratio of the thickness of the film to the distance of its structures.
+# Largest ratio of film thickness to the pitch of prisms or mirrors.
 _THICKEST = 10_000
 
 
@@ -35,8 +35,8 @@ def prismatic(
     Parameters
     ----------
     pitch : distance between prisms [m]
-    upper_angle_deg, lower_angle_deg : angles of the upward and the downward facing
-        prism faces to the plane of the film, up to 90°; their sum is below 180°
+    upper_angle_deg, lower_angle_deg : angles between the film plane and the upward and
+        downward facing prism faces, up to 90°; the sum of both is below 180°
     base : thickness of the sheet that carries the prisms [m]
     index : refractive index
     transmissivity : internal transmittance of 1 m of the material
@@ -124,7 +124,7 @@ class _Film:
 
     @property
     def count(self) -> int:
-        """Number of structures in the unit cell."""
+        """Number of prisms or mirrors in the unit cell."""
         return math.ceil(_SLENDER * self.depth / self.pitch)
 
     def strips(self, section: Points2, material: str, name: str) -> Iterator[Polygon]:
@@ -134,7 +134,7 @@ class _Film:
         return extruded(section, ends=ends, material=material, name=name)
 
     def face(self, material: str, name: str) -> Iterator[Polygon]:
-        """The face at z = 0."""
+        """The flat face of the film at z = 0."""
         high, low = (self.count + 1) * self.pitch, -self.pitch
         return self.strips(np.array([(low, 0.0), (high, 0.0)]), material, name)
 
@@ -145,7 +145,7 @@ class _Film:
     def system(
         self, materials: dict[str, Material], surfaces: list[Polygon], name: str
     ) -> System:
-        """The film as a system."""
+        """The shading system of the film, with a unit cell."""
         side = self.count * self.pitch
         scene = Scene(materials, tuple(surfaces))
         area = unit_cell(side, side, self.depth)

@@ -1,14 +1,14 @@
 """Correction of merged tree cells that preserves hemispherical flux.
 
-Cells are merged if their differences do not exceed the noise. If the
+Cells are merged if their BSDFs do not differ by more than the noise. If the
 directional-hemispherical transmittance (or reflectance) differs between the incident
 cells that are merged, each BSDF value stays accurate within its noise, but the sum over
 exit cells does not. Hemispherical transmittances have less noise than single BSDF
-values. Where they vary, merged cells are subdivided and scaled to match them.
+values: where they differ, merged cells are subdivided and scaled to match them.
 
-Variations are tested at all scales, as means over many cells have less noise. The
-brightest merged cells are subdivided, so many that the correction changes each cell
-only slightly. Rank 4 trees are also used with incident and exit directions exchanged:
+Differences are tested at all scales, as means over many cells have less noise. Enough
+of the brightest merged cells are subdivided to keep the correction of each cell small.
+Rank 4 trees are also used with incident and exit directions exchanged: the fluxes of
 incident, exit and again incident cells are corrected (iterative proportional fitting).
 
 Reference: W. E. Deming, F. F. Stephan, "On a least squares adjustment of a sampled
@@ -27,7 +27,7 @@ from clerestory.bsdfgen.morton_codes import incident_code
 from clerestory.bsdfgen.subcells import Subcells
 
 # Largest tolerated flux error, as a fraction of the incident flux, for incident cells
-# of width 2^-_SPAN or more of the unit square; it doubles whenever the width is halved.
+# of width 2^-_SPAN or more of the unit square; doubled each time the width is halved.
 # An error is corrected only if it also exceeds _SURE standard errors.
 _TOLERANCE = 0.004
 _SPAN = 5
@@ -39,7 +39,7 @@ _SURE_LEAVING = 2.0
 # Ratio of the flux in subdivided cells to the required flux change.
 _STRETCH = 3.0
 
-# Largest relative change of a group of cells with less than half of the flux.
+# Largest relative change of subcells of one size that hold less than half of the flux.
 _CHANGE = 0.5
 
 # Largest number of subcells that are summed together.
@@ -48,9 +48,9 @@ _TOGETHER = 1 << 20
 
 @dataclass(frozen=True, eq=False)
 class HemisphericalFlux:
-    """Luminous transmittance or reflectance of cells, 0…1, and its variance.
+    """Luminous transmittance or reflectance per cell, 0…1, and its variance.
 
-    Values are of incident cells, or of exit cells with reversed directions.
+    The cells are incident cells, or exit cells with the light reversed.
     """
 
     share: Float[np.ndarray, " incident"]
@@ -70,9 +70,9 @@ def preserve_flux(
 
     Parameters
     ----------
-    pieces : subcells by their height above the smallest cells, up to the root
-    luminous : luminous BSDF of each cell [1/sr]
-    by_leaving : whether `light` has one value per exit cell (rank 4 only)
+    pieces : subcells of each size, from the smallest cells to the root
+    luminous : luminance-weighted BSDF of each cell [1/sr]
+    by_leaving : whether `light`, the flux to preserve, is per exit cell (rank 4 only)
     """
     depth = len(pieces) - 1
     tally = _Tally(luminous, len(light.share), rank, depth, 2 if by_leaving else 0)
@@ -137,7 +137,7 @@ def _means(
 
 @dataclass(frozen=True, eq=False)
 class _Tally:
-    # Sums of the flux of subcells per incident cell
+    # Flux from each incident cell into subcells
     luminous: Float[np.ndarray, " cell"]
     incidents: int
     rank: int
@@ -145,14 +145,14 @@ class _Tally:
     skip: int  # number of low code bits to drop: 0 for incident, 2 for exit cells
 
     def lights(self, pieces: Sequence[Subcells]) -> Float64[np.ndarray, " incident"]:
-        """Flux of all given subcells per incident cell; `pieces` starts at height 0."""
+        """Flux from each incident cell into subcells of all sizes, smallest first."""
         total = np.zeros(self.incidents)
         for height, part in enumerate(pieces):
             total += self.light(part, height)
         return total
 
     def light(self, pieces: Subcells, height: int) -> Float64[np.ndarray, " incident"]:
-        """Flux of the subcells of one height per incident cell."""
+        """Flux from each incident cell into the subcells of one height."""
         wide = 1 << (self.rank - 2) * height
         sums = np.zeros(self.incidents // wide)
         for start in range(0, len(pieces), _TOGETHER):
@@ -174,7 +174,7 @@ class _Tally:
     def brightest(
         self, pieces: Subcells, need: Float[np.ndarray, " block"], height: int
     ) -> Bool[np.ndarray, " piece"]:
-        """Mask of the brightest subcells of one height, with the total flux `need`."""
+        """Mask of the brightest subcells that together have the flux `need`."""
         found = np.zeros(len(pieces), dtype=bool)
         if not len(pieces):
             return found
@@ -191,8 +191,8 @@ class _Tally:
     def scaled(
         self, pieces: list[Subcells], left: Float64[np.ndarray, " incident"]
     ) -> list[Subcells]:
-        """Scale subcells from the largest to the smallest size, each by the mean of the
-        remaining correction factors of its incident cells.
+        """Scale subcells from the largest to the smallest size, each by the ratio of
+        required to present flux that is left for its incident cells.
         """
         found = list(pieces)
         own = [self.light(part, height) for height, part in enumerate(pieces)]

@@ -44,7 +44,7 @@ _BACKS: dict[str, tuple[bool, ...]] = {
 
 _DEEPEST = 7
 
-# Default if neither a sample number nor a target error is given; as in genBSDF.
+# Default number of paths if no number and no target error is given; as in genBSDF.
 _DEFAULT = Goal(samples=2000)
 
 
@@ -85,7 +85,7 @@ def generate_bsdf(
     samples : paths per incident patch, or mean number per smallest incident cell of a
         tree; default: 2000 unless `relative_error` is given
     relative_error : target error in place of `samples`: root mean square of the
-        standard errors of all values, divided by the mean value
+        standard errors of all BSDF values, divided by the mean BSDF
     bounces : largest number of diffuse reflections of a path, as Radiance's -ab; None
         for no limit
     symmetry : whether to trace only one of several mirror-image incident patches;
@@ -170,7 +170,7 @@ def _system(
     bands: Mapping[str, Weights] | None,
     name: str,
 ) -> System:
-    # Arguments override the values of a parametric system
+    # Arguments override the area, bands and name of a parametric system
     if isinstance(scene, System):
         system = replace(scene, area=area or scene.area, bands=bands or scene.bands)
     else:

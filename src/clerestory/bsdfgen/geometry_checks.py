@@ -17,7 +17,7 @@ from clerestory.scene.model import Dielectric, Interface, Scene, Surface
 from clerestory.scene.surface import extent
 from clerestory.scene.tessellate import Mesh, meshes
 
-# Surfaces at larger z [m] cause a warning, as in genBSDF.
+# Largest z of surfaces without a warning [m], as in genBSDF.
 _IN_ROOM = 1e-5
 
 # Largest thickness, largest width and smallest width of a plausible system [m].
@@ -28,7 +28,7 @@ _FAR_BEHIND = 0.1
 
 
 def check_system(scene: Scene, area: SampleArea) -> tuple[str, ...]:
-    """Return warnings about a system, each with a surface and its line.
+    """Return warnings about a system; they name a surface and line where possible.
 
     Checks for surfaces at z > 0, systems far behind z = 0, units other than metres,
     open or inverted dielectric solids, and overlapping coplanar surfaces.
@@ -95,7 +95,7 @@ _MOST_PAIRS = 4_000_000
 
 
 def check_overlaps(scene: Scene) -> Iterator[str]:
-    """Yield one warning about overlapping coplanar surfaces, with the first pair."""
+    """Yield one warning about overlapping coplanar surfaces, for the first pair."""
     parts = meshes(scene)
     corner = np.concatenate([m.vertices[m.faces] for m in parts])
     surface = np.concatenate([m.surface for m in parts])

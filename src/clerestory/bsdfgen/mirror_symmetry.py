@@ -29,7 +29,7 @@ from clerestory.scene.model import (
 # Tolerance for coinciding corners, relative to the size of the system.
 _SAME = 1e-5
 
-# Offset before rounding; it prevents corners of regular grids from halfway values.
+# Offset before rounding; without it, corners of regular grids may be halfway values.
 _OFF_GRID = 0.381966
 
 _ISOTROPIC = Plastic | Metal | Trans | Glass | Dielectric | Interface
@@ -69,8 +69,8 @@ def mirror_flips(scene: Scene, area: SampleArea) -> tuple[Flip, ...]:
 class Orbits:
     """Groups of patches that are mirror images of each other.
 
-    `chosen` are the traced patches, one of each group; `flips` the index of the mirror
-    image of each patch, for each mirror operation.
+    `chosen`: indices of the traced patches, one of each group. `flips`: index of the
+    mirror image of each patch, for each mirror operation.
     """
 
     chosen: Int[np.ndarray, " kind"]
@@ -100,7 +100,7 @@ class Orbits:
     def unfolded(
         self, table: Float[np.ndarray, "*more kind exit"]
     ) -> Float[np.ndarray, "*more patch exit"]:
-        """Complete a table of traced incident patches to all incident patches.
+        """Extend a table of values for traced incident patches to all incident patches.
 
         If an incident patch is its own mirror image, values of mirror-image exit
         patches are averaged.

@@ -18,7 +18,7 @@ _Number = Int[np.ndarray, "*batch"]
 
 
 def incident_code(number: _Number, *, rank: int, levels: int) -> _Number:
-    """Code of the incident cell, from the last `levels` levels of a tree code."""
+    """Morton code of the incident cell in the last `levels` levels of a tree code."""
     found = np.zeros_like(number)
     together = _TABLE_BITS // rank
     for first in range(0, levels, together):
@@ -48,7 +48,7 @@ def pair_code(
     rank: int,
     levels: int,
 ) -> Int[np.ndarray, " *place"]:
-    """Code of a pair of an incident and an exit cell."""
+    """Morton code of a pair of an incident and an exit cell."""
     bits = rank - 2
     found = np.zeros(np.broadcast_shapes(incident.shape, leaving.shape), dtype=int)
     for level in range(levels):

@@ -71,7 +71,7 @@ def diffuse_material(
 def diffuse_pane(*, transmittance: Share, reflectance: Share = 0.0) -> System:
     """Return a Lambertian sheet.
 
-    `transmittance`, `reflectance`: values with a sum of at most 1 in each channel.
+    `transmittance` plus `reflectance` must be at most 1 in each channel.
     """
     passed, reflected = (
         channel_values("transmittance", transmittance),

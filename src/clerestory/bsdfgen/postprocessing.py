@@ -1,4 +1,4 @@
-"""Postprocessing of traced BSDFs: reciprocity, single transmission, reduction."""
+"""Postprocessing of traced BSDFs: reciprocal means, tree reduction, errors."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -42,7 +42,7 @@ def _matrix_error(
     one, two = part.standard_error, other.standard_error
     if one is None or two is None:
         return None
-    # Pairs of patches that are their own reciprocal have one estimate: keep its error
+    # A pair of patches that is its own reciprocal has one estimate: keep the error
     back = ScatteringMatrix(two, other.exits, other.incidents).reciprocal().values
     number = np.arange(one.size, dtype=float).reshape(one.shape)
     reverse = ScatteringMatrix(number, part.exits, part.incidents).reciprocal().values
@@ -61,7 +61,7 @@ def _tree_error(
 
 
 def one_transmission(functions: Functions) -> Functions:
-    """Return rank 4 trees with one transmission per band, as in BSDF files.
+    """Return rank 4 trees without front transmission if there is back transmission.
 
     As in genBSDF, the back transmission is kept; the front transmission is its
     reciprocal.
@@ -86,7 +86,7 @@ def reduced(functions: Functions, percent: float) -> Functions:
 def error_functions(
     functions: Mapping[tuple[str, Function], ScatteringFunction],
 ) -> Functions:
-    """Return the standard errors of functions, on the same patches or cells."""
+    """Return standard errors as scattering functions on the same patches or cells."""
     found: Functions = {}
     for (channel, name), part in functions.items():
         error = getattr(part, "standard_error", None)

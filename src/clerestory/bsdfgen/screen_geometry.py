@@ -98,9 +98,9 @@ def sheet_with_holes(
     thickness: float,
     faces: Literal[1, 2] = 2,
 ) -> tuple[Scene, SampleArea]:
-    """Return a perforated sheet with the walls of its holes, and its unit cell.
+    """Return a perforated sheet, including the walls of the holes, and a unit cell.
 
-    `faces`: 2 (front and back of a thick sheet), or 1 for transmitting materials.
+    `faces`: number of sheet faces; 2 for a thick sheet, 1 if it transmits light.
     """
     positive([pitch, hole], "pitch or hole", unit="m")
     not_negative(thickness, "thickness", unit="m")

@@ -68,7 +68,7 @@ def area_from_dimensions(
 
 
 def area_of(scene: Scene, *, periodic: bool = False) -> SampleArea:
-    """Return the bounding box of a system."""
+    """Return the bounding box of a system as sample area."""
     require(
         scene.surfaces,
         "the scene has no surfaces; surfaces, or the dimensions of the sample area,"
@@ -78,7 +78,7 @@ def area_of(scene: Scene, *, periodic: bool = False) -> SampleArea:
 
 
 def unit_cell(width: float, height: float, depth: float) -> SampleArea:
-    """Return a periodic box behind the origin."""
+    """Return a periodic box at z ≤ 0, with one corner at the origin."""
     return SampleArea(np.array([[0, 0, -depth], [width, height, 0]]), periodic=True)
 
 

@@ -1,7 +1,7 @@
 """Subdivision of tree cells into scaled subcells.
 
-A cell can have hundreds of subcells. Stored for a subcell are its Morton code, the
-index of its cell and a scale factor.
+A cell can have hundreds of subcells. A subcell is stored as a Morton code, the index
+of the subdivided cell and a scale factor.
 """
 
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ from clerestory.array_types import Indices, Mask
 
 @dataclass(frozen=True, eq=False)
 class Subcells:
-    """Subcells of one size: Morton code, index of the cell, ratio of BSDFs."""
+    """Subcells of one size: Morton code, cell index, ratio to the BSDF of the cell."""
 
     place: Int32[np.ndarray, " piece"]
     cell: Int32[np.ndarray, " piece"]
@@ -49,7 +49,7 @@ class Subcells:
 
 
 def whole_cells(place: Indices, height: Indices, *, depth: int) -> list[Subcells]:
-    """Convert cells to one subcell each, grouped by height above the smallest cells."""
+    """Return one subcell per cell, grouped by levels above the smallest cells."""
     found = []
     for level in range(depth + 1):
         cell = np.flatnonzero(height == level).astype(np.int32)

@@ -81,7 +81,7 @@ def _value(word: str) -> Any:
 
 
 def read_system(path: str | Path) -> System:
-    r"""Create the system in a TOML file with `kind` and the parameters of this kind."""
+    r"""Create the system that a TOML file describes by `kind` and parameters."""
     values = toml_tables(read_text(path), file=path)
     kind = values.pop("kind", None)
     known = isinstance(kind, str)

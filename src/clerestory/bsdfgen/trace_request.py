@@ -27,9 +27,9 @@ class TraceRequest:
 
 @dataclass(frozen=True, eq=False)
 class Traced:
-    """Scattering functions with standard errors, from a number of paths.
+    """Scattering functions with standard errors, and the number of traced paths.
 
-    `reached`: whether the target error was reached everywhere.
+    `reached`: whether the target error was reached in all tree blocks.
     """
 
     functions: Functions

@@ -66,7 +66,7 @@ def trace_trees(request: TraceRequest, engine: Any, *, rank: int, depth: int) ->
 
 
 def _block(rank: int, depth: int, channels: int) -> int:
-    # Largest number of levels in a block whose sums fit into memory; rank 3: all levels
+    # Largest number of tree levels per block that fits into memory; rank 3: all levels
     if rank == 3:
         return depth
     within = depth
@@ -121,7 +121,7 @@ def _whole(blocks: list[FunctionEstimate], grid: Any) -> NodeValues:
 def _trees(
     cells: Cells, pieces: list[Subcells], grid: Any, request: TraceRequest
 ) -> dict[str, ScatteringTree]:
-    # All bands share the same cells and the relative errors of luminance
+    # All BSDF channels use the same cells and the relative standard errors of luminance
     channels = cells.value.T
     luminous = weighted_sum(channels, RGB.shares, axis=0)
     relative = np.divide(

@@ -31,7 +31,7 @@ class NodeValues:
     """BSDF of the nodes of one tree level; nodes with zero BSDF are omitted.
 
     `place` has ascending Morton codes; `mean` the mean BSDF over the smallest cells in
-    the node [1/sr]; `noise` the sum of the luminance variances of these cells.
+    the node [1/sr]; `noise` the summed variances of their luminous BSDFs.
     """
 
     place: Int[np.ndarray, " node"]

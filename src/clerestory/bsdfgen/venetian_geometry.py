@@ -136,8 +136,8 @@ def venetian(
 
 
 class _Layout(NamedTuple):
-    # Number of slats in the sample area; number of slats on each side of the area that
-    # extend into it; width of the area; range of x that the slats cover
+    # `slats`: number in the sample area; `beyond`: number on each side of the area that
+    # extend into it; `across`: width of the area; `ends`: range of x of the slats [m]
     slats: int
     beyond: int
     across: float

@@ -1,1 +1,1 @@
-"""Layer stacks of panes, gaps and shades: BSDF, U-value and SHGC (as WINDOW)."""
+"""BSDF, U-value and SHGC of stacks of panes, gaps and shades, as in WINDOW."""

@@ -2,8 +2,8 @@
 
 Product files contain values at normal incidence. For uncoated glass they determine the
 refractive index and absorption, from which Fresnel's equations give values at other
-angles. Coated glass follows the regression for clear glass if its transmittance exceeds
-0.645, otherwise that for bronze glass, accurate to a few hundredths for most coatings.
+angles. Coated glass follows regressions for clear glass (transmittance above 0.645) or
+bronze glass, which are accurate to a few hundredths for most coatings.
 
 References: R. A. Furler, ASHRAE Transactions 97 (2), 1991 (uncoated glass); E. U.
 Finlayson, D. K. Arasteh, C. Huizenga, M. D. Rubin, M. S. Reilly, WINDOW 4.0:
@@ -19,8 +19,8 @@ from clerestory.array_types import Values
 # Mutually broadcastable arrays
 _Broadcast = Float[np.ndarray, "*#batch"]
 
-# Polynomials in the cosine of incidence, lowest power first (LBL-33943), for the
-# transmittance and the reflectance relative to normal incidence.
+# Transmittance and reflectance relative to normal incidence: polynomials in the cosine
+# of the angle of incidence, lowest power first (LBL-33943).
 _CLEAR_T = (-0.0015, 3.355, -3.84, 1.46, 0.0288)
 _CLEAR_R = (0.999, -0.563, 2.043, -2.532, 1.054)
 _BRONZE_T = (-0.002, 2.813, -2.341, -0.05725, 0.599)
@@ -79,7 +79,7 @@ def coated(
 
 
 def _slab(rho: _Broadcast, left: _Broadcast) -> tuple[Values, Values]:
-    # Geometric series of interreflections between the faces of a slab
+    # Transmittance and reflectance of a slab: geometric series of interreflections
     series = 1 - (left * rho) ** 2
     t = np.where(series > 0, left * (1 - rho) ** 2 / np.where(series > 0, series, 1), 0)
     return t, np.asarray((1 + left * t) * rho)

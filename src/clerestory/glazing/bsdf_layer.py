@@ -1,7 +1,7 @@
 """BSDF layers in glazing systems, from visible and solar matrices.
 
-The visible matrix applies to visible wavelengths. The matrix at other wavelengths is
-the one that yields the solar matrix if 49 % of solar energy is visible, as in WINDOW.
+The visible matrix applies to visible wavelengths. The matrix at other wavelengths
+follows from the solar matrix, with 49 % of solar energy visible as in WINDOW.
 """
 
 import warnings
@@ -86,24 +86,24 @@ class BsdfLayer(Layer):
 
     @property
     def thickness(self) -> float:
-        """Thickness stated in the file; default: 1 mm [m]."""
+        """Thickness stated in the file [m]; default: 1 mm."""
         return self.bsdf.product.thickness or _UNKNOWN_THICKNESS
 
     @property
     def emissivities(self) -> tuple[float, float]:
-        """Emissivities stated in the file; default: 0.84."""
+        """Far-infrared emissivities stated in the file; default: 0.84."""
         product = self.bsdf.product
         known = (product.emissivity_front, product.emissivity_back)
         front, back = (GLASS_EMISSIVITY if e is None else e for e in known)
         return front, back
 
     def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
-        """BSDFs [1/sr] over (wavelength, exit, incident)."""
+        """BSDFs [1/sr] by wavelength, exit patch and incident patch."""
         visible, solar = (self.band(channel, partition) for channel in _BANDS)
         return two_bands(visible, solar, is_visible(wavelength_nm)[:, None, None])
 
     def band(self, channel: Channel, partition: RingPartition) -> Optics:
-        """BSDFs [1/sr] of one band over (exit, incident)."""
+        """BSDFs [1/sr] of one band by exit patch and incident patch."""
         given = self.channel(channel)
 
         def table(name: Function) -> ExitIncident:
@@ -132,7 +132,7 @@ class BsdfLayer(Layer):
         return replace(self, bsdf=bsdf)
 
     def channel(self, wanted: Channel) -> Channel:
-        """Return the given channel, or the other channel if the file lacks it."""
+        """Return the wanted channel, or the other one if the wanted one is missing."""
         other: Channel = "solar" if wanted == "visible" else "visible"
         return wanted if self.bsdf.has("transmission_front", channel=wanted) else other
 

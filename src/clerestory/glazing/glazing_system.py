@@ -44,7 +44,7 @@ from clerestory.glazing.shade_parameters import (
 
 GASES = ("air", "argon", "krypton", "xenon")
 
-# Standard atmosphere [Pa].
+# Standard atmospheric pressure [Pa].
 ATMOSPHERE = 101_325.0
 
 
@@ -109,7 +109,7 @@ def read_system(path: str | Path) -> GlazingSystem:
 
     Raises
     ------
-    InputError : not TOML, unknown or missing keys, files that cannot be read
+    InputError : the file is not TOML, has wrong keys, or names an unreadable file
     """
     plan = read_toml(path, _Plan)
     folder, layers = Path(path).parent, []

@@ -28,7 +28,7 @@ _TABLE_2 = ("physical_properties", "optical_properties", "optical_data", "angle_
 
 
 def _either(default: object, *names: str | AliasPath) -> Any:
-    # The first member that the object has
+    # Field with several possible names; the first name that is present counts
     return Field(default, validation_alias=AliasChoices(*names))
 
 
@@ -65,7 +65,7 @@ class _Row2(Item):
 
 
 class _Physical(Item):
-    # Version 2 marks values that were not measured as predefined
+    # Version 2 prefixes values that were not measured with "predefined"
     thickness: float = 3.0
     conductivity: float = GLASS_CONDUCTIVITY
     emissivity_front: float = _either(
@@ -78,7 +78,7 @@ class _Physical(Item):
 
 
 class Product(Item):
-    """A product: glass, or a shade of a material and a geometry."""
+    """A product of the IGSDB: glass, or a shade with its material and geometry."""
 
     name: str = ""
     kind: str = _either("", "subtype", "type")
@@ -104,7 +104,7 @@ class Product(Item):
         return value[0] if isinstance(value, list) and len(value) == 1 else value
 
     def pane(self, path: str | Path) -> Pane:
-        """Return the pane, or the material of the shade."""
+        """Return the glass pane, or the material of the shade."""
         if self.material is not None:
             return self.material.pane(path)
         rows = self.rows_2 or self.rows_1

@@ -1,8 +1,8 @@
 """Interreflection between parallel layers, summed over all orders.
 
 Matrices are flux fractions: entry (i, j) is the fraction of the flux through incident
-patch j that leaves through patch i, the BSDF times the projected solid angle of patch
-i. Matrices of successive layers multiply.
+patch j that leaves through patch i, or the BSDF times the projected solid angle of
+patch i. Matrices of successive layers are multiplied.
 
 Reference: J. H. Klems, ASHRAE Transactions 100 (1), 1994: I. Optical properties,
 1065–1072; II. Detailed equations, 1073–1086.
@@ -20,8 +20,8 @@ from clerestory.glazing.optics import Optics
 
 
 class StackProperties(NamedTuple):
-    """Flux matrices of a stack (…, n, n), and absorptance of each layer per incident
-    patch of the front and of the back of the stack.
+    """Flux matrices (…, n, n) of a stack, and absorptance of each layer per incident
+    patch for light on the front and on the back of the stack.
     """
 
     system: Optics
@@ -34,7 +34,7 @@ def stack_properties(layers: Sequence[Optics]) -> StackProperties:
     `layers`: flux matrices from outdoors to indoors, each of shape (…, n, n).
     """
     reverse = [layer.swapped() for layer in reversed(layers)]
-    # Stacks of the first one, two, … layers, and of the last ones
+    # Stacks of the first 1, 2, … layers, and of the last 1, 2, … layers
     outer, inner = (list(accumulate(some, combine)) for some in (layers, reverse))
     front = _absorbed(layers, outer, inner)
     back = _absorbed(reverse, inner, outer)
@@ -64,9 +64,9 @@ def between(
     ahead: Float[np.ndarray, "*batch n n"],
     arriving: Float[np.ndarray, "*batch n n"],
 ) -> Float[np.ndarray, "*batch n n"]:
-    """Flux incident on the layer ahead of a gap, after all interreflections.
+    """Flux that reaches the layer beyond a gap, after all interreflections.
 
-    `behind`, `ahead`: reflection flux matrices of the layers on both sides of the gap.
+    `behind`, `ahead`: reflection flux matrices of the layers before and after the gap.
     `arriving`: flux that enters the gap through the layer behind.
     """
     loop = np.eye(behind.shape[-1]) - behind @ ahead
@@ -77,7 +77,7 @@ def _absorbed(
     layers: Sequence[Optics], outer: Sequence[Optics], inner: Sequence[Optics]
 ) -> list[Float[np.ndarray, "*batch n"]]:
     # Absorptance of each layer for flux incident on layer 0. `inner`: stacks of the
-    # last one, two, … layers, reversed.
+    # last 1, 2, … layers, reversed.
     kept = []
     for k, layer in enumerate(layers):
         behind = len(layers) - 1 - k
@@ -101,6 +101,6 @@ def _absorbed(
 
 
 def _row(layer: Optics, side: Side) -> Float[np.ndarray, "*batch 1 n"]:
-    # Absorptance per incident patch, as a row vector
+    # Absorptance of a layer per incident patch, as a row vector
     passed = layer.map(lambda flux: flux.sum(axis=-2, keepdims=True))
     return passed.absorption(side)

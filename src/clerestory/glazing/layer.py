@@ -1,8 +1,8 @@
 """Layers of a glazing system: four BSDF matrices per wavelength.
 
 A matrix holds BSDF values from incident patches (columns) to exit patches (rows).
-Undeviated and specularly reflected flux keeps its patch number, so that matrices of
-successive layers multiply. Glass and Lambertian sheets are defined here.
+Undeviated and specularly reflected light leaves through the exit patch that has the
+number of its incident patch, so that matrices of successive layers can be multiplied.
 
 Reference: J. H. Klems, ASHRAE Transactions 100 (1), 1994, 1065–1072 and 1073–1086.
 """
@@ -32,7 +32,7 @@ class Layer(ABC):
     @property
     @abstractmethod
     def wavelength_nm(self) -> Values:
-        """Wavelengths of the data [nm]."""
+        """Wavelengths of the spectral data [nm]."""
 
     @property
     @abstractmethod
@@ -46,7 +46,7 @@ class Layer(ABC):
 
     @abstractmethod
     def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
-        """BSDFs [1/sr] over (wavelength, exit, incident)."""
+        """BSDFs [1/sr] by wavelength, exit patch and incident patch."""
 
     @abstractmethod
     def flipped(self) -> "Layer":
@@ -55,13 +55,13 @@ class Layer(ABC):
     def specular(
         self, wavelength_nm: PerWavelength, cosine: Float[np.ndarray, " angle"]
     ) -> Optics | None:
-        """Specular properties over (wavelength, angle); None if the layer scatters."""
+        """Specular properties by wavelength and angle; None if the layer scatters."""
         return None
 
     def openness(self, direction: Directions) -> Values:
-        """Fraction of the flux along each direction that passes without scattering.
+        """Fraction of the flux in each direction that passes without scattering.
 
-        `direction`: directions of travel, into the room or reversed.
+        `direction`: directions of travel; reversed for light from the room.
         """
         return np.zeros(len(direction))
 
@@ -79,7 +79,7 @@ class MaterialLayer(Layer):
 
     @property
     def emissivities(self) -> tuple[float, float]:
-        """Emissivities of the material."""
+        """Far-infrared emissivities of the front and the back of the material."""
         return self.material.emissivity_front, self.material.emissivity_back
 
 
@@ -112,7 +112,7 @@ class Glass(Sheet):
     """
 
     def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
-        """BSDFs [1/sr] over (wavelength, exit, incident)."""
+        """BSDFs [1/sr] by wavelength, exit patch and incident patch."""
         measure = partition.projected_solid_angles()
         total = self.material.angular(wavelength_nm, partition.centres()[:, 2])
         if self.material.diffuse is None:
@@ -132,7 +132,7 @@ class Glass(Sheet):
     def specular(
         self, wavelength_nm: PerWavelength, cosine: Float[np.ndarray, " angle"]
     ) -> Optics | None:
-        """Specular properties over (wavelength, angle); None if the layer scatters."""
+        """Specular properties by wavelength and angle; None if the layer scatters."""
         if self.material.diffuse is not None:
             return None
         return self.material.angular(wavelength_nm, cosine)
@@ -160,7 +160,7 @@ class Diffuser(Sheet):
     """A Lambertian sheet, with equal properties at all angles of incidence."""
 
     def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
-        """BSDFs [1/sr] over (wavelength, exit, incident)."""
+        """BSDFs [1/sr] by wavelength, exit patch and incident patch."""
         covered = np.ones(len(partition))
         return lambertian_matrices(self.material.at(wavelength_nm), covered)
 
@@ -168,7 +168,7 @@ class Diffuser(Sheet):
 def lambertian_matrices(shares: Optics, covered: Values) -> Optics:
     """BSDFs [1/sr] of a Lambertian material that covers part of the area.
 
-    `shares`: properties of the material over wavelength. `covered`: covered fraction of
+    `shares`: material properties by wavelength. `covered`: covered fraction of
     the area, as seen from the direction of each incident patch.
     """
     even = covered / np.pi * np.ones((len(covered), 1))

@@ -63,7 +63,7 @@ def walk_layers(
 ) -> WalkedLayers:
     """Return the optical properties of a stack of layers as tensor trees.
 
-    Bands are computed separately, from the average of each layer over the band.
+    Each band is computed separately, from band averages of the layers.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ class _Plan:
 def _tally(
     plan: _Plan, rng: np.random.Generator
 ) -> Float[np.ndarray, "2 incident leaving"]:
-    # Mean exit flux per walk, transmitted and reflected
+    # Transmitted and reflected flux per walk, by incident and exit cell
     size = plan.cells * plan.cells
     sums = np.zeros((2, size))
     step = max(1, _TOGETHER // plan.walkers)
@@ -152,7 +152,7 @@ def _tally(
 
 
 def _start(cell: Indices, plan: _Plan, rng: np.random.Generator) -> Directions:
-    # Directions of travel, uniform in projected solid angle within each cell
+    # Random directions of travel, uniform in projected solid angle within each cell
     wide = 1 << plan.halvings
     inside = rng.random((2, len(cell)))
     travel = directions_from_square(

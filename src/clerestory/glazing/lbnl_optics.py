@@ -2,7 +2,7 @@
 
 Lines in braces describe the product. All other lines are rows of four columns
 (wavelength, transmittance, front and back reflectance) or nine columns (wavelength,
-then direct and diffuse values in turn).
+then front and back transmittance and reflectance, each direct and diffuse).
 """
 
 import re
@@ -26,7 +26,7 @@ _MILLIMETRE = 1e-3
 
 
 def read_optics_file(path: str | Path) -> Pane:
-    """Return the pane of a file in the format of LBNL Optics."""
+    """Return the pane that a file in the LBNL Optics format describes."""
     header: dict[str, str] = {}
     rows: list[list[float]] = []
     for number, line in enumerate(read_text(path).splitlines(), start=1):
@@ -41,7 +41,7 @@ def read_optics_file(path: str | Path) -> Pane:
 
 
 def _note(inside: str, after: str, header: dict[str, str]) -> None:
-    # "{ Product Name: Clear }" and "{ Thickness } 3.048" are both used
+    # Headers are written as "{ Product Name: Clear }" or "{ Thickness } 3.048"
     key, colon, value = inside.partition(":")
     header[key.strip().lower()] = value.strip() if colon else after
 
@@ -98,7 +98,7 @@ def _pane(
 def _columns(
     table: Float[np.ndarray, "row column"], *, diffuse: bool
 ) -> list[Float[np.ndarray, " row"]]:
-    # Nine columns: transmittance and reflectance per side, direct and diffuse in turn
+    # Nine columns: wavelength, then direct and diffuse Tf, Tb, Rf and Rb in turn
     if table.shape[1] == 4:
         return [table[:, column] for column in (1, 1, 2, 3)]
     return [table[:, column + diffuse] for column in (1, 3, 5, 7)]

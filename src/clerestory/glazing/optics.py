@@ -33,7 +33,7 @@ class Optics:
 
     @classmethod
     def gather(cls, part: Callable[[Function], Values]) -> "Optics":
-        """Return optics with each property computed by `part` from its name."""
+        """Return optics with `part(name)` as the value of each property."""
         return cls(**{name: part(name) for name in FUNCTIONS})
 
     def of(self, name: Function) -> Values:
@@ -47,11 +47,11 @@ class Optics:
         return Optics.gather(lambda name: change(self.of(name)))
 
     def plus(self, other: "Optics") -> "Optics":
-        """Return the sums of equal properties."""
+        """Return the sum with other optics, property by property."""
         return Optics.gather(lambda name: self.of(name) + other.of(name))
 
     def averaged(self, weight: Values) -> "Optics":
-        """Return weighted sums over the first axis."""
+        """Return weighted sums of each property over its first axis."""
         return self.map(lambda share: np.asarray(np.tensordot(weight, share, axes=1)))
 
     def swapped(self) -> "Optics":
@@ -64,6 +64,6 @@ class Optics:
         )
 
     def absorption(self, side: Side) -> Values:
-        """Absorptance: fraction that is neither transmitted nor reflected."""
+        """Absorptance of a side: flux fraction neither transmitted nor reflected."""
         passed, reflected = (self.of(name) for name in OF_SIDE[side])
         return np.asarray(1 - passed - reflected)

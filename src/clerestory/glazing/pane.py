@@ -1,7 +1,7 @@
 """Panes: spectral properties of glass, or of the material of a shade.
 
-Measurements are at normal incidence. Front is surface 1, towards the sky; a reversed
-pane is `flipped`.
+Measurements are at normal incidence. The front is surface 1; it faces the sky unless
+the pane is `flipped`.
 """
 
 from dataclasses import dataclass, replace
@@ -22,7 +22,7 @@ from clerestory.spectra import check_wavelengths
 GLASS_EMISSIVITY = 0.84
 GLASS_CONDUCTIVITY = 1.0
 
-# Visible range, width of the step at its limits, and solar range [nm].
+# Visible range, width of the steps at the ends of that range, solar range [nm].
 _VISIBLE_NM = (380.0, 780.0)
 _STEP_NM = 1e-3
 _SOLAR_NM = (300.0, 2500.0)
@@ -39,7 +39,7 @@ class Pane:
     Attributes
     ----------
     name : product name
-    wavelength_nm : wavelengths of the data [nm]
+    wavelength_nm : wavelengths of the spectral data [nm]
     direct : specular transmittances and reflectances over wavelength
     diffuse : diffuse transmittances and reflectances; None for clear sheets
     coated : whether the angular dependence follows the regression for coatings (also
@@ -83,14 +83,14 @@ class Pane:
             positive(self.conductivity, "thermal conductivity", unit="W/(m K)")
 
     def at(self, wavelength_nm: Values) -> Optics:
-        """Total (direct plus diffuse) properties at normal incidence."""
+        """Direct plus diffuse transmittances and reflectances at normal incidence."""
         total = self.direct.map(lambda share: self._at(share, wavelength_nm))
         if self.diffuse is None:
             return total
         return total.plus(self.diffuse.map(lambda part: self._at(part, wavelength_nm)))
 
     def haze(self, wavelength_nm: Values) -> Optics:
-        """Ratio of diffuse to total values, 0…1; 0 where the total is 0."""
+        """Diffuse fraction of each transmittance and reflectance; 0 if these are 0."""
         total = self.at(wavelength_nm)
         if self.diffuse is None:
             return total.map(np.zeros_like)
@@ -106,7 +106,7 @@ class Pane:
         wavelength_nm: Float[np.ndarray, " wanted"],
         cosine: Float[np.ndarray, " angle"],
     ) -> Optics:
-        """Total properties over (wavelength, angle); `cosine` of the incidence."""
+        """Transmittances and reflectances by wavelength and cosine of incidence."""
         course = coated if self.coated else uncoated
         normal = self.at(wavelength_nm).map(lambda share: share[:, None])
         front, back = (
@@ -157,7 +157,7 @@ def grey_pane(transmittance: float, reflectance: float, *, name: str = "grey") -
 
 
 def two_bands(visible: Optics, solar: Optics, inside: Mask) -> Optics:
-    """Visible values inside the visible range; outside, those that yield `solar`.
+    """Spectral values with the given averages; constant inside the visible range.
 
     Negative values are set to zero.
     """

@@ -30,7 +30,7 @@ from clerestory.hemisphere.klems import klems
 # Number of cosines in the specular table of a pane.
 _TABLE = 513
 
-# Factors that turn centres of exit patches into directions of travel.
+# Factors that convert centres of exit patches to directions for `Layer.openness`.
 _TURN = {
     "transmission_front": np.array([1.0, 1.0, 1.0]),
     "transmission_back": np.array([-1.0, -1.0, 1.0]),
@@ -42,10 +42,10 @@ _Directions = Float[np.ndarray, "walker 3"]
 @final
 @dataclass(frozen=True, eq=False)
 class Scatterer:
-    """One layer in one spectral band; its openings transmit light undeviated.
+    """A layer in one spectral band; openings in the layer transmit light undeviated.
 
     `mirror`: specular T and R over the cosine of incidence; None for scattering layers.
-    `bsdf`: BSDF of the scattered light, in the channel "visible"; None for panes.
+    `bsdf`: BSDF of the scattered light, stored as channel "visible"; None for panes.
     """
 
     layer: Layer
@@ -53,7 +53,7 @@ class Scatterer:
     bsdf: Bsdf | None
 
     def shares(self, travel: _Directions) -> tuple[Values, Values]:
-        """Transmittance and reflectance for each direction.
+        """Transmittance and reflectance for each direction of incidence.
 
         `travel`: directions of travel, all with the same sign of z.
         """
@@ -69,7 +69,7 @@ class Scatterer:
     def leave(
         self, travel: _Directions, passed: Mask, rng: np.random.Generator
     ) -> _Directions:
-        """Directions of travel after the layer; `travel`, before it, as in `shares`.
+        """Sample directions of travel after the layer; `travel`: those before it.
 
         `passed`: whether each walk is transmitted instead of reflected.
         """
@@ -129,5 +129,5 @@ def scatterer(layer: Layer, standard: Standard, channel: Channel) -> Scatterer:
 
 
 def _names(travel: _Directions) -> tuple[Function, Function]:
-    # Transmission and reflection of the incident side
+    # Names of the transmission and the reflection for the incident side
     return OF_SIDE["front" if travel[0, 2] > 0 else "back"]

@@ -51,7 +51,7 @@ class PerforatedScreen(Sheet):
         )
 
     def openness(self, direction: Directions) -> Values:
-        """Fraction of the flux along each direction that passes through the holes."""
+        """Fraction of the flux in each direction that passes through the holes."""
         x, y, z = direction.T
         deep = self.material.thickness
         if self.shape == "rectangular":
@@ -68,7 +68,7 @@ class PerforatedScreen(Sheet):
         return np.where(slope * deep <= 2 * radius, np.maximum(hole, 0) / area, 0)
 
     def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
-        """BSDFs [1/sr] over (wavelength, exit, incident)."""
+        """BSDFs [1/sr] by wavelength, exit patch and incident patch."""
         free = self.openness(partition.centres())
         even = lambertian_matrices(self.material.at(wavelength_nm), 1 - free)
         return _with_openings(even, free, partition)
@@ -90,7 +90,7 @@ class WovenShade(Sheet):
         )
 
     def openness(self, direction: Directions) -> Values:
-        """Fraction of the flux along each direction that passes between the threads."""
+        """Fraction of the flux in each direction that passes between the threads."""
         altitude, azimuth = _altitude_azimuth(direction)
         profile = np.arctan(np.tan(altitude) / np.cos(altitude))
         gamma = self.thread_diameter / self.thread_spacing
@@ -98,7 +98,7 @@ class WovenShade(Sheet):
         return np.asarray(free[0] * free[1])
 
     def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
-        """BSDFs [1/sr] over (wavelength, exit, incident)."""
+        """BSDFs [1/sr] by wavelength, exit patch and incident patch."""
         shares = self.material.at(wavelength_nm)
         free = self.openness(partition.centres())
         even = lambertian_matrices(shares, 1 - free)
@@ -157,6 +157,6 @@ def _with_openings(even: Optics, free: Values, partition: RingPartition) -> Opti
 
 
 def _altitude_azimuth(direction: Directions) -> tuple[Values, Values]:
-    # Absolute values of altitude and azimuth relative to the normal
+    # Absolute values of altitude and azimuth relative to the normal [rad]
     x, y, z = direction.T
     return np.arcsin(np.clip(np.abs(y), 0, 1)), np.arctan2(np.abs(x), z)

@@ -1,4 +1,4 @@
-"""Parameters of shades made of a material, in TOML files and in the IGSDB."""
+"""Parameters of blinds, woven shades and screens, from TOML files and the IGSDB."""
 
 import math
 from collections.abc import Mapping
@@ -18,13 +18,13 @@ from clerestory.glazing.venetian import VenetianBlind
 
 _MILLIMETRE = 1e-3
 
-# Numbers in the IGSDB may be text
+# Numbers in the IGSDB may be strings
 _Length = Annotated[float, Field(gt=0)]
 _Pair = tuple[_Length, _Length]
 
 
 class GlazingTable(Table):
-    """A table of a glazing file, in which lists and file names are converted."""
+    """A TOML table of a glazing file; lists become tuples, and file names paths."""
 
     model_config = ConfigDict(strict=False)
 
@@ -70,7 +70,7 @@ class ThreadParameters(GlazingTable):
 
 
 class HoleParameters(GlazingTable):
-    """Holes of a perforated screen: circles of `radius_mm`, or rectangles."""
+    """Holes of a perforated screen: circles (`radius_mm`) or rectangles (`size_mm`)."""
 
     material: Path
     shape: Literal["circular", "rectangular"] = "circular"
@@ -99,7 +99,7 @@ ShadeParameters = SlatParameters | ThreadParameters | HoleParameters
 
 
 def igsdb_shade(geometry: Mapping[str, Any], path: str | Path) -> ShadeParameters:
-    """Return the parameters of a geometry in the IGSDB, with lengths in millimetres."""
+    """Return the parameters of a shade from its geometry in the IGSDB."""
     get = geometry.get
     table: dict[str, object] = {"material": path}
     if "slat_width" in geometry:

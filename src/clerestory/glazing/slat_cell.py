@@ -1,12 +1,13 @@
-"""Cross-section of the space between two slats, with view factors by ray casting.
+"""Cross-section of a blind of equal slats, with view factors by ray casting.
 
-The first coordinate points from outdoors to indoors, the second upwards. The space is
-bounded by the lower face of the upper slat, the upper face of the lower slat, and the
-openings to the sky and to the room. View factors, sunlit fractions and visible
-fractions are computed by intersecting rays with these faces, so that flux is conserved.
+The first coordinate points from outdoors to indoors, the second upwards. The section is
+one period of the blind: the two faces of a slat, and vertical openings to the sky and
+to the room beyond its edges. Rays are intersected with the copies of the slat above and
+below, so slats may be curved, tilted and closed. Flux is conserved.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import final
 
 import numpy as np
@@ -17,6 +18,9 @@ from clerestory.checks import positive, require, within
 
 # Points and angles per face for view factors, and rays per opening for beams.
 _POINTS, _ANGLES, _BEAMS = 16, 128, 1024
+
+# Distance of the openings from the edges of the slats, in widths of a slat
+_MARGIN = 1e-6
 
 
 @final
@@ -53,7 +57,7 @@ class SlatGeometry:
         within(self.segments, "number of segments per slat", least=1, most=100)
 
     def polyline(self) -> Points2:
-        """Points of a slat from outdoors to indoors, relative to its mid-chord [m]."""
+        """Points of a slat from outdoors to indoors, relative to mid-chord [m]."""
         if self.curvature_radius:
             radius = self.curvature_radius
             half = np.arcsin(self.width / 2 / abs(radius))
@@ -70,31 +74,39 @@ class SlatGeometry:
 @final
 @dataclass(frozen=True, eq=False)
 class SlatCell:
-    """Faces of the space between two slats, with unit normals into the space.
+    """Faces of one period of a blind, with unit normals to the side of the light.
 
-    Faces are, in this order: the segments of the upper face of the lower slat from
-    outdoors to indoors, the segments of the lower face of the upper slat, the opening
-    to the sky and the opening to the room.
+    Faces are, in this order: the upper faces of the segments of a slat from outdoors to
+    indoors, their lower faces, the opening to the sky and the opening to the room.
     """
 
     start: Float[np.ndarray, "face 2"]
     end: Float[np.ndarray, "face 2"]
     normal: Float[np.ndarray, "face 2"]
-    segments: int
+    spacing: float
 
     @classmethod
     def between(cls, slats: SlatGeometry) -> "SlatCell":
-        """Return the space between two slats."""
-        lower = slats.polyline()
-        upper = lower + np.array([0, slats.spacing])
-        start = np.concatenate([lower[:-1], upper[:-1], lower[[0, -1]]])
-        end = np.concatenate([lower[1:], upper[1:], upper[[0, -1]]])
-        along = (end - start) / np.linalg.norm(end - start, axis=1, keepdims=True)
-        normal = np.stack([-along[:, 1], along[:, 0]], axis=1)
-        count = slats.segments
-        normal[count : 2 * count] *= -1
-        normal[2 * count] *= -1
-        return cls(start, end, normal, count)
+        """Return the period between two slats."""
+        slat = slats.polyline()
+        margin = _MARGIN * slats.width
+        outermost = slat[[slat[:, 0].argmin(), slat[:, 0].argmax()]]
+        openings = outermost + np.array([[-margin, 0.0], [margin, 0.0]])
+        above = np.array([0, slats.spacing])
+        along = np.diff(slat, axis=0)
+        along /= np.linalg.norm(along, axis=1, keepdims=True)
+        upper = np.stack([-along[:, 1], along[:, 0]], axis=1)
+        return cls(
+            np.concatenate([slat[:-1], slat[:-1], openings]),
+            np.concatenate([slat[1:], slat[1:], openings + above]),
+            np.concatenate([upper, -upper, [[1.0, 0.0], [-1.0, 0.0]]]),
+            slats.spacing,
+        )
+
+    @property
+    def segments(self) -> int:
+        """Number of segments of a slat."""
+        return (len(self.start) - 2) // 2
 
     @property
     def sky(self) -> int:
@@ -144,10 +156,22 @@ class SlatCell:
             shares[row] = np.bincount(hit, minlength=len(self.start)) / _BEAMS
         return shares
 
+    @cached_property
+    def _copies(self) -> tuple[Points2, Points2, int]:
+        # Ends of the segments of all slats within reach of a ray, and the first number
+        # of those of the slat itself
+        start, end = self.start[: self.segments], self.end[: self.segments]
+        height = np.ptp(np.concatenate([start, end])[:, 1])
+        reach = int(np.ceil(2 * height / self.spacing)) + 2
+        shift = np.arange(-reach, reach + 1)[:, None, None] * [0, self.spacing]
+        first = reach * self.segments
+        return (start + shift).reshape(-1, 2), (end + shift).reshape(-1, 2), first
+
     def _hits(self, origin: Points2, direction: Points2, leaving: int) -> Indices:
-        # Number of the first face that each ray intersects
-        along = self.end - self.start
-        away = self.start - origin[:, None]
+        # Number of the face that each ray from the face `leaving` reaches
+        start, end, first = self._copies
+        along = end - start
+        away = start - origin[:, None]
         cross = _cross(direction[:, None], along)
         parallel = np.abs(cross) < 1e-14 * np.linalg.norm(along, axis=1)
         cross = np.where(parallel, 1, cross)
@@ -155,17 +179,19 @@ class SlatCell:
         place = _cross(away, direction[:, None]) / cross
         slack = 1e-9
         met = ~parallel & (distance > 0) & (place >= -slack) & (place <= 1 + slack)
-        met[:, leaving] = False
-        hit = np.argmin(np.where(met, distance, np.inf), axis=1)
-        lost = ~met.any(axis=1)
-        # Rays along an edge may miss all faces; they leave through the opposite opening
-        hit[lost] = np.where(direction[lost, 0] > 0, self.room, self.sky)
-        return np.asarray(hit)
+        if leaving < self.sky:
+            met[:, first + leaving % self.segments] = False
+        nearest = np.argmin(np.where(met, distance, np.inf), axis=1)
+        segment = nearest % self.segments
+        below = np.sum(direction * self.normal[segment], axis=1) > 0
+        slat = segment + self.segments * below
+        opening = np.where(direction[:, 0] > 0, self.room, self.sky)
+        return np.asarray(np.where(met.any(axis=1), slat, opening))
 
     def _reciprocal(
         self, factors: Float[np.ndarray, "face face"]
     ) -> Float[np.ndarray, "face face"]:
-        # Enforce L_i F_ij = L_j F_ji while keeping the row sums
+        # Enforce reciprocity, L_i F_ij = L_j F_ji, and keep row sums of 1
         length = self.lengths[:, None]
         flux = length * factors
         for _ in range(50):

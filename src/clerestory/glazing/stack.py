@@ -46,9 +46,9 @@ Method = Literal["wavelengths", "bands"]
 class StackedLayers:
     """Optical properties of a stack of layers, with visible and solar channels.
 
-    `absorptance` is that of each layer and incident patch, per channel and side;
-    `layers` are the names from outdoors to indoors; `standard` is that of the spectral
-    averages.
+    `absorptance`: that of each layer per incident patch, by channel and side.
+    `layers`: layer names from outdoors to indoors. `standard`: name of the standard for
+    spectral averages.
     """
 
     bsdf: Bsdf
@@ -60,7 +60,7 @@ class StackedLayers:
     def direct_hemispherical(
         self, function: Function, *, channel: Channel = "visible"
     ) -> Values:
-        """Directional-hemispherical property per incident patch."""
+        """Directional-hemispherical transmittance or reflectance per patch."""
         return self.bsdf.direct_hemispherical(function, channel=channel)
 
     def diffuse(self, function: Function, *, channel: Channel = "visible") -> float:
@@ -196,7 +196,7 @@ def _band_by_band(
 def layer_band(
     layer: Layer, standard: Standard, channel: Channel, partition: RingPartition
 ) -> Optics:
-    """Band average of the BSDFs of a layer [1/sr] over (exit, incident)."""
+    """Band-averaged BSDFs [1/sr] of a layer by exit patch and incident patch."""
     if isinstance(layer, BsdfLayer):
         return layer.band(channel, partition)
     weights = standard.band(channel).weights(layer.wavelength_nm)

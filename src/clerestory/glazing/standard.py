@@ -4,7 +4,7 @@ A band is a set of weights at fixed wavelengths. The average of a spectrum is th
 weighted sum of its values, accumulated wavelength by wavelength for layer stacks.
 
 References: NFRC 300 (source ASTM E891 direct, AM 1.5; visible D65 and CIE 1931 Y); EN
-410 (tables of weights). Sums include only intervals within the range, as in
+410 (tables of weights). Sums include only intervals within the band, as in
 WINDOW.
 """
 
@@ -42,7 +42,7 @@ class Band:
         return float(self.weight @ spectrum.at(self.wavelength_nm))
 
     def weights(self, known_nm: Values) -> Values:
-        """Weights of the values at the given wavelengths, interpolated linearly."""
+        """Weights of values at other wavelengths, which are interpolated linearly."""
         return np.asarray(
             self.weight @ interpolation_matrix(known_nm, self.wavelength_nm)
         )
@@ -88,7 +88,7 @@ def standard(name: str) -> Standard:
 
 
 def trapezoidal_band(source: Spectrum, *, low_nm: float, high_nm: float) -> Band:
-    """Return the weights of the trapezoidal rule over intervals within a range."""
+    """Return the band of a source spectrum, by the trapezoidal rule within a range."""
     inside = (source.wavelength_nm >= low_nm - _ROUNDING_NM) & (
         source.wavelength_nm <= high_nm + _ROUNDING_NM
     )

@@ -28,7 +28,7 @@ Distribution = Literal["directional", "uniform"]
 
 
 class _Beams(NamedTuple):
-    """Fractions of flux per direction that reach each face or miss the slats."""
+    """Fractions of beams that reach each face or miss the slats, per direction."""
 
     entering: Float[np.ndarray, "direction face"]
     straight: Float[np.ndarray, " direction"]
@@ -43,8 +43,8 @@ class VenetianBlind(MaterialLayer):
     ----------
     material : slat material; its front side is the upper face of the slats
     slats : cross-section of the slats
-    distribution : "directional" uses the fraction of each face visible from each exit
-        patch; "uniform" distributes exit radiance uniformly
+    distribution : "directional" uses the fraction of each face that is visible from
+        each exit patch; "uniform" distributes exit radiance uniformly
     vertical : whether slats are vertical; positive tilt then turns the outdoor edge to
         the left, as seen from the room
     """
@@ -65,7 +65,7 @@ class VenetianBlind(MaterialLayer):
         return float(np.ptp(self.slats.polyline()[:, 0])) + self.material.thickness
 
     def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
-        """BSDFs [1/sr] over (wavelength, exit, incident)."""
+        """BSDFs [1/sr] by wavelength, exit patch and incident patch."""
         section = self._section(partition)
         measure = partition.projected_solid_angles()
         front = self._beams(section * [1, 1], self._cell.sky)
@@ -91,7 +91,7 @@ class VenetianBlind(MaterialLayer):
         return Optics(*parts)
 
     def openness(self, direction: Directions) -> Values:
-        """Fraction of the flux along each direction that passes between the slats."""
+        """Fraction of the flux in each direction that passes between the slats."""
         x, y, z = direction.T
         profile = np.arctan2(x if self.vertical else y, z)
         angle, share = self._passing
@@ -120,7 +120,7 @@ class VenetianBlind(MaterialLayer):
         return angle, self._beams(section, self._cell.sky).straight
 
     def _section(self, partition: RingPartition) -> Points2:
-        # Directions of travel in the cross-section: into the room, and up (or right)
+        # Components of directions of travel: into the room, and up (or right)
         x, y, z = partition.centres().T
         return np.stack([z, x if self.vertical else y], axis=1)
 
@@ -146,7 +146,7 @@ class VenetianBlind(MaterialLayer):
     def _material_matrix(
         self, wavelength_nm: PerWavelength
     ) -> Float[np.ndarray, "wavelength face face"]:
-        # Each face reflects, and transmits flux from the opposite face of its slat
+        # Each face reflects flux, and transmits flux from the other side of the slat
         shares = self.material.at(wavelength_nm)
         count = self.slats.segments
         same, across = np.eye(count), np.eye(count)

@@ -31,13 +31,13 @@ def load_engine() -> ModuleType:
 
 
 def hemisphere(engine: ModuleType, basis: Basis) -> Any:
-    """Return a Klems basis of the engine."""
+    """Return a Klems basis as a pywincalc object."""
     kind = getattr(engine.BSDFBasisType, basis.upper())
     return engine.BSDFHemisphere.create(kind)
 
 
 def engine_gap(engine: ModuleType, gap: Gap) -> Any:
-    """Return a gap for the engine."""
+    """Return a gap as a pywincalc object."""
     gases = [
         [share, getattr(engine.PredefinedGasType, name.upper())]
         for name, share in gap.gases.items()
@@ -47,7 +47,7 @@ def engine_gap(engine: ModuleType, gap: Gap) -> Any:
 
 
 def engine_layer(engine: ModuleType, layer: Layer, partition: RingPartition) -> Any:
-    """Return a layer for the engine.
+    """Return a layer as a pywincalc object.
 
     `partition`: full Klems basis, for layers that are passed as matrices.
     """

@@ -1,6 +1,6 @@
 """Sums, scaling, cropping and reduction of pictures.
 
-The view of a picture is adapted to the result: cropping narrows and shifts it.
+Cropping a picture also narrows and shifts its view.
 """
 
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ Colour = tuple[float, float, float]
 
 
 def scale(picture: Picture, factor: float | Colour) -> Picture:
-    """Return a picture multiplied by one factor, or one per channel."""
+    """Return a picture multiplied by one factor, or by one factor per channel."""
     finite(factor, "factor")
     return replace(picture, radiance=picture.radiance * np.asarray(factor, np.float32))
 
@@ -28,8 +28,8 @@ def weighted_sum(
 ) -> Picture:
     """Return Σ weight · picture, with the view and header of the first picture.
 
-    All pictures must have one size and quantity. The default weight is 1. Sums are
-    computed in double precision.
+    All pictures must have the same size and quantity (radiance or irradiance). The
+    default weight is 1. Sums are computed in double precision.
 
     Examples
     --------
@@ -75,7 +75,7 @@ def within_view(picture: Picture) -> Bool[np.ndarray, "row column"]:
 def crop(picture: Picture, *, left: int, top: int, columns: int, rows: int) -> Picture:
     """Return the `columns` × `rows` pixels from row `top` and column `left`.
 
-    The view is reduced as well: the directions of the pixels are unchanged.
+    The view is cropped as well, so that the direction of each pixel is unchanged.
     """
     inside = 0 <= left < left + columns <= picture.columns
     require(
@@ -91,8 +91,8 @@ def crop(picture: Picture, *, left: int, top: int, columns: int, rows: int) -> P
 
 
 def _part(view: View, start: Sequence[float], share: Sequence[float]) -> View:
-    # Part of a view with its bottom left corner at the fractions `start` of width and
-    # height, and with the fractions `share` of width and height
+    # Rectangle within a view: `start` is its bottom left corner and `share` its size,
+    # as fractions of the width and height of the view
     projection = PROJECTIONS[view.kind]
     half = projection.extent(view.horizontal, view.vertical)
     horizontal, vertical = projection.angles(half[0] * share[0], half[1] * share[1])
@@ -108,8 +108,8 @@ def _part(view: View, start: Sequence[float], share: Sequence[float]) -> View:
 def reduce(picture: Picture, *, columns: int, rows: int) -> Picture:
     """Return a smaller picture whose pixels are area averages.
 
-    The integral over the picture area is conserved. Pixels that overlap several new
-    pixels contribute to each of them in proportion to the overlap.
+    The integral over the picture area is conserved. A pixel that overlaps several new
+    pixels contributes to each new pixel in proportion to the overlap.
 
     Examples
     --------
@@ -137,7 +137,7 @@ def reduce(picture: Picture, *, columns: int, rows: int) -> Picture:
 def _average(
     lines: Float[np.ndarray, "old width"], count: int
 ) -> Float[np.ndarray, "new width"]:
-    # Means are differences of the cumulative sum, interpolated at the new boundaries
+    # A mean is the difference of the cumulative sum between two new pixel boundaries
     integral = np.zeros((lines.shape[0] + 1, lines.shape[1]))
     np.cumsum(lines, axis=0, dtype=float, out=integral[1:])
     border = np.linspace(0, lines.shape[0], count + 1)

@@ -49,7 +49,7 @@ class ResponseCurve:
         object.__setattr__(self, "exposure", curve / curve[_MIDDLE])
 
     def monotonic(self) -> "ResponseCurve":
-        """Return the lowest non-decreasing curve that is nowhere below this curve."""
+        """Return a non-decreasing curve: the running maximum of this curve."""
         return ResponseCurve(np.maximum.accumulate(np.maximum(self.exposure, 0)))
 
 
@@ -68,7 +68,7 @@ def linear_response() -> ResponseCurve:
 def response_named(
     name: str, photographs: Sequence[Photograph], exposures: Sequence[Exposure]
 ) -> ResponseCurve:
-    """Return a response curve: debevec, robertson, srgb, linear, or a file path."""
+    """Return the curve `name`: debevec, robertson, srgb, linear, or a file path."""
     if name in get_args(Method):
         return recover_response(photographs, exposures, method=name)  # type: ignore[arg-type]
     if name == "srgb":
@@ -84,13 +84,13 @@ def recover_response(
 ) -> ResponseCurve:
     """Return the response curve that best fits an exposure bracket of one scene.
 
-    Requires a scene with smooth gradients, a fixed camera, and overlapping exposures
-    about one stop apart.
+    The scene must have smooth gradients, the camera must not move, and exposures should
+    be about one stop apart.
 
     Sources: Debevec, P. E. and Malik, J. (1997): Recovering high dynamic range radiance
     maps from photographs. SIGGRAPH. Robertson, M. A. et al. (2003):
     Estimation-theoretic approach to dynamic range enhancement using multiple exposures.
-    Journal of Electronic Imaging 12(2). Both as in OpenCV.
+    Journal of Electronic Imaging 12(2). Both are implemented by OpenCV.
     """
     check_bracket(photographs, exposures)
     times = np.array([exposure.relative() for exposure in exposures], dtype=np.float32)
@@ -123,7 +123,7 @@ def check_bracket(
 
 
 def write_response(curve: ResponseCurve, path: str | Path) -> None:
-    """Write a response curve as a table with columns value, red, green and blue."""
+    """Write a response curve as a CSV table: pixel value, red, green, blue."""
     rows = (
         f"{value},{red:.9g},{green:.9g},{blue:.9g}"
         for value, (red, green, blue) in enumerate(curve.exposure.tolist())
@@ -132,7 +132,7 @@ def write_response(curve: ResponseCurve, path: str | Path) -> None:
 
 
 def read_response(path: str | Path) -> ResponseCurve:
-    """Read a response curve: a table by `write_response`, or an .rsp file of hdrgen."""
+    """Read a response curve from a file of `write_response` or .rsp file of hdrgen."""
     lines = [line for line in read_text(path).splitlines() if line.strip()]
     try:
         if lines and lines[0].replace(" ", "").lower() == "value,red,green,blue":
@@ -151,7 +151,7 @@ def read_response(path: str | Path) -> ResponseCurve:
 
 
 def _polynomials(lines: list[np.ndarray]) -> ResponseCurve:
-    # Each line: degree, then coefficients of value / 255, highest power first
+    # Each line: degree, then coefficients of pixel value / 255, highest power first
     value = np.arange(LEVELS) / (LEVELS - 1)
     curves = []
     for numbers in lines:

@@ -29,7 +29,7 @@ class ColourScale:
     unit : unit of the values in the legend
     logarithmic : whether the scale is logarithmic instead of linear
     palette : name of a matplotlib colour map; "gnuplot" resembles Radiance's pm3d
-    ends : positions in the palette of the first and the last colour, 0…1
+    ends : positions of the first and the last colour within the palette, 0…1
     steps : number of colours
     """
 
@@ -87,10 +87,10 @@ def linear_scale(
     divisions: int = 10,
     palette: str = "turbo",
 ) -> ColourScale:
-    """Return a linear scale for a picture.
+    """Return a linear colour scale for a picture.
 
-    By default the scale ends at a round number above 99.5 % of the pixels, and the
-    number of divisions between its levels, which are round, is approximate.
+    By default, the scale ends at a round value that 99.5 % of the pixels do not exceed;
+    levels are then round values, with about `divisions` intervals between them.
     """
     require(divisions >= 1, f"{divisions} divisions; 1 or more expected")
     if largest is None:
@@ -111,9 +111,9 @@ def logarithmic_scale(
     decades: float = 3.0,
     palette: str = "turbo",
 ) -> ColourScale:
-    """Return a logarithmic scale for a picture, with levels at 1, 2, 5, 10, ….
+    """Return a logarithmic colour scale for a picture, with levels at 1, 2, 5, 10, ….
 
-    By default the scale ends at a round number above 99.5 % of the pixels.
+    By default, the scale ends at a round value that 99.5 % of the pixels do not exceed.
     """
     require(
         0 < decades <= 30,
@@ -132,7 +132,7 @@ def logarithmic_scale(
 
 
 def round_up(value: float) -> float:
-    """Return the next 1, 2 or 5 times a power of ten not below a value; 1 if ≤ 0.
+    """Round a value up to 1, 2 or 5 times a power of ten; values ≤ 0 give 1.
 
     >>> round_up(321.0), round_up(0.0)
     (500.0, 1.0)

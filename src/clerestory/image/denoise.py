@@ -1,8 +1,8 @@
 """Denoising of ray-traced pictures by a neural network (Intel Open Image Denoise).
 
 A denoised picture is for display, not for photometry: its errors are unknown, and
-radiances may be biased near edges. Its header records the denoising, and glare is not
-evaluated from it.
+radiances may be biased near edges. The picture's header records the denoising, and
+glare is not evaluated from denoised pictures.
 
 Reference: A. Áfra, Intel Open Image Denoise, 2019–2026, openimagedenoise.org.
 """
@@ -21,7 +21,7 @@ _MARK = "DENOISED="
 
 
 def denoise(picture: Picture) -> Picture:
-    """Return the denoised picture; its header records the denoising.
+    """Return a denoised picture, with the denoising recorded in its header.
 
     Raises
     ------

@@ -1,6 +1,6 @@
 """High-dynamic-range pictures from exposure brackets of photographs.
 
-Each pixel is the weighted mean of its radiance estimates from all photographs.
+Each pixel is the weighted mean of the radiances estimated from all photographs.
 """
 
 from collections.abc import Sequence
@@ -32,10 +32,10 @@ _DARKEST, _BRIGHTEST = 3, 252
 
 
 class Merged(NamedTuple):
-    """High-dynamic-range picture, with radiances up to a common factor.
+    """High-dynamic-range picture of relative radiance, with masks of unreliable pixels.
 
-    Pixels with overflow are saturated in the shortest exposure: their radiance is too
-    low. Pixels with underflow are too dark in the longest exposure.
+    Pixels in `overflow` are saturated even in the shortest exposure: their radiance is
+    too low. Pixels in `underflow` are too dark even in the longest exposure.
     """
 
     picture: Picture
@@ -51,10 +51,10 @@ def merge_photographs(
     align_first: bool = False,
     progress: Progress | None = None,
 ) -> tuple[Merged, ResponseCurve]:
-    """Return the merged picture of photographs in files, and the camera response.
+    """Merge photographs from files; return the picture and the camera response.
 
-    The default exposure `times` [s] are those in the EXIF data. `response` is a name or
-    a file, see `response_named`.
+    By default, exposure `times` [s] are read from the EXIF data. `response` is a name
+    or a file, see `response_named`.
     """
     report = progress or (lambda _share, _note: None)
     photographs = [read_photograph(file) for file in files]
@@ -81,8 +81,8 @@ def merge_bracket(
 ) -> Merged:
     """Return the high-dynamic-range picture of a bracket of photographs.
 
-    The weight of a pixel value is the smaller of its distances from 0 and 255, times
-    the exposure, because relative noise decreases with exposure.
+    The weight of a pixel is the difference of its value from 0 or 255, whichever is
+    smaller, times the exposure, because relative noise decreases with exposure.
     """
     check_bracket(photographs, exposures)
     order = np.argsort([exposure.relative() for exposure in exposures])
@@ -98,7 +98,7 @@ def merge_bracket(
             total[..., channel] += (trust * response.exposure[:, channel])[pixels]
             weight[..., channel] += (trust * exposures[i].relative())[pixels]
 
-    # Pixels without a reliable value: use the shortest or the longest exposure
+    # Where no photograph is reliable, use the shortest or the longest exposure
     first, last = order[0], order[-1]
     bright = (photographs[first] > _BRIGHTEST) & (weight == 0)
     dark = (photographs[last] < _DARKEST) & (weight == 0)
@@ -120,11 +120,11 @@ def _radiance(
 
 
 def align(photographs: Sequence[Photograph]) -> list[Photograph]:
-    """Return the photographs of a moving camera shifted into alignment.
+    """Return photographs of a hand-held camera, shifted into alignment.
 
     Source: Ward, G. (2003): Fast, robust image registration for compositing high
     dynamic range photographs from hand-held exposures. Journal of Graphics Tools 8(2).
-    As in OpenCV.
+    Implemented by OpenCV.
     """
     require(photographs, "no photographs; two or more expected")
     images = [np.ascontiguousarray(photograph) for photograph in photographs]

@@ -1,9 +1,9 @@
 """OpenEXR pictures: red, green and blue in 16 or 32 bits, with header attributes.
 
-Standard attributes of OpenEXR are chromaticities (of the primaries), whiteLuminance
-[cd/m²] (of the colour (1, 1, 1)), pixelAspectRatio (width over height) and comments
-(header lines). The view and the quantity are stored in the custom attributes
-`radianceView` and `quantity`.
+These standard attributes of OpenEXR are used: chromaticities of the primaries,
+whiteLuminance of the colour (1, 1, 1) [cd/m²], pixelAspectRatio (width over height),
+and comments (header lines). The custom attributes `radianceView` and `quantity` contain
+the view, and whether pixels are radiance or irradiance.
 """
 
 import tempfile
@@ -30,10 +30,10 @@ _LARGEST_HALF = 65504.0
 
 
 def read_exr(path: str | Path) -> Picture:
-    """Return an OpenEXR picture, converted to the primaries of Radiance.
+    """Read an OpenEXR picture, and convert it to the primaries of Radiance.
 
-    Default chromaticities are the primaries of Radiance; without whiteLuminance, values
-    are radiances in W/(m²·sr). A single channel Y gives a grey picture.
+    Default chromaticities are the primaries of Radiance. Without whiteLuminance, pixels
+    are radiances in W/(m²·sr). A file with a single channel Y gives a grey picture.
     """
     read_bytes(path)  # raises InputError with the reason if the file is unreadable
     try:
@@ -48,7 +48,7 @@ def read_exr(path: str | Path) -> Picture:
 
 
 def _window(corners: Any) -> tuple[int, int, int, int]:
-    # Left column, top row, and numbers of columns and rows
+    # Left column, top row, number of columns, number of rows
     (left, top), (right, bottom) = corners
     columns, rows = int(right) - int(left) + 1, int(bottom) - int(top) + 1
     check_size(columns, rows)
@@ -69,7 +69,7 @@ def _colours(channels: dict[str, Any]) -> Float32[np.ndarray, "row column 3"]:
 def _in_display_window(
     values: Float32[np.ndarray, "row column 3"], header: dict[str, Any]
 ) -> Float32[np.ndarray, "rows columns 3"]:
-    # The view refers to the display window; data may cover only part of it
+    # The view refers to the display window; stored pixels may cover only part of it
     left, top, columns, rows = _window(header["displayWindow"])
     first_column, first_row = np.asarray(header["dataWindow"][0]) - [left, top]
     whole = np.zeros((rows, columns, 3), dtype=np.float32)
@@ -111,7 +111,7 @@ def _flat(primaries: Primaries) -> tuple[float, ...]:
 def write_exr(picture: Picture, path: str | Path, *, half: bool = False) -> None:
     """Write a picture as OpenEXR with lossless compression.
 
-    With `half`, values have 16 instead of 32 bits: 3 digits, up to 65504.
+    With `half`, values have 16 bits instead of 32: three digits, at most 65504.
     """
     values = picture.rgb
     if half:

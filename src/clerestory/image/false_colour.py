@@ -32,14 +32,14 @@ def false_colour(
     extremes: bool = False,
     with_legend: bool = True,
 ) -> UInt8[np.ndarray, "height width 3"]:
-    """Return a picture in false colour, sRGB.
+    """Return a picture in false colour, as sRGB pixels.
 
     Parameters
     ----------
     picture : picture of luminance or illuminance
     scale : mapping of values to colours
     style : "fill" colours every pixel, "steps" uses one colour between two levels;
-        "lines" and "bands" draw the levels over the tone-mapped picture
+        "lines" and "bands" draw contours of the levels over the tone-mapped picture
     extremes : whether to mark the smallest value above zero and the largest value
     with_legend : whether to add a legend on the left
 
@@ -70,7 +70,7 @@ def false_colour(
 
 
 def _steps(values: np.ndarray, scale: ColourScale) -> Pixels:
-    # Each interval between levels is filled with the colour of its middle
+    # Fill each interval between two levels with the colour of its middle
     ends = scale.place(np.array(scale.levels))
     step = np.searchsorted(scale.levels, values, side="right") - 1
     step = np.clip(step, 0, len(ends) - 2)

@@ -1,7 +1,7 @@
 """Fisheye lenses: projection of directions onto the photograph.
 
-A lens is described by the image radius as a function of the angle from the axis,
-relative to the radius at 90°. Pictures are reprojected to a Radiance view, e.g. -vta.
+A lens is described by the distance from the image centre (radius) as a function of the
+angle from the lens axis. Pictures are reprojected to a Radiance view, such as -vta.
 """
 
 from collections.abc import Callable
@@ -31,10 +31,10 @@ class Lens:
 
     Attributes
     ----------
-    mapping : image radius as a function of the angle θ, up to a factor: θ
+    mapping : image radius, up to a factor, at the angle θ from the axis: θ
         ("equidistant"), sin θ/2 ("equisolid"), sin θ ("orthographic"), tan θ/2
         ("stereographic"), or a polynomial of θ
-    coefficients : polynomial coefficients of θ, θ², … [1/rad, 1/rad², …], to any scale
+    coefficients : coefficients, up to a factor, of θ, θ², … [1/rad, 1/rad², …]
     """
 
     mapping: Mapping = "equidistant"
@@ -68,12 +68,12 @@ class Lens:
 
 @dataclass(frozen=True)
 class ImageCircle:
-    """Position and size of the hemisphere on a photograph.
+    """Circle that shows the hemisphere on a photograph: centre and radius.
 
     Attributes
     ----------
-    row, column : pixel coordinates of the axis; the centre of pixel 0 is at 0.5
-    radius : distance from the axis at which 90° is imaged [pixels]
+    row, column : pixel coordinates of the lens axis; the centre of pixel 0 is at 0.5
+    radius : distance from the centre of directions at 90° to the lens axis [pixels]
     """
 
     row: float
@@ -99,12 +99,11 @@ def reproject(
     columns: int,
     rows: int,
 ) -> Picture:
-    """Return the picture reprojected to a view; black outside the field of the lens.
+    """Return a picture reprojected to a view; black beyond 90° from the lens axis.
 
     The top of the photograph is the up direction of the view. Each pixel is the mean of
-    n × n samples, where n is about the number of photograph pixels across the pixel.
-    Flux is approximately conserved, so that the illuminance computed from the new view
-    is correct.
+    several samples, about one per photograph pixel, so that flux and illuminance are
+    approximately conserved.
     """
     require(
         0 <= circle.row <= picture.rows and 0 <= circle.column <= picture.columns,
@@ -124,7 +123,7 @@ def reproject(
 def _sampled(
     picture: Picture, lens: Lens, circle: ImageCircle, view: View, jitter: np.ndarray
 ) -> np.ndarray:
-    # Photograph sampled at one point of each pixel of the view
+    # Sample the photograph at one point within each pixel of the view
     cv2 = opencv()
     rows, columns, _ = jitter.shape
     direction, valid = view.rays(columns, rows, jitter)[1:]
@@ -144,7 +143,7 @@ def _sampled(
         cv2.INTER_LINEAR,
         borderMode=cv2.BORDER_REPLICATE,
     )
-    # Directions beyond 90° are outside the field of the lens
+    # Pixels are black beyond 90° from the lens axis and outside the photograph
     inside = valid & (theta <= np.pi / 2 + 1e-6)
     inside &= (column > -1) & (column < picture.columns)
     inside &= (row > -1) & (row < picture.rows)

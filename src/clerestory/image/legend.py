@@ -10,7 +10,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from clerestory.image.colour_scale import ColourScale
 
-# Font size relative to the height of the picture, and its limits [pixels]
+# Ratio of font size to picture height; smallest and largest font size [pixels]
 _LETTERS, _SMALLEST, _LARGEST = 1 / 30, 10, 26
 
 # Smallest height of the legend, in lines of text
@@ -52,7 +52,7 @@ def legend(scale: ColourScale, *, height: int) -> UInt8[np.ndarray, "row column 
     colours = scale.colours(np.linspace(1, 0, bottom - top))
     colours = np.repeat(colours[:, None], bar, axis=1)
     image.paste(Image.fromarray(colours), (gap, top))
-    # Labels from the bottom upwards, where there is space
+    # Draw labels from the bottom upwards, where there is space
     free = float(height)
     places = scale.place(np.array(scale.levels, dtype=float)).tolist()
     for place, word in zip(places, words, strict=True):

@@ -8,7 +8,7 @@ from clerestory.errors import ClerestoryError
 
 
 def opencv() -> Any:
-    """Return the module of OpenCV."""
+    """Return the module `cv2` of OpenCV, imported when it is needed."""
     if importlib.util.find_spec("cv2") is None:
         raise ClerestoryError(
             "OpenCV is not installed; run `pip install clerestory[capture]`"

@@ -1,6 +1,6 @@
 """Photographs of an exposure bracket and their exposures.
 
-The exposure follows from exposure time, sensitivity and aperture, which are given or
+The exposure is computed from exposure time, ISO speed and f-number, which are given or
 read from the EXIF data.
 """
 
@@ -80,7 +80,7 @@ def _opened(path: str | Path) -> Iterator[Image.Image]:
 
 
 def read_exposure(path: str | Path) -> Exposure:
-    """Return the exposure in the EXIF data of a photograph."""
+    """Return exposure time, f-number and ISO speed from EXIF data of a photograph."""
     with _opened(path) as image:
         data = image.getexif().get_ifd(ExifTags.IFD.Exif)
     tags = {

@@ -13,18 +13,18 @@ from clerestory.image.arithmetic import scale
 from clerestory.image.picture import Picture
 from clerestory.scene.view import solid_angles
 
-# Relative change of illuminance during a bracket that causes a warning
+# Relative change of illuminance during a bracket above which a warning is given
 _DRIFT = 0.10
 
-# Fraction of the measured illuminance below which a picture is considered clipped
+# A picture that yields a smaller fraction of the measured illuminance is clipped
 _COMPLETE = 0.80
 
 
 class Calibration(NamedTuple):
     """A picture in absolute radiance, and the factor by which it was scaled.
 
-    `illuminance` is the mean of the measured illuminances at the camera [lux], `drift`
-    their relative change during the bracket.
+    `illuminance` is the mean illuminance measured at the camera [lux], and `drift` the
+    relative change of illuminance during the bracket.
     """
 
     picture: Picture
@@ -39,7 +39,7 @@ def eye_illuminance(picture: Picture) -> float:
 
 
 def _projected_solid_angles(picture: Picture) -> Float[np.ndarray, "row column"]:
-    # Solid angle of each pixel times the cosine to the view direction [sr]
+    # Solid angle of each pixel [sr] times the cosine of its angle to the view direction
     view = picture.view
     if view is None:
         raise InputError("the picture has no view; a hemispherical view expected")
@@ -49,10 +49,10 @@ def _projected_solid_angles(picture: Picture) -> Float[np.ndarray, "row column"]
 
 
 def calibrate(picture: Picture, *, before: float, after: float) -> Calibration:
-    """Return the picture of a hemisphere scaled to the measured illuminance.
+    """Return a hemispherical picture, scaled to the measured illuminance.
 
-    `before` and `after` are the illuminances at the lens before and after the bracket
-    [lux]. A change by more than 10 % gives a warning.
+    `before` and `after` are illuminances at the lens [lux], before and after the
+    exposure bracket. A change by more than 10 % gives a warning.
     """
     positive([before, after], "measured illuminance", unit="lux")
     found = eye_illuminance(picture)
@@ -73,9 +73,9 @@ def calibrate(picture: Picture, *, before: float, after: float) -> Calibration:
 def overflow(picture: Picture, illuminance: float) -> float:
     """Fraction of the measured illuminance that is missing in a calibrated picture.
 
-    The picture must have been calibrated independently of this illuminance [lux], such
-    as by a luminance meter. A large fraction indicates that the sun, or its mirror
-    image, is clipped; more than a fifth gives a warning.
+    The picture must not be calibrated by `illuminance` [lux] itself, but for example by
+    a luminance meter. A large fraction indicates that the sun, or a reflection of the
+    sun, is clipped; more than a fifth gives a warning.
     """
     positive(illuminance, "measured illuminance", unit="lux")
     held = eye_illuminance(picture)
@@ -94,7 +94,7 @@ def overflow(picture: Picture, illuminance: float) -> float:
 def replace_overflow(
     picture: Picture, illuminance: float, *, brightest: float
 ) -> Picture:
-    """Return the picture with clipped pixels raised to the measured illuminance [lux].
+    """Raise clipped pixels until the picture yields the measured illuminance [lux].
 
     All pixels of the luminance `brightest` [cd/m²] or more are set to one common
     luminance. The result has the correct illuminance but not the correct luminance

@@ -1,7 +1,7 @@
 """Pictures of radiance or irradiance, with their view.
 
-Row 0 is at the top. Values are absolute: readers divide by the exposures and colour
-corrections of a file.
+Row 0 is at the top. Pixel values are absolute: readers divide by the exposures and
+colour corrections in a file.
 """
 
 from dataclasses import dataclass
@@ -34,7 +34,7 @@ class Picture:
 
     Raises
     ------
-    InputError : wrong shape, or a value that is not finite
+    InputError : wrong shape, a pixel that is not finite, or a pixel aspect ≤ 0
 
     Examples
     --------
@@ -68,17 +68,17 @@ class Picture:
 
     @property
     def rows(self) -> int:
-        """Number of rows."""
+        """Number of pixel rows."""
         return int(self.radiance.shape[0])
 
     @property
     def columns(self) -> int:
-        """Number of columns."""
+        """Number of pixel columns."""
         return int(self.radiance.shape[1])
 
     @property
     def rgb(self) -> Float32[np.ndarray, "row column 3"]:
-        """Values in red, green and blue."""
+        """Pixel values of a picture in red, green and blue."""
         require(self.bands == RGB, f"picture in the bands {self.bands}; {RGB} expected")
         return self.radiance
 
@@ -110,7 +110,7 @@ def photometric_unit(picture: Picture) -> str:
 
 
 def same_size(pixels: np.ndarray, like: np.ndarray, what: str) -> None:
-    """Require as many rows and columns in `pixels` as in `like`."""
+    """Require that `pixels` and `like` have equal numbers of rows and columns."""
     (rows, columns), size = pixels.shape[:2], like.shape[:2]
     require(
         (rows, columns) == size,

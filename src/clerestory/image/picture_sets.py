@@ -29,7 +29,7 @@ def is_picture_set(path: Path) -> bool:
 
 
 def numbered(path: Path, number: int) -> Path:
-    """Return the file name of one picture of a set.
+    """Return the file name of the picture of a set with the given number.
 
     >>> str(numbered(Path("V_%03d.hdr"), 7))
     'V_007.hdr'
@@ -63,9 +63,9 @@ def read_picture_set(path: Path) -> tuple[TransferMatrix, Picture]:
 def write_picture_set(
     path: Path, matrix: TransferMatrix, like: Picture, *, command: str
 ) -> list[Path]:
-    """Write one picture per column, with the size and view of `like`; return the paths.
+    """Write a picture per matrix column, of size and view of `like`; return the paths.
 
-    For a single column the file name needs no number format.
+    For a matrix of one column, the file name needs no number format.
     """
     columns, many = matrix.columns.size, "%" in path.name
     require(many or columns == 1, _NO_NUMBER, file=path)

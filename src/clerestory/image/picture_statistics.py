@@ -18,8 +18,8 @@ from clerestory.image.picture import (
 class Statistics:
     """Distribution of luminance [cd/m²], or illuminance [lux], over pixels.
 
-    Pixels have equal weights. Percentiles are pairs: a percentage, and the value that
-    this percentage of the pixels does not exceed.
+    All pixels have equal weight. `percentile` contains pairs of a percentage and the
+    value that this percentage of the pixels does not exceed.
     """
 
     pixels: int
@@ -41,7 +41,7 @@ def statistics(
     *,
     percentages: tuple[float, ...] = (1.0, 10.0, 25.0, 50.0, 75.0, 90.0, 99.0),
 ) -> Statistics:
-    """Return the statistics of the pixels of a picture where the mask is true."""
+    """Return statistics of the pixels at which the mask is true (default: all)."""
     values = photometric(picture)
     if mask is not None:
         same_size(mask, values, "the mask")

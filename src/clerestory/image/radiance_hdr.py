@@ -26,12 +26,12 @@ from clerestory.radiance.view_text import format_view, opens_view
 # Offset of the exponent byte (color.h: COLXS)
 _EXCESS = 128
 
-# Smaller values are written as black (color.c: setcolr)
+# Pixels without a larger component are written as black (color.c: setcolr)
 _BLACK = 1e-32
 
 
 def read_radiance(path: str | Path) -> Picture:
-    """Return a picture in Radiance format, divided by its exposure."""
+    """Read a picture in Radiance format; pixel values are divided by the exposure."""
     data = read_bytes(path)
     with located(file=path):
         lines, resolution_line, start = split_header(data)
@@ -53,7 +53,7 @@ def read_radiance(path: str | Path) -> Picture:
 def _floats(
     quads: UInt8[np.ndarray, "row column 4"],
 ) -> Float32[np.ndarray, "row column 3"]:
-    # Centre of the interval of each mantissa; exponent 0 is black
+    # Decode a mantissa to the centre of its interval; exponent 0 is black
     unit = np.ldexp(np.float32(1), np.arange(256) - _EXCESS - 8)
     unit[0] = 0
     values = quads[..., :3].astype(np.float32)
@@ -81,16 +81,16 @@ def write_radiance(
 ) -> None:
     """Write a picture in Radiance format.
 
-    Precision is 1/256 of the largest component of each pixel. Negative values become 0,
-    values above 10³⁸ the largest value of the format. The values are multiplied by the
-    exposure, which is recorded in the header. With `xyz`, CIE XYZ is written instead of
+    Precision is 1/256 of the largest component of each pixel. Negative values become 0;
+    values above 10³⁸ become the largest value of the format. All values are multiplied
+    by `exposure`, which the header records. With `xyz`, CIE XYZ is written instead of
     red, green and blue.
     """
     values = picture.rgb
     scale = exposure
     if xyz:
         values = values @ np.linalg.inv(xyz_to_rgb()).T.astype(np.float32)
-        # Y divided by the exposure of the header is in cd/m²
+        # In XYZ files, Y divided by the exposure in the header is luminance in cd/m²
         scale = exposure / LUMINOUS_EFFICACY
     pixels = _quads(values * np.float32(exposure))
     with replace_file(path) as stream:
@@ -103,7 +103,7 @@ def _header(picture: Picture, scale: float, *, xyz: bool) -> str:
     if picture.view is not None:
         lines.append(f"VIEW= {format_view(picture.view)}")
     else:
-        # A leading tab hides "VIEW=" lines from programs
+        # Programs ignore a "VIEW=" line that starts with a tab
         lines = ["\t" + line if opens_view(line) else line for line in lines]
     lines.insert(0, "#?RADIANCE")
     if picture.quantity != parse_header(lines).quantity:
@@ -123,7 +123,7 @@ def _quads(
     values = np.clip(values, 0, np.float32(255 / 256 * 2.0**127))
     largest = np.maximum(np.maximum(values[..., 0], values[..., 1]), values[..., 2])
     _, exponent = np.frexp(np.maximum(largest, np.float32(_BLACK)))
-    # Powers of two make the product exact
+    # The product is exact, as the factor is a power of two
     unit = np.ldexp(np.float32(1), 8 - exponent)
     quads = np.empty((*largest.shape, 4), dtype=np.uint8)
     for i in range(3):

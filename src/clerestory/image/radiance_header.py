@@ -1,7 +1,7 @@
 """Headers of Radiance pictures: text lines, an empty line and the resolution.
 
-Each program that processes a picture adds a line. Lines of the source pictures begin
-with a tab and are ignored.
+Each program that processes a picture adds a line. Lines from the headers of source
+pictures begin with a tab and are ignored.
 """
 
 import re
@@ -48,7 +48,7 @@ class Resolution:
 
     @property
     def scanlines(self) -> tuple[int, int]:
-        """Number of scanlines, and number of pixels per scanline."""
+        """Number of scanlines, and number of pixels in each scanline."""
         shape = (self.rows, self.columns)
         return shape[::-1] if self.by_column else shape
 
@@ -63,10 +63,10 @@ class Resolution:
 
 @dataclass
 class Header:
-    """Contents of a header.
+    """Contents of the header of a Radiance picture.
 
-    `scale` is the factor contained in the pixel values of each channel, the product of
-    exposures and colour corrections.
+    `scale` is the factor by which the pixels of each channel have been multiplied: the
+    product of exposures and colour corrections.
     """
 
     encoding: Literal["rgb", "xyz"] = "rgb"
@@ -98,7 +98,7 @@ def _text(data: bytes) -> str:
 
 
 def parse_resolution(line: str) -> Resolution:
-    """Return the pixel order that a line such as "-Y 600 +X 800" describes."""
+    """Return size and pixel order from a line such as "-Y 600 +X 800"."""
     match = _RESOLUTION.match(line)
     if match is None or match[2] == match[5]:
         raise InputError(
@@ -117,7 +117,7 @@ def parse_resolution(line: str) -> Resolution:
 
 
 def check_size(columns: int, rows: int) -> None:
-    """Refuse pictures without pixels, or too large for the memory."""
+    """Raise an error for pictures without pixels or with more than 134 million."""
     require(
         min(columns, rows) > 0 and columns * rows <= _MOST_PIXELS,
         f"picture of {columns} × {rows} pixels;"
@@ -128,8 +128,8 @@ def check_size(columns: int, rows: int) -> None:
 def parse_header(lines: list[str]) -> Header:
     """Return the contents of a header from its lines.
 
-    Exposures, pixel aspects and colour corrections are multiplied. Options of the last
-    view override options of earlier views.
+    Repeated exposures, pixel aspects and colour corrections are multiplied. View
+    options override the same options in earlier lines.
     """
     header = Header()
     kept = []
@@ -142,7 +142,7 @@ def parse_header(lines: list[str]) -> Header:
 
 
 def _take(line: str, header: Header) -> bool:
-    # Add a line to the fields of the header; return whether they represent it fully
+    # Store a line in the header; return whether its text can be dropped
     name, _, value = line.partition("=")
     if line.startswith("FORMAT="):
         one_of(value.strip(), "format", choices=_FORMATS)

@@ -1,10 +1,10 @@
 """Run-length encoding of Radiance pictures, in the old and the new format.
 
-A scanline in the new format starts with the bytes 2, 2 and its length (high, low byte).
-Its four components follow in turn, each as a sequence of literals (a count up to 128,
-then as many bytes) and runs (128 + count, then the byte to repeat). In the old format
-whole pixels follow each other, and 1 1 1 n repeats the last pixel n times; consecutive
-repetitions give the bytes of the count, lowest first.
+In the new format, a scanline starts with the bytes 2, 2 and its length (high, low
+byte). The four components of its pixels follow one after another, each as literals (a
+count up to 128, then as many bytes) and runs (128 + count, then the byte to repeat).
+In the old format, pixels of four bytes follow each other; the pixel 1 1 1 n repeats the
+previous pixel n times. Successive repetitions give higher bytes of the count.
 """
 
 import numpy as np
@@ -29,7 +29,7 @@ def decode(
     data: _Bytes, *, rows: int, width: int
 ) -> UInt8[np.ndarray, "{rows} {width} 4"]:
     """Return the four bytes of every pixel, scanline by scanline."""
-    # Uncompressed: four bytes per pixel without repetitions
+    # Uncompressed pixels have four bytes each and no repetitions
     if data.size == rows * width * 4 and not _is_new(data, 0, width):
         quads = data.reshape(rows, width, 4)
         if not (quads[..., :3] == 1).all(axis=-1).any():
@@ -38,7 +38,7 @@ def decode(
     start = row = 0
     while row < rows:
         if _is_new(data, start, width):
-            # Decode all successive scanlines in the new format
+            # Decode all scanlines in the new format up to the next in the old format
             arguments = data, start, rows - row, width
             found = _find_together(*arguments) or _find_in_order(*arguments)
             codes, starts, end = found
@@ -69,8 +69,8 @@ def _is_new(data: _Bytes, start: int, width: int) -> bool:
 def _find_in_order(
     data: _Bytes, start: int, most: int, width: int
 ) -> tuple[np.ndarray, np.ndarray, int]:
-    # Positions of codes and scanlines from `start` on, and end of the scanlines, by a
-    # sequential search; trailing run codes terminate damaged data
+    # Positions of count bytes and of scanlines from `start` on, and end of the last
+    # scanline, by a sequential search; appended runs end the search in damaged data
     raw = data.tobytes() + bytes([255]) * 2
     head = bytes([2, 2, width >> 8, width & 255])
     codes: list[int] = []
@@ -93,8 +93,8 @@ def _find_in_order(
 def _find_together(
     data: _Bytes, start: int, most: int, width: int
 ) -> tuple[np.ndarray, np.ndarray, int] | None:
-    # All scanlines in parallel, from every position that may be the start of one; None
-    # if there are too many such positions, or codes of length zero
+    # As `_find_in_order`, but in parallel from every possible start of a scanline; None
+    # if there are too many possible starts, or counts of zero
     head = np.flatnonzero(data[start:-3] == 2) + start
     for i, value in enumerate((2, width >> 8, width & 255), start=1):
         head = head[data[head + i] == value]
@@ -146,7 +146,7 @@ def _chain(
 def _expand(
     data: _Bytes, codes: np.ndarray, starts: np.ndarray, width: int
 ) -> UInt8[np.ndarray, "rows width 4"]:
-    # Number of repetitions of each byte: 0 for headers and codes, 1 for literals
+    # Number of repetitions of each byte: 0 for headers and counts, 1 for literals
     times = np.ones(data.size, dtype=np.int64)
     times[starts[:, None] + np.arange(4)] = 0
     times[codes] = 0
@@ -154,7 +154,7 @@ def _expand(
     run = count > _RUN
     count[run] -= _RUN
     times[codes[run] + 1] = count[run]
-    # The last code of each component must end with the component
+    # Each component must end at the end of a run or of literals
     ends = np.cumsum(count)
     borders = width * np.arange(1, 4 * starts.size + 1)
     at = np.searchsorted(ends, borders)
@@ -168,7 +168,7 @@ def _decode_old(data: _Bytes, start: int, width: int) -> tuple[np.ndarray, int]:
     chunk = data[start : start + 4 * width]
     quads = chunk[: chunk.size // 4 * 4].reshape(-1, 4)
     repeat = (quads[:, :3] == 1).all(axis=1)
-    # Each successive repetition gives the next higher byte of the count
+    # Each successive repetition pixel gives the next higher byte of the count
     index = np.arange(len(quads))
     since = index - np.maximum.accumulate(np.where(repeat, -1, index))
     shift = np.minimum(8 * (since - 1), 32)
@@ -183,13 +183,13 @@ def _decode_old(data: _Bytes, start: int, width: int) -> tuple[np.ndarray, int]:
 
 
 def encode(pixels: UInt8[np.ndarray, "rows width 4"]) -> bytes:
-    """Return scanlines in the new format, or uncompressed if it does not apply."""
+    """Return scanlines in the new format, or uncompressed if too short or too long."""
     width = pixels.shape[1]
     if not SHORTEST <= width <= LONGEST:
         return pixels.tobytes()
     flat = np.ascontiguousarray(pixels.transpose(0, 2, 1)).reshape(-1)
     start, length, run = _segments(flat, width)
-    # Positions of the pieces: a header before each scanline, a count before literals
+    # Output positions of the counts of runs and literals; scanlines start with a header
     heads = start % (4 * width) == 0
     size = np.where(run, 2, length + 1) + 4 * heads
     at = np.cumsum(size) - size + 4 * heads
@@ -207,7 +207,7 @@ def encode(pixels: UInt8[np.ndarray, "rows width 4"]) -> bytes:
 def _segments(
     flat: _Bytes, width: int
 ) -> tuple[np.ndarray, np.ndarray, Bool[np.ndarray, " pieces"]]:
-    # Split where the value changes, and at the ends of components
+    # Split where the byte changes, and at the ends of components
     new = np.empty(flat.size, dtype=bool)
     new[0] = True
     np.not_equal(flat[1:], flat[:-1], out=new[1:])
@@ -218,7 +218,7 @@ def _segments(
     joined = ~run & ~np.append(True, run[:-1]) & (start % width != 0)
     start, run = start[~joined], run[~joined]
     length = np.diff(start, append=flat.size)
-    # Split pieces that are too long for one code
+    # Split runs and literals that are too long for one count
     longest = np.where(run, _LONGEST_RUN, _LONGEST_LITERAL)
     pieces = -(-length // longest)
     within = np.arange(pieces.sum()) - np.repeat(np.cumsum(pieces) - pieces, pieces)

@@ -17,18 +17,18 @@ Display = Float32[np.ndarray, "row column 3"]
 # (2002), eq. 2
 _KEY = 0.18
 
-# Hable, "Uncharted 2: HDR lighting", Game Developers Conference 2010: shoulder, linear
-# strength and angle, toe strength, numerator and denominator, and linear white
+# Hable, "Uncharted 2: HDR lighting", Game Developers Conf. 2010: shoulder strength;
+# linear strength and angle; toe strength, numerator and denominator; linear white
 _A, _B, _C, _D, _E, _F, _WHITE = 0.15, 0.50, 0.10, 0.20, 0.02, 0.30, 11.2
 
-# Exposure before the curve, as in Hable
+# Factor applied before the film response curve, as in Hable
 _BIAS = 2.0
 
 
 def key_luminance(picture: Picture) -> float:
     """Luminance that automatic exposure maps to white [cd/m²].
 
-    The logarithmic average of all pixels that are not black is mapped to 18 % grey.
+    The geometric mean of all pixels that are not black is mapped to 18 % grey.
 
     >>> grey = Picture(np.full((1, 1, 3), 1 / 179, dtype=np.float32))
     >>> round(key_luminance(grey), 3)

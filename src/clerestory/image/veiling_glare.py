@@ -16,17 +16,17 @@ from clerestory.scene.view import View
 # Larson et al. (1997), eq. 8, and pcond
 _SCATTERED = 0.08
 
-# Width of the fovea [rad], and assumed width of an unknown view [°]
+# Width of the fovea [rad]; width assumed for a picture without a view [°]
 _FOVEA = np.radians(1.0)
 _WIDTH = 40.0
 
-# Largest number of sample pairs in memory, and of samples
+# Largest number of pairs of samples in memory, and largest number of samples
 _PAIRS = 1 << 22
 _MOST_SAMPLES = 8192
 
 
 class FovealView(NamedTuple):
-    """A view, and the numbers of its samples, one degree wide at the centre."""
+    """View divided into `columns` × `rows` samples, one degree wide at the centre."""
 
     view: View
     columns: int
@@ -55,12 +55,12 @@ def foveal_view(picture: Picture) -> FovealView:
 
 
 def with_veil(picture: Picture) -> Picture:
-    """Return the picture on the retina, with veiling luminance.
+    """Return a picture as imaged on the retina, with veiling luminance added.
 
     8 % of the luminous flux is scattered over the view in proportion to cos θ / θ²,
-    where θ is the angle to the source; total flux is approximately conserved. Sources
-    are averages over one degree, or two degrees in a fisheye view. Source: G. Ward
-    Larson et al. (1997), section 5.1, see `visibility_matching`.
+    where θ is the angle to the light source; total flux is approximately conserved.
+    Light sources are averages over one degree, or two degrees in a fisheye view.
+    Source: G. Ward Larson et al. (1997), section 5.1, see `visibility_matching`.
     """
     fovea = foveal_view(picture)
     coarser = max(np.sqrt(fovea.columns * fovea.rows / _MOST_SAMPLES), 1)
@@ -86,7 +86,7 @@ def _scatter(
     direction: Float32[np.ndarray, "samples 3"],
     radiance: Float32[np.ndarray, "samples band"],
 ) -> Float32[np.ndarray, "samples band"]:
-    # Mean of all other samples, weighted by cos θ / θ² with θ² ≈ 2 (1 − cos θ)
+    # Mean radiance of all other samples, weighted by cos θ / θ², θ² ≈ 2 (1 − cos θ)
     veil = np.zeros_like(radiance)
     count = max(_PAIRS // len(direction), 1)
     for start in range(0, len(direction), count):

@@ -44,10 +44,11 @@ def fit_vignetting(
     *,
     terms: int = 3,
 ) -> Vignetting:
-    """Fit the vignetting to photographs of a constant target at several angles.
+    """Fit the vignetting of a lens to photographs of a constant target.
 
-    `theta` are the angles between target and axis [rad], `luminance` is that of the
-    target in the photographs, to any scale, and `terms` the number of even powers of θ.
+    `theta` are the angles between target and lens axis [rad], `luminance` is the
+    luminance of the target in each photograph, up to a factor, and `terms` is the
+    number of even powers of θ.
     """
     least = terms + 2
     require(theta.size >= least, f"{theta.size} angles; {least} or more expected")
@@ -58,7 +59,7 @@ def fit_vignetting(
 
 
 def correct_vignetting(picture: Picture, vignetting: Vignetting) -> Picture:
-    """Return the picture divided by the relative transmission of the lens."""
+    """Return a picture divided by the relative transmission of the lens."""
     if picture.view is None:
         raise InputError("picture without a view; a reprojected picture expected")
     rays = picture.view.rays(picture.columns, picture.rows)

@@ -1,9 +1,8 @@
 """Visibility-matching tone mapping by histogram adjustment.
 
-Luminance is mapped by its cumulative distribution, with the slope limited so that no
-contrast becomes visible that an observer would not see in the scene. The distribution
-has equal contributions from one-degree samples (the foveal field, to which the eye
-adapts) and from single pixels.
+Luminance is mapped by its cumulative histogram, with a limited slope, so that no
+contrast becomes visible that an observer would not see in the scene. One-degree samples
+(the foveal field, to which the eye adapts) and single pixels have equal total weight.
 
 References
 ----------
@@ -28,7 +27,7 @@ from clerestory.image.veiling_glare import foveal_view, with_veil
 _BINS = 100
 _DARKEST, _BRIGHTEST = 1e-7, 1e7
 
-# Fraction of samples that may exceed the ceiling (pcond3.c: CVRATIO)
+# Fraction of samples that may exceed the limit of the slope (pcond3.c: CVRATIO)
 _TOLERANCE = 0.025
 
 # Upper limit of scotopic and lower limit of photopic vision [cd/m²] (pcond.h)
@@ -72,12 +71,12 @@ def human_vision(
     veil: bool = False,
     screen: Screen | None = None,
 ) -> Float32[np.ndarray, "row column 3"]:
-    """Display values, 0…1, that reproduce what an observer would see on a screen.
+    """Display values, 0…1, that show what an observer would see in the scene.
 
     In the dark, the contrast sensitivity of the eye is lower and colour vision is lost.
-    Without `contrast_sensitivity`, contrast is limited to that of the scene. With
-    `veil`, veiling luminance is added around bright sources, which is slow for fisheye
-    views. A picture without a view is assumed to be 40° wide.
+    Without `contrast_sensitivity`, contrast is limited to the contrast in the scene.
+    With `veil`, veiling luminance is added around bright sources, which is slow for
+    fisheye views. A picture without a view is assumed to be 40° wide.
     """
     screen = screen or Screen()
     seen = with_veil(picture) if veil else picture
@@ -87,7 +86,7 @@ def human_vision(
         return np.zeros_like(values)
     luminance = photometric(seen)
     shown = _shown(luminance, histogram, screen, sensitive=contrast_sensitivity)
-    # Preserve colours: scale each pixel to its new luminance
+    # Scale each pixel to its displayed luminance, which preserves colours
     ratio = LUMINOUS_EFFICACY * np.divide(
         shown, luminance, out=np.zeros_like(luminance), where=luminance > _DARKEST
     )
@@ -95,8 +94,8 @@ def human_vision(
 
 
 class _Histogram(NamedTuple):
-    # Weights of bins of equal width, limits of the bins and mean, of the logarithm of
-    # luminance
+    # Histogram of the logarithm of luminance: weight of each bin, limits of the bins
+    # (of equal width), and mean
     weight: Float[np.ndarray, " bins"]
     borders: Float[np.ndarray, " bins+1"]
     mean: float
@@ -145,7 +144,7 @@ def _shown(
     if np.ptp(histogram.borders) > high - low:
         cumulative = _cumulative(histogram, screen, sensitive=sensitive)
     if cumulative is None:
-        # The scene's range fits the display: linear mapping of mean to mid-luminance
+        # The display has the range of the scene: map linearly, mean to mid-luminance
         middle, mean = np.exp((low + high) / 2), np.exp(histogram.mean)
         factor = threshold(middle) / threshold(mean) if sensitive else middle / mean
         return np.asarray(luminance * (factor / screen.white))
@@ -158,8 +157,8 @@ def _shown(
 def _cumulative(
     histogram: _Histogram, screen: Screen, *, sensitive: bool
 ) -> Float[np.ndarray, " borders"] | None:
-    # Truncate the histogram where the mapping would exaggerate contrast. As truncation
-    # changes the mapping, iterate. None if nothing remains to compress
+    # Cumulative histogram, truncated where the mapping would exaggerate contrast. As
+    # truncation changes the mapping, iterate. None if nothing remains to compress
     range_shown = np.log(screen.contrast)
     scene = np.exp((histogram.borders[:-1] + histogram.borders[1:]) / 2)
     step = histogram.borders[1] - histogram.borders[0]
@@ -186,8 +185,8 @@ def threshold(
     """Just noticeable luminance difference at an adaptation luminance [cd/m²].
 
     Source: J. Ferwerda, S. Pattanaik, P. Shirley, D. Greenberg, "A model of visual
-    adaptation for realistic image synthesis", SIGGRAPH 96; pieces as in Ward Larson et
-    al., table 1.
+    adaptation for realistic image synthesis", SIGGRAPH 96; fitted piecewise as in Ward
+    Larson et al., table 1.
 
     >>> round(float(threshold(100.0)), 2)  # a Weber fraction of 1/18
     5.56

@@ -2,8 +2,8 @@
 
 The layer is in the plane z = 0, centred at the origin, with its room side towards +z
 and its up vector along +y. Without geometry in the file, the layer is one rectangle.
-With geometry, two rectangles enclose it (proxy geometry): the rectangles scatter light
-by the BSDF; the geometry between them is visible and casts sharp shadows.
+With geometry, two rectangles enclose the geometry (proxy geometry) and scatter light by
+the BSDF; the geometry is visible and casts sharp shadows.
 """
 
 import numpy as np

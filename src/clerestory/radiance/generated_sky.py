@@ -47,7 +47,7 @@ def sky_at(weather: Weather, moment: datetime) -> Scene:
 
     Parameters
     ----------
-    moment : local standard time; the weather is that of the time step at this moment
+    moment : local standard time, which selects the time step of the weather data
     """
     asked = np.datetime64(moment.replace(tzinfo=None), "s")
     half = np.timedelta64(round(weather.step_minutes * 30), "s")

@@ -28,7 +28,7 @@ class Placement:
         )
 
     def name(self, name: str) -> str:
-        """Return the name with its prefix."""
+        """Return a surface name with the prefix of the placement."""
         return f"{self.prefix}.{name}" if self.prefix else name
 
     def polygons(self, run: PolygonRun) -> PolygonRun:

@@ -63,7 +63,7 @@ def floor_grid(
 
 
 def room_side(scene: Scene, window: Window) -> int:
-    """Return 1 if the room is on the window's front side, −1 if on its back side.
+    """Return 1 if the room is on the front side of the window, −1 if on the back side.
 
     The room is on the side where a surface (the ceiling) is above; if this is so on
     both sides or on neither, the front side is returned.

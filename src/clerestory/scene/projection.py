@@ -172,7 +172,7 @@ def _between(corner: Callable[[_Plane, _Plane], _Plane]) -> Callable[..., np.nda
 
 @_between
 def _perspective_angles(u: _Plane, v: _Plane) -> _Plane:
-    # Solid angle of a rectangle as seen from a point above one of its corners
+    # Solid angle of a rectangle seen from a point above a corner at unit distance
     return np.asarray(np.arctan2(u * v, np.sqrt(1 + u * u + v * v)))
 
 

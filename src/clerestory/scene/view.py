@@ -37,7 +37,7 @@ class View:
     direction, up : view direction and up vector; normalized to unit length
     horizontal, vertical : full view angles [deg]; for a parallel view, width and height
         of the field of view [m]
-    shift, lift : offset of the image to the right and up, relative to its size
+    shift, lift : offset of the image to the right and up, relative to image size
     fore, aft : distances of the clipping planes [m], aft 0: infinity; in parallel and
         perspective views along the view axis, in cylindrical views from the up
         axis, otherwise from the viewpoint

@@ -62,7 +62,7 @@ FAULTS = {
     "no columns": ("[columns]", "[column]", "column"),
     "another format": ("[site]", 'format = "x"\n[site]', 'format is "x"'),
     "columns of SRML": ("[site]", 'format = "srml"\n[site]', "no table [columns]"),
-    "off the globe": ("50.0", "95.0", "latitude is 95 degrees"),
+    "off the globe": ("50.0", "95.0", "latitude_deg is 95.0; a number of at most 90"),
     "no file": ("roof.csv", "wall.csv", "wall.csv: cannot be read"),
     "no such column": ('"GHI"', '"GLO"', "roof.csv:1: no column 'GLO'"),
 }

@@ -21,9 +21,9 @@ _MIDDLE = 500.0
 
 @dataclass(frozen=True, eq=False)
 class Dielectric(Material):
-    """The surface of a refracting solid, which is behind the surface.
+    """The surface of a refracting solid; the solid is behind the surface.
 
-    The transmissivity is per metre; the index of refraction is that at 500 nm.
+    The transmissivity is per metre; the index of refraction is valid at 500 nm.
     """
 
     name: str
@@ -46,7 +46,7 @@ class Dielectric(Material):
 class Interface(Material):
     """The interface between two dielectrics; the inside is behind the surface.
 
-    Transmissivities are per metre; indices are those of refraction.
+    Transmissivities are per metre; indices are indices of refraction.
     """
 
     name: str
