@@ -112,7 +112,7 @@ def recover_response(
 def check_bracket(
     photographs: Sequence[Photograph], exposures: Sequence[Exposure]
 ) -> None:
-    """Check that photographs and exposures of a bracket agree in number and size."""
+    """Check the number of exposures, and the sizes of the photographs of a bracket."""
     require(
         len(photographs) >= 2,
         f"number of photographs: {len(photographs)}; two or more expected",

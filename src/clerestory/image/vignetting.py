@@ -44,7 +44,7 @@ def fit_vignetting(
     *,
     terms: int = 3,
 ) -> Vignetting:
-    """Fit the vignetting of a lens to photographs of a constant target.
+    """Fit the vignetting of a lens to photographs of a target of constant luminance.
 
     `theta` are the angles between target and lens axis [rad], `luminance` is the
     luminance of the target in each photograph, up to a factor, and `terms` is the

@@ -21,7 +21,7 @@ _NO_DATA = 255
 
 @dataclass(frozen=True, eq=False)
 class DayMap:
-    """Annual map: class of every time step, with labels and colours of the classes.
+    """Annual map of a class (such as glare category) per time step, with class colours.
 
     Attributes
     ----------
