@@ -84,7 +84,7 @@ def split_header(data: bytes) -> tuple[list[str], str, int]:
     stop = -1 if end is None else data.find(b"\n", end.end(), end.end() + 100)
     if end is None or stop < 0:
         raise InputError(
-            "the header does not end; an empty line and a resolution expected"
+            "the header does not end with an empty line and a size like -Y 600 +X 800"
         )
     lines = [line.rstrip("\r") for line in _text(data[: end.start()]).split("\n")]
     return lines[1:], _text(data[end.end() : stop]), stop + 1

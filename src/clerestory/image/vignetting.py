@@ -28,8 +28,8 @@ class Vignetting:
         lowest = float(self.passed(np.linspace(0, np.pi / 2, 91)).min())
         require(
             lowest >= _LEAST,
-            f"vignetting with a relative transmission of {lowest:.3f}; {_LEAST} or"
-            " more expected",
+            f"the vignetting falls to a relative transmission of {lowest:.3f}; {_LEAST}"
+            " or more expected up to 90°",
         )
 
     def passed(self, theta: Float[np.ndarray, "*shape"]) -> Float[np.ndarray, "*shape"]:

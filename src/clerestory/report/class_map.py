@@ -40,9 +40,9 @@ class DayMap:
     colours: UInt8[np.ndarray, "kind 3"]
 
     def __post_init__(self) -> None:
-        known = min(len(self.texts), len(self.colours), _NO_DATA)
-        highest = int(self.codes.max(initial=-1))
-        require(highest < known, f"class {highest} in a map; 0 to {known - 1} expected")
+        last = min(len(self.texts), len(self.colours), _NO_DATA) - 1
+        found = int(self.codes.max(initial=-1))
+        require(found <= last, f"a time step has class {found}; 0 to {last} expected")
 
     def cells(self, grid: DayHourGrid) -> UInt8[np.ndarray, " cell"]:
         """Class index of each cell, day by day; 255 for cells without data."""
