@@ -24,7 +24,7 @@ class Situation:
 
     Attributes
     ----------
-    times : centres of the steps, local standard time
+    times : centres of the time steps, local standard time
     states : number of states of the window group
     occupied : whether the room is occupied at each step
     signals : time series by name: "irradiance" [W/m²], "profile" angle [rad] and others

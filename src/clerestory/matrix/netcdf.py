@@ -107,7 +107,7 @@ def _add(
 
 
 def _write_bands(variable: h5netcdf.Variable, bands: Bands) -> None:
-    if bands == RGB:  # RGB is not labelled, as in version 0.1
+    if bands == RGB:  # RGB bands are not labelled, as in version 0.1
         return
     variable.attrs["band_names"] = "\n".join(bands.names)
     if bands.efficacy is not None:

@@ -245,7 +245,7 @@ def _bad_number(text: str) -> InputError:
 
 
 def _require_finite(table: Float[np.ndarray, "row column channel"]) -> None:
-    # The sum of finite values is finite and needs no memory
+    # A finite sum shows that all values are finite, without an array of flags
     with np.errstate(all="ignore"):
         if np.isfinite(np.sum(table, dtype=float)):
             return

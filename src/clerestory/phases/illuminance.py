@@ -48,7 +48,7 @@ def illuminance(
 
     Returns
     -------
-    `illuminance` and `standard_error` over (sensor, time); each term without sign, if
+    `illuminance` and `standard_error` over (sensor, time); each term unsigned, if
     there are several terms; `mean_components` (component, sensor): error components of
     the mean illuminance over `hours`
     """

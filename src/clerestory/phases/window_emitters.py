@@ -50,7 +50,7 @@ def precompute_illums(
     ----------
     room : the scene without the windows, with its sky and sun
     panes : polygons of the windows, whose front faces the room
-    zone : maximum edge length of a zone of a pane [m]; only parallelograms are divided
+    zone : maximum edge length of pane zones [m]; only parallelogram panes are divided
     rings : number of polar angle intervals; there are twice as many azimuth intervals
     samples : number of paths per direction and zone
     relative_error : instead of samples: target RMS of the standard errors over all

@@ -49,7 +49,7 @@ def require_rule(valid: object, message: str) -> None:
 
 
 class Named(Table):
-    """Table with an optional name."""
+    """Table of the study file with an optional name."""
 
     name: str = Field(
         "",
@@ -209,7 +209,7 @@ def sun_places(value: Any) -> Any:
 
 
 class SunTable(Table):
-    """Sun positions and sampling of the direct correction."""
+    """Sun positions and number of samples of the direct-sun correction."""
 
     places: Literal["exact", "patches"] = "exact"
     tolerance_deg: float = Field(0.25, ge=0, le=5)

@@ -52,7 +52,7 @@ class StudyMatrices:
     ) -> xr.Dataset:
         """Illuminance [lux] over (sensor, time), with its standard error.
 
-        Error components are given for the mean illuminance over the steps `hours`.
+        Error components are given for the mean illuminance over the time steps `hours`.
         """
         return illuminance(
             self.windows,
@@ -81,7 +81,7 @@ class StudyMatrices:
     def reduced(
         self, groups: Sequence[int], rows: Int[np.ndarray, " sensor"]
     ) -> "StudyMatrices":
-        """Return matrices of selected groups and sensors, without error components."""
+        """Return matrices of some groups and sensors, without error components."""
         if self.most_sensors is not None and len(rows) > self.most_sensors:
             raise InputError(
                 f"a control rule requires {len(rows):,} sensors at a time, but only"

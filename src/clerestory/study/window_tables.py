@@ -71,7 +71,7 @@ def _state(value: Any) -> Any:
 
 
 def _levels(value: Any) -> Any:
-    # One threshold, or a rising list with one for each change to the next state
+    # One threshold, or an increasing list: one threshold per change of shade state
     levels = value if isinstance(value, list) else [value]
     numbers = all(isinstance(x, int | float) for x in levels)
     if not levels or not numbers or any(isinstance(x, bool) for x in levels):
@@ -104,7 +104,7 @@ class StateTable(Named, LayerTable):
 
     @property
     def label(self) -> str:
-        """Name of the state, by default the stem of the BSDF file name."""
+        """Name of the shade state, by default the stem of the BSDF file name."""
         return self.name or self.bsdf.stem
 
 
@@ -208,7 +208,7 @@ class WindowTable(NamedFile, LayerTable):
         return self
 
     def _check_control(self) -> None:
-        # A rule must name existing states, and have as many angles and levels as needed
+        # Shade states named in a rule must exist; its lists must have fitting lengths
         control, labels = self.control, [table.label for table in self.states()]
         if control is None:
             return
