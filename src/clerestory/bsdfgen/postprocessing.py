@@ -95,7 +95,7 @@ def error_functions(
         if error is None:
             raise InputError(
                 f"{channel} {name.replace('_', ' ')} has no standard errors;"
-                " a traced function without reduction expected"
+                " a traced BSDF without tree reduction expected"
             )
         if isinstance(part, ScatteringMatrix):
             error = ScatteringMatrix(error, part.exits, part.incidents)

@@ -132,7 +132,7 @@ class _Reading:
         elif keyword in _MAKING:
             _MAKING[keyword](self, keyword, arguments)
         elif keyword in ("i", "ies"):
-            raise InputError(f"{keyword} names another file; one text alone expected")
+            raise InputError(f"{keyword} includes another file, which is not supported")
         elif keyword not in self.unknown:
             self.unknown.add(keyword)
             place = f"{self.file or 'MGF'}:{self.line}"

@@ -51,8 +51,8 @@ class SlatGeometry:
         radius = abs(self.curvature_radius)
         require(
             radius == 0 or radius > self.width / 2,
-            f"slats {self.width:g} m wide bent to a radius of {radius:g} m; more than"
-            " half the width expected, or 0 for flat slats",
+            f"the curvature radius of slats {self.width:g} m wide is {radius:g} m; more"
+            " than half the width, or 0 for flat slats, expected",
         )
         within(self.segments, "number of segments per slat", least=1, most=100)
 
