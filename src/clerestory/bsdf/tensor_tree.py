@@ -49,7 +49,7 @@ from clerestory.hemisphere.shirley_chiu import cells_from_disc, disc_from_square
 # normal incidence, as in Radiance.
 _OFF_MIDDLE = 1e-6
 
-# Largest number of exit cells that are integrated in one step.
+# Largest number of exit cells that are integrated together.
 _MOST_EXIT_CELLS = 1 << 22
 
 _Pairs = Float[np.ndarray, " pairs"]

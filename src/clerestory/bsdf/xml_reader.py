@@ -26,7 +26,7 @@ from clerestory.hemisphere.klems import klems
 # Scattering functions by WavelengthDataDirection in lower case.
 _NAMES: dict[str, Function] = {name.replace("_", " "): name for name in FUNCTIONS}
 
-# Ranks of tensor trees by IncidentDataStructure, and their angle basis.
+# Ranks of tensor trees by IncidentDataStructure, and angle basis of trees.
 _RANKS: dict[str, Literal[3, 4]] = {"tensortree3": 3, "tensortree4": 4}
 _BASIS = "LBNL/Shirley-Chiu"
 

@@ -43,7 +43,7 @@ class Mesh:
         return bool(len(self.triangles) == 0)
 
     def only(self, kept: Bool[np.ndarray, " triangles"]) -> "Mesh":
-        """Mesh of selected triangles; border edges remain those of the whole mesh."""
+        """Mesh of selected triangles, with the border edges of the whole mesh."""
         corners = self.triangles[kept]
         ends = [len(self.vertices), 1]
         used = np.isin(self.edges @ ends, corners[:, _SIDES].reshape(-1, 2) @ ends)
