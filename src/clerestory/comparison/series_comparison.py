@@ -154,8 +154,8 @@ def compare_series(
     """
     rules = rules or Rules()
     known = _selected(measured, simulated.names)
-    example = f'measured names such as "{simulated.names[0]}" expected'
-    require(known, f"no series in common; {example}")
+    example = f'names such as "{simulated.names[0]}" expected'
+    require(known, f"no measured series has the name of a simulated one; {example}")
     moved, ignored = _in_the_same_years(known, simulated)
     pairs = _pairs(moved, simulated, rules, rules.shift_minutes)
     counts = _counts(pairs, rules)

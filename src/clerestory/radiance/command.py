@@ -217,7 +217,7 @@ def _single(words: list[str]) -> tuple[Placement, list[str]]:
     first = files[0] if files else ""
     require(
         not first.startswith("-"),
-        f'xform does not accept "{first}" here; first -m -n -I, then'
+        f'xform option "{first}" is unknown or out of order; -m -n -I first, then'
         " -t -rx -ry -rz -s -mx -my -mz -i expected, with -a and -f anywhere",
     )
     return Placement(transform, modifier, ".".join(prefixes), inverted), files

@@ -68,7 +68,7 @@ class _Writer:
                 return str(self.bsdf_file[key])
             case Bsdf():
                 raise InputError(
-                    f'the BSDF of material "{key}" has no file; one expected'
+                    f'no BSDF file is given for "{key}"; one in `bsdf_file` expected'
                 )
             case Pattern():
                 raise InputError(

@@ -55,7 +55,7 @@ def floor_grid(
     position = inside[below]
     require(
         len(position),
-        f'no free floor was found behind window "{window.name}"; give the sensors',
+        f'no free floor was found behind "{window.name}"; a sensor file expected',
     )
     position[:, 2] = floor + height
     order = np.lexsort((position[:, 0], position[:, 1]))
@@ -120,7 +120,7 @@ def _filled(
             require(
                 max(map(abs, there)) <= most,
                 f"the room behind the window is open or extends {_LARGEST:g} m;"
-                " a closed room or given sensors expected",
+                " a closed room or a sensor file expected",
             )
             if there not in known:
                 known.add(there)

@@ -117,7 +117,7 @@ class Arguments:
     def _limit(self, value: float) -> None:
         if abs(value) > LARGEST:
             raise self.error(
-                f"a number is beyond {LARGEST:.0e}; a smaller one expected"
+                f"an argument exceeds {LARGEST:.0e}; a smaller number expected"
             )
 
     def transform(self, at: int) -> Transform:

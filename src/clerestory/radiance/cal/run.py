@@ -138,8 +138,8 @@ class Evaluation(ABC, Generic[Value]):
     def endless(self) -> InputError:
         """Return the error for a function that may not terminate."""
         return InputError(
-            f"a function takes more than {self.most_steps} steps or {self.deepest}"
-            f" nested calls; {self.terminating}"
+            f"the expression needs more than {self.most_steps} evaluation steps or"
+            f" {self.deepest} nested calls; {self.terminating}"
         )
 
     def _value(self, node: Node, rows: Rows, frame: Frame | None) -> Value:
@@ -179,7 +179,7 @@ class Evaluation(ABC, Generic[Value]):
         if value is not None:
             return value
         if found is not None:
-            raise InputError(f'the function "{name}" has no arguments')
+            raise InputError(f'function "{name}" needs arguments; {name}(…) expected')
         raise self.undefined(name)
 
     def _call(self, call: Call, rows: Rows, frame: Frame | None) -> Value:
@@ -208,7 +208,8 @@ class Evaluation(ABC, Generic[Value]):
         while frame is not None and name in frame.parameters:
             handed = frame.arguments[frame.parameters.index(name)]
             if not isinstance(handed, Name):
-                raise InputError(f'"{name}" is called, but its argument is no function')
+                message = f'"{name}" is called, but its argument is an expression'
+                raise InputError(f"{message}; the name of a function expected")
             name, frame = handed.name, frame.outer
         return name
 
@@ -244,7 +245,7 @@ class Run(Evaluation[Values]):
 
     deepest: ClassVar[int] = 100
     most_steps: ClassVar[int] = 100_000
-    terminating: ClassVar[str] = "one whose recursion terminates expected"
+    terminating: ClassVar[str] = "a recursion that terminates expected"
 
     definition: Callable[[str], Definition | Native | None]
     inputs: Mapping[str, Float[np.ndarray, " rays"]]
