@@ -1,6 +1,6 @@
 """Readers of JSON and TOML files as pydantic models, with one-line error messages.
 
-A message gives the line in TOML files, the path of the item, its value and the expected
+A message gives the line in TOML files, the key path, the value found and the expected
 value, such as `study.toml:27: trace.samples is "many"; a whole number expected`.
 """
 

@@ -83,7 +83,7 @@ def _chain(tree: dict[str, Any]) -> Iterator[tuple[str, ...]]:
 
 
 def _paths(tree: Any) -> Iterator[Path]:
-    # Paths of all keys in a value
+    # Key paths of a table or array, including nested keys
     branches: list[tuple[str | int, Any]] = []
     if isinstance(tree, dict):
         branches = list(tree.items())

@@ -85,7 +85,7 @@ def test_window_emitters_are_written_to_a_file(call, room):
         (("--time", "noon", "--weather", "two_days.wea"), "--time is noon; a time"),
         (
             ("--time", "2023-06-21T00:30", "--weather", "two_days.wea"),
-            "no light from the sky",
+            "the diffuse irradiance is 0",
         ),
         (
             ("--time", "2023-03-21T12:30", "--weather", "two_days.wea"),

@@ -99,10 +99,10 @@ def test_any_expression_is_computed_alike(text):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("fall(Px)", "nested calls; one whose recursion ends"),
+        ("fall(Px)", "nested calls; a recursion that ends"),
         ("fnoise3(Px, Py, Pz)", '"fnoise3" is not defined for patterns'),
         ("there", '"there" is not defined for patterns'),
-        ("arg(3)", "real argument 3 is asked for; 2 given"),
+        ("arg(3)", "real argument 3 is used, but the primitive has 2"),
     ],
 )
 def test_what_kernels_cannot_do_is_told_before(device, text, message):

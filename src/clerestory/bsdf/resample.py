@@ -127,7 +127,7 @@ def exchanged_tree(tree: ScatteringTree) -> ScatteringTree:
         cells = found.reshape(edge, _WITHIN, edge, _WITHIN).mean(axis=(1, 3))
         value[step // _WITHIN] += cells / _WITHIN
 
-    # Cells before and after the exchange overlap only partly: spread to adjacent cells
+    # Add BSDF to adjacent cells, because old and new cells overlap only partly
     value += _SPILL * maximum_filter(value, size=3, mode="nearest")
     value[edge // 2 :] = 0
     return full_tree(value, tree.depth, rank=3)

@@ -27,7 +27,7 @@ class StateSchedule:
 
     Attributes
     ----------
-    times : centres of the steps, local standard time
+    times : centres of the time steps, local standard time
     states : state number of each window group over time
 
     Raises
@@ -64,8 +64,8 @@ class StateSchedule:
 
         Parameters
         ----------
-        by_state : results of each group over (state, sensor, time), such as illuminance
-        static : results of windows without states
+        by_state : results of each window group over (state, sensor, time)
+        static : results of windows without shades
         """
         parts = [] if static is None else [static]
         for group, state in self.states.items():
@@ -115,7 +115,7 @@ def states_at(
 
 
 def read_schedule(path: str | Path) -> StateSchedule:
-    """Read a schedule from a CSV file of times and states with header `time,GROUP…`."""
+    """Read times and shade states from a CSV file with the header `time,GROUP…`."""
     lines = read_text(path).splitlines()
     groups = [word.strip() for word in lines[0].split(",")][1:] if lines else []
     message = "no header time,GROUP… in the first line"

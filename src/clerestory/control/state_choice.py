@@ -45,7 +45,7 @@ def least_closed(limits: Sequence[Limit]) -> Int[np.ndarray, " time"]:
 def best_states(
     score: Float[np.ndarray, "state time"], limits: Sequence[Limit] = ()
 ) -> Int[np.ndarray, " time"]:
-    """State of the highest score within all limits.
+    """Shade state with the highest score within all limits.
 
     Among states of equal score, the most open state is returned. If no state is within
     all limits, the state of smallest relative excess is returned.

@@ -123,7 +123,7 @@ def row_blocks(job: EstimatedJob) -> list[slice]:
 
 
 def row_bytes(job: Job) -> int:
-    """Return the memory of the sums of one row [bytes]."""
+    """Return the size of the sums of one matrix row [bytes]."""
     _, batches, columns, channels = job.shape
     return max(1, batches * columns * channels * 8)
 

@@ -58,7 +58,7 @@ class _Rates:
 
 
 class Plan:
-    """An executor that records jobs without tracing them, for the executor `place`."""
+    """An executor that records jobs of the executor `place` without tracing them."""
 
     def __init__(self, place: Executor):
         self.place = place

@@ -1,4 +1,4 @@
-"""Jobs of direct light: suns through a window, and distant sources through glass.
+"""Jobs of direct light from suns through a window, or from sky and suns through glass.
 
 Coefficients are summed in floating point. No two units contain the same element of the
 matrix, so the result does not depend on the order of units.

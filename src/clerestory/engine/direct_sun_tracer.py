@@ -119,7 +119,7 @@ def prepare_pixel_sun(job: PixelSunJob) -> Tracer:
 
 
 def _pairs(job: SunlightJob, unit: Unit, pair: mi.UInt32):
-    # Row, random stream, and unit vector to the sun's centre of each row and sun pair
+    # Row, random stream, and unit vector to the sun's centre, by pair of row and sun
     suns = dr.opaque(mi.UInt32, len(unit.columns))
     row = pair // suns + dr.opaque(mi.UInt32, int(unit.rows[0]))
     sun = pair % suns

@@ -34,7 +34,7 @@ class FunctionCode(Evaluation[Value]):
     deepest: ClassVar[int] = 60
     most_steps: ClassVar[int] = 20_000
     terminating: ClassVar[str] = (
-        "one whose recursion ends by a condition on constants expected"
+        "a recursion that ends by a condition on constants expected"
     )
 
     program: Program
@@ -82,7 +82,8 @@ class FunctionCode(Evaluation[Value]):
             place = int(np.floor(which.value + 0.5))
             if place > len(self.arguments):
                 raise InputError(
-                    f"real argument {place} is asked for; {len(self.arguments)} given"
+                    f"real argument {place} is used, but the primitive has"
+                    f" {len(self.arguments)} real arguments"
                 )
             given = (float(len(self.arguments)), *self.arguments)
             return Value(given[max(place, 0)])

@@ -1,7 +1,7 @@
 """Conversion of a scene to a Mitsuba scene and device arrays.
 
 Coordinates are translated so that the region of interest is at the origin, because ray
-offsets grow with the distance from it. Models far from their origin are common.
+offsets grow with the coordinates. Models far from their origin are common.
 """
 
 from dataclasses import dataclass

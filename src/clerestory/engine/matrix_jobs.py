@@ -95,7 +95,7 @@ class _WindowJob(MatrixJob):
     window: Window
 
     def error(self, sums: Sums) -> float:
-        """Relative error of the window's irradiance from one column.
+        """Relative error of the window irradiance from one sky patch or port patch.
 
         The error is the root mean square over all columns, so it applies to the sun in
         any sky patch, not only to a uniform sky.
@@ -167,7 +167,7 @@ class SlabJob(MatrixJob):
     """Flux fractions of a sample area, from incident patches to leaving patches.
 
     The rows are the incident patches of the first side, then of the second. The columns
-    are the patches of transmission, then of reflection. The patch of a direction of
+    are transmission patches, then reflection patches. The patch of a direction of
     travel is that of (x, y, |z|). An element is a fraction of the incident flux; the
     sum of a row is one minus the absorptance.
 

@@ -20,7 +20,7 @@ from clerestory.engine.upload import on_device, search
 class MatrixTable:
     """Scattering matrices of one layer, on common partitions.
 
-    A function has three matrices (colour) or one; it is None if the layer lacks it.
+    A scattering function has three matrices (colour) or one, and is None if undefined.
     """
 
     def __init__(self, functions: Sequence[tuple[ScatteringMatrix, ...] | None]):

@@ -58,7 +58,7 @@ class Mirrors:
 
     @dr.syntax
     def holds(self, normal, active):
-        """Whether mirrors with the given normal are sampled."""
+        """Whether the table of mirrors contains the given normal."""
         found = mi.Bool(False)
         number = mi.UInt32(0)
         while active & ~found & (number < self.count):
@@ -107,7 +107,7 @@ def _area_vector(surface: Polygon | Ring) -> Float[np.ndarray, "3"]:
 def _add(
     normals: list[np.ndarray], areas: list[float], vector: Float[np.ndarray, "3"]
 ) -> None:
-    # Add the area to that of an equal orientation, or add a new orientation
+    # Add the area of a mirror to its orientation, or add a new orientation
     area = float(np.linalg.norm(vector))
     if area == 0:
         return

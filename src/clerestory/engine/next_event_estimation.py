@@ -23,15 +23,15 @@ Heuristic = Callable[[mi.Float, mi.Float], mi.Float]
 
 
 def balance_heuristic(own, other):
-    """Return the balance heuristic weight of two techniques, divided by `own` [sr].
+    """Return the balance heuristic weight per density `own` [sr].
 
-    `own` and `other` are the densities of a direction by both techniques [1/sr].
+    `own` and `other` are the densities of both sampling techniques [1/sr].
     """
     return dr.rcp(own + other)
 
 
 def power_heuristic(own, other):
-    """Return the power heuristic weight (exponent 2), divided by `own` [sr].
+    """Return the power heuristic weight (exponent 2) per density `own` [sr].
 
     Paths transmitted unscattered by a layer occasionally hit the small solar disc. With
     the balance heuristic, one pixel in some hundreds would receive a twentieth of the
@@ -58,9 +58,9 @@ class Vertex:
 
     Attributes
     ----------
-    leave : function of direction and mask that returns the point offset from its
-        surface
-    scatter : function of a direction, and of whether its light comes directly from a
+    leave : function of direction and mask that returns the vertex point, offset from
+        the surface
+    scatter : function of a direction, and of a flag for light directly from a
         luminaire or the sun (`materials.lamp_context`), that returns BSDF × cosine and
         the density of BSDF sampling [1/sr]
     densities : function of direction, density of BSDF sampling and mask that returns
@@ -92,8 +92,8 @@ class Path:
     Attributes
     ----------
     point : previous vertex at which a direction was sampled [m]
-    pdf : density of the segment's direction at that vertex [1/sr]; 0 if sources were
-        not sampled there
+    pdf : density of sampling the segment's direction at `point` [1/sr]; 0 if light
+        sources were not sampled there
     camera : whether the segment is a camera ray, possibly after mirror reflection or
         direct transmission
     memory : values returned by `Source.begin` or `Source.remember`, by source name
@@ -124,7 +124,7 @@ class Scattering:
     delta: mi.Bool
 
     def pass_straight(self, passed: mi.Bool, si: mi.SurfaceInteraction3f) -> None:
-        """Let the paths of a mask pass the surface undeflected and unattenuated."""
+        """Let the masked paths pass the surface undeflected and unattenuated."""
         self.null |= passed
         self.delta &= ~passed
         self.direction = dr.select(passed, -si.to_world(si.wi), self.direction)
@@ -160,7 +160,7 @@ class LightSample:
     Attributes
     ----------
     pdf : total density of all sampling techniques of the source [1/sr], or a function
-        of the vertex densities that returns it, called after `arriving`
+        that computes this density from `Densities`, called after `arriving`
     active : mask of samples that may contribute light
     arriving : function of vertex and mask that returns the arriving radiance
     heuristic : heuristic that weights the sample and continued paths; None if continued
@@ -212,7 +212,7 @@ class Source:
     ) -> Iterable[LightSample]:
         """Yield samples of directions from a vertex to the source.
 
-        The path is the one that led to the vertex, or None at a sensor.
+        `path` is the path that led to the vertex, or None at a sensor.
         """
         return ()
 

@@ -1,6 +1,6 @@
 """Learned probabilities of sampling each portal, by cells of a room.
 
-Irradiance is a sum of terms: light from each portal, and light from all other
+Irradiance is a sum of terms: irradiance from each portal, and from all other
 directions. If one term is sampled, term i with probability pᵢ, the variance Σ mᵢ/pᵢ is
 smallest for pᵢ ∝ √mᵢ, where mᵢ is the second moment of the samples of term i. A pilot
 run measures the second moments at surface points of the room, in cells of position and

@@ -144,7 +144,7 @@ class PathTracer:
 
         # ----------------------------- Loop state -----------------------------
         strongest = dr.maximum(dr.max(path.throughput), 1e-20)
-        depth = mi.UInt32(1)  # number of segments between diffuse reflections, so far
+        depth = mi.UInt32(1)  # 1 + number of diffuse reflections so far
         number = mi.UInt32(1)  # number of vertices, including the start
 
         while active:
@@ -182,7 +182,7 @@ class PathTracer:
             if dr.hint(self.direct_only and not model.panes, mode="scalar"):
                 active = mi.Bool(False)
             else:
-                # Continue the path; null transmission keeps its previous vertex and pdf
+                # Continue the path; null transmission keeps the previous vertex and pdf
                 after = continue_from_surface(
                     self.portals, vertex, si, numbers, works,
                     split_lobes=self.split_lobes,

@@ -76,8 +76,8 @@ class PeakTable:
 def _peaks(
     bsdf: Bsdf, side: Function
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
-    # By grid cell: direct transmittance in RGB, surrounding BTDF, and least BTDF of the
-    # peak. Last, squared radius of the peak on the disc
+    # For each grid cell: RGB direct transmittance, surrounding BTDF, least BTDF of the
+    # peak; for all cells: squared radius of the peak on the disc
     cells = _GRID * _GRID
     none = np.zeros((cells, 3)), np.zeros(cells), np.full(cells, np.inf), 0.0
     if not bsdf.has(side):
@@ -123,7 +123,7 @@ def _smallest(part: ScatteringFunction) -> float | None:
 
 
 def _around(edge: float):
-    # Centre of each grid cell, and directions around that of direct transmission
+    # Exit direction of each grid cell, and directions around direct transmission
     leaving = directions_from_square(*cell_centres(_GRID.bit_length() - 1))
     disc = -leaving[:, None, :2] + _STEPS * (_STEP * edge)
     radius2 = np.sum(disc**2, axis=-1)

@@ -41,7 +41,7 @@ _TRANSMITTING = (Glass, BsdfSurface, Illum, Trans)
 
 @dataclass
 class Rectangles:
-    """Rectangles as NumPy arrays: a corner of each and the edges from it [m]."""
+    """Rectangles as NumPy arrays: one corner and two edge vectors each [m]."""
 
     corner: Float[np.ndarray, "n 3"]
     edge_u: Float[np.ndarray, "n 3"]
@@ -56,7 +56,7 @@ class Rectangles:
 
     @classmethod
     def none(cls, count: int = 0) -> "Rectangles":
-        """Return no rectangles, or placeholders with zero probability."""
+        """Return an empty set of rectangles, or `count` placeholder rectangles."""
         return cls(*(np.tile(edge, (count, 1)) for edge in np.eye(3)))
 
     def some(self, chosen: Bool[np.ndarray, " n"]) -> "Rectangles":
@@ -139,7 +139,7 @@ class Portals:
         return dr.normalize(dr.select(view.usable, wide, flat))
 
     def density(self, number, origin, direction):
-        """Return the density of `towards` for a ray that hits the rectangle [1/sr]."""
+        """Return the density [1/sr] of sampling a ray to the rectangle by `towards`."""
         rectangle = self.rectangles.take(number)
         facing = dr.gather(mi.Vector3f, self.facing, number)
         along = dr.dot(facing, direction)
@@ -170,8 +170,8 @@ class Portals:
     def sample(self, shares, origin, cell, u, v):
         """Sample a direction towards a portal by the probabilities of a cell.
 
-        `shares` is `share` or `sunlit`. Also return a mask that is false if all
-        probabilities of the cell are zero.
+        `shares` is the array `share` or `sunlit`. Also return a mask that is false if
+        all probabilities of the cell are zero.
         """
         target, before = mi.Float(u), mi.Float(0)
         chosen, valid = mi.UInt32(0), mi.Bool(False)

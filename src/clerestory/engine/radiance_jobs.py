@@ -141,7 +141,7 @@ class ExitingRadianceJob(RadianceJob):
 
 
 def estimate_radiance(job: RadianceJob, effort: Effort) -> RadianceEstimate:
-    """Estimate radiance or irradiance by given samples or to a relative error."""
+    """Estimate radiance or irradiance up to a number of samples or a target error."""
     rows, _, _, bands = job.shape
     if not effort.executor.accepts(job, effort.goal):
         nothing = np.zeros((rows, bands))

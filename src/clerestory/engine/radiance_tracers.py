@@ -53,7 +53,7 @@ def prepare_picture(job: PictureJob) -> Tracer:
     limit = segments_of(job.bounces)
 
     def irradiance(numbers: PathNumbers, row):
-        # Hashed numbers for the pixel; Sobol' dimensions serve the surface vertex
+        # Hashed numbers for the point in a pixel, Sobol' numbers for the surface point
         x, y = numbers.hashed(_PLACE), numbers.hashed(_PLACE + 1)
         ray, valid = rays.through(row, x, y)
         position, normal, found = first_hit(tracer.model, ray, valid)

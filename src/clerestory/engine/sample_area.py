@@ -47,7 +47,7 @@ _MOST_STEPS = 4000
 
 @dataclass
 class Slab:
-    """A shading system on the device, with the box that bounds its paths.
+    """A shading system in device memory, and the box within which paths are traced.
 
     The box has two corners in device coordinates [m]; its lower and upper planes lie
     just outside the system. If `periodic`, paths that leave through a side enter
@@ -69,7 +69,7 @@ class Receiver(Protocol):
 
 @dataclass
 class Step:
-    """Result of tracing a ray to a surface or to a side of the cell.
+    """Result of tracing a ray to a surface or to a side of the periodic cell.
 
     `left` tells whether the ray leaves the slab. In a periodic cell, `way` is the
     distance to a side [m]; the ray continues at `origin` on the opposite side.
@@ -89,7 +89,7 @@ def lower_slab(scene: Scene, box: Float[np.ndarray, "2 3"], *, periodic: bool) -
 
 
 def start(slab: Slab, numbers: PathNumbers, table, cell, back) -> mi.Ray3f:
-    """Return rays from random points on the plane in front of or behind the system.
+    """Return rays from random points on the plane before or behind the blind.
 
     Directions of travel are sampled uniformly by projected solid angle in a cell of the
     table's partition. If `back`, rays start behind the system, on the side of the room.
@@ -143,10 +143,10 @@ def follow(
     weight = mi.Color3f(1)  # throughput of the path
     segment = mi.UInt32(1)  # number of segments, counted between diffuse vertices
     vertex = mi.UInt32(1)  # number of vertices, including the start
-    travelled = mi.Float(0)  # distance from the last vertex to the last side [m]
+    travelled = mi.Float(0)  # distance from the last vertex to the last cell side [m]
 
     while active:
-        # Prepare the vertex, unless the ray only passes a side of the cell
+        # Prepare the path vertex, unless the ray only passes a side of the cell
         met = active & step.hit.is_valid()
         si = interaction(step.hit, ray, met)
         si.t = si.t + travelled

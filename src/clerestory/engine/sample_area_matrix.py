@@ -23,7 +23,7 @@ _SALT = 0x5BD1E995
 class Patches:
     """Receiver that adds up path weights by patch of the leaving direction.
 
-    `count` is the number of patches of transmission; `back` is true for paths that
+    `count` is the number of transmission patches; `back` is true for paths that
     started on the side of the room.
     """
 

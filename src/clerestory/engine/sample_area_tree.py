@@ -32,7 +32,7 @@ _PATHS, _STRETCH = 1 << 22, 1 << 16
 
 @dataclass
 class Grid:
-    """The finest cells of a tree, divided into blocks.
+    """The finest cells of a tensor tree, divided into blocks.
 
     The tree has rank 3 if the BSDF is isotropic, and 4 otherwise. Its finest cells have
     an edge of 2^-depth. In the incident coordinates, a block is a square of 2^`block`
@@ -143,7 +143,7 @@ def trace_block(
 
     Each group holds indices of incident cells within the block, the number of the first
     path, and the number of paths per cell; for `back` and `segments`, see `start` and
-    `follow`. Return the sums of transmission, then the sums of reflection.
+    `follow`. Return the sums of transmitted flux, then those of reflected flux.
     """
     channels = 1 if slab.model.grey else 3
     sink = MatrixSink(dr.zeros(mi.UInt64), 2 * grid.cells, channels + 1)

@@ -100,7 +100,7 @@ class Distribution:
         return number, chance, (pick - low) / chance
 
     def probability(self, number):
-        """Return the probability of a number."""
+        """Return the probability of sampling a number."""
         low = dr.gather(mi.Float, self.cumulative, number - 1, number > 0)
         return dr.gather(mi.Float, self.cumulative, number) - low
 
@@ -118,7 +118,7 @@ class PathNumbers:
     vertex: mi.UInt32
 
     def at(self, vertex: mi.UInt32) -> "PathNumbers":
-        """Return the sample numbers of another vertex."""
+        """Return the random numbers of another path vertex."""
         return PathNumbers(self.points, self.seed, self.index, vertex)
 
     def sobol(self, purpose: int):

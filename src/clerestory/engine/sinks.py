@@ -33,10 +33,10 @@ class MatrixSink:
     slot: mi.UInt32 | int = 0
 
     def begin(self) -> None:
-        """Return None: contributions are added to the matrix at once."""
+        """Return None: contributions are added to the matrix immediately."""
 
     def add(self, _total: None, column, value, active) -> None:
-        """Add the contribution of a path to a column of its row and batch."""
+        """Add the contribution of a path to the sum of a row, batch and column."""
         index = (self.slot * self.columns + column) * self.channels + 1
         mode = _reduction()
         for channel in range(self.channels):
@@ -59,7 +59,7 @@ class RadianceSink:
         return mi.Color3f(0)
 
     def add(self, total: mi.Color3f, _column, value, active) -> mi.Color3f:
-        """Return the sum with a contribution added."""
+        """Return the sum with the contribution of a path added."""
         return total + dr.select(active, value, 0)
 
 

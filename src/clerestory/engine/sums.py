@@ -51,7 +51,7 @@ class Sums:
     def empty(
         cls, kind: type, shape: tuple[int, ...], one: float = FIXED_POINT
     ) -> "Sums":
-        """Return zero sums for numbers of rows, batches, columns and channels."""
+        """Return zero sums over (row, batch, column, channel)."""
         return cls(np.zeros(shape, kind), np.zeros(shape[0], np.int64), one)
 
     def add(

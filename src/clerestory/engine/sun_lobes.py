@@ -91,7 +91,7 @@ class SunLobes:
 
     @classmethod
     def of(cls, scene: Scene) -> "SunLobes":
-        """Return the narrow lobes of the largest windows that a sun can light."""
+        """Return the narrow BSDF lobes of the largest windows that a sun can light."""
         found: dict[tuple, float] = {}
         shining = [source.direction for source in scene.distant if is_sun(source)]
         suns = np.array(shining).reshape(-1, 3)

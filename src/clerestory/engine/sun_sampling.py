@@ -68,11 +68,11 @@ class Suns(Source):
         return bool(self.lobes.groups or (self.portals and self.portals.sunny))
 
     def begin(self, pdf, sunlit):
-        """Return the mirror count and the sunlit density of a first path segment."""
+        """Return the mirror count and `sunlit` density of a first path segment."""
         return dr.select(pdf > 0, mi.UInt32(0), mi.UInt32(2)), mi.Float(sunlit)
 
     def remember(self, si, vertex: Vertex, after: Scattering, memory):
-        """Return the mirror count and the sunlit density of the next path segment."""
+        """Return the mirror count and `sunlit` density of the next path segment."""
         mirrors, _ = memory
         if self.mirrors.count:
             known = after.delta & is_mirror(si.bsdf())

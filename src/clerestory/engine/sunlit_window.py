@@ -56,7 +56,7 @@ class SunlitWindow(Source):
     ----------
     inside : scene with all windows as receivers, at which paths in the room end
     outside : scene without windows
-    own, role : table of this window alone, and 1 + index of the window in `inside`
+    own, role : `WindowTable` of this window, and 1 + index of the window in `inside`
     lobes : BSDF of the window, sampled for the incident direction of the sun
     peak : direct transmission as a separate term; None: part of the lobes
     middle, sun : unit vectors to the centre and to a point of the solar disc, by path
@@ -112,7 +112,7 @@ class SunlitWindow(Source):
     def samples(
         self, vertex: Vertex, path: Path | None, numbers: PathNumbers
     ) -> Iterator[LightSample]:
-        """Yield directions to a point of the window, along a lobe, and to the sun."""
+        """Yield directions to a window point, along a BSDF lobe, and to the sun."""
         u, v = numbers.sobol(CONNECT_U), numbers.sobol(CONNECT_V)
         yield self._to_window(vertex, u, v)
         u, v = numbers.sobol(DIRECTION_U), numbers.sobol(DIRECTION_V)

@@ -107,7 +107,7 @@ class TreeTable:
         return dr.gather(mi.Float, self.share, cell)
 
     def evaluate(self, function, incident, leaving):
-        """Return the BSDF or its X, Y, Z [1/sr], and the pdf per projected sr."""
+        """Return the BSDF (grey or X, Y, Z) and the pdf per projected angle [1/sr]."""
         if self.rank == 4:
             value, density = self._read(function, incident, leaving, (2, 3))
         else:
@@ -179,7 +179,7 @@ class TreeTable:
         return [mi.UInt32(dr.clip(cell, 0, edge - 1)) for cell in cells]
 
     def _radial(self, number, direction):
-        # Cell of half the distance from the rim of the disc, below 0.5: the upper half
+        # Cell index from half the distance to the disc's rim, 0 to 0.5; the upper half
         # of the tree is unused
         radius = dr.sqrt(dr.square(direction.x) + dr.square(direction.y))
         inwards = dr.clip(0.5 - 1e-6 - 0.5 * radius, 0, 1)

@@ -49,7 +49,7 @@ def vectors(kind: type, values: Float[np.ndarray, "n 3"]):
 
 
 def search(table, count: int, value, first=0):
-    """Return how many of `count` - 1 ascending entries are at most a value."""
+    """Return how many of `count` - 1 ascending entries do not exceed a value."""
 
     def reached(number):
         return dr.gather(type(table), table, first + number) <= value

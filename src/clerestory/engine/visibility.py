@@ -106,7 +106,7 @@ def first_opaque(
 ):
     """Trace shadow rays to the first surface that blocks them; see `transmittance`.
 
-    Return the transmittance up to that surface, the last ray segment, and its hit.
+    Return the transmittance to the surface, the last ray segment, and the hit.
     """
     if not model.panes:
         # No panes: avoid the loop over panes, which costs time

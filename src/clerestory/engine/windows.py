@@ -33,12 +33,12 @@ class WindowTable:
 
     Attributes
     ----------
-    elements, rectangle : elements, and whether each is a rectangle or a triangle
+    elements, rectangle : corner and edges of each element; true for rectangles
     chosen, area : distribution of the elements by area, and their total area [m²]
     window : index of each element's window
     first_element : index of each window's first element; an element has two faces
     right, up, normal : unit vectors of each window's frame
-    first, tables : column of each window's first patch, and the window's partition
+    first, tables : matrix column of each window's first patch, and the partition
     columns : number of patches of all windows
     """
 
@@ -56,7 +56,7 @@ class WindowTable:
     columns: int
 
     def find(self, window, direction):
-        """Return the column of the patch of a direction that leaves a window."""
+        """Return the matrix column of a direction that leaves a window."""
         local = self.to_local(window, direction)
         patch = self.tables[0].find(local)
         for number, table in enumerate(self.tables[1:], start=1):

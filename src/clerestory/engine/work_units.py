@@ -115,7 +115,7 @@ class UnitSize:
 
 
 class Executor(Protocol):
-    """An object that traces units."""
+    """An object that traces work units."""
 
     def resolve(self, device: Device) -> Processor:
         """Return the device for a setting such as "auto"."""
@@ -182,7 +182,7 @@ class Local:
         return 1
 
     def unit_size(self, device: Processor) -> UnitSize:
-        """Return the largest size of a unit, which depends on the memory of a GPU."""
+        """Return the largest size of a work unit, limited by the memory of a GPU."""
         if device == "cpu":
             return UnitSize(_PATHS, _SUMS)
         free = free_memory() or 0

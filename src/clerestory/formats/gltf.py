@@ -199,8 +199,8 @@ def _buffer(uri: str, binary: bytes | None, path: Path) -> bytes:
         except binascii.Error as error:
             raise InputError("a buffer is not base64") from error
     inside = uri not in ("", ".", "..") and "/" not in uri and "\\" not in uri
-    shown = f'the buffer "{uri[:60]}"'
-    require(inside, f"{shown} is outside the folder; a file beside this one expected")
+    shown = f'buffer file "{uri[:60]}"'
+    require(inside, f"{shown} is not in the folder of the glTF file")
     return read_bytes(path.parent / uri)
 
 
@@ -265,7 +265,8 @@ def _values(
     where, kind = f"accessors[{number}]", _TYPES.get(accessor.componentType)
     plain = _COUNTS.get(accessor.type) == width and accessor.sparse is None
     if kind is None or not plain:
-        raise InputError(f"{where}: numbers in groups of {width} expected, not sparse")
+        message = f"{where} is sparse or has the wrong type; a dense accessor of"
+        raise InputError(f"{message} {width} number(s) per element expected")
     view = _element(document.bufferViews, "bufferViews", accessor.bufferView)
     data = _element(buffers, "buffers", view.buffer)
     item = np.dtype(kind).itemsize
@@ -295,7 +296,7 @@ def _material(
         return Plastic(_word(item.name) or "unnamed", colour)
     if "*" in given:
         return given["*"]
-    raise InputError(f'material "{item.name}" is not given; it or "*" expected')
+    raise InputError(f'no material is given for "{item.name}" or "*"; one expected')
 
 
 def _word(name: str) -> str:

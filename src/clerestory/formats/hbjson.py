@@ -187,7 +187,7 @@ class _Reading:
         self.put(self.outline(aperture), states[0] if states else modifier, name)
 
     def window(self, opening: Part, states: list[Modifier]) -> None:
-        """Add an opening to its window group."""
+        """Add an opening to a window group."""
         outline = self.outline(opening)[::-1]
         name = opening.group or states[0].name
         group = self.groups.setdefault((name, *plane_of(outline)), _Group(name, states))
@@ -232,11 +232,11 @@ class _Reading:
 
     def shade_mesh(self, mesh: ShadeMesh) -> None:
         """Add the faces of a mesh."""
-        vertices = np.array(mesh.vertices) * self.scale
+        vertices, count = np.array(mesh.vertices) * self.scale, len(mesh.vertices)
         modifier = self.modifiers.of(mesh.modifier, "context_modifier")
         for face in mesh.faces:
-            message = f'a face of mesh "{mesh.identifier}" has vertex {max(face)}'
-            require(max(face) < len(vertices), f"{message}; a known one expected")
+            message = f'a face of mesh "{mesh.identifier}" refers to vertex {max(face)}'
+            require(max(face) < count, f"{message}; an index below {count} expected")
             self.put(vertices[list(face)], modifier, mesh.identifier)
 
     def outline(self, part: Part) -> np.ndarray:
@@ -247,8 +247,8 @@ class _Reading:
         """Add a surface, or list it as unsupported if its modifier is a BSDF."""
         if isinstance(modifier, BsdfModifier):
             self.modifiers.unsupported.append(
-                f'the BSDF "{modifier.name}" of "{name}", which is no window to the'
-                " outdoors: left open"
+                f'BSDF "{modifier.name}" of "{name}": only exterior windows can have a'
+                " BSDF; the surface is omitted"
             )
             return
         key = insert_material(self.materials, modifier)

@@ -123,7 +123,7 @@ class _Reading:
     unknown: set[str] = field(default_factory=set)
 
     def follow(self, words: list[str], at: int) -> int | None:
-        """Execute a statement; if an array repeats, return its start index."""
+        """Execute an MGF statement; for a repeated array, return its start index."""
         keyword, *arguments = words
         if keyword == "xf":
             return self.place.follow(arguments, at)
@@ -132,7 +132,7 @@ class _Reading:
         elif keyword in _MAKING:
             _MAKING[keyword](self, keyword, arguments)
         elif keyword in ("i", "ies"):
-            raise InputError(f"{keyword} names another file; one text alone expected")
+            raise InputError(f"{keyword} includes another file, which is not supported")
         elif keyword not in self.unknown:
             self.unknown.add(keyword)
             place = f"{self.file or 'MGF'}:{self.line}"

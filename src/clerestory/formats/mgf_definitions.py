@@ -90,8 +90,8 @@ class Contexts(Generic[Value]):
     def choose(self, words: list[str]) -> None:
         """Select `name`, define it (`name = template`), or reset to the default."""
         valid = len(words) <= 3 and words[1:2] in ([], ["="])
-        shown = " ".join(words[:4])
-        require(valid, f'context "{shown}"; a name, = and a template expected')
+        shown = f'"{" ".join(words[:4])}" after v, c or m'
+        require(valid, f"{shown}; `name`, `name =` or `name = template` expected")
         if not words:
             self.name, self.unnamed = None, self.default
             return

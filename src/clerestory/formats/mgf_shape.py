@@ -56,7 +56,7 @@ def joined_holes(names: list[str]) -> list[str]:
     text = " ".join(names).removesuffix(" -")
     outside, *holes = (loop.split() for loop in f" {text} ".split(" - "))
     valid = all(len(loop) > 2 for loop in (outside, *holes))
-    require(valid, "a face or a hole of fewer than 3 vertices; 3 expected")
+    require(valid, "a face or a hole has fewer than 3 vertices; 3 or more expected")
     if not holes:
         return outside
     seams = [name for hole in holes for name in (hole[-1], *hole)]
@@ -74,7 +74,7 @@ def prism(corner: list[MgfVertex], length: float) -> Iterator[list[MgfVertex]]:
     across = np.cross(spoke[1:-1], spoke[2:]).sum(axis=0)
     size = math.sqrt(across @ across)
     solid = size > 0 and length != 0
-    require(solid, "a prism without extent; a flat face and a length expected")
+    require(solid, "the base area or length of a prism is 0; other values expected")
     moved = point - length * across / size
     far = [
         MgfVertex((float(x), float(y), float(z)), v.normal)
@@ -89,7 +89,7 @@ def prism(corner: list[MgfVertex], length: float) -> Iterator[list[MgfVertex]]:
 def torus(centre: MgfVertex, inner: float, outer: float) -> Iterator[Frustum]:
     """Yield cones that approximate a torus; negative radii make them face inwards."""
     if centre.normal is None:
-        raise InputError("a torus around a vertex without normal; one expected")
+        raise InputError("a torus centre has no normal; a vertex with normal expected")
     sign = -1.0 if inner < 0 or (inner == 0 and outer < 0) else 1.0
     grows = sign * (outer - inner) > 0
     require(grows, f"torus from {inner:g} to {outer:g}; increasing radii expected")

@@ -45,8 +45,8 @@ class ObjPart:
 
 @dataclass(frozen=True, eq=False)
 class ObjText:
-    """Vertices of an OBJ file in its units, triangles by group and material, and paths
-    of material libraries.
+    """Text of an OBJ file: vertices (file units), triangles by group and material, and
+    file paths of material libraries.
     """
 
     vertices: Float[np.ndarray, "vertices 3"]
@@ -125,7 +125,7 @@ class _Reading:
         wrong = (corner < 0) | (corner >= self.count) | (corner != np.trunc(corner))
         at = int(np.argmax(wrong))
         face = int(np.searchsorted(np.cumsum(words), at, side="right"))
-        message = f"a face refers to vertex {values[at]:g}; {self.count} known before"
+        message = f"a face refers to vertex {values[at]:g}, but {self.count} precede it"
         require(not wrong[at], message, file=self.file, line=line + face)
         key = (self.group, self.material)
         self.lines.setdefault(key, line)
@@ -181,7 +181,7 @@ class _Reading:
                     add(one, line + i)
                 case [word]:
                     # Smoothing, lines, points and curves are ignored
-                    message = "not a text; an OBJ file expected"
+                    message = "the file is not text; a Wavefront OBJ text file expected"
                     valid = word.isprintable()
                     require(valid, message, file=self.file, line=line + i)
 

@@ -44,7 +44,7 @@ def read_layer(path: str | Path) -> Layer:
         if product is None or product.material is None:
             return Glass(_pane(path, product))
         if product.geometry is None:
-            raise InputError("a shade without a geometry in its extra_data")
+            raise InputError("the shade has no geometry; extra_data.geometry expected")
         material = _pane(path, product)
         return igsdb_shade(product.geometry, path).layer(material)
 

@@ -71,7 +71,7 @@ class Axis:
         return True
 
     def at_window(self, window: str | None) -> "Axis":
-        """Return the axis, labelled with a window name if it has none."""
+        """Return the axis, with the given window name if the axis has no name."""
         if self.window is None and window and self.kind in ("interior", "exterior"):
             return replace(self, window=window)
         return self

@@ -107,7 +107,7 @@ def _add(
 
 
 def _write_bands(variable: h5netcdf.Variable, bands: Bands) -> None:
-    if bands == RGB:  # RGB is not labelled, as in version 0.1
+    if bands == RGB:  # RGB bands are not labelled, as in version 0.1
         return
     variable.attrs["band_names"] = "\n".join(bands.names)
     if bands.efficacy is not None:
@@ -183,7 +183,7 @@ def _read_axis(file: h5py.File, side: str) -> Axis:
         partition = reinhart(int(np.ravel(attributes["sky_subdivision"])[0]))
     size = int(variable.shape[0])
     count = size if partition is None else len(partition)
-    require(count == size, f"{size} {side}s of a partition with {count} patches")
+    require(count == size, f"{size} {side}s, {count} patches; one per patch expected")
     times, names = file.get(f"{side}_times"), file.get(f"{side}_names")
     return Axis(
         kind,

@@ -3,7 +3,7 @@
 The result is computed in blocks of receivers × time steps. Error components, the
 deviations of the independent batches of each Monte Carlo estimate from their mean, are
 multiplied by the same matrices as the estimate. The view matrices of all windows are
-estimated from the same paths, so error components of equal number are summed over the
+estimated from the same paths, so error components of equal index are summed over the
 windows. All other estimates are statistically independent.
 
 Matrices are multiplied in the order that takes fewer operations: V (T D S) for many
@@ -177,7 +177,7 @@ class BlockwiseProduct:
     def _times(
         self, lit: Int[np.ndarray, " lit"], most: int
     ) -> Iterator[tuple[slice, Int[np.ndarray, " step"]]]:
-        # Blocks of `most_steps` consecutive time steps, else of `most` steps with light
+        # Blocks of `most_steps` time steps if given, else of `most` daylit time steps
         steps = len(self.skies.times)
         edges = [0, *lit[most::most].tolist()]
         if self.most_steps:

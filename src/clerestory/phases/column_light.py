@@ -5,7 +5,7 @@
     sun irradiance    direct normal, of at most one sun per time step
 
 The result is illuminance (a weighted sum of the bands) for sensors, and the radiance in
-each band for pictures. Light is weighted before it is multiplied by a matrix, so that
+each band for pictures. Radiance is weighted before multiplication by a matrix, so that
 grey rooms need one product instead of one per band.
 """
 
@@ -199,8 +199,8 @@ def _passed(
     *,
     errors: bool,
 ) -> Float32[np.ndarray, "more channel inner step"]:
-    # Product of a matrix and the radiance, then error components: those due to the
-    # radiance first, those due to the matrix last
+    # Product of a matrix and the radiance, then its error components due to the error
+    # of the radiance, then its error components due to the error of the matrix
     found = factor.values.astype(np.float32) @ light
     if factor.components is None or not errors:
         return np.asarray(found)

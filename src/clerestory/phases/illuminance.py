@@ -48,15 +48,14 @@ def illuminance(
 
     Returns
     -------
-    `illuminance` and `standard_error` over (sensor, time); each term without sign, if
+    `illuminance` and `standard_error` over (sensor, time); each term unsigned, if
     there are several terms; `mean_components` (component, sensor): error components of
     the mean illuminance over `hours`
     """
     axis = chains(windows, terms[0].part)[0].receivers
     if axis is None:
-        raise MatrixError(
-            "direct-sun coefficients of pixels; those of sensors expected"
-        )
+        message = "direct-sun coefficients C_ds have pixels as rows; sensors expected"
+        raise MatrixError(message)
     product = BlockwiseProduct(
         windows,
         terms,

@@ -42,7 +42,7 @@ class PhaseMethod:
     whole : name of the result variable for the term with interreflections
     windows : True for V T D, False for daylight coefficients C
     facade : whether the method includes façade matrices (F)
-    correction : when the direct correction is applied
+    correction : whether the direct correction is always, never or optionally applied
     """
 
     whole: str
@@ -51,7 +51,7 @@ class PhaseMethod:
     correction: Literal["always", "never", "choice"] = "never"
 
     def terms(self, *, corrected: bool) -> tuple[Term, ...]:
-        """Return the terms, with or without the direct correction."""
+        """Return the terms of the method, with or without the direct correction."""
         whole = Term(self.whole, "whole")
         if not corrected:
             return (whole,)

@@ -7,7 +7,7 @@
 V is pixel radiance per patch radiance, C_ds is pixel radiance per direct normal
 irradiance [1/sr]. V_d and C_ds include light straight from the window and light
 reflected once in the room. In the notation of the extended five-phase method, C_ds is
-C_F-ds + C_R-ds, and V_d includes both material maps.
+C_F-ds + C_R-ds, and V_d includes the surface reflectances (both material maps).
 """
 
 from collections.abc import Callable, Sequence

@@ -49,7 +49,7 @@ class SkyCoefficients:
 def sky_coefficients(windows: Sequence[MatrixChain], rows: slice) -> TransferMatrix:
     """Sum of V T D over the window groups in shade state 0, for some sensors [sr].
 
-    Error components of V come first; those of equal number are summed over the windows.
+    Error components of V come first, summed over the windows by component index.
     """
     products: list[TransferMatrix] = []
     views: list[int] = []
@@ -112,7 +112,7 @@ def channel_count(matrix: Receiving) -> int:
 
 
 def chain_components(chain: MatrixChain) -> int:
-    """Return the number of error components due to T, F and D: maximum over states."""
+    """Return the largest number of error components of T, F and D by shade state."""
     return max((sum(map(component_count, state)) for state in chain.factors), default=0)
 
 

@@ -61,7 +61,7 @@ def view_matrix(
     seed : random seed ≥ 0; same seed and device, bitwise identical results
     device : "auto" selects a GPU if one is available
     executor : executor of the tracing jobs, such as a `Cluster`; default: local.
-        Results do not depend on it
+        Results do not depend on the executor
     progress : callback with the completed fraction (0…1) and a status text
 
     Raises
@@ -230,7 +230,7 @@ def _traced(
 def split_columns(
     estimated: Estimate, rows: Axis, columns: Mapping[str, Axis], bands: Bands
 ) -> dict[str, TransferMatrix]:
-    """Split the columns of an estimate into successive matrices, one per axis."""
+    """Split the columns of an estimate into matrices, one for each column axis."""
     found, first = {}, 0
     for name, axis in columns.items():
         part = slice(first, first + axis.size)

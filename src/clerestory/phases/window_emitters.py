@@ -50,7 +50,7 @@ def precompute_illums(
     ----------
     room : the scene without the windows, with its sky and sun
     panes : polygons of the windows, whose front faces the room
-    zone : maximum edge length of a zone of a pane [m]; only parallelograms are divided
+    zone : maximum edge length of pane zones [m]; only parallelogram panes are divided
     rings : number of polar angle intervals; there are twice as many azimuth intervals
     samples : number of paths per direction and zone
     relative_error : instead of samples: target RMS of the standard errors over all
@@ -124,7 +124,7 @@ def _patches(pieces: list[Polygon]) -> EmitterPatches:
         corner = triangles.vertices[triangles.faces]
         doubled = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
         area = np.linalg.norm(doubled, axis=1)
-        require(area.sum() > 0, f'pane "{piece.name}" has no area')
+        require(area.sum() > 0, f'pane "{piece.name}" has area 0; above 0 expected')
         share = np.cumsum(area) / area.sum()
         share[-1] = 1.0
         frames.append(_frame(doubled.sum(axis=0)))

@@ -63,7 +63,7 @@ def sky_at(weather: Weather, moment: datetime) -> Scene:
     )
     step = int(np.argmin(distance))
     normal, diffuse = weather.direct_normal[step], weather.diffuse_horizontal[step]
-    require(diffuse > 0, f"no light from the sky at {moment}; daytime expected")
+    require(diffuse > 0, f"the diffuse irradiance is 0 at {moment}; daytime expected")
     hour = moment.hour + moment.minute / 60 + moment.second / 3600
     return sky_scene(
         f"gendaylit {moment.month} {moment.day} {hour:.5f} -W {normal:g} {diffuse:g}"

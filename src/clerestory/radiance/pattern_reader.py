@@ -50,8 +50,8 @@ def read_modifiers(given: Arguments, *, placed: Transform) -> Modifiers:
 def read_share(given: Arguments, placed: Transform) -> float | Pattern:
     """Return the foreground fraction of a mixture, as a constant or a pattern.
 
-    The first channel of the pattern is the fraction. The function is the third string
-    argument, after the two materials.
+    The first channel of the pattern is the foreground fraction. The third string
+    argument, after the two materials, is the function.
     """
     share = _read(given, placed)
     constant = constant_value(share)
@@ -86,12 +86,13 @@ def _pattern(
     strings = given.strings(at + 1, f"{at + 1} or more")
     tables = tuple(_table(given, name) for name in strings[middle:at])
     axes = {len(table.axes) for table in tables} or {0}
-    require(len(axes) == 1, "the tables differ in their numbers of axes; one expected")
+    message = "the data files have different numbers of axes; equal numbers expected"
+    require(len(axes) == 1, message)
     end = at + 1 + axes.pop()
     require(
         len(strings) >= end,
-        f"{len(strings) - at - 1} coordinates for a table of {end - at - 1} axes;"
-        " equal numbers expected",
+        f"{len(strings) - at - 1} coordinate(s) given, but the data file has"
+        f" {end - at - 1} axes; one coordinate per axis expected",
     )
     program = _program(given, at)
     places = tuple(_expression(given, text) for text in strings[at + 1 : end])

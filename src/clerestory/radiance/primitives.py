@@ -65,7 +65,7 @@ def _refuse_beyond_measure(run: PolygonRun, file: str) -> None:
     beyond = np.flatnonzero(np.abs(run.vertices).max(axis=1) > LARGEST)
     if len(beyond):
         i = int(np.searchsorted(run.first, beyond[0], side="right")) - 1
-        message = f'polygon "{run.name[i]}": a number beyond {LARGEST:.0e}'
+        message = f'polygon "{run.name[i]}": a coordinate exceeds {LARGEST:.0e} m'
         raise InputError(message, file=file, line=run.line[i])
 
 

@@ -208,8 +208,8 @@ class _Reading:
         if self._key(modifier, given.source) != _VOID:
             raise error_at(
                 given.source,
-                f'{given.subject} is modified by the material "{modifier}"; void or a'
-                " pattern expected",
+                f'the modifier of {given.subject} is the material "{modifier}"; void,'
+                " a pattern or a texture expected",
             )
         return None
 

@@ -38,7 +38,7 @@ def floor_grid(
 ) -> Sensors:
     """Return a regular grid of upward-facing sensors in the room behind a window.
 
-    `scene` is without windows; `others` are further windows of the room. The normal of
+    `scene` has no windows; `others` are further windows of the room. The normal of
     `window` may point inwards or outwards. `spacing` and `height` above the floor are
     in metres.
     """
@@ -55,7 +55,7 @@ def floor_grid(
     position = inside[below]
     require(
         len(position),
-        f'no free floor was found behind window "{window.name}"; give the sensors',
+        f'no free floor was found behind "{window.name}"; a sensor file expected',
     )
     position[:, 2] = floor + height
     order = np.lexsort((position[:, 0], position[:, 1]))
@@ -120,7 +120,7 @@ def _filled(
             require(
                 max(map(abs, there)) <= most,
                 f"the room behind the window is open or extends {_LARGEST:g} m;"
-                " a closed room or given sensors expected",
+                " a closed room or a sensor file expected",
             )
             if there not in known:
                 known.add(there)

@@ -117,7 +117,7 @@ class Arguments:
     def _limit(self, value: float) -> None:
         if abs(value) > LARGEST:
             raise self.error(
-                f"a number is beyond {LARGEST:.0e}; a smaller one expected"
+                f"an argument exceeds {LARGEST:.0e}; a smaller number expected"
             )
 
     def transform(self, at: int) -> Transform:
@@ -138,7 +138,7 @@ class Arguments:
         return f'{self.item.kind} "{self.item.name}"'
 
     def located(self) -> AbstractContextManager[None]:
-        """Return a context that adds the primitive's file and line to errors."""
+        """Return a context manager that adds the file and line to error messages."""
         return located(file=self.file, line=self.item.line, subject=self.subject)
 
     def error(self, message: str) -> InputError:

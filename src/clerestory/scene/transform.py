@@ -48,8 +48,8 @@ class Transform:
         )
         require(
             np.abs(both.matrix).max() <= LARGEST and both.scale >= 1 / LARGEST,
-            f"the xform options scale or translate beyond {LARGEST:.0e}; smaller values"
-            " expected",
+            f"the xform options scale or move by more than {LARGEST:.0e}, or scale by"
+            f" less than {1 / LARGEST:.0e}; other values expected",
         )
         return both
 

@@ -117,7 +117,7 @@ def test_materials_by_map_and_by_colour(tmp_path):
     glb(tmp_path / "a.glb", *document())
     coloured = read_gltf(tmp_path / "a.glb", materials={}, colours=True)
     assert coloured.materials["Red"].reflectance.tolist() == [0.8, 0.1, 0.1]
-    with pytest.raises(InputError, match='material "Red" is not given'):
+    with pytest.raises(InputError, match='no material is given for "Red"'):
         read_gltf(tmp_path / "a.glb", materials={})
 
 

@@ -112,11 +112,14 @@ def test_triangles_without_area_are_counted_and_left_out(read):
         (SQUARE + "f 1 2\n", "a.obj:5: a face of 2 vertices"),
         (
             SQUARE + "f 1 2 3\nf 1 2 9\n",
-            "a.obj:6: a face refers to vertex 9; 4 known before",
+            "a.obj:6: a face refers to vertex 9, but 4 precede it",
         ),
         (SQUARE + "f 1 2 0\n", "a.obj:5: a face refers to vertex 0"),
         (SQUARE + "f 1 2 -5\n", "vertex -5"),
-        ("f 1 2 3\n" + SQUARE, "a.obj:1: a face refers to vertex 1; 0 known before"),
+        (
+            "f 1 2 3\n" + SQUARE,
+            "a.obj:1: a face refers to vertex 1, but 0 precede it",
+        ),
         (SQUARE + "f 1 2 2.5\n", "vertex 2.5"),
         ("mtllib gone.mtl\n" + SQUARE + "f 1 2 3", 'library "gone.mtl" is missing'),
     ],

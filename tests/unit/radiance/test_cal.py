@@ -120,17 +120,17 @@ def test_broken_files_are_refused_with_their_line(text, message):
 @pytest.mark.parametrize(
     ("expression", "text", "message"),
     [
-        ("a", "a = a + 1;", "recursion terminates"),
-        ("f(1)", "f(x) = f(x+1);", "recursion terminates"),
+        ("a", "a = a + 1;", "a recursion that terminates"),
+        ("f(1)", "f(x) = f(x+1);", "a recursion that terminates"),
         ("nothing", "", '"nothing" is not defined'),
         ("nothing(1)", "", '"nothing" is not defined'),
-        ("f", "f(x) = x;", "has no arguments"),
+        ("f", "f(x) = x;", "needs arguments; f(…) expected"),
         ("f(1)", "f(x, y) = x;", "1 argument(s)"),
         ("a(1)", "a = 2;", "argument(s)"),
         ("if(1)", "", "3 expected"),
-        ("A2", "", "real argument 2 is asked for; 0 given"),
-        ("arg(3)", "", "real argument 3 is asked for; 0 given"),
-        ("f(1+1)", "f(g) = g(1);", "its argument is no function"),
+        ("A2", "", "real argument 2 is used, but the primitive has 0"),
+        ("arg(3)", "", "real argument 3 is used, but the primitive has 0"),
+        ("f(1+1)", "f(g) = g(1);", "its argument is an expression"),
     ],
 )
 def test_runs_without_an_end_or_a_meaning_are_refused(expression, text, message):
@@ -142,7 +142,7 @@ def test_runs_without_an_end_or_a_meaning_are_refused(expression, text, message)
 def test_long_runs_are_broken_off(monkeypatch):
     """Two calls in each of twenty levels are a million steps."""
     monkeypatch.setattr(run.Run, "most_steps", 1000)
-    with pytest.raises(InputError, match="more than 1000 steps or"):
+    with pytest.raises(InputError, match="more than 1000 evaluation steps or"):
         value("f(20)", "f(n) = if(n, f(n-1) + f(n-1), 1);")
 
 

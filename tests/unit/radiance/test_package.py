@@ -148,5 +148,5 @@ def test_every_material_and_surface_is_read_back(tmp_path):
 
 
 def test_what_cannot_be_written_is_refused():
-    with pytest.raises(InputError, match="has no file"):
+    with pytest.raises(InputError, match="no BSDF file is given"):
         format_rad(package(blind(), "blind"), bsdf_file={})

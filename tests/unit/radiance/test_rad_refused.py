@@ -17,10 +17,14 @@ CASES = {
     "modifier": ("wood sphere x 0 0 4 0 0 0 1", 2, 'undefined modifier "wood"'),
     "inherit": ("inherit plastic x 0 0 5 0 0 0 0 0", 2, 'undefined modifier "inherit"'),
     "late": ("\n\nlate sphere x 0 0 4 0 0 0 1", 4, 'undefined modifier "late"'),
-    "two materials": ("grey plastic x 0 0 5 0 0 0 0 0", 2, "modified by the material"),
+    "two materials": (
+        "grey plastic x 0 0 5 0 0 0 0 0",
+        2,
+        'modifier of plastic "x" is the',
+    ),
     "alias": ("void alias x brick", 2, 'undefined modifier "brick"'),
     "alias of void": ("inherit alias x void", 2, "refers to void"),
-    "alias chain": ("grey alias x grey", 2, 'modified by the material "grey"'),
+    "alias chain": ("grey alias x grey", 2, 'is the material "grey"'),
     # Counts and numbers
     "vertices": ("grey polygon x 0 0 10 1 2 3 4 5 6 7 8 9 10", 2, "10 numbers"),
     "too few": ("grey polygon x 0 0 6 1 2 3 4 5 6", 2, "at least 3 vertices"),
@@ -34,8 +38,8 @@ CASES = {
     "word": ("grey sphere x 0 0 4 0 0\n0 one", 3, '"one" where number 4 of 4'),
     "nan": ("grey polygon x 0 0 9 0 0 0\n1 0 0 1 1 nan", 3, '"nan" where number 9'),
     "infinite": ("grey polygon x 0 0 9 0 0 0 1 0 0 1 1 inf", 2, '"inf" where number 9'),
-    "overflow": ("grey polygon x 0 0 9 0 0 0 1 0 0 1 1 1e400", 2, "beyond 1e+15"),
-    "huge": ("grey sphere x 0 0 4 0 0 0 1e200", 2, "beyond 1e+15"),
+    "overflow": ("grey polygon x 0 0 9 0 0 0 1 0 0 1 1 1e400", 2, "exceeds 1e+15"),
+    "huge": ("grey sphere x 0 0 4 0 0 0 1e200", 2, "exceeds 1e+15"),
     "too many": (FLOOR + "3 3 3\n" + FLOOR, 3, "more numbers than its count"),
     "swallowed": (
         "grey polygon x 0 0 12 0 0 0 1 0 0 1 1 0\n" + FLOOR,
@@ -85,8 +89,12 @@ CASES = {
         3,
         'the file "absent.rad" is missing; searched in',
     ),
-    "option": ("!xform -q part.rad", 2, 'does not accept "-q"'),
-    "order": ("!xform -t 1 2 3 -m grey part.rad", 2, 'does not accept "-m"'),
+    "option": ("!xform -q part.rad", 2, 'option "-q" is unknown'),
+    "order": (
+        "!xform -t 1 2 3 -m grey part.rad",
+        2,
+        'option "-m" is unknown or out of order',
+    ),
     "array": ("!xform -a 0 -t 1 1 1 part.rad", 2, 'xform -a is followed by "0"'),
     "vast array": (
         "!xform -a 9999999 -t 0 0 1 part.rad",

@@ -60,7 +60,7 @@ def forward_table(bsdf: Bsdf, name: Function = "transmission_front") -> Table:
     parts = _colours(bsdf, name)
     if parts is not None and isinstance(parts[0], ScatteringTree):
         if parts[0].rank == 3:
-            # Function 0 is evaluated from function 1 with directions exchanged
+            # BSDF function 0 is function 1 with both directions exchanged
             return TreeTable([None, parts], [1, 0])
         return TreeTable([tuple(part.reciprocal() for part in parts)], [0])
     matrices = _matrices(bsdf)[FUNCTIONS.index(name)]
@@ -150,14 +150,14 @@ def define() -> type:
             return mi.Frame3f(right, dr.cross(normal, right), normal)
 
         def split(self, si, wo):
-            """Return wi and wo in the layer's frame, and whether it has axes."""
+            """Return wi and wo in the layer's frame, and whether the frame has axes."""
             frame = self.turned(si)
             wi = frame.to_local(si.sh_frame.to_world(si.wi))
             oriented = dr.squared_norm(frame.s) > 0.5
             return wi, frame.to_local(si.sh_frame.to_world(wo)), oriented
 
         def parts(self, wi):
-            """Return the functions for the side of wi, and sampling probabilities."""
+            """Return scattering functions for the side of wi, and probabilities."""
             room = wi.z > 0
             transmission = dr.select(room, mi.UInt32(0), mi.UInt32(1))
             reflection = dr.select(room, mi.UInt32(3), mi.UInt32(2))

@@ -54,7 +54,7 @@ def define() -> type:
             )
 
         def refraction(self, wi):
-            """Reflectance, cosine of refraction, index on the wi side / other index."""
+            """Reflectance, cosine of refracted angle, index ratio (wi side / other)."""
             ratio = self.outside_index / self.inside_index
             ratio = dr.select(wi.z > 0, ratio, 1 / ratio)
             cosine = dr.abs(wi.z)

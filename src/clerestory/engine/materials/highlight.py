@@ -48,7 +48,7 @@ class Ellipse:
     v2: "mi.Float"
 
     def along(self, vector):
-        """Components of a vector along both axes."""
+        """Components of a vector along both axes of the highlight."""
         u = vector.x * self.cos + vector.y * self.sin
         return u, vector.y * self.cos - vector.x * self.sin
 

@@ -48,7 +48,7 @@ def define() -> type:
             set_components(self, mi.BSDFFlags.DiffuseReflection, glossy)
 
         def shares(self, si, cos_theta):
-            """Diffuse and specular reflectance, and chance of sampling the latter."""
+            """Diffuse and specular reflectance, and probability of the highlight."""
             added = grazing_share(self.specularity, self.highlight.smooth, cos_theta)
             rest = 1 - self.specularity
             colour = self.paint.at(si)
@@ -88,7 +88,7 @@ def define() -> type:
             pdf = dr.select(peak, chance, pdf)
             valid = active & (wo.z > 0) & (wi.z > 0) & (pdf > 0)
 
-            # Classify the direction as glossy or diffuse by their BSDF values
+            # Classify the direction as glossy or diffuse by both BSDF components
             rest = (sample1 - chance) / (1 - chance)
             again = dr.select(shiny, sample1 / chance, rest)
             shiny = peak | credited(again, glossy, matt)

@@ -56,7 +56,7 @@ def define() -> type:
             set_components(self, *diffuse, mirrored, passed)
 
         def shares(self, si, cos_theta):
-            """Diffuse reflectance and transmittance, then both specular ones."""
+            """Reflectance and transmittance, first diffuse, then specular."""
             added = grazing_share(self.specularity, self.highlight.smooth, cos_theta)
             rest = (1 - self.specularity) * (1 - added)
             passed = self.transmission * rest
@@ -132,7 +132,7 @@ def define() -> type:
             pdf = dr.select(peak, chance, pdf)
             valid = active & (wi.z > 0) & ((wo.z > 0) == reflects) & (pdf > 0)
 
-            # Classify the direction as glossy or diffuse by their BSDF values
+            # Classify the direction as glossy or diffuse by both BSDF components
             below = dr.select(mirrored, chances[0] + chances[1], 1 - chances[3])
             below = dr.select(diffuse, dr.select(back, 0, chances[0]), below)
             chance = dr.select(diffuse, dr.select(back, chances[0], chances[1]), chance)

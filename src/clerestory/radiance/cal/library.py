@@ -40,7 +40,7 @@ class Surroundings(Protocol):
 class Native:
     """A predefined function, or a variable (arity None), computed in Python.
 
-    `arity` is the minimum number of arguments; `compute` reads the variables `uses`.
+    `arity` is the minimum number of arguments, `uses` the variables read by `compute`.
     """
 
     compute: Callable[..., Any]
@@ -80,7 +80,8 @@ def _argument(env: Surroundings, number: Values) -> Values:
     given = (float(len(env.arguments)), *env.arguments)
     if place.size and place.max() >= len(given):
         raise InputError(
-            f"real argument {place.max()} is asked for; {len(env.arguments)} given"
+            f"real argument {place.max()} is used, but the primitive has"
+            f" {len(env.arguments)} real arguments"
         )
     value: Values = np.array(given)[np.maximum(place, 0)]
     return value
@@ -89,11 +90,7 @@ def _argument(env: Surroundings, number: Values) -> Values:
 def _numbered(number: int) -> Native:
     # Variable A1, A2, …: real argument of that number
     def compute(env: Surroundings) -> Values:
-        if number > len(env.arguments):
-            raise InputError(
-                f"real argument {number} is asked for; {len(env.arguments)} given"
-            )
-        return np.full(env.value("S").shape, float(env.arguments[number - 1]))
+        return _argument(env, np.full(env.value("S").shape, float(number)))
 
     return Native(compute, uses=("S",))
 

@@ -26,7 +26,7 @@ from clerestory.radiance.cal.syntax import (
     Power,
 )
 
-# Functions of which only the selected argument is evaluated
+# Conditional functions, which evaluate only the selected argument
 SPECIAL = ("if", "select")
 
 
@@ -50,11 +50,11 @@ class Rows:
         self.known: dict[Hashable, Any] = {}
 
     def part(self, place: Bool[np.ndarray, " all"]) -> "Rows":
-        """Return the subset selected by a mask."""
+        """Return the rays selected by a mask."""
         return Rows(self.index[place], self, place)
 
     def find(self, key: Hashable) -> Any:
-        """Return a value cached for the subset or a superset; None if not cached."""
+        """Return a value cached for these rays or a superset; None if not cached."""
         value = self.known.get(key)
         if value is None and self.parent is not None:
             outer = self.parent.find(key)
@@ -127,7 +127,7 @@ class Evaluation(ABC, Generic[Value]):
         """Return the error for a name without a definition."""
 
     def node(self, node: Node, rows: Rows, frame: Frame | None) -> Value:
-        """Evaluate an expression for a subset of rays; `frame` has call arguments."""
+        """Evaluate an expression for some rays; `frame` has the function arguments."""
         self.depth, self.steps = self.depth + 1, self.steps + 1
         if self.depth > self.deepest or self.steps > self.most_steps:
             raise self.endless()
@@ -138,8 +138,8 @@ class Evaluation(ABC, Generic[Value]):
     def endless(self) -> InputError:
         """Return the error for a function that may not terminate."""
         return InputError(
-            f"a function takes more than {self.most_steps} steps or {self.deepest}"
-            f" nested calls; {self.terminating}"
+            f"the expression needs more than {self.most_steps} evaluation steps or"
+            f" {self.deepest} nested calls; {self.terminating}"
         )
 
     def _value(self, node: Node, rows: Rows, frame: Frame | None) -> Value:
@@ -179,7 +179,7 @@ class Evaluation(ABC, Generic[Value]):
         if value is not None:
             return value
         if found is not None:
-            raise InputError(f'the function "{name}" has no arguments')
+            raise InputError(f'function "{name}" needs arguments; {name}(…) expected')
         raise self.undefined(name)
 
     def _call(self, call: Call, rows: Rows, frame: Frame | None) -> Value:
@@ -208,7 +208,8 @@ class Evaluation(ABC, Generic[Value]):
         while frame is not None and name in frame.parameters:
             handed = frame.arguments[frame.parameters.index(name)]
             if not isinstance(handed, Name):
-                raise InputError(f'"{name}" is called, but its argument is no function')
+                message = f'"{name}" is called, but its argument is an expression'
+                raise InputError(f"{message}; the name of a function expected")
             name, frame = handed.name, frame.outer
         return name
 
@@ -244,7 +245,7 @@ class Run(Evaluation[Values]):
 
     deepest: ClassVar[int] = 100
     most_steps: ClassVar[int] = 100_000
-    terminating: ClassVar[str] = "one whose recursion terminates expected"
+    terminating: ClassVar[str] = "a recursion that terminates expected"
 
     definition: Callable[[str], Definition | Native | None]
     inputs: Mapping[str, Float[np.ndarray, " rays"]]
