@@ -71,7 +71,7 @@ def test_bands_and_a_toml_file(call, room):
         (("--woven", "default", "--halvings", 9, "--basis", "tree4"), "2 to 7"),
         (("--woven", "default", "--reduce", 100), "0 ≤ reduction < 100"),
         (("--woven", "default", "--band", "solar=1"), "such as solar="),
-        (("--woven", "default", "--relative-error", 0), "0.00001 to 10"),
+        (("--woven", "default", "--relative-error", 0), "0.00001 to below 10"),
         (("missing.rad",), "missing.rad"),
     ],
 )

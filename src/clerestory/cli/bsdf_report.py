@@ -39,7 +39,7 @@ def info_lines(bsdf: Bsdf) -> Iterator[str]:
 def finding_lines(
     file: Path, findings: Sequence[Finding], *, all_of_them: bool
 ) -> Iterator[str]:
-    """Yield a line per finding; without `all_of_them`, only if it affects results."""
+    """Yield a line per finding (`all_of_them`) or per finding that affects results."""
     shown = [f for f in findings if f.matters or all_of_them]
     yield from (f"{file}: {finding}" for finding in shown)
     if not any(finding.matters for finding in findings):

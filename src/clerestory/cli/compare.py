@@ -62,7 +62,7 @@ def _simulated(path: Path) -> Series:
 
 
 def _label(path: Path, all_paths: list[Path]) -> str:
-    # Phase method of a run if no other run has it, otherwise name of the run's folder
+    # Name of a run: its phase method if unique among the runs, otherwise its folder
     if path.suffix.lower() == ".csv":
         return path.stem
     runs = [each for each in all_paths if each.suffix.lower() != ".csv"]

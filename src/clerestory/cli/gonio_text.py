@@ -11,7 +11,7 @@ from clerestory.gonio.cross_validation import CrossValidation
 from clerestory.gonio.fitted_measurement import Fitted
 from clerestory.gonio.scattering_measurement import Measurement
 
-# Headings of two tables, each with the format of its rows, one row per scan
+# Headings and row formats of two tables with one row per scan
 _TABLE = "  θ [°]  φ [°]  points   to θ    gaps negative  noise    flux"
 _SCAN = (
     "{0.scan.theta_deg:7.1f}{0.scan.phi_deg:7.1f}{0.scan.values.size:8}"
@@ -44,7 +44,7 @@ def measurement_lines(measurement: Measurement, coverage: Coverage) -> Iterator[
 
 
 def fit_lines(fits: Sequence[Fitted]) -> Iterator[str]:
-    """Yield a line per fit: symmetry, numbers of lobes and plans, smoothing."""
+    """Yield a line per fit: symmetry, number of lobes, transport plans, smoothing."""
     for fit in fits:
         network = fit.interpolant.network
         count = [len(lobes) for lobes in network.lobes]

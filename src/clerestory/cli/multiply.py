@@ -54,7 +54,7 @@ def read_any_matrix(path: Path) -> TransferMatrix:
 
 
 def _terms(factors: list[Path]) -> list[list[Path]]:
-    # Files of the factors of each product; a + separates products
+    # Matrix files to multiply, for each product; a + separates products
     terms: list[list[Path]] = [[]]
     for factor in factors:
         if str(factor) == "+":

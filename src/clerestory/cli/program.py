@@ -38,7 +38,7 @@ def program(words: list[str] | None = None) -> typer.Typer:
         no_args_is_help=True,
         add_completion=False,
         pretty_exceptions_enable=False,
-        rich_markup_mode="markdown",  # "rich" drops units in brackets
+        rich_markup_mode="markdown",  # "rich" deletes units in square brackets
         help="Annual daylight simulation of rooms with complex fenestration.",
     )
     app.callback()(_version_option)

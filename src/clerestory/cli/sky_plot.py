@@ -7,7 +7,7 @@ from clerestory.report.sky_plots import dome_figure, year_figure
 
 
 def plot(request: WeatherPlot) -> None:
-    """Plot the year or the sky of one time step."""
+    """Plot annual maps of irradiance, or the sky luminance of one time step."""
     data = selected_weather(request.weather, request.days, request.time)
     figure = year_figure(data) if request.time is None else dome_figure(data)
     write_figure(figure, request.output)

@@ -106,7 +106,7 @@ def _figure(part: xr.Dataset, name: str, factor: float) -> str:
 
 
 def _plan_table(plan: StudyPlan) -> Table:
-    # Table of matrices with their tracing costs; the totals are the caption
+    # Table of matrices and tracing costs; the caption gives total costs
     where = (
         f"{plan.workers} workers, {plan.device}" if plan.workers > 1 else plan.device
     )

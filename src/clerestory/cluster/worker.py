@@ -52,7 +52,7 @@ def do_unit(scene: Scene, job: Job, unit: Unit) -> np.ndarray:
 
 def versions() -> dict[str, str]:
     """Return the package versions that affect results."""
-    ours = {NAME: __version__, "estimators": str(ESTIMATOR_REVISION)}
+    ours = {NAME: __version__, "estimator revision": str(ESTIMATOR_REVISION)}
     return {**ours, **{name: version(name) for name in _PACKAGES}}
 
 

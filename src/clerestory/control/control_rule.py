@@ -75,7 +75,7 @@ def load_rule(path: str | Path, name: str) -> Rule:
         found: Rule | None = runpy.run_path(str(path)).get(name)
     except Exception as error:  # user code may raise any exception
         text = " ".join(f"{type(error).__name__}: {error}".split())[:200]
-        message = f"{text}; a file without errors expected"
+        message = f"running it raised {text}; Python code without errors expected"
         raise InputError(message, file=path) from error
     if not callable(found):
         raise InputError(f'no function "{name}" in the file', file=path)

@@ -77,7 +77,7 @@ def _refuse_rgb(material: Material) -> None:
     require(
         not _has_rgb(material),
         f'the material "{material.name}" has a pattern or BSDF in red, green and blue;'
-        " one that is the same in all bands of the scene expected",
+        " a colourless one expected in a scene with other bands",
     )
     for part in parts(material):
         _refuse_rgb(part)

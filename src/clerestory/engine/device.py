@@ -65,7 +65,7 @@ def resolve(device: Device) -> Processor:
         if error is None:
             return "cuda"
         if device == "cuda":
-            raise DeviceError(f"the NVIDIA GPU does not run Dr.Jit's kernels: {error}")
+            raise DeviceError(f"the NVIDIA GPU fails ({error}); use --device cpu")
         warnings.warn(
             f"the NVIDIA GPU is not used ({error}); the CPU traces instead",
             ClerestoryWarning,
@@ -111,7 +111,7 @@ def _start_llvm() -> None:
         error = _probe(_VARIANT["cpu"], {})
         if error is not None:
             raise DeviceError(
-                f"Dr.Jit was imported first and chose an LLVM that fails ({error});"
+                f"Dr.Jit, imported first, uses an LLVM library that fails ({error});"
                 f" set {_LIBRARY}={_bundled_llvm() or '…'} before Python starts"
             )
         return

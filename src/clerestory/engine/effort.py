@@ -138,7 +138,7 @@ def effort_of(
     effort = replace(base, **changed)  # type: ignore[arg-type]
     for name in without:
         plain = getattr(effort, name) == getattr(Effort(), name)
-        require(plain, f"{function.__name__}() takes no {name}; none expected")
+        require(plain, f"{name} is set, but {function.__name__}() does not use it")
     if effort.samples is None and effort.relative_error is None:
         return replace(
             effort, samples=default.samples, relative_error=default.relative_error
@@ -169,5 +169,5 @@ def _check_goal(effort: Effort, most_samples: int, most_error: float) -> None:
     )
     require(
         error is None or _LEAST_ERROR <= error < most_error,
-        f"relative_error is {error}; 0.00001 to {most_error:g} expected",
+        f"relative_error is {error}; 0.00001 to below {most_error:g} expected",
     )

@@ -177,6 +177,6 @@ def refuse_out_of_range(number: int) -> None:
     """Raise a DeviceError if path contributions were outside the range of the sums."""
     if number:
         raise DeviceError(
-            f"{number} contributions of paths are negative or too large for the sums;"
-            " materials that reflect and transmit between 0 and 1 expected"
+            f"{number} light paths contribute negative or excessive values;"
+            " reflectances and transmittances from 0 to 1 expected"
         )

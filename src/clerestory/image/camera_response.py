@@ -12,7 +12,7 @@ from typing import Literal, get_args
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.checks import require, same_length
+from clerestory.checks import has_shape, require, same_length
 from clerestory.errors import InputError
 from clerestory.files import read_text, write_text
 from clerestory.image.opencv import opencv
@@ -40,8 +40,7 @@ class ResponseCurve:
 
     def __post_init__(self) -> None:
         curve = np.asarray(self.exposure, dtype=float)
-        shape = curve.shape
-        require(shape == (LEVELS, 3), f"response of shape {shape}; (256, 3) expected")
+        has_shape(curve, (LEVELS, 3), "camera response (pixel values × channels)")
         require(
             np.isfinite(curve).all() and (curve[_MIDDLE] > 0).all(),
             "the camera response is not finite, or not positive at value 128",
@@ -112,7 +111,7 @@ def recover_response(
 def check_bracket(
     photographs: Sequence[Photograph], exposures: Sequence[Exposure]
 ) -> None:
-    """Check that photographs and exposures of a bracket agree in number and size."""
+    """Check the number of exposures, and the sizes of the photographs of a bracket."""
     require(
         len(photographs) >= 2,
         f"number of photographs: {len(photographs)}; two or more expected",
@@ -157,7 +156,8 @@ def _polynomials(lines: list[np.ndarray]) -> ResponseCurve:
     for numbers in lines:
         require(
             2 <= numbers.size == int(numbers[0]) + 2,
-            f"{numbers.size} numbers in a polynomial; degree + 2 expected",
+            f"a line has {numbers.size} numbers; the degree of a polynomial and its"
+            " degree + 1 coefficients expected",
         )
         curves.append(np.polyval(numbers[1:], value))
     return ResponseCurve(np.stack(curves, axis=1)).monotonic()

@@ -46,8 +46,8 @@ class ColourScale:
         least = 0.0 if self.logarithmic else -np.inf
         require(
             least < self.smallest < self.largest < np.inf,
-            f"scale from {self.smallest:g} to {self.largest:g};"
-            f" a growing{' positive' if self.logarithmic else ''} range expected",
+            f"colour scale from {self.smallest:g} to {self.largest:g}; a smallest value"
+            f"{' above 0 and' if self.logarithmic else ''} below the largest expected",
         )
         require(
             self.palette in mpl.colormaps,

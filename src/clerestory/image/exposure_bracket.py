@@ -98,7 +98,7 @@ def merge_bracket(
             total[..., channel] += (trust * response.exposure[:, channel])[pixels]
             weight[..., channel] += (trust * exposures[i].relative())[pixels]
 
-    # Where no photograph is reliable, use the shortest or the longest exposure
+    # Pixels unreliable in all photographs: use the shortest or longest exposure
     first, last = order[0], order[-1]
     bright = (photographs[first] > _BRIGHTEST) & (weight == 0)
     dark = (photographs[last] < _DARKEST) & (weight == 0)

@@ -118,8 +118,8 @@ def write_exr(picture: Picture, path: str | Path, *, half: bool = False) -> None
         largest = np.abs(values).max()
         require(
             largest <= _LARGEST_HALF,
-            f"a value of {largest:.4g} in 16 bits; up to {_LARGEST_HALF:g} expected, or"
-            " 32 bits",
+            f"the largest value is {largest:.4g}; up to {_LARGEST_HALF:g} expected in"
+            " 16-bit OpenEXR, or 32 bits",
         )
         values = values.astype(np.float16)
     header = {

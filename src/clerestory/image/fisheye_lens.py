@@ -49,8 +49,8 @@ class Lens:
         steps = self.radius(np.linspace(0, np.pi / 2, 91))
         require(
             np.isfinite(steps).all() and (np.diff(steps) > 0).all(),
-            f"lens coefficients {self.coefficients}; a radius that increases from 0"
-            " to 90° expected",
+            f"lens coefficients {self.coefficients}; an image radius that increases"
+            " with the angle from 0° to 90° expected",
         )
 
     def radius(self, theta: _Angles) -> _Angles:

@@ -64,7 +64,7 @@ def read_photograph(path: str | Path) -> Photograph:
     with _opened(path) as image:
         require(
             image.mode in ("RGB", "RGBA", "L", "P"),
-            f"pixels of mode {image.mode}; red, green and blue of 8 bits expected",
+            f"photograph in pixel mode {image.mode}; 8-bit RGB or grey expected",
             file=path,
         )
         return np.asarray(image.convert("RGB"))

@@ -113,7 +113,8 @@ def replace_overflow(
     level = (illuminance - held + now) / float(weight.sum())
     require(
         level > float(luminance[clipped].min()),
-        f"the picture yields {held:.0f} of {illuminance:g} lux measured; less expected",
+        f"the picture already yields {held:.0f} lux; less than the measured"
+        f" {illuminance:g} lux expected",
     )
     radiance = picture.radiance.copy()
     radiance[clipped] *= (level / luminance[clipped])[:, None].astype(np.float32)

@@ -29,7 +29,7 @@ def is_picture_set(path: Path) -> bool:
 
 
 def numbered(path: Path, number: int) -> Path:
-    """Return the file name of the picture of a set with the given number.
+    """Return the file name of picture `number` in a set of pictures.
 
     >>> str(numbered(Path("V_%03d.hdr"), 7))
     'V_007.hdr'

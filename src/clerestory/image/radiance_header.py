@@ -84,7 +84,7 @@ def split_header(data: bytes) -> tuple[list[str], str, int]:
     stop = -1 if end is None else data.find(b"\n", end.end(), end.end() + 100)
     if end is None or stop < 0:
         raise InputError(
-            "the header does not end; an empty line and a resolution expected"
+            "the header does not end with an empty line and a size like -Y 600 +X 800"
         )
     lines = [line.rstrip("\r") for line in _text(data[: end.start()]).split("\n")]
     return lines[1:], _text(data[end.end() : stop]), stop + 1
@@ -117,7 +117,7 @@ def parse_resolution(line: str) -> Resolution:
 
 
 def check_size(columns: int, rows: int) -> None:
-    """Raise an error for pictures without pixels or with more than 134 million."""
+    """Raise an error unless a picture has 1 to 134 million pixels."""
     require(
         min(columns, rows) > 0 and columns * rows <= _MOST_PIXELS,
         f"picture of {columns} × {rows} pixels;"
@@ -142,7 +142,7 @@ def parse_header(lines: list[str]) -> Header:
 
 
 def _take(line: str, header: Header) -> bool:
-    # Store a line in the header; return whether its text can be dropped
+    # Parse a line into `header`; return whether the text of the line can be dropped
     name, _, value = line.partition("=")
     if line.startswith("FORMAT="):
         one_of(value.strip(), "format", choices=_FORMATS)

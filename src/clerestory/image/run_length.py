@@ -207,7 +207,7 @@ def encode(pixels: UInt8[np.ndarray, "rows width 4"]) -> bytes:
 def _segments(
     flat: _Bytes, width: int
 ) -> tuple[np.ndarray, np.ndarray, Bool[np.ndarray, " pieces"]]:
-    # Split where the byte changes, and at the ends of components
+    # Split runs where the byte changes, and at the ends of components
     new = np.empty(flat.size, dtype=bool)
     new[0] = True
     np.not_equal(flat[1:], flat[:-1], out=new[1:])

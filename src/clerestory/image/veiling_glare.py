@@ -20,7 +20,7 @@ _SCATTERED = 0.08
 _FOVEA = np.radians(1.0)
 _WIDTH = 40.0
 
-# Largest number of pairs of samples in memory, and largest number of samples
+# Largest number of pairs of view samples in memory; largest number of view samples
 _PAIRS = 1 << 22
 _MOST_SAMPLES = 8192
 

@@ -28,8 +28,8 @@ class Vignetting:
         lowest = float(self.passed(np.linspace(0, np.pi / 2, 91)).min())
         require(
             lowest >= _LEAST,
-            f"vignetting with a relative transmission of {lowest:.3f}; {_LEAST} or"
-            " more expected",
+            f"the vignetting falls to a relative transmission of {lowest:.3f}; {_LEAST}"
+            " or more expected up to 90°",
         )
 
     def passed(self, theta: Float[np.ndarray, "*shape"]) -> Float[np.ndarray, "*shape"]:
@@ -44,7 +44,7 @@ def fit_vignetting(
     *,
     terms: int = 3,
 ) -> Vignetting:
-    """Fit the vignetting of a lens to photographs of a constant target.
+    """Fit the vignetting of a lens to photographs of a target of constant luminance.
 
     `theta` are the angles between target and lens axis [rad], `luminance` is the
     luminance of the target in each photograph, up to a factor, and `terms` is the

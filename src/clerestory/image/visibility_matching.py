@@ -59,7 +59,7 @@ class Screen:
 
     @property
     def black(self) -> float:
-        """Smallest luminance [cd/m²]."""
+        """Smallest luminance of the display [cd/m²]."""
         return self.white / self.contrast
 
 

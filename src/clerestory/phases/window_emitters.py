@@ -124,7 +124,7 @@ def _patches(pieces: list[Polygon]) -> EmitterPatches:
         corner = triangles.vertices[triangles.faces]
         doubled = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
         area = np.linalg.norm(doubled, axis=1)
-        require(area.sum() > 0, f'pane "{piece.name}" has no area')
+        require(area.sum() > 0, f'pane "{piece.name}" has area 0; above 0 expected')
         share = np.cumsum(area) / area.sum()
         share[-1] = 1.0
         frames.append(_frame(doubled.sum(axis=0)))

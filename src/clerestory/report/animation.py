@@ -34,7 +34,7 @@ from clerestory.report.window_states import window_states
 # Smallest and largest number of frames of an animation
 _FEWEST, _MOST = 6, 96
 
-# Limit of all data URLs [characters]; frame widths to try [pixels]; JPEG quality
+# Total length of data URLs [characters]; frame widths tried [pixels]; JPEG quality
 _BUDGET = 6_000_000
 _WIDTHS = (480, 400, 320, 256, 200, 160, 120)
 _QUALITY = 78
@@ -102,9 +102,9 @@ def film_steps(
     *,
     brightness: Float[np.ndarray, " time"],
 ) -> Int[np.ndarray, " frame"]:
-    """Return the time steps with pictures on the day that has most of them.
+    """Return the time steps with pictures on the day with the most pictures.
 
-    The result is empty below six. Of days with equal numbers, the brightest is chosen.
+    If no day has six pictures, the result is empty. Ties go to the brightest day.
     """
     steps = np.unique([m.step for view in views for m in view.moments]).astype(int)
     if not len(steps):
@@ -121,7 +121,7 @@ def film_steps(
 def _frames(
     views: Sequence[ViewPictures], steps: Int[np.ndarray, " frame"]
 ) -> list[Frames]:
-    # Frames of the largest width at which all data URLs are within the limit
+    # Frames of the largest width for which the data URLs fit the size limit
     shown: list[Frames] = []
     for width in _WIDTHS:
         shown = [

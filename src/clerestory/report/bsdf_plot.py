@@ -31,7 +31,7 @@ _PIXELS = 480
 _DECADES = 5
 _LINE: dict[str, Any] = {"color": "white", "linewidth": 0.35, "alpha": 0.35}
 
-# Step of the incidence angle in curves of transmittance or reflectance [°].
+# Interval of incidence angle in curves of transmittance or reflectance [°].
 _CURVE_DEG = 2.5
 
 

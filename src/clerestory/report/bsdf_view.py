@@ -55,7 +55,7 @@ def view_page(bsdf: Bsdf) -> str:
     """Return the interactive view of a BSDF as HTML."""
     require(
         bsdf.functions,
-        "BSDF without data; at least one function expected",
+        "the BSDF has no transmittance or reflectance; at least one expected",
         file=bsdf.source,
     )
     name = bsdf.product.name.strip()

@@ -21,7 +21,7 @@ _NO_DATA = 255
 
 @dataclass(frozen=True, eq=False)
 class DayMap:
-    """Annual map: class of every time step, with labels and colours of the classes.
+    """Annual map of a class (such as glare category) per time step, with class colours.
 
     Attributes
     ----------
@@ -40,9 +40,9 @@ class DayMap:
     colours: UInt8[np.ndarray, "kind 3"]
 
     def __post_init__(self) -> None:
-        known = min(len(self.texts), len(self.colours), _NO_DATA)
-        highest = int(self.codes.max(initial=-1))
-        require(highest < known, f"class {highest} in a map; 0 to {known - 1} expected")
+        last = min(len(self.texts), len(self.colours), _NO_DATA) - 1
+        found = int(self.codes.max(initial=-1))
+        require(found <= last, f"a time step has class {found}; 0 to {last} expected")
 
     def cells(self, grid: DayHourGrid) -> UInt8[np.ndarray, " cell"]:
         """Class index of each cell, day by day; 255 for cells without data."""

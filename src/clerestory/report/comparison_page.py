@@ -100,7 +100,7 @@ def _maps(
 
 
 def _shown_series(comparisons: Sequence[Comparison]) -> list[str]:
-    # All series if nine or fewer; otherwise some of each group and quantity
+    # All series if nine or fewer; otherwise some of each sensor group and quantity
     names = list(dict.fromkeys(name for c in comparisons for name in c.series()))
     if len(names) <= _MOST_SERIES:
         return names

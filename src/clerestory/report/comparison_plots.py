@@ -70,7 +70,7 @@ def days_figure(comparisons: Sequence[Comparison], name: str) -> Figure:
     found = [(c.name, c.pairs.of(name)) for c in comparisons if name in c.pairs.names]
     times = np.concatenate([pairs.times for _, pairs in found])
     days, counts = np.unique(times.astype("datetime64[D]"), return_counts=True)
-    # Evenly spaced days that have at least 60 % of the largest number of values
+    # Evenly spaced days, each with at least 60 % of the values of the fullest day
     days = days[counts >= max(1, 0.6 * counts.max())]
     days = days[evenly(len(days), _MOST_DAYS)]
     columns = min(len(days), 3)
@@ -195,7 +195,7 @@ def _draw_day(panel: Axes, part: Pairs, *, label: str, number: int) -> None:
 
 
 def _pairs(comparison: Comparison, quantity: str, group: str | None = None) -> Pairs:
-    # Pairs (measured, simulated) of one quantity, from one group or from all groups
+    # Measured and simulated values of one quantity, of one or all groups of sensors
     pairs = comparison.pairs
     chosen = [
         quantity_of(name) == quantity and group in (None, group_of(name))

@@ -129,14 +129,13 @@ class ReportContent:
     def __post_init__(self) -> None:
         require(
             len(self.sensors) and len(self.times),
-            f"results of {len(self.sensors)} sensors and {len(self.times)} time steps;"
-            " at least one of each expected for a report",
+            f"the results contain {len(self.sensors)} sensors and {len(self.times)}"
+            " time steps; a report needs at least one of each",
         )
         for name in ("illuminance", "standard_error"):
-            require(
-                np.isfinite(getattr(self, name)).all(),
-                f"{name} contains NaN or infinite values; finite numbers expected",
-            )
+            valid = np.isfinite(getattr(self, name)).all()
+            what = f"the {name.replace('_', ' ')}s contain NaN or infinite values"
+            require(valid, f"{what}; finite numbers expected")
 
     @cached_property
     def grid(self) -> DayHourGrid:

@@ -124,7 +124,7 @@ def study_tables(study: Mapping[str, Any]) -> tuple[FactTable, ...]:
 
 
 def run_tables(run: Mapping[str, Any]) -> tuple[FactTable, ...]:
-    """Return versions, seeds, device and other records of a run as tables."""
+    """Return versions, seeds, compute device and other records of a run as tables."""
     shown = {k: v for k, v in run.items() if k not in _SHOWN_ELSEWHERE}
     plain = {_label(k): v for k, v in shown.items() if not isinstance(v, dict | list)}
     tables = [FactTable("Run", setting_rows(plain))] if plain else []

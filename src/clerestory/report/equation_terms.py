@@ -24,7 +24,7 @@ from clerestory.report.period import date_words, evenly
 from clerestory.report.section import Section
 from clerestory.report.uncertain_value import number
 
-# Largest number of sensors whose terms are on the page
+# Largest number of sensors for which the page contains equation terms
 _MOST = 12
 
 # Ratio of correction to uncorrected illuminance above which a correction is large
@@ -77,7 +77,7 @@ class EquationTerms:
         return np.asarray(self.lux[2] - self.lux[1])
 
     def chosen(self) -> list[int]:
-        """Indices of sensors to show: the most corrected one, then evenly spaced."""
+        """Indices of sensors shown: the most corrected one, others evenly spaced."""
         changed = np.abs(self.correction()).sum(axis=1)
         most = int(np.argmax(changed))
         others = [k for k in evenly(len(changed), _MOST) if k != most]

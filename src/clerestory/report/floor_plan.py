@@ -74,7 +74,7 @@ def plan_frame(
         low = np.minimum(low, corners.min(axis=0)) if near else low
         high = np.maximum(high, corners.max(axis=0)) if near else high
 
-    # Extent of at least 2 m, for a single sensor outdoors
+    # Extent of the plan at least 2 m, as for a single sensor outdoors
     lack = np.maximum(0, 2.0 - (high - low)) / 2 + 0.02
     low, high = low - lack, high + lack
     scale = float(np.min((_WIDTH, _HEIGHT) / (high - low)))
@@ -105,7 +105,7 @@ def plan(
     colours = hexadecimal(value_colours(scale, metric.values[members]))
     cells = frame.place(frame.cells)
 
-    # One path per colour keeps pages of many sensors small
+    # One SVG path per colour keeps pages of many sensors small
     painted = [
         element(
             "path",
@@ -162,7 +162,7 @@ def _arrows(
 def _longest(
     segments: Float[np.ndarray, "segment 2 2"],
 ) -> Float[np.ndarray, "kept 2 2"]:
-    # Keep only the longest segments if there are too many
+    # Keep only the longest wall segments if there are too many
     length = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1)
     return segments[np.sort(np.argsort(-length)[:_MOST_SEGMENTS])]
 

@@ -43,7 +43,7 @@ def glare_year_figure(
     ------
     InputError : `dgp` and `times` differ in length
     """
-    same_length(times, dgp, "times", "DGPs")
+    same_length(times, dgp, "time steps", "DGP values")
     figure = Figure(figsize=(11, 3.9), layout="constrained")
     axes = figure.subplots()
     draw_year(

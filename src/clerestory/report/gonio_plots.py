@@ -73,7 +73,7 @@ def between_figure(
 ) -> Figure:
     """Draw the BSDF at two incident directions, and interpolated half-way between them.
 
-    For comparison, the arithmetic mean of both BSDFs is drawn, with each lobe twice.
+    For comparison, the arithmetic mean of both BSDFs is drawn; it doubles each lobe.
     """
     middle = (start + end) / np.linalg.norm(start + end)
     ends = [interpolant.lobes(direction) for direction in (start, end)]

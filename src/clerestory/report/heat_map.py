@@ -48,11 +48,11 @@ class DayHourGrid:
         return 24 * 60 / self.bins
 
     def hours(self, counted: Bool[np.ndarray, " time"]) -> float:
-        """Total duration of the counted time steps [h]."""
+        """Total duration [h] of the time steps at which `counted` is true."""
         return float(np.count_nonzero(counted)) * self.step_minutes / 60
 
     def fill(self, values: Float[np.ndarray, " time"]) -> Float[np.ndarray, "bin day"]:
-        """Mean of the values in each cell, NaN if it has none; midnight in row 0."""
+        """Mean value in each cell, NaN for a cell without values; midnight in row 0."""
         size = self.days * self.bins
         count = np.bincount(self.cell, minlength=size)
         total = np.bincount(self.cell, weights=values, minlength=size)
@@ -62,7 +62,7 @@ class DayHourGrid:
     def day_marks(self) -> list[tuple[int, float, str]]:
         """Start, middle and name of axis marks: months, or days of a short period.
 
-        Starts and middles are numbers of columns.
+        Start and middle are column numbers of the heat map.
         """
         month = self.dates.astype("datetime64[M]")
         dense = self.dates[-1] - self.dates[0] < np.timedelta64(self.days, "D")
@@ -103,7 +103,7 @@ def _folded(day: np.ndarray) -> np.ndarray:
 
 
 def _step_minutes(times: np.ndarray) -> float:
-    # Time step [min]: the median interval, without intervals of two hours or more
+    # Time step [min]: median interval between times, ignoring gaps of two hours or more
     gaps = np.diff(np.unique(times)).astype(int) / 60
     gaps = gaps[gaps < 120]
     minutes = float(np.median(gaps)) if len(gaps) else 60.0

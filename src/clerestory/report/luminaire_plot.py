@@ -1,7 +1,7 @@
 """Polar diagram of a luminaire: luminous intensity in vertical planes.
 
-The nadir is at the bottom. Each curve is a vertical plane: its right half is at the
-given horizontal angle, its left half at the opposite angle.
+The nadir is at the bottom. Each curve is for a vertical plane: the right half is at
+the given horizontal angle, the left half of the curve at the opposite angle.
 """
 
 from collections.abc import Sequence

@@ -13,7 +13,7 @@ from clerestory.report.room_view import MOST_TRIANGLES, room_view
 from clerestory.report.section import Section
 from clerestory.report.uncertainty import LIT_LUX, error_histogram, error_rows
 
-# Legend of the 3-D view; the colours are those in view.js
+# Legend of the 3-D view, with the same colours as in view.js
 _KEYS = (
     ("#2f8f5b", "front of a window, and its normal: must face the room"),
     ("#d9772b", "back of a window: must face outdoors"),

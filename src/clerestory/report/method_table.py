@@ -11,7 +11,7 @@ from clerestory.study.method_comparison import LEAST_LUX, differences
 
 
 def methods_section(content: ReportContent) -> Section:
-    """Return deviations from the last method, by grid; empty for a single method."""
+    """Return illuminance deviations from the last method; empty for a single method."""
     if "illuminance_by_method" not in content.data:
         return Section()
     by_method = content.data["illuminance_by_method"]

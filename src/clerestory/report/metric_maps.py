@@ -1,7 +1,7 @@
 """Metrics of the sensors and their means over grids, with standard errors.
 
 The error of a grid's mean illuminance is calculated from independent components of the
-errors at its sensors. Errors of other metrics are assumed to be fully correlated: the
+errors at the sensors. Errors of other metrics are assumed to be fully correlated: the
 error of a grid mean is the mean of the errors at the sensors.
 """
 

@@ -1,7 +1,7 @@
 """Orientation of windows in words, with quality checks.
 
 Reversed windows and horizontal up vectors are the most common mistakes in studies with
-BSDFs, and results alone do not reveal them.
+BSDFs, and results alone do not reveal such mistakes.
 """
 
 import math

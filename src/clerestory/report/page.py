@@ -61,7 +61,7 @@ def write_report(
 
 
 def picture_folder(folder: Path, results: Results) -> Path:
-    """Return the picture folder of a run; of several methods, that of the last one."""
+    """Return the picture folder of a run (of its last phase method, if several)."""
     own = folder / str(results.data.attrs.get("method", "")) / PICTURE_FOLDER
     return own if own.is_dir() else folder / PICTURE_FOLDER
 

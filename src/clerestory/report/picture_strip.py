@@ -21,7 +21,7 @@ from clerestory.report.view_pictures import (
     view_pictures,
 )
 
-# Pictures per view for up to two views, and for more; width [pixels]; JPEG quality
+# Pictures per view for one or two views, for more views; width [pixels]; JPEG quality
 _MOST, _MOST_OF_MANY = 6, 3
 _WIDTH = 480
 _QUALITY = 82

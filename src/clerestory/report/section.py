@@ -16,7 +16,7 @@ class Section:
     ----------
     body : HTML; empty if the results lack the quantities that the section shows
     data : JSON values for the scripts of the page
-    maps : annual maps of classes in the section
+    maps : annual maps of glare categories or window states in the section
     """
 
     body: Markup | str = ""

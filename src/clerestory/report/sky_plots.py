@@ -23,7 +23,7 @@ from clerestory.sky.point_sky import perez_point
 from clerestory.sky.solar_position import SunFormula, sun_at
 from clerestory.sky.weather import Weather
 
-# Numbers of cells of the dome in altitude and azimuth
+# Numbers of cells of the sky dome in altitude and azimuth
 _ALTITUDES, _AZIMUTHS = 90, 240
 
 # Lower limit of the colour scale, relative to the maximum luminance

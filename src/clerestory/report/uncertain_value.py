@@ -52,7 +52,7 @@ def setting_label(key: str) -> str:
 
 
 def setting_rows(settings: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
-    """Return names and values of the settings that are not empty."""
+    """Return name and value of each setting whose value is not empty."""
     return tuple(
         (str(key), setting_words(value))
         for key, value in settings.items()

@@ -91,7 +91,7 @@ def glare_maps(views: Sequence[ViewGlare]) -> list[DayMap]:
 
 
 def shades(dgp: Float[np.ndarray, " level"]) -> UInt8[np.ndarray, "level 3"]:
-    """Colour of each DGP by glare category, paler for DGP far below perceptible."""
+    """Colour of each DGP by glare category; low imperceptible DGP is paler."""
     colours = COLOURS[DGP.category(dgp)].astype(float)
     low = dgp <= LIMITS[0]
     share = np.clip((dgp[low] - _PALEST) / (LIMITS[0] - _PALEST), 0, 1)[:, None]

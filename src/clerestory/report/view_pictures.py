@@ -29,10 +29,10 @@ from clerestory.report.window_states import (
 
 Pixels = UInt8[np.ndarray, "row column 3"]
 
-# Weight of a picture's automatic exposure; the common exposure has the remainder
+# Weight of a picture's own automatic exposure against the common exposure, 0…1
 _ADAPTATION = 0.5
 
-# Ratio of the limits of the false-colour scale; quantile of luminance at its top
+# False-colour scale: ratio of its limits, luminance quantile at its upper limit
 _SPAN = 1000.0
 _COVERED = 0.997
 

@@ -40,7 +40,7 @@ def window_layers(data: xr.Dataset) -> list[Bsdf]:
 
 
 def layers_section(content: ReportContent) -> Section:
-    """Return discs of the transmission BSDF, and curves of the transmittance."""
+    """Return the section with BSDF discs and transmittance curves of window layers."""
     layers = window_layers(content.data)
     if not layers:
         return Section()

@@ -40,7 +40,7 @@ class WindowStates:
 
 
 def window_states(data: xr.Dataset) -> tuple[WindowStates, ...]:
-    """Return the annual states of all windows that have several states."""
+    """Return the shade states over the year of each window with several states."""
     if "state" not in data:
         return ()
     study = json.loads(data.attrs.get("study", "{}"))
@@ -86,7 +86,7 @@ def states_section(content: ReportContent) -> Section:
 
 
 def _shares(each: WindowStates, content: ReportContent) -> list[str]:
-    # For each state: name, percentage of the occupied hours, number of occupied hours
+    # For each window state: name, percentage and number of occupied hours
     return [
         f"{name}: {content.occupied_share(each.state == k)}"
         for k, name in enumerate(each.names)

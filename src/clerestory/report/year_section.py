@@ -20,7 +20,7 @@ _MOST_VALUES = 1_500_000
 
 
 def year_section(content: ReportContent) -> Section:
-    """Return the annual heat map and the list of selectable series."""
+    """Return the annual heat map of illuminance and the list of selectable series."""
     grid = content.grid
     scale = illuminance_scale(content.illuminance, low=DARKEST_LUX)
     series = _series(content)

@@ -44,7 +44,7 @@ def study_views(
 ) -> xr.Dataset:
     """Return glare indices of views and time steps; write the selected images.
 
-    The variables `glare_…` (view, time) are NaN in time steps without light; views too
+    The variables `glare_…` (view, time) are NaN in dark time steps; views that are too
     narrow for glare are omitted. `output` is the dimming level 0…1 of each zone.
     """
     times = skies.whole.times

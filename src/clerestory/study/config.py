@@ -103,8 +103,8 @@ class Study(Table):
         other = "6-phase" if METHODS[self.method].facade else "5-phase"
         require_rule(
             not exact or any(METHODS[m].correction != "never" for m in self.methods),
-            f'method "{self.method}" distributes the sun over sky patches; sun'
-            f' "patches", or method "{other}" with the exact sun, expected',
+            f'method "{self.method}" has no exact sun; places = "patches" or method ='
+            f' "{other}" expected',
         )
         require_rule(
             not self.sunlight or self.window or self.sunlight.file,
@@ -157,7 +157,7 @@ class Study(Table):
 
     @property
     def corrected(self) -> bool:
-        """Whether the direct correction is applied."""
+        """Whether the direct-sun correction is applied."""
         choice = METHODS[self.method].correction
         return choice == "always" or (choice == "choice" and self.sun.places == "exact")
 
@@ -172,7 +172,7 @@ class Study(Table):
         return self._folder
 
     def with_method(self, method: MethodName) -> "Study":
-        """Return a copy of the study with one method, without views for "2-phase"."""
+        """Return a copy of the study with one phase method; "2-phase" has no views."""
         views = [] if method == "2-phase" else self.view
         return self.model_copy(update={"methods": [method], "view": views})
 
@@ -187,7 +187,7 @@ class Study(Table):
         device: Device | None = None,
         cluster: str | None = None,
     ) -> "Study":
-        """Return a copy with the given seed, device and cluster; None: unchanged."""
+        """Return a copy with another seed, compute device or cluster, unless None."""
         given = {"seed": seed, "device": device, "cluster": cluster}
         change = {key: value for key, value in given.items() if value is not None}
         return self.model_copy(update={"trace": self.trace.model_copy(update=change)})

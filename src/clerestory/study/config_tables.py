@@ -49,7 +49,7 @@ def require_rule(valid: object, message: str) -> None:
 
 
 class Named(Table):
-    """Table with an optional name."""
+    """Table of the study file with an optional name."""
 
     name: str = Field(
         "",
@@ -77,9 +77,8 @@ class NamedFile(Named):
 def _distinct(tables: Sequence[Named]) -> Sequence[Named]:
     labels = [table.label for table in tables]
     twice = [name for name in labels if labels.count(name) > 1]
-    require_rule(
-        not twice, f'two are named "{"".join(twice[:1])}"; different names expected'
-    )
+    message = f'two tables have the name "{"".join(twice[:1])}"'
+    require_rule(not twice, f"{message}; different names expected")
     return tables
 
 
@@ -118,7 +117,7 @@ class HoursTable(Table):
     def _forwards(self) -> Self:
         require_rule(
             self.from_hour < self.to_hour,
-            '"from_hour" is not before "to_hour"; an earlier hour expected',
+            '"from_hour" is not before "to_hour"; a smaller "from_hour" expected',
         )
         return self
 
@@ -210,7 +209,7 @@ def sun_places(value: Any) -> Any:
 
 
 class SunTable(Table):
-    """Sun positions and sampling of the direct correction."""
+    """Sun positions and number of samples of the direct-sun correction."""
 
     places: Literal["exact", "patches"] = "exact"
     tolerance_deg: float = Field(0.25, ge=0, le=5)

@@ -1,8 +1,8 @@
 """Shade control rules: shade state of each window group at each time step.
 
 Rules based on interior illuminance or glare are evaluated group by group, in the order
-of the study file. Groups evaluated before are in their chosen states, groups evaluated
-later are closed. Limits are thus met if possible, with earlier groups most open.
+of the study file. Window groups evaluated before are in their chosen shade states,
+those evaluated later are closed, so that limits on illuminance or DGP can be met.
 """
 
 from collections.abc import Callable
@@ -48,25 +48,25 @@ class Case:
         return len(self.signals.inputs.groups[self.number].states)
 
     def with_state(self, state: int) -> list[_StateTimes]:
-        """Shade states of all groups, with this group always in a given state."""
+        """Shade states of all groups, with this group always in state `state`."""
         states = list(self.others)
         states[self.number] = np.full_like(states[self.number], state)
         return states
 
     def illuminance(self, grid: str) -> list[Float[np.ndarray, "sensor time"]]:
-        """Illuminance of a grid for each state of this group [lux]."""
+        """Illuminance [lux] of a grid for each shade state of this group."""
         states = map(self.with_state, range(self.count))
         return [self.signals.illuminance(state, grid) for state in states]
 
 
 def fixed(case: Case) -> _StateTimes:
-    """Return the state of rule "fixed", which is the same at all time steps."""
+    """Return the shade state of rule "fixed", the same at all time steps."""
     group = case.signals.inputs.groups[case.number]
     return np.full(len(case.signals.times), group.number_of(case.control.state))
 
 
 def cut_off(case: Case) -> _StateTimes:
-    """Return the state with the most open slat tilt that blocks direct sun."""
+    """Return the shade state of the most open slat tilt that blocks direct sun."""
     control = case.control
     return blocking_states(
         case.signals.profile(case.number, vertical=control.vertical),
@@ -87,7 +87,7 @@ def by_profile(case: Case) -> _StateTimes:
 
 
 def by_threshold(case: Case) -> _StateTimes:
-    """Return states by thresholds of one quantity, with hysteresis and time delays."""
+    """Return shade states by thresholds of one quantity, with hysteresis and delays."""
     control = case.control
     quantity = _quantity(case)
     delays = {
@@ -112,7 +112,7 @@ def by_threshold(case: Case) -> _StateTimes:
 
 
 def by_glare(case: Case) -> _StateTimes:
-    """Return the most open state with DGP below the limit."""
+    """Return the most open shade state with DGP below the limit."""
     bound = case.control.dgp_below or DGP_BELOW
     if case.control.grid:
         lux = case.illuminance(case.control.grid)
@@ -123,7 +123,7 @@ def by_glare(case: Case) -> _StateTimes:
 
 
 def by_score(case: Case) -> _StateTimes:
-    """Return the state within limits with the highest mean min(illuminance, target)."""
+    """Return the shade state of highest mean min(illuminance, target) within limits."""
     control = case.control
     target = control.target_lux or case.signals.study.metrics.target_lux
     lux = case.illuminance(control.grid)
@@ -138,7 +138,7 @@ def by_score(case: Case) -> _StateTimes:
 
 
 def by_schedule(case: Case) -> _StateTimes:
-    """Return the states of a schedule file; each line applies until the next one."""
+    """Return the shade states of a schedule file; a line applies until the next one."""
     group = case.signals.inputs.groups[case.number]
     file = case.control.file
     if file is None:
@@ -158,7 +158,7 @@ def by_schedule(case: Case) -> _StateTimes:
 
 
 def by_function(case: Case) -> _StateTimes:
-    """Return the states chosen by a user-defined function."""
+    """Return the shade states chosen by a user-defined function."""
     file, function = case.control.function.rsplit(":", 1)
     rule = load_rule(case.signals.study.folder / file, function)
     try:
@@ -194,7 +194,7 @@ def situation(case: Case) -> Situation:
 
 
 def _wanted(case: Case) -> dict[str, Float[np.ndarray, "state time"]]:
-    # Mean illuminance of each grid and DGP, for every state, if listed in `needs`
+    # DGP and mean illuminance of each grid, for every shade state, if in `needs`
     found, needs = {}, case.control.needs
     if "illuminance" in needs:
         for grid in case.signals.inputs.grids:
@@ -205,7 +205,7 @@ def _wanted(case: Case) -> dict[str, Float[np.ndarray, "state time"]]:
     return found
 
 
-# Rules based on exterior quantities, and rules based on interior light, by name
+# Rules by name: on exterior quantities, and on interior illuminance or glare
 OUTSIDE: dict[str, Callable[[Case], _StateTimes]] = {
     "fixed": fixed,
     "cut-off": cut_off,

@@ -62,7 +62,7 @@ def window_drawing(windows: Sequence[Window]) -> xr.Dataset:
 def layer_drawing(groups: Sequence[WindowGroup]) -> xr.Dataset:
     """Return the BTDF of each shade state [1/sr] for light from outside (Klems full).
 
-    The BTDF is stored once for states with the same BSDF file and name.
+    The BTDF is stored once for shade states with the same BSDF file and name.
     """
     shown: dict[tuple[str, str], list[str]] = {}
     values = []

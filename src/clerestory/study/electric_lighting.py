@@ -77,8 +77,8 @@ def _governed(zone: Zone, full: np.ndarray) -> LightingZone:
 def _reading(
     table: LightingTable, seen: Float[np.ndarray, "sensor time"], full: np.ndarray
 ) -> Float[np.ndarray, " time"]:
-    # Photosensor reading [lux]: mean illuminance of the sensors, or the reading for
-    # which the sensor that lacks most light reaches the setpoint
+    # Photosensor reading [lux]: mean illuminance of the sensors, or the reading at
+    # which the sensor with the largest deficit reaches the setpoint illuminance
     if table.reading == "mean":
         return np.asarray(seen.mean(axis=0))
     missing = ((table.setpoint_lux - seen) / full[:, None]).max(axis=0)

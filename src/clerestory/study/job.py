@@ -51,7 +51,7 @@ class Job:
 
     @property
     def prefix(self) -> str:
-        """Prefix of the names of matrices, which marks direct light."""
+        """Prefix of matrix names: "direct-" for matrices of direct light."""
         return "direct-" if self.direct else ""
 
     @property
@@ -87,7 +87,7 @@ class Job:
         return replace(self.effort(stream), samples=samples, relative_error=None)
 
     def direct_effort(self, stream: int, samples: int | None = None) -> Effort:
-        """Return the sampling effort of direct coefficients, without reflections."""
+        """Return the sampling effort of direct light, without reflections."""
         effort = self.effort(stream)
         return replace(effort, samples=samples, relative_error=None, bounces=None)
 
@@ -101,7 +101,7 @@ class Job:
     ) -> TransferMatrix:
         """Return a matrix from the cache, or trace and store it.
 
-        The function `trace` lacks only the arguments `effort` and `progress`. The
+        `trace` is a function of `effort` and `progress` that traces the matrix. The
         progress display has the title `shown`, by default `name`.
         """
         name, title = self.prefix + name, self.prefix + (shown or name)

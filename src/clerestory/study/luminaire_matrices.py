@@ -65,7 +65,7 @@ def trace_lamps(job: Job) -> Lamps:
 
 
 def unlit(scene: Scene) -> Scene:
-    """Return a copy of a scene without light: black emitters, no sky and no sun."""
+    """Return a copy of a scene with black light sources, without sky and sun."""
 
     def dark(material: Material) -> Material:
         if isinstance(material, Illum):

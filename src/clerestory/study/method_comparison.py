@@ -71,7 +71,7 @@ def compare_methods(
 
 
 def comparison_table(methods: Mapping[str, xr.Dataset]) -> str:
-    """Return a CSV table of differences from the last method, per method and grid."""
+    """Return a CSV table of illuminance differences from the last method, per grid."""
     reference = list(methods.values())[-1]
     lines = [_HEAD]
     for name, data in methods.items():

@@ -20,7 +20,7 @@ from clerestory.study.results import Results
 # Number of time steps that are read at a time
 _BLOCK = 730
 
-# Columns of metrics.csv: result variable, heading, factor for the unit
+# Columns of metrics.csv: result variable, heading, conversion factor to the unit
 _METRICS = (
     ("mean_illuminance", "mean [lux]", 1),
     ("mean_illuminance_error", "mean, standard error [lux]", 1),

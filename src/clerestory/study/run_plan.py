@@ -23,11 +23,11 @@ from clerestory.study.study_run import MATRIX_FOLDER
 from clerestory.study.study_tracing import needs_direct, trace_study
 from clerestory.study.view_matrices import trace_views
 
-# Memory besides matrices [bytes]: libraries and compiled kernels; maximum memory of
-# the accumulators for one block of rows
+# Memory besides that of matrices [bytes]: libraries and compiled kernels; largest
+# memory of the accumulators for one block of matrix rows
 _PROCESS, _SUMS = 450e6, 5 * 2**29
 
-# Approximate memory per triangle, on host and device [bytes]
+# Approximate memory per triangle [bytes], in main and GPU memory
 _TRIANGLE = 400
 
 # Bytes per value in a text table
@@ -38,8 +38,8 @@ _TEXT = 7
 class PlannedMatrix:
     """Size and tracing cost of a matrix; `kept` if the matrix is in the cache.
 
-    Matrices that are traced together have the same number of paths; the first has the
-    tracing time, the others 0 s. A `stored` matrix is never completely in memory.
+    Matrices traced together have the same number of ray paths; the first has the
+    tracing time of all, the others 0 s. A `stored` matrix is never wholly in memory.
     """
 
     file: str
@@ -141,7 +141,7 @@ class PlannedStore:
         rows: Sequence[slice],
         make: Callable[[slice], TransferMatrix],
     ) -> tuple[Path, ...]:
-        """Record a matrix in blocks, and the fraction of its rows in the cache."""
+        """Record a matrix traced in blocks, and the fraction of rows in the cache."""
         first, whole = len(self.plan.planned), rows[-1].stop
         matrix = make(slice(0, whole))
         parts = zip(block_names(name, len(rows)), rows, strict=True)
@@ -212,7 +212,7 @@ def _planned(
 
 
 def _hour_bytes(study: Study) -> int:
-    # Bytes per sensor and step: illuminance, its error, terms, direct sun, lamps, text
+    # Bytes per sensor and time step: illuminance, error, terms, sun, luminaires, text
     variables = 2 + bool(study.lighting)
     if needs_direct(study):
         variables += 1 + 3 * study.corrected
@@ -220,7 +220,7 @@ def _hour_bytes(study: Study) -> int:
 
 
 def _leaving(entry: _Entry, steps: int) -> int:
-    # Bytes of window radiance and its error components in lit steps, half of all
+    # Bytes of window radiance and its error components in the daylit half of the time
     if not entry.stored:
         return 0
     channels, _, patches = entry.matrices[0].values.shape
@@ -248,7 +248,7 @@ def _matrix(
 
 
 def _triangles(scene: Scene) -> int:
-    # Number of triangles, with 100 per curved surface
+    # Number of triangles, counting 100 for each curved surface
     return sum(
         len(surface.faces)
         if isinstance(surface, TriangleMesh)

@@ -1,7 +1,7 @@
 """Shade operation: the state of every window group at every time step.
 
-First, rules based on exterior quantities are evaluated, then the rule "LM-83" for all
-groups with this rule together, then rules based on interior light, group by group.
+Rules based on exterior quantities are evaluated first, then the rule "LM-83" for all
+its groups together, then rules on interior illuminance or glare, group by group.
 """
 
 from dataclasses import dataclass
@@ -33,7 +33,7 @@ def operate(signals: ControlInputs) -> ShadeOperation:
     steps = len(signals.times)
     states = [np.full(steps, len(group.states) - 1) for group in groups]
 
-    # Rules based on exterior quantities; groups without a rule are in state 0
+    # Rules based on exterior quantities; without a rule, a group is in shade state 0
     for number, group in enumerate(groups):
         control = group.control
         if control is None or len(group.states) == 1:
@@ -43,7 +43,7 @@ def operate(signals: ControlInputs) -> ShadeOperation:
 
     kept = _by_direct_sun(signals, states)
 
-    # Rules based on interior light, one group after the other
+    # Rules based on interior illuminance or glare, one window group after the other
     for number, group in enumerate(groups):
         if len(group.states) > 1 and _looks_inside(group):
             _decide(signals, number, states)

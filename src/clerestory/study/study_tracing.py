@@ -61,14 +61,14 @@ def study_skies(study: Study, inputs: Inputs, suns: SunMatrix | None) -> Skies:
 
 
 def needs_direct(study: Study) -> bool:
-    """Whether direct matrices are required, for a term or for the LM-83 rule."""
+    """Whether an equation term or the LM-83 rule requires matrices of direct light."""
     rules = [window.control.rule for window in study.window if window.control]
     named = any(term.part == "direct" for term in study.terms)
     return named or (METHODS[study.method].windows and "LM-83" in rules)
 
 
 def study_suns(study: Study, weather: Weather) -> SunMatrix | None:
-    """Return the suns of the direct correction, or None without direct correction."""
+    """Return the sun positions of the direct-sun correction; None if not corrected."""
     table, rotation = study.sun, study.sky.rotation_deg
     if not study.corrected:
         return None
@@ -84,8 +84,8 @@ def trace_study(job: Job) -> StudyMatrices:
     rules = [window.control.rule for window in study.window if window.control]
     if "LM-83" in rules and not direct:
         raise InputError(
-            f'rule "LM-83" by the {study.method} method with the sun in patches, which'
-            " does not know direct light; the sun at its exact place expected"
+            f'rule "LM-83" with the {study.method} method requires direct light;'
+            ' [sun] places = "exact" expected'
         )
     suns = study_suns(study, job.inputs.weather)
     black = job

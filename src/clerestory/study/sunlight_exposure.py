@@ -28,7 +28,7 @@ def sunlight(study: Study, inputs: Inputs) -> xr.Dataset:
     lowest = {"lowest_sun_deg": table.lowest_sun_deg}
     high = sun.altitude >= np.radians(table.lowest_sun_deg)
     reached = np.zeros((len(points), len(moments)), dtype=bool)
-    # Computed on this machine; with a cluster, `device` is that of the workers
+    # Computed on this machine; with a cluster, `device` is for cluster workers
     device = "auto" if study.trace.cluster else study.trace.device
     directions = sun.directions()[high]
     inwards = np.array([w.frame.normal for w in windows for _ in w.polygons])

@@ -43,7 +43,7 @@ _PIXEL_BYTES = 6
 class ViewMatrices:
     """Matrices of the pixels of one view, for all window groups and shade states.
 
-    T and D are those of the sensor matrices of the study.
+    T and D are taken from the sensor matrices of the study.
     """
 
     job: Job
@@ -77,7 +77,7 @@ class ViewMatrices:
         return np.concatenate(_combinations(states, steps))
 
     def sun(self, number: int, state: int) -> SunPictures:
-        """Return a function from suns to C_ds of a window group and shade state."""
+        """Return a function that computes C_ds of a group and shade state from suns."""
         if (number, state) not in self._suns:
             self._suns[number, state] = self._sun(number, state)
         return self._suns[number, state]

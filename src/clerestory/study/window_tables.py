@@ -71,13 +71,13 @@ def _state(value: Any) -> Any:
 
 
 def _levels(value: Any) -> Any:
-    # One threshold, or a rising list with one for each change to the next state
+    # One threshold, or an increasing list: one threshold per change of shade state
     levels = value if isinstance(value, list) else [value]
     numbers = all(isinstance(x, int | float) for x in levels)
     if not levels or not numbers or any(isinstance(x, bool) for x in levels):
         raise PydanticCustomError("choice", "a number, or a list of them")
     if any(later <= first for first, later in itertools.pairwise(levels)):
-        raise PydanticCustomError("choice", "growing numbers")
+        raise PydanticCustomError("choice", "numbers in rising order")
     return levels
 
 
@@ -104,7 +104,7 @@ class StateTable(Named, LayerTable):
 
     @property
     def label(self) -> str:
-        """Name of the state, by default the stem of the BSDF file name."""
+        """Name of the shade state, by default the stem of the BSDF file name."""
         return self.name or self.bsdf.stem
 
 
@@ -168,15 +168,16 @@ class ControlTable(Table):
         low, high = self.open_below or self.close_above, self.close_above
         require_rule(
             len(low) == len(high) and all(map(operator.le, low, high)),
-            '"open_below" does not lie below "close_above"; as many numbers, none of'
-            " them higher, expected",
+            '"open_below" does not match "close_above"; as many numbers, each at most'
+            ' that of "close_above", expected',
         )
         require_rule(
             self.quantity != "illuminance" or self.grid,
             'quantity "illuminance" without "grid"; the name of a grid expected',
         )
         falls = itertools.starmap(operator.gt, itertools.pairwise(self.angles_deg))
-        require_rule(all(falls), '"angles_deg" do not fall; falling angles expected')
+        expected = "each angle below the one before expected"
+        require_rule(all(falls), f'"angles_deg" are not in falling order; {expected}')
         return self
 
 
@@ -207,7 +208,7 @@ class WindowTable(NamedFile, LayerTable):
         return self
 
     def _check_control(self) -> None:
-        # A rule must name existing states, and have as many angles and levels as needed
+        # Shade states named in a rule must exist; its lists must have fitting lengths
         control, labels = self.control, [table.label for table in self.states()]
         if control is None:
             return

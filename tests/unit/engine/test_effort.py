@@ -76,7 +76,7 @@ def test_a_misspelt_keyword_may_be_one_of_the_function_itself():
 def test_direct_sun_takes_samples_only(call):
     with pytest.raises(InputError, match="no keyword 'relative_error'"):
         CALLS[call](relative_error=0.1)
-    with pytest.raises(InputError, match="takes no bounces"):
+    with pytest.raises(InputError, match="bounces is set, but"):
         CALLS[call](effort=Effort(bounces=1))
 
 

@@ -297,5 +297,5 @@ def test_a_clipped_sun_is_found_and_mended():
     assert mended.luminance()[30, 45] == pytest.approx(1e6, rel=1e-3)
     with pytest.raises(InputError, match="no pixel of 1e\\+07"):
         replace_overflow(clipped, measured, brightest=1e7)
-    with pytest.raises(InputError, match="less expected"):
+    with pytest.raises(InputError, match="less than the measured"):
         replace_overflow(whole, measured / 2, brightest=9e3)

@@ -127,8 +127,8 @@ def test_numbers_of_legends_are_short():
 @pytest.mark.parametrize(
     ("work", "words"),
     [
-        (lambda: ColourScale(5, 5, (1, 2)), "growing range"),
-        (lambda: ColourScale(0, 5, (1, 2), logarithmic=True), "positive range"),
+        (lambda: ColourScale(5, 5, (1, 2)), "from 5 to 5; a smallest value below"),
+        (lambda: ColourScale(0, 5, (1, 2), logarithmic=True), "above 0"),
         (lambda: ColourScale(0, 5, (1, 2), palette="rainbows"), "colour map"),
         (lambda: ColourScale(0, 5, (2, 1)), "levels"),
         (lambda: linear_scale(ramp(), divisions=0), "divisions"),

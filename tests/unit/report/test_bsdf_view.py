@@ -127,5 +127,5 @@ def test_the_doctor_stands_below_the_view():
 
 
 def test_nothing_to_show_is_refused():
-    with pytest.raises(InputError, match="without data"):
+    with pytest.raises(InputError, match="no transmittance or reflectance"):
         view_page(Bsdf({}))

@@ -41,5 +41,5 @@ def test_the_rosette_shares_out_the_time():
 
 
 def test_numbers_that_do_not_fit_are_refused():
-    with pytest.raises(InputError, match="48 times for 3 DGPs"):
+    with pytest.raises(InputError, match="48 time steps for 3 DGP values"):
         glare_year_figure(np.ones(3), HOURS)

@@ -140,7 +140,7 @@ def _kind(example: str) -> Any:
 
 @options
 class ParametricSystem:
-    """Parametric shading system: at most one option is given, with its parameters."""
+    """Options that choose a shading system by its parameters; at most one is given."""
 
     venetian: str | None = _kind("slat_width=0.08,spacing=0.072,tilt_deg=45")
     microlouvre: str | None = _kind("cutoff_deg=40, or default")
