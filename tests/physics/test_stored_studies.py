@@ -157,11 +157,11 @@ def test_the_plan_counts_stored_blocks_as_one(write, tmp_path):
 
 
 def test_rules_that_look_at_more_than_memory_holds_are_refused(write, tmp_path):
-    with pytest.raises(InputError, match="a rule looks at 3 sensors together"):
+    with pytest.raises(InputError, match="requires 3 sensors at a time"):
         run_study(write(RULES["sensors"], 0.0), out=tmp_path)
 
 
 def test_methods_that_hold_all_in_memory_say_so(write, tmp_path):
     study = write("", 0.0).with_method("5-phase")
-    with pytest.warns(UserWarning, match="the 5-phase method holds all in memory"):
+    with pytest.warns(UserWarning, match="the 5-phase method keeps all matrices"):
         plan_study(study, out=tmp_path)

@@ -247,7 +247,7 @@ class Bsdf:
         channel: str,
         missing: float,
     ) -> _Pair:
-        # Apply the scattering function of the incident and exit sides of each pair
+        # Evaluate each direction pair with the function of its incident and exit sides
         incident, leaving = np.broadcast_arrays(incident, leaving)
         answer = np.full(incident.shape[:-1], missing)
         flat, i, o = answer.reshape(-1), incident.reshape(-1, 3), leaving.reshape(-1, 3)

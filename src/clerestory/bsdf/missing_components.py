@@ -10,7 +10,7 @@ from clerestory.bsdf.quality_finding import Finding, Severity
 from clerestory.bsdf.reciprocity import Tables
 from clerestory.bsdf.scattering_function import OF_SIDE, OTHER_SIDE, Function
 
-# Mismatch above which the sides of a layer count as different, as a fraction of flux.
+# Mismatch [fraction of the flux] above which two sides of a layer count as different.
 _ASYMMETRIC = 0.05
 
 

@@ -98,7 +98,7 @@ class Comparison:
     # Root mean square difference of the BSDF [1/sr], weighted by the projected solid
     # angles of the exit and incident patches
     rms: float
-    mean: float  # mean of the first BSDF [1/sr], weighted as in `rms`
+    mean: float  # mean BSDF [1/sr] of the first layer, weighted as in `rms`
     # Fraction of the flux under a uniform sky that the second layer scatters into other
     # patches than the first; 0 for equal layers, 1 for disjoint distributions
     redistributed: float

@@ -30,7 +30,7 @@ _NAMES = ("full", "half", "quarter")
 
 
 def check_angle_bases(bsdf: Bsdf) -> Iterator[Finding]:
-    """Yield findings about angle bases unlike WINDOW's, and notes of the reader."""
+    """Yield findings on angle bases that differ from WINDOW's, and on reader notes."""
     partitions: dict[str, RingPartition] = {}
     for part in bsdf.functions.values():
         for partition in part.own_partitions() or ():
@@ -99,7 +99,7 @@ def _energy(channel: str, tables: Tables) -> Iterator[Finding]:
         severity = severity_of(excess, _ENERGY)
         if severity is None or part is None:
             continue
-        # Test whether energy is conserved with the reflection of the other side
+        # Test whether exchanging front and back reflection would conserve energy
         other: Side = "back" if side == "front" else "front"
         swapped, _ = _scattered(tables, side, reflection_of=other)
         fits = f"reflection_{other}" in tables and swapped.max() < 1 + _ENERGY[0]

@@ -17,9 +17,9 @@ class Finding:
     name: str  # kind of irregularity: "energy", "reciprocity", "order", …
     # "error" if results are invalid, "warning" if they are doubtful, else "info"
     severity: Severity
-    size: float  # deviation of the quantity that `what` describes
+    size: float  # deviation from the expected value, as stated in `what`
     what: str  # description, including the deviation
-    where: str  # channel, function, patch and direction
+    where: str  # place: channel, scattering function, patch and direction
     effect: str  # consequence for a simulation
 
     @property

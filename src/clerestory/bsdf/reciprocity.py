@@ -94,7 +94,7 @@ def check_sides(channel: str, tables: Tables) -> Iterator[Finding]:
 
 
 def check_scaling(channel: str, tables: Tables) -> Iterator[Finding]:
-    """Yield findings about functions that are reciprocal after division by a weight."""
+    """Yield findings about values that are reciprocal only when divided by a weight."""
     for title, part, partner in _reverses(tables):
         size = reciprocity_mismatch(part, partner)
         if size < _WEIGHTED:

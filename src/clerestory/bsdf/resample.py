@@ -67,7 +67,7 @@ def to_trees(bsdf: Bsdf, *, halvings: int = 5) -> Bsdf:
 def tree_from(part: ScatteringFunction, halvings: int) -> ScatteringTree:
     """Convert a matrix to a rank 4 tensor tree; equal cells are merged."""
     if not isinstance(part, ScatteringMatrix):
-        raise InputError(f"tensor tree from a {type(part).__name__}; a matrix expected")
+        raise InputError(f"the BSDF is a {type(part).__name__}; a matrix expected")
     within(halvings, "number of halvings of a tensor tree", least=0, most=_FINEST)
     leave = patches_in_cells(part.exits, halvings)
     enter = patches_in_cells(part.incidents, halvings)
@@ -127,7 +127,7 @@ def exchanged_tree(tree: ScatteringTree) -> ScatteringTree:
         cells = found.reshape(edge, _WITHIN, edge, _WITHIN).mean(axis=(1, 3))
         value[step // _WITHIN] += cells / _WITHIN
 
-    # Cells before and after the exchange overlap only partly: spread to adjacent cells
+    # Add BSDF to adjacent cells, because old and new cells overlap only partly
     value += _SPILL * maximum_filter(value, size=3, mode="nearest")
     value[edge // 2 :] = 0
     return full_tree(value, tree.depth, rank=3)

@@ -111,7 +111,7 @@ def _over(above: Values, below: Values) -> Values:
     return np.asarray(ratio)
 
 
-# Number of bins and upper end of the histogram of the measure, as in rttree_reduce.
+# Histogram of the merging measure: number of bins, upper end; as in rttree_reduce.
 _STEPS, _END = 300, 4.0
 
 
@@ -194,7 +194,7 @@ def _threshold(levels: list[_Level], tree: ScatteringTree, percent: float) -> fl
     step = np.minimum(measure * (_STEPS / _END), _STEPS - 1).astype(int)
     count = np.bincount(step, minlength=_STEPS).astype(float)
 
-    # Count regions without smallest cells as blocks for which the measure is zero
+    # Count regions without smallest cells as blocks of uniform BSDF (measure 0)
     total = float(1 << tree.rank * (tree.depth - 1))
     count[0] += total - len(measure)
     wanted = np.floor(percent / 100 * total)

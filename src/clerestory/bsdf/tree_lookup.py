@@ -29,9 +29,9 @@ class Cells(NamedTuple):
 
 
 class Slices(NamedTuple):
-    """Exit cells for given incident places, sorted by `owner`."""
+    """Exit cells for given incident cells, sorted by `owner`."""
 
-    owner: Int64[np.ndarray, " cells"]  # index of the incident place
+    owner: Int64[np.ndarray, " cells"]  # index of the incident cell
     # Lower corner of the cell in the unit square
     corner: Float32[np.ndarray, "2 cells"]
     size: Float32[np.ndarray, " cells"]  # edge of the cell in the unit square
@@ -46,7 +46,7 @@ class Slices(NamedTuple):
 def look_up(
     slots: Slots, place: tuple[_Places, ...], *, depth: int
 ) -> tuple[Float32[np.ndarray, " pairs"], _Places]:
-    """BSDF values at places, and levels of the cells that contain the places."""
+    """BSDF values at integer coordinates, and tree levels of the cells found there."""
     rank = len(place)
     path = morton_codes(place, depth)
     code = np.full(len(path), slots[0], dtype=np.int32)
@@ -83,7 +83,7 @@ def dense_top(slots: Slots, rank: int, depth: int) -> tuple[int, _Tops]:
 def values_at(
     slots: Slots, top: tuple[int, _Tops], place: tuple[_Places, ...], *, depth: int
 ) -> Float32[np.ndarray, " pairs"]:
-    """BSDF values at places; the lookup starts from the table of `dense_top`."""
+    """BSDF values at integer coordinates; starts from the table of `dense_top`."""
     rank, (halvings, codes) = len(place), top
     path = morton_codes(place, depth)
     code = np.take(codes, path >> rank * (depth - halvings))
@@ -112,7 +112,7 @@ def cells(slots: Slots, rank: int) -> Iterator[Cells]:
 def slices(
     slots: Slots, incident: Int[np.ndarray, "fixed places"], *, depth: int
 ) -> Slices:
-    """Exit cells for each incident place (the first one or two coordinates)."""
+    """Exit cells for each incident cell (the first one or two coordinates)."""
     fixed, count = incident.shape
     owner = np.arange(count)
     code = np.full(count, slots[0], dtype=np.int32)

@@ -109,7 +109,7 @@ class Document:
     def accept_negative(self, lost: float, element: etree._Element) -> None:
         """Note negative BSDF values of small flux; raise InputError for a larger flux.
 
-        `lost`: flux of negative values as a fraction of the incident flux.
+        `lost`: flux of negative BSDF values, as a fraction of the incident flux.
         """
         message = f"negative values contain {lost:.2%} of the flux; a BSDF without"
         self.check(lost <= _NEGLIGIBLE, element, f"{message} negative values expected")

@@ -38,7 +38,7 @@ _WHITE_UV = 4 / 19, 9 / 19
 def channel_values(name: str, value: Share, solar: float | None = None) -> Vector:
     """Return a reflectance or transmittance in the three traced bands.
 
-    With a solar value, the bands hold the visible, the solar and the solar value.
+    With a solar value, band 1 holds the visible, bands 2 and 3 the solar value.
     """
     channels = np.atleast_1d(np.asarray(value, dtype=float))
     within(channels, name, least=0, most=1)

@@ -28,7 +28,7 @@ from clerestory.bsdfgen.subcells import Subcells
 
 # Largest tolerated flux error, as a fraction of the incident flux, for incident cells
 # of width 2^-_SPAN or more of the unit square; doubled each time the width is halved.
-# An error is corrected only if it also exceeds _SURE standard errors.
+# A flux error is corrected only if it also exceeds _SURE standard errors.
 _TOLERANCE = 0.004
 _SPAN = 5
 _SURE = 0.3
@@ -39,7 +39,7 @@ _SURE_LEAVING = 2.0
 # Ratio of the flux in subdivided cells to the required flux change.
 _STRETCH = 3.0
 
-# Largest relative change of subcells of one size that hold less than half of the flux.
+# Largest relative change, once larger subcells have used more than half of the flux.
 _CHANGE = 0.5
 
 # Largest number of subcells that are summed together.
@@ -50,7 +50,7 @@ _TOGETHER = 1 << 20
 class HemisphericalFlux:
     """Luminous transmittance or reflectance per cell, 0…1, and its variance.
 
-    The cells are incident cells, or exit cells with the light reversed.
+    The cells are incident cells or, for reversed light paths, exit cells.
     """
 
     share: Float[np.ndarray, " incident"]
@@ -114,7 +114,7 @@ def _moved(
     bits: int,
     depth: int,
 ) -> Float[np.ndarray, " block"]:
-    # Largest flux error within each merged cell of one height; errors below the
+    # Largest flux error within each merged cell of one size; errors below the
     # tolerance or the standard error count as zero
     wide = 1 << bits * height
     off = (scale - np.repeat(_means(scale, wide), wide)) * together
@@ -152,7 +152,7 @@ class _Tally:
         return total
 
     def light(self, pieces: Subcells, height: int) -> Float64[np.ndarray, " incident"]:
-        """Flux from each incident cell into the subcells of one height."""
+        """Flux from each incident cell into the subcells of one size."""
         wide = 1 << (self.rank - 2) * height
         sums = np.zeros(self.incidents // wide)
         for start in range(0, len(pieces), _TOGETHER):
@@ -191,8 +191,8 @@ class _Tally:
     def scaled(
         self, pieces: list[Subcells], left: Float64[np.ndarray, " incident"]
     ) -> list[Subcells]:
-        """Scale subcells from the largest to the smallest size, each by the ratio of
-        required to present flux that is left for its incident cells.
+        """Scale subcells, largest size first, by the ratio of the required flux to the
+        flux of all subcells that remain, for each incident cell.
         """
         found = list(pieces)
         own = [self.light(part, height) for height, part in enumerate(pieces)]

@@ -119,7 +119,7 @@ class Orbits:
 def _key(
     surface: Polygon | Cone, middle: Vector, flip: Flip, unit: float
 ) -> tuple[object, ...]:
-    # Key for comparing surfaces: material and mirrored, rounded coordinates
+    # Key for comparing surfaces: material, and rounded coordinates of the mirror image
     def grid(points: Directions) -> list[tuple[int, ...]]:
         moved = (points - middle) * [*flip, 1] / unit + _OFF_GRID
         return [tuple(row) for row in np.round(moved).astype(int).tolist()]

@@ -86,7 +86,7 @@ def reduced(functions: Functions, percent: float) -> Functions:
 def error_functions(
     functions: Mapping[tuple[str, Function], ScatteringFunction],
 ) -> Functions:
-    """Return standard errors as scattering functions on the same patches or cells."""
+    """Return the standard errors of BSDF values, on the same patches or cells."""
     found: Functions = {}
     for (channel, name), part in functions.items():
         error = getattr(part, "standard_error", None)

@@ -53,7 +53,7 @@ class SampleArea:
         return np.asarray(self.bounds[1] - self.bounds[0])
 
     def slab(self) -> Float[np.ndarray, "2 3"]:
-        """Corners of the box, enlarged slightly in z to clear the system [m]."""
+        """Corners [m] of the box, with z faces slightly away from the system."""
         off = _CLEARANCE * float(self.size.max())
         return np.asarray(self.bounds + np.outer([-off, off], [0, 0, 1]))
 

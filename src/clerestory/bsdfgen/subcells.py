@@ -15,7 +15,7 @@ from clerestory.array_types import Indices, Mask
 
 @dataclass(frozen=True, eq=False)
 class Subcells:
-    """Subcells of one size: Morton code, cell index, ratio to the BSDF of the cell."""
+    """Subcells of one size: Morton code, index and BSDF factor of the divided cell."""
 
     place: Int32[np.ndarray, " piece"]
     cell: Int32[np.ndarray, " piece"]

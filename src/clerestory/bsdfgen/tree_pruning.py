@@ -30,8 +30,8 @@ _CAUTION = 1.5
 class NodeValues:
     """BSDF of the nodes of one tree level; nodes with zero BSDF are omitted.
 
-    `place` has ascending Morton codes; `mean` the mean BSDF over the smallest cells in
-    the node [1/sr]; `noise` the summed variances of their luminous BSDFs.
+    `place`: Morton codes, ascending; `mean`: mean BSDF [1/sr] of the smallest cells in
+    the node; `noise`: sum of the luminous BSDF variances of the smallest cells.
     """
 
     place: Int[np.ndarray, " node"]
@@ -119,7 +119,7 @@ def selected_cells(levels: list[Level], *, rank: int, roots: int = 1) -> Cells:
 
 
 def _nodes(light: NodeValues, place: Indices) -> tuple[Indices, Mask]:
-    # Index of each node in a level, and whether the level contains it
+    # Index of each node in a level, and mask of the nodes that the level contains
     if not len(light.place):
         return np.zeros_like(place), np.zeros(len(place), dtype=bool)
     at = np.searchsorted(light.place, place)

@@ -136,8 +136,8 @@ def venetian(
 
 
 class _Layout(NamedTuple):
-    # `slats`: number in the sample area; `beyond`: number on each side of the area that
-    # extend into it; `across`: width of the area; `ends`: range of x of the slats [m]
+    # `slats`: slats in the sample area; `beyond`: slats on each side of the area that
+    # extend into the area; `across`: area width [m]; `ends`: range of x of slats [m]
     slats: int
     beyond: int
     across: float

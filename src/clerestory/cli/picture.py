@@ -130,8 +130,8 @@ def convert(request: requests.ConvertPicture) -> None:
     picture = arithmetic.scale(read_picture(request.file), request.factor)
     is_exr = output.suffix.lower() == ".exr"
     only_hdr = xyz or exposure != 1
-    require(not (is_exr and only_hdr), "--xyz and --exposure need a .hdr file")
-    require(is_exr or not request.half, "--half needs an .exr file")
+    require(not (is_exr and only_hdr), "--xyz or --exposure for .exr; .hdr expected")
+    require(is_exr or not request.half, f"--half for {output.name}; .exr expected")
     if request.half:
         write_exr(picture, output, half=True)
     elif only_hdr:

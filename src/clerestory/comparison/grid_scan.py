@@ -46,9 +46,9 @@ class GridLayout(CsvFormat):
     @model_validator(mode="after")
     def _one_place_each(self) -> "GridLayout":
         if len(self.columns) != len(self.column_at):
-            raise PydanticCustomError(
-                "rule", '"columns" and "column_at" differ in length; one each expected'
-            )
+            expected = "one coordinate for each column expected"
+            message = f'"columns" and "column_at" differ in length; {expected}'
+            raise PydanticCustomError("rule", message)
         return self
 
     def positions(self) -> Float[np.ndarray, "row column 3"]:
@@ -103,17 +103,16 @@ def read_scan(
 def sensors_at(layout: GridLayout, near: Series) -> list[list[str]]:
     """Return the names of the study's sensors at the points of a layout, row by row."""
     if near.position is None:
-        raise InputError(
-            "no positions of sensors; scans need the results.nc of a run",
-            file=near.source,
-        )
+        message = "sensor positions are unknown; the results.nc of a run expected"
+        raise InputError(message, file=near.source)
     known = [
         i
         for i, name in enumerate(near.names)
         if (not layout.grid or name.rpartition(".")[0] == layout.grid)
         and not np.any(np.isnan(near.position[i]))
     ]
-    require(known, f'no sensors in grid "{layout.grid}"', file=near.source)
+    message = f'no sensor with a known position in grid "{layout.grid}"'
+    require(known, f"{message}; a sensor grid of the study expected", file=near.source)
     points = layout.positions()
     away, best = cKDTree(near.position[known]).query(points)
     x, y, z = points[np.unravel_index(away.argmax(), away.shape)]

@@ -26,7 +26,7 @@ class Situation:
     ----------
     times : centres of the time steps, local standard time
     states : number of states of the window group
-    occupied : whether the room is occupied at each step
+    occupied : whether the room is occupied at each time step
     signals : time series by name: "irradiance" [W/m²], "profile" angle [rad] and others
     by_state : results over (state, time) by name, such as "illuminance" [lux] and "dgp"
     """
@@ -75,7 +75,7 @@ def load_rule(path: str | Path, name: str) -> Rule:
         found: Rule | None = runpy.run_path(str(path)).get(name)
     except Exception as error:  # user code may raise any exception
         text = " ".join(f"{type(error).__name__}: {error}".split())[:200]
-        message = f"{text}; a file without errors expected"
+        message = f"running it raised {text}; Python code without errors expected"
         raise InputError(message, file=path) from error
     if not callable(found):
         raise InputError(f'no function "{name}" in the file', file=path)

@@ -187,7 +187,7 @@ class _Reading:
         self.put(self.outline(aperture), states[0] if states else modifier, name)
 
     def window(self, opening: Part, states: list[Modifier]) -> None:
-        """Add an opening to its window group."""
+        """Add an opening to a window group."""
         outline = self.outline(opening)[::-1]
         name = opening.group or states[0].name
         group = self.groups.setdefault((name, *plane_of(outline)), _Group(name, states))

@@ -123,7 +123,7 @@ class _Reading:
     unknown: set[str] = field(default_factory=set)
 
     def follow(self, words: list[str], at: int) -> int | None:
-        """Execute a statement; if an array repeats, return its start index."""
+        """Execute an MGF statement; for a repeated array, return its start index."""
         keyword, *arguments = words
         if keyword == "xf":
             return self.place.follow(arguments, at)

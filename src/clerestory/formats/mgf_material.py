@@ -98,7 +98,7 @@ def _trans(given: MgfMaterial, name: str, source: Source | None) -> Trans:
     rough = rs * mirrored.roughness + ts * diffused[2].roughness
     return Trans(
         name,
-        # MGF: fractions of incident flux; trans: fractions without the highlight
+        # Fractions in trans, unlike in MGF, exclude specularly reflected flux
         colour / (1 - rs) if td + ts < 0.999 * both else colour,
         rs,
         rough / (rs + ts) if rs + ts > 1e-4 else 0.0,

@@ -17,7 +17,7 @@ class _Level:
     words: list[str]
     outer: Transform
     start: int
-    counters: list[int] = field(default_factory=list)  # indices of instance numbers
+    counters: list[int] = field(default_factory=list)  # indices into `words`
     counts: list[int] = field(default_factory=list)
 
     @property

@@ -19,7 +19,7 @@ from clerestory.scene.materials.plastic import Plastic
 from clerestory.scene.model import Material, Scene, TriangleMesh, insert_material
 from clerestory.scene.transform import number
 
-# Key of the material for all names without a key
+# Key of the default material, for names that are not listed
 ANY = "*"
 
 

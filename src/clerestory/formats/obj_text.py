@@ -45,8 +45,8 @@ class ObjPart:
 
 @dataclass(frozen=True, eq=False)
 class ObjText:
-    """Vertices of an OBJ file in its units, triangles by group and material, and paths
-    of material libraries.
+    """Text of an OBJ file: vertices (file units), triangles by group and material, and
+    file paths of material libraries.
     """
 
     vertices: Float[np.ndarray, "vertices 3"]

@@ -65,7 +65,7 @@ class _Row2(Item):
 
 
 class _Physical(Item):
-    # Version 2 prefixes values that were not measured with "predefined"
+    # In version 2, names of assumed (not measured) values start with "predefined"
     thickness: float = 3.0
     conductivity: float = GLASS_CONDUCTIVITY
     emissivity_front: float = _either(

@@ -67,7 +67,7 @@ def between(
     """Flux that reaches the layer beyond a gap, after all interreflections.
 
     `behind`, `ahead`: reflection flux matrices of the layers before and after the gap.
-    `arriving`: flux that enters the gap through the layer behind.
+    `arriving`: flux that enters the gap through the layer before the gap.
     """
     loop = np.eye(behind.shape[-1]) - behind @ ahead
     return np.asarray(np.linalg.solve(loop, arriving))

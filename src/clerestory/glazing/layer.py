@@ -61,7 +61,7 @@ class Layer(ABC):
     def openness(self, direction: Directions) -> Values:
         """Fraction of the flux in each direction that passes without scattering.
 
-        `direction`: directions of travel; reversed for light from the room.
+        `direction`: directions of travel; opposite directions for light from the room.
         """
         return np.zeros(len(direction))
 

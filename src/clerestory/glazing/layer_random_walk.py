@@ -171,7 +171,7 @@ def _walk(
     ahead = np.full(len(travel), 0 if into_room else len(met) - 1)
     active = np.ones(len(travel), bool)
     while np.any(active):
-        # Scatter at each layer from each side
+        # Scatter the walks that arrive at each layer, separately for both sides
         for number, layer in enumerate(met):
             for forward in (True, False):
                 here = active & (ahead == number) & ((travel[:, 2] > 0) == forward)

@@ -33,25 +33,25 @@ class Optics:
 
     @classmethod
     def gather(cls, part: Callable[[Function], Values]) -> "Optics":
-        """Return optics with `part(name)` as the value of each property."""
+        """Return optics whose transmittances and reflectances are `part(name)`."""
         return cls(**{name: part(name) for name in FUNCTIONS})
 
     def of(self, name: Function) -> Values:
-        """Return one of the four properties by its name."""
+        """Return the transmittance or reflectance with a given name."""
         return np.asarray(getattr(self, name))
 
     def map(
         self, change: Callable[[Float[np.ndarray, "*batch"]], Float[np.ndarray, "*new"]]
     ) -> "Optics":
-        """Return the four properties, each transformed by the same function."""
+        """Return transmittances and reflectances, each transformed by a function."""
         return Optics.gather(lambda name: change(self.of(name)))
 
     def plus(self, other: "Optics") -> "Optics":
-        """Return the sum with other optics, property by property."""
+        """Return optics with the transmittances and reflectances of `other` added."""
         return Optics.gather(lambda name: self.of(name) + other.of(name))
 
     def averaged(self, weight: Values) -> "Optics":
-        """Return weighted sums of each property over its first axis."""
+        """Return weighted sums of transmittances and reflectances over axis 0."""
         return self.map(lambda share: np.asarray(np.tensordot(weight, share, axes=1)))
 
     def swapped(self) -> "Optics":

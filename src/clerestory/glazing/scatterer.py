@@ -69,9 +69,9 @@ class Scatterer:
     def leave(
         self, travel: _Directions, passed: Mask, rng: np.random.Generator
     ) -> _Directions:
-        """Sample directions of travel after the layer; `travel`: those before it.
+        """Sample directions after the layer; `travel`: directions before the layer.
 
-        `passed`: whether each walk is transmitted instead of reflected.
+        `passed`: True for rays that are transmitted, False for reflected rays.
         """
         leaving = np.where(passed[:, None], travel, travel * [1, 1, -1])
         if self.mirror is not None:
@@ -129,5 +129,5 @@ def scatterer(layer: Layer, standard: Standard, channel: Channel) -> Scatterer:
 
 
 def _names(travel: _Directions) -> tuple[Function, Function]:
-    # Names of the transmission and the reflection for the incident side
+    # Names of the transmission and reflection functions for the incident side
     return OF_SIDE["front" if travel[0, 2] > 0 else "back"]

@@ -24,7 +24,7 @@ _Pair = tuple[_Length, _Length]
 
 
 class GlazingTable(Table):
-    """A TOML table of a glazing file; lists become tuples, and file names paths."""
+    """A TOML table of a glazing file; lists become tuples, file names become paths."""
 
     model_config = ConfigDict(strict=False)
 

@@ -19,7 +19,7 @@ from clerestory.checks import positive, require, within
 # Points and angles per face for view factors, and rays per opening for beams.
 _POINTS, _ANGLES, _BEAMS = 16, 128, 1024
 
-# Distance of the openings from the edges of the slats, in widths of a slat
+# Distance from the slat edges to the openings, as a fraction of the slat width
 _MARGIN = 1e-6
 
 
@@ -74,7 +74,7 @@ class SlatGeometry:
 @final
 @dataclass(frozen=True, eq=False)
 class SlatCell:
-    """Faces of one period of a blind, with unit normals to the side of the light.
+    """Faces of one period of a blind; unit normals point into the air between slats.
 
     Faces are, in this order: the upper faces of the segments of a slat from outdoors to
     indoors, their lower faces, the opening to the sky and the opening to the room.
@@ -87,7 +87,7 @@ class SlatCell:
 
     @classmethod
     def between(cls, slats: SlatGeometry) -> "SlatCell":
-        """Return the period between two slats."""
+        """Return the faces of one slat and the openings up to the next slat."""
         slat = slats.polyline()
         margin = _MARGIN * slats.width
         outermost = slat[[slat[:, 0].argmin(), slat[:, 0].argmax()]]
@@ -146,7 +146,7 @@ class SlatCell:
     ) -> Float[np.ndarray, "direction face"]:
         """Fraction of a collimated beam through an opening that reaches each face.
 
-        `direction`: directions of travel, into the space. `opening`: `sky` or `room`.
+        `direction`: directions of travel, into the blind. `opening`: `sky` or `room`.
         """
         part = ((np.arange(_BEAMS) + 0.5) / _BEAMS)[:, None]
         origin = self.start[opening] + part * (self.end - self.start)[opening]
@@ -158,8 +158,8 @@ class SlatCell:
 
     @cached_property
     def _copies(self) -> tuple[Points2, Points2, int]:
-        # Ends of the segments of all slats within reach of a ray, and the first number
-        # of those of the slat itself
+        # End points of the segments of all slats that a ray can reach, and index of the
+        # first segment of the middle slat
         start, end = self.start[: self.segments], self.end[: self.segments]
         height = np.ptp(np.concatenate([start, end])[:, 1])
         reach = int(np.ceil(2 * height / self.spacing)) + 2

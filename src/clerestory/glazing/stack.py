@@ -46,7 +46,7 @@ Method = Literal["wavelengths", "bands"]
 class StackedLayers:
     """Optical properties of a stack of layers, with visible and solar channels.
 
-    `absorptance`: that of each layer per incident patch, by channel and side.
+    `absorptance`: absorptance of each layer per incident patch, by channel and side.
     `layers`: layer names from outdoors to indoors. `standard`: name of the standard for
     spectral averages.
     """

@@ -42,7 +42,7 @@ class Band:
         return float(self.weight @ spectrum.at(self.wavelength_nm))
 
     def weights(self, known_nm: Values) -> Values:
-        """Weights of values at other wavelengths, which are interpolated linearly."""
+        """Weights for a linearly interpolated spectrum with other wavelengths."""
         return np.asarray(
             self.weight @ interpolation_matrix(known_nm, self.wavelength_nm)
         )

@@ -28,7 +28,7 @@ Distribution = Literal["directional", "uniform"]
 
 
 class _Beams(NamedTuple):
-    """Fractions of beams that reach each face or miss the slats, per direction."""
+    """Flux fractions of beams that reach each face or miss the slats, per direction."""
 
     entering: Float[np.ndarray, "direction face"]
     straight: Float[np.ndarray, " direction"]

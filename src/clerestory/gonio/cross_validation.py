@@ -73,7 +73,7 @@ def _angles() -> Float[np.ndarray, "cells cells"]:
     return angle_between(direction[:, None], direction)
 
 
-# Largest angle from the peak of directions that belong to the beam [rad].
+# Largest angle [rad] between the peak direction and directions in the beam.
 _REACH = np.radians(20.0)
 
 # Beam centroid: log2 of the number of grid cells along each axis, and smallest number
@@ -114,7 +114,7 @@ class LeftOut:
     earth_mover_deg: float
     # Fraction of the scattered flux predicted in wrong directions; includes noise
     misplaced: float
-    fitted: float  # `misplaced` for the lobes fitted to this scan: a lower limit
+    fitted: float  # `misplaced` of the lobe fit to this scan itself
 
     @property
     def flux_error(self) -> float:

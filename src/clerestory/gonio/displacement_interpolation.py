@@ -3,7 +3,7 @@
 Transport plans match lobes at one incident direction with lobes at the next. A particle
 is a set of matched lobes, at most one per corner of a mesh triangle or edge. The
 particle fluxes at each corner follow from the transport plans, so that lobe fits are
-reproduced at corners and adjacent triangles agree on the common edge. In a triangle ABC
+reproduced at corners, and adjacent triangles agree on common edges. In a triangle ABC
 flux is transported along the edge A–B, then to C by the plans from A to C and from B to
 C.
 

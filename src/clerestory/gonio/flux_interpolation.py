@@ -36,7 +36,7 @@ from clerestory.gonio.symmetry import Symmetry, fold, images
 Coordinates = Literal["profile", "sideways", "disc"]
 _COORDINATES: tuple[Coordinates, ...] = ("profile", "sideways", "disc")
 
-# Candidate length scales of the kernel [rad, or 1 for x and y], and index of the
+# Candidate kernel length scales [rad; unitless for x and y], and index of the
 # initial scale.
 _REACHES = (0.12, 0.25, 0.5, 1.0, 2.0, 8.0)
 _FIRST = 3
@@ -52,7 +52,7 @@ _AT_NORMAL = 1e-9  # directions with a smaller 1 − cos θ count as normal inci
 # Number of decimal places to which equal directions agree.
 _DIGITS = 7
 
-# Transmittance or reflectance at known directions, and kernel values of their pairs
+# Values at known directions, and kernel values of pairs of known directions
 _Totals = Float[np.ndarray, " known"]
 _Table = Float[np.ndarray, "known known"]
 
@@ -68,7 +68,7 @@ class Flux(Protocol):
 class FluxCurve:
     """Hemispherical transmittance or reflectance of an isotropic layer."""
 
-    curve: PchipInterpolator  # transmittance or reflectance by 1 − cos θ
+    curve: PchipInterpolator  # transmittance or reflectance as function of 1 − cos θ
 
     def at(self, direction: Directions) -> Values:
         """Transmittance or reflectance; NaN beyond the largest measured polar angle."""
@@ -82,7 +82,7 @@ class _Kernel:
     # Factors of x, y and z that give the mirror images of a direction
     images: Float[np.ndarray, "images 3"]
     coordinates: Coordinates
-    reach: Vector  # length scale of each coordinate [rad or 1]
+    reach: Vector  # kernel length scales [rad; unitless for x, y]
 
     def __call__(
         self, direction: Float[np.ndarray, "one 3"]

@@ -22,7 +22,7 @@ from clerestory.gonio.angles import angle_between, from_degrees
 _INSIDE = -1e-9
 
 _SIDES = ((0, 1), (0, 2), (1, 2))  # corner numbers of each side of a triangle
-_THINNEST = 1e-6  # triangles whose corner vectors span less volume are removed
+_THINNEST = 1e-6  # smallest volume spanned by the corner vectors of a triangle
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +60,7 @@ class Place:
     on_edge: Bool[np.ndarray, " directions"]
     # Fraction of the way from the first corner to the second
     s: Float[np.ndarray, " directions"]
-    # Fraction of the way from the point at s to the third corner; 0 on edges
+    # Fraction of the way from the edge point `s` to the third corner; 0 if `on_edge`
     t: Float[np.ndarray, " directions"]
     # Directions inside the mesh; others are projected onto the border
     found: Float[np.ndarray, "directions 3"]
@@ -73,8 +73,8 @@ def triangulate(vertices: Directions) -> Mesh:
         corners = np.sort(Delaunay(flat).simplices, axis=1)
     except (QhullError, ValueError) as error:
         raise InputError(
-            f"{len(vertices)} incident directions in one plane; directions around the"
-            " normal expected, unless the layer is isotropic"
+            f"all {len(vertices)} incident directions lie in one plane; directions in"
+            " several planes expected unless the layer is isotropic"
         ) from error
     volume = np.abs(np.linalg.det(vertices[corners]))
     corners = corners[volume > _THINNEST].astype(int)

@@ -124,7 +124,7 @@ def _missed(
 
 
 def _lifted(disc: Points2) -> tuple[Directions, Values]:
-    # Directions of positions in the unit disc; distances beyond its rim (0 inside)
+    # Directions of points in the unit disc; distance to the disc (0 for points inside)
     beyond = np.maximum(np.linalg.norm(disc, axis=1) - 1, 0)
     return directions_over_disc(disc), beyond
 

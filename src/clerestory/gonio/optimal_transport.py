@@ -6,7 +6,7 @@ squared angle between lobes and squared difference of radii.
 The total flux differs between the ends. The flux of a lobe in the optimization is
 therefore limited to the flux at the other end within a given angle, the *reach* of the
 lobe. The remaining flux is gained or lost along the edge. A lobe without a match within
-its reach fades at constant position; moving it would create a spurious beam half-way
+reach fades at constant position; a moving lobe would be a spurious beam half-way
 along the edge.
 
 References: N. Bonneel, M. van de Panne, S. Paris, W. Heidrich, "Displacement
@@ -146,7 +146,7 @@ def _companions(
     other: _Matches,
     flux: _Fluxes,
 ) -> tuple[Int[np.ndarray, " lone"], Int[np.ndarray, " lone"]]:
-    # Unmatched lobes, and for each the lobe at the other end that receives most flux
+    # Unmatched lobes and, for each, the lobe at the other end that receives most flux
     # from the nearest matched lobe
     lone, part = np.flatnonzero(~taking_part), np.flatnonzero(taking_part)
     if not len(lone) or not len(part):

@@ -32,7 +32,7 @@ class Workers:
         function: Callable[..., _Result],
         values: Sequence[tuple[object, ...]],
     ) -> list[_Result]:
-        """Call a function with each tuple of arguments, in parallel if there are many.
+        """Call a function with each tuple of arguments; in parallel for many tuples.
 
         The function must be at module level, so that other processes can import it.
 

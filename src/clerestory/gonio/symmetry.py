@@ -30,7 +30,7 @@ SYMMETRIES: tuple[Symmetry, ...] = get_args(Symmetry)
 _NEAR_NORMAL_DEG = 1.0
 _NEAR_AXIS_DEG = 1.0
 
-# Symmetry by the quadrants that contain measured azimuths.
+# Symmetry implied by the quadrants in which azimuths were measured.
 _IN_QUADRANTS: dict[frozenset[int], Symmetry] = {
     **{frozenset({k}): "quadrilateral" for k in range(4)},
     frozenset({0, 1}): "bilateral-y",
@@ -40,7 +40,7 @@ _IN_QUADRANTS: dict[frozenset[int], Symmetry] = {
     frozenset(range(4)): "none",
 }
 
-# Symmetry by whether 0 and 180° were both measured, and by whether 90 and 270° were.
+# Symmetry implied by azimuths: (0° and 180° measured, 90° and 270° measured).
 _ON_AXES: dict[tuple[bool, bool], Symmetry] = {
     (True, True): "none",
     (True, False): "bilateral-y",
@@ -59,7 +59,7 @@ _IMAGES: dict[Symmetry, tuple[tuple[int, int], ...]] = {
 }
 
 
-# Axes (0 for x, 1 for y) of which only one sign was measured.
+# Axes (0: x, 1: y) along which all measured directions have the same sign.
 _BOUNDED: dict[Symmetry, list[int]] = {
     "isotropic": [],
     "quadrilateral": [0, 1],

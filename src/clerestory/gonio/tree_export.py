@@ -164,7 +164,7 @@ def _assembled(forests: list[Region], halvings: int, inner: int) -> ScatteringTr
     roots: list[Region] = []
     slots: list[Region] = []
     for forest in forests:
-        # The children of the roots move from index `count` to `size`
+        # Offset child indices: children of roots start at `size`, not at `count`
         moved = np.where(forest < 0, forest - (size - count), forest).astype(np.int32)
         roots.append(moved[:count])
         slots.append(moved[count:])

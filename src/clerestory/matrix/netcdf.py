@@ -183,7 +183,7 @@ def _read_axis(file: h5py.File, side: str) -> Axis:
         partition = reinhart(int(np.ravel(attributes["sky_subdivision"])[0]))
     size = int(variable.shape[0])
     count = size if partition is None else len(partition)
-    require(count == size, f"{size} {side}s of a partition with {count} patches")
+    require(count == size, f"{size} {side}s, {count} patches; one per patch expected")
     times, names = file.get(f"{side}_times"), file.get(f"{side}_names")
     return Axis(
         kind,

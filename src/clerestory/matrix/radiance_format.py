@@ -241,7 +241,7 @@ def _bad_number(text: str) -> InputError:
             float(word)
         except ValueError:
             return InputError(f"one value is {word[:40]!r}; a number expected")
-    return InputError("values with other separators; numbers and spaces expected")
+    return InputError("values have unusual separators; numbers and spaces expected")
 
 
 def _require_finite(table: Float[np.ndarray, "row column channel"]) -> None:

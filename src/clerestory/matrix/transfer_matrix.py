@@ -114,8 +114,9 @@ class TransferMatrix:
             return NotImplemented
         require_matrix(
             self.rows.fits(other.rows) and self.columns.fits(other.columns),
-            f"cannot add {other.rows.describe()} by {other.columns.describe()} to"
-            f" {self.rows.describe()} by {self.columns.describe()}",
+            f"sum of {self.rows.describe()} by {self.columns.describe()} and"
+            f" {other.rows.describe()} by {other.columns.describe()}; matrices with"
+            " equal rows and columns expected",
         )
         bands = self._common_bands(other)
         values = self.values + other.values

@@ -62,7 +62,7 @@ class HoneybeeFolder:
         Parameters
         ----------
         states : state number of each dynamic light path, constant or one per hour of
-            the year; −1 excludes the path. Unlisted paths are in state 0.
+            the year; −1 excludes the light path. Unlisted light paths are in state 0.
         light : "total" illuminance, or "direct" illuminance from the sun alone
         """
         with located(file=self.folder):
@@ -139,7 +139,7 @@ def read_honeybee(folder: str | Path) -> HoneybeeFolder:
     with located(file=file):
         within(hours, "hour of the year", least=0, most=np.nextafter(_HOURS_A_YEAR, 0))
     hourly = len(np.unique(hours.astype(int))) == len(hours)
-    message = "several steps in an hour; one step per hour expected"
+    message = "several times within one hour of the year; at most one per hour expected"
     require(hourly, message, file=file)
     return HoneybeeFolder(folder, paths, states, hours, counts)
 
@@ -168,7 +168,7 @@ def write_honeybee(
     moments = times.astype("datetime64[s]")
     hours = (moments - moments.astype("datetime64[Y]")) / np.timedelta64(3600, "s")
     hourly = len(np.unique(hours.astype(int))) == len(hours)
-    message = "steps are not hourly; hours of one year of 365 days expected"
+    message = "times are not hours of one 365-day year; one time per hour expected"
     require(hourly and np.all(hours < _HOURS_A_YEAR), message)
     for name, lux in total.items():
         has_shape(lux, (len(lux), len(times)), f"illuminance of grid {name!r}")

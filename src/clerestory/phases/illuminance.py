@@ -54,9 +54,8 @@ def illuminance(
     """
     axis = chains(windows, terms[0].part)[0].receivers
     if axis is None:
-        raise MatrixError(
-            "direct-sun coefficients of pixels; those of sensors expected"
-        )
+        message = "direct-sun coefficients C_ds have pixels as rows; sensors expected"
+        raise MatrixError(message)
     product = BlockwiseProduct(
         windows,
         terms,

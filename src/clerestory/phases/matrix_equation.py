@@ -64,7 +64,7 @@ class MatrixChain:
 
     def __post_init__(self) -> None:
         valid = self.receiving and (len(self.receiving) == 1 or not self.factors)
-        require_matrix(valid, "no view matrix, or several; one expected")
+        require_matrix(valid, "no V, or several; one V for all shade states expected")
         for factors in self.factors:
             columns: Axis = self.view.columns
             for factor in factors:
@@ -81,7 +81,7 @@ class MatrixChain:
         """View matrix V, the same for all shade states."""
         first = self.receiving[0]
         if not isinstance(first, TransferMatrix | StoredColumns):
-            raise MatrixError("no view matrix in memory or in files; one expected")
+            raise MatrixError("coefficients in place of V; a view matrix V expected")
         return first
 
     @property
@@ -111,9 +111,8 @@ def _rows(matrix: Receiving, rows: Int[np.ndarray, " row"]) -> TransferMatrix:
     elif isinstance(matrix, StoredColumns):
         values = matrix.views.of(rows, matrix.part)
     else:
-        raise MatrixError(
-            "direct-sun coefficients of pixels; those of sensors expected"
-        )
+        message = "direct-sun coefficients C_ds have pixels as rows; sensors expected"
+        raise MatrixError(message)
     return TransferMatrix(values, sensor_axis(len(rows)), matrix.columns)
 
 
@@ -221,7 +220,8 @@ def chains(windows: Sequence[WindowMatrices], part: Part) -> list[MatrixChain]:
     for window in windows:
         chain: MatrixChain | None = getattr(window, part)
         if chain is None:
-            raise MatrixError(f"a window has no matrices for the {part} term")
+            what = f'a window group has no "{part}" matrices'
+            raise MatrixError(f"{what}; the same matrices for all groups expected")
         found.append(chain)
         first, other = found[0].receivers, chain.receivers
         if first and other:

@@ -40,7 +40,7 @@ def precompute_illums(
     rings: int = 18,
     **keywords: Unpack[EffortKeywords],
 ) -> Scene:
-    """Return windows as illums with the light they transmit and reflect to the room.
+    """Return windows as illums that emit their transmitted and reflected radiance.
 
     Render them in place of the windows: `room + illums`. Direct sunlight through clear
     panes is not included; rendering samples the sun through the window, as Radiance
@@ -64,7 +64,7 @@ def precompute_illums(
     Raises
     ------
     InputError : a pane that is not a polygon, no panes, or a number out of range
-    DeviceError : no usable device
+    DeviceError : no usable compute device
     """
     effort = effort_of(precompute_illums, keywords, default=_DEFAULT)
     require(zone > 0, f"edge length of zones is {zone:g} m; a positive length expected")
@@ -124,7 +124,7 @@ def _patches(pieces: list[Polygon]) -> EmitterPatches:
         corner = triangles.vertices[triangles.faces]
         doubled = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
         area = np.linalg.norm(doubled, axis=1)
-        require(area.sum() > 0, f'pane "{piece.name}" has no area')
+        require(area.sum() > 0, f'pane "{piece.name}" has area 0; above 0 expected')
         share = np.cumsum(area) / area.sum()
         share[-1] = 1.0
         frames.append(_frame(doubled.sum(axis=0)))

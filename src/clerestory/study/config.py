@@ -103,8 +103,8 @@ class Study(Table):
         other = "6-phase" if METHODS[self.method].facade else "5-phase"
         require_rule(
             not exact or any(METHODS[m].correction != "never" for m in self.methods),
-            f'method "{self.method}" distributes the sun over sky patches; sun'
-            f' "patches", or method "{other}" with the exact sun, expected',
+            f'method "{self.method}" has no exact sun; places = "patches" or method ='
+            f' "{other}" expected',
         )
         require_rule(
             not self.sunlight or self.window or self.sunlight.file,

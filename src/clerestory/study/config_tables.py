@@ -77,9 +77,8 @@ class NamedFile(Named):
 def _distinct(tables: Sequence[Named]) -> Sequence[Named]:
     labels = [table.label for table in tables]
     twice = [name for name in labels if labels.count(name) > 1]
-    require_rule(
-        not twice, f'two are named "{"".join(twice[:1])}"; different names expected'
-    )
+    message = f'two tables have the name "{"".join(twice[:1])}"'
+    require_rule(not twice, f"{message}; different names expected")
     return tables
 
 
@@ -118,7 +117,7 @@ class HoursTable(Table):
     def _forwards(self) -> Self:
         require_rule(
             self.from_hour < self.to_hour,
-            '"from_hour" is not before "to_hour"; an earlier hour expected',
+            '"from_hour" is not before "to_hour"; a smaller "from_hour" expected',
         )
         return self
 

@@ -39,7 +39,7 @@ class LuminaireTable(NamedFile):
         )
         require_rule(
             self.photometric or not placed,
-            "places or angles of a scene file, which has its own; none expected",
+            '"places", "turn_deg" or "tilt_deg" with a scene file; none expected',
         )
         require_rule(
             self.photometric or self.power is not None,

@@ -31,8 +31,8 @@ def is_stored(study: Study, inputs: Inputs, *, direct: bool) -> bool:
     large = whole > study.trace.memory_gb
     if large and (study.corrected or not METHODS[study.method].windows):
         warnings.warn(
-            f"the {study.method} method holds all in memory, more than {whole:.1f} GB;"
-            " only the three- and four-phase methods go through files",
+            f"the {study.method} method keeps all matrices in memory, about"
+            f" {whole:.1f} GB; only the three- and four-phase methods can use files",
             ClerestoryWarning,
             stacklevel=2,
         )

@@ -133,7 +133,7 @@ def _read_run(path: Path) -> dict[str, Any]:
     if not path.is_file():
         return {}
     data = json_value(read_text(path), file=path)
-    require(isinstance(data, dict), "not the run.json of a run", file=path)
+    require(isinstance(data, dict), "is no run.json; a JSON object expected", file=path)
     return dict(data)
 
 

@@ -70,7 +70,8 @@ class StudyMatrices:
         With C_ds the sun is at its true position, otherwise spread over sky patches.
         """
         if not self.has_direct:
-            raise InputError("direct light was not traced; direct phases expected")
+            expected = 'method "5-phase" or "6-phase", or [sun] places = "exact",'
+            raise InputError(f"direct light was not traced; {expected} expected")
         part: Part = "direct" if self.suns is None else "sun"
         term = Term("direct", part, sky="sun")
         file = self.folder and self.folder / "direct.nc"
@@ -83,9 +84,9 @@ class StudyMatrices:
         """Return matrices of some groups and sensors, without error components."""
         if self.most_sensors is not None and len(rows) > self.most_sensors:
             raise InputError(
-                f"a rule looks at {len(rows):,} sensors together, where memory holds"
-                f" {self.most_sensors:,}; a smaller grid, or a larger memory_gb,"
-                " expected"
+                f"a control rule requires {len(rows):,} sensors at a time, but only"
+                f" {self.most_sensors:,} fit into memory_gb; a smaller grid or a larger"
+                " memory_gb expected"
             )
 
         def some(chain: MatrixChain | None) -> MatrixChain | None:

@@ -84,8 +84,8 @@ def trace_study(job: Job) -> StudyMatrices:
     rules = [window.control.rule for window in study.window if window.control]
     if "LM-83" in rules and not direct:
         raise InputError(
-            f'rule "LM-83" by the {study.method} method with the sun in patches, which'
-            " does not know direct light; the sun at its exact place expected"
+            f'rule "LM-83" with the {study.method} method requires direct light;'
+            ' [sun] places = "exact" expected'
         )
     suns = study_suns(study, job.inputs.weather)
     black = job

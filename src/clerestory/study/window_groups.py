@@ -111,7 +111,8 @@ def _on_common_patches(layers: list[Bsdf], window: str) -> list[TransferMatrix]:
         return own
     partition = finest.rows.partition
     if not isinstance(partition, RingPartition):
-        raise InputError(f'a BSDF of window "{window}" has no patches of a hemisphere')
+        what = f'a BSDF of window "{window}" has no hemisphere basis'
+        raise InputError(f"{what}; a Klems basis expected")
     return [
         layer.transmission_matrix(partition=partition, window=window)
         for layer in layers
@@ -121,7 +122,7 @@ def _on_common_patches(layers: list[Bsdf], window: str) -> list[TransferMatrix]:
 def _with_patches(window: Window, axis: Axis, *, file: Path) -> Window:
     # Window with the hemisphere partition of its BSDF
     if not isinstance(axis.partition, RingPartition):
-        raise InputError("is not given on patches of a hemisphere", file=file)
+        raise InputError("has no hemisphere basis; a Klems basis expected", file=file)
     if not axis.partition.matches(window.partition):
         warnings.warn(
             f'{file}: has the {len(axis.partition)} patches of "{axis.partition.name}",'

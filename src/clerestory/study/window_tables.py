@@ -77,7 +77,7 @@ def _levels(value: Any) -> Any:
     if not levels or not numbers or any(isinstance(x, bool) for x in levels):
         raise PydanticCustomError("choice", "a number, or a list of them")
     if any(later <= first for first, later in itertools.pairwise(levels)):
-        raise PydanticCustomError("choice", "growing numbers")
+        raise PydanticCustomError("choice", "numbers in rising order")
     return levels
 
 
@@ -168,15 +168,16 @@ class ControlTable(Table):
         low, high = self.open_below or self.close_above, self.close_above
         require_rule(
             len(low) == len(high) and all(map(operator.le, low, high)),
-            '"open_below" does not lie below "close_above"; as many numbers, none of'
-            " them higher, expected",
+            '"open_below" does not match "close_above"; as many numbers, each at most'
+            ' that of "close_above", expected',
         )
         require_rule(
             self.quantity != "illuminance" or self.grid,
             'quantity "illuminance" without "grid"; the name of a grid expected',
         )
         falls = itertools.starmap(operator.gt, itertools.pairwise(self.angles_deg))
-        require_rule(all(falls), '"angles_deg" do not fall; falling angles expected')
+        expected = "each angle below the one before expected"
+        require_rule(all(falls), f'"angles_deg" are not in falling order; {expected}')
         return self
 
 

@@ -107,7 +107,7 @@ def test_a_table_of_a_run_is_read_as_it_stands(tmp_path):
     ("change", "message"),
     [
         (('layout = "room"', 'layout = "hall"'), r"m.toml: no table \[layout.hall\]"),
-        (("[3.0, 1.0]", "[3.0]"), "one each expected"),
+        (("[3.0, 1.0]", "[3.0]"), "one coordinate for each column"),
         (('"y"', '"z"'), r'm.toml:6: layout.room.column_axis is "z"'),
         (("3.0", "3.2"), "no sensor within 0.05 m"),
         (('"north"', '"west"'), "no column 'west'; one of north, south expected"),

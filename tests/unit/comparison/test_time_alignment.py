@@ -132,7 +132,7 @@ def test_darker_values_do_not_count_but_glare_does():
 
 def test_nothing_in_common_is_said_in_words():
     measured = series("2024-06-26T12:30", 60, [300.0])
-    with pytest.raises(InputError, match="no series in common"):
+    with pytest.raises(InputError, match="no measured series has the name"):
         compare_series([measured], series("2024-06-26", 60, [1.0], names=("b",)))
     with pytest.raises(InputError, match="no time in common"):
         compare_series([measured], series("2024-01-01", 60, [1.0]))

@@ -177,7 +177,7 @@ def test_missing_file_and_folder_are_told_apart(tmp_path):
         (
             "ring_count",
             np.array([1, 8, 12, 16, 20, 12, 9]),
-            "77 rows of a partition with 78",
+            "77 rows, 78 patches; one per patch",
         ),
         ("ring_limits_rad", np.arange(8.0), "monotonic limits from 0 to 90"),
     ],

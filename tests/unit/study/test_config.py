@@ -201,7 +201,7 @@ WRONG = {
         'file = "eye.pts"',
         'file = "desk.pts"',
         "",
-        'two are named "desk"; different names expected',
+        'two tables have the name "desk"; different names expected',
     ),
     "name with a slash": (
         'name = "south"',

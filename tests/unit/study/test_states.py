@@ -336,16 +336,16 @@ WRONG_RULES = {
     ),
     "angles that rise": (
         'rule = "profile angle"\nangles_deg = [20, 40]',
-        "falling angles expected",
+        "each angle below the one before expected",
     ),
     "thresholds that fall": (
         'rule = "threshold"\nclose_above = [300, 200]',
-        "growing numbers expected",
+        "numbers in rising order expected",
     ),
     "threshold of text": ('rule = "threshold"\nclose_above = "x"', "a number, or a li"),
     "opens above": (
         'rule = "threshold"\nclose_above = 200\nopen_below = 300',
-        'does not lie below "close_above"',
+        'does not match "close_above"',
     ),
     "no such grid": (
         'rule = "best"\ngrid = "roof"',

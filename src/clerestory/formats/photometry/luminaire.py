@@ -176,7 +176,7 @@ def _check_angles(
 def _place(
     angles: Float[np.ndarray, " angles"], at: Float[np.ndarray, "*batch"]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    # Interval of the table and position in it for each angle; whether it is inside
+    # Per angle: table interval, position in the interval, and whether in the table
     if len(angles) == 1:
         zero = np.zeros(at.shape)
         return zero.astype(int), zero, np.ones(at.shape, dtype=bool)
