@@ -69,7 +69,7 @@ def read_bsdf(path: str | Path) -> Bsdf:
             direction = document.text(block, "WavelengthDataDirection")
             name = _NAMES.get(" ".join(direction.lower().split()))
             if name is None:
-                document.note(block, f"{direction!r} is ignored")
+                document.note(block, f"the unknown direction {direction!r} is ignored")
                 continue
             if (channel, name) in functions:
                 twice = f"{channel} {direction} is given twice"

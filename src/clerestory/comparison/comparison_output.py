@@ -32,7 +32,7 @@ _SHOWN = 8
 
 
 def shares_table(comparisons: Sequence[Comparison]) -> list[list[str]]:
-    """Return a table of the fractions of pairs with deviations below 5, 10 and 20 %.
+    """Return a table of the fractions of values with deviations below 5, 10 and 20 %.
 
     The first row is the header. Each further row is for one group (grid or view) and
     quantity, with columns for each simulation.
@@ -80,7 +80,7 @@ def write_tables(comparisons: Sequence[Comparison], folder: Path) -> None:
 
 
 def comparison_facts(comparison: Comparison) -> dict[str, Any]:
-    """Return the results of a comparison as a dict for JSON, without single pairs."""
+    """Return the statistics of a comparison as a dict for JSON, without the values."""
     return {
         "simulation": comparison.name,
         "rules": asdict(comparison.rules),

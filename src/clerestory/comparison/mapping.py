@@ -56,7 +56,7 @@ def read_measured_series(path: str | Path, *, near: Series) -> list[Series]:
     Parameters
     ----------
     path : mapping file (.toml), or CSV file whose headings are the names of the series
-    near : simulated series of the study
+    near : simulated series, which give UTC offset and sensor positions
 
     Raises
     ------

@@ -58,9 +58,9 @@ class Series:
     Attributes
     ----------
     names : names of the series
-    times : centres of the steps, local standard time, increasing
+    times : centres of the time steps, local standard time, increasing
     values : values of each series, in the unit of the quantity; NaN if missing
-    step_minutes : length of a step [min]; 0 for instantaneous values
+    step_minutes : length of a time step [min]; 0 for instantaneous values
     utc_offset_hours : local standard time minus UTC [h]
     error : standard errors of the values; None if unknown
     position : position of the sensor of each series [m]; NaN if unknown

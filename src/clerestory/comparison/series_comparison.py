@@ -42,7 +42,7 @@ class Rules:
     ----------
     above_lux : limit up to which measured illuminances are excluded [lux]
     shift_minutes : time shift added to the measured times [min]
-    coverage : fraction of a coarse step that values of finer steps must cover, 0…1
+    coverage : fraction, 0…1, of a time step that values of shorter steps must cover
     """
 
     above_lux: float = ABOVE_LUX
@@ -78,8 +78,8 @@ class Comparison:
     Attributes
     ----------
     name : name of the simulation
-    below : number of pairs of each series that are excluded by `above_lux`
-    offset : time shift of best agreement for each quantity; not applied to the pairs
+    below : number of values of each series excluded by the limit `above_lux`
+    offset : best time shift for each quantity; reported but not applied to the values
     unmatched : names of measured series that were not simulated
     years_ignored : whether times were matched by month, day and time of day only
     """
@@ -99,7 +99,7 @@ class Comparison:
         return self._agreements(kinds)
 
     def series(self) -> dict[str, Agreement]:
-        """Return the agreement of each series that has pairs."""
+        """Return the agreement of each series with values to compare."""
         return self._agreements(list(self.pairs.names))
 
     def excluded(self, name: str) -> dict[str, int]:
@@ -177,7 +177,7 @@ def compare_series(
 
 
 def _selected(measured: Sequence[Series], names: Sequence[str]) -> list[Series]:
-    # Series with the given names
+    # Measured series with the given names
     found = [
         series.select([n for n in series.names if n in names]) for series in measured
     ]

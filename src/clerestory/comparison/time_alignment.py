@@ -18,7 +18,7 @@ COVERAGE = 0.75
 _SAME = 1.0  # largest difference of step lengths regarded as equal [s]
 
 
-# Attributes of `Pairs` with one value per pair
+# Attributes of `Pairs` with one entry per measured value
 _OF_PAIRS = ("series", "times", "measured", "simulated", "error")
 
 
@@ -29,8 +29,8 @@ class Pairs:
 
     Attributes
     ----------
-    series : index of the series of each pair
-    times : centre of the step of each pair, local standard time
+    series : index of the series to which each value pair belongs
+    times : local standard time at the centre of the time step of each value pair
     error : standard error of the simulated value; NaN if unknown
     gaps : number of missing measured values of each series
     outside : number of measured values of each series at times without simulation
@@ -46,11 +46,11 @@ class Pairs:
     outside: Int[np.ndarray, " series"]
 
     def where(self, chosen: np.ndarray) -> "Pairs":
-        """Return the pairs selected by a mask or by indices; `names` are unchanged."""
+        """Return the value pairs selected by mask or indices; `names` are unchanged."""
         return replace(self, **{n: getattr(self, n)[chosen] for n in _OF_PAIRS})
 
     def of(self, name: str) -> "Pairs":
-        """Return the pairs of one series, ordered by time."""
+        """Return the value pairs of one series, ordered by time."""
         one = self.where(self.series == self.names.index(name))
         order = np.argsort(one.times, kind="stable")
         return one.where(order)
@@ -59,10 +59,10 @@ class Pairs:
 def pair_series(
     measured: Series, simulated: Series, *, coverage: float = COVERAGE
 ) -> Pairs:
-    """Return the pairs of two series with the same names in the same order.
+    """Return measured and simulated values at the same times.
 
-    Both series have the same UTC offset. `coverage` is the fraction of a coarse step
-    that values of finer steps must cover.
+    Both arguments have equal names in equal order, and the same UTC offset. `coverage`
+    is the fraction of a time step that values of shorter steps must cover.
     """
     coarse = (measured.step_minutes - simulated.step_minutes) * 60
     if measured.step_minutes > 0 and coarse < -_SAME:
@@ -74,7 +74,7 @@ def pair_series(
         gaps = np.isnan(measured.values).sum(axis=1)
         if coarse > _SAME and measured.step_minutes > 0:
             simulated_at, _ = _averaged(simulated, measured, coverage, simulated.values)
-            # Average the standard errors: errors of all steps are correlated
+            # Average the standard errors: errors of all time steps are correlated
             error = simulated.error
             if error is not None:
                 error, _ = _averaged(simulated, measured, coverage, error)
@@ -96,7 +96,7 @@ def pair_series(
 
 
 def join_pairs(parts: list[Pairs]) -> Pairs:
-    """Join the pairs of several files; pairs of equal series names are combined."""
+    """Join the value pairs of several files; series of equal name are combined."""
     names = tuple(dict.fromkeys(name for part in parts for name in part.names))
     place = {name: number for number, name in enumerate(names)}
     gaps, outside = np.zeros(len(names), int), np.zeros(len(names), int)
@@ -117,8 +117,8 @@ def _seconds(times: np.ndarray) -> np.ndarray:
 def _averaged(
     fine: Series, coarse: Series, coverage: float, values: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    # Means over the coarse steps (NaN below the coverage), and number of missing values
-    # of each series. Fine steps are assigned to coarse steps by their centres
+    # Means over longer time steps (NaN below `coverage`), and number of missing values
+    # of each series. A shorter step belongs to the longer step that contains its centre
     moments, middles = _seconds(fine.times), _seconds(coarse.times)
     half = coarse.step_minutes * 30
     bin_of = np.searchsorted(middles - half, moments, side="right") - 1

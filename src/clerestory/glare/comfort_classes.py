@@ -28,7 +28,7 @@ _DIFFUSE = (0.02, 0.04, 0.08)
 def exceeded_dgp(
     dgp: Float[np.ndarray, "*batch time"], share: float = EXCEEDANCE
 ) -> Values:
-    """DGP that is exceeded in at most the fraction `share` of the steps.
+    """DGP that is exceeded in at most the fraction `share` of the time steps.
 
     >>> float(exceeded_dgp(np.linspace(0, 1, 101)).round(3))
     0.95

@@ -44,7 +44,7 @@ class SeenRows:
     def __post_init__(self) -> None:
         require(
             0 <= self.first <= self.last,
-            f"captured rows {self.first} to {self.last}; increasing numbers expected",
+            f"captured rows are {self.first} to {self.last}; 0 ≤ first ≤ last expected",
         )
 
 
@@ -110,7 +110,7 @@ def evaluate_glare(
     given_illuminance : measured vertical illuminance, used for DGP [lux]
     background : definition of the background luminance: "cie": (Ev − Edir)/π;
         "average": mean luminance outside of the sources; "illuminance": Ev/π
-    zones : zones along whose borders sources are divided
+    zones : zones whose borders divide glare sources
     low_light : whether DGP is corrected for low vertical illuminance
     age : age of the observer for the correction of DGP [years]; None for no correction
     coefficients : coefficients of DGP

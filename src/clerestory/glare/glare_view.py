@@ -31,7 +31,7 @@ _MOST_THREADS = 8
 
 
 class Pitch(NamedTuple):
-    """Angle per pixel [rad], smallest and largest of all directions in the picture."""
+    """Smallest and largest angle per pixel [rad] over all directions in the picture."""
 
     least: Image
     most: Image
@@ -56,7 +56,7 @@ class GlareView:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Numbers of rows and columns."""
+        """Numbers of pixel rows and columns."""
         rows, columns = self.solid_angle.shape
         return rows, columns
 
@@ -72,7 +72,7 @@ class GlareView:
 
     @cached_property
     def eye_weight(self) -> Image:
-        """Vertical illuminance at the eye from each pixel per pixel luminance [sr]."""
+        """Vertical illuminance at the eye per luminance of each pixel [sr]."""
         return np.asarray(self.solid_angle * self.cosine)
 
     def in_field(self, field: FieldOfView) -> ImageMask:
@@ -98,20 +98,20 @@ class GlareView:
         return float(least[least > 0].min(initial=np.inf))
 
     def farthest_within(self, angle: float) -> int:
-        """Upper limit of the row or column distance of pixels within an angle [rad]."""
+        """Largest number of pixel rows or columns that an angle [rad] may span."""
         # The factor accounts for variation of the angle per pixel
         reach = 1.25 * angle / self._least_pitch
         return int(min(np.ceil(reach) + 1, max(self.shape)))
 
     def surely_within(self, angle: float) -> Image:
-        """Radius [pixels] around each pixel that stays within an angle [rad]."""
+        """Radius [pixels] within which pixels are surely within an angle [rad]."""
         with np.errstate(divide="ignore"):
             return np.asarray(angle / self._pitch.most)
 
     def pixel_angle(self) -> float:
         """Angle per pixel [rad], averaged over ten pixels along the central diagonal.
 
-        evalglare converts the merging angle to pixels by this angle.
+        evalglare divides the merging angle by this angle per pixel.
         """
         rows, columns = self.shape
         # The central pixel of evalglare, which counts rows from below

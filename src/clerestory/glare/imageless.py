@@ -25,12 +25,12 @@ def imageless_dgp(
     threshold: float = 2000.0,
     coefficients: DgpCoefficients = EVALGLARE,
 ) -> Series:
-    """Daylight glare probability at each step from vertical illuminance [lux].
+    """Daylight glare probability at each time step from vertical illuminance [lux].
 
-    `luminance` [cd/m²] is that seen through the window, or 0 for a hidden sun;
-    directions with luminance above `threshold` are glare sources. `solid_angle` [sr] is
-    that of the sun, or of the visible part of a sky patch; `index` is the position
-    index, infinite behind the eye. Both have a single column, or one per step.
+    `luminance` is the luminance seen through the window [cd/m²], 0 for a hidden sun;
+    directions with luminance above `threshold` are glare sources. `solid_angle` is the
+    solid angle of the sun or the visible part of a sky patch [sr], `index` the position
+    index, infinite behind the eye; both arrays have one column, or one per time step.
 
     Reference: Jones, N. L. (2019): Fast climate-based glare analysis and spatial
     mapping. Building Simulation, Rome. Wasilewski, S. et al. (2022): Efficient

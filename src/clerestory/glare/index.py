@@ -23,8 +23,8 @@ class EyePhotometry:
     """Photometric quantities of a field of view: the inputs of the glare indices.
 
     `illuminance` is vertical, at the eye [lux]. `average` is the mean luminance of the
-    picture, `reference` that of the task, or of the picture if there is no task,
-    `brightest` the largest [cd/m²]. `solid_angle` is that of all pixels in view [sr].
+    picture, `reference` the mean luminance of the task, if any, else of the picture,
+    `brightest` the largest luminance [cd/m²]; `solid_angle` is that of the view [sr].
     """
 
     sources: GlareSources

@@ -33,8 +33,8 @@ class FieldLuminances(NamedTuple):
 def field_luminances(luminance: Image, eye: GlareView) -> FieldLuminances:
     """Return mean and median luminances of the pixels in view.
 
-    evalglare divides av_lum_pos2 by the solid angle of the view twice;
-    `average_by_square` is divided once.
+    `average_by_square` is divided by the solid angle of the view once, unlike
+    av_lum_pos2 of evalglare, which is divided twice.
     """
     bright = luminance[eye.valid].astype(float)
     omega = eye.solid_angle[eye.valid]

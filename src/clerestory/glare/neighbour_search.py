@@ -34,7 +34,7 @@ class Window(NamedTuple):
 class Neighbourhood:
     """Pixels within a search angle [rad] of a pixel.
 
-    `chord` is the distance between two unit vectors at the search angle. Pixels within
+    `chord` is the distance of unit vectors that span the search angle. Pixels within
     the angle are at most `reach` rows or columns apart; pixels up to `sure_reach`
     pixels apart are always within the angle.
     """
@@ -113,7 +113,7 @@ def first_found(
         else:
             west = start + 1
 
-        # Search to the right from the middle, updated with the new left end
+        # Search to the right from the middle of the interval with the new left end
         start = (west + east) // 2
         if start > last_column:
             continue

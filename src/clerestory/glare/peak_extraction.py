@@ -49,8 +49,8 @@ def split_peaks(
 def _is_alone(
     row: np.ndarray, column: np.ndarray, place: np.ndarray, nearer: Neighbourhood
 ) -> np.ndarray:
-    # Whether no adjacent pixel scanned before a pixel is a peak pixel; the search would
-    # always find an adjacent peak pixel
+    # Whether none of the adjacent pixels scanned before a pixel is a peak pixel; if one
+    # is, the search always finds it
     rows, _ = place.shape
     alone = np.ones(row.size, dtype=bool)
     close = nearer.sure_reach[row, column] >= np.sqrt(2)
@@ -66,7 +66,7 @@ def _is_alone(
 def _last_found(
     picture: np.ndarray, row: int, column: int, nearer: Neighbourhood
 ) -> int:
-    # Last label in a search of entire rows, first downwards, then upwards
+    # Source label found last if entire rows are searched downwards, then upwards
     window = nearer.window(row, column)
     height, width = window.near.shape
     part = picture[window.top : window.top + height, window.left : window.left + width]

@@ -71,7 +71,7 @@ def _square(direction: np.ndarray) -> np.ndarray:
 
 
 def _inverse_length(square: np.ndarray) -> np.ndarray:
-    # First-order expansion for lengths close to one
+    # First-order expansion of 1/length for lengths close to one
     near = np.abs(square - 1) <= TINY
     return np.where(near, 2 - (0.5 + 0.5 * square), 1 / np.sqrt(square))
 

@@ -59,7 +59,7 @@ def _guth(sigma: np.ndarray, tau: np.ndarray) -> np.ndarray:
 
 
 def _iwata(sigma: np.ndarray, tau: np.ndarray) -> np.ndarray:
-    # Guth's index for τ = 90° at the angle with tangent tan σ · √(1 + 0.3225 cos² τ)
+    # Guth's index for τ = 90° at the angle atan(tan σ · √(1 + 0.3225 cos² τ))
     wide = np.sqrt(1 + 0.3225 * np.cos(tau) ** 2)
     beta = np.degrees(np.arctan(np.tan(sigma) * wide))
     return np.asarray(np.exp(6.49e-3 * beta + 21e-5 * beta * beta))

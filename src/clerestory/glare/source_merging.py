@@ -72,7 +72,7 @@ class _Merging:
         self.current = np.arange(self.size.size)
 
     def _meetings(self) -> tuple[np.ndarray, np.ndarray]:
-        # Pairs of an outer pixel and the label of another source in the search angle
+        # Outer pixels, each with the label of another source within the search angle
         outer = np.flatnonzero(self._is_outer(np.arange(self.labels.size)))
         row, column = self.pixels.row[outer], self.pixels.column[outer]
         direction, reach = self.near.direction[row, column], self.near.reach

@@ -73,8 +73,8 @@ def triangulate(vertices: Directions) -> Mesh:
         corners = np.sort(Delaunay(flat).simplices, axis=1)
     except (QhullError, ValueError) as error:
         raise InputError(
-            f"{len(vertices)} incident directions in one plane; directions around the"
-            " normal expected, unless the layer is isotropic"
+            f"all {len(vertices)} incident directions lie in one plane; directions in"
+            " several planes expected unless the layer is isotropic"
         ) from error
     volume = np.abs(np.linalg.det(vertices[corners]))
     corners = corners[volume > _THINNEST].astype(int)

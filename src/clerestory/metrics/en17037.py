@@ -88,7 +88,7 @@ def daylight_provision(
 
     Parameters
     ----------
-    illuminance, standard_error : in lux, over (sensor, time)
+    illuminance, standard_error : arrays over (sensor, time) [lux]
     hours : mask of the daylight hours, from `daylight_hours`
     area : area represented by each sensor [m²]; default: equal areas
     roof : whether the openings are horizontal, so that the target is required on 95 %
@@ -137,7 +137,7 @@ def reference_point(
     """Return the reference point of an opening for exposure to sunlight [m].
 
     The point is at least 1.2 m above the floor and 0.3 m above the sill, or at half the
-    height of openings that end lower. In roof windows, the point is the centre.
+    height of an opening with a lower top edge, or at the centre of a roof window.
 
     `normal` is the normal into the room, `floor` the z coordinate of the floor, `depth`
     the distance from the plane of the opening to the inner face of the wall.

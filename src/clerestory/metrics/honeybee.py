@@ -62,7 +62,7 @@ class HoneybeeFolder:
         Parameters
         ----------
         states : state number of each dynamic light path, constant or one per hour of
-            the year; −1 excludes the path. Unlisted paths are in state 0.
+            the year; −1 excludes the light path. Unlisted light paths are in state 0.
         light : "total" illuminance, or "direct" illuminance from the sun alone
         """
         with located(file=self.folder):

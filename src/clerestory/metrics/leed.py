@@ -20,7 +20,7 @@ Version = Literal["v4", "v4.1"]
 LOW_LUX, HIGH_LUX = 300.0, 3000.0
 MOST_EXPOSURE = 0.10
 
-# Limits of the fraction of the area, and points
+# Minimum fractions of the area, with the LEED points for each
 _Limits = dict[Version, tuple[tuple[float, int], ...]]
 _OPTION_1: _Limits = {
     "v4": ((0.55, 2), (0.75, 3)),
@@ -33,7 +33,7 @@ _OPTION_2: _Limits = {
 
 
 class Credit(NamedTuple):
-    """LEED points, fraction of the area that meets the criterion, and a requirement."""
+    """LEED points, fraction of the area that meets the criterion, and a remark."""
 
     points: int
     share: float

@@ -58,7 +58,7 @@ class LightingUse:
     """Light output, electric power [W] and energy [Wh] of the luminaires.
 
     Light output is a fraction of full output; `illuminance` [lux] includes daylight;
-    `error` is the standard error of the energy due to that of daylight illuminance.
+    `error` is the standard error of the energy [Wh] due to daylight illuminance errors.
     """
 
     output: Float[np.ndarray, " time"]
@@ -100,7 +100,7 @@ def lighting_use(
 
 
 def lighting_saving(use: LightingUse, reference: LightingUse) -> float:
-    """Energy saving of a control, as a fraction of the energy of a reference."""
+    """Energy saving of a lighting control, as a fraction of the reference energy."""
     positive(reference.energy, "energy of the reference", unit="Wh")
     return 1 - use.energy / reference.energy
 

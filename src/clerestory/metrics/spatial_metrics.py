@@ -54,7 +54,7 @@ def spatial_autonomy(
 
     Parameters
     ----------
-    illuminance, standard_error : with operated blinds [lux], over (sensor, time)
+    illuminance, standard_error : values with operated blinds [lux], over (sensor, time)
     hours : mask of the occupied hours; in LM-83, 8 to 18 h every day
     area : area represented by each sensor [m²]; default: equal areas
 
@@ -134,7 +134,7 @@ def with_error(
     illuminance: xr.DataArray,
     standard_error: xr.DataArray | None,
 ) -> RoomShare:
-    """Return a fraction of the area, and the error due to errors of illuminance."""
+    """Return a fraction of the area, and the error caused by illuminance errors."""
     if standard_error is None:
         return RoomShare(share(illuminance))
     high, low = share(illuminance + standard_error), share(illuminance - standard_error)

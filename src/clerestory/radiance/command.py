@@ -37,7 +37,7 @@ class Inclusion:
 
 
 def parse_command(text: str, *, find: Callable[[str], Path]) -> Inclusion:
-    """Return what `xform …`, `cat …`, a generator or a pipe of commands includes.
+    """Return the content that a command, or a pipe of commands, inserts into a scene.
 
     `find` returns the path of a file named in the command.
     """
@@ -199,7 +199,7 @@ def _option_lines(
 
 
 def _single(words: list[str]) -> tuple[Placement, list[str]]:
-    # Placement of one copy, and file names; the transform follows all other options
+    # Placement of one xform copy, and file names; other options precede the transform
     modifier, prefixes, inverted, at = None, [], False, 0
     while at < len(words) and words[at] in ("-m", "-n", "-c", "-e", "-I"):
         option = words[at]

@@ -72,7 +72,7 @@ class Reader:
         return size
 
     def require(self, valid: object, message: str) -> None:
-        """Raise an error that names the file unless a condition is true."""
+        """Raise an error with the file name if a condition is false."""
         expected = "a file compiled by Radiance expected"
         require(valid, f"{message}; {expected}", file=self.path)
 

@@ -97,7 +97,7 @@ class _Reader:
 
 def _axis(reader: _Reader) -> Float[np.ndarray, " positions"]:
     begin, end = reader.take(2, "limits of an axis")
-    # The table has at least one value per position, which limits the positions
+    # Limit of the number of positions: the table has at least one value for each
     most = max(len(reader.numbers), 2)
     count = reader.whole("number of positions on an axis", 2, most)
     if begin == end:

@@ -40,8 +40,8 @@ KNOWN = frozenset(_DIRECTION | _NORMAL | _POINT | _FRAME | set(NUMBERED))
 class FunctionPattern:
     """A pattern or texture of Radiance: expressions, or functions of table values.
 
-    Without tables (brightfunc, colorfunc, texfunc) the expressions give the values.
-    With tables (brightdata, colordata, texdata) each table is interpolated at
+    The expressions of brightfunc, colorfunc and texfunc directly give the values.
+    In brightdata, colordata and texdata, each table is interpolated at
     `coordinates`, and each expression names a function of the interpolated values.
     There is one expression for all channels, or one per channel, and one table per
     expression. `transform` converts function coordinates to scene coordinates.
@@ -97,7 +97,7 @@ class FunctionPattern:
         return Computed(found.value, position.valid & found.valid)
 
     def calls(self) -> tuple[Node, ...]:
-        """Return calls of the functions with the interpolated table values.
+        """Return the expressions as function calls on the interpolated table values.
 
         A function of three arguments receives the values of all tables; any other
         function receives the value of the table with the same index.

@@ -36,7 +36,7 @@ class Modifiers:
 def modified(material: Material, modifiers: Modifiers, given: Arguments) -> Material:
     """Return a material modified by patterns and textures.
 
-    Error messages refer to `given`, the primitive that combines both.
+    Error messages refer to `given`, the primitive that combines material and modifiers.
     """
     match material:
         case Emitter():

@@ -50,8 +50,8 @@ def read_modifiers(given: Arguments, *, placed: Transform) -> Modifiers:
 def read_share(given: Arguments, placed: Transform) -> float | Pattern:
     """Return the foreground fraction of a mixture, as a constant or a pattern.
 
-    The first channel of the pattern is the fraction. The function is the third string
-    argument, after the two materials.
+    The first channel of the pattern is the foreground fraction. The third string
+    argument, after the two materials, is the function.
     """
     share = _read(given, placed)
     constant = constant_value(share)

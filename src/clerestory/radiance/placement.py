@@ -11,7 +11,7 @@ from clerestory.scene.transform import Transform
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """The effect of an xform command; if `modifier` is None, surfaces keep theirs."""
+    """Effect of an xform command; if `modifier` is None, surfaces keep their own."""
 
     transform: Transform = field(default_factory=Transform)
     modifier: str | None = None

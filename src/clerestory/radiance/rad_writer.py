@@ -19,7 +19,7 @@ from clerestory.scene.surface import Polygon, Simple, TriangleMesh
 def format_rad(scene: Scene, *, bsdf_file: Mapping[str, str | Path]) -> str:
     """Return a scene as the text of a Radiance scene file.
 
-    `bsdf_file` are the paths of BSDF files by key of the material.
+    `bsdf_file` gives the path of the BSDF file for each material key.
     """
     require(
         scene.bands == RGB, f"the scene is in the bands {scene.bands}; {RGB} expected"

@@ -117,7 +117,7 @@ class _Cursor:
         return self.newlines + 1
 
     def matched(self, pattern: re.Pattern[str]) -> str:
-        # Reads the text that matches a pattern
+        # Reads the text that matches a regular expression
         match = pattern.match(self.text, self.at)
         self.at = match.end() if match else self.at
         return match.group() if match else ""

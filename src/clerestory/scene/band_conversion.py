@@ -29,14 +29,14 @@ Upsampling = Callable[[Rgb, Bands], Colour]
 def in_bands(
     scene: Scene, bands: Bands, *, upsampling: Upsampling | None = None
 ) -> Scene:
-    """Return an RGB scene converted to other bands.
+    """Return an RGB scene converted to other spectral bands.
 
     Grey materials have the same value in all bands. Coloured materials require an
     `upsampling`, such as `step_spectrum`, since RGB does not determine their spectrum.
 
     Parameters
     ----------
-    upsampling : function that returns the values in given bands of an RGB colour
+    upsampling : function that converts an RGB colour to values in given bands
     """
     require(
         scene.bands == RGB, f"the scene is in the bands {scene.bands}; {RGB} expected"

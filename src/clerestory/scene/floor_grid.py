@@ -38,7 +38,7 @@ def floor_grid(
 ) -> Sensors:
     """Return a regular grid of upward-facing sensors in the room behind a window.
 
-    `scene` is without windows; `others` are further windows of the room. The normal of
+    `scene` has no windows; `others` are further windows of the room. The normal of
     `window` may point inwards or outwards. `spacing` and `height` above the floor are
     in metres.
     """

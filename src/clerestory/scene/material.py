@@ -102,7 +102,7 @@ def parts(material: Material) -> Iterator[Material]:
 
 
 def colours(material: Material) -> Iterator[Colour]:
-    """Yield the colours of a material, without those of component materials."""
+    """Yield the colours of a material, but not of its component materials."""
     known = fields(material)  # type: ignore[arg-type]
     return (getattr(material, f.name) for f in known if f.type is Colour)
 

@@ -3,8 +3,8 @@
 Patterns correspond to Radiance's brightfunc and brightdata. The arguments depend on the
 emitter; directions and normals are unit vectors:
 
-- surface of the scene: `direction` points from the surface to the viewer; `normal` and
-  `point` [m] are normal and point of the surface;
+- surface of the scene: `direction` points from the surface to the viewer; `normal` is
+  the surface normal, and `point` the point on the surface [m];
 - source at infinity (sky, sun, ground): `direction` points to the source; `normal` and
   `point` are None.
 
@@ -52,17 +52,17 @@ class Product:
 
     @property
     def needs_normal(self) -> bool:
-        """Whether a factor depends on the surface normal."""
+        """Whether one of the patterns depends on the surface normal."""
         return any(factor.needs_normal for factor in self.factors)
 
     @property
     def needs_point(self) -> bool:
-        """Whether a factor depends on the point of emission."""
+        """Whether one of the patterns depends on the point of emission."""
         return any(factor.needs_point for factor in self.factors)
 
     @property
     def grey(self) -> bool:
-        """Whether each factor is the same in all bands."""
+        """Whether each pattern is the same in all bands."""
         return all(factor.grey for factor in self.factors)
 
     def value(

@@ -138,7 +138,7 @@ class Arguments:
         return f'{self.item.kind} "{self.item.name}"'
 
     def located(self) -> AbstractContextManager[None]:
-        """Return a context that adds the primitive's file and line to errors."""
+        """Return a context manager that adds the file and line to error messages."""
         return located(file=self.file, line=self.item.line, subject=self.subject)
 
     def error(self, message: str) -> InputError:

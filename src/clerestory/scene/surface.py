@@ -1,6 +1,6 @@
 """Surfaces, and sources at infinity.
 
-A surface refers to its material by a key of the scene. Lengths are in metres. The
+A surface names its material by the key in the scene. Lengths are in metres. The
 vertices of a polygon are counter-clockwise as seen from its front.
 """
 

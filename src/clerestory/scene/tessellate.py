@@ -73,7 +73,7 @@ def _mesh(material: Material, surfaces: Sequence[Surface], chosen: list[int]) ->
 def _parts(
     surfaces: Sequence[Surface], chosen: list[int]
 ) -> Iterator[tuple[Triangles, Int[np.ndarray, " triangles"]]]:
-    # Triangles and surface indices; convex polygons with equal corner counts together
+    # Yields triangles and surface indices; convex polygons are grouped by corner count
     by_corners: dict[int, list[int]] = {}
     rest: list[int] = []
     for i in chosen:
@@ -167,7 +167,7 @@ def _turned(triangles: Triangles, inward: bool) -> Triangles:
 
 
 def _circle(axis: Vector) -> Float[np.ndarray, "sides 3"]:
-    # Regular polygon around an axis; equal for the opposite axis, so discs close tubes
+    # Regular polygon around an axis, the same for the opposite axis: discs fit tubes
     along = axis / np.linalg.norm(axis)
     first = np.cross(np.eye(3)[np.argmin(np.abs(along).round(9))], along)
     first = first / np.linalg.norm(first)

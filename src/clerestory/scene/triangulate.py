@@ -224,7 +224,7 @@ def _block_crossings(
     c_side, d_side = _side(a, b, c), _side(a, b, d)
     a_side, b_side = _side(c, d, a), _side(c, d, b)
 
-    # x coordinates where edges cross, and of end points in the interior of an edge
+    # x coordinates of edge crossings, and of end points in the interior of other edges
     across = (c_side * d_side < 0) & (a_side * b_side < 0)
     across &= np.minimum(abs(c_side), abs(d_side)) > tiny
     across &= np.minimum(abs(a_side), abs(b_side)) > tiny

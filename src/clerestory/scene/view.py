@@ -38,7 +38,7 @@ class View:
     horizontal, vertical : full view angles [deg]; for a parallel view, width and height
         of the field of view [m]
     shift, lift : offset of the image to the right and up, relative to image size
-    fore, aft : distances of the clipping planes [m], aft 0: infinity; in parallel and
+    fore, aft : distances of the clipping planes [m], aft 0 is infinite; in parallel and
         perspective views along the view axis, in cylindrical views from the up
         axis, otherwise from the viewpoint
 

@@ -24,7 +24,7 @@ class Window:
     """A window group: polygons with a common normal, whose fronts face the room.
 
     `name` is the modifier of the polygons, or the name of the file. The normal of
-    `frame` points into the room. `partition` is the angular basis of both sides.
+    `frame` points into the room. `partition` is the angular basis of front and back.
 
     Raises
     ------

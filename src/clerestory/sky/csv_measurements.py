@@ -66,7 +66,7 @@ def read_measured(
 ) -> Weather:
     """Return the weather in a CSV file of measured irradiance or illuminance.
 
-    `time_format` is that of `datetime.strptime`; default: ISO 8601. Times mark the
+    `time_format` is a format of `datetime.strptime`; default: ISO 8601. Times mark the
     "start", "centre" or "end" of the steps, in local standard time or in the civil time
     of the zone `clock`, such as "Europe/Berlin". `skip_lines` lines precede the header.
     """

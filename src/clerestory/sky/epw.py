@@ -34,8 +34,8 @@ _SERIES = {
     "dew point": 7,
 }
 
-# Dew points from this value are missing (code 99.9 °C); quality control removes the
-# codes for missing irradiance
+# Dew points of this value [°C] or above are missing (code 99.9); quality control
+# removes the codes for missing irradiance
 _MISSING_DEW_POINT = 99.0
 
 

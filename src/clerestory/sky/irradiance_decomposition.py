@@ -53,8 +53,8 @@ def split_irradiance(
 ) -> Irradiance:
     """Return direct and diffuse irradiance from measured components [W/m²].
 
-    `series` has global irradiance alone, or two of global, direct and diffuse; of all
-    three, global is ignored. Global alone is decomposed by the model `decomposition`.
+    Global irradiance is ignored if `series` has both direct and diffuse irradiance, and
+    decomposed by the model `decomposition` if `series` has global irradiance alone.
     """
     direct, diffuse = series.get("direct_normal"), series.get("diffuse_horizontal")
     notes: tuple[str, ...] = ()

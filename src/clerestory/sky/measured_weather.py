@@ -7,7 +7,7 @@
 4. Direct normal and diffuse horizontal irradiance are computed from any two of global,
    diffuse and direct irradiance or illuminance, or from global irradiance alone.
 
-The numbers of corrections are stored as notes of the weather and reported by a warning.
+The numbers of corrected values are stored with the weather and given in a warning.
 """
 
 import warnings
@@ -63,7 +63,7 @@ _Notes = tuple[str, ...]
 class Measurement:
     """Irradiance [W/m²] or illuminance [lux] at one site; NaN where missing.
 
-    Times are local standard time at the centres of the steps. The file rows and column
+    Times are local standard time at the centres of the time steps. File rows and column
     names are used in messages.
     """
 

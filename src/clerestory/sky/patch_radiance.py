@@ -41,11 +41,11 @@ class SkyMatrix:
     Attributes
     ----------
     partition : ground (patch 0) and sky patches
-    times : centres of the steps, local standard time
+    times : centres of the time steps, local standard time
     diffuse : achromatic radiance of ground and sky [W/(m²·sr)]
-    colour : factor on `diffuse` by band and patch; ground reflectance for patch 0
+    colour : factor on `diffuse` in each band and patch; ground reflectance for patch 0
     sun : radiance of the direct sun in each patch [W/(m²·sr)], over (patch, time)
-    sun_colour : factor on `sun` by band
+    sun_colour : factor on `sun` in each band
     attributes : provenance of the matrix
     bands : spectral bands
 
@@ -78,8 +78,8 @@ class SkyMatrix:
         require(
             self.colour.shape == (bands, shape[0])
             and self.sun_colour.shape == (bands,),
-            f"colours of shape {self.colour.shape} and {self.sun_colour.shape};"
-            f" ({bands}, {shape[0]}) and ({bands},) expected",
+            f"colour has shape {self.colour.shape}, sun_colour {self.sun_colour.shape};"
+            f" ({bands} bands, {shape[0]} patches) and ({bands} bands,) expected",
             error=MatrixError,
         )
         # NaN fails the first comparison, infinity the second
@@ -103,7 +103,7 @@ class SkyMatrix:
 
     @property
     def values(self) -> Float32[np.ndarray, "band patch time"]:
-        """Radiance in all bands, patches and steps [W/(m²·sr)], as a dense array."""
+        """Radiance [W/(m²·sr)] as a dense array over bands, patches and time steps."""
         return self.block(slice(None))
 
     def block(self, steps: slice) -> Float32[np.ndarray, "band patch block"]:
@@ -127,9 +127,9 @@ class SkyMatrix:
         )
 
     def mean(self) -> "SkyMatrix":
-        """Return the mean over all steps, including nights, as a matrix of one step.
+        """Return the mean over all time steps, including nights, as a one-step matrix.
 
-        The mean is assigned to the time of the first step.
+        The mean radiance has the time of the first time step.
         """
         weight = csc_array(np.full((len(self.times), 1), 1 / len(self.times)))
         diffuse = self.diffuse.mean(axis=1, keepdims=True, dtype=float)
@@ -141,7 +141,7 @@ class SkyMatrix:
         )
 
     def to_transfer_matrix(self) -> TransferMatrix:
-        """Return the radiance in all bands as a dense matrix."""
+        """Return the radiance of ground and sky in all bands as a dense matrix."""
         shape = len(self.bands), len(self.partition), len(self.times)
         values = np.empty(shape, np.float32)
         for start in range(0, len(self.times), _BLOCK):
@@ -174,7 +174,7 @@ class SkyMatrix:
             yield radiance
 
     def __rmatmul__(self, transfer: object) -> "SkyResponse":
-        """Return the product of a transfer matrix and the sky, for later evaluation."""
+        """Return the product of a transfer and a sky matrix, for later evaluation."""
         if not isinstance(transfer, TransferMatrix):
             return NotImplemented
         return SkyResponse(transfer, self)
@@ -182,7 +182,7 @@ class SkyMatrix:
 
 @dataclass(frozen=True, eq=False)
 class SkyResponse:
-    """Product of daylight coefficients and sky, evaluated by `illuminance` or `rgb`."""
+    """Product of transfer and sky matrix, evaluated by `illuminance` or `rgb`."""
 
     transfer: TransferMatrix
     sky: SkyMatrix
@@ -229,5 +229,5 @@ class SkyResponse:
         )
 
     def rgb(self) -> TransferMatrix:
-        """Return the product in all bands, with standard errors, as a dense matrix."""
+        """Return daylight coefficients times sky radiance, with standard errors."""
         return self.transfer @ self.sky.to_transfer_matrix()

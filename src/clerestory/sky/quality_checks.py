@@ -38,9 +38,9 @@ _NORTHERN_SUMMER, _NORTHERN_WINTER = (5, 6, 7, 8), (11, 12, 1, 2)
 
 @dataclass(frozen=True)
 class ClockShift:
-    """Time by which irradiance is early [h]; positive if the logger's clock is slow.
+    """Time [h] by which irradiance leads the sun; positive if the logger clock is slow.
 
-    `whole` is the time shift over all steps, `summer_less_winter` the shift in summer
+    `whole` is the shift over all time steps, `summer_less_winter` the shift in summer
     minus the shift in winter, or 0 if data of a season are missing.
     """
 
@@ -79,7 +79,7 @@ def quality_problems(weather: Weather) -> Iterator[str]:
         first = weather.times[int(np.argmax(gaps > 0.5))]
         yield (
             f"{missing} time steps are missing in {np.count_nonzero(gaps > 0.5)} gaps"
-            f" (first: after {first}) and are not replaced"
+            f" (first: after {first}) and are left out of sums"
         )
     light = weather.direct_normal + weather.diffuse_horizontal > _LIGHT
     odd = light & (sun_over(weather).altitude < _BELOW)
@@ -140,7 +140,7 @@ def describe_weather(weather: Weather) -> list[tuple[str, str]]:
     """Return a summary table of weather data, as rows of label and text.
 
     The rows are site, times, irradiation [kWh/m²], corrections and problems.
-    Irradiation is summed over the steps in the file; missing steps are not replaced.
+    Irradiation is summed over the time steps in the file; missing ones are left out.
     """
     level = weather.direct_normal * np.sin(np.maximum(sun_over(weather).altitude, 0))
     first, last = weather.times[[0, -1]].astype("datetime64[m]")

@@ -42,7 +42,7 @@ _DEW_POINTS = (-60.0, 35.0)
 class SkyConditions:
     """Solar position in scene coordinates, Perez parameters and irradiance per step.
 
-    Irradiance [W/m²] is visible or of the whole solar spectrum, and zero at night.
+    Irradiance [W/m²] is either visible or solar (whole spectrum), and zero at night.
     """
 
     sun: SunPosition
@@ -52,7 +52,7 @@ class SkyConditions:
 
     @property
     def lit(self) -> Bool[np.ndarray, " time"]:
-        """Whether the direct or diffuse irradiance of each step is above zero."""
+        """Whether direct or diffuse irradiance is above zero at each time step."""
         return np.asarray(self.direct_normal + self.diffuse_horizontal > 0)
 
     def direct_horizontal(self) -> Series:
@@ -77,7 +77,7 @@ def sky_conditions(
     dew_point_c: float | None = None,
     spectrum: Spectrum = "visible",
 ) -> SkyConditions:
-    """Return the sky conditions at each step of the weather.
+    """Return the sky conditions at each time step of the weather.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ def sky_conditions(
 def sun_over(
     weather: Weather, *, rotation_deg: float = 0.0, sun_formula: SunFormula = "spa"
 ) -> SunPosition:
-    """Return the solar position at each step of the weather.
+    """Return the solar position at each time step of the weather.
 
     The position is computed at the centre of the step or, in steps with sunrise or
     sunset, at the centre of the interval with the sun above the horizon. Radiance's
@@ -127,11 +127,11 @@ def sun_over(
 
 
 def daylight_steps(weather: Weather, *, sun_formula: SunFormula = "spa") -> Weather:
-    """Return the weather of the steps with part of the solar disc above the horizon."""
+    """Return the weather of time steps with part of the sun above the horizon."""
     up = sun_over(weather, sun_formula=sun_formula).altitude > -SUN_DIAMETER / 2
     require(
         up.any(),
-        "the sun is below the horizon at all steps; weather with days expected",
+        "the sun is below the horizon at all steps; weather with daytime expected",
         file=weather.source or None,
     )
     return weather.select(up)
@@ -165,7 +165,7 @@ def _at_sunrise_and_sunset(weather: Weather, sun: SunPosition) -> SunPosition:
 
 
 def _reach(weather: Weather) -> float:
-    # Largest change of solar altitude in half a step, plus one degree [rad]
+    # Largest change of solar altitude in half a time step, plus one degree [rad]
     return float(np.radians(15 * weather.step_minutes / 60 / 2 + 1))
 
 

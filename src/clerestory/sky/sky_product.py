@@ -22,7 +22,7 @@ def fold(
 ) -> Float32[np.ndarray, "*batch row patch"]:
     """Sum of weight · colour · daylight coefficient over bands.
 
-    Coefficients with a single channel apply to all bands.
+    Daylight coefficients with a single channel apply to all bands.
     """
     tint = weights[:, None] * colour
     if values.shape[-3] == 1:
@@ -50,7 +50,7 @@ def product_blocks(
 ) -> Iterator[tuple[Int[np.ndarray, " block"], Float32[np.ndarray, "row block"]]]:
     """Yield blocks of time steps with the products, such as illuminance, for all rows.
 
-    `sky` and `sun` are coefficients from `fold`, with the colours of sky and sun;
+    `sky` and `sun` are results of `fold`, for the colours of sky and sun;
     `diffuse` and `direct` are achromatic radiances of sky and sun [W/(m²·sr)].
     """
     rows, patches = sky.shape

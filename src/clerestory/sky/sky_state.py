@@ -1,6 +1,6 @@
 """Perez sky parameters: clearness, brightness and luminous efficacy.
 
-Irradiance in weather data is that of the whole solar spectrum. Visible irradiance, as
+Irradiance in weather data covers the whole solar spectrum. Visible irradiance, as
 in Radiance, is illuminance divided by 179 lm/W; illuminance is computed by the Perez
 model of the luminous efficacy of direct and diffuse irradiance.
 
@@ -158,7 +158,7 @@ def irradiance_of(
             found = LUMINOUS_EFFICACY * np.stack(visible) / irradiance
         found = np.where(lux > 0, found, _MEAN_EFFICACY)
 
-        # Under-relax later iterations to prevent oscillation between two categories
+        # Under-relax later iterations to prevent oscillation of the clearness category
         share = 1.0 if iteration < _ITERATIONS / 4 else 0.5
         efficacy = np.clip(efficacy + share * (found - efficacy), *_EFFICACIES)
     direct, diffuse = lux / efficacy

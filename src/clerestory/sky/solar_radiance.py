@@ -52,12 +52,12 @@ def sun_radiance(
     placement: SunPlacement = "spread",
     diameter_deg: float = SUN_DIAMETER_DEG,
 ) -> csc_array:
-    """Return the radiance of the direct sun in each patch at each step [W/(m²·sr)].
+    """Return the direct-sun radiance of each patch at each time step [W/(m²·sr)].
 
-    The direct normal irradiance [W/m²] is placed by one of three rules. "spread": in
-    the four nearest patches, with gendaymtx's weights; "patch": in the nearest patch,
-    at the mean radiance of the patch; "disc": in the nearest patch, at the radiance of
-    the solar disc, for direct-sun matrices traced with solar discs.
+    Direct normal irradiance [W/m²] is assigned to patches; "spread": to the nearest
+    four patches, with gendaymtx's weights; "patch": to the nearest patch, at the mean
+    radiance of the patch; "disc": to the nearest patch, at the radiance of the solar
+    disc, for direct-sun matrices traced with solar discs.
     """
     one_of(placement, "placement of the sun", choices=("spread", "patch", "disc"))
     require(
@@ -94,7 +94,7 @@ def nearest_patches(
     centres = dome.centres()
     rings = min(_RINGS, len(dome.count))
 
-    # Rings to be searched, adjacent to the altitude of each direction
+    # Rings of patches to be searched, around the altitude of each direction
     height = np.arcsin(centres[dome.first, 2])
     altitude = np.arcsin(np.clip(directions[:, 2], -1, 1))
     own = np.abs(height[:, None] - altitude).argmin(axis=0)

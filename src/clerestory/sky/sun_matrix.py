@@ -75,9 +75,9 @@ class SunMatrix:
 def sun_matrix(
     weather: Weather, *, tolerance_deg: float = 0.0, **options: Unpack[SkyOptions]
 ) -> SunMatrix:
-    """Return the sun matrix of all steps with direct irradiance.
+    """Return the sun matrix of all time steps with direct irradiance.
 
-    Steps with the sun below the horizon are excluded; the attribute
+    Time steps with the sun below the horizon are excluded; the attribute
     "steps_below_horizon" is the number of these steps. Solar positions are merged
     within an angle `tolerance_deg` [°]. `options` are keyword arguments of
     `sky_conditions`.
@@ -111,7 +111,7 @@ def patch_suns(
 ) -> SunMatrix:
     """Return a sun matrix with one solar position at the centre of every sky patch.
 
-    The sun of each step is moved to the nearest patch centre, as in the five-phase
+    At each time step the sun is moved to the nearest patch centre, as in the five-phase
     method. Subdivision 6 has 5185 solar positions.
     """
     conditions = sky_conditions(weather, **options)
@@ -142,10 +142,10 @@ def merge_suns(
     *,
     tolerance: float,
 ) -> Int[np.ndarray, " step"]:
-    """Merge solar positions; return for each step the index of its representative step.
+    """Merge solar positions; return the index of the step that represents each step.
 
-    In greedy clustering, the unassigned step of largest weight represents all
-    unassigned steps with the sun within the angle `tolerance` [rad].
+    In greedy clustering, the unassigned time step of largest weight represents all
+    unassigned time steps with the sun within the angle `tolerance` [rad].
     """
     count = len(directions)
     if count == 0 or tolerance == 0:

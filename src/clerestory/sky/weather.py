@@ -61,8 +61,8 @@ class Weather:
         [°]
     elevation : elevation above sea level [m]
     utc_offset_hours : local standard time minus UTC [h]
-    times : centres of the steps, local standard time
-    step_minutes : length of a step [min]
+    times : centres of the time steps, local standard time
+    step_minutes : length of a time step [min]
     direct_normal : direct normal irradiance, DNI [W/m²]
     diffuse_horizontal : diffuse horizontal irradiance, DHI [W/m²]
     dew_point_c : dew point [°C], NaN where unknown; None if unknown at all steps

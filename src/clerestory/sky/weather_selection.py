@@ -34,7 +34,7 @@ def select_days(
 def select_moment(weather: Weather, moment: str) -> Weather:
     """Return the weather of the step that contains a local standard time "MM-DD HH:MM".
 
-    A step with its centre at 11:30 is the hour from 11:00 to 12:00.
+    A time step with its centre at 11:30 is the hour from 11:00 to 12:00.
     """
     valid = re.fullmatch(r"\d\d-\d\d[ T]\d\d:\d\d", moment)
     require(valid, f"time {moment!r}; a time MM-DD HH:MM expected")

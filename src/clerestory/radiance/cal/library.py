@@ -40,7 +40,7 @@ class Surroundings(Protocol):
 class Native:
     """A predefined function, or a variable (arity None), computed in Python.
 
-    `arity` is the minimum number of arguments; `compute` reads the variables `uses`.
+    `arity` is the minimum number of arguments, `uses` the variables read by `compute`.
     """
 
     compute: Callable[..., Any]

@@ -26,7 +26,7 @@ from clerestory.radiance.cal.syntax import (
     Power,
 )
 
-# Functions of which only the selected argument is evaluated
+# Conditional functions, which evaluate only the selected argument
 SPECIAL = ("if", "select")
 
 
@@ -50,11 +50,11 @@ class Rows:
         self.known: dict[Hashable, Any] = {}
 
     def part(self, place: Bool[np.ndarray, " all"]) -> "Rows":
-        """Return the subset selected by a mask."""
+        """Return the rays selected by a mask."""
         return Rows(self.index[place], self, place)
 
     def find(self, key: Hashable) -> Any:
-        """Return a value cached for the subset or a superset; None if not cached."""
+        """Return a value cached for these rays or a superset; None if not cached."""
         value = self.known.get(key)
         if value is None and self.parent is not None:
             outer = self.parent.find(key)
@@ -127,7 +127,7 @@ class Evaluation(ABC, Generic[Value]):
         """Return the error for a name without a definition."""
 
     def node(self, node: Node, rows: Rows, frame: Frame | None) -> Value:
-        """Evaluate an expression for a subset of rays; `frame` has call arguments."""
+        """Evaluate an expression for some rays; `frame` has the function arguments."""
         self.depth, self.steps = self.depth + 1, self.steps + 1
         if self.depth > self.deepest or self.steps > self.most_steps:
             raise self.endless()

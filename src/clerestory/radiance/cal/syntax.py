@@ -50,7 +50,7 @@ class Call:
 
 @dataclass(frozen=True)
 class Negative:
-    """An expression with a minus sign."""
+    """An expression preceded by a minus sign."""
 
     value: "Node"
 

@@ -49,7 +49,7 @@ class _Formulas:
         return primitive(self.material, kind, f"{self.name}.{label}", reals)
 
     def at(self, **places: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n values"]:
-        """Return the values of the formulas at parameters; NaN where undefined."""
+        """Return the formulas' values at given parameters; NaN where undefined."""
         count = len(next(iter(places.values())))
         computed = self.program.values(self.nodes, {"S": np.ones(count), **places})
         return np.where(computed.valid[:, None], computed.value, np.nan)

@@ -31,7 +31,7 @@ from clerestory.sky.perez import perez_sky
 
 _DEW_POINTS = (-40.0, 40.0)
 
-# Solid angle of the sun in the irradiance of the ground, as in gendaylit [sr]
+# Solid angle of the sun [sr] in the ground irradiance, as in gendaylit
 _SUN_ON_GROUND = 6.8e-5
 
 # Tregenza rings: zenith angle [deg] and number of patches

@@ -40,8 +40,8 @@ class Moment:
     """Date, time and site; if `month` is 0, altitude and azimuth of the sun [rad].
 
     The azimuth is clockwise from south. Time is standard time, or solar time if `solar`
-    is set. Longitude and meridian are west-positive. `zoned`: the time zone of the hour
-    overrides option -m.
+    is set. Longitude and meridian are positive west. If `zoned`, a time zone given with
+    the hour overrides option -m.
     """
 
     altitude: float = 0.0
@@ -150,7 +150,7 @@ def direction(altitude: float, azimuth: float) -> Vector:
 
 
 def sun_source(radiance: float, sun: Vector, *, angle_deg: float) -> list[Primitive]:
-    """Return the sun: a light, and a source of the full angle `angle_deg`."""
+    """Return the sun: light material, and source of the full angle `angle_deg` [°]."""
     return [
         primitive("void", "light", "solar", (radiance,) * 3),
         primitive("solar", "source", "sun", (*sun, angle_deg)),

@@ -23,7 +23,7 @@ class BsdfSurface(Material):
 
     Attributes
     ----------
-    bsdf : scattering functions
+    bsdf : bidirectional scattering distribution functions (BSDF)
     thickness : 0 for a surface; otherwise the depth of the geometry represented by the
         BSDF, behind (positive) or in front of (negative) the surface [m]
     up : up vector of the BSDF before `transform`
@@ -61,7 +61,7 @@ class BsdfSurface(Material):
 
 def _read(given: Definition) -> Material:
     peak = given.item.kind == "aBSDF"
-    first = 0 if peak else 1  # only BSDF has a thickness, before the file
+    first = 0 if peak else 1  # only the type BSDF has a thickness, before the file
     what = "BSDF file, up vector, function file and transform"
     words = given.strings(first + 5, what if peak else f"thickness, {what}")
     numbers = given.reals(0, 3, 6, 9, strings=True)

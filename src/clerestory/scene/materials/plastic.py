@@ -119,7 +119,7 @@ def highlight_specification(
 ) -> Specification:
     """Return the Radiance type and arguments of a glossy material.
 
-    `kind` is the type for isotropic highlights; `further` arguments follow roughness.
+    `kind` is the type for isotropic highlights; `further` numbers follow the roughness.
     """
     gloss = material.specularity, *np.atleast_1d(material.roughness).tolist()
     reals = (*material.reflectance, *gloss, *further)
@@ -132,7 +132,7 @@ def highlight_specification(
 def read_highlight(
     given: Definition, further: int
 ) -> tuple[tuple[Colour, float, Roughness], Up, Float[np.ndarray, " further"]]:
-    """Return (reflectance, specularity, roughness), up vector, `further` arguments."""
+    """Return (reflectance, specularity, roughness), up vector and further numbers."""
     elliptical = given.item.kind.endswith("2")
     up = _up(given) if elliptical else None
     end = 6 if elliptical else 5
