@@ -43,7 +43,8 @@ class Bands:
 
     def __post_init__(self) -> None:
         distinct = len(set(self.names)) == len(self.names) > 0
-        require(distinct, f"band names are {self.names}; unique names expected")
+        message = f"band names are {self.names}; one or more different names expected"
+        require(distinct, message)
         for what, given in (("efficacies", self.efficacy), ("limits", self.limits_nm)):
             same_length(self.names if given is None else given, self, what, "bands")
         efficacy = np.array(self.efficacy or (1.0,))
@@ -71,7 +72,7 @@ class Bands:
         if self.efficacy is None:
             raise InputError(
                 f"the luminous efficacy of the bands {self} is unknown; bands with"
-                " photometric weights expected"
+                " known luminous efficacy expected"
             )
         return np.array(self.efficacy)
 

@@ -145,7 +145,7 @@ def test_insert_names_a_missing_channel(call, room):
         "solar",
     )
     assert outcome.status == 2
-    assert "no solar data; one of the file's channels expected: visible" in outcome.err
+    assert "no solar channel; one of its channels (visible) expected" in outcome.err
     assert not (room / "o.xml").exists()
 
 

@@ -90,7 +90,7 @@ def test_scans_and_what_lies_between_are_drawn(call, room, scans):
             ("fit", "SCAN", "--lobes", "1", "-o", "a.nc"),
             "number of lobes is 1; 4 or more",
         ),
-        (("fit", "SCAN", "SCAN", "-o", "a.nc"), "also that of"),
+        (("fit", "SCAN", "SCAN", "-o", "a.nc"), "also measured in"),
         (("check", "SCAN", "--quiet"), "3 or more expected"),
     ],
 )

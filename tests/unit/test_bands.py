@@ -46,8 +46,8 @@ def test_unknown_efficacies_are_not_guessed():
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"names": ()}, "unique names"),
-        ({"names": ("a", "a")}, "unique names"),
+        ({"names": ()}, "different names"),
+        ({"names": ("a", "a")}, "different names"),
         ({"names": ("a", "b"), "efficacy": (1.0,)}, "1 efficacies for 2 bands"),
         ({"names": ("a",), "efficacy": (-1.0,)}, "numbers of 0 or more"),
         ({"names": ("a",), "efficacy": (0.0,)}, "not all zero"),

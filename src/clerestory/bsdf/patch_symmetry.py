@@ -50,7 +50,7 @@ def turn_incident(part: ScatteringMatrix, turn: Turn) -> ScatteringMatrix:
 
 
 def turned_mismatch(part: ScatteringMatrix, turn: Turn) -> float:
-    """Mismatch between a function and its image under a symmetry operation."""
+    """Mismatch between a scattering function and the mirrored or rotated function."""
     exits, incidents = (turned_patches(p, turn) for p in (part.exits, part.incidents))
     flux = flux_table(part)
     return mismatch(flux, flux[np.ix_(exits, incidents)])

@@ -36,8 +36,8 @@ class ScatteringMatrix(ScatteringFunction):
     def __post_init__(self) -> None:
         require(
             self.values.shape == (len(self.exits), len(self.incidents)),
-            f"BSDF of shape {self.values.shape}; {len(self.exits)} exit patches by"
-            f" {len(self.incidents)} incident patches expected",
+            f"BSDF matrix has shape {self.values.shape}; {len(self.exits)} exit patches"
+            f" by {len(self.incidents)} incident patches expected",
         )
         not_negative(self.values, "BSDF", unit="1/sr")
 

@@ -49,7 +49,7 @@ from clerestory.hemisphere.shirley_chiu import cells_from_disc, disc_from_square
 # normal incidence, as in Radiance.
 _OFF_MIDDLE = 1e-6
 
-# Largest number of exit cells that are integrated in one step.
+# Largest number of exit cells that are integrated together.
 _MOST_EXIT_CELLS = 1 << 22
 
 _Pairs = Float[np.ndarray, " pairs"]
@@ -75,8 +75,8 @@ class ScatteringTree(ScatteringFunction):
         last = len(self.slots) - (1 << self.rank)
         require(
             len(self.slots) and np.all(block > inner) and np.all(block <= last),
-            "child index outside the slots of a tensor tree; an index after that of the"
-            " parent expected",
+            "a child index of a tensor tree is outside the tree or before the parent"
+            " node; indices after the parent expected",
         )
         require(
             np.all(np.isfinite(self.slots[self.slots >= 0].view(np.float32))),

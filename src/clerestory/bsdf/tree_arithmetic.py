@@ -53,7 +53,7 @@ def full_levels(rank: int, count: int) -> Iterator[Nodes]:
 def combine(operation: Callable[..., Values], *trees: ScatteringTree) -> ScatteringTree:
     """Apply a function to the values of trees of equal rank, cell by cell.
 
-    Cells of the result are as small as the smallest of all trees at the same place.
+    Cells of the result are as small as the smallest cell of any tree at the same place.
     `operation`: function of one array of values per tree; returns non-negative values.
     """
     rank = trees[0].rank

@@ -86,8 +86,8 @@ def _read_nodes(scan: TreeScan, rank: int) -> _Nodes:
         grid[count == 1 << rank * halvings] = halvings
     _demand(
         grid >= 0,
-        f"{{}} values in a branch of a rank {rank} tensor tree; a power of {1 << rank}"
-        " expected",
+        f"{{}} values in a branch of a rank {rank} tensor tree; 1, {1 << rank},"
+        f" {1 << rank}², … values expected",
         np.flatnonzero(leaf),
         count,
     )
@@ -136,8 +136,8 @@ def _build(
 ) -> TreeTable:
     depth = int(np.max(nodes.level + np.maximum(nodes.grid, 0)))
     if depth > MAX_DEPTH:
-        halved = f"a tensor tree halves a coordinate {depth} times"
-        raise TreeFault(f"{halved}; at most {MAX_DEPTH} expected")
+        message = f"a tensor tree has {depth} levels; at most {MAX_DEPTH} expected"
+        raise TreeFault(message)
     negative = _negative_mean(nodes, values, rank)
     code = np.abs(np.maximum(values, 0)).view(np.int32)
 

@@ -79,7 +79,7 @@ def choose_bases(
         document.note(block, f"{fault}; read as {len(chosen[0])} patches")
     elif not bases.defined.issuperset(name.lower() for name in names):
         missing = f"the rings of {names[0]!r} are not in the file"
-        document.notes.append(f"{missing}; standard ones are used")
+        document.notes.append(f"{missing}; the standard rings of that name are used")
     return chosen
 
 

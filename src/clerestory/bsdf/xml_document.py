@@ -122,18 +122,18 @@ class Document:
         return list(element.iterfind(f"{{*}}{name}"))
 
     def find(self, element: etree._Element, path: str) -> etree._Element | None:
-        """First descendant along a path of names such as "Optical/Layer"."""
+        """First descendant along a path of element names such as "Optical/Layer"."""
         return element.find("/".join(f"{{*}}{name}" for name in path.split("/")))
 
     def require(self, element: etree._Element, path: str) -> etree._Element:
-        """First descendant along a path of names; raise InputError if there is none."""
+        """First descendant along a path of element names; InputError if missing."""
         found = self.find(element, path)
         if found is None:
             raise self.error(element, f"no {path} in {_name(element)}; one expected")
         return found
 
     def text(self, element: etree._Element, path: str) -> str:
-        """Text of the first descendant along a path of names; "" if there is none."""
+        """Text of the first descendant along a path of element names; "" if missing."""
         found = self.find(element, path)
         return "" if found is None else (found.text or "").strip()
 

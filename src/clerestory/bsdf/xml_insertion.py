@@ -61,9 +61,9 @@ def insert_blocks(
     for channel in wanted:
         origin = (source_channel or channel).lower()
         blocks = {side: block for (c, side), block in found.items() if c == origin}
-        known = ", ".join(dict.fromkeys(c for c, _ in found)) or "the file has none"
-        message = f"no {origin} data; one of the file's channels expected: {known}"
-        require(blocks, message, file=source)
+        known = ", ".join(dict.fromkeys(c for c, _ in found)) or "it has none"
+        message = f"the file has no {origin} channel; one of its channels ({known})"
+        require(blocks, f"{message} expected", file=source)
         for direction, block in blocks.items():
             _insert_bases(block, giver, taker)
             _put(deepcopy(block), channel, direction, layer, existing, taker)

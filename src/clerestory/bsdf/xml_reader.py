@@ -26,7 +26,7 @@ from clerestory.hemisphere.klems import klems
 # Scattering functions by WavelengthDataDirection in lower case.
 _NAMES: dict[str, Function] = {name.replace("_", " "): name for name in FUNCTIONS}
 
-# Ranks of tensor trees by IncidentDataStructure, and their angle basis.
+# Ranks of tensor trees by IncidentDataStructure, and angle basis of trees.
 _RANKS: dict[str, Literal[3, 4]] = {"tensortree3": 3, "tensortree4": 4}
 _BASIS = "LBNL/Shirley-Chiu"
 
@@ -69,7 +69,7 @@ def read_bsdf(path: str | Path) -> Bsdf:
             direction = document.text(block, "WavelengthDataDirection")
             name = _NAMES.get(" ".join(direction.lower().split()))
             if name is None:
-                document.note(block, f"{direction!r} is ignored")
+                document.note(block, f"the unknown direction {direction!r} is ignored")
                 continue
             if (channel, name) in functions:
                 twice = f"{channel} {direction} is given twice"

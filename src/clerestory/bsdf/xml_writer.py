@@ -155,8 +155,8 @@ def _partitions(bsdf: Bsdf) -> list[RingPartition]:
             known = found.setdefault(partition.name.lower(), partition)
             require(
                 known.matches(partition),
-                f"two partitions of {len(known)} and {len(partition)} patches are both"
-                f" named {partition.name!r}; different names expected",
+                f"two different angle bases ({len(known)} and {len(partition)} patches)"
+                f" are named {partition.name!r}; different names expected",
             )
     return list(found.values())
 

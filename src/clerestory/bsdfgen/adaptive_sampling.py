@@ -24,14 +24,14 @@ from clerestory.bsdfgen.tree_pruning import (
 from clerestory.engine.effort import Effort
 
 # Fraction of all paths that the pilot run traces; if a target error is given, number of
-# paths per incident cell in the pilot run.
+# ray paths per incident cell in the pilot run.
 _FIRST_SHARE = 0.25
 _PILOT = 256
 
-# Variance over mean of path weights under Russian roulette, for a lossless film.
+# Ratio of variance to mean of path weights (Russian roulette), for a lossless film.
 _ROULETTE = 0.25
 
-# Largest number of paths per incident cell.
+# Largest number of ray paths per incident cell.
 _MOST = 1 << 20
 
 
@@ -86,7 +86,7 @@ class BlockEstimator:
         self._scores = [nothing, nothing]
 
     def count(self, effort: Effort) -> BlockEstimate:
-        """Trace the given number of paths, or until the target error is reached."""
+        """Trace the given number of ray paths, or until the target error is reached."""
         goal = effort.samples
         first = _PILOT if goal is None else max(1, round(goal * _FIRST_SHARE))
         self._trace(np.full(len(self._rows), first), effort)
@@ -109,7 +109,7 @@ class BlockEstimator:
             self._trace(extra, effort)
 
     def _trace(self, extra: Indices, effort: Effort) -> None:
-        # Group incident cells with equal numbers of previous and of new paths
+        # Group incident cells with equal numbers of previous and of new ray paths
         have = self._paths[self._rows]
         groups = [
             (self._rows[(have == first) & (extra == number)], int(first), int(number))
@@ -144,7 +144,7 @@ class BlockEstimator:
         noise = np.maximum(sums[:, -1] - luminous**2 / paths, 0)
         noise /= (paths * exit_size) ** 2
 
-        # Path weights are close to 0 or 1: for a mean s, their variance is about
+        # Path weights are close to 0 or 1: for a mean s, the variance is about
         # s (1 − s), and at least s × _ROULETTE
         share = np.bincount(incident, luminous, minlength=grid.incidents) / every
         variance = share * np.maximum(1 - share, _ROULETTE) / every

@@ -75,7 +75,7 @@ def generate_bsdf(
     scene : geometry [m], or a parametric system
     basis : Klems basis, or tensor trees of rank 3 (isotropic systems) or 4
     halvings : resolution of trees: 2^halvings cells along each axis; 2 to 7
-    sides : sides of incidence
+    sides : sides of incidence: "front" (outdoors), "back" (room) or "both"
     area : sample area; default: the bounding box of the scene
     periodic : whether the sample area is the unit cell of an infinite periodic system,
         so that no light is lost at the edges of the area

@@ -23,7 +23,7 @@ _IN_ROOM = 1e-5
 # Largest thickness, largest width and smallest width of a plausible system [m].
 _THICKEST, _WIDEST, _NARROWEST = 1.5, 60.0, 2e-5
 
-# Largest distance of the system from z = 0, relative to its size, as in genBSDF.
+# Largest distance of a system from z = 0, relative to the system size (genBSDF).
 _FAR_BEHIND = 0.1
 
 

@@ -100,7 +100,7 @@ def sheet_with_holes(
 ) -> tuple[Scene, SampleArea]:
     """Return a perforated sheet, including the walls of the holes, and a unit cell.
 
-    `faces`: number of sheet faces; 2 for a thick sheet, 1 if it transmits light.
+    `faces`: number of sheet faces; 2 for a thick sheet, 1 if light passes the sheet.
     """
     positive([pitch, hole], "pitch or hole", unit="m")
     not_negative(thickness, "thickness", unit="m")

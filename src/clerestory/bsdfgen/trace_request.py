@@ -27,7 +27,7 @@ class TraceRequest:
 
 @dataclass(frozen=True, eq=False)
 class Traced:
-    """Scattering functions with standard errors, and the number of traced paths.
+    """Scattering functions with standard errors, and the number of traced ray paths.
 
     `reached`: whether the target error was reached in all tree blocks.
     """

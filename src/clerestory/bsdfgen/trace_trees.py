@@ -55,7 +55,7 @@ def trace_trees(request: TraceRequest, engine: Any, *, rank: int, depth: int) ->
             paths, reached = paths + found[-1].paths, reached and found[-1].reached
         side = "back" if back else "front"
         for kind in ("transmission", "reflection"):
-            # Release estimates as soon as their trees are built
+            # Release the estimates of a tree as soon as the tree is built
             blocks = [counted.parts.pop(0) for counted in found]
             made = _trees(*_pieces(blocks, weights, grid), grid, request)
             name: Any = f"{kind}_{side}"

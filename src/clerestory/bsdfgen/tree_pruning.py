@@ -41,7 +41,7 @@ class NodeValues:
 
 @dataclass(frozen=True, eq=False)
 class Level:
-    """Nodes of one tree level, and whether each is split into its children."""
+    """Nodes of one tree level, and mask of the nodes that are split."""
 
     light: NodeValues
     split: Bool[np.ndarray, " node"]

@@ -23,7 +23,7 @@ from clerestory.scene.model import Plastic, Polygon, Scene
 # Default ratio of thickness to width for slats with two different reflectances.
 _THIN = 1e-3
 
-# Smallest ratio of the unit cell's width and height to its depth, so that few paths
+# Smallest ratio of the unit cell's width and height to its depth, so that few rays
 # cross its sides.
 _SLENDER = 8.0
 

@@ -57,5 +57,5 @@ def versions() -> dict[str, str]:
 
 
 def device_of(wanted: Device) -> str:
-    """Return the device that this worker uses for a setting such as "auto"."""
+    """Return the compute device of this worker for a setting such as "auto"."""
     return str(resolve(wanted))

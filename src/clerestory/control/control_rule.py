@@ -26,7 +26,7 @@ class Situation:
     ----------
     times : centres of the time steps, local standard time
     states : number of states of the window group
-    occupied : whether the room is occupied at each step
+    occupied : whether the room is occupied at each time step
     signals : time series by name: "irradiance" [W/m²], "profile" angle [rad] and others
     by_state : results over (state, time) by name, such as "illuminance" [lux] and "dgp"
     """

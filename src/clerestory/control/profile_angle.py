@@ -80,7 +80,7 @@ def blocking_states(
     profile : profile angle [rad]; NaN (sun behind the window) gives state 0
     tilts : slat tilt of each state [rad], from the most open to the most closed state
     width, spacing : width and spacing of the slats [m]
-    sunny : whether there is direct sunlight at each step; default: at all steps
+    sunny : whether there is direct sunlight at each time step; default: at all
 
     >>> tilts = np.radians([0.0, 60.0, 75.0])
     >>> sun = np.radians([60.0, 10.0, np.nan])

@@ -1,7 +1,7 @@
 """State schedules: shading state of each window group over time.
 
 The states of a window group are numbered from the most open, 0, to the most closed.
-Results are computed once for every state; a schedule selects the state of each step.
+Results are computed once for every state; a schedule selects one per time step.
 """
 
 from collections.abc import Mapping

@@ -13,7 +13,7 @@ from clerestory.checks import has_shape, require
 @final
 @dataclass(frozen=True, eq=False)
 class Limit:
-    """Values of a quantity, such as DGP, in every state, and the limit of the values.
+    """Values of a quantity, such as DGP, in every shade state, and the limit.
 
     Permitted values are equal to `bound` or on the given side of `bound`.
     """
@@ -70,7 +70,7 @@ def when_occupied(
     *,
     otherwise: int,
 ) -> Int[np.ndarray, " time"]:
-    """Keep the states of occupied time steps; use `otherwise` in unoccupied steps.
+    """Keep the states of occupied time steps; use `otherwise` in all other time steps.
 
     >>> when_occupied(np.array([1, 1]), np.array([True, False]), otherwise=0).tolist()
     [1, 0]

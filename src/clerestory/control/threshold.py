@@ -22,16 +22,16 @@ def threshold_states(
     open_after: int = 1,
     start: int = 0,
 ) -> Int[np.ndarray, " time"]:
-    """Return the state of a shade at each step: 1 closed, 0 open.
+    """Return the state of a shade at each time step: 1 closed, 0 open.
 
     Parameters
     ----------
     quantity : irradiance, illuminance or another quantity; NaN does not move the shade
     close_above, open_below : upper and lower threshold; default of `open_below`:
         `close_above`
-    close_after, open_after : number of consecutive steps above or below the threshold
+    close_after, open_after : consecutive time steps above or below the threshold
         before the shade moves
-    start : state before the first step
+    start : shade state before the first time step
 
     >>> lux = np.array([10.0, 60.0, 45.0, 60.0, 20.0, 20.0])
     >>> threshold_states(lux, close_above=50, open_below=30).tolist()
@@ -64,7 +64,7 @@ def staged_states(
     close_after: int = 1,
     open_after: int = 1,
 ) -> Int[np.ndarray, " time"]:
-    """Return the state, 0 to n, of a shade with n stages of closure at each step.
+    """Return the state, 0 to n, of a shade with n stages at each time step.
 
     Upper and lower thresholds increase from stage to stage; the state is the number of
     closed stages.

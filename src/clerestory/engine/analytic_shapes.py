@@ -20,7 +20,7 @@ from clerestory.scene.model import (
 
 
 def without_analytic(scene: Scene) -> tuple[Scene, tuple[Sphere | Cone, ...]]:
-    """Return a scene without its analytic shapes, and the analytic shapes."""
+    """Return a scene without analytic shapes, and the analytic shapes removed."""
     exact, left = [], []
     for surface in scene.surfaces:
         curved = isinstance(surface, Sphere | Cone)

@@ -18,7 +18,7 @@ from clerestory.scene.view import View
 class CameraRays:
     """Rays through pixel centres, and their derivatives across a pixel.
 
-    The viewpoint is the origin of device coordinates.
+    The viewpoint is the origin of translated coordinates.
     """
 
     origin: mi.Point3f

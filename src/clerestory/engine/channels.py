@@ -44,7 +44,7 @@ def band_groups(scene: Scene) -> tuple[Scene, ...]:
 
 @lru_cache(maxsize=1)
 def _groups(scene: Scene) -> tuple[Scene, ...]:
-    # Cache the groups of the last scene, so that its jobs share one device scene
+    # Cache the groups of the last scene, so that its jobs share one lowered scene
     for material in scene.materials.values():
         _refuse_rgb(material)
     return tuple(_group(scene, n) for n in range(0, len(scene.bands), GROUP))

@@ -65,7 +65,7 @@ class Plan:
         self.planned: list[PlannedJob] = []
 
     def resolve(self, device: Device) -> Processor:
-        """Return the device of the actual run."""
+        """Return the compute device of the actual run."""
         return self.place.resolve(device)
 
     def accepts(self, job: Job, goal: Goal) -> bool:

@@ -57,7 +57,7 @@ def load(device: Device = "auto", module: str = "controller") -> ModuleType:
 
 @cache
 def resolve(device: Device) -> Processor:
-    """Return the device to use for a setting; "auto" selects a GPU if one works."""
+    """Return the compute device for a setting; "auto" selects a GPU if one works."""
     if device not in get_args(Device):
         raise InputError(f"unknown device {device!r}; one of auto, cpu, cuda expected")
     if device in ("auto", "cuda") and _cuda_driver() is not None:

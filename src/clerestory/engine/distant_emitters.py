@@ -35,7 +35,7 @@ class SunSample:
 
 @dataclass
 class DistantEmitters:
-    """Device arrays of all distant sources.
+    """Dr.Jit arrays of all distant sources.
 
     `dome` is the total radiance of the wide sources (sky, ground). The arrays describe
     the narrow sources (suns): `one_minus_cos` is 1 − cos of the angular radius, and

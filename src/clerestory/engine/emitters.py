@@ -41,7 +41,7 @@ def is_sampled(material: Emitter) -> bool:
 
 @dataclass
 class Emitters:
-    """Device arrays of all emitting shapes, and of their `count` sampled triangles.
+    """Dr.Jit arrays of all emitting shapes, and of their `count` sampled triangles.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class Emitters:
 
     @classmethod
     def of(cls, shining: list[Mesh], origin: Origin) -> "Emitters":
-        """Return the device arrays of emitting meshes; emitter i is mesh i."""
+        """Return the Dr.Jit arrays of emitting meshes; emitter i is mesh i."""
         radiance = np.array([m.material.radiance for m in shining]).reshape(-1, 3)
         found = [_pattern(mesh) for mesh in shining]
         tables = [table for table in found if table is not None]

@@ -87,7 +87,7 @@ class SurfaceEmitters(Source):
 
 @dataclass
 class Illumination:
-    """A scene on the device, with all its light sources."""
+    """A scene on the compute device, with all its light sources."""
 
     model: LoweredScene
     distant: DistantEmitters
@@ -96,7 +96,7 @@ class Illumination:
 
     @classmethod
     def of(cls, scene: Scene, origin: Origin) -> "Illumination":
-        """Return the illuminated scene, with device coordinates around `origin`."""
+        """Return the illuminated scene, with translated coordinates around `origin`."""
         return cls(
             lower(scene, origin=origin),
             DistantEmitters.of(scene),

@@ -1,4 +1,4 @@
-"""Conversion of a scene to a Mitsuba scene and device arrays.
+"""Lowering (conversion) of a scene to a Mitsuba scene and Dr.Jit arrays.
 
 Coordinates are translated so that the region of interest is at the origin, because ray
 offsets grow with the coordinates. Models far from their origin are common.
@@ -28,7 +28,7 @@ from clerestory.scene.window import Window
 
 @dataclass
 class LoweredScene:
-    """A scene on the device.
+    """A scene on the compute device.
 
     Arrays named `…_of_shape` and `first_face` are indexed by Mitsuba's shape index.
 
@@ -63,7 +63,7 @@ class LoweredScene:
 def lower(
     scene: Scene, *, origin: Origin, receivers: tuple[Window, ...] = ()
 ) -> LoweredScene:
-    """Return the device scene around `origin`, possibly cached from the previous job.
+    """Return the lowered scene around `origin`, possibly cached from the previous job.
 
     The windows `receivers` become surfaces of the scene at which paths end. The scene
     has three bands; see `channels.band_groups`.

@@ -1,4 +1,4 @@
-"""Evaluation and sampling of BSDF matrices on the device.
+"""Evaluation and sampling of BSDF matrices in kernels.
 
 The four functions of a layer are stored consecutively, each as a matrix with a row for
 each exiting patch and a column for each incident patch. A path is traced against the

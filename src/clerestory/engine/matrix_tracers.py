@@ -1,7 +1,7 @@
 """Tracers of matrices from sensors, pixels and windows to windows and sky.
 
-Each function builds the scene of a job on the device once, and returns the tracer of
-its units. Sums are transferred from the device once per unit.
+Each function lowers the scene of a job to Mitsuba once, and returns the tracer of
+its units. Sums are transferred from the GPU once per unit.
 """
 
 from collections.abc import Callable

@@ -161,7 +161,7 @@ class LightSample:
     ----------
     pdf : total density of all sampling techniques of the source [1/sr], or a function
         that computes this density from `Densities`, called after `arriving`
-    active : mask of samples that may contribute light
+    active : mask of samples that may contribute radiance
     arriving : function of vertex and mask that returns the arriving radiance
     heuristic : heuristic that weights the sample and continued paths; None if continued
         paths never meet the source

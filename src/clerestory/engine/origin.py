@@ -1,4 +1,4 @@
-"""Origin of device coordinates, near which single precision is sufficient."""
+"""Origin of translated coordinates, near which single precision is sufficient."""
 
 import numpy as np
 from jaxtyping import Float
@@ -8,7 +8,7 @@ from clerestory.scene.model import Scene
 from clerestory.scene.surface import extent
 from clerestory.scene.window import Window
 
-# Point of the scene at the origin of device coordinates [m]
+# Point of the scene at the origin of translated coordinates [m]
 Origin = Float[np.ndarray, "3"]
 
 # Windows within this distance of the scene's centre share one origin [m]: ray offsets
@@ -34,10 +34,10 @@ def middle_of_window(window: Window) -> Origin:
 
 
 def window_origin(scene: Scene, window: Window) -> Origin:
-    """Return the origin of device coordinates for rays that start at a window [m].
+    """Return the origin of translated coordinates for rays that start at a window [m].
 
     The origin is the centre of the scene if the window is near it, so that all windows
-    of a building share one device scene; otherwise it is the centre of the window.
+    of a building share one lowered scene; otherwise it is the centre of the window.
     """
     common, own = middle_of_scene(scene), middle_of_window(window)
     return common if np.linalg.norm(common - own) < _NEAR else own

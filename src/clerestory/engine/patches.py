@@ -1,4 +1,4 @@
-"""Hemisphere partitions on the device: patch of a direction, and sampling of patches.
+"""Hemisphere partitions in kernels: patch of a direction, and sampling of patches.
 
 The tables are built from the rings of `hemisphere.partition`; a test compares the patch
 look-up with that of `hemisphere` for random directions.
@@ -16,7 +16,7 @@ from clerestory.hemisphere.partition import RingPartition
 
 @dataclass
 class PatchTable:
-    """Device arrays of a ring partition.
+    """Dr.Jit arrays of a ring partition.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class PatchTable:
 
     @classmethod
     def of(cls, partition: RingPartition) -> "PatchTable":
-        """Return the device arrays of a partition."""
+        """Return the Dr.Jit arrays of a partition."""
         outwards = partition.theta[0] < partition.theta[-1]
         order = slice(None) if outwards else slice(None, None, -1)
         count, first = partition.count[order], partition.first[order]
@@ -93,7 +93,7 @@ class PatchTable:
 
 @dataclass
 class SkyTable:
-    """Device arrays of sky patches, with the ground as patch 0.
+    """Dr.Jit arrays of sky patches, with the ground as patch 0.
 
     Rows of patches are ordered from the horizon to the zenith, which is the last row.
     Each row has a number of patches, and the index of its first patch.
@@ -105,7 +105,7 @@ class SkyTable:
 
     @classmethod
     def of(cls, partition) -> "SkyTable":
-        """Return the device arrays of a `SkyPartition`."""
+        """Return the Dr.Jit arrays of a `SkyPartition`."""
         dome = partition.dome
         count = on_device(mi.UInt32, dome.count)
         return cls(len(dome.count), count, on_device(mi.UInt32, dome.first + 1))

@@ -84,7 +84,7 @@ def _even(shares: Float[np.ndarray, "cell part"]) -> Float[np.ndarray, "cell par
 def _pilot_samples(
     scene: Illumination, portals: Portals, places: SurfacePoints
 ) -> tuple[Float[np.ndarray, "place part"], Float[np.ndarray, "place portal"]]:
-    # Irradiance of each point from one sample towards each portal and one elsewhere: by
+    # Irradiance at each point from one sample towards each portal and one elsewhere: by
     # a continued path (without next-event estimation at the point), and by a ray to
     # sunlit surfaces
     parts = portals.count + 1

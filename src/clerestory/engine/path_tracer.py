@@ -45,7 +45,7 @@ _UNLIMITED = 1 << 30
 
 
 def segments_of(bounces: int | None, *, first: int = 1) -> int:
-    """Return the largest number of segments between diffuse reflections.
+    """Return 1 + the largest number of diffuse reflections of a path.
 
     `bounces` is Radiance's -ab, or None for no limit; `first` is 1 if the first segment
     is not a bounce (camera ray), and 0 if it is one (ray from a sensor).
@@ -94,7 +94,7 @@ class PathTracer:
         position: mi.Point3f,
         normal: mi.Vector3f,
     ) -> tuple[mi.Color3f | None, Path]:
-        """Sample the sources at sensors; return the irradiance sum and the paths."""
+        """Sample the sources at sensors; return the irradiance and continued paths."""
         vertex = sensor_vertex(self.portals, position, normal)
         one = mi.Color3f(1)
         total = self.sample_sources(sink, sink.begin(), vertex, numbers, one)
@@ -135,8 +135,8 @@ class PathTracer:
     ):
         """Trace paths to their ends; return the sum including their contributions.
 
-        `start` holds the sample numbers of the paths' first vertex; `limit` is the
-        largest number of segments between diffuse reflections.
+        `start` holds the sample numbers of the paths' first vertex; `limit` is
+        1 + the largest number of diffuse reflections.
         """
         model, scene = self.model, self.model.scene
         segments = dr.opaque(mi.UInt32, limit)

@@ -43,7 +43,7 @@ _SIDES: tuple[Function, ...] = ("transmission_front", "transmission_back")
 
 
 class PeakTable:
-    """Device arrays of the direct transmission (peak) of a layer.
+    """Dr.Jit arrays of the direct transmission (peak) of a layer.
 
     The first half of each array is for light exiting to the room, the second half for
     light exiting to the outside.

@@ -66,7 +66,7 @@ class Rectangles:
 
 @dataclass
 class Portals:
-    """Device arrays of rectangles, with their sampling probabilities by guiding cell.
+    """Dr.Jit arrays of rectangles, with their sampling probabilities by guiding cell.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Test kernel, compiled in a child process to check that a device works.
+"""Test kernel, compiled in a child process to check that a compute device works.
 
 Run as a script with a Mitsuba variant as argument. The kernel contains features that
 abort with unsuitable LLVM versions: a compiled loop with ray tracing, a virtual call

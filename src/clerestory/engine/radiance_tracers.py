@@ -152,7 +152,7 @@ def radiance_tracer(
 ) -> PathTracer:
     """Return a path tracer of radiance, guided towards windows and sunlit areas.
 
-    `origin` is the origin of device coordinates; the function `pilots` returns the
+    `origin` is the origin of translated coordinates; the function `pilots` returns the
     first segments of pilot paths.
     """
     illuminated = Illumination.of(scene, origin)

@@ -47,9 +47,9 @@ _MOST_STEPS = 4000
 
 @dataclass
 class Slab:
-    """A shading system in device memory, and the box within which paths are traced.
+    """A shading system as Mitsuba scene, and the box within which paths are traced.
 
-    The box has two corners in device coordinates [m]; its lower and upper planes lie
+    The box has two corners in translated coordinates [m]; the lower and upper plane lie
     just outside the system. If `periodic`, paths that leave through a side enter
     through the opposite side.
     """
@@ -82,7 +82,7 @@ class Step:
 
 
 def lower_slab(scene: Scene, box: Float[np.ndarray, "2 3"], *, periodic: bool) -> Slab:
-    """Build the system on the device, with the origin at the centre of the box [m]."""
+    """Return the slab of a shading system; the origin is the centre of the box [m]."""
     origin = box.mean(axis=0)
     low, high = (vectors(mi.Point3f, corner[None]) for corner in box - origin)
     return Slab(lower(scene, origin=origin), low, high, periodic)
@@ -131,8 +131,8 @@ def follow(
 ) -> None:
     """Trace paths from their first ray; the receiver records paths that leave the slab.
 
-    `first` holds the sample numbers of each path at its start; `limit` is the largest
-    number of segments between diffuse scattering events.
+    `first` holds the sample numbers of each path at its start; `limit` is 1 + the
+    largest number of diffuse scattering events of a path.
     """
     context, segments = mi.BSDFContext(), dr.opaque(mi.UInt32, limit)
 
@@ -141,7 +141,7 @@ def follow(
     receiver.receive(ray.d, mi.Color3f(1), step.left)
     active = ~step.left  # paths within the slab
     weight = mi.Color3f(1)  # throughput of the path
-    segment = mi.UInt32(1)  # number of segments, counted between diffuse vertices
+    segment = mi.UInt32(1)  # 1 + number of diffuse scattering events
     vertex = mi.UInt32(1)  # number of vertices, including the start
     travelled = mi.Float(0)  # distance from the last vertex to the last cell side [m]
 

@@ -32,7 +32,7 @@ VERTICES = 8
 class Points:
     """A range of the Sobol' sequence, as bit-reversed integers by dimension.
 
-    `stride` is `count` in device memory, so that one kernel serves any range; `first`
+    `stride` is `count` as a Dr.Jit value, so that one kernel serves any range; `first`
     is the index of the first point in the sequence, which seeds the hashed numbers.
     """
 

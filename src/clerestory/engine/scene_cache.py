@@ -1,7 +1,7 @@
-"""Cache of device scenes between successive jobs.
+"""Cache of lowered scenes between successive jobs.
 
 A scene of millions of triangles takes longer to build than the daylight matrix of one
-of its windows takes to trace. Device objects built for one job are therefore kept in
+of its windows takes to trace. Mitsuba objects built for one job are therefore kept in
 the executor's cache, and the next job reuses equal objects. Objects not yet reused are
 released *before* a new object is built.
 """
@@ -15,7 +15,7 @@ _in_use: ContextVar["SceneCache | None"] = ContextVar("cache", default=None)
 
 
 class SceneCache:
-    """Cache of the device objects built for the last job.
+    """Cache of the Mitsuba objects built for the last job.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Parallelograms and triangles on the device, and rectangles sampled by solid angle.
+"""Parallelograms and triangles in kernels; rectangles sampled by solid angle.
 
 Reference: C. Ureña, M. Fajardo, A. King, "An area-preserving parametrization for
 spherical rectangles", Computer Graphics Forum 32 (4), 2013.
@@ -32,7 +32,7 @@ class Parallelograms:
         edge_u: Float[np.ndarray, "n 3"],
         edge_v: Float[np.ndarray, "n 3"],
     ) -> "Parallelograms":
-        """Return the device arrays of parallelograms."""
+        """Return parallelograms as Dr.Jit arrays."""
         edges = (vectors(mi.Vector3f, edge) for edge in (edge_u, edge_v))
         return cls(vectors(mi.Point3f, corner), *edges)
 

@@ -87,7 +87,7 @@ class Suns(Source):
     def escaped(self, path: Path, active) -> Emission:
         """Return the radiance of suns in the direction of an escaped path.
 
-        Suns seen in one mirror are excluded: they are sampled by `samples`.
+        Suns seen after one mirror reflection are excluded: `samples` samples them.
         """
         radiance, pdf = self.distant.sun_radiance(path.ray.d, active)
         mirrors, _ = path.memory[self.name]

@@ -1,4 +1,4 @@
-"""Evaluation and sampling of tensor-tree BSDFs on the device.
+"""Evaluation and sampling of tensor-tree BSDFs in kernels.
 
 A path is traced against the direction of light: the leaving direction is given and the
 incident direction is sampled by descent of the tree. Each level selects one of the four

@@ -24,7 +24,7 @@ _ALIGNED = 64
 
 
 def on_device(kind: type, values: ArrayLike):
-    """Return a one-dimensional device array of the values, opaque to the compiler.
+    """Return a one-dimensional Dr.Jit array of the values, opaque to the compiler.
 
     An empty array becomes a single zero, because kernels accept no empty arrays. CPU
     arrays share their memory with NumPy; the memory is aligned, because kernels for
@@ -43,7 +43,7 @@ def on_device(kind: type, values: ArrayLike):
 
 
 def vectors(kind: type, values: Float[np.ndarray, "n 3"]):
-    """Return the rows of an array as device points, vectors or colours."""
+    """Return the rows of an array as Dr.Jit points, vectors or colours."""
     number = dr.value_t(kind)
     return kind(*(on_device(number, column) for column in np.asarray(values).T))
 

@@ -21,9 +21,9 @@ ROUNDING = 4e-6
 
 
 def offset(model: LoweredScene, si, direction, active):
-    """Return the hit point, offset from its surface to the side of the direction.
+    """Return the hit point, offset from the surface towards a direction.
 
-    The offset is a few float32 steps of the face's coordinates or of the ray length,
+    The offset is a few float32 roundings of face coordinates or of the ray length,
     whichever is larger: more than the rounding error of intersections, yet small
     against millimetre slats in a room.
     """

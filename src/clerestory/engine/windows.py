@@ -29,7 +29,7 @@ from clerestory.scene.window import Window
 
 @dataclass
 class WindowTable:
-    """Device arrays of the windows, and of their elements.
+    """Dr.Jit arrays of the windows, and of their elements.
 
     Attributes
     ----------
@@ -139,7 +139,7 @@ def window_shapes(
 ) -> tuple[
     WindowTable | None, list[tuple[Float[np.ndarray, "v 3"], Int[np.ndarray, "f 3"]]]
 ]:
-    """Return the device arrays of windows, and vertices and faces of their shapes.
+    """Return the Dr.Jit arrays of windows, and vertices and faces of their shapes.
 
     Each element has two faces, in the order of the elements.
     """

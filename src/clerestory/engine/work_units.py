@@ -118,7 +118,7 @@ class Executor(Protocol):
     """An object that traces work units."""
 
     def resolve(self, device: Device) -> Processor:
-        """Return the device for a setting such as "auto"."""
+        """Return the compute device for a setting such as "auto"."""
 
     def accepts(self, job: Job, goal: Goal) -> bool:
         """Return whether to trace a job; the result of a rejected job is zero."""
@@ -161,7 +161,7 @@ def _with_scene(job: Job, scene: Scene) -> Job:
 class Local:
     """The executor that traces units in this process, one after another.
 
-    The last job stays prepared; the next job reuses equal device scenes.
+    The last job stays prepared; the next job reuses equal lowered scenes.
     """
 
     def __init__(self) -> None:
@@ -170,7 +170,7 @@ class Local:
         self._cache = SceneCache()
 
     def resolve(self, device: Device) -> Processor:
-        """Return the device of this machine for a setting such as "auto"."""
+        """Return the compute device for a setting such as "auto"."""
         return resolve(device)
 
     def accepts(self, job: Job, goal: Goal) -> bool:
@@ -199,7 +199,7 @@ class Local:
         name, prepare = job.tracer
         module = load(job.device, name)  # the Mitsuba variant is set per thread
         if job is not self._job or self._tracer is None:
-            # Free the device arrays of the previous job first
+            # Free the Dr.Jit arrays of the previous job first
             self._job = self._tracer = None
             with self._cache.preparing():
                 self._tracer = tracer_of_bands(job, getattr(module, prepare))

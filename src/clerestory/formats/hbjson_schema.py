@@ -105,7 +105,7 @@ class ModifierItem(Item):
 
 
 class ModifierSet(Item):
-    """Modifiers, and their names by kind of surface (in `model_extra`)."""
+    """Modifiers, and modifier names by kind of surface (in `model_extra`)."""
 
     model_config = ConfigDict(extra="allow")
 

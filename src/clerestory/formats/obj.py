@@ -70,7 +70,7 @@ def read_obj(
 
 
 def obj_meshes(text: ObjText, *, file: str) -> tuple[TriangleMesh, ...]:
-    """Return a mesh for each `ObjPart`; its material is `usemtl` or the group name.
+    """Return a mesh for each `ObjPart`; the material is `usemtl` or the group name.
 
     Triangles of zero area are omitted, with a warning that gives their number.
     """

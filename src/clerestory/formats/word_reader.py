@@ -13,7 +13,7 @@ from clerestory.scene.transform import LARGEST, number
 
 @dataclass
 class WordReader:
-    """Reader of words with checks of their values.
+    """Reader of words that checks the values.
 
     Attributes
     ----------

@@ -120,7 +120,7 @@ def _at(illuminance: np.ndarray | None, step: int) -> float | None:
         return None
     require(
         step < len(illuminance),
-        f"{len(illuminance)} illuminances for more pictures; one per picture expected",
+        f"{len(illuminance)} illuminances, but more pictures; one per picture expected",
     )
     return float(illuminance[step])
 

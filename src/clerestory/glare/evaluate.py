@@ -44,7 +44,7 @@ class SeenRows:
     def __post_init__(self) -> None:
         require(
             0 <= self.first <= self.last,
-            f"captured rows {self.first} to {self.last}; increasing numbers expected",
+            f"captured rows are {self.first} to {self.last}; 0 ≤ first ≤ last expected",
         )
 
 

@@ -41,8 +41,8 @@ def surround_luminance(
     rest = (total - window * window_solid_angle) / (sphere - window_solid_angle)
     require(
         rest > 0,
-        f"a window of {window:g} cd/m² without light in its surround; less than"
-        f" {total / window_solid_angle:g} cd/m² expected",
+        f"the window of {window:g} cd/m² accounts for all light in the field of view;"
+        f" a window luminance below {total / window_solid_angle:g} cd/m² expected",
     )
     return rest
 

@@ -45,7 +45,8 @@ def check_photometry(picture: Picture, view: View, *, trust: bool) -> None:
         return
     require(
         not is_denoised(picture),
-        "the picture is denoised, with unknown errors; the traced picture expected",
+        "the picture is denoised, so its luminance errors are unknown; the picture"
+        " before denoising expected",
     )
     _check_shape(picture, view)
     luminance = picture.luminance()
@@ -91,5 +92,5 @@ def _check_scale(luminance: np.ndarray) -> None:
     require(
         not (white and _CLIPPED < clipped < 1 - _CLIPPED),
         f"{clipped:.1%} of the pixels have the largest value of {top:.4g} cd/m²: a"
-        " photograph without photometric scale; luminances expected",
+        " clipped photograph without luminance calibration; a calibrated one expected",
     )

@@ -145,7 +145,7 @@ def _rows_in_picture(options: IndexOptions, rows: int) -> SeenRows | None:
     _, above, below = options.fill
     require(
         -1 < below < above - 1 < rows,
-        f"extrapolation above row {above} and below row {below} of a picture of {rows}"
+        f"rows above {above} and below {below} are extrapolated in a picture of {rows}"
         " rows; captured rows between them expected",
     )
     return SeenRows(first=rows - above, last=rows - 2 - below)

@@ -43,7 +43,7 @@ class GlareSources:
         lengths = {len(getattr(self, field.name)) for field in fields(self)}
         require(
             len(lengths) == 1,
-            f"columns of glare sources with {sorted(lengths)} values; equal numbers"
+            f"arrays of glare sources have lengths {sorted(lengths)}; one length"
             " expected",
         )
 

@@ -82,8 +82,8 @@ def find_sources(
     scale = rules.merge_angle / 2 / eye.pixel_angle()
     if scale < _FEW_PIXELS:
         warnings.warn(
-            f"merging angle of {scale:.1f} pixels; {_FEW_PIXELS:g} or more pixels"
-            " expected",
+            f"half the merging angle is {scale:.1f} pixels; {_FEW_PIXELS:g} or more"
+            " expected (a larger angle or picture)",
             ClerestoryWarning,
             stacklevel=2,
         )

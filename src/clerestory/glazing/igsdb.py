@@ -78,7 +78,7 @@ class _Physical(Item):
 
 
 class Product(Item):
-    """A product of the IGSDB: glass, or a shade with its material and geometry."""
+    """A product of the IGSDB: glass, or a shade with material and geometry."""
 
     name: str = ""
     kind: str = _either("", "subtype", "type")

@@ -29,7 +29,7 @@ class StackProperties(NamedTuple):
 
 
 def stack_properties(layers: Sequence[Optics]) -> StackProperties:
-    """Return the optical properties of a stack from flux matrices of its layers.
+    """Return the optical properties of a stack from flux matrices of the layers.
 
     `layers`: flux matrices from outdoors to indoors, each of shape (…, n, n).
     """

@@ -141,7 +141,7 @@ class Glass(Sheet):
 def diagonal(
     entries: Float[np.ndarray, "wavelength patch"],
 ) -> Float[np.ndarray, "wavelength patch patch"]:
-    """Matrices with the given entries on their diagonals."""
+    """Diagonal matrices with the given entries."""
     count = entries.shape[-1]
     matrices = np.zeros((*entries.shape, count))
     place = np.arange(count)

@@ -123,7 +123,7 @@ def walk_layers(
 
 @dataclass(frozen=True, eq=False)
 class _Plan:
-    # Parameters of all batches of one side and channel
+    # Parameters of all batches of one incident side and channel
     met: list[Scatterer]
     halvings: int
     walkers: int

@@ -64,6 +64,6 @@ class Optics:
         )
 
     def absorption(self, side: Side) -> Values:
-        """Absorptance of a side: flux fraction neither transmitted nor reflected."""
+        """Absorptance of flux incident on one side: 1 − transmittance − reflectance."""
         passed, reflected = (self.of(name) for name in OF_SIDE[side])
         return np.asarray(1 - passed - reflected)

@@ -22,7 +22,7 @@ from clerestory.spectra import check_wavelengths
 GLASS_EMISSIVITY = 0.84
 GLASS_CONDUCTIVITY = 1.0
 
-# Visible range, width of the steps at the ends of that range, solar range [nm].
+# Visible range, width of the transitions at both ends, and solar range [nm].
 _VISIBLE_NM = (380.0, 780.0)
 _STEP_NM = 1e-3
 _SOLAR_NM = (300.0, 2500.0)

@@ -28,7 +28,7 @@ _ROUNDING_NM = 1e-3
 @final
 @dataclass(frozen=True, eq=False)
 class Band:
-    """Weights of a spectral average; their sum is 1."""
+    """Weights of a spectral average, with sum 1."""
 
     wavelength_nm: PerWavelength
     weight: PerWavelength
@@ -51,14 +51,14 @@ class Band:
 @final
 @dataclass(frozen=True, eq=False)
 class Standard:
-    """The solar and the visible band of a standard."""
+    """Solar and visible band of a spectral standard (NFRC or EN 410)."""
 
     name: str
     solar: Band
     visible: Band
 
     def band(self, channel: Channel) -> Band:
-        """Return one of the two bands."""
+        """Return the solar or the visible band."""
         return self.solar if channel == "solar" else self.visible
 
 

@@ -130,7 +130,7 @@ class CrossValidation:
     smoothing: float  # smoothing factor of the lobe fits
 
     def median(self, name: str, *, inside: bool = True) -> float:
-        """Median absolute value of a `LeftOut` attribute, for one value of `inside`."""
+        """Median absolute error of the scans; `name`: attribute of `LeftOut`."""
         errors = [abs(getattr(s, name)) for s in self.scans if s.inside == inside]
         known = [error for error in errors if np.isfinite(error)]
         return float(np.median(known)) if known else float("nan")

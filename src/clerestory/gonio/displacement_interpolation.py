@@ -60,7 +60,7 @@ def edge_particles(plan: Plan) -> Particles:
 
 
 def triangle_particles(a_to_b: Plan, a_to_c: Plan, b_to_c: Plan) -> Particles:
-    """Particles of a triangle, from the transport plans of its edges."""
+    """Particles of a mesh triangle, from the transport plans of the edges."""
     edge = edge_particles(a_to_b)
     i, j, _ = edge.corner.T
     of_a, of_b = np.flatnonzero(edge.flux[:, 0]), np.flatnonzero(edge.flux[:, 1])

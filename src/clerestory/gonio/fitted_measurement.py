@@ -119,8 +119,8 @@ def export_bsdf(
         return matrices
     require(
         len({fit.interpolant.symmetry == "isotropic" for fit in fits}) == 1,
-        "isotropic and anisotropic functions in one layer; trees of one rank"
-        " expected; export matrices, or fit all functions with the same symmetry",
+        "some functions are isotropic, some anisotropic; one kind expected for tensor"
+        " trees; export matrices, or fit all functions with the same symmetry",
     )
     trees = {
         (fit.channel, fit.function): to_tree(

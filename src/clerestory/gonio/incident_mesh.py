@@ -43,7 +43,7 @@ class Mesh:
         return bool(len(self.triangles) == 0)
 
     def only(self, kept: Bool[np.ndarray, " triangles"]) -> "Mesh":
-        """Mesh of selected triangles; border edges remain those of the whole mesh."""
+        """Mesh of selected triangles, with the border edges of the whole mesh."""
         corners = self.triangles[kept]
         ends = [len(self.vertices), 1]
         used = np.isin(self.edges @ ends, corners[:, _SIDES].reshape(-1, 2) @ ends)
@@ -73,8 +73,8 @@ def triangulate(vertices: Directions) -> Mesh:
         corners = np.sort(Delaunay(flat).simplices, axis=1)
     except (QhullError, ValueError) as error:
         raise InputError(
-            f"{len(vertices)} incident directions in one plane; directions around the"
-            " normal expected, unless the layer is isotropic"
+            f"all {len(vertices)} incident directions lie in one plane; directions in"
+            " several planes expected unless the layer is isotropic"
         ) from error
     volume = np.abs(np.linalg.det(vertices[corners]))
     corners = corners[volume > _THINNEST].astype(int)

@@ -198,7 +198,7 @@ def _solve(
     gram = basis.T @ (basis * weight[:, None])
     target = basis.T @ (points.value * weight)
 
-    # Regularize the flux of each lobe towards the flux measured in its cell
+    # Regularize the flux of each lobe towards the measured flux in the lobe's cell
     hold = _PRIOR * np.diag(gram)
     gram[np.diag_indices_from(gram)] += hold
     target += hold * prior

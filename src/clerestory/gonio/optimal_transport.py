@@ -106,7 +106,7 @@ def plan_transport(start: Lobes, end: Lobes, angle: float) -> Plan:
 def plan_moves(start: Lobes, end: Lobes, distance: _Distances, slack: float) -> Plan:
     """Calculate the transport plan of least cost for given angles between lobes [rad].
 
-    `slack`: reach of a lobe beyond its radius [rad].
+    `slack`: reach of a lobe beyond the lobe radius [rad].
     """
     moved = _moved(start, end, distance, slack)
     source, target = np.nonzero(moved > _LEAST_SHARE * (start.total + end.total))
@@ -114,7 +114,7 @@ def plan_moves(start: Lobes, end: Lobes, distance: _Distances, slack: float) -> 
     out = np.bincount(source, flux, len(start))
     came = np.bincount(target, flux, len(end))
 
-    # Distribute the full flux of each lobe in proportion to its matches
+    # Distribute the full flux of each lobe in proportion to the matched fluxes
     partner = (out > _NO_PARTNER * start.flux)[source]
     partner &= (came > _NO_PARTNER * end.flux)[target]
     source, target, flux = source[partner], target[partner], flux[partner]
@@ -165,7 +165,7 @@ def _companions(
 
 
 def _moved(start: Lobes, end: Lobes, distance: _Distances, slack: float) -> _Distances:
-    # Limit the flux of each lobe to the flux at the other end within its reach
+    # Limit the flux of each lobe to the flux within reach at the other end
     reach, reach_end = _reach(start, slack), _reach(end, slack)
     give = _limited(start, end, distance, reach)
     take = _limited(end, start, distance.T, reach_end)

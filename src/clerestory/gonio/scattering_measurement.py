@@ -171,7 +171,7 @@ class Measurement:
         if len(pairs):
             first, second = (self.scans[k] for k in pairs[0])
             raise InputError(
-                f"incident direction {second.words} is also that of"
+                f"incident direction {second.words} is also measured in"
                 f" {first.source or 'another scan'}; one scan per direction expected;"
                 " join the scans (--merge, merge_scans) or omit one",
                 file=second.source,

@@ -73,7 +73,7 @@ def facade_matrices(
     ------
     InputError : samples and relative_error both given, or a number out of range; a
         port has the same name as another port or the window
-    DeviceError : no usable device
+    DeviceError : no usable compute device
 
     Examples
     --------

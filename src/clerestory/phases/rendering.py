@@ -85,7 +85,7 @@ def render(
     Raises
     ------
     InputError : samples and relative_error both given, or a number out of range
-    DeviceError : no usable device
+    DeviceError : no usable compute device
     """
     effort = effort_of(render, keywords, default=_DEFAULT)
     return _picture(scene, view, (columns, rows), effort, "radiance")

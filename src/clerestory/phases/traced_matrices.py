@@ -67,7 +67,7 @@ def view_matrix(
     Raises
     ------
     InputError : samples and relative_error both given, or a number out of range
-    DeviceError : no usable device
+    DeviceError : no usable compute device
     """
     effort = matrix_effort(view_matrix, keywords)
     return view_matrices(scene, [window], sensors=sensors, effort=effort)[window.name]

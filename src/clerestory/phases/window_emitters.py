@@ -40,7 +40,7 @@ def precompute_illums(
     rings: int = 18,
     **keywords: Unpack[EffortKeywords],
 ) -> Scene:
-    """Return windows as illums with the light they transmit and reflect to the room.
+    """Return windows as illums that emit their transmitted and reflected radiance.
 
     Render them in place of the windows: `room + illums`. Direct sunlight through clear
     panes is not included; rendering samples the sun through the window, as Radiance
@@ -64,7 +64,7 @@ def precompute_illums(
     Raises
     ------
     InputError : a pane that is not a polygon, no panes, or a number out of range
-    DeviceError : no usable device
+    DeviceError : no usable compute device
     """
     effort = effort_of(precompute_illums, keywords, default=_DEFAULT)
     require(zone > 0, f"edge length of zones is {zone:g} m; a positive length expected")

@@ -152,7 +152,7 @@ def _view_frames(
 def _rows(
     content: ReportContent, steps: Int[np.ndarray, " frame"]
 ) -> list[dict[str, Any]]:
-    # Rows of coloured text below the frames: states of each window, DGP of each view
+    # Rows of coloured text below the frames: shades of each window, DGP of each view
     rows = []
     for each in window_states(content.data):
         shades = hexadecimal(each.colours())

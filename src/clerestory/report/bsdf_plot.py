@@ -114,7 +114,7 @@ def share_figure(
 ) -> Figure:
     """Plot direct-hemispherical transmittance or reflectance by angle of incidence.
 
-    The left panel is for light from above and below, the right one from the sides.
+    The left panel is for incidence from above and below, the right one from the sides.
     """
     figure = Figure(figsize=(8.4, 3.4), layout="constrained")
     panels = figure.subplots(1, 2, sharey=True)

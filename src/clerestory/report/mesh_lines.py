@@ -60,7 +60,7 @@ def horizontal_section(
     cut = lone_side | (above.sum(axis=1) == 2)
     corners, above, lone_side = corners[cut], above[cut], lone_side[cut]
 
-    # In each cut triangle, one corner is alone on its side of the plane
+    # In each cut triangle, one corner lies alone on one side of the plane
     lone = np.argmax(above == lone_side[:, None], axis=1)
     row = np.arange(len(corners))
     apex = corners[row, lone]

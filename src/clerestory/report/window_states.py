@@ -59,7 +59,7 @@ def window_states(data: xr.Dataset) -> tuple[WindowStates, ...]:
 
 
 def states_section(content: ReportContent) -> Section:
-    """Return an annual map per window, with the fraction of time in each state."""
+    """Return annual maps of windows, with the fraction of time in each shade state."""
     states = window_states(content.data)
     if not states:
         return Section()

@@ -78,8 +78,8 @@ class SkyMatrix:
         require(
             self.colour.shape == (bands, shape[0])
             and self.sun_colour.shape == (bands,),
-            f"colours of shape {self.colour.shape} and {self.sun_colour.shape};"
-            f" ({bands}, {shape[0]}) and ({bands},) expected",
+            f"colour has shape {self.colour.shape}, sun_colour {self.sun_colour.shape};"
+            f" ({bands} bands, {shape[0]} patches) and ({bands} bands,) expected",
             error=MatrixError,
         )
         # NaN fails the first comparison, infinity the second

@@ -79,7 +79,7 @@ def quality_problems(weather: Weather) -> Iterator[str]:
         first = weather.times[int(np.argmax(gaps > 0.5))]
         yield (
             f"{missing} time steps are missing in {np.count_nonzero(gaps > 0.5)} gaps"
-            f" (first: after {first}) and are not replaced"
+            f" (first: after {first}) and are left out of sums"
         )
     light = weather.direct_normal + weather.diffuse_horizontal > _LIGHT
     odd = light & (sun_over(weather).altitude < _BELOW)

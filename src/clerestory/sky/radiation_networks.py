@@ -118,7 +118,7 @@ def read_srml(
     data = _read_srml(path)
     require(
         isinstance(data.index, pd.DatetimeIndex),
-        "invalid times; dates of the calendar expected",
+        "the times cannot be read; dates of the calendar expected",
         file=path,
     )
     utc = data.index.tz_convert("UTC").tz_localize(None).to_numpy()

@@ -131,7 +131,7 @@ def daylight_steps(weather: Weather, *, sun_formula: SunFormula = "spa") -> Weat
     up = sun_over(weather, sun_formula=sun_formula).altitude > -SUN_DIAMETER / 2
     require(
         up.any(),
-        "the sun is below the horizon at all steps; weather with days expected",
+        "the sun is below the horizon at all steps; weather with daytime expected",
         file=weather.source or None,
     )
     return weather.select(up)

@@ -85,7 +85,7 @@ def glare_function(
 ) -> GlareFunction:
     """Return a function that computes DGP due to daylight at given time steps.
 
-    The function returns the largest DGP among the views, 0 in steps without daylight.
+    The function returns the largest DGP among the views, 0 in dark time steps.
     """
     times = skies.whole.times
     lit = skies.whole.diffuse.max(axis=0) > 0

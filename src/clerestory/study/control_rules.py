@@ -2,7 +2,7 @@
 
 Rules based on interior illuminance or glare are evaluated group by group, in the order
 of the study file. Window groups evaluated before are in their chosen shade states,
-those evaluated later are closed, so that limits on illuminance or DGP can be met.
+groups evaluated later are closed, so that limits on illuminance or DGP can be met.
 """
 
 from collections.abc import Callable
@@ -78,7 +78,7 @@ def cut_off(case: Case) -> _StateTimes:
 
 
 def by_profile(case: Case) -> _StateTimes:
-    """Return as state the number of `angles_deg` above the solar profile angle."""
+    """Return the count of `angles_deg` above the solar profile angle as shade state."""
     angle = case.signals.profile(case.number, vertical=case.control.vertical)
     if case.control.vertical:
         angle = np.abs(angle)
@@ -253,7 +253,7 @@ def _quantity(case: Case) -> Float[np.ndarray, " time"]:
 
 
 def _glare(case: Case, *, until: float = -np.inf) -> Float[np.ndarray, "state time"]:
-    # DGP of each state; infinite if a more open state has DGP ≤ `until`
+    # DGP of each shade state; infinite if a more open state has DGP ≤ `until`
     steps = np.arange(len(case.signals.times))
     glare = np.full((case.count, len(steps)), np.inf)
     for state in range(case.count):

@@ -109,7 +109,7 @@ def _whole(table: WeatherTable) -> Weather:
 
 
 def _chosen(weather: Weather, table: WeatherTable) -> np.ndarray:
-    # Indices of every n-th step within the given hours (at the given moments, if any)
+    # Every n-th time-step index within the given hours (at the given moments, if any)
     steps = occupied_hours(
         weather.times, from_hour=table.from_hour, to_hour=table.to_hour
     )

@@ -83,7 +83,7 @@ class Job:
         )
 
     def pixel_effort(self, samples: int, stream: int = 0) -> Effort:
-        """Return the sampling effort for a given number of paths per pixel."""
+        """Return the sampling effort for a given number of ray paths per pixel."""
         return replace(self.effort(stream), samples=samples, relative_error=None)
 
     def direct_effort(self, stream: int, samples: int | None = None) -> Effort:

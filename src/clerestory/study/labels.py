@@ -32,7 +32,7 @@ def label_results(
 ) -> xr.Dataset:
     """Return all results of a run as one dataset; see `Results`.
 
-    The datasets `parts` have the results for electric light, glare and sunlight.
+    The datasets `parts` contain results on electric lighting, glare and sunlight.
     """
     study, inputs, hours = signals.study, signals.inputs, signals.occupied
     sensors = inputs.sensors()

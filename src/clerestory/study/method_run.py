@@ -49,14 +49,14 @@ _PACKAGES = ("mitsuba", "drjit", "numpy", "xarray", "pvlib")
 
 @dataclass
 class RunLog:
-    """Duration of each step of a run [s], and warnings of the run."""
+    """Duration of each stage of a run [s], and warnings of the run."""
 
     seconds: dict[str, float] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
 
     @contextmanager
     def phase(self, name: str) -> Iterator[None]:
-        """Measure the duration of a step of the run; record and re-issue warnings."""
+        """Measure the duration of a stage of the run; record and re-issue warnings."""
         start = perf_counter()
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", ClerestoryWarning)

@@ -1,6 +1,6 @@
 """Dry run: estimate of time, memory and disk space of a run.
 
-A dry run has the same steps as a run, with an executor that records the tracing jobs
+A dry run has the same stages as a run, with an executor that records the tracing jobs
 instead of executing them. Matrices in the cache have no cost.
 """
 

@@ -208,7 +208,7 @@ class WindowTable(NamedFile, LayerTable):
         return self
 
     def _check_control(self) -> None:
-        # Shade states named in a rule must exist; its lists must have fitting lengths
+        # Check the shade states named in the control rule, and the lengths of its lists
         control, labels = self.control, [table.label for table in self.states()]
         if control is None:
             return

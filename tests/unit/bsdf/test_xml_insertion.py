@@ -90,7 +90,7 @@ def test_other_bases_come_along(template, tmp_path):
 
 
 def test_a_missing_channel_is_refused(source, template, tmp_path):
-    with pytest.raises(InputError, match=r"source.xml: no solar data; .* visible"):
+    with pytest.raises(InputError, match=r"source.xml: .* no solar channel; .*visible"):
         insert_blocks(source, template, tmp_path / "out.xml", channels=["solar"])
     assert not (tmp_path / "out.xml").exists()
 

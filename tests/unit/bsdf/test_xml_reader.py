@@ -111,7 +111,7 @@ def test_repeated_and_unknown_blocks_are_noted(bsdf_xml, write):
     bsdf = read_bsdf(write(text))
     np.testing.assert_array_equal(bsdf.function("transmission_front").values, TABLE)
     assert any("twice" in note for note in bsdf.notes)
-    assert any("'Sideways' is ignored" in note for note in bsdf.notes)
+    assert any("unknown direction 'Sideways' is ignored" in note for note in bsdf.notes)
 
 
 def test_slight_negative_noise_is_read_as_zero(bsdf_xml, write):

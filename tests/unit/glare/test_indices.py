@@ -143,7 +143,7 @@ def test_votes_of_a_window():
     expected += (0.79 * size - 0.61) * math.log10(rest) - 8.2
     found = contrast_pgsv(window=2000, window_solid_angle=0.4, average=500)
     assert found == pytest.approx(expected)
-    with pytest.raises(InputError, match="without light in its surround"):
+    with pytest.raises(InputError, match="accounts for all light"):
         contrast_pgsv(window=9000, window_solid_angle=0.4, average=500)
 
 

@@ -63,7 +63,7 @@ def test_a_fisheye_with_a_perspective_header_is_refused():
 def test_an_ordinary_photograph_is_refused():
     flat = room(60)
     flat[:40] = 179.0
-    with pytest.raises(InputError, match="a photograph without photometric scale"):
+    with pytest.raises(InputError, match="photograph without luminance calibration"):
         evaluate_glare(picture(flat))
 
 
@@ -137,7 +137,7 @@ def test_a_year_takes_given_illuminances_and_times():
         ([room(np.nan)], {}, "picture 0 has negative or non-finite"),
         ([], {}, "no pictures"),
         ([room()], {"times": np.arange(3)}, "3 times for 1 pictures"),
-        ([room()], {"illuminance": np.ones(0)}, "0 illuminances for more pictures"),
+        ([room()], {"illuminance": np.ones(0)}, "0 illuminances, but more pictures"),
     ],
 )
 def test_years_that_do_not_fit_are_refused(steps, options, message):

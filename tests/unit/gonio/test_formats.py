@@ -195,7 +195,7 @@ def test_a_direction_given_twice_is_refused_unless_merged(tmp_path):
         write(tmp_path, pabopto(head=head), "a.txt"),
         write(tmp_path, pabopto(head=head), "b.txt"),
     ]
-    with pytest.raises(InputError, match=r"b\.txt.*also that of .*a\.txt"):
+    with pytest.raises(InputError, match=r"b\.txt.*also measured in .*a\.txt"):
         read_measurement(*paths)
     (measurement,) = read_measurement(*paths, merge=True)
     assert len(measurement.scans[0].values) == 2 * len(VALUE)

@@ -196,7 +196,7 @@ def test_exported_matrices_hold_the_functions_of_the_fits(pane_fit):
 
 def test_trees_of_two_ranks_do_not_fit_one_layer(pane_fit, film_fit):
     other = Fitted(film_fit.interpolant, "reflection_front")
-    with pytest.raises(InputError, match="rank"):
+    with pytest.raises(InputError, match="some anisotropic"):
         export_bsdf([pane_fit, other], "tree", halvings=2)
     with pytest.raises(InputError, match="twice"):
         export_bsdf([pane_fit, pane_fit])

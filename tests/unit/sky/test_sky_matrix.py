@@ -265,7 +265,7 @@ def test_a_sky_of_the_wrong_shape_is_refused(spring_day):
         replace(sky, diffuse=sky.diffuse[:-1])
     with pytest.raises(MatrixError, match="not finite"):
         replace(sky, colour=sky.colour * np.nan)
-    with pytest.raises(MatrixError, match="colours of shape"):
+    with pytest.raises(MatrixError, match="colour has shape"):
         replace(sky, colour=sky.colour[:, :-1])
 
 

@@ -59,7 +59,7 @@ def register() -> None:
 def load(material: Material, origin: np.ndarray | None = None) -> mi.BSDF:
     """Return the Mitsuba BSDF of a material.
 
-    Patterns need `origin`, the origin of device coordinates in scene coordinates.
+    Patterns need `origin`, the origin of translated coordinates in scene coordinates.
     """
     origin = np.zeros(3) if origin is None else origin
     plugin = material.plugin()

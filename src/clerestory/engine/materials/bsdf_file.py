@@ -39,7 +39,7 @@ _REVERSE = [FUNCTIONS.index(OTHER_SIDE.get(name, name)) for name in FUNCTIONS]
 
 
 def scattering_table(bsdf: Bsdf) -> Table:
-    """Return the visible scattering functions of a layer as device arrays."""
+    """Return the visible scattering functions of a layer as Dr.Jit arrays."""
     bsdf = bsdf.tabulated()
     parts = [_colours(bsdf, name) for name in FUNCTIONS]
     trees = [p for p in parts if p is not None and isinstance(p[0], ScatteringTree)]

@@ -54,7 +54,7 @@ def define() -> type:
             return made
 
         def turned(self, si, bent, wo):
-            """Direction in the perturbed frame, and whether the sign of z is equal."""
+            """Direction in the perturbed frame, and whether z keeps its sign."""
             world = si.sh_frame.to_world(wo)
             local = bent.to_local(world)
             return local, local.z * wo.z > 0

@@ -5,7 +5,7 @@
 
 Of the light not reflected specularly, the fraction `transmission` is transmitted. Of
 the transmitted light, the fraction `transmitted_specular` is specular: a lobe, or at
-roughness zero direct transmission, which shadow rays may pass. For the other parameters
+roughness zero direct transmission, also of shadow rays. For the other parameters
 see `radiance_plastic`.
 """
 

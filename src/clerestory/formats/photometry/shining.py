@@ -20,7 +20,7 @@ Shining = Polygon | Sphere | Cone | Ring
 # Distance between the faces of a flat luminaire that emits up- and downwards [m]
 _THICKNESS = 0.0005
 
-# Height of a luminous shape above which its sides emit [m]
+# Height [m] above which a luminous shape emits from its sides
 _LEAST_SIDE = 0.001
 
 

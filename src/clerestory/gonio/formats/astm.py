@@ -36,7 +36,7 @@ _VARS = re.compile(r"^\s*VARS\s+", re.IGNORECASE)
 def _read(path: Path, options: ReadOptions) -> Iterator[Measurement]:
     lines = numbered_lines(path)
     heads = [k for k, (_, text) in enumerate(lines) if _VARS.match(text)]
-    require(heads, "no VARS line; the names of the columns expected")
+    require(heads, "no line starts with VARS; VARS and the column names expected")
     place, head = lines[heads[0]]
     names = [name.strip().lower() for name in _VARS.sub("", head).split(",")]
     names = [name for name in names if name]

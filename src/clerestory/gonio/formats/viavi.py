@@ -27,8 +27,8 @@ def _read(path: Path, options: ReadOptions) -> Iterator[Measurement]:
     body = [line for line in lines if not line[1].startswith("!!")]
     require(
         0 < len(body) < len(lines),
-        "no line that starts with !!, or no other line; a file of RPC Photonics'"
-        " scatterometer expected",
+        "header lines (starting with !!) or data lines are missing; a file of RPC"
+        " Photonics' scatterometer expected",
     )
     words = lines[0][1].lstrip("!").split()
     function = options.function or "transmission_front"

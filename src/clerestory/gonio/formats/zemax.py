@@ -90,7 +90,7 @@ def _read_file(path: Path) -> _Table:
         for k, (_, text) in enumerate(lines, 1)
         if text.upper().startswith("DATABEGIN")
     ]
-    require(marks, "no DataBegin; a table of BSDF values expected")
+    require(marks, "no DataBegin line; DataBegin and a table of BSDF values expected")
     # Tristimulus files contain tables of X, Y and Z in this order
     start = marks[1 if len(marks) == 3 else 0]
     rows = [
