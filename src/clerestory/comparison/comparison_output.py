@@ -53,7 +53,7 @@ def shares_table(comparisons: Sequence[Comparison]) -> list[list[str]]:
 
 
 def statistics_table(comparisons: Sequence[Comparison]) -> list[list[str]]:
-    """Return a table of all statistics: rows for the groups, then for the series."""
+    """Return a table of statistics with one row per group, then one row per series."""
     counts = ["pairs", "gaps", "not simulated", "too dark"]
     within = [f"within {100 * limit:g} % [%]" for limit in LIMITS]
     rows = [["simulation", "series", "quantity", "unit"]]

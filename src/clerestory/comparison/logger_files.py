@@ -52,7 +52,7 @@ class LoggerFile(CsvFormat):
     time : name of the column of times, or of several columns whose texts are joined
     columns : column name of each series
     time_format : format for `datetime.strptime`; default: ISO 8601
-    stands_for : whether times are the "start", "centre" or "end" of the steps; "moment"
+    stands_for : whether times are "start", "centre" or "end" of time steps; "moment"
         for instantaneous readings
     """
 
@@ -92,7 +92,7 @@ def read_logger(
 def read_plain(path: str | Path, *, utc_offset_hours: float) -> Series:
     """Return the series of a CSV file whose first column is the time.
 
-    Times are in ISO 8601 and mark the centres of the steps; the headings of the other
+    Times in ISO 8601 mark the centres of the time steps; the headings of the other
     columns are the names of the series. `clerestory run` writes tables of this format.
     """
     path = Path(path)

@@ -24,7 +24,7 @@ from clerestory.metrics.agreement import Agreement, agreement
 
 ABOVE_LUX = 100.0
 
-# Largest time shift and step of the search for the clock offset [min]
+# Largest time shift and increment in the search for the clock offset [min]
 _LARGEST, _STEP = 120, 5
 
 # Smallest number of distinct times required for the search for the clock offset

@@ -54,7 +54,7 @@ def annual_glare(
     view : common view of all pictures
     times : time of each picture, the coordinate "time" of the result; default: a
         coordinate "step" of picture numbers
-    illuminance : measured vertical illuminance at each step, for DGP [lux]; default:
+    illuminance : measured vertical illuminance per time step, for DGP [lux]; default:
         from the pictures
     rules, background, low_light, coefficients : see `evaluate_glare`
     progress : callback with the number of completed pictures

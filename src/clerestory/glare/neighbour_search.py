@@ -22,7 +22,7 @@ class Window(NamedTuple):
     """Rectangular window around a central pixel; `top` and `left` are its first pixel.
 
     `near` tells whether a pixel is within the search angle of the central pixel,
-    `blind` whether the row of the central pixel is not searched, due to rounding.
+    `blind` tells whether rounding excludes the row of the central pixel.
     """
 
     top: int

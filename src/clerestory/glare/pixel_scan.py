@@ -89,7 +89,7 @@ def first_scan(
     # An island in which at most one run can begin a source is one source
     labels = np.zeros(mask.shape, dtype=np.int64)
     tips = np.bincount(island[start], weights=alone, minlength=island.max() + 1)
-    birth = np.zeros(start.size, dtype=np.int64)  # first run of each run's source
+    birth = np.zeros(start.size, dtype=np.int64)  # first run of the source of each run
     for here in np.flatnonzero(tips > 1):
         members = np.flatnonzero(island[start] == here)
         birth[members] = _scan_runs(

@@ -5,7 +5,7 @@ from scipy import fft
 
 from clerestory.array_types import Image, ImageMask
 
-# A dark pixel is added if more than this fraction of the disc around it is source
+# A dark pixel is added if source pixels fill more than this fraction of the disc
 _SHARE = 0.2
 
 

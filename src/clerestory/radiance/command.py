@@ -24,7 +24,7 @@ _MOST_COPIES = 100_000
 
 @dataclass(frozen=True, eq=False)
 class Inclusion:
-    """Files, primitives or scene that a command includes, with a placement per copy.
+    """Files, primitives or scene inserted by a command, with a placement per copy.
 
     Commands include named files, primitives made by a generator, or a scene built by
     a converter such as mgf2rad.

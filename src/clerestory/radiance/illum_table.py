@@ -58,7 +58,7 @@ def light_pattern(light: LeavingLight) -> FunctionPattern:
     """Return the pattern that gives an emitter of radiance 1 the radiance of a patch.
 
     The table has radiances at the centres of polar angle and azimuth intervals, scaled
-    so that the interpolated table has the exitance of `light`.
+    so that the interpolated table has the same exitance as `light`.
     """
     grey = bool(np.ptp(light.radiance, axis=2).max() == 0)
     tables = [_table(light.radiance[..., c]) for c in range(1 if grey else 3)]

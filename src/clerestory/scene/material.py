@@ -84,7 +84,7 @@ class Material(ABC):
 class Emitter(Material, ABC):
     """A material that emits light from its front, with a radiance [W/(m²·sr)].
 
-    `pattern` multiplies the radiance, depending on direction and point; None: by 1.
+    `pattern` multiplies the radiance, depending on direction and point; None is 1.
     """
 
     radiance: Colour

@@ -55,7 +55,7 @@ class Transform:
 
 
 def parse_transform(words: list[str]) -> tuple[Transform, int]:
-    """Return the transform given by the first options, and the number of words read.
+    """Return the transform that the first words give, and the number of these words.
 
     Options: -t x y z, -rx -ry -rz degrees, -s factor, -mx -my -mz, and -i count, which
     repeats the options up to the next -i. Any other word ends the transform.

@@ -21,7 +21,7 @@ from clerestory.checks import require
 _LOWEST_COSINE = 1e-3
 
 
-# Relative luminance, from directions above the horizon and the direction to the sun
+# Function of directions above the horizon and to the sun; returns relative luminance
 Distribution = Callable[[Directions, Vector], Values]
 
 

@@ -77,7 +77,7 @@ class PerezSky:
     def gradation(
         self, cos_zenith: Float[np.ndarray, " patch"]
     ) -> Float[np.ndarray, "time patch"]:
-        """Gradation 1 + a exp(b / cos ζ), times some factor per time step."""
+        """Gradation 1 + a exp(b / cos ζ), scaled by a factor per time step."""
         a, b = self.parameters[:2, :, None]
         exponent = b / cos_zenith
         largest = np.maximum(exponent.max(axis=1, keepdims=True), 0)
@@ -86,7 +86,7 @@ class PerezSky:
     def indicatrix(
         self, cos_sun: Float32[np.ndarray, "time patch"]
     ) -> Float32[np.ndarray, "time patch"]:
-        """Indicatrix 1 + c exp(d γ) + e cos² γ, times some factor per time step.
+        """Indicatrix 1 + c exp(d γ) + e cos² γ, scaled by a factor per time step.
 
         The array `cos_sun` of cos γ is overwritten with the result.
         """
@@ -157,7 +157,7 @@ def dome_radiance(
     out: Float32[np.ndarray, "time patch"],
     steps: Int[np.ndarray, " lit"],
 ) -> None:
-    """Write the radiance of the patches [W/(m²·sr)] at the given steps into `out`.
+    """Write the patch radiance [W/(m²·sr)] at the given time steps into `out`.
 
     The sky is scaled to the diffuse horizontal irradiance [W/m²]. Patches are weighted
     by their "exact" projected solid angle, or by solid angle times cosine at the patch

@@ -25,7 +25,7 @@ from clerestory.sky.weather import Weather
 
 Spectrum = Literal["visible", "solar"]
 
-# Steps with irradiance up to this value are night [W/m²], as in gendaymtx
+# Irradiance up to which a time step is night [W/m²], as in gendaymtx
 _NIGHT = 1e-4
 
 # Direct normal irradiance at night above which a warning is issued [W/m²]
@@ -115,9 +115,9 @@ def sun_over(
 ) -> SunPosition:
     """Return the solar position at each time step of the weather.
 
-    The position is computed at the centre of the step or, in steps with sunrise or
+    It is computed at the centre of the time step or, in time steps with sunrise or
     sunset, at the centre of the interval with the sun above the horizon. Radiance's
-    formula is always evaluated at the centre of the step, as in gendaymtx.
+    formula is always evaluated at the centre of the time step, as in gendaymtx.
     """
     finite(rotation_deg, "rotation", unit="degrees")
     sun = sun_at(weather.site, weather.times, formula=sun_formula)
@@ -138,7 +138,7 @@ def daylight_steps(weather: Weather, *, sun_formula: SunFormula = "spa") -> Weat
 
 
 def _at_sunrise_and_sunset(weather: Weather, sun: SunPosition) -> SunPosition:
-    # Only steps with the sun near the horizon can contain sunrise or sunset
+    # Only time steps with the sun near the horizon can contain sunrise or sunset
     half = np.timedelta64(round(weather.step_minutes * 30), "s")
     near = np.flatnonzero(np.abs(sun.altitude) < _reach(weather))
     if len(near) == 0:

@@ -125,7 +125,7 @@ def _sky_and_ground(
     *,
     empty: bool,
 ) -> Float32[np.ndarray, "patch time"]:
-    # Time is the first axis in memory, since values are written step by step
+    # Time is the first axis in memory, since values are written by time step
     lit = conditions.lit
     radiance = np.zeros((len(lit), len(partition)), np.float32)
     if not empty:

@@ -11,7 +11,7 @@ from clerestory.sky.weather import Weather
 def sun_path_table(
     weather: Weather, *, sun_formula: SunFormula = "spa", rotation_deg: float = 0.0
 ) -> str:
-    """Return a line per step: time, solar altitude and azimuth [°], DNI [W/m²]."""
+    """Return a line per time step: time, solar altitude and azimuth [°], DNI [W/m²]."""
     position = sun_over(weather, rotation_deg=rotation_deg, sun_formula=sun_formula)
     return _table(
         "time,altitude,azimuth clockwise from north,direct normal [W/m²]",

@@ -11,7 +11,7 @@ from clerestory.sky.weather import TYPICAL_LEAP_YEAR, TYPICAL_YEAR
 
 StandsFor = Literal["start", "centre", "end"]
 
-# Offset from the time in the file to the centre of the step, as fraction of the step
+# Offset from the time in the file to the centre of the time step [time steps]
 _SHIFTS = {"start": 0.5, "centre": 0.0, "end": -0.5}
 
 _DAYS = np.array([31, 29, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31])

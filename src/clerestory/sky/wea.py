@@ -1,6 +1,6 @@
 """Weather files of Radiance and Daysim (.wea).
 
-Hours mark the centres of the steps, at which the solar position is computed. In the
+Hours mark the centres of time steps, at which the solar position is computed. In the
 file, longitude and time zone are in degrees, positive west.
 """
 

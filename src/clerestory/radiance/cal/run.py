@@ -37,7 +37,7 @@ Nodes = tuple[Node, ...]
 class Rows:
     """Indices of a subset of the rays, with a cache of computed values.
 
-    `place` is the mask that selects the subset from its superset `parent`.
+    `place` is the mask that selects the subset of rays from the superset `parent`.
     """
 
     def __init__(
@@ -315,7 +315,7 @@ class Run(Evaluation[Values]):
         return value
 
     def selection(self, given: Nodes, rows: Rows, frame: Frame | None) -> Values:
-        """Evaluate select(…): each choice for the rays that select it."""
+        """Evaluate select(…): each argument only for the rays that select it."""
         # select(0, …) returns the number of choices
         which = self.node(given[0], rows, frame)
         number = np.trunc(np.where(which < -0.5, -1.0, which + 0.5))

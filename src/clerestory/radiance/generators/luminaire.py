@@ -24,7 +24,7 @@ from clerestory.scene.primitive import Primitive, primitive
 from clerestory.scene.surface import transformed
 from clerestory.scene.transform import Transform
 
-# Units of length per metre, as in option -d
+# Number of units of length per metre, by letter of option -d
 _UNITS = {"m": 1.0, "c": 100.0, "f": 1 / 0.3048, "i": 12 / 0.3048}
 _DIMENSION = re.compile(r"-d([mcfi])(?:/(\d+\.?\d*))?")
 

@@ -78,7 +78,7 @@ class Air:
 
     @property
     def bend(self) -> float:
-        """Term of the solar zenith angle in Perez's sky clearness."""
+        """Zenith angle term 1.041 ζ³ of Perez's sky clearness."""
         return 1.041 * self.zenith**3
 
     def light(self, request: Request, words: WordReader) -> Light | None:

@@ -47,7 +47,7 @@ class Light(Emitter):
 class Glow(Emitter):
     """A light source that shadow rays sample only up to the distance `radius` [m].
 
-    A radius of 0 means no shadow rays; a negative radius, no indirect light either.
+    A radius of 0 excludes shadow rays; a negative radius also excludes indirect rays.
     """
 
     name: str

@@ -23,8 +23,8 @@ class Trans(Material):
     reflectance : colour of diffuse reflection and of transmission
     specularity : specular reflectance, uncoloured
     roughness, up : parameters of reflected and transmitted highlight; see `Plastic`
-    transmission : transmitted fraction of the light that is not reflected specularly
-    transmitted_specular : specular fraction of the transmitted light
+    transmission : transmitted fraction of the flux that is not reflected specularly
+    transmitted_specular : specular fraction of the transmitted flux
     """
 
     name: str
