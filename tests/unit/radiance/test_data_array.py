@@ -39,7 +39,7 @@ def test_beyond_the_ends_values_go_on_and_fall_off():
         ("", "the file ends after 0 of 1 number of axes"),
         ("9", "number of axes is 9"),
         ("1 0 1 3 1 2", "ends after 2 of 3 values"),
-        ("1 0 0 3 1 2 2 1 2 3", "ascend nor"),
+        ("1 0 0 3 1 2 2 1 2 3", "out of order"),
         ("1 0 1 two", "not a data file"),
         ("2 0 1 99999999 0 1 99999999", "number of positions on an axis is 1e\\+08"),
         ("1 0 1 2 1 nan", "is nan"),
