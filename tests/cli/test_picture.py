@@ -98,7 +98,7 @@ def test_convert_keeps_values(call, pictures):
             "--from is given with --log",
         ),
         ("sum ramp.hdr flat.exr --weight 1 -o a.hdr", "1 weights for 2 pictures"),
-        ("reduce ramp.hdr -o a.hdr", "one of --factor and --size"),
+        ("reduce ramp.hdr -o a.hdr", "either --factor or --size"),
         ("crop ramp.hdr --corner 0 0 --size 99 9 -o a.hdr", "within 40 × 30"),
         ("convert ramp.hdr --half -o a.hdr", "--half for a.hdr; .exr expected"),
         ("convert ramp.hdr -o a.tif", ".hdr, .pic, .exr expected"),

@@ -77,9 +77,9 @@ def _sum(terms: list[list[Path]]) -> TransferMatrix:
     for term, other in zip(terms[1:], others, strict=True):
         require(
             first.rows.fits(other.rows) and first.columns.fits(other.columns),
-            f"the product that begins with {term[0]} has {other.rows.describe()} by"
+            f"product {term[0]} … is {other.rows.describe()} by"
             f" {other.columns.describe()}; {first.rows.describe()} by"
-            f" {first.columns.describe()}, as in the first product, expected",
+            f" {first.columns.describe()} expected, the size of the first product",
             error=MatrixError,
         )
     return joint_sum(products)

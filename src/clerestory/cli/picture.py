@@ -107,7 +107,7 @@ def add(request: requests.SumPictures) -> None:
 def reduce(request: requests.ReducePicture) -> None:
     """Reduce the resolution of a picture."""
     factor, size = request.factor, request.size
-    require((factor is None) != (size is None), "one of --factor and --size expected")
+    require((factor is None) != (size is None), "either --factor or --size expected")
     picture = read_picture(request.file)
     shares = (picture.columns / (factor or 1), picture.rows / (factor or 1))
     columns, rows = size or (max(round(share), 1) for share in shares)

@@ -156,8 +156,8 @@ def _polynomials(lines: list[np.ndarray]) -> ResponseCurve:
     for numbers in lines:
         require(
             2 <= numbers.size == int(numbers[0]) + 2,
-            f"a line has {numbers.size} numbers; the degree of a polynomial and its"
-            " degree + 1 coefficients expected",
+            f"a line has {numbers.size} numbers; degree N of a polynomial and its N + 1"
+            " coefficients expected",
         )
         curves.append(np.polyval(numbers[1:], value))
     return ResponseCurve(np.stack(curves, axis=1)).monotonic()

@@ -49,7 +49,9 @@ class LightingZone:
         positive(self.setpoint_lux, "setpoint", unit="lux")
         not_negative(self.standby, "standby power", unit="W")
         within(self.least_output, "least output", least=0, most=np.nextafter(1, 0))
-        within(self.least_power, "least power", least=0, most=1)
+        within(
+            self.least_power, "least power, a fraction of full power,", least=0, most=1
+        )
 
 
 @final

@@ -43,8 +43,8 @@ class DataArray:
             step = np.diff(axis)
             require(
                 len(axis) > 1 and (np.all(step > 0) or np.all(step < 0)),
-                "the positions of an axis neither ascend nor descend; two or more"
-                " positions in order expected",
+                "positions of an axis are fewer than 2 or out of order; 2 or more,"
+                " ascending or descending, expected",
             )
         finite(self.values, "a value of the table")
 

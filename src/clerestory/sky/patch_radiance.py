@@ -70,8 +70,8 @@ class SkyMatrix:
         shape = (len(self.partition), len(self.times))
         require(
             self.diffuse.shape == self.sun.shape == shape,
-            f"sky of shape {self.diffuse.shape}, sun of shape {self.sun.shape};"
-            f" {self.rows.describe()} by {self.columns.describe()} expected",
+            f"shape of the sky is {self.diffuse.shape}, shape of the sun is"
+            f" {self.sun.shape}; {shape} (patches, time steps) expected",
             error=MatrixError,
         )
         bands = len(self.bands)
