@@ -93,7 +93,7 @@ class _Merging:
         return pixel, neighbour
 
     def _is_outer(self, index: np.ndarray) -> np.ndarray:
-        # Whether pixels adjoin another source or are at the edge of the picture
+        # Whether pixels adjoin a pixel of another label, or the edge of the picture
         row, column = self.pixels.row[index], self.pixels.column[index]
         rows, columns = self.picture.shape
         outer: np.ndarray = (np.minimum(row, column) < _EDGE) | (row >= rows - _EDGE)

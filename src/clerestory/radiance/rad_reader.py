@@ -225,7 +225,7 @@ class _Reading:
         return self.bsdfs[path]
 
     def _alias(self, given: Arguments) -> None:
-        # "inherit" keeps the modifiers of the aliased material; others replace them
+        # "inherit" keeps the modifiers of the alias target; any other replaces them
         name, (target,) = given.item.name, given.item.strings
         if target == "void":
             message = f'alias "{name}" refers to void; a material expected'

@@ -21,7 +21,7 @@ from clerestory.checks import require
 _LOWEST_COSINE = 1e-3
 
 
-# Function of directions above the horizon and to the sun; returns relative luminance
+# Relative luminance as a function of sky directions and the direction to the sun
 Distribution = Callable[[Directions, Vector], Values]
 
 

@@ -115,7 +115,7 @@ def sun_over(
 ) -> SunPosition:
     """Return the solar position at each time step of the weather.
 
-    It is computed at the centre of the time step or, in time steps with sunrise or
+    The position is computed at the centre of the time step or, in steps with sunrise or
     sunset, at the centre of the interval with the sun above the horizon. Radiance's
     formula is always evaluated at the centre of the time step, as in gendaymtx.
     """
