@@ -117,7 +117,7 @@ _STEPS, _END = 300, 4.0
 
 @dataclass(frozen=True, eq=False)
 class Reduction:
-    """A reduced tree and the effect of the reduction."""
+    """A reduced tree, the numbers of cells, and the errors of the reduction."""
 
     tree: ScatteringTree  # the reduced tree
     cells_before: int  # number of cells before the reduction

@@ -1,4 +1,4 @@
-"""Subdivision of tree cells into scaled subcells.
+"""Subdivision of tree cells into subcells with scaled values.
 
 A cell can have hundreds of subcells. A subcell is stored as a Morton code, the index
 of the subdivided cell and a scale factor.

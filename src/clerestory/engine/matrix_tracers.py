@@ -149,7 +149,7 @@ def matrix_tracer(
 ) -> Tracer:
     """Return a function that traces a unit of a matrix and returns its sums.
 
-    `launch` traces the paths of a unit and adds their weights to a sink. `stream` and
+    `launch` traces the paths of a work unit and adds their weights to a sink. `stream` and
     `seed` (by default the job's seed) determine the random numbers.
     """
     _, batches, columns, channels = job.shape

@@ -163,7 +163,7 @@ class PathTracer:
                     total = _collect(sink, total, path, surface[0])
                     active &= ~surface[1]
 
-            # Sample the sources at the vertex; rays pass through visible proxies
+            # Sample the sources at the vertex; camera rays see the proxied geometry
             thickness, passed, works = None, None, active
             if dr.hint(model.proxies, mode="scalar"):
                 thickness = dr.gather(mi.Float, model.thickness_of_shape, shape, active)

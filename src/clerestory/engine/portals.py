@@ -170,7 +170,7 @@ class Portals:
     def sample(self, shares, origin, cell, u, v):
         """Sample a direction towards a portal by the probabilities of a cell.
 
-        `shares` is the array `share` or `sunlit`. Also return a mask that is false if
+        `shares`: probabilities of portals per cell. Also return a mask that is false if
         all probabilities of the cell are zero.
         """
         target, before = mi.Float(u), mi.Float(0)

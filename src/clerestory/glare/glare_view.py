@@ -39,7 +39,7 @@ class Pitch(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class GlareView:
-    """Pixel quantities of a view.
+    """Direction, solid angle, cosine and position index of the pixels of a view.
 
     `sigma` is the angle from the line of sight, `tau` the azimuth around the line of
     sight from the upward vertical [rad]. Solid angle [sr] and cosine of sigma are zero

@@ -144,7 +144,7 @@ def fit_lobes(scan: Scan, options: FitOptions = DEFAULT, least: float = 0.0) -> 
 
 
 def misplaced_flux(points: Points, predicted: Values) -> float:
-    """Fraction of the measured flux predicted in wrong directions; 1 if the flux is 0.
+    """Misplaced flux as a fraction of the measured flux; 1 if the measured flux is 0.
 
     `predicted`: predicted BSDF at the points [1/sr].
     """

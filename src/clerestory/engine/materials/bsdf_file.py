@@ -80,7 +80,7 @@ def _colours(bsdf: Bsdf, name: Function):
 
 
 def _matrices(bsdf: Bsdf):
-    # Matrices of all functions on the patches of the first; coloured if the file is
+    # Resample all functions to the patches of the first; coloured if the file is
     first = next(name for name in FUNCTIONS if bsdf.has(name))
     like = bsdf.function(first)
     found = []

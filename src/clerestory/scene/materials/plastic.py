@@ -33,7 +33,7 @@ _TINY = 1e-6
 # Rms facet slope; anisotropic highlight: slopes along `up` and perpendicular to it
 Roughness = float | Vector2
 
-# Up vector: constant in scene coordinates, or a pattern in function coordinates
+# Up vector: constant in scene coordinates, or functions in their own coordinates
 Up = Vector | Pattern | None
 
 
