@@ -149,8 +149,8 @@ def matrix_tracer(
 ) -> Tracer:
     """Return a function that traces a unit of a matrix and returns its sums.
 
-    `launch` traces the paths of a work unit and adds their weights to a sink. `stream` and
-    `seed` (by default the job's seed) determine the random numbers.
+    `launch` traces the paths of a work unit and adds their weights to a sink. `stream`
+    and `seed` (by default the job's seed) determine the random numbers.
     """
     _, batches, columns, channels = job.shape
     start = job.seed if seed is None else seed

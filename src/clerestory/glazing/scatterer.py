@@ -69,7 +69,7 @@ class Scatterer:
     def leave(
         self, travel: _Directions, passed: Mask, rng: np.random.Generator
     ) -> _Directions:
-        """Sample the directions in which rays leave the layer; they arrive along `travel`.
+        """Sample the directions in which rays leave the layer; `travel`: incident rays.
 
         `passed`: True for rays that are transmitted, False for reflected rays.
         """
