@@ -131,8 +131,8 @@ def read_gltf(
     Parameters
     ----------
     materials : materials by name in the file; "*" for all other names
-    colours : whether to make materials that are not in `materials` diffuse, with
-        their base colour in the file
+    colours : whether to create diffuse materials, with the base colour in the file,
+        for names that are not in `materials`
     scale : metres per unit of the file
     up : axis of the file that points up, "y" or "z"
 

@@ -36,8 +36,8 @@ def read_obj(
     ----------
     path : path of the OBJ file
     materials : materials by name in `usemtl`, or by group name; "*" for all others
-    colours : whether to make materials that are not in `materials` diffuse, with the
-        colour Kd in the file's material library (mtllib)
+    colours : whether to create diffuse materials, with Kd of the file's material
+        library (mtllib), for names that are not in `materials`
     scale : metres per unit of the file
 
     Raises

@@ -52,7 +52,7 @@ def check_picture(
 
 
 def _primaries(colour: Colour) -> Vector:
-    # RGB radiance of the colour for a luminance of 179 cd/m²
+    # RGB radiance with the chromaticity of the colour and 179 cd/m²
     shares = np.asarray(colour, dtype=float)
     require(
         shares.min() >= 0 and 0 < shares.sum() < np.inf,

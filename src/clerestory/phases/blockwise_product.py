@@ -119,7 +119,7 @@ class BlockwiseProduct:
     states : index of the shade state at each time step, per window group; default 0
     weights : weights of the bands; one row for illuminance, one per band for pictures
     count : number of receivers (sensors or pixels)
-    errors : whether to compute error components as well
+    errors : whether to compute the components of standard errors as well
     most_receivers, most_steps : maximum block size; by default limited by memory
     """
 

@@ -112,7 +112,7 @@ def channel_count(matrix: Receiving) -> int:
 
 
 def chain_components(chain: MatrixChain) -> int:
-    """Return the largest number of error components of T, F and D by shade state."""
+    """Return the largest number of error components of T, F and D of a shade state."""
     return max((sum(map(component_count, state)) for state in chain.factors), default=0)
 
 

@@ -119,7 +119,8 @@ def highlight_specification(
 ) -> Specification:
     """Return the Radiance type and arguments of a glossy material.
 
-    `kind` is the type for isotropic highlights; `further` numbers follow the roughness.
+    `kind`: Radiance type with an isotropic highlight. `further`: arguments after the
+    roughness.
     """
     gloss = material.specularity, *np.atleast_1d(material.roughness).tolist()
     reals = (*material.reflectance, *gloss, *further)
