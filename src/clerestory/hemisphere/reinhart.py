@@ -58,7 +58,7 @@ class SkyPartition:
 
 
 def reinhart(subdivision: int) -> SkyPartition:
-    """Return the sky with each Tregenza patch divided into `subdivision`² patches.
+    """Return the sky with Tregenza patches divided in `subdivision` × `subdivision`.
 
     The zenith patch is not divided.
 
