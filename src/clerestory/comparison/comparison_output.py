@@ -15,7 +15,7 @@ from clerestory.comparison.series_comparison import Comparison, Offset
 from clerestory.files import write_text
 from clerestory.metrics.agreement import LIMITS, Agreement
 
-# Columns of the table of statistics
+# Columns of the table that compares simulation and measurement
 _STATISTICS: dict[str, Callable[[Agreement], str]] = {
     "measured mean": lambda found: f"{found.measured:.5g}",
     "simulated mean": lambda found: f"{found.simulated:.5g}",

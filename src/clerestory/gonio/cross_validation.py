@@ -124,7 +124,7 @@ class LeftOut:
 
 @dataclass(frozen=True)
 class CrossValidation:
-    """Prediction errors of all scans."""
+    """Leave-one-out prediction errors of all goniophotometer scans."""
 
     scans: tuple[LeftOut, ...]  # prediction errors of all scans
     smoothing: float  # smoothing factor of the lobe fits

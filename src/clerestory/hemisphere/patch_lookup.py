@@ -59,7 +59,7 @@ def find_patches(partition: RingPartition, direction: Directions) -> Indices:
 def _table(
     azimuth: Literal["compass", "polar"], theta: bytes, count: bytes
 ) -> Int16[np.ndarray, " cells"]:
-    # Patch of each cell, x-major. Partitions that differ only in name share one table
+    # Patch of each grid cell, x-major; the name of the partition has no effect
     partition = RingPartition(
         "table", np.frombuffer(count, dtype=int), np.frombuffer(theta), azimuth
     )

@@ -58,9 +58,9 @@ class SkyPartition:
 
 
 def reinhart(subdivision: int) -> SkyPartition:
-    """Return the sky with Tregenza patches divided in `subdivision` × `subdivision`.
+    """Return the sky with each Tregenza patch divided along both of its sides.
 
-    The zenith patch is not divided.
+    Each side has `subdivision` parts; the zenith patch is not divided.
 
     Raises
     ------

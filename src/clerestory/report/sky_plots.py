@@ -1,4 +1,4 @@
-"""Figures of skies: luminance at one time step, and annual irradiance.
+"""Figures of the sky dome: luminance at one time step, and annual irradiance.
 
 The sky dome is drawn as a sun-path diagram: a plan with the zenith at the centre, north
 up, east to the right, and radii linear in altitude.
