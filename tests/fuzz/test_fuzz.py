@@ -7,24 +7,32 @@ import sys
 from pathlib import Path
 
 import pytest
-from seeds import READERS
+from readers import READERS
 
 HARNESS = Path(__file__).with_name("harness.py")
 
 
-@pytest.mark.parametrize("name", READERS)
-def test_damaged_files_are_refused_in_words(name, request):
-    """A rotating part of 10,000 mutants a reader; `--mutants N` sets how many."""
-    count = request.config.getoption("--mutants")
-    first = int(os.environ.get("FUZZ_FIRST", "0"))
-    command = [sys.executable, HARNESS, name, "--count", count, "--first", first]
-    ran = subprocess.run(
-        [str(word) for word in command],
-        capture_output=True,
+@pytest.fixture(scope="module")
+def harness(request):
+    """A process that has imported the package, and forks another for each reader."""
+    options = request.config.getoption
+    first = os.environ.get("FUZZ_FIRST", "0")
+    words = ["--asked", "--count", options("--mutants"), "--first", first]
+    with subprocess.Popen(
+        [str(word) for word in (sys.executable, HARNESS, *words)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
         text=True,
-        check=False,
-        timeout=600,
-    )
-    assert ran.returncode == 0, ran.stderr[-2000:]
-    # Image libraries print warnings of their own before it
-    assert json.loads(ran.stdout.splitlines()[-1])["defects"] == []
+    ) as server:
+        yield server
+        server.stdin.close()
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_damaged_files_are_refused_in_words(name, harness):
+    """`--mutants N` sets how many; the first one is $FUZZ_FIRST."""
+    harness.stdin.write(f"{name}\n")
+    harness.stdin.flush()
+    outcome = json.loads(harness.stdout.readline())
+    assert outcome["reader"] == name
+    assert outcome["defects"] == []

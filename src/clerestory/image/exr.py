@@ -6,7 +6,11 @@ and comments (header lines). The custom attributes `radianceView` and `quantity`
 the view, and whether pixels are radiance or irradiance.
 """
 
+import os
 import tempfile
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import astuple
 from itertools import chain
 from pathlib import Path
@@ -28,6 +32,10 @@ from clerestory.radiance.view_text import format_view, parse_view
 # Largest finite half-precision number (IEEE 754 binary16)
 _LARGEST_HALF = 65504.0
 
+# File descriptors of standard output and standard error, which one thread may redirect
+_STREAMS = (1, 2)
+_SILENCE = threading.Lock()
+
 
 def read_exr(path: str | Path) -> Picture:
     """Read an OpenEXR picture, and convert it to the primaries of Radiance.
@@ -37,7 +45,7 @@ def read_exr(path: str | Path) -> Picture:
     """
     read_bytes(path)  # raises InputError with the reason if the file is unreadable
     try:
-        with located(file=path):
+        with located(file=path), _silent():
             header = OpenEXR.File(str(path), header_only=True).header()
             _window(header["dataWindow"])
             channels = OpenEXR.File(str(path), separate_channels=True).channels()
@@ -45,6 +53,23 @@ def read_exr(path: str | Path) -> Picture:
     except (RuntimeError, ValueError, TypeError, KeyError, UnicodeError) as error:
         reason = " ".join(str(error).split())
         raise InputError(f"damaged OpenEXR file: {reason}", file=path) from error
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    # Discard what the OpenEXR library prints about damaged files, on both streams
+    with _SILENCE:
+        kept = [os.dup(number) for number in _STREAMS]
+        nothing = os.open(os.devnull, os.O_WRONLY)
+        try:
+            for number in _STREAMS:
+                os.dup2(nothing, number)
+            yield
+        finally:
+            for number, before in zip(_STREAMS, kept, strict=True):
+                os.dup2(before, number)
+                os.close(before)
+            os.close(nothing)
 
 
 def _window(corners: Any) -> tuple[int, int, int, int]:
