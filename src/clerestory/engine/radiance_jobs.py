@@ -11,7 +11,8 @@ from typing import ClassVar, Literal
 import numpy as np
 from jaxtyping import Float, Int
 
-from clerestory.engine.controller import EstimatedJob, Growth, sum_rows
+from clerestory.engine.batch_lengths import Growth
+from clerestory.engine.controller import EstimatedJob, sum_rows
 from clerestory.engine.effort import Effort
 from clerestory.engine.matrix_jobs import mean_error, row_errors
 from clerestory.engine.sums import Sums
@@ -101,9 +102,9 @@ class IrradianceJob(RadianceJob):
         """Number of sensors."""
         return len(self.sensors)
 
-    def error(self, sums: Sums) -> float:
-        """Relative error of the worst sensor."""
-        return float(row_errors(sums).max(initial=0.0))
+    def error(self, sums: Sums) -> Float[np.ndarray, " row"]:
+        """Relative error of each sensor."""
+        return row_errors(sums)
 
 
 @dataclass(frozen=True, eq=False)
