@@ -28,23 +28,30 @@ def test_texts_that_differ_in_numbers_are_of_one_kind():
     )
 
 
+def steps(log, name, count=5000):
+    with log.phase(name):
+        for step in range(count):
+            warnings.warn(f"step {step}", ClerestoryWarning, stacklevel=1)
+
+
 def test_a_run_issues_each_kind_once_and_counts_all():
     log = RunLog()
     with pytest.warns(ClerestoryWarning) as shown:
-        for name in ("one", "two"):
-            with log.phase(name):
-                for step in range(5000):
-                    warnings.warn(f"step {step}", ClerestoryWarning, stacklevel=1)
+        steps(log, "one")
+    steps(log, "two")
     assert [str(item.message) for item in shown] == ["step 0"]
     assert log.warnings.lines() == ("step 0 (10,000 such warnings)",)
 
 
 def test_warnings_before_an_error_are_issued():
-    log = RunLog()
-    with (
-        pytest.warns(ClerestoryWarning, match="dark"),
-        pytest.raises(ValueError, match="broken"),
-        log.phase("read"),
-    ):
-        warnings.warn("dark", ClerestoryWarning, stacklevel=1)
-        raise ValueError("broken")
+    def broken(log):
+        with log.phase("read"):
+            warnings.warn("dark", ClerestoryWarning, stacklevel=1)
+            int("broken")
+
+    def tried():
+        with pytest.raises(ValueError, match="broken"):
+            broken(RunLog())
+
+    with pytest.warns(ClerestoryWarning, match="dark"):
+        tried()
