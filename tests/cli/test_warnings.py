@@ -37,14 +37,11 @@ def test_a_coarse_view_is_named_once_in_a_run_and_its_plan(call, coarse):
     planned = told(call("run", "study.toml", "--plan").err)
     run = call("run", "study.toml", "--out", "results", "--quiet")
     assert run.status == 0
-    assert (
-        told(run.err)
-        == planned
-        == [
-            'warning: [[view]] "seat": half the merging angle is 1.4 pixels at a resolution'
-            " of 60; 3 or more expected, as from a resolution of 134"
-        ]
-    )
+    assert told(run.err) == planned
+    assert planned == [
+        'warning: [[view]] "seat": half the merging angle is 1.4 pixels at a'
+        " resolution of 60; 3 or more expected, as from a resolution of 134"
+    ]
     noted = json.loads((coarse / "results/run.json").read_text())["warnings"]
     assert [f"warning: {line}" for line in noted if "merging" in line] == planned
 
