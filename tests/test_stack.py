@@ -14,7 +14,7 @@ import clerestory
 STACK = (
     ("array_types", "errors", "constants", "options", "progress"),
     ("checks",),
-    ("files", "directions", "bands", "toml_lines"),
+    ("files", "file_lock", "directions", "bands", "toml_lines"),
     ("colorimetry", "documents"),
     ("hemisphere", "spectra"),
     ("matrix",),

@@ -1,7 +1,7 @@
 """Entry point of `clerestory`: runs a command, prints errors, returns the exit status.
 
-Exit status: 0 done, 1 failed, 2 bad input, 130 interrupted. Errors and warnings are one
-line each on the error stream.
+Exit status: 0 done, 1 failed, 2 bad input; 130, 143 or 129 interrupted by SIGINT,
+SIGTERM or SIGHUP. Errors and warnings are one line each on the error stream.
 """
 
 import os
@@ -14,11 +14,14 @@ from typing import Any
 import typer
 
 from clerestory import __version__
+from clerestory.cli.interruption import Interruption, interruptible
 from clerestory.cli.program import program
 from clerestory.errors import ClerestoryError, ClerestoryWarning
 
 TRACEBACK = "CLERESTORY_TRACEBACK"
-INTERRUPTED = 130
+
+# Exit status that Typer returns after `KeyboardInterrupt`
+_SIGINT = 130
 
 # Options that take all words up to the next option
 _GREEDY = ("--scene", "--window")
@@ -39,14 +42,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         warnings.simplefilter("always", ClerestoryWarning)
         warnings.showwarning = _show_warning
         try:
-            status = program(words)(
-                words, prog_name="clerestory", standalone_mode=False
-            )
-            return _interrupted() if status == INTERRUPTED else int(status or 0)
+            with interruptible() as received:
+                status = program(words)(
+                    words, prog_name="clerestory", standalone_mode=False
+                )
+            return _interrupted(received) if status == _SIGINT else int(status or 0)
         except ClerestoryError as error:
             return _fail(str(error), error.exit_status, error)
         except (KeyboardInterrupt, typer.Abort):
-            return _interrupted()
+            return _interrupted(received)
         except _UsageError as error:
             return _usage(error)
         except Exception as error:  # unexpected errors
@@ -93,9 +97,9 @@ def _fail(text: str, status: int, error: BaseException) -> int:
     return status
 
 
-def _interrupted() -> int:
+def _interrupted(received: Interruption) -> int:
     typer.echo("interrupted; run again to resume", err=True)
-    return INTERRUPTED
+    return received.status()
 
 
 def _one_line(text: str) -> str:
