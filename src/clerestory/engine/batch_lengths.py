@@ -15,9 +15,9 @@ from jaxtyping import Bool, Float, Int
 # per batch
 CONVERGENCE = 1.6
 
-# Largest factor of the last step, from the batches that predict its length, and share of
-# the need that these are planned to have. The smaller it is, the less the error depends
-# on the prediction
+# Largest factor of the last step, from the batches that predict its length, and the
+# fraction of the need that these are planned to have. The smaller it is, the less the
+# error depends on the prediction
 _LAST, _BEFORE = 16.0, 1 / 8
 
 # Factor on predicted lengths, and ratio of error and target above which rows are

@@ -54,7 +54,7 @@ class RadianceJob(EstimatedJob):
         """Return floating-point sums."""
         return Sums.empty(float, (rows, *self.shape[1:]), 1.0)
 
-    def error(self, sums: Sums) -> float:
+    def error(self, sums: Sums) -> float | Float[np.ndarray, " row"]:
         """Root mean square error of the rows, relative to the mean of all rows."""
         return mean_error(sums.collected(), axis=1)
 

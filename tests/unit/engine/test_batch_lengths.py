@@ -1,4 +1,4 @@
-"""The error that a trace reports is the error that it has, whatever stopped the trace."""
+"""The error that a trace reports is the error that it has, whatever ended it."""
 
 from dataclasses import dataclass
 
