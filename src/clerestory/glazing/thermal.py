@@ -9,11 +9,12 @@ spectra, venetian, woven and perforated shades as geometry, BSDFs as two-band ma
 from collections.abc import Sequence
 from dataclasses import dataclass
 from types import ModuleType
-from typing import Any, Literal, NamedTuple, final
+from typing import Any, Literal, NamedTuple, final, get_args
 
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.checks import one_of
 from clerestory.errors import InputError
 from clerestory.glazing.bsdf_layer import BsdfLayer
 from clerestory.glazing.glazing_system import Gap, GlazingSystem, check_gaps
@@ -85,12 +86,14 @@ def thermal_figures(
     ClerestoryError : pywincalc is not installed
     """
     check_gaps(layers, gaps)
+    one_of(wavelengths, "wavelengths", choices=get_args(Wavelengths))
+    partition = klems(basis)
     engine = load_engine()
     scattering = any(
         not isinstance(layer, Glass) or layer.material.diffuse for layer in layers
     )
     full = any(isinstance(layer, (BsdfLayer, Diffuser)) for layer in layers)
-    partition = klems("full" if full else basis)
+    partition = klems("full") if full else partition
     basis_object = hemisphere(engine, "full" if full else basis) if scattering else None
     ranges = engine.SpectalDataWavelengthRangeMethodType
     spectrum = ranges.FULL if wavelengths == "full" else ranges.CONDENSED
