@@ -13,7 +13,7 @@ import clerestory
 
 STACK = (
     ("array_types", "errors", "constants", "options", "progress"),
-    ("checks",),
+    ("checks", "escaping"),
     ("files", "directions", "bands", "toml_lines"),
     ("colorimetry", "documents"),
     ("hemisphere", "spectra"),
