@@ -12,7 +12,7 @@ import pytest
 import clerestory
 
 STACK = (
-    ("array_types", "errors", "constants", "options", "progress"),
+    ("array_types", "errors", "constants", "options", "progress", "warning_log"),
     ("checks",),
     ("files", "file_lock", "directions", "bands", "toml_lines"),
     ("colorimetry", "documents"),
