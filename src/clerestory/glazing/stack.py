@@ -7,7 +7,7 @@ is exact for spectrally selective layers.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Literal, final
+from typing import Literal, final, get_args
 
 import numpy as np
 from jaxtyping import Float
@@ -23,7 +23,7 @@ from clerestory.bsdf.scattering_function import (
     Side,
 )
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
-from clerestory.checks import require
+from clerestory.checks import one_of, require
 from clerestory.errors import InputError
 from clerestory.glazing.bsdf_layer import BsdfLayer
 from clerestory.glazing.interreflection import StackProperties, stack_properties
@@ -71,6 +71,10 @@ class StackedLayers:
         self, *, channel: Channel = "solar", side: Side = "front"
     ) -> Values:
         """Absorptance of each layer under uniform hemispherical illumination."""
+        one_of(
+            channel, "channel", choices=dict.fromkeys(c for c, _ in self.absorptance)
+        )
+        one_of(side, "side", choices=SIDES)
         measure = self.partition.projected_solid_angles()
         return np.asarray(self.absorptance[channel, side] @ measure / np.pi)
 
@@ -113,6 +117,7 @@ def stack_layers(
     0.2604
     """
     require(layers, "stack without layers; at least one expected")
+    one_of(method, "method", choices=get_args(Method))
     partition = partition or klems("full")
     standard = standard or nfrc()
     single = len(layers) == 1 and isinstance(layers[0], BsdfLayer)

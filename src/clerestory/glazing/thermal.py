@@ -12,11 +12,12 @@ genBSDF and WINDOW.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from types import ModuleType
-from typing import Any, Literal, NamedTuple, final
+from typing import Any, Literal, NamedTuple, final, get_args
 
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.checks import one_of
 from clerestory.errors import InputError
 from clerestory.glazing.bsdf_layer import BsdfLayer
 from clerestory.glazing.glazing_system import Gap, GlazingSystem, check_gaps
@@ -93,6 +94,8 @@ def thermal_figures(
     ClerestoryError : pywincalc is not installed
     """
     check_gaps(layers, gaps)
+    one_of(wavelengths, "wavelengths", choices=get_args(Wavelengths))
+    one_of(basis, "Klems basis", choices=get_args(Basis))
     engine = load_engine()
     size = {"width_meters": width, "height_meters": height, "tilt_degrees": tilt_deg}
     flat = [layer for layer in layers if isinstance(layer, FlatLayer)]
@@ -103,14 +106,7 @@ def thermal_figures(
             solids, optics = _equivalent_panes(engine, flat, light), {}
         else:
             solids = [engine_layer(engine, layer, klems("full")) for layer in layers]
-            matrices = any(isinstance(one, BsdfLayer | Diffuser) for one in layers)
-            ranges = engine.SpectalDataWavelengthRangeMethodType
-            optics = {
-                "bsdf_hemisphere": hemisphere(engine, "full" if matrices else basis),
-                "spectral_data_wavelength_range_method": getattr(
-                    ranges, wavelengths.upper()
-                ),
-            }
+            optics = _engine_optics(engine, layers, basis, wavelengths)
         spaces = [engine_gap(engine, gap) for gap in gaps]
         winter, summer = (
             engine.GlazingSystem(
@@ -132,6 +128,21 @@ def thermal_figures(
 
 def _scatters(layer: Layer) -> bool:
     return not isinstance(layer, Glass) or layer.material.diffuse is not None
+
+
+def _engine_optics(
+    engine: ModuleType, layers: Sequence[Layer], basis: Basis, wavelengths: Wavelengths
+) -> dict[str, Any]:
+    # Without scattering layers, the engine uses no hemisphere
+    full = any(isinstance(layer, BsdfLayer | Diffuser) for layer in layers)
+    scattering = any(_scatters(layer) for layer in layers)
+    ranges = engine.SpectalDataWavelengthRangeMethodType
+    return {
+        "bsdf_hemisphere": hemisphere(engine, "full" if full else basis)
+        if scattering
+        else None,
+        "spectral_data_wavelength_range_method": getattr(ranges, wavelengths.upper()),
+    }
 
 
 def _equivalent_panes(
