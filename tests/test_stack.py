@@ -12,9 +12,9 @@ import pytest
 import clerestory
 
 STACK = (
-    ("array_types", "errors", "constants", "options", "progress"),
+    ("array_types", "errors", "constants", "options", "progress", "warning_log"),
     ("checks", "escaping"),
-    ("files", "directions", "bands", "toml_lines"),
+    ("files", "file_lock", "directions", "bands", "toml_lines"),
     ("colorimetry", "documents"),
     ("hemisphere", "spectra"),
     ("matrix",),

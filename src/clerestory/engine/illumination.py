@@ -9,7 +9,7 @@ import mitsuba as mi
 
 from clerestory.engine.distant_emitters import DistantEmitters
 from clerestory.engine.lower import LoweredScene, lower
-from clerestory.engine.mirrors import Mirrors
+from clerestory.engine.mirror_images import MirrorImages
 from clerestory.engine.next_event_estimation import (
     Emission,
     LightSample,
@@ -91,22 +91,23 @@ class Illumination:
 
     model: LoweredScene
     distant: DistantEmitters
-    mirrors: Mirrors
+    images: MirrorImages
     lobes: SunLobes
 
     @classmethod
     def of(cls, scene: Scene, origin: Origin) -> "Illumination":
         """Return the illuminated scene, with translated coordinates around `origin`."""
+        model = lower(scene, origin=origin)
         return cls(
-            lower(scene, origin=origin),
+            model,
             DistantEmitters.of(scene),
-            Mirrors.of(scene),
+            MirrorImages.of(model.smooth, distant=True),
             SunLobes.of(scene),
         )
 
     def suns(self, portals: Portals | None) -> Suns:
         """Return the source that samples the suns."""
-        return Suns(self.model, self.distant, self.mirrors, self.lobes, portals)
+        return Suns(self.model, self.distant, self.images, self.lobes, portals)
 
     def tracer(
         self, portals: Portals | None = None, *, split_lobes: bool = False

@@ -16,9 +16,13 @@ from clerestory.checks import require
 from clerestory.escaping import file_stems
 from clerestory.files import make_folder
 from clerestory.glare.annual_glare import annual_glare
+from clerestory.glare.detection_criteria import SourceRules
+from clerestory.glare.glare_view import glare_view
+from clerestory.glare.sources import warn_if_coarse
 from clerestory.image.picture import Picture
 from clerestory.image.picture_files import write_picture
 from clerestory.phases.matrix_equation import Skies, States
+from clerestory.phases.picture_matrices import Camera
 from clerestory.progress import Progress
 from clerestory.scene.view import View
 from clerestory.study.config_tables import EVERY, ViewTable
@@ -82,6 +86,14 @@ def sees_glare(view: View) -> bool:
     return wide and view.kind in ("angular", "hemispherical")
 
 
+def warn_of_views(views: Sequence[ViewTable], cameras: Sequence[Camera]) -> None:
+    """Warn of views with too few pixels for the evaluation of glare."""
+    for table, camera in zip(views, cameras, strict=True):
+        if sees_glare(camera.view):
+            eye = glare_view(camera.view, camera.columns, camera.rows)
+            warn_if_coarse(eye, SourceRules(), name=f'[[view]] "{table.label}"')
+
+
 def glare_function(
     views: Sequence[ViewMatrices], skies: Skies, *, display: Display
 ) -> GlareFunction:
@@ -131,7 +143,7 @@ def _glare(
     # Images are grouped by combination of shade states, not in order of time
     order = view.order(states, steps)
     found = annual_glare(
-        series, view.camera.view, times=times[order], progress=progress
+        series, view.camera.view, times=times[order], name=None, progress=progress
     )
     return found.sortby("time")
 

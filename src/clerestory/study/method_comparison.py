@@ -20,6 +20,7 @@ from clerestory.study.job import Display
 from clerestory.study.method_run import run_method
 from clerestory.study.outputs import write_tables
 from clerestory.study.results import Results, save_results
+from clerestory.warning_log import WarningLog
 
 COMPARISON_FILE = "comparison.csv"
 
@@ -47,6 +48,7 @@ def compare_methods(
     """
     found: dict[str, Results] = {}
     states: list[np.ndarray] | None = None
+    told = WarningLog()
     for method in reversed(study.methods):
         found[method] = run_method(
             study.with_method(method),
@@ -55,6 +57,7 @@ def compare_methods(
             executor=executor,
             display=display,
             states=states,
+            told=told,
         )
         if states is None and "state" in found[method].data:
             states = list(found[method].data["state"].values.astype(int))
