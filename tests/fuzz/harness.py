@@ -21,6 +21,7 @@ import traceback
 import warnings
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from types import FrameType
 
 sys.path.insert(0, str(Path(__file__).parent))
 
@@ -199,6 +200,28 @@ def _faulty_message(text: str) -> str:
     return ""
 
 
+def reached() -> set[str]:
+    """Return the functions of the package that read sound files: "module:name"."""
+    found = set()
+
+    def record(frame: FrameType, event: str, _: object) -> None:
+        if event == "call" and "/clerestory/" in frame.f_code.co_filename:
+            module = frame.f_globals.get("__name__", "")
+            found.add(f"{module}:{frame.f_code.co_qualname}")
+
+    warnings.simplefilter("ignore")
+    for reader in READERS.values():
+        with tempfile.TemporaryDirectory() as place:
+            seeds, read = reader.seeds(Path(place)), reader.called()
+            path = Path(place, reader.file)
+            for seed in seeds:
+                path.write_bytes(seed)
+                sys.setprofile(record)
+                read(path)
+                sys.setprofile(None)
+    return found
+
+
 def main() -> None:
     """Run the mutants of readers and print the outcomes."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -206,8 +229,20 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=1000)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--keep", type=Path, help="folder for the mutants with defects")
+    parser.add_argument(
+        "--reached", action="store_true", help="print functions that seeds reach"
+    )
+    parser.add_argument("--names", action="store_true", help="print the readers")
     parser.add_argument("--asked", action="store_true", help="readers from stdin")
     given = parser.parse_args()
+    if given.reached:
+        sys.stdout.write(json.dumps(sorted(reached())))
+        return
+    if given.names:
+        sys.stdout.write(json.dumps(list(READERS)))
+        return
+    for reader in READERS.values():
+        reader.called()
     asked = (line.strip() for line in iter(sys.stdin.readline, ""))
     for name in asked if given.asked else given.readers or READERS:
         outcome = run(name, given.count, first=given.first, keep=given.keep)

@@ -232,6 +232,12 @@ READERS = {
         (SYSTEM,),
         beside={"a.json": json.dumps(PRODUCT)},
     ),
+    "parameters": Reader(
+        "bsdfgen.system_catalogue:parse_parameters",
+        "p.txt",
+        ("slat_width=0.08,tilt_deg=45,reflectance=0.6/0.5/0.4,shape=round",),
+        use=lambda function, path: function(path.read_text("latin-1")),
+    ),
     "parametric system": Reader(
         "bsdfgen.system_catalogue:read_system", "s.toml", (BLIND,)
     ),

@@ -83,6 +83,12 @@ LEVELS = "value,red,green,blue\n" + "".join(
 READERS = {
     "hdr": Reader("image.picture_files:read_picture", "p.hdr", make=_hdr, use=_judged),
     "exr": Reader("image.picture_files:read_picture", "p.exr", make=_exr, use=_judged),
+    "report picture": Reader(
+        "report.view_pictures:read_small",
+        "p.hdr",
+        make=lambda folder: _hdr(folder)[:1],
+        use=lambda function, path: function(path, width=10),
+    ),
     "picture set": Reader(
         "image.picture_sets:read_picture_set", "V_001.hdr", make=_flat, use=_set
     ),

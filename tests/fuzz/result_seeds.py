@@ -8,7 +8,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-import xarray as xr
 from optics_seeds import sealed
 from reader import Reader
 
@@ -92,7 +91,7 @@ def _study(folder: Path) -> list[bytes]:
     return [(DEMO / "study.toml").read_bytes(), BLINDS.encode()]
 
 
-def _room(folder: Path) -> None:
+def room(folder: Path) -> None:
     for file in ROOM.iterdir():
         shutil.copy(file, folder)
     analytic = importlib.import_module("clerestory.bsdf.analytic")
@@ -103,7 +102,7 @@ def _room(folder: Path) -> None:
 
 
 def _room_study(folder: Path) -> list[bytes]:
-    _room(folder)
+    room(folder)
     return [(ROOM / "study.toml").read_bytes()]
 
 
@@ -129,11 +128,6 @@ def _results_nc(folder: Path) -> list[bytes]:
 
 def _run_json(folder: Path) -> list[bytes]:
     _results(folder)
-    whole = xr.load_dataset(folder / "results.nc")
-    few = whole[["illuminance", "standard_error", "occupied"]]
-    few.drop_vars(["triangle", "window", "window_triangle"]).to_netcdf(
-        folder / "results.nc", engine="h5netcdf"
-    )
     return [(folder / "run.json").read_bytes(), RUN.encode()]
 
 
@@ -144,7 +138,7 @@ def _reported(function: Callable[..., object], path: Path) -> object:
 
 def _tables(function: Callable[..., object], path: Path) -> object:
     content = importlib.import_module("clerestory.report.content_from_results")
-    return content.run_tables(function(path.parent).run)
+    return content.run_tables(function(path))
 
 
 # ------------------------------------ Honeybee ------------------------------------
@@ -205,7 +199,7 @@ samples = 100
 
 
 READERS = {
-    "matrix": Reader("matrix.radiance_format:read_matrix", "m.mtx", make=_matrices),
+    "matrix": Reader("cli.multiply:read_any_matrix", "m.mtx", make=_matrices),
     "netcdf": Reader("matrix.netcdf:read_netcdf", "m.nc", make=_netcdf, sealed=sealed),
     "study": Reader("study.config:read_study", "study.toml", make=_study),
     "study inputs": Reader(
@@ -215,7 +209,7 @@ READERS = {
         "study.results:read_results", "results.nc", make=_results_nc, use=_reported
     ),
     "run facts": Reader(
-        "study.results:read_results", "run.json", make=_run_json, use=_tables
+        "study.results:_read_run", "run.json", make=_run_json, use=_tables
     ),
     "honeybee grids": _honeybee_reader("grids_info.json"),
     "honeybee states": _honeybee_reader("grid_states.json"),

@@ -34,6 +34,7 @@ shiny sphere ball 0 0 4 1 1 1 .2
 cloth cone c 0 0 8 0 0 0 0 0 1 .2 .1
 grey cylinder tube 0 0 7 0 0 0 0 0 1 .1
 pane ring r 0 0 8 0 0 1 0 0 1 0 .5
+void plastic2 brushed 4 0 Nz 1 . 0 6 .5 .5 .5 .1 .2 .05
 void alias steel shiny
 !genbox grey crate 1 1 1 -r .1 | xform -t 2 2 0 -a 3 -t 0 0 1.1
 !xform -rz 30 -s 2 part.rad
@@ -190,6 +191,8 @@ COMMANDS = """void plastic grey 0 0 5 .5 .5 .5 0 0
 !gendaylit 3 21 9.5EST -W 500 150 -a 42 -o 71 -m 75
 !ies2rad -m .9 -o lamp l.ies | xform -t 0 0 3
 !mgf2rad m.mgf
+void BSDF layer 6 0 b.xml 0 0 1 . 0 0
+layer polygon sheet 0 0 9 0 0 0 1 0 0 0 0 1
 !pkgBSDF b.xml
 !xform -n copy -f places.txt part.rad
 """
@@ -238,6 +241,10 @@ def _meshes(folder: Path) -> list[bytes]:
 def _mesh(function: Callable[..., object], path: Path) -> object:
     plastic = importlib.import_module("clerestory.scene.model").Plastic
     return function(path, materials={"*": plastic("grey", np.full(3, 0.5))})
+
+
+def _coloured(function: Callable[..., object], path: Path) -> object:
+    return function(path.with_name("m.obj"), materials={}, colours=True)
 
 
 def _statements(function: Callable[..., object], path: Path) -> object:
@@ -300,6 +307,7 @@ READERS = {
         "radiance.view_text:parse_view", "eye.txt", (VIEW[4:],), use=_text
     ),
     "window": Reader("radiance.window_reader:read_windows", "w.rad", (WINDOW,)),
+    "one window": Reader("radiance.window_reader:read_window", "w.rad", (WINDOW,)),
     "sensors": Reader(
         "scene.sensors:read_sensors", "desk.pts", ("1 1 .8 0 0 1\n2 1 .8 0 0 1\n",)
     ),
@@ -315,7 +323,7 @@ READERS = {
         "m.mtl",
         (MTL,),
         beside={"m.obj": TEXTURED},
-        use=lambda function, path: _mesh(function, path.with_name("m.obj")),
+        use=_coloured,
     ),
     "gltf": Reader("formats.gltf:read_gltf", "m.gltf", make=_gltf, use=_mesh),
     "material map": Reader(

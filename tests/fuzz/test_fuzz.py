@@ -1,5 +1,6 @@
 """Every reader refuses or reads damaged files: no traceback, hang or gigabyte."""
 
+import ast
 import json
 import os
 import subprocess
@@ -8,6 +9,24 @@ from pathlib import Path
 
 import pytest
 from readers import READERS
+
+import clerestory
+
+SOURCE = Path(clerestory.__file__).parent
+
+# Calls by which bytes come in, and names of functions that read what came in
+CALLS = {"read_bytes", "read_text", "open_workbook", "open_dataset", "File"}
+NAMES = ("read_", "parse_")
+
+# Functions that are not fuzzed
+LEFT_OUT = {
+    "control.control_rule:load_rule": "runs a Python program of the user",
+    "glazing.standard:_table": "reads files of the package",
+    "phases.illuminance:illuminance": "reads what it has written",
+    "study.results:_append_hourly": "writes",
+    "report.page_assets:asset": "reads files of the package",
+    "study.new_study:write_demo": "copies files of the package",
+}
 
 HARNESS = Path(__file__).with_name("harness.py")
 
@@ -36,3 +55,30 @@ def test_damaged_files_are_refused_in_words(name, harness):
     outcome = json.loads(harness.stdout.readline())
     assert outcome["reader"] == name
     assert outcome["defects"] == []
+
+
+def entries():
+    """Functions of the package through which bytes from outside come in."""
+    for file in SOURCE.rglob("*.py"):
+        module = ".".join(file.relative_to(SOURCE).with_suffix("").parts)
+        module = module.removesuffix(".__init__")
+        for node in ast.parse(file.read_text("utf-8")).body:
+            if isinstance(node, ast.FunctionDef):
+                called = {
+                    _name(n.func) for n in ast.walk(node) if isinstance(n, ast.Call)
+                }
+                calls = called & CALLS and not node.name.startswith("write_")
+                if node.name.startswith(NAMES) or calls:
+                    yield f"{module}:{node.name}"
+
+
+def _name(called):
+    return getattr(called, "id", "") or getattr(called, "attr", "")
+
+
+def test_every_reader_is_fuzzed():
+    """Sound files reach all functions that read files or are called read_…, parse_…."""
+    words = [sys.executable, HARNESS, "--reached"]
+    ran = subprocess.run(words, capture_output=True, text=True, check=True)
+    reached = {name.removeprefix("clerestory.") for name in json.loads(ran.stdout)}
+    assert sorted(set(entries()) - reached - LEFT_OUT.keys()) == []

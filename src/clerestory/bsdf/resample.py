@@ -67,7 +67,9 @@ def to_trees(bsdf: Bsdf, *, halvings: int = 5) -> Bsdf:
 def tree_from(part: ScatteringFunction, halvings: int) -> ScatteringTree:
     """Convert a matrix to a rank 4 tensor tree; equal cells are merged."""
     if not isinstance(part, ScatteringMatrix):
-        raise InputError(f"the BSDF is a {type(part).__name__}; a matrix expected")
+        raise InputError(
+            f"the BSDF is of type {type(part).__name__}; a matrix expected"
+        )
     within(halvings, "number of halvings of a tensor tree", least=0, most=_FINEST)
     leave = patches_in_cells(part.exits, halvings)
     enter = patches_in_cells(part.incidents, halvings)

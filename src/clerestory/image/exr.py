@@ -33,6 +33,9 @@ from clerestory.radiance.view_text import format_view, parse_view
 # Largest finite half-precision number (IEEE 754 binary16)
 _LARGEST_HALF = 65504.0
 
+# Largest ratio of the pixels of a picture to those that are stored
+_MOST_BORDER = 1000
+
 # File descriptors of standard output and standard error, which one thread may redirect
 _STREAMS = (1, 2)
 _SILENCE = threading.Lock()
@@ -98,6 +101,12 @@ def _in_display_window(
     # The view refers to the display window; stored pixels may cover only part of it
     left, top, columns, rows = _window(header["displayWindow"])
     first_column, first_row = np.asarray(header["dataWindow"][0]) - [left, top]
+    stored = values.shape[0] * values.shape[1]
+    require(
+        rows * columns <= _MOST_BORDER * stored,
+        f"displayWindow has {rows * columns} pixels for {stored} that are stored; at"
+        f" most {_MOST_BORDER} times as many expected",
+    )
     whole = np.zeros((rows, columns, 3), dtype=np.float32)
     row = np.arange(values.shape[0]) + first_row
     column = np.arange(values.shape[1]) + first_column

@@ -168,7 +168,7 @@ def _expecting(what: str, file: Path) -> Iterator[None]:
     # Convert errors caused by invalid contents of a file
     try:
         yield
-    except (AttributeError, KeyError, TypeError, ValueError) as error:
+    except (AttributeError, KeyError, TypeError, ValueError, OverflowError) as error:
         raise InputError(f"{what} expected", file=file) from error
 
 

@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Int
 
 from clerestory.checks import require
+from clerestory.control.schedule import read_schedule
 from clerestory.errors import InputError
 from clerestory.metrics.occupied_hours import occupied_hours
 from clerestory.phases.picture_matrices import Camera
@@ -60,6 +61,9 @@ def read_inputs(study: Study) -> Inputs:
             names.count(name) == 1,
             f'two window groups are named "{name}"; different names expected',
         )
+    for table in study.window:
+        if table.control is not None and table.control.file is not None:
+            read_schedule(table.control.file)
     return Inputs(
         scene=read_rad(*study.scene.files),
         groups=tuple(groups),
