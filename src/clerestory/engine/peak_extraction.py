@@ -12,7 +12,7 @@ The criteria are documented in Radiance's source (m_bsdf.c).
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Int64
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.scattering_function import Function, ScatteringFunction
@@ -26,12 +26,19 @@ from clerestory.hemisphere.shirley_chiu import cell_centres, directions_from_squ
 # Number of cells along an edge of the look-up grid of directions.
 _GRID = 128
 
-# Points around the direction of direct transmission, in steps on the disc.
+# Points around the direction of direct transmission, _STEP smallest cells apart on the
+# disc. Cells with a point within _CORE can belong to a peak; they end within _REACH.
+_STEP, _CORE, _REACH = 0.6, 2.55, 4.3
+_EXTENT = int(_REACH / _STEP)
 _STEPS = np.array(
-    [(i, j) for i in range(-4, 5) for j in range(-4, 5) if i * i + j * j <= 18]
+    [
+        (i, j)
+        for i in range(-_EXTENT, _EXTENT + 1)
+        for j in range(-_EXTENT, _EXTENT + 1)
+        if np.hypot(i, j) * _STEP <= _REACH
+    ]
 )
-_STEP = 0.6
-_REACH = float(np.sqrt(18) * _STEP + np.sqrt(0.5))
+_IN_CORE = np.hypot(*_STEPS.T) * _STEP <= _CORE
 
 _CONTRAST = 8.0
 _LARGEST = 1.5
@@ -45,8 +52,10 @@ _SIDES: tuple[Function, ...] = ("transmission_front", "transmission_back")
 class PeakTable:
     """Dr.Jit arrays of the direct transmission (peak) of a layer.
 
-    The first half of each array is for light exiting to the room, the second half for
-    light exiting to the outside.
+    The arrays are indexed by the direction of the light, as the values of the file are:
+    the peak and the remaining BTDF together conserve the flux of each incident
+    direction. The first half of each array is for light into the room, the second half
+    for light to the outside.
     """
 
     def __init__(self, bsdf: Bsdf):
@@ -55,17 +64,21 @@ class PeakTable:
             on_device(mi.Float, np.stack(parts)) for parts in found
         )
 
-    def _cell(self, wi):
-        outside = dr.select(wi.z > 0, mi.UInt32(0), mi.UInt32(_GRID * _GRID))
-        return outside + cell_of_disc(wi, _GRID)
+    def _cell(self, along):
+        # Cell of the direction in which light propagates
+        outside = dr.select(along.z > 0, mi.UInt32(0), mi.UInt32(_GRID * _GRID))
+        return outside + cell_of_disc(along, _GRID)
 
     def transmittance(self, wi):
         """Return the direct transmittance towards an exiting direction."""
         return dr.gather(mi.Color3f, self.passed, self._cell(wi))
 
     def without(self, value, wi, wo):
-        """Return a BTDF value of the layer with the peak removed [1/sr]."""
-        cell = self._cell(wi)
+        """Return a BTDF value of the layer with the peak removed [1/sr].
+
+        `wi`: exiting direction, towards the eye; `wo`: towards the source of light
+        """
+        cell = self._cell(-wo)
         side = dr.select(wi.z > 0, mi.UInt32(0), mi.UInt32(1))
         apart = dr.square(wi.x + wo.x) + dr.square(wi.y + wo.y)
         near = apart <= dr.gather(mi.Float, self.radius2, side)
@@ -87,27 +100,27 @@ def _peaks(
     if smallest is None:
         return none
     edge = float(np.sqrt(smallest))
-    leaving, incident, inside = _around(edge)
+    incident, leaving, inside = _around(edge)
     parts = bsdf.xyz(side) if bsdf.in_colour(side) else (luminous,)
     values = [np.where(inside, part.evaluate(incident, leaving), 0) for part in parts]
-    size = luminous.reciprocal().resolution(leaving, incident)
+    size = luminous.resolution(incident, leaving)
     bright = values[len(values) // 2]
-    in_peak, limit = _select(bright, size, inside, smallest)
+    number = np.where(inside, luminous.cell(incident, leaving), -1)
+    in_peak, limit = _select(bright, size, number, smallest)
 
     # Transmittance of the peak above the surrounding BTDF; each cell counts once
-    first = _first_of_each(bright) & inside
-    around = first & ~in_peak
+    first = _first_of_each(number) & inside
+    around = first & _IN_CORE & ~in_peak
     weight = np.where(around, size, 0).sum(axis=1)
     surround = np.where(around, bright * size, 0).sum(axis=1)
     surround = np.divide(surround, weight, out=np.zeros(cells), where=weight > 0)
     counted = in_peak & first
     above = [
-        np.where(counted, np.maximum(v - surround[:, None], 0) * size, 0).sum(axis=1)
-        for v in values
+        np.where(counted, (v - surround[:, None]) * size, 0).sum(axis=1) for v in values
     ]
     rgb = np.stack(above * (3 // len(above)))
     if len(parts) == 3:
-        rgb = rgb_from_xyz(rgb[:, :, None])[:, :, 0]
+        rgb = rgb_from_xyz(np.maximum(rgb, 0)[:, :, None])[:, :, 0]
     clear = (above[len(above) // 2] >= _FAINT) & (weight > 0)
     rgb = np.where(clear, rgb, 0).T
     limit = np.where(clear, limit, np.inf)
@@ -118,26 +131,27 @@ def _smallest(part: ScatteringFunction) -> float | None:
     if isinstance(part, ScatteringTree):
         return float(np.pi * 0.25**part.depth)
     if isinstance(part, ScatteringMatrix):
-        return float(part.incidents.projected_solid_angles().min())
+        return float(part.exits.projected_solid_angles().min())
     return _smallest(part.reciprocal())
 
 
 def _around(edge: float):
-    # Exit direction of each grid cell, and directions around direct transmission
-    leaving = directions_from_square(*cell_centres(_GRID.bit_length() - 1))
-    disc = -leaving[:, None, :2] + _STEPS * (_STEP * edge)
+    # Incident direction of each grid cell, and exit directions around that of direct
+    # transmission
+    along = directions_from_square(*cell_centres(_GRID.bit_length() - 1))
+    disc = along[:, None, :2] + _STEPS * (_STEP * edge)
     radius2 = np.sum(disc**2, axis=-1)
     inside = radius2 < 1
     height = np.sqrt(np.maximum(1 - radius2, 1e-9))
-    incident = np.concatenate([disc, -height[..., None]], axis=-1)
-    incident /= np.linalg.norm(incident, axis=-1, keepdims=True)
-    return np.broadcast_to(leaving[:, None], incident.shape), incident, inside
+    leaving = np.concatenate([disc, height[..., None]], axis=-1)
+    leaving /= np.linalg.norm(leaving, axis=-1, keepdims=True)
+    return np.broadcast_to(-along[:, None], leaving.shape), leaving, inside
 
 
-def _first_of_each(values: Float[np.ndarray, "cell step"]):
-    # First point of each cell of the file; points of equal BTDF are in the same cell
-    order = np.argsort(values, axis=1, kind="stable")
-    ranked = np.take_along_axis(values, order, axis=1)
+def _first_of_each(number: Int64[np.ndarray, "cell step"]):
+    # First point of each cell of the file
+    order = np.argsort(number, axis=1, kind="stable")
+    ranked = np.take_along_axis(number, order, axis=1)
     new = np.ones_like(ranked, dtype=bool)
     new[:, 1:] = ranked[:, 1:] != ranked[:, :-1]
     first = np.zeros_like(new)
@@ -145,10 +159,16 @@ def _first_of_each(values: Float[np.ndarray, "cell step"]):
     return first
 
 
-def _select(values, size, inside, smallest: float):
-    # Select the points in the peak: bright points in small cells
-    small = inside & (size <= _LARGEST * smallest)
-    brightest = np.where(inside, values, 0).max(axis=1)
-    sharp = np.where(small, values, 0).max(axis=1) >= brightest
-    limit = np.where(sharp & (brightest > 0), brightest / _CONTRAST, np.inf)
-    return small & (values > limit[:, None]), limit
+def _select(values, size, number, smallest: float):
+    # Points of the peak: bright cells that are small and have a point in the core, and
+    # are brighter than all other cells within reach, which `without` cannot tell apart
+    small = (number >= 0) & (size <= _LARGEST * smallest)
+    brightest = np.where(_IN_CORE, values, 0).max(axis=1)
+    limit = brightest / _CONTRAST
+    core = np.where(_IN_CORE & small & (values > limit[:, None]), number, -2)
+    in_peak = np.zeros_like(small)
+    for column in np.flatnonzero(_IN_CORE):
+        in_peak |= number == core[:, column, None]
+    limit = np.maximum(limit, np.where(in_peak, 0, values).max(axis=1))
+    in_peak &= values > limit[:, None]
+    return in_peak, np.where(in_peak.any(axis=1), limit, np.inf)
