@@ -186,7 +186,7 @@ class ScatteringTree(ScatteringFunction):
         incident, leaving = np.broadcast_arrays(incident, leaving)
         shape = incident.shape[:-1]
         incident, leaving = incident.reshape(-1, 3), leaving.reshape(-1, 3)
-        result = np.empty(len(incident), kind)
+        result: np.ndarray = np.empty(len(incident), kind)
         for start in range(0, len(result), CHUNK):
             part = slice(start, start + CHUNK)
             x, y = incident[part, 0], incident[part, 1]

@@ -2,17 +2,18 @@
 
 A clear pane in a BSDF file is one bright cell around the direction of straight
 transmission. The peak consists of the cells around that direction that are at least an
-eighth as bright as the brightest cell and at most 1.5 times as large as the smallest
-cell of the file. The flux of the peak above the surrounding BTDF is transmitted
-undeflected, and is removed from the BTDF.
+eighth as bright as the brightest cell, at most 1.5 times as large as the smallest cell
+of the file, and brighter than all other cells near that direction. The flux of the peak
+above the surrounding BTDF is transmitted undeflected, and is removed from the BTDF.
 
-The criteria are documented in Radiance's source (m_bsdf.c).
+The criteria are those of Radiance (m_bsdf.c), which selects the peak for each direction
+of view. Here it is selected for each direction of light, which conserves its flux.
 """
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from jaxtyping import Int64
+from jaxtyping import Int
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.scattering_function import Function, ScatteringFunction
@@ -30,15 +31,10 @@ _GRID = 128
 # disc. Cells with a point within _CORE can belong to a peak; they end within _REACH.
 _STEP, _CORE, _REACH = 0.6, 2.55, 4.3
 _EXTENT = int(_REACH / _STEP)
-_STEPS = np.array(
-    [
-        (i, j)
-        for i in range(-_EXTENT, _EXTENT + 1)
-        for j in range(-_EXTENT, _EXTENT + 1)
-        if np.hypot(i, j) * _STEP <= _REACH
-    ]
-)
-_IN_CORE = np.hypot(*_STEPS.T) * _STEP <= _CORE
+_GRID_STEPS = np.indices((2 * _EXTENT + 1,) * 2).reshape(2, -1).T - _EXTENT
+_DISTANCE = _STEP * np.hypot(*_GRID_STEPS.T)
+_INNER = _GRID_STEPS[_DISTANCE <= _CORE]
+_OUTER = _GRID_STEPS[(_DISTANCE > _CORE) & (_DISTANCE <= _REACH)]
 
 _CONTRAST = 8.0
 _LARGEST = 1.5
@@ -99,18 +95,26 @@ def _peaks(
     smallest = _smallest(luminous)
     if smallest is None:
         return none
-    edge = float(np.sqrt(smallest))
-    incident, leaving, inside = _around(edge)
+    incident, leaving, inside = _around(_INNER, smallest)
     parts = bsdf.xyz(side) if bsdf.in_colour(side) else (luminous,)
     values = [np.where(inside, part.evaluate(incident, leaving), 0) for part in parts]
     size = luminous.resolution(incident, leaving)
     bright = values[len(values) // 2]
-    number = np.where(inside, luminous.cell(incident, leaving), -1)
-    in_peak, limit = _select(bright, size, number, smallest)
+    number = luminous.cell(incident, leaving)
+
+    # Select bright small cells; they must be brighter than all other cells within
+    # reach, because `without` selects them by their values
+    limit = bright.max(axis=1) / _CONTRAST
+    in_peak = inside & (size <= _LARGEST * smallest) & (bright > limit[:, None])
+    others = np.where(in_peak, 0, bright).max(axis=1)
+    limit = np.maximum(limit, others)
+    in_peak &= bright > limit[:, None]
+    limit = np.maximum(limit, _outside(luminous, smallest, limit, number, in_peak))
+    in_peak &= bright > limit[:, None]
 
     # Transmittance of the peak above the surrounding BTDF; each cell counts once
-    first = _first_of_each(number) & inside
-    around = first & _IN_CORE & ~in_peak
+    first = _first_of_each(np.where(inside, number, -1)) & inside
+    around = first & ~in_peak
     weight = np.where(around, size, 0).sum(axis=1)
     surround = np.where(around, bright * size, 0).sum(axis=1)
     surround = np.divide(surround, weight, out=np.zeros(cells), where=weight > 0)
@@ -135,20 +139,33 @@ def _smallest(part: ScatteringFunction) -> float | None:
     return _smallest(part.reciprocal())
 
 
-def _around(edge: float):
-    # Incident direction of each grid cell, and exit directions around that of direct
+def _around(steps: Int[np.ndarray, "step 2"], smallest: float, cells=slice(None)):
+    # Incident direction of grid cells, and exit directions around that of direct
     # transmission
-    along = directions_from_square(*cell_centres(_GRID.bit_length() - 1))
-    disc = along[:, None, :2] + _STEPS * (_STEP * edge)
+    along = directions_from_square(*cell_centres(_GRID.bit_length() - 1))[cells]
+    disc = along[:, None, :2] + steps * (_STEP * np.sqrt(smallest))
     radius2 = np.sum(disc**2, axis=-1)
     inside = radius2 < 1
     height = np.sqrt(np.maximum(1 - radius2, 1e-9))
     leaving = np.concatenate([disc, height[..., None]], axis=-1)
-    leaving /= np.linalg.norm(leaving, axis=-1, keepdims=True)
     return np.broadcast_to(-along[:, None], leaving.shape), leaving, inside
 
 
-def _first_of_each(number: Int64[np.ndarray, "cell step"]):
+def _outside(part: ScatteringFunction, smallest: float, limit, number, in_peak):
+    # Largest BTDF above the limit in cells that are within reach, but not in the peak
+    most = np.zeros(len(limit))
+    row = np.flatnonzero(in_peak.any(axis=1))
+    incident, leaving, inside = _around(_OUTER, smallest, row)
+    values = np.where(inside, part.evaluate(incident, leaving), 0)
+    at, step = np.nonzero(values > limit[row, None])
+    row = row[at]
+    cell = part.cell(incident[at, step], leaving[at, step])
+    other = np.all((number[row] != cell[:, None]) | ~in_peak[row], axis=1)
+    np.maximum.at(most, row[other], values[at, step][other])
+    return most
+
+
+def _first_of_each(number: Int[np.ndarray, "cell step"]):
     # First point of each cell of the file
     order = np.argsort(number, axis=1, kind="stable")
     ranked = np.take_along_axis(number, order, axis=1)
@@ -157,18 +174,3 @@ def _first_of_each(number: Int64[np.ndarray, "cell step"]):
     first = np.zeros_like(new)
     np.put_along_axis(first, order, new, axis=1)
     return first
-
-
-def _select(values, size, number, smallest: float):
-    # Points of the peak: bright cells that are small and have a point in the core, and
-    # are brighter than all other cells within reach, which `without` cannot tell apart
-    small = (number >= 0) & (size <= _LARGEST * smallest)
-    brightest = np.where(_IN_CORE, values, 0).max(axis=1)
-    limit = brightest / _CONTRAST
-    core = np.where(_IN_CORE & small & (values > limit[:, None]), number, -2)
-    in_peak = np.zeros_like(small)
-    for column in np.flatnonzero(_IN_CORE):
-        in_peak |= number == core[:, column, None]
-    limit = np.maximum(limit, np.where(in_peak, 0, values).max(axis=1))
-    in_peak &= values > limit[:, None]
-    return in_peak, np.where(in_peak.any(axis=1), limit, np.inf)
