@@ -12,8 +12,8 @@ import pytest
 import clerestory
 
 STACK = (
-    ("array_types", "errors", "constants", "options", "progress"),
-    ("checks",),
+    ("array_types", "errors", "constants", "options", "progress", "warning_log"),
+    ("checks", "escaping"),
     ("files", "file_lock", "directions", "bands", "toml_lines"),
     ("colorimetry", "documents"),
     ("hemisphere", "spectra"),

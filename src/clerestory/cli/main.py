@@ -9,6 +9,7 @@ import sys
 import traceback
 import warnings
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import typer
@@ -17,6 +18,7 @@ from clerestory import __version__
 from clerestory.cli.interruption import Interruption, interruptible
 from clerestory.cli.program import program
 from clerestory.errors import ClerestoryError, ClerestoryWarning
+from clerestory.warning_log import WarningLog
 
 TRACEBACK = "CLERESTORY_TRACEBACK"
 
@@ -38,9 +40,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if words == ["--version"]:
         typer.echo(f"clerestory {__version__}")
         return 0
+    told = WarningLog()
     with warnings.catch_warnings():
         warnings.simplefilter("always", ClerestoryWarning)
-        warnings.showwarning = _show_warning
+        warnings.showwarning = partial(_show_warning, told)
         try:
             with interruptible() as received:
                 status = program(words)(
@@ -57,6 +60,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             kind = type(error).__name__
             text = f"unexpected {kind}: {error}; set {TRACEBACK}=1 for the traceback"
             return _fail(text, 1, error)
+        finally:
+            for line in told.repeated():
+                typer.echo(f"warning: {line}", err=True)
 
 
 def spread(words: list[str]) -> list[str]:
@@ -76,8 +82,13 @@ def spread(words: list[str]) -> list[str]:
     return result
 
 
-def _show_warning(message: Warning | str, *_place: Any, **_more: Any) -> None:
-    typer.echo(f"warning: {_one_line(str(message))}", err=True)
+def _show_warning(
+    told: WarningLog, message: Warning | str, *_place: Any, **_more: Any
+) -> None:
+    # Show the first warning of each kind; the others are counted
+    text = _one_line(str(message))
+    if told.add(text):
+        typer.echo(f"warning: {text}", err=True)
 
 
 def _usage(error: Any) -> int:
