@@ -1,4 +1,4 @@
-"""Direct sun behind a blind near its cut-off angle: who is right where Radiance differs.
+"""Direct sun behind a blind near its cut-off angle, where Radiance differs from us.
 
 A sensor that faces a layer without end receives T(ω) cos θ. Radiance's renderer jitters
 the direction of view by the width of the cell that contains it (`-ss`), which is wider
