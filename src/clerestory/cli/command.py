@@ -7,6 +7,7 @@ printing help imports only the modules of requests.
 import importlib
 import inspect
 from collections.abc import Callable, Iterator, Mapping
+from contextvars import ContextVar
 from dataclasses import MISSING, Field, dataclass, fields, is_dataclass
 from types import ModuleType
 from typing import Annotated, Any, TypeVar, dataclass_transform, get_type_hints
@@ -14,6 +15,9 @@ from typing import Annotated, Any, TypeVar, dataclass_transform, get_type_hints
 import typer
 
 from clerestory.options import Argument, Option, description, options
+
+# The command line being run, as recorded in the headers of files
+COMMAND_LINE: ContextVar[str] = ContextVar("COMMAND_LINE", default="clerestory")
 
 _KEY = "command"
 _Request = TypeVar("_Request", bound=type)

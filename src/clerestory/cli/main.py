@@ -5,6 +5,7 @@ line each on the error stream.
 """
 
 import os
+import shlex
 import sys
 import traceback
 import warnings
@@ -14,6 +15,7 @@ from typing import Any
 import typer
 
 from clerestory import __version__
+from clerestory.cli.command import COMMAND_LINE
 from clerestory.cli.program import program
 from clerestory.errors import ClerestoryError, ClerestoryWarning
 
@@ -31,10 +33,12 @@ _UsageError: type[Exception] = next(
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command line, by default `sys.argv`; return the exit status."""
-    words = spread(list(sys.argv[1:] if arguments is None else arguments))
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    words = spread(given)
     if words == ["--version"]:
         typer.echo(f"clerestory {__version__}")
         return 0
+    COMMAND_LINE.set(shlex.join(["clerestory", *given]))
     with warnings.catch_warnings():
         warnings.simplefilter("always", ClerestoryWarning)
         warnings.showwarning = _show_warning

@@ -9,7 +9,7 @@ rows, columns and components; the caller passes their labels.
 import re
 import sys
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -28,6 +28,8 @@ Encoding = Literal["ascii", "float", "double"]
 
 _ITEM = {"float": "f4", "double": "f8"}
 _LONGEST_HEADER = 1 << 20
+_LONGEST_LINE = 2000
+_RESERVED = ("NROWS", "NCOLS", "NCOMP", "FORMAT", "BigEndian")
 
 
 @dataclass(frozen=True)
@@ -112,6 +114,7 @@ def write_matrix(
     *,
     encoding: Encoding = "float",
     command: str = "",
+    header: Mapping[str, str] | None = None,
 ) -> None:
     """Write the values of a matrix in Radiance's format.
 
@@ -121,10 +124,11 @@ def write_matrix(
     Parameters
     ----------
     command : command line recorded in the header
+    header : further variables of the header, such as LATLONG
 
     Raises
     ------
-    InputError : unknown encoding
+    InputError : unknown encoding, or a name of a header variable that is not valid
     OutputError : the file cannot be written
     """
     channels, rows, columns = matrix.values.shape
@@ -134,6 +138,7 @@ def write_matrix(
         shape=(rows, columns, channels),
         encoding=encoding,
         command=command,
+        header=header,
     )
 
 
@@ -144,15 +149,24 @@ def write_rows(
     shape: tuple[int, int, int],
     encoding: Encoding = "float",
     command: str = "",
+    header: Mapping[str, str] | None = None,
 ) -> None:
     """Write a matrix given as blocks of rows, with one block in memory at a time.
 
-    `shape` gives the numbers of rows, columns and channels of the matrix.
+    `shape` gives the numbers of rows, columns and channels of the matrix; `command` and
+    `header` are as in `write_matrix`.
     """
     one_of(encoding, "matrix encoding", choices=("ascii", *_ITEM))
+    for name in header or {}:
+        require(
+            re.fullmatch(r"[A-Z][A-Z0-9_]*", name) and name not in _RESERVED,
+            f"header variable is {name!r}; capitals, digits and _ expected, and not"
+            f" {', '.join(_RESERVED)}",
+        )
     rows, columns, channels = shape
     lines = ["#?RADIANCE"]
-    lines += [f"\t{' '.join(command.split())}"] if command else []
+    lines += [f"\t{_header_text(command)}"] if command else []
+    lines += [f"{name}= {_header_text(text)}" for name, text in (header or {}).items()]
     lines += [f"NROWS={rows}", f"NCOLS={columns}", f"NCOMP={channels}"]
     lines += [] if encoding == "ascii" else [f"BigEndian={int(sys.byteorder == 'big')}"]
     lines += [f"FORMAT={encoding}", "", ""]
@@ -163,6 +177,12 @@ def write_rows(
                 stream.writelines(_format_row(row).encode() for row in block)
             else:
                 stream.write(np.ascontiguousarray(block, _ITEM[encoding]).data)
+
+
+def _header_text(text: str) -> str:
+    # One line, short enough for the buffer of Radiance's programs
+    line = " ".join(text.split())
+    return line if len(line) <= _LONGEST_LINE else f"{line[:_LONGEST_LINE]} …"
 
 
 def _format_row(row: Float[np.ndarray, "column channel"]) -> str:
