@@ -12,9 +12,9 @@ import pytest
 import clerestory
 
 STACK = (
-    ("array_types", "errors", "constants", "options", "progress"),
-    ("checks",),
-    ("files", "directions", "bands", "toml_lines"),
+    ("array_types", "errors", "constants", "options", "progress", "warning_log"),
+    ("checks", "escaping"),
+    ("files", "file_lock", "directions", "bands", "toml_lines"),
     ("colorimetry", "documents"),
     ("hemisphere", "spectra"),
     ("matrix",),

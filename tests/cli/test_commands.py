@@ -183,7 +183,9 @@ def test_doubts_are_one_line_each_and_do_not_stop(call):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("stop", [signal.SIGKILL, signal.SIGINT])
+@pytest.mark.parametrize(
+    "stop", [signal.SIGKILL, signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
+)
 @pytest.mark.parametrize("wait", [3.0, 5.0])
 def test_a_stopped_run_goes_on_to_the_same_bits(room, stop, wait):
     text = Path("study.toml").read_text()
@@ -196,7 +198,7 @@ def test_a_stopped_run_goes_on_to_the_same_bits(room, stop, wait):
     time.sleep(wait)
     child.send_signal(stop)
     _, said = child.communicate()
-    if stop == signal.SIGINT and child.returncode == 130:
+    if child.returncode == 128 + stop:
         assert said == b"interrupted; run again to resume\n"
     for out in ("stopped", "whole"):
         subprocess.run([*PROGRAM, *words, out], env=environment, check=True)

@@ -89,7 +89,7 @@ def test_window_emitters_are_written_to_a_file(call, room):
         ),
         (
             ("--time", "2023-03-21T12:30", "--weather", "two_days.wea"),
-            "no time step at",
+            "no weather at 03-21 12:30",
         ),
         ((), "the scene has no light source"),
         (("--sky", "missing.rad"), "missing.rad"),

@@ -145,7 +145,7 @@ def test_days_and_moments_are_columns_of_the_whole(call):
     day = matrix(call, "--from 06-21 --to 06-21")
     assert day.shape == (3, 146, 24)
     np.testing.assert_allclose(day, whole[:, :, 24:], rtol=1e-5)
-    outcome = call(*MATRIX.split(), "--time", "06-21 12:10")
+    outcome = call(*MATRIX.split(), "--time", "06-21 12:30")
     assert outcome.status == 0
     column = times.index("2023-06-21T12:30:00")
     noon = read_matrix("S.smx").values

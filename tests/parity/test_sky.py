@@ -12,6 +12,7 @@ from clerestory.sky.sky_conditions import daylight_steps
 from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.sky.sun_matrix import sun_matrix
 from clerestory.sky.weather_formats import read_weather
+from clerestory.sky.weather_selection import select_moment
 
 # The weather is random, and one file of the world has light at night
 pytestmark = pytest.mark.filterwarnings("ignore::clerestory.errors.ClerestoryWarning")
@@ -56,6 +57,19 @@ def wea(request, tmp_path_factory):
 def test_every_patch_equals_gendaymtx(wea, subdivision):
     sky = sky_matrix(read_weather(wea), subdivision=subdivision, sun_formula="radiance")
     assert_same_sky(sky.values, gendaymtx(wea, "-m", str(subdivision)))
+
+
+def test_a_sky_at_a_moment_equals_that_of_gendaymtx_at_this_moment(wea, tmp_path):
+    """At 12:00, between the steps 11:30 and 12:30 of the file: the sun stands at 12:00,
+    with the irradiance of the step from 12:00 to 13:00."""
+    head, rows = wea.read_text().split("units 1\n")
+    (row,) = (line for line in rows.splitlines() if line.startswith("6 21 12.5"))
+    row = row.replace("12.5", "12.0")
+    (tmp_path / "noon.wea").write_text(f"{head}units 1\n{row}\n")
+    noon = select_moment(read_weather(wea), "06-21 12:00")
+    sky = sky_matrix(noon, subdivision=2, sun_formula="radiance")
+    theirs = gendaymtx(tmp_path / "noon.wea", "-m", "2")
+    assert_same_sky(sky.values, theirs)
 
 
 OPTIONS = [

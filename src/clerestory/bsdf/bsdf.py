@@ -20,6 +20,7 @@ from clerestory.bands import RGB, Bands
 from clerestory.bsdf.product_data import Product
 from clerestory.bsdf.scattering_function import (
     CHUNK,
+    FUNCTIONS,
     OTHER_SIDE,
     Function,
     ScatteringFunction,
@@ -27,8 +28,9 @@ from clerestory.bsdf.scattering_function import (
 )
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tree_arithmetic import xyz_functions
+from clerestory.checks import one_of
 from clerestory.colorimetry import rgb_from_xyz
-from clerestory.errors import InputError
+from clerestory.errors import InputError, located
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.matrix.axis import window_axis
@@ -66,6 +68,10 @@ class Bsdf:
     notes: tuple[str, ...] = ()
     source: str | None = None
 
+    def __post_init__(self) -> None:
+        for _, function in self.functions:
+            one_of(function, "scattering function", choices=FUNCTIONS)
+
     @property
     def channels(self) -> tuple[str, ...]:
         """Names of the channels that have at least one scattering function."""
@@ -73,6 +79,7 @@ class Bsdf:
 
     def has(self, function: Function, *, channel: str = "visible") -> bool:
         """Whether a scattering function is available, directly or by reciprocity."""
+        one_of(function, "scattering function", choices=FUNCTIONS)
         sides = function, OTHER_SIDE.get(function, function)
         return any((channel, side) in self.functions for side in sides)
 
@@ -198,7 +205,11 @@ class Bsdf:
     ) -> _Pair:
         """BSDF [1/sr] for pairs of directions that point away from the layer.
 
-        The BSDF is zero where the layer has no scattering function.
+        The BSDF is zero where the channel has no scattering function.
+
+        Raises
+        ------
+        InputError : the layer has no such channel
         """
         return self._over_pairs(
             lambda part, i, o: part.evaluate(i, o), incident, leaving, channel, 0.0
@@ -209,7 +220,7 @@ class Bsdf:
     ) -> _Pair:
         """Projected solid angle [sr] of the exit cell or patch of each direction pair.
 
-        Where the layer has no scattering function, the result is π (hemisphere).
+        Where the channel has no scattering function, the result is π (hemisphere).
         """
         return self._over_pairs(
             lambda part, i, o: part.resolution(i, o), incident, leaving, channel, np.pi
@@ -248,6 +259,9 @@ class Bsdf:
         missing: float,
     ) -> _Pair:
         # Evaluate each direction pair with the function of its incident and exit sides
+        with located(file=self.source):
+            what = f"channel of BSDF {self.product.name!r}"
+            one_of(channel, what, choices=self.channels or ("none",))
         incident, leaving = np.broadcast_arrays(incident, leaving)
         answer = np.full(incident.shape[:-1], missing)
         flat, i, o = answer.reshape(-1), incident.reshape(-1, 3), leaving.reshape(-1, 3)

@@ -12,6 +12,11 @@ import numpy as np
 
 from clerestory.array_types import Values
 from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.direction_checks import (
+    check_coverage,
+    check_peaks,
+    check_repeated_rings,
+)
 from clerestory.bsdf.missing_components import check_components
 from clerestory.bsdf.patch_symmetry import turned_mismatch
 from clerestory.bsdf.quality_finding import Finding, patch_label, severity_of
@@ -21,7 +26,13 @@ from clerestory.bsdf.reciprocity import (
     check_scaling,
     check_sides,
 )
-from clerestory.bsdf.scattering_function import OF_SIDE, SIDES, Side
+from clerestory.bsdf.scattering_function import (
+    FUNCTIONS,
+    OF_SIDE,
+    OTHER_SIDE,
+    SIDES,
+    Side,
+)
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.partition import RingPartition
@@ -65,6 +76,9 @@ _LIKE_SHARES = (0.3, 1.01)
 # the layer is upside down.
 _FROM_ABOVE = 1.5
 
+# Largest directional-hemispherical transmittance of an opaque layer, as in Radiance.
+_OPAQUE = 1e-3
+
 # Layers with smaller mismatch (fraction of flux) count as symmetric or isotropic.
 _ALIKE = 0.025
 
@@ -79,19 +93,48 @@ def check(bsdf: Bsdf) -> tuple[Finding, ...]:
     >>> [f.severity for f in check(lambertian(0.5, klems("full"))) if f.matters]
     []
     """
-    tables: dict[str, Tables] = {channel: {} for channel in bsdf.channels}
-    for channel, name in bsdf.functions:
-        tables[channel][name] = bsdf.function(name, channel=channel)
-    findings = [*check_components(bsdf, tables), *check_angle_bases(bsdf)]
+    findings = [*check_angle_bases(bsdf)]
+    tables: dict[str, Tables] = {}
+    for channel in bsdf.channels:
+        tables[channel] = {
+            name: bsdf.function(name, channel=channel)
+            for name in FUNCTIONS
+            if (channel, name) in bsdf.functions
+        }
+        findings += _drop_noise(channel, tables[channel])
+    findings += check_components(bsdf, tables)
     for channel, known in tables.items():
         filled = {name: part for name, part in known.items() if np.any(part.values)}
         for one in _CHECKS:
             findings += one(channel, filled)
+        # Coarse cells of trees repeat values
+        own = {n: p for n, p in filled.items() if p is bsdf.functions[channel, n]}
+        findings += check_repeated_rings(channel, own)
     rank = {"error": 0, "warning": 1, "info": 2}
     return tuple(sorted(findings, key=lambda finding: rank[finding.severity]))
 
 
+def _drop_noise(channel: str, tables: Tables) -> Iterator[Finding]:
+    # Remove negligible transmissions: the noise of an opaque layer is not reciprocal
+    names = [name for name in OTHER_SIDE if name in tables]
+    most = max((tables[n].direct_hemispherical().max() for n in names), default=0.0)
+    if not 0 < most <= _OPAQUE:
+        return
+    for name in names:
+        del tables[name]
+    what = f"the transmittance is {most:.1e} at most"
+    effect = f"Radiance treats layers below {_OPAQUE:g} as opaque"
+    yield Finding("opaque", "info", most, what, f"{channel} transmission", effect)
+
+
 def _energy(channel: str, tables: Tables) -> Iterator[Finding]:
+    # A transmission that is not in the file follows from that of the other side
+    derived: Tables = {
+        name: tables[other_side].reciprocal()
+        for name, other_side in OTHER_SIDE.items()
+        if name not in tables and other_side in tables
+    }
+    tables = {**tables, **derived}
     for side in SIDES:
         share, part = _scattered(tables, side, reflection_of=side)
         worst = int(np.argmax(share))
@@ -110,6 +153,9 @@ def _energy(channel: str, tables: Tables) -> Iterator[Finding]:
         ) * fits
         name = "order" if fits else "energy"
         what = f"transmittance and reflectance sum to {share[worst]:.4f}{advice}"
+        if OF_SIDE[side][0] in derived:
+            what += "; the transmission follows from that of the other side by"
+            what += " reciprocity"
         where = f"{channel} {side}, {patch_label(part.incidents, worst)}"
         effect = f"results are up to {excess:.1%} too high"
         effect += "; interreflections may diverge"
@@ -199,6 +245,8 @@ _CHECKS: tuple[Callable[[str, Tables], Iterator[Finding]], ...] = (
     check_reciprocity,
     check_sides,
     check_scaling,
+    check_coverage,
+    check_peaks,
     _darkness,
     _up_and_down,
     _shape,

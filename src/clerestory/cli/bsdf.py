@@ -5,7 +5,7 @@ from pathlib import Path
 
 import typer
 
-from clerestory.bsdf.patch_symmetry import compare as compare_bsdfs
+from clerestory.bsdf.layer_comparison import compare as compare_bsdfs
 from clerestory.bsdf.quality_checks import check as check_bsdf
 from clerestory.bsdf.quality_finding import Finding
 from clerestory.bsdf.xml_insertion import insert_blocks

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.patch_symmetry import Comparison
+from clerestory.bsdf.layer_comparison import Comparison
 from clerestory.bsdf.quality_finding import Finding, patch_label
 from clerestory.bsdf.scattering_function import FUNCTIONS, Function
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
@@ -72,6 +72,9 @@ def comparison_lines(result: Comparison, names: tuple[str, str]) -> Iterator[str
         f" {result.share_rms:.4f} rms, {result.share_worst:+.4f} at most, at"
         f" {patch_label(result.incidents, result.worst_patch)}"
     )
+    if result.exchange is not None:
+        title, rest = result.exchange
+        yield f"  {title}: exchanged back, {rest:.2%} goes elsewhere"
 
 
 def _status(findings: Sequence[Finding]) -> str:

@@ -7,13 +7,16 @@ printing help imports only the modules of requests.
 import importlib
 import inspect
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, nullcontext
 from contextvars import ContextVar
 from dataclasses import MISSING, Field, dataclass, fields, is_dataclass
+from pathlib import Path
 from types import ModuleType
 from typing import Annotated, Any, TypeVar, dataclass_transform, get_type_hints
 
 import typer
 
+from clerestory.file_lock import locked
 from clerestory.options import Argument, Option, description, options
 
 # The command line being run, as recorded in the headers of files
@@ -52,9 +55,9 @@ class Command:
         def call(**given: object) -> int | None:
             module, _, function = self.served_by.partition(":")
             served_by = importlib.import_module(f"clerestory.cli.{module}")
-            status: int | None = getattr(served_by, function)(
-                _assemble(self.request, given)
-            )
+            request = _assemble(self.request, given)
+            with _output_locked(given.get("output") or given.get("annual")):
+                status: int | None = getattr(served_by, function)(request)
             return status
 
         parameters = list(_parameters(self.request))
@@ -110,6 +113,13 @@ def _assemble(request: Any, given: Mapping[str, object]) -> Any:
         for each, hint in _fields(request)
     }
     return request(**values)
+
+
+def _output_locked(output: object) -> AbstractContextManager[None]:
+    # Lock of the file or folder to write, in a folder that exists
+    if isinstance(output, Path) and output.parent.is_dir():
+        return locked(output)
+    return nullcontext()
 
 
 def _fields(request: Any) -> list[tuple[Field[Any], Any]]:

@@ -1,7 +1,7 @@
 """Entry point of `clerestory`: runs a command, prints errors, returns the exit status.
 
-Exit status: 0 done, 1 failed, 2 bad input, 130 interrupted. Errors and warnings are one
-line each on the error stream.
+Exit status: 0 done, 1 failed, 2 bad input; 130, 143 or 129 interrupted by SIGINT,
+SIGTERM or SIGHUP. Errors and warnings are one line each on the error stream.
 """
 
 import os
@@ -10,17 +10,22 @@ import sys
 import traceback
 import warnings
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import typer
 
 from clerestory import __version__
 from clerestory.cli.command import COMMAND_LINE
+from clerestory.cli.interruption import Interruption, interruptible
 from clerestory.cli.program import program
 from clerestory.errors import ClerestoryError, ClerestoryWarning
+from clerestory.warning_log import WarningLog
 
 TRACEBACK = "CLERESTORY_TRACEBACK"
-INTERRUPTED = 130
+
+# Exit status that Typer returns after `KeyboardInterrupt`
+_SIGINT = 130
 
 # Options that take all words up to the next option
 _GREEDY = ("--scene", "--window")
@@ -39,24 +44,29 @@ def main(arguments: Sequence[str] | None = None) -> int:
         typer.echo(f"clerestory {__version__}")
         return 0
     COMMAND_LINE.set(shlex.join(["clerestory", *given]))
+    told = WarningLog()
     with warnings.catch_warnings():
         warnings.simplefilter("always", ClerestoryWarning)
-        warnings.showwarning = _show_warning
+        warnings.showwarning = partial(_show_warning, told)
         try:
-            status = program(words)(
-                words, prog_name="clerestory", standalone_mode=False
-            )
-            return _interrupted() if status == INTERRUPTED else int(status or 0)
+            with interruptible() as received:
+                status = program(words)(
+                    words, prog_name="clerestory", standalone_mode=False
+                )
+            return _interrupted(received) if status == _SIGINT else int(status or 0)
         except ClerestoryError as error:
             return _fail(str(error), error.exit_status, error)
         except (KeyboardInterrupt, typer.Abort):
-            return _interrupted()
+            return _interrupted(received)
         except _UsageError as error:
             return _usage(error)
         except Exception as error:  # unexpected errors
             kind = type(error).__name__
             text = f"unexpected {kind}: {error}; set {TRACEBACK}=1 for the traceback"
             return _fail(text, 1, error)
+        finally:
+            for line in told.repeated():
+                typer.echo(f"warning: {line}", err=True)
 
 
 def spread(words: list[str]) -> list[str]:
@@ -76,8 +86,13 @@ def spread(words: list[str]) -> list[str]:
     return result
 
 
-def _show_warning(message: Warning | str, *_place: Any, **_more: Any) -> None:
-    typer.echo(f"warning: {_one_line(str(message))}", err=True)
+def _show_warning(
+    told: WarningLog, message: Warning | str, *_place: Any, **_more: Any
+) -> None:
+    # Show the first warning of each kind; the others are counted
+    text = _one_line(str(message))
+    if told.add(text):
+        typer.echo(f"warning: {text}", err=True)
 
 
 def _usage(error: Any) -> int:
@@ -97,9 +112,9 @@ def _fail(text: str, status: int, error: BaseException) -> int:
     return status
 
 
-def _interrupted() -> int:
+def _interrupted(received: Interruption) -> int:
     typer.echo("interrupted; run again to resume", err=True)
-    return INTERRUPTED
+    return received.status()
 
 
 def _one_line(text: str) -> str:

@@ -56,6 +56,8 @@ def matrix(request: requests.SkyMatrixRequest) -> None:
         write_sky(request.file, sky, luminance=request.luminance)
         progress(1.0, "done")
     size = f"{sky.rows.describe()} by {sky.columns.describe()}"
+    if request.time is not None:
+        size += f", the sun at {request.time}, {data.notes[-1]}"
     say(f"{request.file.output}: {size}", quiet=request.file.quiet)
 
 

@@ -24,7 +24,7 @@ from clerestory.glare.index_settings import (
     IndexSettings,
 )
 from clerestory.glare.indices import REPORTED
-from clerestory.glare.sources import find_sources
+from clerestory.glare.sources import find_sources, warn_if_coarse
 from clerestory.scene.view import View
 
 if TYPE_CHECKING:
@@ -43,6 +43,7 @@ def annual_glare(
     background: Background = "cie",
     low_light: bool = False,
     coefficients: DgpCoefficients = EVALGLARE,
+    name: str | None = "the pictures",
     progress: Callable[[int], None] | None = None,
 ) -> "xr.Dataset":
     """Return the glare indices of a sequence of pictures.
@@ -57,6 +58,7 @@ def annual_glare(
     illuminance : measured vertical illuminance per time step, for DGP [lux]; default:
         from the pictures
     rules, background, low_light, coefficients : see `evaluate_glare`
+    name : name of the view in warnings; None for no warnings
     progress : callback with the number of completed pictures
 
     Returns
@@ -80,6 +82,8 @@ def annual_glare(
     settings = IndexSettings(background, None, low_light, None, coefficients)
     results = []
     for step, (picture, eye) in enumerate(_checked(luminance, view)):
+        if step == 0 and name is not None:
+            warn_if_coarse(eye, rules, name=name)
         result = summarise(
             picture,
             eye,

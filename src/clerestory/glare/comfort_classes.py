@@ -1,4 +1,7 @@
-"""Annual glare metrics, and glare classes of EN 17037 and EN 14501."""
+"""Annual glare metrics, and glare classes of EN 17037 and EN 14501.
+
+A DGP of NaN, as in dark time steps, counts as no glare.
+"""
 
 from typing import Literal, get_args
 
@@ -37,7 +40,8 @@ def exceeded_dgp(
     require(steps, "no occupied steps; at least one expected")
     require(0 <= share < 1, f"fraction of steps is {share:g}; 0 to below 1 expected")
     above = int(np.floor(share * steps + 1e-9))
-    return np.asarray(np.sort(dgp, axis=-1)[..., steps - 1 - above])
+    rated = np.nan_to_num(dgp, nan=0.0)
+    return np.asarray(np.sort(rated, axis=-1)[..., steps - 1 - above])
 
 
 def protection_level(exceeded: float) -> Protection:
@@ -59,10 +63,10 @@ def glare_autonomy(
 
     Reference: Jones, N. L. (2019), as in `imageless`.
 
-    >>> float(glare_autonomy(np.array([0.2, 0.3, 0.39, 0.6])))
+    >>> float(glare_autonomy(np.array([0.2, np.nan, 0.39, 0.6])))
     0.75
     """
-    return np.asarray((dgp < limit).mean(axis=-1))
+    return np.asarray((~(dgp >= limit)).mean(axis=-1))
 
 
 def glare_control_class(*, normal_normal: float, normal_diffuse: float) -> int:

@@ -28,6 +28,7 @@ from clerestory.glare.sources import (
     in_zone,
     reference_luminance,
     tabulate,
+    warn_if_coarse,
 )
 from clerestory.glare.zones import Zones, cut_along
 from clerestory.image.picture import Picture
@@ -155,6 +156,7 @@ def evaluate_picture(
     luminance = picture.luminance()
     if seen is not None:
         luminance = fill_cut(luminance, eye, seen)
+    warn_if_coarse(eye, rules, name="the picture")
     members = find_sources(luminance, eye, rules)
     result = summarise(luminance, eye, members, rules, settings, zones=zones)
     return Evaluation(picture, rules, luminance, eye, members, result)

@@ -89,10 +89,11 @@ class GlareIndex(Quantity):
     glare_increases: bool = True
 
     def category(self, values: Values) -> Indices:
-        """Index of the glare category in `CATEGORIES`."""
+        """Index of the glare category in `CATEGORIES`; 0 for NaN, as in the dark."""
         sign = 1 if self.glare_increases else -1
         limits = sign * np.asarray(self.thresholds)
-        return np.searchsorted(limits, sign * values, side="left")
+        found = np.searchsorted(limits, sign * values, side="left")
+        return np.where(np.isnan(values), 0, found)
 
 
 def without_logarithm(sources: GlareSources, adaptation: float) -> float | None:

@@ -1,7 +1,9 @@
 """Settings of the glare indices: background luminance, and corrections of DGP."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
+
+from clerestory.checks import one_of
 
 Background = Literal["cie", "average", "illuminance"]
 
@@ -36,3 +38,6 @@ class IndexSettings:
     low_light: bool = False
     age: float | None = None
     coefficients: DgpCoefficients = EVALGLARE
+
+    def __post_init__(self) -> None:
+        one_of(self.background, "background", choices=get_args(Background))

@@ -6,11 +6,12 @@ Older programs use Levin's fit alone, mirrored below the line of sight and witho
 limit.
 """
 
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
 from clerestory.array_types import Mask, Values
+from clerestory.checks import one_of
 
 PositionModel = Literal["guth", "kim", "levin"]
 
@@ -40,6 +41,7 @@ def position_index(
     >>> position_index(sigma, np.zeros(3), np.array([False, False, True])).round(2)
     array([1.  , 3.35, 1.58])
     """
+    one_of(model, "position model", choices=get_args(PositionModel))
     if model == "kim":
         return _kim(np.degrees(sigma), np.degrees(tau))
     if model == "levin":

@@ -5,6 +5,7 @@ merged. Optionally, dark pixels surrounded by a source are added (smoothing) and
 are extracted.
 """
 
+import math
 import warnings
 from typing import NamedTuple
 
@@ -73,20 +74,34 @@ def in_zone(eye: GlareView, zone: Zone) -> np.ndarray:
     return np.asarray(2 * eye.angle_from(zone.row, zone.column) <= zone.opening)
 
 
+def merging_pixels(eye: GlareView, rules: SourceRules) -> float:
+    """Half the merging angle [pixels]."""
+    return rules.merge_angle / 2 / eye.pixel_angle()
+
+
+def warn_if_coarse(eye: GlareView, rules: SourceRules, *, name: str) -> None:
+    """Warn if pixels are too large for the merging of sources, as in evalglare.
+
+    `name` of the picture or view precedes the message.
+    """
+    found, sides = merging_pixels(eye, rules), max(eye.shape)
+    if found < _FEW_PIXELS:
+        warnings.warn(
+            f"{name}: half the merging angle is {found:.1f} pixels at a resolution of"
+            f" {sides}; {_FEW_PIXELS:g} or more expected, as from a resolution of"
+            f" {math.ceil(sides * _FEW_PIXELS / found)}",
+            ClerestoryWarning,
+            stacklevel=2,
+        )
+
+
 def find_sources(
     luminance: Image, eye: GlareView, rules: SourceRules | None = None
 ) -> Members:
     """Return the pixels of the glare sources of a picture."""
     rules = rules or SourceRules()
     level = threshold_luminance(luminance, eye, rules)
-    scale = rules.merge_angle / 2 / eye.pixel_angle()
-    if scale < _FEW_PIXELS:
-        warnings.warn(
-            f"half the merging angle is {scale:.1f} pixels; {_FEW_PIXELS:g} or more"
-            " expected (a larger angle or picture)",
-            ClerestoryWarning,
-            stacklevel=2,
-        )
+    scale = merging_pixels(eye, rules)
     mask = (luminance > level) & eye.valid
     if rules.field_of_view is not None:
         mask &= eye.in_field(rules.field_of_view)

@@ -21,7 +21,7 @@ from clerestory.bsdf.product_data import Product
 from clerestory.bsdf.resample import full_tree
 from clerestory.bsdf.scattering_function import OF_SIDE, Function, ScatteringFunction
 from clerestory.bsdf.tensor_tree import ScatteringTree
-from clerestory.checks import require, within
+from clerestory.checks import one_of, require, within
 from clerestory.glazing.layer import Layer
 from clerestory.glazing.scatterer import Scatterer, scatterer
 from clerestory.glazing.standard import CHANNELS, Channel, Standard, nfrc
@@ -94,6 +94,8 @@ def walk_layers(
     within(halvings, "halvings", least=0, most=_FINEST)
     require(batches >= 2, f"batches is {batches}; 2 or more expected")
     require(walkers >= batches, f"walkers is {walkers}; one or more per batch expected")
+    for channel in channels:
+        one_of(channel, "channel", choices=CHANNELS)
     standard = standard or nfrc()
     functions: dict[tuple[str, Function], ScatteringFunction] = {}
     diffuse: dict[tuple[Channel, Function], tuple[float, float]] = {}

@@ -17,7 +17,7 @@ import ot
 from jaxtyping import Float
 
 from clerestory.array_types import Values, Vector
-from clerestory.checks import require
+from clerestory.checks import one_of, require
 from clerestory.gonio.angles import angle_between
 from clerestory.gonio.incident_mesh import locate
 from clerestory.gonio.interpolant import Interpolant
@@ -34,7 +34,7 @@ from clerestory.gonio.optimal_transport import Network
 from clerestory.gonio.parallel import IN_SERIES, Workers
 from clerestory.gonio.raster import Raster
 from clerestory.gonio.scattering_measurement import Measurement, Scan
-from clerestory.gonio.symmetry import Symmetry, fold
+from clerestory.gonio.symmetry import SYMMETRIES, Symmetry, fold
 from clerestory.hemisphere.shirley_chiu import cell_centres, directions_from_square
 from clerestory.progress import Progress
 
@@ -154,6 +154,7 @@ def cross_validate(
     message = f"number of scans is {len(scans)}; {_FEWEST} or more expected"
     require(len(scans) >= _FEWEST, f"{message} to leave one out")
     symmetry = symmetry or measurement.symmetry
+    one_of(symmetry, "symmetry", choices=SYMMETRIES)
     fits = fit_scans(scans, options=options, workers=workers)
     network = join(measurement.incidents, fits, symmetry, workers=workers)
     work = [(k, scans, fits, symmetry, network) for k in range(len(scans))]

@@ -11,14 +11,14 @@ from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product_data import Product
 from clerestory.bsdf.resample import to_matrices
 from clerestory.bsdf.scattering_function import OF_SIDE, Function, ScatteringFunction
-from clerestory.checks import require
+from clerestory.checks import one_of, require
 from clerestory.gonio.interpolant import Interpolant
 from clerestory.gonio.lobe_fitting import DEFAULT, FitOptions, fit_scans
 from clerestory.gonio.network_assembly import connect
 from clerestory.gonio.optimal_transport import Network
 from clerestory.gonio.parallel import IN_SERIES, Workers
 from clerestory.gonio.scattering_measurement import Measurement
-from clerestory.gonio.symmetry import Symmetry
+from clerestory.gonio.symmetry import SYMMETRIES, Symmetry
 from clerestory.gonio.tree_export import to_tree
 from clerestory.hemisphere.klems import klems
 from clerestory.progress import Progress
@@ -58,6 +58,7 @@ def fit_measurement(
     InputError : there are too few incident directions, or a scan has no flux
     """
     symmetry = symmetry or measurement.symmetry
+    one_of(symmetry, "symmetry", choices=SYMMETRIES)
     workers = Workers(processes, progress)
     fits = fit_scans(measurement.scans, options=options, workers=workers)
     network = connect(measurement.incidents, fits, symmetry, workers=workers)

@@ -10,8 +10,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
+from typing import get_args
 
-from clerestory.bsdf.scattering_function import Function
+from clerestory.bsdf.scattering_function import FUNCTIONS, Function
 from clerestory.checks import one_of, require
 from clerestory.errors import InputError, located
 from clerestory.files import read_bytes
@@ -67,6 +68,8 @@ def read_measurement(
     ------
     InputError : a file is damaged, or its format is unknown
     """
+    one_of(function, "scattering function", choices=(None, *FUNCTIONS))
+    one_of(facing, "facing side", choices=get_args(Facing))
     files = [Path(path) for path in paths]
     require(files, "no goniophotometer file; one or more expected")
     if form is not None:

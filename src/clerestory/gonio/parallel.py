@@ -5,8 +5,12 @@ Linear algebra is limited to one thread per process, as the matrices are small.
 
 import functools
 import multiprocessing
-from collections.abc import Callable, Iterable, Sequence
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -42,12 +46,41 @@ class Workers:
         report, alone = self.progress(phase), functools.partial(_alone, function)
         if self.processes <= 1 or len(values) < _FEWEST:
             return _reported(map(alone, values), report, len(values))
-        context = multiprocessing.get_context("spawn")
-        with ProcessPoolExecutor(self.processes, mp_context=context) as pool:
+        with _pool(self.processes) as pool:
             return _reported(pool.map(alone, values, chunksize=4), report, len(values))
 
 
 IN_SERIES = Workers()
+
+
+@contextmanager
+def _pool(processes: int) -> Iterator[ProcessPoolExecutor]:
+    # Processes that end with the block, at once after an error or an interruption
+    others = set(multiprocessing.active_children())
+    pool = ProcessPoolExecutor(
+        processes, multiprocessing.get_context("spawn"), initializer=_attend
+    )
+    try:
+        yield pool
+    except BaseException:
+        for process in set(multiprocessing.active_children()) - others:
+            process.terminate()
+        raise
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def _attend() -> None:
+    # Leave interruptions to the parent process, and end when it ends
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 def _reported(

@@ -5,13 +5,13 @@ colour corrections in a file.
 """
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from jaxtyping import Float32
 
 from clerestory.bands import RGB, Bands
-from clerestory.checks import positive, require
+from clerestory.checks import one_of, positive, require
 from clerestory.errors import InputError
 from clerestory.scene.view import View
 
@@ -64,6 +64,7 @@ class Picture:
                 " finite numbers expected"
             )
         positive(self.pixel_aspect, "pixel aspect")
+        one_of(self.quantity, "quantity of a picture", choices=get_args(Quantity))
         object.__setattr__(self, "radiance", values)
 
     @property

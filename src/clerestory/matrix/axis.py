@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 
+from clerestory.checks import one_of
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.reinhart import SkyPartition
 
@@ -48,6 +49,9 @@ class Axis:
     window: str | None = None
     times: np.ndarray | None = None
     names: tuple[str, ...] | None = None
+
+    def __post_init__(self) -> None:
+        one_of(self.kind, "kind of an axis", choices=_MEANING)
 
     def describe(self) -> str:
         """Return a description such as "145 window patches on the room side"."""

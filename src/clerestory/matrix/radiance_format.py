@@ -20,6 +20,7 @@ from jaxtyping import Float
 from clerestory.bands import RGB, Bands, unnamed_bands
 from clerestory.checks import one_of, require
 from clerestory.errors import InputError, located
+from clerestory.escaping import header_line
 from clerestory.files import read_bytes, replace_file
 from clerestory.matrix.axis import Axis, unknown_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
@@ -28,7 +29,6 @@ Encoding = Literal["ascii", "float", "double"]
 
 _ITEM = {"float": "f4", "double": "f8"}
 _LONGEST_HEADER = 1 << 20
-_LONGEST_LINE = 2000
 _RESERVED = ("NROWS", "NCOLS", "NCOMP", "FORMAT", "BigEndian")
 
 
@@ -165,8 +165,8 @@ def write_rows(
         )
     rows, columns, channels = shape
     lines = ["#?RADIANCE"]
-    lines += [f"\t{_header_text(command)}"] if command else []
-    lines += [f"{name}= {_header_text(text)}" for name, text in (header or {}).items()]
+    lines += [f"\t{header_line(command)}"] if command else []
+    lines += [f"{name}= {header_line(text)}" for name, text in (header or {}).items()]
     lines += [f"NROWS={rows}", f"NCOLS={columns}", f"NCOMP={channels}"]
     lines += [] if encoding == "ascii" else [f"BigEndian={int(sys.byteorder == 'big')}"]
     lines += [f"FORMAT={encoding}", "", ""]
@@ -177,12 +177,6 @@ def write_rows(
                 stream.writelines(_format_row(row).encode() for row in block)
             else:
                 stream.write(np.ascontiguousarray(block, _ITEM[encoding]).data)
-
-
-def _header_text(text: str) -> str:
-    # One line, short enough for the buffer of Radiance's programs
-    line = " ".join(text.split())
-    return line if len(line) <= _LONGEST_LINE else f"{line[:_LONGEST_LINE]} …"
 
 
 def _format_row(row: Float[np.ndarray, "column channel"]) -> str:

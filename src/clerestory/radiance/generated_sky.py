@@ -10,6 +10,7 @@ from clerestory.checks import require
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.scene.model import Scene
 from clerestory.sky.weather import Weather
+from clerestory.sky.weather_selection import select_moment, step_containing
 
 # Distant sources for sky and ground: hemispheres above and below the horizon
 _DOMES = """
@@ -47,22 +48,17 @@ def sky_at(weather: Weather, moment: datetime) -> Scene:
 
     Parameters
     ----------
-    moment : local standard time, which selects the time step of the weather data
+    moment : local standard time: the sun is at its position at this time, the
+        irradiance that of the time step which contains it; the year is ignored if the
+        weather data lack it
     """
     asked = np.datetime64(moment.replace(tzinfo=None), "s")
-    half = np.timedelta64(round(weather.step_minutes * 30), "s")
-    times = weather.times.astype("datetime64[s]")
-    distance = np.abs(times - asked)
-    if not np.any(distance <= half):
-        # The year is ignored: a typical meteorological year has months of several years
-        within = asked - asked.astype("datetime64[Y]")
-        distance = np.abs(times - (times.astype("datetime64[Y]") + within))
-    require(
-        len(times) and distance.min() <= half,
-        f"the weather has no time step at {moment}; a moment within it expected",
-    )
-    step = int(np.argmin(distance))
-    normal, diffuse = weather.direct_normal[step], weather.diffuse_horizontal[step]
+    step = step_containing(weather, asked)
+    if step is None:
+        here = select_moment(weather, f"{moment:%m-%d %H:%M}")
+    else:
+        here = weather.select(step)
+    (normal,), (diffuse,) = here.direct_normal, here.diffuse_horizontal
     require(diffuse > 0, f"the diffuse irradiance is 0 at {moment}; daytime expected")
     hour = moment.hour + moment.minute / 60 + moment.second / 3600
     return sky_scene(

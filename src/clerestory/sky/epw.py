@@ -9,7 +9,9 @@ Reference: U.S. Department of Energy, EnergyPlus, Auxiliary Programs, chapter
 "EnergyPlus Weather File (EPW) Data Dictionary".
 """
 
+import csv
 import warnings
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -34,6 +36,9 @@ _SERIES = {
     "dew point": 7,
 }
 
+# Share of the header's period below which rows with gaps count as a selection of hours
+_SELECTION = 0.1
+
 # Dew points of this value [°C] or above are missing (code 99.9); quality control
 # removes the codes for missing irradiance
 _MISSING_DEW_POINT = 99.0
@@ -42,17 +47,17 @@ _MISSING_DEW_POINT = 99.0
 def read_epw(path: str | Path) -> Weather:
     """Return the weather in an EPW file, dated 2023 (2024 if it has a 29 February)."""
     lines = read_text(path).splitlines()
-    cells = lines[0].split(",") if lines else [""]
+    table = [_cells(text) for text in lines]
+    cells = table[0] if table else [""]
     require(
-        cells[0].strip().upper() == "LOCATION",
+        "".join(cells[:1]).strip().upper() == "LOCATION",
         "no LOCATION in the first line; an EPW file expected",
         line=1,
     )
     place = "_".join(part.strip() for part in (cells[1:2] + cells[3:4]) if part.strip())
     latitude, longitude, offset, elevation = numbers(cells, _SITE)
     site = Site(latitude, longitude, offset, elevation, place)
-    per_hour = _records_per_hour(lines)
-    table = (text.split(",") if text.strip() else [] for text in lines)
+    per_hour, periods = _data_periods([row or [""] for row in table[:_HEADER_LINES]])
     rows = DataRows.below(_HEADER_LINES, table, file=path)
 
     # Convert times from the ends of steps to their centres
@@ -63,7 +68,7 @@ def read_epw(path: str | Path) -> Weather:
     direct, diffuse, dew_point = (
         rows.column(i, name, may_miss=True) for name, i in _SERIES.items()
     )
-    _warn_if_truncated(times, per_hour, lines, path)
+    _warn_of_missing(times, periods, per_hour, rows)
     return weather_of_components(
         site,
         times,
@@ -74,9 +79,16 @@ def read_epw(path: str | Path) -> Weather:
     )
 
 
-def _records_per_hour(lines: list[str]) -> int:
-    for line, text in enumerate(lines[:_HEADER_LINES], start=1):
-        cells = text.split(",")
+def _cells(text: str) -> list[str]:
+    # Cells of a line; commas within double quotes do not separate
+    if '"' in text:
+        return next(csv.reader([text]))
+    return text.split(",") if text.strip() else []
+
+
+def _data_periods(header: list[list[str]]) -> tuple[int, list[tuple[str, str]]]:
+    # Records per hour, and first and last day of each period, as text
+    for line, cells in enumerate(header, start=1):
         if cells[0].strip().upper() == "DATA PERIODS":
             (count,) = numbers(cells, {"records per hour": 2}, line)
             require(
@@ -84,25 +96,37 @@ def _records_per_hour(lines: list[str]) -> int:
                 f"{count:g} records per hour; a divisor of 60 expected",
                 line=line,
             )
-            return int(count)
+            return int(count), list(zip(cells[5::4], cells[6::4], strict=False))
     raise InputError(
         f"no DATA PERIODS in the first {_HEADER_LINES} lines; an EPW header expected"
     )
 
 
-def _warn_if_truncated(
-    times: np.ndarray, per_hour: int, lines: list[str], path: str | Path
+def _warn_of_missing(
+    times: np.ndarray, periods: list[tuple[str, str]], per_hour: int, rows: DataRows
 ) -> None:
-    # A truncated year has no gaps before the last row; a selection of hours has gaps
+    # Compare the times with those of the periods in the header
+    year = str(times[0])[:4]
     step = np.timedelta64(3600 // per_hour, "s")
-    unbroken = len(times) > 24 * per_hour and bool(np.all(np.diff(times) == step))
-    last = times[-1].astype("datetime64[D]")
-    year_end = np.datetime64(f"{last.astype('datetime64[Y]')}-12-31")
-    header = " ".join(lines[:_HEADER_LINES]).replace(" ", "")
-    if unbroken and last < year_end and "12/31" in header.split("DATAPERIODS")[-1]:
+    expected = [times[:0]]
+    for days in periods:
+        dates = [day.replace(" ", "").split("/") for day in days]
+        with suppress(ValueError, IndexError):
+            first, last = (
+                np.datetime64(f"{year}-{int(date[0]):02d}-{int(date[1]):02d}", "s")
+                for date in dates
+            )
+            expected.append(np.arange(first, last + np.timedelta64(1, "D"), step))
+    period = np.concatenate(expected) + step // 2
+    missing = np.setdiff1d(period, times)
+    few = len(times) < _SELECTION * len(period)
+    if len(missing) and not (few and np.any(np.diff(times) != step)):
+        row = min(int(np.searchsorted(times, missing[0])), len(times) - 1)
+        stated = ", ".join(f"{a.strip()} to {b.strip()}" for a, b in periods)
         warnings.warn(
-            f"{path}:{len(lines)}: the data end at {times[-1]}, the header states"
-            f" 12/31; {len(times)} steps are used",
+            f"{rows.file}:{rows.lines[row]}: the file lacks {len(missing)} of the"
+            f" {len(period)} time steps of its header ({stated}), first"
+            f" {missing[0]}; the {len(times)} others are used",
             ClerestoryWarning,
-            stacklevel=3,
+            stacklevel=4,
         )

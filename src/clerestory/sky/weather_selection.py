@@ -1,6 +1,8 @@
 """Selection of time steps of the weather: a range of days, or one moment."""
 
 import re
+from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 
@@ -32,24 +34,36 @@ def select_days(
 
 
 def select_moment(weather: Weather, moment: str) -> Weather:
-    """Return the weather of the step that contains a local standard time "MM-DD HH:MM".
+    """Return the weather at a local standard time "MM-DD HH:MM".
 
-    A time step with its centre at 11:30 is the hour from 11:00 to 12:00.
+    The irradiance is that of the time step which contains the time, as in
+    `step_containing`; the position of the sun is that at the time itself.
     """
     valid = re.fullmatch(r"\d\d-\d\d[ T]\d\d:\d\d", moment)
     require(valid, f"time {moment!r}; a time MM-DD HH:MM expected")
-    half = weather.step_minutes * 30
     for year in np.unique(weather.times.astype("datetime64[Y]")):
-        try:
+        with suppress(ValueError):
             wanted = np.datetime64(f"{year}-{moment.replace(' ', 'T')}", "s")
-        except ValueError:
-            continue
-        distance = (weather.times - wanted).astype(float)
-        inside = np.flatnonzero((-half < distance) & (distance <= half))
-        if len(inside):
-            return weather.select(inside[:1])
+            step = step_containing(weather, wanted)
+            if step is not None:
+                note = f"irradiance of the {weather.step_minutes:g}-minute step"
+                note += f" centred at {weather.times[step][0].astype('datetime64[m]')}"
+                chosen = replace(weather, notes=(*weather.notes, note)).select(step)
+                return replace(chosen, times=np.array([wanted]))
     first, last = weather.times[[0, -1]].astype("datetime64[m]")
     raise InputError(
         f"no weather at {moment}; a time from {first} to {last} expected",
         file=weather.source or None,
     )
+
+
+def step_containing(weather: Weather, moment: np.datetime64) -> slice | None:
+    """Return the time step that contains a moment, as a slice; None if there is none.
+
+    A step includes its start and excludes its end: with centres at 11:30 and 12:30, the
+    time 12:00 belongs to the second step.
+    """
+    half = np.timedelta64(round(weather.step_minutes * 30), "s")
+    step = int(np.searchsorted(weather.times - half, moment, side="right")) - 1
+    inside = step >= 0 and moment < weather.times[step] + half
+    return slice(step, step + 1) if inside else None

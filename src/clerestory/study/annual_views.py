@@ -13,11 +13,16 @@ import xarray as xr
 from jaxtyping import Float, Int
 
 from clerestory.checks import require
+from clerestory.escaping import file_stems
 from clerestory.files import make_folder
 from clerestory.glare.annual_glare import annual_glare
+from clerestory.glare.detection_criteria import SourceRules
+from clerestory.glare.glare_view import glare_view
+from clerestory.glare.sources import warn_if_coarse
 from clerestory.image.picture import Picture
 from clerestory.image.picture_files import write_picture
 from clerestory.phases.matrix_equation import Skies, States
+from clerestory.phases.picture_matrices import Camera
 from clerestory.progress import Progress
 from clerestory.scene.view import View
 from clerestory.study.config_tables import EVERY, ViewTable
@@ -51,6 +56,7 @@ def study_views(
     daylight = skies.whole.diffuse.max(axis=0) > 0
     steps = np.flatnonzero(daylight | (output > 0).any(axis=0))
     found = {}
+    stems = file_stems(view.table.label for view in views)
     for view in views:
         label = view.table.label
         kept = _asked_for(view.table, times, steps)
@@ -61,7 +67,7 @@ def study_views(
         lit = _with_lamps(
             view.pictures(states, skies, seen), lamps.views.get(label, ()), output
         )
-        series = _written(lit, kept, out / PICTURE_FOLDER, label)
+        series = _written(lit, kept, out / PICTURE_FOLDER, stems[label])
         if sees_glare(view.camera.view):
             glare = _glare(series, view, times, seen, states, progress=show)
             found[label] = glare.reindex(time=times)
@@ -78,6 +84,14 @@ def sees_glare(view: View) -> bool:
     """Whether a view is wide enough for the evaluation of glare."""
     wide = min(view.horizontal, view.vertical) >= _EYE_DEG
     return wide and view.kind in ("angular", "hemispherical")
+
+
+def warn_of_views(views: Sequence[ViewTable], cameras: Sequence[Camera]) -> None:
+    """Warn of views with too few pixels for the evaluation of glare."""
+    for table, camera in zip(views, cameras, strict=True):
+        if sees_glare(camera.view):
+            eye = glare_view(camera.view, camera.columns, camera.rows)
+            warn_if_coarse(eye, SourceRules(), name=f'[[view]] "{table.label}"')
 
 
 def glare_function(
@@ -129,7 +143,7 @@ def _glare(
     # Images are grouped by combination of shade states, not in order of time
     order = view.order(states, steps)
     found = annual_glare(
-        series, view.camera.view, times=times[order], progress=progress
+        series, view.camera.view, times=times[order], name=None, progress=progress
     )
     return found.sortby("time")
 
@@ -172,11 +186,11 @@ def _written(
     series: Iterator[tuple[int, Picture]],
     kept: dict[int, str],
     folder: Path,
-    label: str,
+    stem: str,
 ) -> Iterator[np.ndarray]:
     for step, picture in series:
         if step in kept:
             make_folder(folder)
-            name = f"{label}_{kept[step].replace(':', '')}.hdr"
+            name = f"{stem}_{kept[step].replace(':', '')}.hdr"
             write_picture(picture, folder / name)
         yield picture.luminance()

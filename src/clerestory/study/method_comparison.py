@@ -11,6 +11,7 @@ import xarray as xr
 from jaxtyping import Float
 
 from clerestory.engine.work_units import Executor
+from clerestory.escaping import csv_line
 from clerestory.files import make_folder, write_text
 from clerestory.metrics.agreement import LIMITS, agreement
 from clerestory.phases.matrix_store import MatrixStore
@@ -19,6 +20,7 @@ from clerestory.study.job import Display
 from clerestory.study.method_run import run_method
 from clerestory.study.outputs import write_tables
 from clerestory.study.results import Results, save_results
+from clerestory.warning_log import WarningLog
 
 COMPARISON_FILE = "comparison.csv"
 
@@ -46,6 +48,7 @@ def compare_methods(
     """
     found: dict[str, Results] = {}
     states: list[np.ndarray] | None = None
+    told = WarningLog()
     for method in reversed(study.methods):
         found[method] = run_method(
             study.with_method(method),
@@ -54,6 +57,7 @@ def compare_methods(
             executor=executor,
             display=display,
             states=states,
+            told=told,
         )
         if states is None and "state" in found[method].data:
             states = list(found[method].data["state"].values.astype(int))
@@ -82,7 +86,8 @@ def comparison_table(methods: Mapping[str, xr.Dataset]) -> str:
             theirs = reference["illuminance"].values[chosen][:, hours]
             figures = ",".join(f"{x:.4g}" for x in differences(ours, theirs))
             count = np.count_nonzero(theirs >= LEAST_LUX)
-            lines.append(f"{name},{grid},{ours.mean():.5g},{figures},{count}")
+            row = csv_line([name, grid])
+            lines.append(f"{row},{ours.mean():.5g},{figures},{count}")
     return "\n".join(lines) + "\n"
 
 

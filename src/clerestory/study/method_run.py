@@ -25,7 +25,7 @@ from clerestory.files import make_folder
 from clerestory.phases.matrix_equation import Skies, States
 from clerestory.phases.matrix_store import MatrixStore
 from clerestory.scene.scene_checks import warn_of_scene
-from clerestory.study.annual_views import glare_function, study_views
+from clerestory.study.annual_views import glare_function, study_views, warn_of_views
 from clerestory.study.config import Study
 from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.electric_lighting import lighting
@@ -39,6 +39,7 @@ from clerestory.study.shade_operation import ShadeOperation, operate
 from clerestory.study.study_tracing import study_skies, trace_study
 from clerestory.study.sunlight_exposure import sunlight
 from clerestory.study.view_matrices import trace_views
+from clerestory.warning_log import WarningLog
 
 # Temporary folder for hourly values that do not fit into memory
 SCRATCH_FOLDER = "unfinished"
@@ -49,25 +50,27 @@ _PACKAGES = ("mitsuba", "drjit", "numpy", "xarray", "pvlib")
 
 @dataclass
 class RunLog:
-    """Duration of each stage of a run [s], and warnings of the run."""
+    """Duration of each stage of a run [s], and warnings of the run by kind."""
 
     seconds: dict[str, float] = field(default_factory=dict)
-    warnings: list[str] = field(default_factory=list)
+    warnings: WarningLog = field(default_factory=WarningLog)
 
     @contextmanager
     def phase(self, name: str) -> Iterator[None]:
-        """Measure the duration of a stage of the run; record and re-issue warnings."""
-        start = perf_counter()
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always", ClerestoryWarning)
-            yield
-        self.seconds[name] = round(perf_counter() - start, 3)
-        for item in caught:
-            if issubclass(item.category, ClerestoryWarning):
-                self.warnings.append(str(item.message))
-            warnings.warn_explicit(
-                item.message, item.category, item.filename, item.lineno
-            )
+        """Measure the duration of a stage; record warnings, issue each kind once."""
+        start, caught = perf_counter(), []
+        try:
+            with warnings.catch_warnings(record=True) as caught:
+                warnings.simplefilter("always", ClerestoryWarning)
+                yield
+        finally:
+            self.seconds[name] = round(perf_counter() - start, 3)
+            for item in caught:
+                ours = issubclass(item.category, ClerestoryWarning)
+                if not ours or self.warnings.add(str(item.message)):
+                    warnings.warn_explicit(
+                        item.message, item.category, item.filename, item.lineno
+                    )
 
 
 def run_method(
@@ -78,17 +81,20 @@ def run_method(
     display: Display,
     executor: Executor,
     states: States | None = None,
+    told: WarningLog | None = None,
 ) -> Results:
     """Run a study with its first method and write the results into a folder.
 
-    Without `states`, the control rules of the study choose the shade states.
+    Without `states`, the control rules of the study choose the shade states. `told` is
+    the log of warnings of the runs with other methods.
     """
-    log = RunLog()
+    log = RunLog(warnings=told or WarningLog())
     with log.phase("read"):
         inputs = read_inputs(study)
     with log.phase("check"):
         sensors = replace(inputs.sensors(), names=tuple(sensor_labels(inputs)))
         warn_of_scene(inputs.scene, [group.inner for group in inputs.groups], sensors)
+        warn_of_views(study.view, inputs.cameras)
     with _scratch_folder(out) as scratch:
         job = Job(study, inputs, store, display, executor=executor, scratch=scratch)
         data = _simulate(job, log, states, out=out)
@@ -176,7 +182,7 @@ def _run_facts(job: Job, data: xr.Dataset, log: RunLog) -> dict[str, Any]:
             str(grid): round(error, 5) for grid, error in relative.to_series().items()
         },
         "matrices": {name: {"found": known} for name, known in job.found.items()},
-        "warnings": log.warnings,
+        "warnings": list(log.warnings.lines()),
     }
 
 

@@ -15,6 +15,7 @@ from clerestory.phases.matrix_store import MatrixStore, block_names
 from clerestory.phases.stored_views import FEW
 from clerestory.progress import silent
 from clerestory.scene.model import Polygon, Scene, TriangleMesh
+from clerestory.study.annual_views import warn_of_views
 from clerestory.study.config import Study
 from clerestory.study.inputs import Inputs, read_inputs
 from clerestory.study.job import Job
@@ -177,6 +178,7 @@ def plan_study(study: Study, *, out: str | Path) -> StudyPlan:
 def _walk_through(study: Study, store: PlannedStore, plan: Plan) -> Inputs:
     # Request the matrices that a run would request
     inputs = read_inputs(study)
+    warn_of_views(study.view, inputs.cameras)
     job = Job(study, inputs, store, silent, executor=plan)
     for view in trace_views(job, trace_study(job)):
         for number, group in enumerate(inputs.groups if view.matrices.suns else ()):

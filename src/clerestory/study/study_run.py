@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from clerestory.cluster.cluster import executor_at
+from clerestory.file_lock import locked
 from clerestory.files import make_folder
 from clerestory.phases.matrix_store import MatrixStore
 from clerestory.progress import silent
@@ -13,6 +14,7 @@ from clerestory.study.method_run import run_method
 from clerestory.study.results import Results
 
 MATRIX_FOLDER = "matrices"
+LOCK_FILE = "run.lock"
 
 
 def run_study(
@@ -36,10 +38,11 @@ def run_study(
     ------
     InputError : a file of the study is invalid
     DeviceError : no usable compute device
-    OutputError : the folder is not writable
+    OutputError : the folder is not writable, or another run writes into it
     """
     out, display = make_folder(out), display or silent
     store = MatrixStore(out / MATRIX_FOLDER)
     run = compare_methods if len(study.methods) > 1 else run_method
-    with executor_at(study.trace.cluster) as executor:
+    lock = locked(out, lock=out / LOCK_FILE)
+    with lock, executor_at(study.trace.cluster) as executor:
         return run(study, out=out, store=store, executor=executor, display=display)

@@ -87,9 +87,6 @@ def test_up_is_counted_from_the_right_like_polar_coordinates():
 def test_evaluation_is_zero_for_functions_that_are_missing():
     bsdf = single(random_table())
     assert bsdf.evaluate(np.array([0, 0, 1.0]), np.array([0, 0.1, 1.0])) == 0
-    assert (
-        bsdf.evaluate(np.array([0, 0, 1.0]), np.array([0, 0.1, 1.0]), channel="x") == 0
-    )
 
 
 def test_evaluation_broadcasts_one_source_over_many_directions():

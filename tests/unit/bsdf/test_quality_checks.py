@@ -229,7 +229,7 @@ REAL = {
     "frads/2011-SA1.xml": {"reciprocity", "sides"},
     "frads/blinds30.xml": set(),
     "honeybee/clear.xml": set(),
-    "ignis/simple_klems_spot_refl.xml": {"azimuth"},
+    "ignis/simple_klems_spot_refl.xml": {"azimuth", "empty"},
     "ignis/simple_klems_through_front_trans.xml": {"empty"},
     "pyradiance_tutorial/clear.xml": set(),
     "pyradiance_tutorial/DiffuseGlass.xml": {"energy"},

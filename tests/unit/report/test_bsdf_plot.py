@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from clerestory.bsdf.analytic import clear_air, lambertian
-from clerestory.bsdf.patch_symmetry import compare
+from clerestory.bsdf.layer_comparison import compare
 from clerestory.bsdf.resample import to_trees
 from clerestory.errors import InputError
 from clerestory.hemisphere.klems import klems

@@ -30,6 +30,20 @@ def test_hours_of_use_make_the_title():
     assert "glare autonomy 0 %" in title
 
 
+def test_dark_hours_are_free_of_glare():
+    """Studies give NaN in the dark; 4 of 48 hours glare, more than 5 %."""
+    dgp = np.full(48, np.nan)
+    dgp[10:14] = 0.5
+    dgp[14:20] = 0.3
+    title = glare_year_figure(dgp, HOURS).axes[0].get_title(loc="left")
+    assert "DGP 0.50 is exceeded in 5 %" in title
+    assert "glare autonomy 92 %" in title
+    figure = glare_rosette_figure(dgp[None], np.array([0.0]))
+    heights = [patch.get_height() for patch in figure.axes[0].patches]
+    np.testing.assert_allclose(heights, [4 / 48, 0, 0, 44 / 48])
+    assert figure.axes[0].texts[0].get_text() == "0.50"
+
+
 def test_the_rosette_shares_out_the_time():
     dgp = np.array([[0.2, 0.2, 0.5, 0.5], [0.2, 0.2, 0.2, 0.38]])
     figure = glare_rosette_figure(dgp, np.radians([0.0, 90.0]))

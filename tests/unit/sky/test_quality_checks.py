@@ -1,11 +1,13 @@
 """Wrong clocks and gaps in time are told."""
 
 from dataclasses import replace
+from datetime import datetime
 
 import numpy as np
 import pytest
 
 from clerestory.errors import InputError
+from clerestory.radiance.generated_sky import sky_at, sky_scene
 from clerestory.sky.quality_checks import clock_shift, quality_problems
 from clerestory.sky.solar_position import sun_at
 from clerestory.sky.weather import Site, Weather
@@ -107,8 +109,31 @@ def test_days_of_the_year_may_go_over_new_year():
 
 
 @pytest.mark.parametrize("moment", ["06-21 11:00", "06-21T11:30", "06-21 11:59"])
-def test_a_moment_is_the_step_it_falls_into(moment):
-    assert str(select_moment(made_year(), moment).times[0]) == "2023-06-21T11:30:00"
+def test_a_moment_has_its_own_sun_and_the_irradiance_of_its_step(moment):
+    year = made_year()
+    noon = select_moment(year, moment)
+    assert str(noon.times[0]) == f"2023-{moment.replace(' ', 'T')}:00"
+    step = year.times == np.datetime64("2023-06-21T11:30")
+    assert noon.direct_normal == year.direct_normal[step]
+    assert noon.diffuse_horizontal == year.diffuse_horizontal[step]
+    assert noon.notes == (
+        "irradiance of the 60-minute step centred at 2023-06-21T11:30",
+    )
+
+
+@pytest.mark.parametrize("minutes", [0, 10, 30, 59])
+def test_a_picture_and_a_matrix_use_the_same_step(minutes):
+    """Both `render --time` and `sky matrix --time`, also on the border of two steps."""
+    year, moment = made_year(), datetime(2024, 6, 21, 12, minutes)  # noqa: DTZ001
+    chosen = select_moment(year, f"{moment:%m-%d %H:%M}")
+    drawn = sky_at(year, moment)
+    command = (
+        f"gendaylit 6 21 {12 + minutes / 60:.5f} -W {chosen.direct_normal[0]:g}"
+        f" {chosen.diffuse_horizontal[0]:g} -a 50 -o -8.5 -m -15"
+    )
+    assert str(chosen.times[0]).endswith(f"12:{minutes:02d}:00")
+    for one, other in zip(drawn.distant, sky_scene(command).distant, strict=True):
+        np.testing.assert_array_equal(one.direction, other.direction)
 
 
 @pytest.mark.parametrize(

@@ -99,13 +99,13 @@ def test_tmy2_agrees_with_pvlib():
 
 def test_sub_hourly_epw_steps_are_centred(write_epw):
     header = write_epw().read_text().split("DATA PERIODS")[0]
-    rows = [row(h, minute=m) for h in (11, 12) for m in (15, 30, 45, 60)]
+    rows = [row(h, minute=m) for h in range(1, 25) for m in (15, 30, 45, 60)]
     weather = read_weather(
-        write_epw(rows, header + "DATA PERIODS,1,4,Data,Sunday,1/1,1/1\n")
+        write_epw(rows, header + "DATA PERIODS,1,4,Data,Sunday,3/21,3/21\n")
     )
     assert weather.step_minutes == 15
-    assert str(weather.times[0]) == "2023-03-21T10:07:30"
-    assert str(weather.times[-1]) == "2023-03-21T11:52:30"
+    assert str(weather.times[0]) == "2023-03-21T00:07:30"
+    assert str(weather.times[-1]) == "2023-03-21T23:52:30"
 
 
 def test_a_leap_day_moves_the_file_to_2024(write_epw):
@@ -116,7 +116,9 @@ def test_a_leap_day_moves_the_file_to_2024(write_epw):
 
 
 def test_missing_dew_points_become_nan(write_epw):
-    weather = read_weather(write_epw([row(11, dew=99.9), row(12)]))
+    weather = read_weather(
+        write_epw([row(h, dew=99.9 if h == 1 else 4.5) for h in range(1, 25)])
+    )
     assert np.isnan(weather.dew_point_c[0])
     assert weather.dew_point_c[1] == 4.5
 
@@ -149,10 +151,12 @@ def test_an_epw_of_forty_chosen_hours_reads_without_warning(shared_data):
 
 
 def test_zero_offsets_are_set_to_zero_and_counted(write_epw):
-    path = write_epw([row(10, direct=-2.0), row(11, diffuse=-9.9), row(12)])
+    rows = [row(h) for h in range(1, 25)]
+    rows[:2] = [row(1, direct=-2.0), row(2, diffuse=-9.9)]
+    path = write_epw(rows)
     with pytest.warns(ClerestoryWarning, match="1 values just below zero set to zero"):
         weather = read_weather(path)
-    assert weather.direct_normal.tolist() == [0, 300, 300]
+    assert weather.direct_normal.tolist() == [0] + 23 * [300]
     assert len(weather.notes) == 2
 
 
@@ -171,8 +175,61 @@ def test_a_year_cut_short_is_reported(write_epw):
     header = write_epw().read_text().split("DATA PERIODS")[0]
     header += "DATA PERIODS,1,1,Data,Sunday, 1/ 1,12/31\n"
     rows = [row(h, month=1, day=d) for d in (1, 2) for h in range(1, 25)]
-    with pytest.warns(ClerestoryWarning, match="end at 2023-01-02.*48 steps are used"):
+    with pytest.warns(
+        ClerestoryWarning, match="8712 of the 8760 time steps.* 48 others"
+    ):
         read_weather(write_epw(rows, header))
+
+
+def year_rows():
+    days = np.arange("2023-01-01", "2024-01-01", dtype="datetime64[D]")
+    dates = [(int(str(day)[5:7]), int(str(day)[8:])) for day in days]
+    return [row(h, month=m, day=d) for m, d in dates for h in range(1, 25)]
+
+
+@pytest.mark.parametrize(
+    ("lost", "message"),
+    [
+        (
+            slice(100, 101),
+            ":109: .* lacks 1 of the 8760 .*, first 2023-01-05T04:30:00; the 8759",
+        ),
+        (
+            slice(5000, 5024),
+            r":5009: .* 24 of the 8760 time steps of its header .1/ 1 to 12/31",
+        ),
+        (slice(0, 4380), ":9: .* lacks 4380 .*, first 2023-01-01T00:30"),
+        (slice(4380, None), ":4388: .* lacks 4380 .*, first 2023-07-02T12:30"),
+        (slice(0, None, 3), ":9: .* lacks 2920"),
+    ],
+)
+def test_rows_that_an_epw_lacks_are_counted_and_named(write_epw, lost, message):
+    header = write_epw().read_text().split("DATA PERIODS")[0]
+    header += "DATA PERIODS,1,1,Data,Sunday, 1/ 1,12/31\n"
+    rows = year_rows()
+    del rows[lost]
+    with pytest.warns(ClerestoryWarning, match=message):
+        read_weather(write_epw(rows, header))
+
+
+def test_a_year_in_two_periods_is_complete(write_epw):
+    header = write_epw().read_text().split("DATA PERIODS")[0]
+    header += "DATA PERIODS,2,1,A,Sunday,1/1,6/30,B,Saturday,7/1,12/31\n"
+    assert len(read_weather(write_epw(year_rows(), header))) == 8760
+    header = header.replace("7/1", "8/1")
+    july = slice(24 * 181, 24 * 212)
+    rows = year_rows()
+    del rows[july]
+    assert len(read_weather(write_epw(rows, header))) == 8760 - 31 * 24
+
+
+def test_commas_in_quotes_do_not_separate(write_epw):
+    path = write_epw()
+    text = path.read_text().replace("Testville,-", '"VAN NUYS, AP",CA')
+    path.write_text(text.replace("made for tests", '"made, for ""tests"""'))
+    weather = read_weather(path)
+    assert weather.place == "VAN NUYS, AP_DEU"
+    assert (weather.latitude_deg, weather.longitude_deg) == (50.0, 8.5)
 
 
 def test_daysim_five_minute_files_keep_their_step(write_wea):

@@ -72,7 +72,10 @@ class SkyChoice:
         None, "Sky: scene file, or command such as 'gensky 9 21 12 +s'.", metavar="F"
     )
     time: str | None = option(
-        None, "Time such as 2026-09-21T12:00, with --weather.", metavar="T"
+        None,
+        "Time such as 2026-09-21T12:00, with --weather: the sun at this time, with the"
+        " irradiance of the time step that contains it.",
+        metavar="T",
     )
     weather: Path | None = option(None, "Weather file for --time.", metavar="F")
 

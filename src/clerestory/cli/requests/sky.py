@@ -32,7 +32,12 @@ Rotation = Annotated[
 ]
 NoDirect = Annotated[bool, Option("Exclude the direct sun.")]
 Moment = Annotated[
-    str | None, Option("One time step, local standard time.", metavar='"MM-DD HH:MM"')
+    str | None,
+    Option(
+        "One time, local standard time: the sun at this time, with the irradiance of"
+        " the time step that contains it.",
+        metavar='"MM-DD HH:MM"',
+    ),
 ]
 
 

@@ -1,0 +1,57 @@
+"""Every kind of warning is shown once, and counted."""
+
+import json
+
+import numpy as np
+import pytest
+
+from clerestory.image.picture import Picture
+from clerestory.image.picture_files import write_picture
+from clerestory.scene.view import View
+
+VIEW = """
+[[view]]
+name = "seat"
+file = "seat.vf"
+resolution = 60
+samples = 4
+"""
+
+
+@pytest.fixture
+def coarse(room):
+    """The study of the room, with a view of too few pixels."""
+    text = (room / "study.toml").read_text()
+    (room / "study.toml").write_text(text + VIEW)
+    eye = "rvu -vta -vp 2 2 1.2 -vd 0 -1 0 -vh 180 -vv 180\n"
+    (room / "seat.vf").write_text(eye)
+    return room
+
+
+def told(text):
+    return [line for line in text.splitlines() if "merging angle" in line]
+
+
+def test_a_coarse_view_is_named_once_in_a_run_and_its_plan(call, coarse):
+    """evalglare measures pixels along the diagonal: 0.1 rad/(√2·180°/60) is 1.35."""
+    planned = told(call("run", "study.toml", "--plan").err)
+    run = call("run", "study.toml", "--out", "results", "--quiet")
+    assert run.status == 0
+    assert told(run.err) == planned
+    assert planned == [
+        'warning: [[view]] "seat": half the merging angle is 1.4 pixels at a'
+        " resolution of 60; 3 or more expected, as from a resolution of 134"
+    ]
+    noted = json.loads((coarse / "results/run.json").read_text())["warnings"]
+    assert [f"warning: {line}" for line in noted if "merging" in line] == planned
+
+
+def test_pictures_in_a_row_share_a_warning(call, room):
+    eye = View(kind="angular", horizontal=180, vertical=180)
+    names = [f"{number}.hdr" for number in range(5)]
+    for name in names:
+        write_picture(Picture(np.ones((40, 40, 3), np.float32), view=eye), name)
+    first, last = told(call("glare", *names).err)
+    assert "the picture: half the merging angle is 0.9 pixels" in first
+    assert last == f"{first} (5 such warnings)"
+    assert len(told(call("glare", *names, "--annual", "year.csv").err)) == 1
