@@ -40,6 +40,16 @@ _BLANK = "\N{NO-BREAK SPACE}"
 _NO_VALUES = b"<ScatteringData/>"
 
 
+def usual_digits(bsdf: Bsdf) -> int:
+    """Significant digits for files of traced, measured and converted layers.
+
+    Matrices have 7. Tree cells, whose text is a hundred times longer, have 4: their
+    values have errors of a per cent and more.
+    """
+    trees = any(isinstance(p, ScatteringTree) for p in bsdf.functions.values())
+    return 4 if trees else 7
+
+
 def write_bsdf(
     path: str | Path, bsdf: Bsdf, *, digits: int | None = None, comment: str = ""
 ) -> None:
@@ -250,4 +260,6 @@ def _row(values: Float32[np.ndarray, " value"], digits: int | None) -> str:
         texts = " ".join(str(value).removesuffix(".0") for value in values)
     else:
         texts = f"%.{digits}g " * len(values) % tuple(values.tolist())
-    return f"{{ {texts.rstrip()} }}"
+    # Omit leading zeros: trees are large, and all readers accept .5 and 2e-5
+    short = f" {texts}".replace(" 0.", " .").replace("e-0", "e-")
+    return f"{{{short.strip()}}}"
