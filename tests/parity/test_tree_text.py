@@ -27,10 +27,10 @@ def convert(source, output, *words):
     subprocess.run(command, check=True, capture_output=True)
 
 
-def test_a_converted_blind_is_a_sixth_of_its_full_text(blind, tmp_path):
+def test_a_converted_blind_is_a_fifth_of_its_full_text(blind, tmp_path):
     """Eight functions of a million cells were 91 MB with seven digits."""
     convert(blind, tmp_path / "tree.xml")
-    assert (tmp_path / "tree.xml").stat().st_size < 16e6
+    assert (tmp_path / "tree.xml").stat().st_size < 18e6
     before, after = read_bsdf(blind), read_bsdf(tmp_path / "tree.xml")
     full = to_trees(before)
     for channel, name in before.functions:
@@ -46,7 +46,7 @@ def test_a_converted_blind_is_a_sixth_of_its_full_text(blind, tmp_path):
         assert merged < min(0.03, 0.8 * converted)
 
 
-@pytest.mark.parametrize("digits", [None, 4])
+@pytest.mark.parametrize("digits", [None, 5])
 def test_radiance_reads_the_values_of_the_text(blind, tmp_path, digits):
     """Equal to the values that we hold, to Radiance's ripple and the digits."""
     trees = to_trees(read_bsdf(blind), halvings=4, reduction=75)
@@ -64,5 +64,5 @@ def test_radiance_reads_the_values_of_the_text(blind, tmp_path, digits):
     )
     ours = trees.evaluate(incident, leaving)
     assert np.ptp(ours) > 0.05
-    error = 3.1e-4 if digits is None else 8.2e-4
+    error = 3.1e-4 if digits is None else 3.7e-4
     np.testing.assert_allclose(theirs, ours, rtol=error, atol=2e-6)

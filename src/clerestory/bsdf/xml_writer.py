@@ -35,6 +35,9 @@ _LABELS = {
 # Text written for empty names: WinCalc requires text, and readers strip the space.
 _BLANK = "\N{NO-BREAK SPACE}"
 
+# Least number of slots of trees that are written with fewer digits.
+_MANY_SLOTS = 10_000
+
 # Empty element that is replaced by the BSDF values; only a comment before all data can
 # contain the same text.
 _NO_VALUES = b"<ScatteringData/>"
@@ -43,11 +46,11 @@ _NO_VALUES = b"<ScatteringData/>"
 def usual_digits(bsdf: Bsdf) -> int:
     """Significant digits for files of traced, measured and converted layers.
 
-    Matrices have 7. Tree cells, whose text is a hundred times longer, have 4: their
-    values have errors of a per cent and more.
+    Matrices and small trees have 7. Trees of many cells, whose text is a hundred times
+    longer, have 5: the values of single cells have errors of a per cent and more.
     """
-    trees = any(isinstance(p, ScatteringTree) for p in bsdf.functions.values())
-    return 4 if trees else 7
+    trees = [p for p in bsdf.functions.values() if isinstance(p, ScatteringTree)]
+    return 5 if sum(len(tree.slots) for tree in trees) > _MANY_SLOTS else 7
 
 
 def write_bsdf(
