@@ -184,6 +184,18 @@ def area_vector(vertices: Vertices) -> Vector:
     return np.asarray(np.cross(local, np.roll(local, -1, axis=0)).sum(axis=0) / 2)
 
 
+def is_parallelogram(vertices: Vertices) -> bool:
+    """Whether the diagonals of a quadrilateral bisect each other, within 1e-6.
+
+    >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    >>> is_parallelogram(square + 1e7), is_parallelogram(square[[0, 2, 1, 3]])
+    (True, False)
+    """
+    a, b, c, d = vertices - vertices[0]
+    largest = max(np.abs(b).max(), np.abs(d).max())
+    return bool(np.abs(a + c - b - d).max() <= 1e-6 * largest)
+
+
 def area_vectors(
     vertices: Vertices, first: np.ndarray
 ) -> Float[np.ndarray, "polygons 3"]:
