@@ -12,6 +12,7 @@ from typing import final
 import numpy as np
 from jaxtyping import Float, Int
 
+from clerestory.brief_repr import brief
 from clerestory.checks import not_negative, require, same_length, within
 from clerestory.errors import InputError
 from clerestory.files import read_text, write_text
@@ -44,6 +45,8 @@ class StateSchedule:
 
     times: np.ndarray
     states: Mapping[str, Int[np.ndarray, " time"]]
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         for group, state in self.states.items():

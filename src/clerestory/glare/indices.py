@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from clerestory.brief_repr import brief
 from clerestory.glare.cgi import CGI
 from clerestory.glare.dgi import DGI, MODIFIED_DGI
 from clerestory.glare.dgp import (
@@ -64,6 +65,8 @@ INDICES = tuple(one for one in REPORTED if isinstance(one, GlareIndex))
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Glare(EyePhotometry):
     """Glare sources, photometric quantities and glare indices of one picture."""
+
+    __repr__ = brief
 
     @cached_property
     def dgp(self) -> float:

@@ -30,6 +30,7 @@ from typing import Annotated, final
 
 from pydantic import Field
 
+from clerestory.brief_repr import brief
 from clerestory.checks import not_negative, one_of, positive, require
 from clerestory.documents import Positive, read_toml
 from clerestory.errors import located
@@ -83,6 +84,8 @@ class GlazingSystem:
     name: str
     layers: tuple[Layer, ...]
     gaps: tuple[Gap, ...] = ()
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         require(self.layers, "glazing system without layers; at least one expected")

@@ -12,6 +12,7 @@ from jaxtyping import Float
 
 from clerestory import __version__
 from clerestory.bands import RGB, Bands
+from clerestory.brief_repr import brief
 from clerestory.checks import require
 from clerestory.engine.effort import Effort, EffortKeywords, effort_of
 from clerestory.engine.radiance_jobs import (
@@ -43,6 +44,8 @@ class Rendering:
     error: Float[np.ndarray, "row column band"]
     paths: int
 
+    __repr__ = brief
+
 
 @dataclass(frozen=True, eq=False)
 class Gathered:
@@ -52,6 +55,8 @@ class Gathered:
     error: Float[np.ndarray, "sensor band"]
     paths: int
     bands: Bands = RGB
+
+    __repr__ = brief
 
     def illuminance(self) -> Float[np.ndarray, " sensor"]:
         """Illuminance of each sensor [lux]."""

@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Faces, Vector, Vertices
+from clerestory.brief_repr import brief
 from clerestory.checks import require
 from clerestory.errors import InputError
 from clerestory.scene.material import Source
@@ -25,6 +26,8 @@ class Polygon:
     material: str
     name: str = ""
     source: Source | None = None
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         shape = self.vertices.shape
@@ -83,6 +86,8 @@ class TriangleMesh:
     material: str
     name: str = ""
     source: Source | None = None
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         low, high = self.faces.min(initial=0), self.faces.max(initial=0)
