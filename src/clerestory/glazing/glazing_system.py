@@ -62,6 +62,8 @@ class Gap:
     gases: Mapping[str, float] = field(default_factory=lambda: {"air": 1.0})
     pressure: float = ATMOSPHERE
 
+    __repr__ = brief
+
     def __post_init__(self) -> None:
         positive(self.thickness, "thickness of the gap", unit="m")
         positive(self.pressure, "pressure in the gap", unit="Pa")
