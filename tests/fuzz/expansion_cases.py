@@ -110,7 +110,7 @@ def long_polygons_in_an_array(folder):
 @case
 def surfaces_of_generators(folder):
     text = GREY + "!xform -a 1000 -t 9 0 0 b.rad\n"
-    return rad(folder, a=text, b="!gensurf m s 's' 't' '0' 300 300\n")
+    return rad(folder, a=text, b="!gensurf m s 's' 't' '0' 100 100\n")
 
 
 @case
