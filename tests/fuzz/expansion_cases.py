@@ -92,9 +92,7 @@ def instances_of_instances(folder):
     (folder / "c.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     mesh = "m mesh x 1 c.obj 0 0\n"
     array = "!xform -a 5000 -t 2 0 0 {}.rad\n"
-    return rad(
-        folder, a=GREY + array.format("b"), b=array.format("c"), c=mesh * 10
-    )
+    return rad(folder, a=GREY + array.format("b"), b=array.format("c"), c=mesh * 10)
 
 
 @case
@@ -102,7 +100,9 @@ def long_polygons_in_an_array(folder):
     """The vertices count, not the polygons."""
     n = 20_000
     angle = np.arange(n) * 2 * np.pi / n
-    points = " ".join(f"{x:.5f} {y:.5f} 0" for x, y in zip(np.cos(angle), np.sin(angle)))
+    points = " ".join(
+        f"{x:.5f} {y:.5f} 0" for x, y in zip(np.cos(angle), np.sin(angle), strict=True)
+    )
     long = f"m polygon p 0 0 {3 * n} {points}\n"
     return rad(folder, a=GREY + "!xform -a 90000 -t 2 0 0 e.rad\n", e=long)
 
@@ -236,7 +236,9 @@ def mgf_array_of_a_million(folder):
 
 @case
 def mgf_nested_arrays(folder):
-    return mgf("v a =\n p 0 0 0\n" + "xf -a 1000 -t 1 0 0\n" * 3 + "sph a 1\n" + "xf\n" * 3)
+    return mgf(
+        "v a =\n p 0 0 0\n" + "xf -a 1000 -t 1 0 0\n" * 3 + "sph a 1\n" + "xf\n" * 3
+    )
 
 
 @case
@@ -282,7 +284,7 @@ def obj_many_scribbles(folder):
     radius = np.random.default_rng(1).uniform(-1, 1, 300)
     one = _face(radius)
     faces = one.splitlines()[-1] + "\n"
-    return obj(folder, one + faces * 3000)
+    return obj(folder, one + faces * 600)
 
 
 @case
@@ -349,7 +351,9 @@ def json_names_taken(folder):
 def nested_xml(folder):
     from clerestory.bsdf.xml_reader import read_bsdf
 
-    (folder / "a.xml").write_text("<WindowElement>" + "<a>" * 200_000 + "</a>" * 200_000)
+    (folder / "a.xml").write_text(
+        "<WindowElement>" + "<a>" * 200_000 + "</a>" * 200_000
+    )
     return read_bsdf(folder / "a.xml")
 
 
@@ -365,9 +369,9 @@ def xml_entities(folder):
 
 @case
 def nested_trees(folder):
+    from clerestory.bsdf.analytic import lambertian
     from clerestory.bsdf.xml_reader import read_bsdf
     from clerestory.bsdf.xml_writer import write_bsdf
-    from clerestory.bsdf.analytic import lambertian
     from clerestory.hemisphere.klems import klems
 
     write_bsdf(folder / "a.xml", lambertian(0.5, klems("quarter")))
@@ -387,6 +391,26 @@ def octree_of_itself(folder):
         a=GREY + "!xform -a 9000 -t 2 0 0 b.rad\n",
         b="m mesh x 1 c.obj 0 0\n",
     )
+
+
+# -------------------------------- Large but legal --------------------------------
+@case
+def legal_array(folder):
+    array = "!xform -n x -a 100000 -t 2 0 0 -rz .01 e.rad\n"
+    return rad(folder, a=GREY + array, e=POLYGON)
+
+
+@case
+def legal_array_of_boxes(folder):
+    array = " | xform -a 300 -t 2 0 0 -a 300 -t 0 2 0\n"
+    return rad(folder, a=GREY + "!genbox m b 1 1 1" + array)
+
+
+@case
+def legal_array_with_its_material(folder):
+    array = "!xform -a 300 -t 2 0 0 {}.rad\n"
+    files = {"b": array.format("c"), "c": GREY + POLYGON}
+    return rad(folder, a=array.format("b"), **files)
 
 
 def measured(name: str) -> dict[str, object]:

@@ -188,7 +188,8 @@ class _Reading:
         item = given.item
         outer = self.named.get(item.modifier)
         if isinstance(outer, Modifiers) or item.modifier == "void":
-            self._name_modifiers(item.name, modifiers, self._modifying(given))
+            with given.located():
+                self._name_modifiers(item.name, modifiers, self._modifying(given))
             return
         # A pattern modified by a material defines a new material, as in Radiance
         value = altered(self._named(item.modifier, given.source), name=item.name)
