@@ -12,10 +12,12 @@ from clerestory.cli.progress import say
 from clerestory.cli.requests.study import Metrics
 from clerestory.control.lm83_blinds import operate_by_direct_sun
 from clerestory.control.schedule import read_schedule
+from clerestory.escaping import csv_line
 from clerestory.files import write_text
 from clerestory.metrics import climate_based_metrics as climate
 from clerestory.metrics import en17037, honeybee
 from clerestory.metrics.leed import simulated_daylight
+from clerestory.metrics.lm83_conditions import departures, hour_departures
 from clerestory.metrics.occupied_hours import occupied_hours
 from clerestory.metrics.spatial_metrics import (
     RoomShare,
@@ -37,12 +39,13 @@ class _Grid:
     error: xr.DataArray | None
     direct: xr.DataArray | None
     step_hours: float = 1.0
+    departures: tuple[str, ...] = ()  # from LM-83
 
 
 def metrics(request: Metrics) -> None:
     """Print daylight metrics of each grid; write metrics per sensor to a CSV file."""
     results, names, quiet = request.results, request.grid or [], request.quiet
-    found = _grids(results, request.states, request.operate)
+    found = _grids(request)
     grids = [grid for grid in found if not names or grid.name in names]
     require(grids, f"no grid called {' or '.join(names)} in the results", file=results)
     times = grids[0].lux["time"].values
@@ -75,13 +78,21 @@ _HEAD = (
 )
 
 
-def _grids(path: Path, states: Path | None, operate: bool) -> Iterator[_Grid]:
+def _grids(request: Metrics) -> Iterator[_Grid]:
+    path, states, operate = request.results, request.states, request.operate
     if path.is_dir() and (path / "grids_info.json").is_file():
         folder = honeybee.read_honeybee(path)
         for name in folder.paths:
             chosen = _operated(folder, name) if operate else _scheduled(states)
             lux = folder.illuminance(name, states=chosen)
-            yield _Grid(name, lux, None, folder.illuminance(name, light="direct"))
+            sun = folder.illuminance(name, light="direct")
+            odd = hour_departures(
+                lux["time"].values, 1.0, request.from_hour, request.to_hour
+            )
+            fixed = folder.dynamic_paths(name) and not operate
+            shades = ["shades that do not follow LM-83; --lm83 expected"]
+            departed = (*odd, *(shades if fixed else []))
+            yield _Grid(name, lux, None, sun, departures=departed)
         return
     require(
         states is None and not operate,
@@ -95,7 +106,11 @@ def _grids(path: Path, states: Path | None, operate: bool) -> Iterator[_Grid]:
         # ASE requires the sun at its exact position, not spread over patches
         direct = part["direct_open"] if "sun_hours" in part else None
         step = float(found.data.attrs.get("step_minutes", 60)) / 60
-        yield _Grid(name, part["illuminance"], part["standard_error"], direct, step)
+        lux, error = part["illuminance"], part["standard_error"]
+        departed = departures(
+            part, from_hour=request.from_hour, to_hour=request.to_hour
+        )
+        yield _Grid(name, lux, error, direct, step, departed)
 
 
 def _room_and_views(request: Metrics) -> Iterator[str]:
@@ -170,17 +185,22 @@ def _room(
     yield f"{'continuous autonomy':28}{_percent(float(continuous.mean()))}"
     yield f"{'useful, 100 to 3000 lux':28}{_percent(float(bands[1:3].sum()))}"
     reached = spatial_autonomy(grid.lux, hours, standard_error=grid.error)
-    yield f"{'sDA300/50':28}{_share(reached)}"
+    by_rule = " (not by LM-83)" if grid.departures else ""
+    yield f"{'sDA300/50':28}{_share(reached)}{by_rule}"
     if grid.direct is not None:
         found = sunlight_exposure(grid.direct, hours, step_hours=grid.step_hours)
         most = float(hours_above(grid.direct, hours, step_hours=grid.step_hours).max())
         part = _part_of_year(grid)
         yield f"{'ASE1000,250':28}{_share(found)}, {most:.0f} h at most{part}"
-        credit = simulated_daylight(reached.value, found.value, version=leed)
+        credit = simulated_daylight(
+            reached.value, found.value, version=leed, departures=grid.departures
+        )
         note = f" ({credit.note})" if credit.note else ""
         yield f"{'LEED ' + leed + ' option 1':28}{credit.points} points{note}"
     else:
         yield f"{'ASE1000,250':28}unknown: the method 5-phase traces the direct sun"
+        if grid.departures:
+            yield f"{'not by LM-83':28}{'; '.join(grid.departures)}"
     if half is not None:
         level = en17037.daylight_provision(grid.lux, half, standard_error=grid.error)
         numbers = (level.level, level.target_level, level.minimum_level)
@@ -208,7 +228,9 @@ def _sensors(grid: _Grid, hours: np.ndarray, target: float) -> Iterator[str]:
     ).values
     columns = np.stack([*(100 * share for share in shares), exposure], axis=1)
     for number, row in enumerate(columns, start=1):
-        yield f"{grid.name},{number}," + ",".join(f"{value:.6g}" for value in row)
+        yield f"{csv_line([grid.name])},{number}," + ",".join(
+            f"{value:.6g}" for value in row
+        )
 
 
 def _percent(value: float) -> str:

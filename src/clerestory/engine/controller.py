@@ -18,6 +18,7 @@ from typing import ClassVar
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from clerestory.engine.batch_lengths import BatchLengths, Growth
 from clerestory.engine.effort import Effort
 from clerestory.engine.sums import Estimate, Sums, estimated
 from clerestory.engine.work_units import Job, Unit, UnitSize, evenly_spaced
@@ -26,29 +27,12 @@ from clerestory.progress import share_of_progress
 # Largest number of consecutive sample points in one work unit
 _LONGEST_RANGE = 1 << 16
 
-# Exponent of convergence: the error decreases approximately as n^(-1/1.6) for n points
-# per batch
-CONVERGENCE = 1.6
-
 # Largest size of sums in memory [bytes]. Convergence is tested per block of rows, so
 # this number affects the result and must not depend on the machine
 _SUMS = 1 << 29
 
 # Number of rows of a pilot unit, unless convergence is tested for all rows together
 _PILOT_ROWS = 64
-
-
-@dataclass(frozen=True)
-class Growth:
-    """Lengths of batches, increased in steps until a target error is reached.
-
-    A batch grows from `pilot` to at most `longest` sample points, by a factor of at
-    most `most` per step. Target errors that need longer batches are not reached.
-    """
-
-    pilot: int
-    longest: int
-    most: int
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -146,25 +130,19 @@ def sum_rows(job: EstimatedJob, rows: slice, effort: Effort) -> tuple[Sums, bool
         _lengthen(job, numbers, sums, active, length, effort)
         return sums, True
 
-    # The pilot run counts as 2 % of the progress, each later step as its expected
-    # fraction of the remaining paths
-    growth, aim = job.growth, effort.relative_error or 1.0
-    length, spent, share = min(growth.pilot, growth.longest), 0.0, 0.02
-    while True:
+    aim, spent = effort.relative_error or 1.0, 0.0
+    lengths = BatchLengths.of(len(numbers), job.growth)
+    while lengths.active.any():
+        length, share = lengths.step(sums.count)
+        share *= 1 - spent
         part = share_of_progress(effort.progress, spent, share)
-        _lengthen(job, numbers, sums, active, length, replace(effort, progress=part))
+        here = replace(effort, progress=part)
+        _lengthen(job, numbers, sums, lengths.active, length, here)
+        lengths.update(length, np.asarray(job.error(sums) / aim))
         spent += share
-        ratio = np.broadcast_to(job.error(sums) / aim, active.shape)
-        active = ratio > 1
-        if not active.any() or length >= growth.longest:
-            break
-        needed = float(ratio.max()) ** CONVERGENCE
-        factor = np.clip(needed, 2, growth.most)
-        share = (1 - spent) * 0.9 * min(1.0, factor / needed)
-        length = min(length * int(2 ** np.ceil(np.log2(factor))), growth.longest)
     if effort.progress is not None:
         effort.progress(1.0, "done")
-    return sums, not active.any()
+    return sums, bool(lengths.met.all())
 
 
 def _lengthen(

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clerestory.engine.controller import CONVERGENCE, EstimatedJob, row_bytes
+from clerestory.engine.batch_lengths import CONVERGENCE, needed_length
+from clerestory.engine.controller import EstimatedJob, row_bytes
 from clerestory.engine.device import Device, Processor
 from clerestory.engine.sums import Sums, estimated
 from clerestory.engine.work_units import (
@@ -49,7 +50,7 @@ class JobCost:
 class _Rates:
     # Preparation time of the first job of a kind, and of another job in the same scene
     # [s]; paths traced per second; time per receiver apart from tracing [s]; sample
-    # points per batch for a relative error of 1
+    # points per batch for a relative error of 1, mean of the rows
     preparation: float
     next_preparation: float
     paths: float
@@ -175,5 +176,5 @@ def _summed(job: Job, unit: Unit, part: np.ndarray) -> tuple[float, float]:
     sums.count[:] = unit.count
     estimated(sums, reached=True, components=True)
     seconds = (time.perf_counter() - start) / len(unit.rows)
-    error = float(np.max(job.error(sums)))
-    return seconds, unit.count * error**CONVERGENCE
+    needed = needed_length(unit.count, np.asarray(job.error(sums)))
+    return seconds, float(np.mean(needed))

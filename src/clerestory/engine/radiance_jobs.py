@@ -11,7 +11,8 @@ from typing import ClassVar, Literal
 import numpy as np
 from jaxtyping import Float, Int
 
-from clerestory.engine.controller import EstimatedJob, Growth, sum_rows
+from clerestory.engine.batch_lengths import Growth
+from clerestory.engine.controller import EstimatedJob, sum_rows
 from clerestory.engine.effort import Effort
 from clerestory.engine.matrix_jobs import mean_error, row_errors
 from clerestory.engine.sums import Sums
@@ -53,7 +54,7 @@ class RadianceJob(EstimatedJob):
         """Return floating-point sums."""
         return Sums.empty(float, (rows, *self.shape[1:]), 1.0)
 
-    def error(self, sums: Sums) -> float:
+    def error(self, sums: Sums) -> float | Float[np.ndarray, " row"]:
         """Root mean square error of the rows, relative to the mean of all rows."""
         return mean_error(sums.collected(), axis=1)
 
@@ -101,9 +102,9 @@ class IrradianceJob(RadianceJob):
         """Number of sensors."""
         return len(self.sensors)
 
-    def error(self, sums: Sums) -> float:
-        """Relative error of the worst sensor."""
-        return float(row_errors(sums).max(initial=0.0))
+    def error(self, sums: Sums) -> Float[np.ndarray, " row"]:
+        """Relative error of each sensor."""
+        return row_errors(sums)
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,6 +10,7 @@ from jaxtyping import Float
 
 from clerestory.engine.camera_rays import CameraRays
 from clerestory.engine.illumination import Illumination
+from clerestory.engine.image_probabilities import with_learned_images
 from clerestory.engine.origin import Origin
 from clerestory.engine.path_guiding import learned_portals
 from clerestory.engine.path_tracer import SAMPLED_AT_START, PathTracer, segments_of
@@ -158,6 +159,7 @@ def radiance_tracer(
     illuminated = Illumination.of(scene, origin)
     windows = window_rectangles(scene, origin)
     places = sample_surfaces(illuminated.model, pilots())
+    illuminated = with_learned_images(illuminated, places)
     patches = sun_patches(illuminated, places)
     portals = learned_portals(illuminated, windows, patches, places)
     return illuminated.tracer(portals, split_lobes=_splits_lobes(scene, bounces))
@@ -192,16 +194,16 @@ def _sensor_pilots(position: mi.Point3f, normal: mi.Vector3f, count: int) -> mi.
 
 
 def tracer_of(light: Callable, seed: int, batches: int) -> Tracer:
-    """Return the tracer of units, each of consecutive rows and a range of samples."""
+    """Return the tracer of units, each of some rows and a range of samples."""
     stretch = lru_cache(maxsize=1)(points)
 
     def trace(unit: Unit) -> Float[np.ndarray, "row batch 1 3"]:
         sequence, count = stretch(unit.first, unit.count), unit.count
         lane = dr.arange(mi.UInt32, len(unit.rows) * batches * count)
         index = lane % dr.opaque(mi.UInt32, count)
-        slot = lane // dr.opaque(mi.UInt32, count)
-        absolute = slot + dr.opaque(mi.UInt32, int(unit.rows[0]) * batches)
-        row = absolute // dr.opaque(mi.UInt32, batches)
+        slot, most = lane // dr.opaque(mi.UInt32, count), dr.opaque(mi.UInt32, batches)
+        row = dr.gather(mi.UInt32, on_device(mi.UInt32, unit.rows), slot // most)
+        absolute = row * most + slot % most
         key = mi.sample_tea_32(absolute, dr.opaque(mi.UInt32, seed))[0]
         with launching():
             found = light(PathNumbers(sequence, key, index, mi.UInt32(0)), row)
