@@ -21,7 +21,7 @@ STACK = (
         "progress",
         "warning_log",
     ),
-    ("checks",),
+    ("checks", "escaping"),
     ("files", "file_lock", "directions", "bands", "toml_lines"),
     ("colorimetry", "documents"),
     ("hemisphere", "spectra"),

@@ -21,6 +21,7 @@ from clerestory.scene.model import (
     Mixture,
     Plastic,
     Scene,
+    Spotlight,
     Trans,
 )
 from clerestory.scene.sensors import Sensors
@@ -107,9 +108,9 @@ def corner():
     """Two mirrors at a right angle send the light back: two reflections, twice."""
     direction = np.array([-0.5, -0.7, 0.5])
     direction /= np.linalg.norm(direction)
-    east = quad((2, -FAR, -FAR), (2, -FAR, FAR), (2, FAR, FAR), (2, FAR, -FAR))
-    east = replace(east, material="mirror")
-    scene = lit((sky_plane(2, "mirror"), east), (sun(direction),), MIRROR)
+    scene = lit(
+        (sky_plane(2, "mirror"), east_wall("mirror")), (sun(direction),), MIRROR
+    )
     share = 1 + 2 * RHO + RHO**2
     return scene, (0, 0, 1), direction[2] * share
 
@@ -193,6 +194,105 @@ SCENES = {
     "façade": facade,
     "opposite façade": opposite,
 }
+
+
+def lamp_at(centre, size, *, material="lamp"):
+    """A horizontal square that shines down."""
+    x, y, z = centre
+    e = size / 2
+    corners = (x - e, y - e, z), (x - e, y + e, z), (x + e, y + e, z), (x + e, y - e, z)
+    return quad(*corners, material=material)
+
+
+WHERE = np.array([0.0, 0.0, -0.5])
+LAMP = np.array([1.0, -0.5, 1.0])
+
+
+def from_lamp(reflection, images, normal, *, size=0.01, split=40):
+    """Irradiance of the sensor at WHERE from images of the lamp, by quadrature.
+
+    `images` are functions from points of the lamp to their images, each with the same
+    change of the direction; `reflection` is a function of the direction [per band].
+    """
+    step = (np.arange(split) + 0.5) / split - 0.5
+    u, v = (each.ravel() * size for each in np.meshgrid(step, step))
+    points = LAMP + np.stack([u, v, 0 * u], axis=1)
+    total = np.zeros(3)
+    for image in images:
+        across = image(points) - WHERE
+        distance2 = np.sum(across**2, axis=1)
+        direction = across / np.sqrt(distance2)[:, None]
+        # Vertical mirrors leave the angle with the lamp's normal as it is
+        cosines = np.abs(direction[:, 2]) * np.maximum(direction @ normal, 0)
+        share = np.broadcast_to(reflection(np.abs(direction)), (len(u), 3))
+        total += np.mean((cosines / distance2)[:, None] * share, axis=0)
+    return 1e3 * total * size**2
+
+
+def north(points):
+    """The image in the plane y = 2."""
+    return points * [1, -1, 1] + [0, 4, 0]
+
+
+def east(points):
+    """The image in the plane x = 2."""
+    return points * [-1, 1, 1] + [4, 0, 0]
+
+
+def by_fresnel(direction):
+    """Reflectance of the pane north of the sensor."""
+    return np.array([glazed(CLEAR, cosine)[0] for cosine in direction[:, 1]])
+
+
+def east_wall(material):
+    """A vertical plane at x = 2, whose front faces west."""
+    corners = (2, -FAR, -FAR), (2, -FAR, FAR), (2, FAR, FAR), (2, FAR, -FAR)
+    return quad(*corners, material=material)
+
+
+NORTHWARDS, UPWARDS = np.array([0.0, 1, 0]), np.array([0.0, 0, 1])
+SHINE = Light("lamp", np.full(3, 1e3))
+SPOT = Spotlight("lamp", np.full(3, 1e3), 175.0, -UPWARDS, 0.0)
+LAMPS = {
+    "pane": ([sky_plane(2, "pane")], CLEAR, SHINE, by_fresnel, [north], 0.01),
+    "large lamp": ([sky_plane(2, "pane")], CLEAR, SHINE, by_fresnel, [north], 0.8),
+    "spot": ([sky_plane(2, "pane")], CLEAR, SPOT, by_fresnel, [north], 0.01),
+    "mirror": ([sky_plane(2, "mirror")], MIRROR, SHINE, lambda d: RHO, [north], 0.01),
+    "smooth plastic": (
+        [sky_plane(2, "coat")],
+        Plastic("coat", np.zeros(3), specularity=0.05),
+        SHINE,
+        lambda d: coat(0.05, d[:, 1:2]),
+        [north],
+        0.01,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", LAMPS)
+def test_error_bars_include_a_mirrored_lamp(device, name):
+    """A sensor that faces north sees a lamp behind it in a wall north of it."""
+    surfaces, wall, shine, reflection, images, size = LAMPS[name]
+    lamp = lamp_at(LAMP, size)
+    scene = Scene({wall.name: wall, "lamp": shine}, (lamp, *surfaces))
+    truth = from_lamp(reflection, images, NORTHWARDS, size=size)
+    agrees(scene, WHERE, NORTHWARDS, truth, device=device)
+
+
+def test_error_bars_include_a_lamp_in_a_corner_of_mirrors(device):
+    """A lamp, its two images, and the image of the images."""
+    walls = sky_plane(2, "mirror"), east_wall("mirror")
+    scene = Scene({"mirror": MIRROR, "lamp": SHINE}, (lamp_at(LAMP, 0.01), *walls))
+    truth = sum(
+        from_lamp(lambda _, s=share: s, [image], UPWARDS)
+        for share, image in (
+            (1, lambda p: p),
+            (RHO, north),
+            (RHO, east),
+            (RHO**2, lambda p: east(north(p))),
+        )
+    )
+    agrees(scene, WHERE, UPWARDS, truth, device=device)
 
 
 @pytest.mark.parametrize("name", SCENES)

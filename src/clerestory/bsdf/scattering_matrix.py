@@ -98,6 +98,13 @@ class ScatteringMatrix(ScatteringFunction):
         size = self.exits.projected_solid_angles()[patch]
         return np.asarray(size.reshape(leaving.shape[:-1]))
 
+    def cell(self, incident: Directions, leaving: Directions) -> Indices:
+        """Number of the pair of patches of each direction pair."""
+        leaving, incident = np.broadcast_arrays(leaving, incident)
+        patch = find_patches(self.exits, leaving.reshape(-1, 3)).astype(np.int64)
+        patch = patch * len(self.incidents) + self._enter(incident).ravel()
+        return np.asarray(patch.reshape(leaving.shape[:-1]))
+
     def average(self, exits: RingPartition, incidents: RingPartition) -> ExitIncident:
         """BSDF averaged over pairs of patches [1/sr]; flux is conserved."""
         if exits.matches(self.exits) and incidents.matches(self.incidents):

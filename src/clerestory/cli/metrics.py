@@ -12,6 +12,7 @@ from clerestory.cli.progress import say
 from clerestory.cli.requests.study import Metrics
 from clerestory.control.lm83_blinds import operate_by_direct_sun
 from clerestory.control.schedule import read_schedule
+from clerestory.escaping import csv_line
 from clerestory.files import write_text
 from clerestory.metrics import climate_based_metrics as climate
 from clerestory.metrics import en17037, honeybee
@@ -227,7 +228,9 @@ def _sensors(grid: _Grid, hours: np.ndarray, target: float) -> Iterator[str]:
     ).values
     columns = np.stack([*(100 * share for share in shares), exposure], axis=1)
     for number, row in enumerate(columns, start=1):
-        yield f"{grid.name},{number}," + ",".join(f"{value:.6g}" for value in row)
+        yield f"{csv_line([grid.name])},{number}," + ",".join(
+            f"{value:.6g}" for value in row
+        )
 
 
 def _percent(value: float) -> str:

@@ -18,7 +18,7 @@ from jaxtyping import Float, Int
 
 from clerestory.engine.lower import LoweredScene
 from clerestory.engine.next_event_estimation import Scattering
-from clerestory.engine.sampler import Distribution
+from clerestory.engine.sampler import Distribution, PathNumbers, random_number
 from clerestory.engine.smooth_faces import SmoothFaces
 from clerestory.engine.upload import on_device, vectors
 
@@ -32,6 +32,10 @@ _REFLECTIONS = 2
 # Factor on the sampling weight of a surface for each further reflection to the image.
 _LATER = 0.1
 
+# Vertices up to this number always sample an image; binary logarithm of the number of
+# paths that decide alike at later vertices; dimension of the random numbers.
+_FIRST, _ALIKE, _DECISION = 1, 5, 0x60000
+
 # Tolerances of equal transforms: rotation, and shift [m].
 _SAME, _SAME_SHIFT = 1e-3, 2e-3
 
@@ -42,6 +46,7 @@ class MirrorImages:
 
     Attributes
     ----------
+    distant : whether the sources are suns, whose images depend on orientations only
     count : number of planes or orientations; 0: no images
     plane_of_face : 1 + index of each face's plane, or 0
     normal, offset : planes; offset from the origin [m], or 0 for orientations
@@ -50,8 +55,10 @@ class MirrorImages:
         reflections, state `other` one whose image is not sampled
     guide : sampling weight of surfaces, by state after reflection and image
     weight : sampling weights of the states
+    rate : probability of sampling an image at all, beyond the first vertices of a path
     """
 
+    distant: bool
     count: int
     plane_of_face: mi.UInt32
     normal: mi.Vector3f
@@ -63,6 +70,7 @@ class MirrorImages:
     guide: mi.Float
     weight: Float[np.ndarray, " state"]
     chosen: Distribution
+    rate: mi.Float
 
     @classmethod
     def of(cls, faces: SmoothFaces, *, distant: bool) -> "MirrorImages":
@@ -72,6 +80,7 @@ class MirrorImages:
             planes.normal, planes.offset, planes.weight, planes.apart
         )
         return cls(
+            distant=distant,
             count=len(planes.normal),
             plane_of_face=on_device(mi.UInt32, planes.of_face),
             normal=vectors(mi.Vector3f, planes.normal.reshape(-1, 3)),
@@ -83,16 +92,34 @@ class MirrorImages:
             guide=on_device(mi.Float, _guidance(step)),
             weight=weight,
             chosen=Distribution.of(weight if weight.any() else np.ones(len(weight))),
+            rate=on_device(mi.Float, [1.0]),
         )
 
-    def sampled_by(self, weight: Float[np.ndarray, " state"]) -> "MirrorImages":
+    def sampled_by(
+        self, weight: Float[np.ndarray, " state"], rate: float
+    ) -> "MirrorImages":
         """Return the images with other sampling weights."""
-        return replace(self, weight=weight, chosen=Distribution.of(weight))
+        return replace(
+            self,
+            weight=weight,
+            chosen=Distribution.of(weight),
+            rate=on_device(mi.Float, [rate]),
+        )
 
-    def choose(self, pick):
-        """Sample an image; return its state and the probability."""
+    def choose(self, pick, numbers: PathNumbers, given: mi.UInt32 | None = None):
+        """Sample an image, unless one is given.
+
+        Return its state, the probability, and the rate of sampling images at the
+        vertex; 0 if no image is sampled.
+        """
+        if given is not None:
+            return given, mi.Float(1), mi.Float(1)
         state, chance, _ = self.chosen.sample(pick)
-        return state, chance
+        # Neighbouring paths decide alike, which saves time in kernels
+        group = (numbers.index + numbers.points.first) >> _ALIKE
+        decision = random_number(numbers.seed, group, _DECISION + numbers.vertex)
+        rate = dr.select(numbers.vertex <= _FIRST, 1, self.rate)
+        return state, chance, dr.select(decision < rate, rate, 0)
 
     def probability(self, state):
         """Return the probability of sampling the image of a state."""
@@ -105,6 +132,11 @@ class MirrorImages:
         rows = [dr.gather(mi.Vector3f, row, state) for row in self.rows]
         shift = dr.gather(mi.Vector3f, self.shift, state)
         return type(source)(*(dr.dot(row, source) for row in rows)) + shift
+
+    def source_direction(self, state, direction):
+        """Return the direction at the source of light that arrives from its image."""
+        rows = [dr.gather(mi.Vector3f, row, state) for row in self.rows]
+        return sum(row * part for row, part in zip(rows, direction, strict=True))
 
     def following(self, state, plane):
         """Return the state after reflection in a plane (1 + index, or 0)."""

@@ -39,7 +39,6 @@ def by_mirrors(
     `image` is the state of the image. The throughput is an estimate of the sum over all
     paths to the image.
     """
-    distant = isinstance(aim, mi.Vector3f)
     light, throughput = mi.Color3f(0), mi.Color3f(1)
     state = mi.UInt32(0)
     point, travelling = mi.Point3f(start), mi.Bool(active)
@@ -53,7 +52,7 @@ def by_mirrors(
         chosen, gain, plane = mi.Point3f(0), mi.Color3f(0), mi.UInt32(0)
         origin, looking, blocked = mi.Point3f(point), mi.Bool(travelling), mi.Bool(True)
         while looking:
-            if dr.hint(distant, mode="scalar"):
+            if dr.hint(images.distant, mode="scalar"):
                 ray = along(aim)(origin)
             else:
                 ray = towards(aim)(origin)
@@ -67,7 +66,7 @@ def by_mirrors(
             illum = dr.gather(
                 mi.Bool, model.emitters.illum, emitter - 1, met & (emitter > 0)
             )
-            met &= (emitter == 0) | illum
+            met &= (emitter == 0) | (illum & images.distant)
             bsdf = si.bsdf()
 
             # Choose the surface by the throughput that it would have
@@ -110,7 +109,7 @@ def by_mirrors(
 
         # Reflect, with Russian roulette
         travelling &= total > 0
-        if dr.hint(not distant, mode="scalar"):
+        if dr.hint(not images.distant, mode="scalar"):
             travelling &= ~ends
         throughput *= gain * total
         survive = dr.minimum(dr.max(throughput) / _FAINT, 1)

@@ -107,7 +107,7 @@ class Suns(Source):
         if self.seeks_sunlit:
             yield self._on_surfaces(vertex, sun, numbers)
         if self.images.count:
-            yield self._mirrored(numbers)
+            yield self.by_image(vertex, numbers)
 
     def _share_of_path(self, vertex: Vertex, path: Path, sun: SunSample):
         # MIS weight of a path at a surface also sampled by rays to sunlit surfaces
@@ -184,9 +184,17 @@ class Suns(Source):
             return in_lobes
         return _LOBES * in_lobes + (1 - _LOBES) * in_portals
 
-    def _mirrored(self, numbers: PathNumbers) -> LightSample:
+    def direct(self, vertex: Vertex, numbers: PathNumbers) -> LightSample:
+        """Return a sampled direction to a sun."""
         sun = self.distant.sample_sun(*(numbers.extra(n) for n in (4, 5, 6)))
-        image, chance = self.images.choose(numbers.extra(7))
+        return self._direct(sun, mi.Float(1))
+
+    def by_image(
+        self, vertex: Vertex, numbers: PathNumbers, image: mi.UInt32 | None = None
+    ) -> LightSample:
+        """Return a sampled direction to an image, or to the given image, of a sun."""
+        sun = self.distant.sample_sun(*(numbers.extra(n) for n in (4, 5, 6)))
+        image, chance, rate = self.images.choose(numbers.extra(7), numbers, image)
         direction = self.images.image(image, sun.direction)
 
         def arriving(vertex: Vertex, active):
@@ -194,10 +202,10 @@ class Suns(Source):
             share = by_mirrors(
                 self.model, self.images, start, direction, image, numbers, active
             )
-            return sun.radiance * share
+            return sun.radiance * share / rate
 
         return LightSample(
-            direction, sun.pdf * chance, mi.Bool(True), arriving,
+            direction, sun.pdf * chance, rate > 0, arriving,
             heuristic=None, luminaire=True,
         )  # fmt: skip
 

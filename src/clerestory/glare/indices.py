@@ -3,7 +3,8 @@
 To add an index, write a module with the formula and add a line here.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -64,7 +65,12 @@ INDICES = tuple(one for one in REPORTED if isinstance(one, GlareIndex))
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Glare(EyePhotometry):
-    """Glare sources, photometric quantities and glare indices of one picture."""
+    """Glare sources, photometric quantities and glare indices of one picture.
+
+    `errors` are the standard errors of the `values`, if those of the pixels are known.
+    """
+
+    errors: Mapping[str, float] = field(default_factory=dict)
 
     __repr__ = brief
 

@@ -49,10 +49,15 @@ class Rendering:
 
 @dataclass(frozen=True, eq=False)
 class Gathered:
-    """Irradiance [W/m²] of sensors at one instant, and its standard error."""
+    """Irradiance [W/m²] of sensors at one instant, and its standard error.
+
+    `illuminance_error`: standard error of the illuminance [lux], from the same batches
+    of paths; the errors of the bands are correlated.
+    """
 
     irradiance: Float[np.ndarray, "sensor band"]
     error: Float[np.ndarray, "sensor band"]
+    illuminance_error: Float[np.ndarray, " sensor"]
     paths: int
     bands: Bands = RGB
 
@@ -156,7 +161,7 @@ def irradiance(
     job = IrradianceJob(scene=scene, sensors=sensors, **effort.job_options())
     lit = estimate_radiance(job, effort)
     warn_if_short(lit, "irradiance", effort)
-    return Gathered(lit.value, lit.error, lit.paths, scene.bands)
+    return Gathered(lit.value, lit.error, lit.photometric_error, lit.paths, scene.bands)
 
 
 def _check_light(scene: Scene) -> None:

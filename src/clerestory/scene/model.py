@@ -24,6 +24,7 @@ from clerestory.scene.material import (
     error_at,
     insert_material,
     parts,
+    require_few_parts,
     same_material,
 )
 from clerestory.scene.materials.bsdf_surface import BsdfSurface
@@ -120,6 +121,7 @@ class Scene:
 
     def __post_init__(self) -> None:
         for material in self.materials.values():
+            require_few_parts(material)
             _check_colours(material, self.bands)
         oriented = {key for key, m in self.materials.items() if _has_bsdf(m)}
         for item in (*self.surfaces, *self.distant):

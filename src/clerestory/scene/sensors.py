@@ -65,8 +65,13 @@ def read_sensors(path: str | Path) -> Sensors:
 
     Blank lines and lines that begin with # are ignored.
     """
+    return parse_sensors(read_text(path), path)
+
+
+def parse_sensors(content: str, path: str | Path) -> Sensors:
+    """Return sensors from the text of a sensor file; `path` is for messages."""
     rows = []
-    for i, text in enumerate(read_text(path).split("\n"), start=1):
+    for i, text in enumerate(content.split("\n"), start=1):
         words = text.partition("#")[0].replace(",", " ").split()
         if words:
             with located(file=path, line=i):

@@ -19,6 +19,7 @@ from pydantic_core import PydanticCustomError
 from clerestory.control.lm83_blinds import MOST_SENSORS, SUN_LUX
 from clerestory.control.profile_angle import blocking_states
 from clerestory.documents import Table
+from clerestory.escaping import printable
 from clerestory.study.config_tables import (
     Distinct,
     InputFile,
@@ -141,7 +142,7 @@ class StateTable(Named, LayerTable):
     @property
     def label(self) -> str:
         """Name of the shade state, by default the stem of the BSDF file name."""
-        return self.name or self.bsdf.stem
+        return self.name or printable(self.bsdf.stem)
 
 
 class ControlTable(Table):
