@@ -8,7 +8,7 @@ they represent, or equally.
 The error of a fraction is an upper limit of the standard error, computed as in
 `sensor_metrics`.
 
-References: IES LM-83-12 and LM-83-23, Approved Method: IES spatial daylight autonomy
+References: IES LM-83-12, Approved Method: IES spatial daylight autonomy
 (sDA) and annual sunlight exposure (ASE).
 """
 

@@ -16,6 +16,7 @@ import h5py
 import numpy as np
 import xarray as xr
 
+from clerestory.brief_repr import brief
 from clerestory.checks import require
 from clerestory.documents import json_value
 from clerestory.errors import InputError
@@ -43,6 +44,8 @@ class Results:
 
     data: xr.Dataset
     run: Mapping[str, Any] = field(default_factory=dict)
+
+    __repr__ = brief
 
     @property
     def title(self) -> str:
