@@ -15,28 +15,41 @@ from clerestory.control.schedule import read_schedule
 from clerestory.files import write_text
 from clerestory.metrics import climate_based_metrics as climate
 from clerestory.metrics import en17037, honeybee
-from clerestory.metrics.leed import simulated_daylight
+from clerestory.metrics.leed import points_error, simulated_daylight
 from clerestory.metrics.occupied_hours import occupied_hours
+from clerestory.metrics.replicates import (
+    error_of_group_mean,
+    errors_of,
+    hourly_replicates,
+    metric_error,
+)
+from clerestory.metrics.sensor_metrics import sensor_metrics
 from clerestory.metrics.spatial_metrics import (
-    RoomShare,
     hours_above,
     spatial_autonomy,
     sunlight_exposure,
 )
 from clerestory.sky.weather_formats import read_weather
-from clerestory.study.results import read_results
+from clerestory.study.results import Results, read_results
 
 _HOURS_A_YEAR = 8760
 
 
 @dataclass(frozen=True, eq=False)
 class _Grid:
-    # Illuminance of one grid, its standard error, and direct-sun illuminance [lux]
+    # Illuminance of one grid, and direct-sun illuminance [lux], with errors if known
     name: str
-    lux: xr.DataArray
-    error: xr.DataArray | None
-    direct: xr.DataArray | None
+    hourly: xr.Dataset
+    sun: xr.Dataset | None
     step_hours: float = 1.0
+
+    @property
+    def lux(self) -> xr.DataArray:
+        return self.hourly["illuminance"]
+
+    @property
+    def direct(self) -> xr.DataArray | None:
+        return None if self.sun is None else self.sun["illuminance"]
 
 
 def metrics(request: Metrics) -> None:
@@ -68,6 +81,13 @@ def metrics(request: Metrics) -> None:
         )
 
 
+# Means over a grid, by label
+_MEANS = {
+    "daylight autonomy": "daylight_autonomy",
+    "continuous autonomy": "continuous_autonomy",
+    "useful, 100 to 3000 lux": "useful",
+}
+
 _HEAD = (
     "grid,sensor,daylight autonomy [%],continuous autonomy [%],"
     + ",".join(f"{band} [%]" for band in climate.USEFUL_RANGES)
@@ -81,7 +101,9 @@ def _grids(path: Path, states: Path | None, operate: bool) -> Iterator[_Grid]:
         for name in folder.paths:
             chosen = _operated(folder, name) if operate else _scheduled(states)
             lux = folder.illuminance(name, states=chosen)
-            yield _Grid(name, lux, None, folder.illuminance(name, light="direct"))
+            direct = folder.illuminance(name, light="direct")
+            hourly, sun = (xr.Dataset({"illuminance": x}) for x in (lux, direct))
+            yield _Grid(name, hourly, sun)
         return
     require(
         states is None and not operate,
@@ -93,9 +115,9 @@ def _grids(path: Path, states: Path | None, operate: bool) -> Iterator[_Grid]:
     for name in found.grids():
         part = found.data.isel(sensor=np.flatnonzero(found.data["grid"] == name))
         # ASE requires the sun at its exact position, not spread over patches
-        direct = part["direct_open"] if "sun_hours" in part else None
+        sun = Results.of_direct_sun(part) if "sun_hours" in part else None
         step = float(found.data.attrs.get("step_minutes", 60)) / 60
-        yield _Grid(name, part["illuminance"], part["standard_error"], direct, step)
+        yield _Grid(name, part, sun, step)
 
 
 def _room_and_views(request: Metrics) -> Iterator[str]:
@@ -163,31 +185,40 @@ def _room(
     grid: _Grid, hours: np.ndarray, half: np.ndarray | None, request: Metrics
 ) -> Iterator[str]:
     target, leed = request.target, request.leed
-    autonomy = climate.daylight_autonomy(grid.lux, hours, target_lux=target)
-    continuous = climate.continuous_autonomy(grid.lux, hours, target_lux=target)
-    bands = climate.useful_illuminance(grid.lux, hours).mean("sensor").values
-    yield f"{'daylight autonomy':28}{_percent(float(autonomy.mean()))}"
-    yield f"{'continuous autonomy':28}{_percent(float(continuous.mean()))}"
-    yield f"{'useful, 100 to 3000 lux':28}{_percent(float(bands[1:3].sum()))}"
-    reached = spatial_autonomy(grid.lux, hours, standard_error=grid.error)
-    yield f"{'sDA300/50':28}{_share(reached)}"
-    if grid.direct is not None:
-        found = sunlight_exposure(grid.direct, hours, step_hours=grid.step_hours)
-        most = float(hours_above(grid.direct, hours, step_hours=grid.step_hours).max())
-        part = _part_of_year(grid)
-        yield f"{'ASE1000,250':28}{_share(found)}, {most:.0f} h at most{part}"
+    means = sensor_metrics(grid.hourly, hours, target_lux=target)
+    for label, name in _MEANS.items():
+        error = error_of_group_mean(means[f"{name}_components"].values)
+        yield f"{label:28}{_percent(float(means[name].mean()), error)}"
+    reached = spatial_autonomy(grid.lux, hours, **errors_of(grid.hourly))
+    yield f"{'sDA300/50':28}{_percent(reached.value, reached.error)}"
+    if grid.sun is not None and grid.direct is not None:
+        step, errors = grid.step_hours, errors_of(grid.sun)
+        found = sunlight_exposure(grid.direct, hours, step_hours=step, **errors)
+        most = float(hours_above(grid.direct, hours, step_hours=step).max())
+        yield (
+            f"{'ASE1000,250':28}{_percent(found.value, found.error)},"
+            f" {most:.0f} h at most{_part_of_year(grid)}"
+        )
         credit = simulated_daylight(reached.value, found.value, version=leed)
         note = f" ({credit.note})" if credit.note else ""
-        yield f"{'LEED ' + leed + ' option 1':28}{credit.points} points{note}"
+        error = points_error(reached, found, version=leed)
+        points = f"{credit.points} ± {error:.1f}" if error else f"{credit.points}"
+        yield f"{'LEED ' + leed + ' option 1':28}{points} points{note}"
     else:
         yield f"{'ASE1000,250':28}unknown: the method 5-phase traces the direct sun"
     if half is not None:
-        level = en17037.daylight_provision(grid.lux, half, standard_error=grid.error)
+        level = en17037.daylight_provision(grid.lux, half, **errors_of(grid.hourly))
         numbers = (level.level, level.target_level, level.minimum_level)
         both, upper, lower = (en17037.LEVELS[number] for number in numbers)
         yield f"{'EN 17037 provision':28}{both} (target {upper}, minimum {lower})"
-    exposed = climate.light_exposure(grid.lux, np.ones(grid.lux.sizes["time"], bool))
-    yield f"{'light exposure':28}{float(exposed.mean()):.0f} lux h"
+    exposed, *varied = map(_exposure, (grid.lux, *hourly_replicates(grid.hourly)))
+    error = f" ± {metric_error(varied):.0f}" if any(varied) else ""
+    yield f"{'light exposure':28}{exposed:.0f}{error} lux h"
+
+
+def _exposure(lux: xr.DataArray) -> float:
+    every = np.ones(lux.sizes["time"], bool)
+    return float(climate.light_exposure(lux, every).mean())
 
 
 def _part_of_year(grid: _Grid) -> str:
@@ -211,10 +242,6 @@ def _sensors(grid: _Grid, hours: np.ndarray, target: float) -> Iterator[str]:
         yield f"{grid.name},{number}," + ",".join(f"{value:.6g}" for value in row)
 
 
-def _percent(value: float) -> str:
-    return f"{100 * value:.1f} %"
-
-
-def _share(share: RoomShare) -> str:
-    error = f" ± {100 * share.error:.1f}" if share.error else ""
-    return f"{100 * share.value:.1f}{error} %"
+def _percent(value: float, error: float) -> str:
+    stated = f" ± {100 * error:.2g}" if error else ""
+    return f"{100 * value:.1f}{stated} %"
