@@ -13,7 +13,7 @@ import clerestory
 
 STACK = (
     ("array_types", "errors", "constants", "options", "progress", "warning_log"),
-    ("checks",),
+    ("checks", "escaping"),
     ("files", "file_lock", "directions", "bands", "toml_lines"),
     ("colorimetry", "documents"),
     ("hemisphere", "spectra"),

@@ -9,6 +9,9 @@ from typing import BinaryIO, cast
 
 from clerestory.errors import InputError, OutputError
 
+# Number of characters of a name in the name of its temporary file
+_SHOWN_NAME = 40
+
 
 @contextmanager
 def replace_file(path: str | Path) -> Iterator[BinaryIO]:
@@ -27,7 +30,8 @@ def replace_path(path: str | Path) -> Iterator[Path]:
     path = Path(path)
     temporary = None
     try:
-        handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+        start = path.name[:_SHOWN_NAME]
+        handle, name = tempfile.mkstemp(prefix=f".{start}.", dir=path.parent)
         os.close(handle)
         temporary = Path(name)
         yield temporary
@@ -45,9 +49,9 @@ def replace_path(path: str | Path) -> Iterator[Path]:
 
 
 def write_text(path: str | Path, text: str) -> None:
-    """Write `text` as UTF-8 to `path` atomically."""
+    """Write `text` as UTF-8 to `path` atomically; lone surrogates become escapes."""
     with replace_file(path) as stream:
-        stream.write(text.encode())
+        stream.write(text.encode(errors="backslashreplace"))
 
 
 def is_file(path: str | Path) -> bool:

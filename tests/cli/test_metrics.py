@@ -98,6 +98,14 @@ def test_ase_counts_more_than_250_hours_of_direct_sun(call, room, hours, share):
     assert "LEED v4.1 option 1" in outcome.out
 
 
+def test_departures_from_lm83_stand_beside_the_points(call, room):
+    results(room / "run", sun_hours=10)
+    out = call("metrics", "run", "--from", 9).out
+    note = "(not by LM-83: hours from 9 to 18; 8 to 18 expected)"
+    assert f"LEED v4.1 option 1          3 points {note}" in out
+    assert "100.0 % (not by LM-83)" in out
+
+
 def test_glare_of_views_has_its_level(call, room):
     """DGP 0.5 in 4 % of the hours is no more than EN 17037 lets pass."""
     results(room / "run", sun_hours=1)

@@ -1,5 +1,6 @@
 """Writer of BSDF files in the XML schema of LBNL."""
 
+import re
 from collections.abc import Iterator
 from decimal import Decimal
 from pathlib import Path
@@ -17,6 +18,7 @@ from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.bsdf.tree_parser import morton_order
 from clerestory.checks import require
 from clerestory.errors import InputError
+from clerestory.escaping import header_line, xml_text
 from clerestory.files import replace_file
 from clerestory.hemisphere.partition import RingPartition
 
@@ -50,8 +52,8 @@ def write_bsdf(
 
     Raises
     ------
-    InputError : matrices and trees are mixed, two partitions share a name, or a text is
-        not allowed in XML
+    InputError : matrices and trees are mixed, two partitions share a name, or the name
+        of an element is not allowed in XML
     OutputError : the file cannot be written
     """
     try:
@@ -84,7 +86,9 @@ def _window_element(bsdf: Bsdf, comment: str) -> etree._Element:
     )
     root.set(f"{{{_XSI}}}schemaLocation", f"{_NAMESPACE} {_SCHEMA}")
     if comment:
-        root.insert(0, etree.Comment(f" {comment} "))
+        # XML does not allow two hyphens in a comment
+        text = re.sub("-(?=-)", "- ", header_line(comment))
+        root.insert(0, etree.Comment(f" {text} "))
     return root
 
 
@@ -92,12 +96,12 @@ def _material(product: Product) -> etree._Element:
     # Write the thickness in millimetres: WinCalc ignores the unit attribute
     thickness = Decimal(repr(float(product.thickness or 0))) * 1000
     return _E.Material(
-        _E.Name(product.name or _BLANK),
-        _E.Manufacturer(product.manufacturer or _BLANK),
+        _E.Name(xml_text(product.name) or _BLANK),
+        _E.Manufacturer(xml_text(product.manufacturer) or _BLANK),
         _E.Thickness(f"{thickness.normalize():f}", unit="Millimeter"),
         *_number("Width", product.width, unit="Meter"),
         *_number("Height", product.height, unit="Meter"),
-        _E.DeviceType(product.device_type),
+        _E.DeviceType(xml_text(product.device_type)),
         *_number("EmissivityFront", product.emissivity_front),
         *_number("EmissivityBack", product.emissivity_back),
         *(_detail(one) for one in product.details if "/" not in one.name),
@@ -112,8 +116,8 @@ def _number(
 
 
 def _detail(detail: Detail) -> etree._Element:
-    unit = {"unit": detail.unit} if detail.unit else {}
-    return _E(detail.name.rpartition("/")[2], detail.text, **unit)
+    unit = {"unit": xml_text(detail.unit)} if detail.unit else {}
+    return _E(detail.name.rpartition("/")[2], xml_text(detail.text), **unit)
 
 
 def _geometry(product: Product) -> Iterator[etree._Element]:
@@ -124,7 +128,9 @@ def _geometry(product: Product) -> Iterator[etree._Element]:
         text = geometry.text
         if geometry.metres != 1:
             text = f"xf -s {geometry.metres!r}\n{text}\nxf\n"
-        yield _E.Geometry(*details, _E.MGFblock(text, unit="meter"), format="MGF")
+        yield _E.Geometry(
+            *details, _E.MGFblock(xml_text(text), unit="meter"), format="MGF"
+        )
     elif details:
         yield _E.Geometry(*details)
 
@@ -172,7 +178,7 @@ def _basis(partition: RingPartition) -> etree._Element:
         )
         for count, low, high in rings
     ]
-    return _E.AngleBasis(_E.AngleBasisName(partition.name), *blocks)
+    return _E.AngleBasis(_E.AngleBasisName(xml_text(partition.name)), *blocks)
 
 
 def _data(bsdf: Bsdf) -> Iterator[etree._Element]:
@@ -182,13 +188,13 @@ def _data(bsdf: Bsdf) -> Iterator[etree._Element]:
         direction = name.replace("_", " ").title()
         bases = [_E.AngleBasis("LBNL/Shirley-Chiu")]
         if isinstance(part, ScatteringMatrix):
-            column, row = part.incidents.name, part.exits.name
+            column, row = xml_text(part.incidents.name), xml_text(part.exits.name)
             bases = [_E.ColumnAngleBasis(column), _E.RowAngleBasis(row)]
         yield _E.WavelengthData(
             _E.LayerNumber("System"),
-            _E.Wavelength(_LABELS.get(channel, channel), unit="Integral"),
-            _E.SourceSpectrum(weighting.source),
-            _E.DetectorSpectrum(weighting.detector),
+            _E.Wavelength(xml_text(_LABELS.get(channel, channel)), unit="Integral"),
+            _E.SourceSpectrum(xml_text(weighting.source)),
+            _E.DetectorSpectrum(xml_text(weighting.detector)),
             _E.WavelengthDataBlock(
                 _E.WavelengthDataDirection(direction),
                 *bases,

@@ -3,7 +3,6 @@
 Reference: G. Ward, "The Materials and Geometry Format", version 2, LBNL, 1996.
 """
 
-import re
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -12,6 +11,7 @@ from jaxtyping import Float
 from clerestory.array_types import Values
 from clerestory.bsdfgen.shading_system import SampleArea
 from clerestory.colorimetry import RADIANCE
+from clerestory.escaping import mgf_name
 from clerestory.scene.material import error_at
 from clerestory.scene.materials.plastic import Roughness
 from clerestory.scene.model import (
@@ -41,7 +41,7 @@ def mgf_text(scene: Scene, area: SampleArea) -> str:
     middle = area.bounds[:, :2].mean(axis=0)
     lines = [f"xf -t {_numbers(-middle)} 0"]
     used = dict.fromkeys(surface.material for surface in scene.surfaces)
-    names = {key: f"m{number}_{_word(key)}" for number, key in enumerate(used)}
+    names = {key: f"m{number}_{mgf_name(key)}" for number, key in enumerate(used)}
     for key, name in names.items():
         lines += [f"m {name} =", *_material(scene.materials[key])]
     current = ""
@@ -49,12 +49,8 @@ def mgf_text(scene: Scene, area: SampleArea) -> str:
         if surface.material != current:
             current = surface.material
             lines.append(f"m {names[current]}")
-        lines += [f"o {_word(surface.name)}", *_surface(surface), "o"]
+        lines += [f"o {mgf_name(surface.name)}", *_surface(surface), "o"]
     return "\n".join([*lines, "xf"])
-
-
-def _word(name: str) -> str:
-    return re.sub(r"\W", "_", name, flags=re.ASCII) or "x"
 
 
 def _numbers(values: Sequence[float] | Values) -> str:

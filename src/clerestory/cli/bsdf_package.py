@@ -8,6 +8,7 @@ import typer
 from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.cli.requests.bsdf import PackageBsdf
 from clerestory.errors import InputError
+from clerestory.escaping import header_line
 from clerestory.files import write_text
 from clerestory.radiance.bsdf_package import package as package_bsdf
 from clerestory.radiance.rad_writer import format_rad
@@ -25,15 +26,16 @@ def package(request: PackageBsdf) -> None:
             f"--xform contains {words[taken]!r}; options of xform expected"
         )
     bsdf = read_bsdf(file)
-    name = "".join(c if c.isalnum() or c in "._-" else "_" for c in file.stem)
+    name = file.stem.replace(" ", "_")
     scene = package_bsdf(bsdf, name, transform=transform)
 
     # Path of the BSDF file relative to the folder of the scene
     folder = Path() if output is None else output.parent
     path = Path(os.path.relpath(file, folder)).as_posix()
     files = {k: path for k, m in scene.materials.items() if isinstance(m, BsdfSurface)}
-    head = f"# {bsdf.product.name or name}, by clerestory bsdf package {file.name}\n\n"
-    text = head.replace("\r", " ") + format_rad(scene, bsdf_file=files)
+    made = f"by clerestory bsdf package {file.name}"
+    head = header_line(f"{bsdf.product.name[:200] or name}, {made}")
+    text = f"# {head}\n\n{format_rad(scene, bsdf_file=files)}"
     if output is None:
         typer.echo(text, nl=False)
         return

@@ -1,7 +1,5 @@
 """`clerestory glare`: glare indices of pictures, as evalglare computes them."""
 
-import csv
-import io
 import json
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -13,6 +11,7 @@ from clerestory.checks import one_of, require
 from clerestory.cli import glare_text
 from clerestory.cli.progress import progress_display, say
 from clerestory.cli.requests.glare import GlareRequest
+from clerestory.escaping import csv_line
 from clerestory.files import replace_file, write_text
 from clerestory.glare.evalglare_options import EvalglareOptions
 from clerestory.glare.evaluate import Evaluation
@@ -98,11 +97,12 @@ def _record(found: Evaluation) -> dict[str, object]:
 def _csv(records: list[dict[str, object]]) -> str:
     # CSV text: one line per picture, without glare sources and zone statistics
     names = [name for name, x in records[0].items() if not isinstance(x, list | dict)]
-    text = io.StringIO()
-    writer = csv.DictWriter(text, names, extrasaction="ignore", lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(records)
-    return text.getvalue()
+    rows = ([_cell(record[name]) for name in names] for record in records)
+    return "".join(f"{csv_line(row)}\n" for row in (names, *rows))
+
+
+def _cell(value: object) -> str:
+    return "" if value is None else str(value)
 
 
 def _write_annual(

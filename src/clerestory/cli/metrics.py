@@ -12,10 +12,12 @@ from clerestory.cli.progress import say
 from clerestory.cli.requests.study import Metrics
 from clerestory.control.lm83_blinds import operate_by_direct_sun
 from clerestory.control.schedule import read_schedule
+from clerestory.escaping import csv_line
 from clerestory.files import write_text
 from clerestory.metrics import climate_based_metrics as climate
 from clerestory.metrics import en17037, honeybee
-from clerestory.metrics.leed import points_error, simulated_daylight
+from clerestory.metrics.leed import Version, points_error, simulated_daylight
+from clerestory.metrics.lm83_conditions import departures, hour_departures
 from clerestory.metrics.occupied_hours import occupied_hours
 from clerestory.metrics.replicates import (
     error_of_group_mean,
@@ -25,6 +27,7 @@ from clerestory.metrics.replicates import (
 )
 from clerestory.metrics.sensor_metrics import sensor_metrics
 from clerestory.metrics.spatial_metrics import (
+    RoomShare,
     hours_above,
     spatial_autonomy,
     sunlight_exposure,
@@ -42,20 +45,17 @@ class _Grid:
     hourly: xr.Dataset
     sun: xr.Dataset | None
     step_hours: float = 1.0
+    departures: tuple[str, ...] = ()  # from LM-83
 
     @property
     def lux(self) -> xr.DataArray:
         return self.hourly["illuminance"]
 
-    @property
-    def direct(self) -> xr.DataArray | None:
-        return None if self.sun is None else self.sun["illuminance"]
-
 
 def metrics(request: Metrics) -> None:
     """Print daylight metrics of each grid; write metrics per sensor to a CSV file."""
     results, names, quiet = request.results, request.grid or [], request.quiet
-    found = _grids(results, request.states, request.operate)
+    found = _grids(request)
     grids = [grid for grid in found if not names or grid.name in names]
     require(grids, f"no grid called {' or '.join(names)} in the results", file=results)
     times = grids[0].lux["time"].values
@@ -72,7 +72,7 @@ def metrics(request: Metrics) -> None:
     if request.output is not None:
         write_text(request.output, "\n".join([_HEAD, *rows]) + "\n")
     if request.honeybee is not None:
-        direct = {g.name: g.direct.values for g in grids if g.direct is not None}
+        direct = {g.name: g.sun["illuminance"].values for g in grids if g.sun is not None}
         honeybee.write_honeybee(
             request.honeybee,
             {g.name: g.lux.values.astype(float) for g in grids},
@@ -95,7 +95,8 @@ _HEAD = (
 )
 
 
-def _grids(path: Path, states: Path | None, operate: bool) -> Iterator[_Grid]:
+def _grids(request: Metrics) -> Iterator[_Grid]:
+    path, states, operate = request.results, request.states, request.operate
     if path.is_dir() and (path / "grids_info.json").is_file():
         folder = honeybee.read_honeybee(path)
         for name in folder.paths:
@@ -103,7 +104,13 @@ def _grids(path: Path, states: Path | None, operate: bool) -> Iterator[_Grid]:
             lux = folder.illuminance(name, states=chosen)
             direct = folder.illuminance(name, light="direct")
             hourly, sun = (xr.Dataset({"illuminance": x}) for x in (lux, direct))
-            yield _Grid(name, hourly, sun)
+            odd = hour_departures(
+                lux["time"].values, 1.0, request.from_hour, request.to_hour
+            )
+            fixed = folder.dynamic_paths(name) and not operate
+            shades = ["shades that do not follow LM-83; --lm83 expected"]
+            departed = (*odd, *(shades if fixed else []))
+            yield _Grid(name, hourly, sun, departures=departed)
         return
     require(
         states is None and not operate,
@@ -115,9 +122,12 @@ def _grids(path: Path, states: Path | None, operate: bool) -> Iterator[_Grid]:
     for name in found.grids():
         part = found.data.isel(sensor=np.flatnonzero(found.data["grid"] == name))
         # ASE requires the sun at its exact position, not spread over patches
-        sun = Results.of_direct_sun(part) if "sun_hours" in part else None
+        exposed = Results.of_direct_sun(part) if "sun_hours" in part else None
         step = float(found.data.attrs.get("step_minutes", 60)) / 60
-        yield _Grid(name, part, sun, step)
+        departed = departures(
+            part, from_hour=request.from_hour, to_hour=request.to_hour
+        )
+        yield _Grid(name, part, exposed, step, departed)
 
 
 def _room_and_views(request: Metrics) -> Iterator[str]:
@@ -190,30 +200,40 @@ def _room(
         error = error_of_group_mean(means[f"{name}_components"].values)
         yield f"{label:28}{_percent(float(means[name].mean()), error)}"
     reached = spatial_autonomy(grid.lux, hours, **errors_of(grid.hourly))
-    yield f"{'sDA300/50':28}{_percent(reached.value, reached.error)}"
-    if grid.sun is not None and grid.direct is not None:
-        step, errors = grid.step_hours, errors_of(grid.sun)
-        found = sunlight_exposure(grid.direct, hours, step_hours=step, **errors)
-        most = float(hours_above(grid.direct, hours, step_hours=step).max())
-        yield (
-            f"{'ASE1000,250':28}{_percent(found.value, found.error)},"
-            f" {most:.0f} h at most{_part_of_year(grid)}"
-        )
-        credit = simulated_daylight(reached.value, found.value, version=leed)
-        note = f" ({credit.note})" if credit.note else ""
-        error = points_error(reached, found, version=leed)
-        points = f"{credit.points} ± {error:.1f}" if error else f"{credit.points}"
-        yield f"{'LEED ' + leed + ' option 1':28}{points} points{note}"
-    else:
-        yield f"{'ASE1000,250':28}unknown: the method 5-phase traces the direct sun"
+    by_rule = " (not by LM-83)" if grid.departures else ""
+    yield f"{'sDA300/50':28}{_percent(reached.value, reached.error)}{by_rule}"
+    yield from _exposed_area(grid, hours, reached, leed)
     if half is not None:
         level = en17037.daylight_provision(grid.lux, half, **errors_of(grid.hourly))
         numbers = (level.level, level.target_level, level.minimum_level)
         both, upper, lower = (en17037.LEVELS[number] for number in numbers)
         yield f"{'EN 17037 provision':28}{both} (target {upper}, minimum {lower})"
     exposed, *varied = map(_exposure, (grid.lux, *hourly_replicates(grid.hourly)))
-    error = f" ± {metric_error(varied):.0f}" if any(varied) else ""
-    yield f"{'light exposure':28}{exposed:.0f}{error} lux h"
+    stated = f" ± {metric_error(varied):.0f}" if any(varied) else ""
+    yield f"{'light exposure':28}{exposed:.0f}{stated} lux h"
+
+
+def _exposed_area(
+    grid: _Grid, hours: np.ndarray, reached: RoomShare, leed: Version
+) -> Iterator[str]:
+    # Annual sunlight exposure, and LEED points with the given sDA
+    if grid.sun is None:
+        yield f"{'ASE1000,250':28}unknown: the method 5-phase traces the direct sun"
+        if grid.departures:
+            yield f"{'not by LM-83':28}{'; '.join(grid.departures)}"
+        return
+    direct, step = grid.sun["illuminance"], grid.step_hours
+    found = sunlight_exposure(direct, hours, step_hours=step, **errors_of(grid.sun))
+    most = float(hours_above(direct, hours, step_hours=step).max())
+    share = _percent(found.value, found.error)
+    yield f"{'ASE1000,250':28}{share}, {most:.0f} h at most{_part_of_year(grid)}"
+    credit = simulated_daylight(
+        reached.value, found.value, version=leed, departures=grid.departures
+    )
+    error = points_error(reached, found, version=leed)
+    points = f"{credit.points} ± {error:.1f}" if error else f"{credit.points}"
+    note = f" ({credit.note})" if credit.note else ""
+    yield f"{'LEED ' + leed + ' option 1':28}{points} points{note}"
 
 
 def _exposure(lux: xr.DataArray) -> float:
@@ -239,7 +259,9 @@ def _sensors(grid: _Grid, hours: np.ndarray, target: float) -> Iterator[str]:
     ).values
     columns = np.stack([*(100 * share for share in shares), exposure], axis=1)
     for number, row in enumerate(columns, start=1):
-        yield f"{grid.name},{number}," + ",".join(f"{value:.6g}" for value in row)
+        yield f"{csv_line([grid.name])},{number}," + ",".join(
+            f"{value:.6g}" for value in row
+        )
 
 
 def _percent(value: float, error: float) -> str:

@@ -16,6 +16,7 @@ from clerestory.cli.requests import common
 from clerestory.cli.requests import trace as requests
 from clerestory.engine.effort import Effort
 from clerestory.errors import InputError
+from clerestory.escaping import file_stems
 from clerestory.gonio.layer_file import read_layer
 from clerestory.image.picture_files import write_picture
 from clerestory.image.picture_sets import numbered
@@ -134,8 +135,9 @@ class _Run:
     ) -> None:
         """Write each matrix to a file, and print a summary."""
         output, command = self.file.output, f"clerestory trace {self.kind}"
+        stems = file_stems(traced)
         for name, matrix in traced.items():
-            stem = f"{output.stem}-{name}" if len(traced) > 1 else output.stem
+            stem = f"{output.stem}-{stems[name]}" if len(traced) > 1 else output.stem
             path = output.with_stem(stem)
             if isinstance(receiver, Camera) and "%" in path.name:
                 _write_pictures(path, matrix, receiver)

@@ -1,7 +1,5 @@
 """Output of comparisons: notes of the report, CSV tables and JSON."""
 
-import csv
-import io
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
@@ -12,6 +10,7 @@ import numpy as np
 
 from clerestory.comparison.series import UNITS
 from clerestory.comparison.series_comparison import Comparison, Offset
+from clerestory.escaping import csv_line
 from clerestory.files import write_text
 from clerestory.metrics.agreement import LIMITS, Agreement
 
@@ -142,9 +141,7 @@ def _known(value: float, form: str) -> str:
 
 
 def _write_csv(path: Path, rows: list[list[str]]) -> None:
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows(rows)
-    write_text(path, text.getvalue())
+    write_text(path, "".join(f"{csv_line(row)}\n" for row in rows))
 
 
 def comparison_notes(comparison: Comparison) -> list[str]:

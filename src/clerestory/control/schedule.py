@@ -4,6 +4,7 @@ The states of a window group are numbered from the most open, 0, to the most clo
 Results are computed once for every state; a schedule selects one per time step.
 """
 
+import csv
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +15,7 @@ from jaxtyping import Float, Int
 
 from clerestory.checks import not_negative, require, same_length, within
 from clerestory.errors import InputError
+from clerestory.escaping import csv_line, plain_cell
 from clerestory.files import read_text, write_text
 
 # Largest state number in a file
@@ -117,7 +119,7 @@ def states_at(
 def read_schedule(path: str | Path) -> StateSchedule:
     """Read times and shade states from a CSV file with the header `time,GROUP…`."""
     lines = read_text(path).splitlines()
-    groups = [word.strip() for word in lines[0].split(",")][1:] if lines else []
+    groups = [plain_cell(w.strip()) for w in next(csv.reader(lines[:1]), [])[1:]]
     message = "no header time,GROUP… in the first line"
     require(groups, message, file=path, line=1)
     times, rows = [], []
@@ -145,7 +147,7 @@ def read_schedule(path: str | Path) -> StateSchedule:
 
 def write_schedule(path: str | Path, schedule: StateSchedule) -> None:
     """Write a schedule to a CSV file in the format of `read_schedule`."""
-    rows = [",".join(["time", *schedule.states])]
+    rows = [csv_line(["time", *schedule.states])]
     for step, moment in enumerate(schedule.times.astype("datetime64[s]")):
         states = (str(int(state[step])) for state in schedule.states.values())
         rows.append(",".join([str(moment), *states]))

@@ -117,19 +117,13 @@ class Emitters:
         chance = dr.gather(mi.Float, self.density, emitter, active)
         return chance * distance2 / dr.maximum(cosine, 1e-6)
 
-    def sample_direction(self, origin, pick, u, v):
-        """Sample an emitter; return point, direction, cosine, pdf and emitter."""
+    def sample_point(self, pick, u, v):
+        """Sample a point by power; return the point, the normal and the emitter."""
         number, _, _ = self.chosen.sample(pick)
         triangle = self.triangles.take(number)
-        point = triangle.point(*fold(u, v))
-        across = point - origin
-        distance2 = dr.squared_norm(across)
-        direction = across * dr.rsqrt(distance2)
         normal = dr.normalize(dr.cross(triangle.edge_u, triangle.edge_v))
-        cosine = -dr.dot(normal, direction)
         emitter = dr.gather(mi.UInt32, self.emitter, number)
-        pdf = self.pdf(emitter, distance2, cosine, True)
-        return point, direction, cosine, pdf, emitter
+        return triangle.point(*fold(u, v)), normal, emitter
 
 
 def _is_view_only(material: Emitter) -> bool:

@@ -19,6 +19,7 @@ from clerestory.engine.channels import channels_of
 from clerestory.engine.emitters import Emitters, split_by_surface
 from clerestory.engine.origin import Origin
 from clerestory.engine.scene_cache import cached
+from clerestory.engine.smooth_faces import SmoothFaces
 from clerestory.engine.upload import on_device
 from clerestory.engine.windows import WindowTable, window_shapes
 from clerestory.scene.model import BsdfSurface, Emitter, Scene
@@ -43,6 +44,7 @@ class LoweredScene:
         (negative) a BSDF [m]; 0 for all other shapes
     layer_of_shape : whether the material is a BSDF without thickness
     proxies : whether any shape has a thickness
+    smooth : faces that reflect like a mirror
     """
 
     scene: mi.Scene
@@ -58,6 +60,7 @@ class LoweredScene:
     layer_of_shape: mi.Bool
     flags_of_shape: mi.UInt32
     proxies: bool
+    smooth: SmoothFaces
 
 
 def lower(
@@ -82,6 +85,7 @@ def _lowered(
     shining: list[Mesh] = []
     thickness: dict[str, float] = {}
     layers: set[str] = set()
+    smooth: dict[str, Mesh] = {}
     flat, curved = without_analytic(scene)
     bsdfs = {
         name: materials.load(scene.materials[name], origin)
@@ -103,6 +107,8 @@ def _lowered(
             thickness[name] = material.thickness
         elif isinstance(material, BsdfSurface):
             layers.add(name)
+        elif material.mirrored > 0:
+            smooth[name] = mesh
         content[name] = _mesh(mesh.vertices - origin, mesh.faces, bsdf)
     black = materials.absorber()
     table, shapes = window_shapes(receivers, origin)
@@ -127,11 +133,13 @@ def _lowered(
     windows = {f"window{number}": 1 + number for number in range(len(shapes))}
     reach = [_reach(shape) for shape in lowered.shapes()]
     faces = np.array([len(part) for part in reach])
+    first = dict(zip(names, np.cumsum(faces) - faces, strict=True))
+    mirrors = [(first[name], mesh) for name, mesh in smooth.items()]
     flags = [+shape.bsdf().flags() for shape in lowered.shapes()]
     return LoweredScene(
         scene=lowered,
         window_of_shape=by_shape(mi.UInt32, [windows.get(name, 0) for name in names]),
-        first_face=by_shape(mi.UInt32, list(np.cumsum(faces) - faces)),
+        first_face=by_shape(mi.UInt32, [first[name] for name in names]),
         reach=on_device(mi.Float, np.concatenate(reach)),
         panes=bool(thickness) or any(flag & +mi.BSDFFlags.Null for flag in flags),
         grey=channels_of(scene) == 1,
@@ -142,6 +150,7 @@ def _lowered(
         layer_of_shape=by_shape(mi.Bool, [name in layers for name in names]),
         flags_of_shape=by_shape(mi.UInt32, flags),
         proxies=bool(thickness),
+        smooth=SmoothFaces.of(int(faces.sum()), mirrors, origin),
     )
 
 

@@ -1,119 +1,125 @@
-"""Plane mirrors of a scene, and the mirror images of the sun.
+"""Paths from a vertex to a light source by way of flat smooth surfaces.
 
-As with Radiance's virtual sources, the image of the sun in a plane mirror is treated as
-another sun, for single reflections only. All other light in mirrors is found by BSDF
-sampling.
+The sampled direction points to a mirror image of the source. The path passes panes, is
+reflected by surfaces until the composition of the reflections is that of the image, and
+ends at the source. Where several panes on a straight segment could reflect it, one is
+chosen at random in proportion to transmittance times reflectance.
 """
-
-from dataclasses import dataclass
 
 import drjit as dr
 import mitsuba as mi
-import numpy as np
-from jaxtyping import Float
 
+from clerestory.engine import materials
 from clerestory.engine.lower import LoweredScene
-from clerestory.engine.sampler import Distribution
-from clerestory.engine.upload import vectors
-from clerestory.engine.visibility import along, first_opaque, interaction, offset
-from clerestory.scene.model import Mirror, Polygon, Ring, Scene
+from clerestory.engine.mirror_images import MirrorImages
+from clerestory.engine.sampler import PathNumbers
+from clerestory.engine.visibility import along, interaction, offset, towards
 
-# Largest number of mirror orientations (curved mirrors have many); light reflected by
-# the smallest mirrors is found by BSDF sampling only.
-MOST = 64
+# Russian roulette: largest probability of continuing a path that has completed the
+# image, or has many reflections; throughput below which other paths may end.
+_SURVIVE, _MANY, _FAINT = 0.95, 8, 0.005
 
-# Normals count as equal if 1 minus their scalar product is below this limit (0.08°).
-_SAME = 1e-6
-
-
-@dataclass
-class Mirrors:
-    """Unit normals of plane mirrors, sampled in proportion to mirror area."""
-
-    count: int
-    normal: mi.Vector3f
-    chosen: Distribution
-
-    @classmethod
-    def of(cls, scene: Scene) -> "Mirrors":
-        """Return the normals of a scene's plane mirrors, the largest mirrors first."""
-        normals: list[np.ndarray] = []
-        areas: list[float] = []
-        for surface in scene.surfaces:
-            material = scene.materials[surface.material]
-            if not isinstance(material, Mirror) or material.alternate is not None:
-                continue
-            if isinstance(surface, Polygon | Ring):
-                _add(normals, areas, _area_vector(surface))
-        order = np.argsort(areas)[::-1][:MOST]
-        # Kernels need non-empty tables: add an unused entry if there are no mirrors
-        kept = np.array([normals[i] for i in order] or [[0.0, 0.0, 1.0]])
-        share = np.array([areas[i] for i in order] or [1.0])
-        return cls(len(order), vectors(mi.Vector3f, kept), Distribution.of(share))
-
-    def choose(self, pick):
-        """Sample a mirror normal; return the normal and its probability."""
-        number, chance, _ = self.chosen.sample(pick)
-        return dr.gather(mi.Vector3f, self.normal, number), chance
-
-    @dr.syntax
-    def holds(self, normal, active):
-        """Whether the table of mirrors contains the given normal."""
-        found = mi.Bool(False)
-        number = mi.UInt32(0)
-        while active & ~found & (number < self.count):
-            other = dr.gather(mi.Vector3f, self.normal, number)
-            found |= is_same(normal, other)
-            number += 1
-        return found
+# Dimension of the hashed random numbers; numbers per vertex.
+_PICKS, _PER_VERTEX = 0x80000, 64
 
 
-def is_mirror(bsdf):
-    """Whether a BSDF is a mirror: a single delta reflection at the front."""
-    return (bsdf.flags() & +mi.BSDFFlags.All) == +mi.BSDFFlags.DeltaReflection
+@dr.syntax
+def by_mirrors(
+    model: LoweredScene,
+    images: MirrorImages,
+    start: mi.Point3f,
+    aim: mi.Vector3f | mi.Point3f,
+    image: mi.UInt32,
+    numbers: PathNumbers,
+    active: mi.Bool,
+):
+    """Return the throughput of paths from a point to a source of which it sees images.
 
-
-def is_same(normal, other):
-    """Whether two unit vectors are equal up to rounding."""
-    return dr.dot(normal, other) > 1 - _SAME
-
-
-def reflected(model: LoweredScene, start, direction, normal, active: mi.Bool):
-    """Trace a ray through panes to a mirror that has a given normal.
-
-    Return the transmittance to the mirror times the mirror's reflectance (zero if the
-    ray hits no such mirror), and the point hit, offset from the front [m].
+    `aim` is the image of a point of the source, or the direction to the image of a sun;
+    `image` is the state of the image. The throughput is an estimate of the sum over all
+    paths to the image.
     """
-    share, ray, hit = first_opaque(model, start, along(direction), active)
-    met = active & hit.is_valid()
-    si = interaction(hit, ray, met)
-    bsdf = si.bsdf()
-    found = met & is_mirror(bsdf) & is_same(si.n, normal)
-    _, colour = bsdf.sample(
-        mi.BSDFContext(), si, mi.Float(0.5), mi.Point2f(0.5, 0.5), found
-    )
-    return dr.select(found, share * colour, 0), offset(model, si, si.n, found)
+    light, throughput = mi.Color3f(0), mi.Color3f(1)
+    state = mi.UInt32(0)
+    point, travelling = mi.Point3f(start), mi.Bool(active)
+    number = mi.UInt32(0)
+    while travelling:
+        key = _PICKS + numbers.vertex * _PER_VERTEX + 2 * number
+        pick, last = numbers.hashed(key), numbers.hashed(key + 1)
+        # Follow a straight segment through panes; choose a surface that reflects
+        ends = (state == image) & (state > 0)
+        share, total = mi.Color3f(1), mi.Float(0)
+        chosen, gain, plane = mi.Point3f(0), mi.Color3f(0), mi.UInt32(0)
+        origin, looking, blocked = mi.Point3f(point), mi.Bool(travelling), mi.Bool(True)
+        while looking:
+            if dr.hint(images.distant, mode="scalar"):
+                ray = along(aim)(origin)
+            else:
+                ray = towards(aim)(origin)
+                ray.maxt = dr.select(ends, ray.maxt, dr.inf)
+            hit = model.scene.ray_intersect_preliminary(ray, active=looking)
+            met = looking & hit.is_valid()
+            blocked &= ~(looking & ~met)
+            si = interaction(hit, ray, met)
+            shape = dr.reinterpret_array(mi.UInt32, si.shape)
+            emitter = dr.gather(mi.UInt32, model.emitter_of_shape, shape, met)
+            illum = dr.gather(
+                mi.Bool, model.emitters.illum, emitter - 1, met & (emitter > 0)
+            )
+            met &= (emitter == 0) | (illum & images.distant)
+            bsdf = si.bsdf()
 
+            # Choose the surface by the throughput that it would have
+            here = images.plane(model, shape, si, met)
+            useful = images.guidance(images.following(state, here), image)
+            reflects = met & (useful > 0)
+            _, mirrored = bsdf.sample(
+                materials.mirror_context(), si, mi.Float(0.5), mi.Point2f(0.5), reflects
+            )
+            mirrored = dr.select(reflects, share * mirrored, 0)
+            strength = dr.max(mirrored) * useful
+            total += strength
+            part = dr.select(strength > 0, strength / total, 0)
+            taken = pick < part
+            pick = dr.select(taken, pick / part, (pick - part) / (1 - part))
+            pick = dr.clip(pick, 0, dr.one_minus_epsilon(mi.Float))
+            chosen = dr.select(taken, offset(model, si, -ray.d, taken), chosen)
+            gain = dr.select(taken, mirrored / strength, gain)
+            plane = dr.select(taken, here, plane)
 
-def _area_vector(surface: Polygon | Ring) -> Float[np.ndarray, "3"]:
-    # Unit normal of a surface times its area [m²]
-    if isinstance(surface, Ring):
-        area = np.pi * (surface.outer_radius**2 - surface.inner_radius**2)
-        return surface.normal / np.linalg.norm(surface.normal) * area
-    around = surface.vertices - surface.vertices[0]
-    return 0.5 * np.cross(around, np.roll(around, -1, axis=0)).sum(axis=0)
+            # Pass panes, and proxies
+            if dr.hint(model.panes, mode="scalar"):
+                flags = dr.gather(mi.UInt32, model.flags_of_shape, shape, met)
+                passed = met & mi.has_flag(flags, mi.BSDFFlags.Null)
+                straight = mi.Bool(False)
+                if dr.hint(model.proxies, mode="scalar"):
+                    depth = dr.gather(mi.Float, model.thickness_of_shape, shape, met)
+                    straight = met & (depth != 0)
+                passed &= ~straight
+                through = bsdf.eval_null_transmission(si, passed)
+                share = dr.select(passed, share * through, share)
+                looking = (passed | straight) & (dr.max(share) > 0)
+                origin = dr.select(looking, offset(model, si, ray.d, looking), origin)
+            else:
+                looking = mi.Bool(False)
 
+        # Score the paths that reach the source
+        reached = travelling & ends & ~blocked
+        light += dr.select(reached, throughput * share, 0)
 
-def _add(
-    normals: list[np.ndarray], areas: list[float], vector: Float[np.ndarray, "3"]
-) -> None:
-    # Add the area of a mirror to its orientation, or add a new orientation
-    area = float(np.linalg.norm(vector))
-    if area == 0:
-        return
-    for i, normal in enumerate(normals):
-        if normal @ vector / area > 1 - _SAME / 10:
-            areas[i] += area
-            return
-    normals.append(vector / area)
-    areas.append(area)
+        # Reflect, with Russian roulette
+        travelling &= total > 0
+        if dr.hint(not images.distant, mode="scalar"):
+            travelling &= ~ends
+        throughput *= gain * total
+        survive = dr.minimum(dr.max(throughput) / _FAINT, 1)
+        survive = dr.select(ends, total, survive)
+        limited = dr.minimum(survive, _SURVIVE)
+        survive = dr.select(ends | (number >= _MANY), limited, survive)
+        travelling &= last < survive
+        throughput /= survive
+        number += 1
+        state = dr.select(travelling, images.following(state, plane), state)
+        aim = dr.select(travelling, images.reflected(aim, plane), aim)
+        point = dr.select(travelling, chosen, point)
+    return light

@@ -136,7 +136,8 @@ class Emission:
     """Radiance of a source that a path hits, or 1 for a receiver in a matrix column.
 
     `pdf` is the density with which next-event estimation at the previous vertex samples
-    the direction [1/sr], or None if it does not sample the source.
+    the direction [1/sr], or None if it does not sample the source. `path_pdf` is the
+    density of sampling it by the path, if it differs from that of the path's segment.
     """
 
     value: mi.Color3f
@@ -144,13 +145,14 @@ class Emission:
     pdf: mi.Float | None = None
     column: mi.UInt32 | None = None
     heuristic: Heuristic = balance_heuristic
+    path_pdf: mi.Float | None = None
 
     def share(self, path: Path):
         """Return the MIS weight of the path against next-event estimation."""
         if self.pdf is None:
             return mi.Float(1)
-        shared = path.pdf * self.heuristic(path.pdf, self.pdf)
-        return dr.select(path.pdf > 0, shared, 1)
+        own = path.pdf if self.path_pdf is None else self.path_pdf
+        return dr.select(own > 0, own * self.heuristic(own, self.pdf), 1)
 
 
 @dataclass

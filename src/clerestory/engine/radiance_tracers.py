@@ -10,6 +10,7 @@ from jaxtyping import Float
 
 from clerestory.engine.camera_rays import CameraRays
 from clerestory.engine.illumination import Illumination
+from clerestory.engine.image_probabilities import with_learned_images
 from clerestory.engine.origin import Origin
 from clerestory.engine.path_guiding import learned_portals
 from clerestory.engine.path_tracer import SAMPLED_AT_START, PathTracer, segments_of
@@ -158,6 +159,7 @@ def radiance_tracer(
     illuminated = Illumination.of(scene, origin)
     windows = window_rectangles(scene, origin)
     places = sample_surfaces(illuminated.model, pilots())
+    illuminated = with_learned_images(illuminated, places)
     patches = sun_patches(illuminated, places)
     portals = learned_portals(illuminated, windows, patches, places)
     return illuminated.tracer(portals, split_lobes=_splits_lobes(scene, bounces))

@@ -1,7 +1,7 @@
-"""Next-event estimation of suns: direct, by plane mirrors, and on sunlit surfaces.
+"""Next-event estimation of suns: direct, mirrored, and on sunlit surfaces.
 
-BSDF-sampled paths hardly ever hit the sun's image in a mirror. Single reflections of a
-sun in plane mirrors are therefore sampled like Radiance's virtual light sources. Sunlit
+BSDF-sampled paths hardly ever hit the sun's image in a pane or a mirror. Suns are
+therefore also sampled by way of flat smooth surfaces (`mirror_images`). Sunlit
 blinds and sunlit areas of the room are sampled by one ray along a lobe of transmitted
 sunlight or towards a portal; a shadow ray to the sun starts where this ray hits.
 """
@@ -15,7 +15,8 @@ import mitsuba as mi
 
 from clerestory.engine.distant_emitters import DistantEmitters, SunSample
 from clerestory.engine.lower import LoweredScene
-from clerestory.engine.mirrors import Mirrors, is_mirror, reflected
+from clerestory.engine.mirror_images import MirrorImages
+from clerestory.engine.mirrors import by_mirrors
 from clerestory.engine.next_event_estimation import (
     Densities,
     Emission,
@@ -49,16 +50,15 @@ NOT_SAMPLED = -1.0
 class Suns(Source):
     """Suns of a scene, sampled in proportion to their power.
 
-    A path stores two values: the number of mirror reflections since the last vertex
-    with next-event estimation (0 or 1; 2 in all other cases), and the density of
-    sampling the path segment as a ray to sunlit surfaces [1/sr], negative if no such
-    ray was sampled.
+    A path stores two values: the state of reflections since the last vertex with
+    next-event estimation (see `mirror_images`), and the density of sampling the path
+    segment as a ray to sunlit surfaces [1/sr], negative if no such ray was sampled.
     """
 
     name: ClassVar[str] = "suns"
     model: LoweredScene
     distant: DistantEmitters
-    mirrors: Mirrors
+    images: MirrorImages
     lobes: SunLobes
     portals: Portals | None
 
@@ -68,30 +68,29 @@ class Suns(Source):
         return bool(self.lobes.groups or (self.portals and self.portals.sunny))
 
     def begin(self, pdf, sunlit):
-        """Return the mirror count and `sunlit` density of a first path segment."""
-        return dr.select(pdf > 0, mi.UInt32(0), mi.UInt32(2)), mi.Float(sunlit)
+        """Return the state and `sunlit` density of a first path segment."""
+        other = mi.UInt32(self.images.other)
+        return dr.select(pdf > 0, mi.UInt32(0), other), mi.Float(sunlit)
 
     def remember(self, si, vertex: Vertex, after: Scattering, memory):
-        """Return the mirror count and `sunlit` density of the next path segment."""
-        mirrors, _ = memory
-        if self.mirrors.count:
-            known = after.delta & is_mirror(si.bsdf())
-            known = self.mirrors.holds(si.n, known)
-            more = dr.select(known & (mirrors == 0), mi.UInt32(1), mi.UInt32(2))
-            more = dr.select(after.delta, more, mi.UInt32(0))
-            mirrors = dr.select(after.null, mirrors, more)
+        """Return the state and `sunlit` density of the next path segment."""
+        state, _ = memory
+        if self.images.count:
+            state = self.images.remember(self.model, state, vertex.shape, si, after)
         looked = vertex.active & vertex.opaque & vertex.continues
         looked &= ~after.null & ~after.delta
-        return mirrors, dr.select(looked, after.densities.sunlit, NOT_SAMPLED)
+        return state, dr.select(looked, after.densities.sunlit, NOT_SAMPLED)
 
     def escaped(self, path: Path, active) -> Emission:
         """Return the radiance of suns in the direction of an escaped path.
 
-        Suns seen after one mirror reflection are excluded: `samples` samples them.
+        Suns seen by reflections that `samples` samples are excluded.
         """
         radiance, pdf = self.distant.sun_radiance(path.ray.d, active)
-        mirrors, _ = path.memory[self.name]
-        shown = active & (mirrors != 1)
+        shown = active
+        if self.images.count:
+            state, _ = path.memory[self.name]
+            shown &= self.images.probability(state) == 0
         return Emission(radiance, shown, pdf, heuristic=power_heuristic)
 
     def samples(
@@ -107,8 +106,8 @@ class Suns(Source):
         yield self._direct(sun, share)
         if self.seeks_sunlit:
             yield self._on_surfaces(vertex, sun, numbers)
-        if self.mirrors.count:
-            yield self._in_mirror(numbers)
+        if self.images.count:
+            yield self.by_image(vertex, numbers)
 
     def _share_of_path(self, vertex: Vertex, path: Path, sun: SunSample):
         # MIS weight of a path at a surface also sampled by rays to sunlit surfaces
@@ -185,21 +184,28 @@ class Suns(Source):
             return in_lobes
         return _LOBES * in_lobes + (1 - _LOBES) * in_portals
 
-    def _in_mirror(self, numbers: PathNumbers) -> LightSample:
+    def direct(self, vertex: Vertex, numbers: PathNumbers) -> LightSample:
+        """Return a sampled direction to a sun."""
         sun = self.distant.sample_sun(*(numbers.extra(n) for n in (4, 5, 6)))
-        normal, chance = self.mirrors.choose(numbers.extra(7))
-        cosine = dr.dot(sun.direction, normal)
-        direction = sun.direction - 2 * cosine * normal
+        return self._direct(sun, mi.Float(1))
+
+    def by_image(
+        self, vertex: Vertex, numbers: PathNumbers, image: mi.UInt32 | None = None
+    ) -> LightSample:
+        """Return a sampled direction to an image, or to the given image, of a sun."""
+        sun = self.distant.sample_sun(*(numbers.extra(n) for n in (4, 5, 6)))
+        image, chance, rate = self.images.choose(numbers.extra(7), numbers, image)
+        direction = self.images.image(image, sun.direction)
 
         def arriving(vertex: Vertex, active):
             start = vertex.leave(direction, active)
-            share, point = reflected(self.model, start, direction, normal, active)
-            lit = active & (dr.max(share) > 0)
-            light = sun.radiance * share * self._seen(point, sun, lit)
-            return dr.select(lit, light, 0)
+            share = by_mirrors(
+                self.model, self.images, start, direction, image, numbers, active
+            )
+            return sun.radiance * share / rate
 
         return LightSample(
-            direction, sun.pdf * chance, cosine > 0, arriving,
+            direction, sun.pdf * chance, rate > 0, arriving,
             heuristic=None, luminaire=True,
         )  # fmt: skip
 

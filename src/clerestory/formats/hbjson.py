@@ -20,11 +20,11 @@ from clerestory.checks import require
 from clerestory.documents import read_json
 from clerestory.errors import ClerestoryWarning, located
 from clerestory.formats.hbjson_geometry import (
-    plain_name,
     plane_of,
     read_grids,
     read_views,
     seamed,
+    unique_name,
 )
 from clerestory.formats.hbjson_modifiers import BsdfModifier, Modifier, read_modifiers
 from clerestory.formats.hbjson_schema import Model, Part, Room, ShadeMesh
@@ -266,12 +266,15 @@ def _windows(groups: Sequence[_Group]) -> Iterator[ApertureGroup]:
     # Number the groups that have equal names but lie in different planes
     total = Counter(group.name for group in groups)
     number: Counter[str] = Counter()
+    names: set[str] = set()
     for group in groups:
         number[group.name] += 1
         suffix = f".{number[group.name]}" if total[group.name] > 1 else ""
         bsdfs = (m.up for m in group.states if isinstance(m, BsdfModifier))
+        name = unique_name(group.name + suffix, names)
+        names.add(name)
         yield ApertureGroup(
-            plain_name(group.name + suffix),
+            name,
             tuple(group.polygons),
             next(bsdfs, None),
             tuple((modifier.name, modifier) for modifier in group.states),

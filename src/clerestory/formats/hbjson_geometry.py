@@ -13,6 +13,9 @@ from clerestory.scene.sensors import Sensors
 from clerestory.scene.surface import area_vector
 from clerestory.scene.view import View
 
+# Largest number of characters of a name, before its number
+_LONGEST = 90
+
 
 def read_grids(radiance: Radiance, scale: float) -> dict[str, Sensors]:
     """Return the sensor grids by name, with positions in metres; omit empty grids."""
@@ -23,7 +26,7 @@ def read_grids(radiance: Radiance, scale: float) -> dict[str, Sensors]:
             facing = np.array([sensor.dir for sensor in grid.sensors])
             with located(file=None, subject=f'sensor grid "{grid.identifier}"'):
                 sensors = Sensors(places, facing)
-            found[_unique(grid.display_name or grid.identifier, found)] = sensors
+            found[unique_name(grid.display_name or grid.identifier, found)] = sensors
     return found
 
 
@@ -42,17 +45,17 @@ def read_views(radiance: Radiance, scale: float) -> dict[str, View]:
                 shift=item.shift,
                 lift=item.lift,
             )
-        found[_unique(item.display_name or item.identifier, found)] = view
+        found[unique_name(item.display_name or item.identifier, found)] = view
     return found
 
 
-def plain_name(name: str) -> str:
-    """Return a name with special characters replaced by hyphens."""
-    return "".join(c if c.isalnum() or c in " .-_" else "-" for c in name)
+def unique_name(name: str, taken: Container[str]) -> str:
+    """Return a name for a study file: hyphens replace special characters.
 
-
-def _unique(name: str, taken: Container[str]) -> str:
-    label = plain = plain_name(name) or "grid"
+    A name that is taken is numbered; it has at most 100 characters.
+    """
+    known = (c if c.isalpha() or c.isdecimal() or c in " .-_" else "-" for c in name)
+    label = plain = "".join(known)[:_LONGEST].strip() or "grid"
     for number in count(2):
         if label not in taken:
             break

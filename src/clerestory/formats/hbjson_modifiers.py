@@ -101,8 +101,7 @@ def _modifier(item: ModifierItem, unsupported: list[str]) -> Modifier | None:
     void = isinstance(item.modifier, dict) and item.modifier.get("type") == "Void"
     if item.modifier not in (None, "void") and not void:
         unsupported.append(f'the pattern or texture under modifier "{item.identifier}"')
-    # Names in Radiance contain no spaces
-    name = "_".join(item.identifier.split()) or "modifier"
+    name = item.identifier or "modifier"
     gloss = item.specularity, item.roughness
     match item.type:
         case "Plastic":

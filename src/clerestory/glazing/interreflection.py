@@ -2,105 +2,122 @@
 
 Matrices are flux fractions: entry (i, j) is the fraction of the flux through incident
 patch j that leaves through patch i, or the BSDF times the projected solid angle of
-patch i. Matrices of successive layers are multiplied.
+patch i. Specular layers have diagonal matrices, which are stored as columns (…, n, 1).
+Layers are added one by one, each with one linear system per wavelength; runs of
+specular layers are combined first, patch by patch.
 
 Reference: J. H. Klems, ASHRAE Transactions 100 (1), 1994: I. Optical properties,
 1065–1072; II. Detailed equations, 1073–1086.
 """
 
 from collections.abc import Sequence
-from itertools import accumulate
+from functools import reduce
+from itertools import groupby
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.bsdf.scattering_function import Side
+from clerestory.bsdf.scattering_function import SIDES
 from clerestory.glazing.optics import Optics
+
+# Flux matrices (…, n, n), or columns (…, n, 1) for diagonal matrices
+_Flux = Float[np.ndarray, "... _ _"]
 
 
 class StackProperties(NamedTuple):
-    """Flux matrices (…, n, n) of a stack, and absorptance of each layer per incident
-    patch for light on the front and on the back of the stack.
+    """Flux matrices (…, n, n) of a stack, or columns (…, n, 1) if it is specular, and
+    absorptance of each layer per incident patch for light on the front and on the back.
     """
 
     system: Optics
     absorbed: Float[np.ndarray, "2 layer *batch n"]
 
 
+class _Stack(NamedTuple):
+    # Flux matrices; absorptances (…, layer, n) for light on the front and on the back
+    flux: Optics
+    front: _Flux
+    back: _Flux
+
+    def reversed(self) -> "_Stack":
+        return _Stack(
+            self.flux.swapped(), self.back[..., ::-1, :], self.front[..., ::-1, :]
+        )
+
+
 def stack_properties(layers: Sequence[Optics]) -> StackProperties:
     """Return the optical properties of a stack from flux matrices of the layers.
 
-    `layers`: flux matrices from outdoors to indoors, each of shape (…, n, n).
+    `layers`: flux matrices from outdoors to indoors, each of shape (…, n, n), or
+    (…, n, 1) for the diagonals of specular layers.
     """
-    reverse = [layer.swapped() for layer in reversed(layers)]
-    # Stacks of the first 1, 2, … layers, and of the last 1, 2, … layers
-    outer, inner = (list(accumulate(some, combine)) for some in (layers, reverse))
-    front = _absorbed(layers, outer, inner)
-    back = _absorbed(reverse, inner, outer)
-    return StackProperties(outer[-1], np.array([front, back[::-1]]))
+    runs = groupby(layers, key=lambda layer: _is_diagonal(layer.transmission_front))
+    whole = reduce(_join, (reduce(_join, map(_single, run)) for _, run in runs))
+    absorbed = np.array([whole.front, whole.back])
+    return StackProperties(whole.flux, np.moveaxis(absorbed, -2, 1))
 
 
-def combine(outer: Optics, inner: Optics) -> Optics:
-    """Combine two layers, or stacks of layers, into one (Klems 1994, II, eq. 8–11)."""
-    enter = between(
-        outer.reflection_back, inner.reflection_front, outer.transmission_front
+def _single(layer: Optics) -> _Stack:
+    if _is_diagonal(layer.transmission_front):
+        rows = layer.map(lambda share: share.swapaxes(-1, -2))
+    else:
+        rows = layer.map(lambda flux: flux.sum(axis=-2, keepdims=True))
+    return _Stack(layer, *(rows.absorption(side) for side in SIDES))
+
+
+def _join(outer: _Stack, inner: _Stack) -> _Stack:
+    """Combine two stacks into one (Klems 1994, II, eq. 8–11)."""
+    a, b = outer.flux, inner.flux
+    if _is_diagonal(b.reflection_front) and not _is_diagonal(a.reflection_back):
+        return _join(inner.reversed(), outer.reversed()).reversed()
+
+    # Flux that the inner stack sends back into the gap, per flux from the outer stack
+    loop = _plus(np.ones((1, 1)), -_times(b.reflection_front, a.reflection_back))
+    back = _divide(loop, b.reflection_front)
+
+    # Flux in the gap towards the inner and the outer stack: for light from outdoors,
+    # then for light from indoors
+    outwards = _times(back, a.transmission_front)
+    inwards = _plus(a.transmission_front, _times(a.reflection_back, outwards))
+    leaving = _times(a.reflection_back, b.transmission_back)
+    leaving = _plus(b.transmission_back, _times(back, leaving))
+    returned = _times(a.reflection_back, leaving)
+
+    flux = Optics(
+        _times(b.transmission_front, inwards),
+        _times(a.transmission_back, leaving),
+        _plus(a.reflection_front, _times(a.transmission_back, outwards)),
+        _plus(b.reflection_back, _times(b.transmission_front, returned)),
     )
-    leave = between(
-        inner.reflection_front, outer.reflection_back, inner.transmission_back
-    )
-    return Optics(
-        inner.transmission_front @ enter,
-        outer.transmission_back @ leave,
-        outer.reflection_front
-        + outer.transmission_back @ (inner.reflection_front @ enter),
-        inner.reflection_back
-        + inner.transmission_front @ (outer.reflection_back @ leave),
-    )
+    front = outer.front + _times(outer.back, outwards), _times(inner.front, inwards)
+    rear = _times(outer.back, leaving), inner.back + _times(inner.front, returned)
+    return _Stack(flux, *(np.concatenate(parts, axis=-2) for parts in (front, rear)))
 
 
-def between(
-    behind: Float[np.ndarray, "*batch n n"],
-    ahead: Float[np.ndarray, "*batch n n"],
-    arriving: Float[np.ndarray, "*batch n n"],
-) -> Float[np.ndarray, "*batch n n"]:
-    """Flux that reaches the layer beyond a gap, after all interreflections.
-
-    `behind`, `ahead`: reflection flux matrices of the layers before and after the gap.
-    `arriving`: flux that enters the gap through the layer before the gap.
-    """
-    loop = np.eye(behind.shape[-1]) - behind @ ahead
-    return np.asarray(np.linalg.solve(loop, arriving))
+def _is_diagonal(flux: _Flux) -> bool:
+    return bool(flux.shape[-1] == 1)
 
 
-def _absorbed(
-    layers: Sequence[Optics], outer: Sequence[Optics], inner: Sequence[Optics]
-) -> list[Float[np.ndarray, "*batch n"]]:
-    # Absorptance of each layer for flux incident on layer 0. `inner`: stacks of the
-    # last 1, 2, … layers, reversed.
-    kept = []
-    for k, layer in enumerate(layers):
-        behind = len(layers) - 1 - k
-        on_front = (
-            np.eye(layer.transmission_front.shape[-1])
-            if k == 0
-            else between(
-                outer[k - 1].reflection_back,
-                inner[behind].reflection_back,
-                outer[k - 1].transmission_front,
-            )
-        )
-        share = _row(layer, "front") @ on_front
-        if behind > 0:
-            mirror = inner[behind - 1].reflection_back
-            share = share + _row(layer, "back") @ mirror @ between(
-                outer[k].reflection_back, mirror, outer[k].transmission_front
-            )
-        kept.append(share[..., 0, :])
-    return kept
+def _times(one: _Flux, other: _Flux) -> _Flux:
+    if _is_diagonal(one):
+        return np.asarray(one * other)
+    if _is_diagonal(other):
+        return np.asarray(one * other.swapaxes(-1, -2))
+    return np.asarray(one @ other)
 
 
-def _row(layer: Optics, side: Side) -> Float[np.ndarray, "*batch 1 n"]:
-    # Absorptance of a layer per incident patch, as a row vector
-    passed = layer.map(lambda flux: flux.sum(axis=-2, keepdims=True))
-    return passed.absorption(side)
+def _plus(one: _Flux, other: _Flux) -> _Flux:
+    if _is_diagonal(one) == _is_diagonal(other):
+        return np.asarray(one + other)
+    column, full = (one, other) if _is_diagonal(one) else (other, one)
+    total = full.copy()
+    place = np.arange(full.shape[-1])
+    total[..., place, place] += column[..., 0]
+    return total
+
+
+def _divide(loop: _Flux, right: _Flux) -> _Flux:
+    if _is_diagonal(loop):
+        return np.asarray(right / loop)
+    return np.asarray(np.linalg.solve(loop, right))

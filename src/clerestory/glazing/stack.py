@@ -27,7 +27,7 @@ from clerestory.checks import one_of, require
 from clerestory.errors import InputError
 from clerestory.glazing.bsdf_layer import BsdfLayer
 from clerestory.glazing.interreflection import StackProperties, stack_properties
-from clerestory.glazing.layer import Layer, diagonal
+from clerestory.glazing.layer import Layer
 from clerestory.glazing.optics import Optics
 from clerestory.glazing.standard import CHANNELS, Channel, Standard, nfrc
 from clerestory.hemisphere.klems import klems
@@ -35,8 +35,8 @@ from clerestory.hemisphere.partition import RingPartition
 from clerestory.progress import Progress
 from clerestory.spectra import common_wavelengths
 
-# Matrix entries per chunk of wavelengths: 100 MB for four matrices.
-_TOGETHER = 3_000_000
+# Matrix entries per chunk of wavelengths: 10 MB for four matrices.
+_TOGETHER = 300_000
 
 Method = Literal["wavelengths", "bands"]
 
@@ -133,6 +133,8 @@ def stack_layers(
         for part in FUNCTIONS:
             # Clip rounding errors
             flux = np.maximum(sums[channel].system.of(part), 0)
+            if flux.shape[-1] == 1:
+                flux = np.diagflat(flux)
             value = flux / partition.projected_solid_angles()[:, None]
             matrix = ScatteringMatrix(value, partition, partition)
             functions[channel, part] = matrix
@@ -221,20 +223,13 @@ def layer_band(
 def _passage(
     layers: Sequence[Layer], wavelength_nm: Values, partition: RingPartition
 ) -> StackProperties:
-    measure = partition.projected_solid_angles()
+    measure = partition.projected_solid_angles()[:, None]
     cosine = partition.centres()[:, 2]
-    clear = [layer.specular(wavelength_nm, cosine) for layer in layers]
-    panes = [pane for pane in clear if pane is not None]
-    if len(panes) < len(layers):
-        flux = [
-            layer.matrices(wavelength_nm, partition).map(lambda f: measure[:, None] * f)
-            for layer in layers
-        ]
-        return stack_properties(flux)
 
-    # In stacks of specular panes patches are independent: use 1 × 1 matrices
-    single = stack_properties(
-        [p.map(lambda share: share[..., None, None]) for p in panes]
-    )
-    system = single.system.map(lambda share: diagonal(share[..., 0, 0]))
-    return StackProperties(system, single.absorbed[..., 0])
+    def flux(layer: Layer) -> Optics:
+        clear = layer.specular(wavelength_nm, cosine)
+        if clear is not None:
+            return clear.map(lambda share: share[..., None])
+        return layer.matrices(wavelength_nm, partition).map(lambda f: measure * f)
+
+    return stack_properties([flux(layer) for layer in layers])

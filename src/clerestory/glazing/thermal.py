@@ -1,13 +1,16 @@
 """Thermal properties of a glazing system by the engine of LBNL WINDOW.
 
 Optical properties are computed by this package, thermal properties by pywincalc (extra
-`thermal`), the Python binding of the WINDOW engine (ISO 15099). Panes are passed as
-spectra, venetian, woven and perforated shades as geometry, BSDFs as two-band matrices.
-`light_and_heat` replaces the sequence of genBSDF and WINDOW.
+`thermal`), the Python binding of the WINDOW engine (ISO 15099). Systems with diffusers
+and BSDFs are passed as grey panes that absorb in the system what the layers absorb of
+solar radiation at normal incidence. Panes alone are passed as spectra; systems with
+venetian, woven or perforated shades as spectra and geometry, from which the engine
+derives the air flow through the shade. `light_and_heat` replaces the sequence of
+genBSDF and WINDOW.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import ModuleType
 from typing import Any, Literal, NamedTuple, final, get_args
 
@@ -23,14 +26,19 @@ from clerestory.glazing.stack import StackedLayers, stack_layers
 from clerestory.glazing.standard import Standard
 from clerestory.glazing.wincalc import (
     Basis,
+    FlatLayer,
     engine_gap,
     engine_layer,
+    equivalent_pane,
     hemisphere,
     load_engine,
 )
 from clerestory.hemisphere.klems import klems
 
 Wavelengths = Literal["full", "condensed"]
+
+# Least solar transmittance up to a layer, so that shares of it are defined.
+_DARK = 1e-9
 
 
 @final
@@ -87,39 +95,83 @@ def thermal_figures(
     """
     check_gaps(layers, gaps)
     one_of(wavelengths, "wavelengths", choices=get_args(Wavelengths))
-    partition = klems(basis)
+    one_of(basis, "Klems basis", choices=get_args(Basis))
     engine = load_engine()
-    scattering = any(
-        not isinstance(layer, Glass) or layer.material.diffuse for layer in layers
-    )
-    full = any(isinstance(layer, (BsdfLayer, Diffuser)) for layer in layers)
-    partition = klems("full") if full else partition
-    basis_object = hemisphere(engine, "full" if full else basis) if scattering else None
-    ranges = engine.SpectalDataWavelengthRangeMethodType
-    spectrum = ranges.FULL if wavelengths == "full" else ranges.CONDENSED
+    size = {"width_meters": width, "height_meters": height, "tilt_degrees": tilt_deg}
+    flat = [layer for layer in layers if isinstance(layer, FlatLayer)]
+    exact = len(flat) == len(layers) and any(_scatters(layer) for layer in flat)
+    light = stack_layers(layers) if exact else None
     try:
+        if light is not None:
+            solids, optics = _equivalent_panes(engine, flat, light), {}
+        else:
+            solids = [engine_layer(engine, layer, klems("full")) for layer in layers]
+            optics = _engine_optics(engine, layers, basis, wavelengths)
+        spaces = [engine_gap(engine, gap) for gap in gaps]
         winter, summer = (
             engine.GlazingSystem(
-                [engine_layer(engine, layer, partition) for layer in layers],
-                [engine_gap(engine, gap) for gap in gaps],
-                width_meters=width,
-                height_meters=height,
-                tilt_degrees=tilt_deg,
-                environment=environment(),
-                bsdf_hemisphere=basis_object,
-                spectral_data_wavelength_range_method=spectrum,
+                solids, spaces, environment=environment(), **size, **optics
             )
             for environment in (
                 engine.nfrc_u_environments,
                 engine.nfrc_shgc_environments,
             )
         )
-        return _figures(engine, winter, summer)
+        figures = _figures(engine, winter, summer)
     except RuntimeError as error:
         raise InputError(f"pywincalc rejects the layers: {error}") from error
+    if light is None:
+        return figures
+    visible = light.direct_hemispherical("transmission_front", channel="visible")
+    return replace(figures, visible_transmittance=float(visible[_normal(light)]))
+
+
+def _scatters(layer: Layer) -> bool:
+    return not isinstance(layer, Glass) or layer.material.diffuse is not None
+
+
+def _engine_optics(
+    engine: ModuleType, layers: Sequence[Layer], basis: Basis, wavelengths: Wavelengths
+) -> dict[str, Any]:
+    # Without scattering layers, the engine uses no hemisphere
+    full = any(isinstance(layer, BsdfLayer | Diffuser) for layer in layers)
+    scattering = any(_scatters(layer) for layer in layers)
+    ranges = engine.SpectalDataWavelengthRangeMethodType
+    return {
+        "bsdf_hemisphere": hemisphere(engine, "full" if full else basis)
+        if scattering
+        else None,
+        "spectral_data_wavelength_range_method": getattr(ranges, wavelengths.upper()),
+    }
+
+
+def _equivalent_panes(
+    engine: ModuleType, layers: Sequence[FlatLayer], light: StackedLayers
+) -> list[Any]:
+    # The first pane reflects what the system reflects, and no other pane reflects:
+    # each pane absorbs a share of the flux that the panes before it leave
+    normal = _normal(light)
+    reflected = float(
+        light.direct_hemispherical("reflection_front", channel="solar")[normal]
+    )
+    left, panes, standard = 1.0, [], engine.load_standard()
+    for layer, absorbed in zip(
+        layers, light.absorptance["solar", "front"][:, normal], strict=True
+    ):
+        passed = max(left - float(absorbed) - reflected, _DARK)
+        share = {"transmittance": passed / left, "reflectance": reflected / left}
+        panes.append(equivalent_pane(engine, layer, standard=standard, **share))
+        left, reflected = passed, 0.0
+    return panes
+
+
+def _normal(light: StackedLayers) -> int:
+    return int(np.argmax(light.partition.centres()[:, 2]))
 
 
 def _figures(engine: ModuleType, winter: Any, summer: Any) -> ThermalFigures:
+    # pywincalc applies absorbed solar radiation to temperatures only after `shgc()`
+    shgc = summer.shgc()
     solar, visible = (
         summer.optical_method_results(method).system_results.front.transmittance
         for method in ("SOLAR", "PHOTOPIC")
@@ -133,7 +185,7 @@ def _figures(engine: ModuleType, winter: Any, summer: Any) -> ThermalFigures:
     )
     return ThermalFigures(
         u=winter.u(),
-        shgc=summer.shgc(),
+        shgc=shgc,
         solar_transmittance=solar.direct_hemispherical,
         visible_transmittance=visible.direct_hemispherical,
         temperatures_winter=cold,

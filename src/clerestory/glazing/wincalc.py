@@ -14,6 +14,7 @@ from clerestory.glazing.layer import Diffuser, Glass, Layer
 from clerestory.glazing.pane import Pane
 from clerestory.glazing.screen import PerforatedScreen, WovenShade
 from clerestory.glazing.venetian import VenetianBlind
+from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.partition import RingPartition
 
 Basis = Literal["full", "half", "quarter"]
@@ -73,6 +74,43 @@ def engine_layer(engine: ModuleType, layer: Layer, partition: RingPartition) -> 
     kind = kinds.CIRCULAR if layer.shape == "circular" else kinds.RECTANGULAR
     holes = engine.PerforatedGeometry(*layer.spacing, *layer.size, kind)
     return engine.create_perforated_screen(holes, *sheet)
+
+
+FlatLayer = Glass | Diffuser | BsdfLayer
+
+
+def equivalent_pane(
+    engine: ModuleType,
+    layer: FlatLayer,
+    *,
+    standard: Any,
+    transmittance: float,
+    reflectance: float,
+) -> Any:
+    """Return a grey pane with the thermal properties of a layer.
+
+    `transmittance`, `reflectance`: at normal incidence, on both sides. `standard`:
+    pywincalc's optical standard, for the emissivities.
+    """
+    solid = engine_layer(engine, layer, klems("full"))
+    heat = engine.calc_thermal_ir(standard, solid)
+    share = transmittance, transmittance, reflectance, reflectance
+    rows = [
+        engine.WavelengthData(micrometres, engine.OpticalMeasurementComponent(*share))
+        for micrometres in (0.3, 2.5)
+    ]
+    optical = engine.ProductDataOpticalNBand(
+        engine.MaterialType.MONOLITHIC,
+        layer.thickness,
+        rows,
+        coated_side=engine.CoatedSide.NEITHER,
+        ir_transmittance_front=heat.transmittance_front_diffuse_diffuse,
+        ir_transmittance_back=heat.transmittance_back_diffuse_diffuse,
+        emissivity_front=heat.emissivity_front_hemispheric,
+        emissivity_back=heat.emissivity_back_hemispheric,
+        permeability_factor=solid.optical_data.permeability_factor,
+    )
+    return engine.ProductDataOpticalAndThermal(optical, solid.thermal_data)
 
 
 def _optical(engine: ModuleType, pane: Pane) -> Any:

@@ -17,6 +17,7 @@ import numpy as np
 from clerestory.bsdf.scattering_function import FUNCTIONS, Function
 from clerestory.checks import one_of, require
 from clerestory.errors import InputError, located
+from clerestory.escaping import file_stem, printable
 from clerestory.files import read_bytes, replace_file
 from clerestory.gonio.fitted_measurement import Fitted
 from clerestory.gonio.incident_mesh import Mesh
@@ -45,10 +46,10 @@ def write_fits(path: str | Path, fits: Sequence[Fitted]) -> None:
     with h5netcdf.File(buffer, "w") as file:
         file.attrs["format"] = _FORMAT
         for fit in fits:
-            group = file.create_group(f"{fit.channel}_{fit.function}")
+            group = file.create_group(f"{file_stem(fit.channel)}_{fit.function}")
             group.attrs["function"] = fit.function
-            group.attrs["channel"] = fit.channel
-            group.attrs["name"] = fit.name
+            group.attrs["channel"] = printable(fit.channel)
+            group.attrs["name"] = printable(fit.name)
             group.attrs["symmetry"] = fit.interpolant.symmetry
             group.attrs["most_lobes"] = fit.options.lobes
             group.attrs["smoothing"] = fit.options.smoothing

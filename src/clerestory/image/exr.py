@@ -20,6 +20,7 @@ from clerestory.checks import positive, require
 from clerestory.colorimetry import RADIANCE, Primaries, conversion
 from clerestory.constants import LUMINOUS_EFFICACY
 from clerestory.errors import InputError, located
+from clerestory.escaping import header_line
 from clerestory.files import read_bytes, replace_file
 from clerestory.image.picture import Picture
 from clerestory.image.radiance_header import check_size
@@ -131,7 +132,7 @@ def write_exr(picture: Picture, path: str | Path, *, half: bool = False) -> None
         "quantity": picture.quantity,
     }
     if picture.header:
-        header["comments"] = "\n".join(picture.header)
+        header["comments"] = "\n".join(map(header_line, picture.header))
     if picture.view is not None:
         header["radianceView"] = format_view(picture.view)
     # The OpenEXR library writes only to named files

@@ -12,6 +12,7 @@ from jaxtyping import Float32, UInt8
 from clerestory.colorimetry import RADIANCE, conversion, xyz_to_rgb
 from clerestory.constants import LUMINOUS_EFFICACY
 from clerestory.errors import located
+from clerestory.escaping import header_line
 from clerestory.files import read_bytes, replace_file
 from clerestory.image.picture import Picture
 from clerestory.image.radiance_header import (
@@ -25,6 +26,9 @@ from clerestory.radiance.view_text import format_view, opens_view
 
 # Offset of the exponent byte (color.h: COLXS)
 _EXCESS = 128
+
+# Longest header line that Radiance reads as one line (header.c: MAXLINE) [bytes]
+_LONGEST_LINE = 2000
 
 # Pixels without a larger component are written as black (color.c: setcolr)
 _BLACK = 1e-32
@@ -99,7 +103,7 @@ def write_radiance(
 
 
 def _header(picture: Picture, scale: float, *, xyz: bool) -> str:
-    lines = [" ".join(line.splitlines()) for line in picture.header if line.strip()]
+    lines = [_line(line) for line in picture.header if line.strip()]
     if picture.view is not None:
         lines.append(f"VIEW= {format_view(picture.view)}")
     else:
@@ -115,6 +119,12 @@ def _header(picture: Picture, scale: float, *, xyz: bool) -> str:
     lines.append(f"FORMAT=32-bit_rle_{'xyze' if xyz else 'rgbe'}")
     size = f"-Y {picture.rows} +X {picture.columns}"
     return "\n".join([*lines, "", size, ""])
+
+
+def _line(line: str) -> str:
+    # Lines of source pictures begin with a tab
+    tab = "\t" if line[0].isspace() else ""
+    return tab + header_line(line, longest=_LONGEST_LINE)
 
 
 def _quads(

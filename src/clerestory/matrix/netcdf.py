@@ -24,6 +24,7 @@ import numpy as np
 from clerestory.bands import RGB, Bands
 from clerestory.checks import one_of, require
 from clerestory.errors import InputError, located
+from clerestory.escaping import printable
 from clerestory.files import read_bytes, replace_file
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.reinhart import reinhart
@@ -109,7 +110,7 @@ def _add(
 def _write_bands(variable: h5netcdf.Variable, bands: Bands) -> None:
     if bands == RGB:  # RGB bands are not labelled, as in version 0.1
         return
-    variable.attrs["band_names"] = "\n".join(bands.names)
+    variable.attrs["band_names"] = "\n".join(map(printable, bands.names))
     if bands.efficacy is not None:
         variable.attrs["band_efficacy_lm_per_W"] = np.array(bands.efficacy)
     if bands.limits_nm is not None:
@@ -134,10 +135,10 @@ def _write_axis(file: h5netcdf.File, side: str, axis: Axis) -> None:
     variable = _add(file, f"{side}s", (side,), np.arange(axis.size))
     variable.attrs["kind"] = axis.kind
     if axis.window is not None:
-        variable.attrs["window"] = axis.window
+        variable.attrs["window"] = printable(axis.window)
     partition = axis.partition
     if isinstance(partition, RingPartition):
-        variable.attrs["partition"] = partition.name
+        variable.attrs["partition"] = printable(partition.name)
         variable.attrs["ring_count"] = partition.count
         variable.attrs["ring_limits_rad"] = partition.theta
         variable.attrs["azimuth"] = partition.azimuth
@@ -149,7 +150,7 @@ def _write_axis(file: h5netcdf.File, side: str, axis: Axis) -> None:
         times.attrs["units"] = "nanoseconds since 1970-01-01 00:00:00"
     if axis.names is not None:
         text = h5py.string_dtype()
-        names = np.array(axis.names, dtype=object)
+        names = np.array([printable(name) for name in axis.names], dtype=object)
         file.create_variable(f"{side}_names", (side,), dtype=text, data=names)
 
 

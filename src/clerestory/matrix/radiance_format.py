@@ -20,6 +20,7 @@ from jaxtyping import Float
 from clerestory.bands import RGB, Bands, unnamed_bands
 from clerestory.checks import one_of, require
 from clerestory.errors import InputError, located
+from clerestory.escaping import header_line
 from clerestory.files import read_bytes, replace_file
 from clerestory.matrix.axis import Axis, unknown_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
@@ -152,7 +153,7 @@ def write_rows(
     one_of(encoding, "matrix encoding", choices=("ascii", *_ITEM))
     rows, columns, channels = shape
     lines = ["#?RADIANCE"]
-    lines += [f"\t{' '.join(command.split())}"] if command else []
+    lines += [f"\t{header_line(command)}"] if command else []
     lines += [f"NROWS={rows}", f"NCOLS={columns}", f"NCOMP={channels}"]
     lines += [] if encoding == "ascii" else [f"BigEndian={int(sys.byteorder == 'big')}"]
     lines += [f"FORMAT={encoding}", "", ""]

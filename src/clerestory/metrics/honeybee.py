@@ -22,6 +22,7 @@ from jaxtyping import Float, Int
 from clerestory.checks import has_shape, one_of, require, within
 from clerestory.documents import json_value
 from clerestory.errors import InputError, located
+from clerestory.escaping import file_stems
 from clerestory.files import make_folder, read_text, replace_file, write_text
 
 STATIC = "__static_apertures__"
@@ -174,8 +175,9 @@ def write_honeybee(
         has_shape(lux, (len(lux), len(times)), f"illuminance of grid {name!r}")
     lit = np.any([lux.max(axis=0) > 0 for lux in total.values()], axis=0)
     folder = make_folder(folder)
+    stems = file_stems(total)
     info = [
-        dict.fromkeys(("name", "identifier", "full_id"), name)
+        {"name": name, **dict.fromkeys(("identifier", "full_id"), stems[name])}
         | {"group": "", "count": len(lux), "light_path": [[STATIC]]}
         for name, lux in total.items()
     ]
@@ -188,7 +190,7 @@ def write_honeybee(
         place = make_folder(folder / STATIC / "default" / light)
         for name, lux in total.items():
             values = grids.get(name, np.zeros_like(lux))[:, lit]
-            with replace_file(place / f"{name}.npy") as stream:
+            with replace_file(place / f"{stems[name]}.npy") as stream:
                 np.save(stream, values.astype(np.float32), allow_pickle=False)
 
 

@@ -42,12 +42,18 @@ class Credit(NamedTuple):
 
 
 def simulated_daylight(
-    autonomy: float, exposure: float, *, version: Version = "v4.1"
+    autonomy: float,
+    exposure: float,
+    *,
+    version: Version = "v4.1",
+    departures: Sequence[str] = (),
 ) -> Credit:
     """Return the LEED points of option 1, by annual simulation.
 
     `autonomy` and `exposure` are sDA and ASE of the regularly occupied floor area. If
-    ASE is above 10 %, v4 gives no points and v4.1 requires a statement on glare.
+    ASE is above 10 %, v4 gives no points and v4.1 requires a statement on glare. The
+    remark names the departures of the simulation from LM-83, which the credit requires;
+    see `lm83_conditions.departures`.
 
     >>> simulated_daylight(0.60, 0.05).points
     2
@@ -55,14 +61,17 @@ def simulated_daylight(
     0
     """
     points = _points(autonomy, _OPTION_1, version)
-    note = ""
+    notes = []
+    if departures:
+        notes.append(f"not by LM-83: {'; '.join(departures)}")
     if exposure > MOST_EXPOSURE + 1e-12:
         note = f"ASE is {exposure:.0%}, above 10 %"
         if version == "v4":
             points = 0
         else:
             note += ": state how the design addresses glare"
-    return Credit(points, autonomy, note)
+        notes.append(note)
+    return Credit(points, autonomy, "; ".join(notes))
 
 
 def points_error(

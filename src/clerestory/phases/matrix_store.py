@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Protocol
 
 from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.escaping import file_stem
 from clerestory.files import make_folder
 from clerestory.matrix.netcdf import read_netcdf, write_netcdf
 from clerestory.matrix.transfer_matrix import TransferMatrix
@@ -57,9 +58,8 @@ class MatrixStore:
     folder: Path
 
     def path(self, name: str, fingerprint: str) -> Path:
-        """Path of the file of a matrix; special characters are replaced by "_"."""
-        safe = "".join(c if c.isalnum() or c in "-_." else "_" for c in name)
-        return self.folder / f"{safe}-{fingerprint[:_DIGITS]}.nc"
+        """Path of the file of a matrix."""
+        return self.folder / f"{file_stem(name)}-{fingerprint[:_DIGITS]}.nc"
 
     def holds(self, name: str, fingerprint: str) -> bool:
         """Whether the file of a matrix exists; the file may be damaged."""

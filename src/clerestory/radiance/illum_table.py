@@ -12,13 +12,14 @@ from jaxtyping import Float
 
 from clerestory.array_types import Vector
 from clerestory.errors import InputError
+from clerestory.escaping import file_stem, radiance_name
 from clerestory.files import replace_file
 from clerestory.radiance.cal.program import Program
 from clerestory.radiance.cal.syntax import Name, parse_expression
 from clerestory.radiance.data_array import DataArray
 from clerestory.radiance.function_pattern import FunctionPattern
 from clerestory.radiance.rad_writer import primitive_text
-from clerestory.scene.model import Illum, Polygon, Scene
+from clerestory.scene.model import Illum, Polygon, Scene, Void
 from clerestory.scene.primitive import primitive
 
 # Polar angle of the emission direction −D from the normal (A1, A2, A3); azimuth of −D
@@ -127,7 +128,7 @@ def write_illums(scene: Scene, path: str | Path) -> list[Path]:
             )
         names = []
         for table, channel in zip(lamp.pattern.tables, "rgb", strict=False):
-            names.append(f"{path.stem}_{number}{channel}.dat")
+            names.append(f"{file_stem(path.stem)}_{number}{channel}.dat")
             files.append(path.with_name(names[-1]))
             with replace_file(files[-1]) as stream:
                 stream.write(_data_text(table).encode())
@@ -142,16 +143,17 @@ def _lamp_lines(
 ) -> list[str]:
     coloured = len(names) == 3
     kind, functions = ("colordata", _COLOUR) if coloured else ("brightdata", _GREY)
-    light = f"{lamp.name}_light"
+    light, name = map(radiance_name, (f"{lamp.name}_light", lamp.name))
+    behind = lamp.alternate
+    shown = "void" if isinstance(behind, Void) else radiance_name(behind.name)
     words = (*functions, *names, ".", _FROM_NORMAL, _AROUND)
-    polygon = surface.name or lamp.name
-    return [
-        primitive_text(primitive("void", kind, light, pattern.arguments, words)),
-        primitive_text(
-            primitive(light, "illum", lamp.name, lamp.radiance, (lamp.alternate.name,))
-        ),
-        primitive_text(primitive(lamp.name, "polygon", polygon, surface.vertices)),
-    ]
+    polygon = radiance_name(surface.name or lamp.name)
+    made = (
+        primitive("void", kind, light, pattern.arguments, words),
+        primitive(light, "illum", name, lamp.radiance, (shown,)),
+        primitive(name, "polygon", polygon, surface.vertices),
+    )
+    return [primitive_text(item) for item in made]
 
 
 def _data_text(table: DataArray) -> str:

@@ -7,6 +7,7 @@ from clerestory.bands import RGB
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.checks import require
 from clerestory.errors import InputError
+from clerestory.escaping import radiance_name, radiance_word
 from clerestory.radiance.primitives import specification
 from clerestory.scene.material import Argument, Material, Specification, insert_material
 from clerestory.scene.materials.mixture import Void
@@ -27,7 +28,7 @@ def format_rad(scene: Scene, *, bsdf_file: Mapping[str, str | Path]) -> str:
     writer = _Writer(bsdf_file)
     name_of = {key: writer.define(m, key) for key, m in scene.materials.items()}
     for number, surface in enumerate((*scene.surfaces, *scene.distant), 1):
-        name = surface.name or f"surface{number}"
+        name = radiance_name(surface.name or f"surface{number}")
         for shape in _shapes(surface):
             modifier = name_of[surface.material]
             made = primitive(modifier, shape.kind, name, shape.reals)
@@ -42,7 +43,7 @@ class _Writer:
         self.bsdf_file = bsdf_file
 
     def define(self, material: Material, key: str) -> str:
-        """Write a material after its component materials; return the name."""
+        """Write a material after its component materials; return the written name."""
         if isinstance(material, Void):
             return "void"
         given = material.specification()
@@ -53,9 +54,10 @@ class _Writer:
             )
         strings = tuple(self.word(each, material, key) for each in given.strings)
         self.written[key] = material
-        made = primitive("void", given.kind, key, given.reals, strings)
+        name = radiance_name(key)
+        made = primitive("void", given.kind, name, given.reals, strings)
         self.text.append(primitive_text(made))
-        return key
+        return name
 
     def word(self, value: Argument, material: Material, key: str) -> str:
         """Return the text of a string argument."""
@@ -83,7 +85,7 @@ class _Writer:
             return "void"
         known = set(self.written)
         key = insert_material(self.written, material)
-        return key if key in known else self.define(material, key)
+        return radiance_name(key) if key in known else self.define(material, key)
 
 
 def _shapes(surface: Polygon | Simple) -> Iterator[Specification]:
@@ -96,13 +98,11 @@ def _shapes(surface: Polygon | Simple) -> Iterator[Specification]:
 
 
 def primitive_text(item: Primitive) -> str:
-    """Return a primitive as text of a scene file."""
-    words = " ".join([str(len(item.strings)), *map(_quoted, item.strings)])
+    """Return a primitive as text of a scene file.
+
+    Names come from `radiance_name`; other words that could be misread are refused.
+    """
+    words = " ".join([str(len(item.strings)), *map(radiance_word, item.strings)])
     numbers = " ".join([str(len(item.reals)), *(f"{v:.12g}" for v in item.reals)])
-    head = f"{_quoted(item.modifier)} {item.kind} {_quoted(item.name)}"
+    head = f"{radiance_word(item.modifier)} {item.kind} {radiance_word(item.name)}"
     return f"{head}\n{words}\n0\n{numbers}\n"
-
-
-def _quoted(word: str) -> str:
-    # Radiance accepts blanks in quoted words
-    return f'"{word}"' if not word or any(c.isspace() for c in word) else word

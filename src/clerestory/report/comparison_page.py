@@ -15,6 +15,7 @@ from clerestory.comparison.comparison_output import (
 )
 from clerestory.comparison.series import ILLUMINANCE, group_of, quantity_of
 from clerestory.comparison.series_comparison import Comparison
+from clerestory.escaping import file_stem
 from clerestory.files import make_folder, replace_file, write_text
 from clerestory.metrics.agreement import LIMITS
 from clerestory.report.comparison_plots import (
@@ -114,8 +115,7 @@ def _shown_series(comparisons: Sequence[Comparison]) -> list[str]:
 
 
 def _drawing(name: str, words: str, figure: Figure) -> Drawing:
-    plain = "".join(c if c.isalnum() or c in "_.-" else "-" for c in name)
-    return Drawing(plain, words, figure_png(figure, dpi=110))
+    return Drawing(file_stem(name), words, figure_png(figure, dpi=110))
 
 
 def _page(

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import UInt8
 
+from clerestory.escaping import file_stems
 from clerestory.image.arithmetic import reduce, within_view
 from clerestory.image.colour_scale import ColourScale
 from clerestory.image.picture import Picture, photometric
@@ -62,12 +63,13 @@ def view_pictures(content: ReportContent) -> tuple[ViewPictures, ...]:
     study = json.loads(content.data.attrs.get("study", "{}"))
     stamps = [stamp[5:] for stamp in np.datetime_as_string(content.times, unit="m")]
     found = []
-    for table in study.get("view", []):
-        view = table_name(table)
+    tables = {table_name(table): table for table in study.get("view", [])}
+    for view, stem in file_stems(tables).items():
+        table = tables[view]
         asked = table.get("pictures") or []
         # Runs write files such as VIEW_06-21T1200.hdr
         moments = [
-            Moment(step, folder / f"{view}_{stamp.replace(':', '')}.hdr")
+            Moment(step, folder / f"{stem}_{stamp.replace(':', '')}.hdr")
             for step, stamp in enumerate(stamps)
             if "every" in asked or stamp in asked
         ]

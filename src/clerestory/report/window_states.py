@@ -11,6 +11,7 @@ import xarray as xr
 from jaxtyping import Int, UInt8
 from matplotlib import colormaps
 
+from clerestory.escaping import printable
 from clerestory.report.class_map import DayMap, keys
 from clerestory.report.content import ReportContent
 from clerestory.report.markup import render
@@ -111,7 +112,7 @@ def state_names(data: xr.Dataset, window: str) -> tuple[str, ...]:
 
 def table_name(table: dict[str, Any]) -> str:
     """Return `name` of a table in the study; without a name, the stem of its file."""
-    return str(table.get("name") or Path(str(table.get("file", ""))).stem)
+    return str(table.get("name") or printable(Path(str(table.get("file", ""))).stem))
 
 
 def rule_words(control: dict[str, Any] | None) -> str:

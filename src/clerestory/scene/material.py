@@ -72,6 +72,11 @@ class Material(ABC):
     def opaque(self) -> bool:
         """Whether the material transmits no light."""
 
+    @property
+    def mirrored(self) -> float:
+        """Reflectance of mirror reflection near normal incidence, on flat surfaces."""
+        return 0.0
+
     @abstractmethod
     def plugin(self) -> Plugin:
         """Return the Mitsuba plugin; the surface of a light source is black."""

@@ -13,6 +13,7 @@ import xarray as xr
 from jaxtyping import Float, Int
 
 from clerestory.checks import require
+from clerestory.escaping import file_stems
 from clerestory.files import make_folder
 from clerestory.glare.annual_glare import annual_glare
 from clerestory.glare.detection_criteria import SourceRules
@@ -55,6 +56,7 @@ def study_views(
     daylight = skies.whole.diffuse.max(axis=0) > 0
     steps = np.flatnonzero(daylight | (output > 0).any(axis=0))
     found = {}
+    stems = file_stems(view.table.label for view in views)
     for view in views:
         label = view.table.label
         kept = _asked_for(view.table, times, steps)
@@ -65,7 +67,7 @@ def study_views(
         lit = _with_lamps(
             view.pictures(states, skies, seen), lamps.views.get(label, ()), output
         )
-        series = _written(lit, kept, out / PICTURE_FOLDER, label)
+        series = _written(lit, kept, out / PICTURE_FOLDER, stems[label])
         if sees_glare(view.camera.view):
             glare = _glare(series, view, times, seen, states, progress=show)
             found[label] = glare.reindex(time=times)
@@ -184,11 +186,11 @@ def _written(
     series: Iterator[tuple[int, Picture]],
     kept: dict[int, str],
     folder: Path,
-    label: str,
+    stem: str,
 ) -> Iterator[np.ndarray]:
     for step, picture in series:
         if step in kept:
             make_folder(folder)
-            name = f"{label}_{kept[step].replace(':', '')}.hdr"
+            name = f"{stem}_{kept[step].replace(':', '')}.hdr"
             write_picture(picture, folder / name)
         yield picture.luminance()

@@ -18,6 +18,7 @@ from pydantic_core import PydanticCustomError
 
 from clerestory.documents import Table, read_toml
 from clerestory.engine.device import Device
+from clerestory.escaping import printable
 from clerestory.phases.matrix_equation import Term
 from clerestory.phases.methods import METHODS, MethodName
 from clerestory.study import config_tables as tables
@@ -43,7 +44,9 @@ class Study(Table):
 
     _folder: Path = PrivateAttr(Path())
 
-    title: str = ""
+    title: Annotated[
+        str, Field(pattern=r"^[^\x00-\x1f\x7f]*$", description="one line of text")
+    ] = ""
     methods: Annotated[list[MethodName], BeforeValidator(_methods)] = Field(
         alias="method", description=_METHODS
     )
@@ -234,4 +237,4 @@ def read_study(path: str | Path) -> Study:
     """
     path = Path(path)
     study = read_toml(path, Study, {"folder": path.parent})
-    return study.model_copy(update={"title": study.title or path.stem})
+    return study.model_copy(update={"title": study.title or printable(path.stem)})

@@ -18,6 +18,7 @@ from pydantic_core import PydanticCustomError
 
 from clerestory.documents import Table
 from clerestory.engine.device import Device
+from clerestory.escaping import printable
 from clerestory.files import is_file
 from clerestory.metrics.climate_based_metrics import TARGET_LUX
 from clerestory.metrics.en17037 import FIRST_DAY, LAST_DAY
@@ -71,7 +72,7 @@ class NamedFile(Named):
     @property
     def label(self) -> str:
         """Name of the table, by default the stem of the file name."""
-        return self.name or self.file.stem
+        return self.name or printable(self.file.stem)
 
 
 def _distinct(tables: Sequence[Named]) -> Sequence[Named]:

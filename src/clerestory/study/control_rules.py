@@ -68,13 +68,16 @@ def fixed(case: Case) -> _StateTimes:
 def cut_off(case: Case) -> _StateTimes:
     """Return the shade state of the most open slat tilt that blocks direct sun."""
     control = case.control
-    return blocking_states(
-        case.signals.profile(case.number, vertical=control.vertical),
-        tilts=np.radians(control.tilts_deg),
+    profile = case.signals.profile(case.number, vertical=control.vertical)
+    slats = [tilt for tilt in control.tilts_deg if tilt != "raised"]
+    found = blocking_states(
+        profile,
+        tilts=np.radians(slats),
         width=control.slat_width or 0.0,
         spacing=control.slat_spacing or 0.0,
-        sunny=_sunny(case),
     )
+    sunny = _sunny(case) & np.isfinite(profile)
+    return np.where(sunny, found + len(control.tilts_deg) - len(slats), 0)
 
 
 def by_profile(case: Case) -> _StateTimes:

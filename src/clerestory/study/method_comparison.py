@@ -11,6 +11,7 @@ import xarray as xr
 from jaxtyping import Float
 
 from clerestory.engine.work_units import Executor
+from clerestory.escaping import csv_line
 from clerestory.files import make_folder, write_text
 from clerestory.metrics.agreement import LIMITS, agreement
 from clerestory.phases.matrix_store import MatrixStore
@@ -85,7 +86,8 @@ def comparison_table(methods: Mapping[str, xr.Dataset]) -> str:
             theirs = reference["illuminance"].values[chosen][:, hours]
             figures = ",".join(f"{x:.4g}" for x in differences(ours, theirs))
             count = np.count_nonzero(theirs >= LEAST_LUX)
-            lines.append(f"{name},{grid},{ours.mean():.5g},{figures},{count}")
+            row = csv_line([name, grid])
+            lines.append(f"{row},{ours.mean():.5g},{figures},{count}")
     return "\n".join(lines) + "\n"
 
 

@@ -1,6 +1,6 @@
 """Conversion of a Honeybee model to files: scene, windows, sensors, views, study."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
@@ -13,8 +13,10 @@ from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.bsdfgen.generate import generate_bsdf
 from clerestory.bsdfgen.shading_system import SampleArea, System
 from clerestory.errors import InputError
+from clerestory.escaping import file_stems, printable
 from clerestory.files import make_folder, write_text
 from clerestory.formats.hbjson import ApertureGroup, HoneybeeModel
+from clerestory.formats.hbjson_geometry import unique_name
 from clerestory.formats.hbjson_modifiers import BsdfModifier, Modifier
 from clerestory.radiance.rad_writer import format_rad
 from clerestory.radiance.view_text import format_view
@@ -44,20 +46,20 @@ def write_honeybee_model(
     folder = make_folder(folder)
     scene = _put(folder / "scene.rad", format_rad(model.scene, bsdf_file={}))
     bsdfs = _bsdfs(model, folder)
-    windows = [_window_table(group, bsdfs, folder) for group in model.windows]
-    grids = {name: folder / f"{_word(name)}.pts" for name in model.grids}
+    files = _paths([group.name for group in model.windows], folder, ".rad")
+    windows = [_window_table(each, bsdfs, files[each.name]) for each in model.windows]
+    grids = _paths(model.grids, folder, ".pts")
     for name, path in grids.items():
         study_files.write_sensors(path, model.grids[name])
-    views = {name: folder / f"{_word(name)}.vf" for name in model.views}
+    views = _paths(model.views, folder, ".vf")
     for name, path in views.items():
         write_text(path, f"rvu {format_view(model.views[name])}\n")
-    outlines = [folder / window["file"] for window in windows]
-    layers = dict.fromkeys(bsdfs.values())
-    files = (scene, *layers, *outlines, *grids.values(), *views.values())
+    placed = (*files.values(), *grids.values(), *views.values())
+    written = (scene, *bsdfs.values(), *placed)
     if weather is None or not grids:
-        return Written(None, files)
+        return Written(None, written)
     tables = {
-        "title": _plain(model.name),
+        "title": printable(model.name),
         "method": "3-phase" if windows else "2-phase",
         "scene": {"files": [scene.name]},
         "window": windows,
@@ -66,7 +68,7 @@ def write_honeybee_model(
         "weather": {"file": study_files.relative_path(weather, folder)},
     }
     study = _put(folder / "study.toml", study_files.study_text(tables))
-    return Written(study, (*files, study))
+    return Written(study, (*written, study))
 
 
 def write_scene(scene: Scene, folder: str | Path) -> Written:
@@ -80,18 +82,18 @@ def _put(path: Path, text: str) -> Path:
     return path
 
 
-def _word(name: str) -> str:
-    return "_".join(name.split())
+def _paths(names: Iterable[str], folder: Path, suffix: str) -> dict[str, Path]:
+    # A file for each name, without blanks; the scene has the name scene.rad
+    stems = file_stems(names, taken={"scene"}, blank="_")
+    return {name: folder / f"{stem}{suffix}" for name, stem in stems.items()}
 
 
 def _bsdfs(model: HoneybeeModel, folder: Path) -> dict[str, Path]:
     # One BSDF file per window modifier
-    found: dict[str, Path] = {}
-    for group in model.windows:
-        for name, modifier in group.states:
-            if name not in found:
-                found[name] = folder / f"{_word(name)}.xml"
-                _write_modifier(modifier, found[name])
+    modifiers = dict(state for group in model.windows for state in group.states)
+    found = _paths(modifiers, folder, ".xml")
+    for name, path in found.items():
+        _write_modifier(modifiers[name], path)
     return found
 
 
@@ -124,23 +126,22 @@ def sheet_bsdf(modifier: Material) -> Bsdf:
 
 
 def _window_table(
-    group: ApertureGroup, bsdfs: Mapping[str, Path], folder: Path
+    group: ApertureGroup, bsdfs: Mapping[str, Path], path: Path
 ) -> dict[str, Any]:
     # Study-file table of a window group; the polygons are written to a file
-    states = [
-        {"name": _plain(name), "bsdf": bsdfs[name].name} for name, _ in group.states
-    ]
-    matrix = read_bsdf(folder / states[0]["bsdf"]).transmission_matrix()
-    basis, name = _BASES.get(matrix.values.shape[1], "kf"), _word(group.name)
-    text = study_files.window_text(name, group.polygons, basis=basis, up=group.up)
-    layers = {"state": states} if len(states) > 1 else {"bsdf": states[0]["bsdf"]}
-    file = _put(folder / f"{name}.rad", text).name
-    return {"name": group.name, "file": file, **layers}
+    files = [bsdfs[name] for name, _ in group.states]
+    matrix = read_bsdf(files[0]).transmission_matrix()
+    basis = _BASES.get(matrix.values.shape[1], "kf")
+    text = study_files.window_text(path.stem, group.polygons, basis=basis, up=group.up)
+    layers: dict[str, Any] = {"bsdf": files[0].name}
+    if len(files) > 1:
+        names: list[str] = []
+        for name, _ in group.states:
+            names.append(unique_name(name, names))
+        states = zip(names, files, strict=True)
+        layers = {"state": [{"name": n, "bsdf": file.name} for n, file in states]}
+    return {"name": group.name, "file": _put(path, text).name, **layers}
 
 
 def _named(files: Mapping[str, Path]) -> list[dict[str, str]]:
     return [{"name": name, "file": path.name} for name, path in files.items()]
-
-
-def _plain(name: str) -> str:
-    return "".join(c for c in name if c.isalnum() or c in " .,-_()")

@@ -13,12 +13,15 @@ import pandas as pd
 import xarray as xr
 
 from clerestory.control.schedule import StateSchedule, write_schedule
+from clerestory.escaping import csv_line, file_stems, table_cell
 from clerestory.files import replace_file, write_text
 from clerestory.study.config import Study
 from clerestory.study.results import Results
 
 # Number of time steps that are read at a time
 _BLOCK = 730
+
+_LABELS = ("sensor", "grid")
 
 # Columns of metrics.csv: result variable, heading, conversion factor to the unit
 _METRICS = (
@@ -45,11 +48,11 @@ def write_tables(study: Study, results: Results, out: Path) -> None:
             write_states(results, out / "states.csv")
         if "dimming" in results.data:
             write_lighting(results, out / "lighting.csv")
-    for grid in results.grids():
+    for grid, stem in file_stems(results.grids()).items():
         if study.output.csv:
-            write_hourly(results, out / f"illuminance_{grid}.csv", grid=grid)
+            write_hourly(results, out / f"illuminance_{stem}.csv", grid=grid)
         if study.output.ill:
-            write_ill(results, out / f"{grid}.ill", grid=grid)
+            write_ill(results, out / f"{stem}.ill", grid=grid)
 
 
 def write_states(results: Results, path: str | Path) -> None:
@@ -67,7 +70,8 @@ def write_lighting(results: Results, path: str | Path) -> None:
     data = results.data
     zones = [str(name) or "lighting" for name in data["zone"].values]
     figures = np.concatenate([data["dimming"].values, data["lighting_power"].values])
-    head = [*(f"{zone} output" for zone in zones), *(f"{zone} [W]" for zone in zones)]
+    heads = [*(f"{zone} output" for zone in zones), *(f"{zone} [W]" for zone in zones)]
+    head = [table_cell(text) for text in heads]
     times = pd.Index(data["time"].values, name="time").strftime("%Y-%m-%d %H:%M")
     table = pd.DataFrame(figures.T, times, head)
     write_text(path, table.to_csv(float_format="%.4g", lineterminator="\n"))
@@ -76,7 +80,9 @@ def write_lighting(results: Results, path: str | Path) -> None:
 def write_metrics(results: Results, path: str | Path) -> None:
     """Write position, direction and metrics of each sensor, a line per sensor."""
     data = results.data
-    table = pd.DataFrame({"sensor": data["sensor"], "grid": data["grid"]})
+    table = pd.DataFrame(
+        {name: [table_cell(str(x)) for x in data[name].values] for name in _LABELS}
+    )
     table[["x [m]", "y [m]", "z [m]"]] = data["position"]
     table[["dx", "dy", "dz"]] = data["direction"]
     for name, heading, factor in _METRICS:
@@ -91,7 +97,7 @@ def write_hourly(results: Results, path: str | Path, *, grid: str) -> None:
     """Write the illuminance of one grid [lux], a line per time step."""
     chosen = _grid(results, grid)
     names = [str(name) for name in chosen["sensor"].values]
-    head = ",".join(f'"{name}"' if "," in name else name for name in ["time", *names])
+    head = csv_line(["time", *names])
     lines = (
         f"{str(moment.astype('datetime64[m]')).replace('T', ' ')}{row}"
         for moment, row in _steps(chosen, ",%.1f")

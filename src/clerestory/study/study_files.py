@@ -1,6 +1,5 @@
 """Writers of the files of a study: study file, window polygons, sensors."""
 
-import json
 import os
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
@@ -10,6 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Vector
+from clerestory.escaping import toml_value
 from clerestory.files import write_text
 from clerestory.radiance.rad_writer import format_rad
 from clerestory.scene.materials.emitters import Glow
@@ -39,7 +39,7 @@ def _lines(table: Mapping[str, Any], path: str = "") -> Iterator[str]:
         elif isinstance(value, list) and value and isinstance(value[0], Mapping):
             inner += [(f"[[{path}{key}]]", each) for each in value]
         elif value != []:
-            yield f"{key} = {json.dumps(value, ensure_ascii=False)}"
+            yield f"{key} = {toml_value(value)}"
     for head, each in inner:
         yield from ("", head, *_lines(each, f"{head.strip('[]')}."))
 

@@ -7,11 +7,19 @@ import itertools
 import operator
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, model_validator
+import numpy as np
+from pydantic import (
+    BeforeValidator,
+    Field,
+    ValidationInfo,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 
 from clerestory.control.lm83_blinds import MOST_SENSORS, SUN_LUX
+from clerestory.control.profile_angle import blocking_states
 from clerestory.documents import Table
+from clerestory.escaping import printable
 from clerestory.study.config_tables import (
     Distinct,
     InputFile,
@@ -63,6 +71,10 @@ _KEYS: dict[RuleName, tuple[tuple[str, ...], tuple[str, ...]]] = {
 }
 _EVERY_RULE = ("rule", "when_empty")
 
+# Largest tilt of a slat [°], and profile angles at which tilts are compared [rad]
+_LARGEST_TILT = 90.0
+_PROFILES = np.radians(np.arange(-89.9, 90, 0.1))
+
 
 def _state(value: Any) -> Any:
     if isinstance(value, bool) or not isinstance(value, int | str):
@@ -81,7 +93,32 @@ def _levels(value: Any) -> Any:
     return levels
 
 
+def _tilts(value: Any, info: ValidationInfo) -> Any:
+    # Tilts of which each acts: it blocks sunlight that all tilts before it let pass
+    given = value if isinstance(value, list) else [value]
+    raised = int(given[:1] == ["raised"])
+    slats = given[raised:]
+    if not all(type(x) in (int, float) and abs(x) <= _LARGEST_TILT for x in slats):
+        raise PydanticCustomError(
+            "choice", 'tilts from -90 to 90 degrees, before them "raised" if need be,'
+        )
+    width, spacing = (info.data.get(key) for key in ("slat_width", "slat_spacing"))
+    if slats and width and spacing:
+        acting = blocking_states(
+            _PROFILES, tilts=np.radians(slats), width=width, spacing=spacing
+        )
+        idle = np.setdiff1d(np.arange(len(slats)), acting)
+        if len(idle):
+            raise PydanticCustomError(
+                "choice",
+                "slats that each block sunlight which the states before let pass (state"
+                f" {idle[0] + raised} never acts)",
+            )
+    return value
+
+
 StateChoice = Annotated[int | str, BeforeValidator(_state)]
+Tilts = Annotated[list[float | str], BeforeValidator(_tilts)]
 Levels = Annotated[list[float], BeforeValidator(_levels)]
 
 
@@ -105,7 +142,7 @@ class StateTable(Named, LayerTable):
     @property
     def label(self) -> str:
         """Name of the shade state, by default the stem of the BSDF file name."""
-        return self.name or self.bsdf.stem
+        return self.name or printable(self.bsdf.stem)
 
 
 class ControlTable(Table):
@@ -114,13 +151,13 @@ class ControlTable(Table):
     rule: RuleName = Field(description="the name of a rule")
     when_empty: StateChoice | None = None
     state: StateChoice = 0
-    tilts_deg: list[float] = Field(
-        default_factory=list, description="a list of tilts, one for each state"
-    )
     slat_width: float | None = Field(None, gt=0, description="metres")
     slat_spacing: float | None = Field(None, gt=0, description="metres")
+    tilts_deg: Tilts = Field(
+        default_factory=list, description="a list of tilts, one for each state"
+    )
     vertical: bool = False
-    angles_deg: list[float] = Field(
+    angles_deg: list[Annotated[float, Field(ge=-90, le=90)]] = Field(
         default_factory=list, description="a list of falling angles"
     )
     sun_above: float = Field(50.0, ge=0)

@@ -122,11 +122,14 @@ def test_one_name_for_two_partitions_is_refused(tmp_path):
         write_bsdf(tmp_path / "a.xml", Bsdf({("visible", "transmission_front"): part}))
 
 
-def test_text_that_xml_cannot_hold_is_refused(tmp_path):
+def test_text_that_xml_cannot_hold_is_escaped(tmp_path):
     layer = lambertian(0.5, klems("quarter"))
-    with pytest.raises(InputError, match="XML"):
-        write_bsdf(tmp_path / "a.xml", Bsdf(layer.functions, Product(name="\0")))
-    assert not (tmp_path / "a.xml").exists()
+    write_bsdf(tmp_path / "a.xml", Bsdf(layer.functions, Product(name="a\0")))
+    assert read_bsdf(tmp_path / "a.xml").product.name == "a=00"
+    wrong = Product(details=(Detail("a b", "c"),))
+    with pytest.raises(InputError, match="Invalid tag name"):
+        write_bsdf(tmp_path / "b.xml", Bsdf(layer.functions, wrong))
+    assert not (tmp_path / "b.xml").exists()
 
 
 def test_missing_folder_is_an_output_error(tmp_path):

@@ -1,5 +1,7 @@
 """Shares of rooms and standards, on cases that can be counted by hand."""
 
+import json
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -21,6 +23,8 @@ from clerestory.metrics.lighting_energy import (
     lighting_saving,
     lighting_use,
 )
+from clerestory.metrics.lm83_conditions import departures
+from clerestory.metrics.replicates import metric_error
 from clerestory.metrics.spatial_metrics import spatial_autonomy, sunlight_exposure
 
 ALL = np.ones(10, bool)
@@ -186,15 +190,77 @@ def test_switched_light_is_full_or_off(control, power):
 def test_savings_and_their_error():
     zone = LightingZone(power=100, full_lux=500, least_output=0, least_power=0)
     daylight = np.full(10, 250.0)
-    error = np.full(10, 25.0)
-    use = lighting_use(zone, daylight, ALL, standard_error=error)
+    use, more, less = (lighting_use(zone, daylight + x, ALL) for x in (0, 25, -25))
     always = lighting_use(
         LightingZone(power=100, full_lux=500, control="none"), daylight, ALL
     )
     assert lighting_saving(use, always) == pytest.approx(0.5)
-    assert use.error == pytest.approx(50.0)  # 25 of 500 lux is 5 % of 1000 Wh
+    # 25 of 500 lux is 5 % of 1000 Wh
+    assert metric_error([more.energy, less.energy]) == pytest.approx(50.0)
 
 
 def test_areas_have_to_fit_the_sensors():
     with pytest.raises(InputError, match="2 areas for 1 sensors"):
         spatial_autonomy(sensors([1] * 10), ALL, area=np.array([1.0, 2.0]))
+
+
+def lm83_results(*, spacing=(0.5, 0.5), turn=0.3, days=365, rule="LM-83", **control):
+    """A year of a rotated grid of 3 × 4 sensors in a room with one shaded window."""
+    hours = np.arange(24 * days)
+    x, y = np.meshgrid(np.arange(3) * spacing[0], np.arange(4) * spacing[1])
+    cos, sin = np.cos(turn), np.sin(turn)
+    place = np.stack([cos * x - sin * y, sin * x + cos * y, 0 * x + 0.8], axis=-1)
+    table = {"control": {"rule": rule, "sun_lux": 1000.0, **control}}
+    return xr.Dataset(
+        {
+            "position": (("sensor", "xyz"), place.reshape(-1, 3)),
+            "direction": (("sensor", "xyz"), np.tile([0.0, 0, 1], (12, 1))),
+            "direct_open": (("sensor", "time"), np.zeros((12, len(hours)))),
+            "occupied": ("time", (hours % 24 >= 8) & (hours % 24 < 18)),
+            "control": ("window", [rule]),
+            "state_name": (("window", "state_number"), [["open", "closed"]]),
+        },
+        coords={
+            "time": np.datetime64("2023-01-01T00:30", "ns")
+            + hours * np.timedelta64(1, "h"),
+            "window": ["south"],
+        },
+        attrs={"step_minutes": 60.0, "study": json.dumps({"window": [table]})},
+    )
+
+
+def test_a_simulation_by_lm83_has_no_departures():
+    """2 ft apart at most, in both directions of the grid."""
+    assert departures(lm83_results()) == ()
+    assert departures(lm83_results(spacing=(0.6096, 0.6096))) == ()
+    assert departures(lm83_results(when_empty=1)) == ()
+
+
+@pytest.mark.parametrize(
+    ("data", "hours", "phrase"),
+    [
+        (lm83_results(spacing=(0.5, 0.62)), (8, 18), "a spacing of 0.62 m; a grid of"),
+        (lm83_results(spacing=(1.5, 0.5)), (8, 18), "a spacing of 1.50 m"),
+        (lm83_results(spacing=(0.0, 0.0)), (8, 18), "one sensor; a grid of at most"),
+        (lm83_results(rule="glare"), (8, 18), 'window "south" by rule "glare"'),
+        (lm83_results(sun_lux=2000.0), (8, 18), "0.02 of the sensors above 2000 lux"),
+        (lm83_results(most_sensors=0.1), (8, 18), "0.1 of the sensors above 1000 lux"),
+        (lm83_results(), (9, 17), "hours from 9 to 17; 8 to 18 expected"),
+        (lm83_results(days=180), (8, 18), "180 days; a whole year expected"),
+    ],
+)
+def test_a_departure_from_lm83_is_named(data, hours, phrase):
+    (found,) = departures(data, from_hour=hours[0], to_hour=hours[1])
+    assert phrase in found
+    credit = simulated_daylight(0.8, 0.05, departures=[found])
+    assert (credit.points, credit.note) == (3, f"not by LM-83: {found}")
+
+
+@pytest.mark.parametrize("sunny", [0, 1])
+def test_windows_without_shades_are_as_lm83_while_the_sun_stays_out(sunny):
+    """One of twelve sensors, 8 %, in direct sunlight at noon of some days."""
+    data = lm83_results(rule="").drop_vars(["control", "state_name"])
+    data["direct_open"][0, 12 : 12 + 24 * 5 : 24] = 1200.0 * sunny
+    expected = "no shades in 5 hours with more than 2 % of the sensors" if sunny else ""
+    assert "".join(departures(data)).startswith(expected)
+    assert bool(departures(data)) == bool(sunny)

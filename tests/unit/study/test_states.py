@@ -174,6 +174,22 @@ def test_slats_stop_the_sun_as_open_as_they_can(shaded, tmp_path):
     assert set(chosen(data)[~(angle < 63.5)]) == {0}
 
 
+def test_raised_slats_act_when_there_is_no_sun_to_block(shaded, tmp_path):
+    """Level slats of the width of their spacing stop ψ ≥ 45°, a tilt of 60° the rest.
+
+    They are raised while there is no sun on the façade.
+    """
+    rule = 'rule = "cut-off"\ntilts_deg = ["raised", 0, 60]\nslat_width = 0.08\n'
+    file = shaded(rule + "slat_spacing = 0.08\nsun_above = 1")
+    data = run(file, tmp_path)
+    angle = np.degrees(data["profile_angle"].values[0])
+    sunny = read_weather(file.with_name("two_days.wea")).direct_normal > 0
+    sunny &= np.isfinite(angle)
+    expected = np.where(sunny, np.where(angle >= 45, 1, 2), 0)
+    assert {0, 1} <= set(expected)
+    assert chosen(data).tolist() == expected.tolist()
+
+
 def test_simplified_glare_keeps_its_limit(shaded, tmp_path):
     """DGPs = 6.22e-5 Ev + 0.184 of the eye's illuminance, least closed below 0.35."""
     file = shaded('rule = "glare"\ngrid = "eye"\ndgp_below = 0.35')
@@ -333,6 +349,31 @@ WRONG_RULES = {
     "too few tilts": (
         'rule = "cut-off"\ntilts_deg = [0, 45]\nslat_width = 1\nslat_spacing = 1',
         '"tilts_deg" has 2 numbers; 3 expected for 3 states',
+    ),
+    "tilt of 400°": (
+        'rule = "cut-off"\ntilts_deg = [0, 45, 400]\nslat_width = 1\nslat_spacing = 1',
+        "window[1].control.tilts_deg is [0, 45, 400]; tilts from -90 to 90",
+    ),
+    "tilt that is none": (
+        'rule = "cut-off"\ntilts_deg = [nan, 45, 60]\nslat_width = 1\nslat_spacing = 1',
+        "tilts from -90 to 90",
+    ),
+    "raised later": (
+        'rule = "cut-off"\ntilts_deg = [0, "raised", 45]\nslat_width = 1\n'
+        "slat_spacing = 1",
+        'before them "raised"',
+    ),
+    "raised counted as level slats": (
+        'rule = "cut-off"\ntilts_deg = [0, 0, 45]\nslat_width = 1\nslat_spacing = 1',
+        "state 1 never acts) expected",
+    ),
+    "closed before open": (
+        'rule = "cut-off"\ntilts_deg = [90, 0, 45]\nslat_width = 1\nslat_spacing = 0.9',
+        "state 1 never acts) expected",
+    ),
+    "angle of 400°": (
+        'rule = "profile angle"\nangles_deg = [400, 40]',
+        "angles_deg[1] is 400; a number of at most 90",
     ),
     "angles that rise": (
         'rule = "profile angle"\nangles_deg = [20, 40]',

@@ -20,6 +20,7 @@ import numpy as np
 
 from clerestory.engine.materials.coat import lamp_context
 from clerestory.engine.materials.glossy_share import credited, glossy_context
+from clerestory.engine.materials.queries import mirror_context
 from clerestory.scene.material import Material
 
 if TYPE_CHECKING:
@@ -32,6 +33,7 @@ __all__ = [
     "glossy_context",
     "lamp_context",
     "load",
+    "mirror_context",
     "register",
 ]
 

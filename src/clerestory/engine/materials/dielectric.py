@@ -19,6 +19,8 @@ from clerestory.engine.materials.properties import colour, number
 from clerestory.engine.materials.queries import (
     completed,
     either,
+    mirror_sample,
+    only_mirrored,
     sampled,
     set_components,
 )
@@ -68,11 +70,13 @@ def define() -> type:
         def sample(self, ctx, si, sample1, sample2, active=True):
             wi = si.wi
             reflectance, other, ratio = self.refraction(wi)
+            left = dr.select(wi.z > 0, self.outside, self.inside)
+            passed = dr.exp(dr.log(dr.clip(left, _DARKEST, 1)) * si.t)
+            if only_mirrored(ctx):
+                return mirror_sample(si, reflectance * passed, active & (wi.z != 0))
             reflects = sample1 < reflectance
             mirrored = mi.Vector3f(-wi.x, -wi.y, wi.z)
             bent = mi.Vector3f(-wi.x * ratio, -wi.y * ratio, -dr.mulsign(other, wi.z))
-            left = dr.select(wi.z > 0, self.outside, self.inside)
-            extinction = -dr.log(dr.clip(left, _DARKEST, 1))
             flags = mi.BSDFFlags
             bs = sampled(
                 dr.select(reflects, mirrored, bent),
@@ -82,7 +86,7 @@ def define() -> type:
                 eta=dr.select(reflects, 1, 1 / ratio),
             )
             weight = dr.select(reflects, 1, dr.square(ratio))
-            weight *= dr.exp(-extinction * si.t)
+            weight *= passed
             return bs, dr.select(active & (wi.z != 0), weight, 0)
 
     return RadianceDielectric

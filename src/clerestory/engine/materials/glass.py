@@ -13,6 +13,8 @@ from clerestory.engine.materials.properties import Paint, number
 from clerestory.engine.materials.queries import (
     completed,
     either,
+    mirror_sample,
+    only_mirrored,
     sampled,
     set_components,
 )
@@ -61,6 +63,8 @@ def define() -> type:
 
         def sample(self, ctx, si, sample1, sample2, active=True):
             reflected, transmitted = self.coefficients(si)
+            if only_mirrored(ctx):
+                return mirror_sample(si, reflected, active)
             through = mi.luminance(transmitted)
             choose = through / (through + mi.luminance(reflected))
             passes = sample1 < choose

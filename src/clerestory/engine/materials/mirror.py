@@ -3,11 +3,10 @@
 {"type": "radiance_mirror", "reflectance": [0.9, 0.9, 0.9]}
 """
 
-import drjit as dr
 import mitsuba as mi
 
 from clerestory.engine.materials.properties import Paint
-from clerestory.engine.materials.queries import completed, sampled
+from clerestory.engine.materials.queries import completed, mirror_sample
 from clerestory.engine.pattern_code import multiplier
 from clerestory.scene.pattern import Pattern
 
@@ -28,9 +27,7 @@ def define() -> type:
             self.m_flags = self.m_components[0]
 
         def sample(self, ctx, si, sample1, sample2, active=True):
-            wo = mi.Vector3f(-si.wi.x, -si.wi.y, si.wi.z)
-            bs = sampled(wo, 1.0, mi.UInt32(+mi.BSDFFlags.DeltaReflection))
-            return bs, dr.select(active & (si.wi.z > 0), self.paint.at(si), 0)
+            return mirror_sample(si, self.paint.at(si), active & (si.wi.z > 0))
 
     return RadianceMirror
 

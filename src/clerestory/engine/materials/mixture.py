@@ -10,7 +10,11 @@ import drjit as dr
 import mitsuba as mi
 
 from clerestory.engine.materials.properties import number
-from clerestory.engine.materials.queries import completed
+from clerestory.engine.materials.queries import (
+    completed,
+    mirror_sample,
+    only_mirrored,
+)
 from clerestory.engine.pattern_code import share
 from clerestory.scene.pattern import Pattern
 
@@ -41,8 +45,15 @@ def define() -> type:
             return self.amount if self.pattern is None else self.pattern(si)
 
         def sample(self, ctx, si, sample1, sample2, active=True):
-            # Choose a material by its area fraction, and rescale the random number
             amount = self.share(si)
+            if only_mirrored(ctx):
+                parts = (self.foreground, self.background)
+                one, other = (
+                    part.sample(ctx, si, sample1, sample2, active)[1] for part in parts
+                )
+                return mirror_sample(si, dr.lerp(other, one, amount), active)
+
+            # Choose a material by its area fraction, and rescale the random number
             front = sample1 < amount
             rest = (sample1 - amount) / (1 - amount)
             again = dr.select(front, sample1 / amount, rest)

@@ -23,6 +23,8 @@ from clerestory.engine.materials.queries import (
     completed,
     either,
     eval_pdf_of_parts,
+    mirror_sample,
+    only_mirrored,
     sampled,
     set_components,
     upwards,
@@ -75,6 +77,9 @@ def define() -> type:
         def sample(self, ctx, si, sample1, sample2, active=True):
             wi = upwards(si)
             _, specular, chance = self.shares(si, wi.z)
+            if only_mirrored(ctx):
+                flat = dr.select(self.highlight.smooth, specular, 0)
+                return mirror_sample(si, flat, active & (wi.z > 0))
             shiny = sample1 < chance
             peak = shiny & self.highlight.smooth
 

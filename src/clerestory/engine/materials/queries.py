@@ -34,6 +34,27 @@ def upwards(si) -> mi.Vector3f:
     return mi.Vector3f(si.wi.x, si.wi.y, dr.abs(si.wi.z))
 
 
+def mirror_context() -> mi.BSDFContext:
+    """Return the BSDF context that samples mirror reflection only.
+
+    The weight of the sample is the reflectance.
+    """
+    flag = +mi.BSDFFlags.DeltaReflection
+    return mi.BSDFContext(mi.TransportMode.Radiance, flag)
+
+
+def only_mirrored(ctx: mi.BSDFContext) -> bool:
+    """Whether a context was made by `mirror_context`."""
+    return ctx.type_mask == +mi.BSDFFlags.DeltaReflection
+
+
+def mirror_sample(si, reflectance, active):
+    """Return the sample of mirror reflection, and its reflectance as weight."""
+    wo = mi.Vector3f(-si.wi.x, -si.wi.y, si.wi.z)
+    bs = sampled(wo, 1.0, mi.UInt32(+mi.BSDFFlags.DeltaReflection))
+    return bs, dr.select(active, mi.Color3f(reflectance), 0)
+
+
 def eval_pdf_of_parts(self, ctx, si, wo, active=True):
     """Return BSDF × cosine and pdf, by the method `parts`, alike on both sides."""
     wo = mi.Vector3f(wo.x, wo.y, dr.mulsign(wo.z, si.wi.z))

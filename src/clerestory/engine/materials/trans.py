@@ -20,6 +20,8 @@ from clerestory.engine.materials.queries import (
     completed,
     either,
     eval_pdf_of_parts,
+    mirror_sample,
+    only_mirrored,
     sampled,
     set_components,
     upwards,
@@ -108,6 +110,9 @@ def define() -> type:
         def sample(self, ctx, si, sample1, sample2, active=True):
             wi = upwards(si)
             shares = self.shares(si, wi.z)
+            if only_mirrored(ctx):
+                flat = dr.select(self.highlight.smooth, shares[2], 0)
+                return mirror_sample(si, flat, active & (wi.z > 0))
             chances = self.chances(shares)
             shape = self.highlight.at(si)
 

@@ -32,6 +32,10 @@ class Dielectric(Material):
     source: Source | None = None
     opaque = False
 
+    @property
+    def mirrored(self) -> float:
+        return ((self.index - 1) / (self.index + 1)) ** 2
+
     def plugin(self) -> Plugin:
         return Plugin(
             "radiance_dielectric",
@@ -56,6 +60,11 @@ class Interface(Material):
     outside_index: float
     source: Source | None = None
     opaque = False
+
+    @property
+    def mirrored(self) -> float:
+        inside, outside = self.inside_index, self.outside_index
+        return ((inside - outside) / (inside + outside)) ** 2
 
     def plugin(self) -> Plugin:
         media: dict[str, Parameter] = {

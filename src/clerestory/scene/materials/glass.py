@@ -25,6 +25,11 @@ class Glass(Material):
     takes_pattern = True
     opaque = False
 
+    @property
+    def mirrored(self) -> float:
+        # Both sides of the pane
+        return 2 * ((self.index - 1) / (self.index + 1)) ** 2
+
     def plugin(self) -> Plugin:
         return Plugin(
             "radiance_glass",

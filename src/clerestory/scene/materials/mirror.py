@@ -25,6 +25,12 @@ class Mirror(Material):
     def opaque(self) -> bool:
         return self.alternate is None or self.alternate.opaque
 
+    @property
+    def mirrored(self) -> float:
+        if self.alternate is not None:
+            return self.alternate.mirrored
+        return float(np.mean(self.reflectance))
+
     def plugin(self) -> Plugin:
         if self.alternate is not None:
             return self.alternate.plugin()

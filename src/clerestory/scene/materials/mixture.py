@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from clerestory.scene.material import Material, Plugin, Source, Specification
+from clerestory.scene.materials.modified import Textured
 from clerestory.scene.pattern import Pattern
 from clerestory.scene.primitive import Definition, Readers
 
@@ -38,6 +39,14 @@ class Mixture(Material):
     @property
     def opaque(self) -> bool:
         return self.foreground.opaque and self.background.opaque
+
+    @property
+    def mirrored(self) -> float:
+        amount = 0.5 if isinstance(self.amount, Pattern) else self.amount
+        one, other = self.foreground, self.background
+        if isinstance(one, Textured) or isinstance(other, Textured):
+            return 0.0
+        return amount * one.mirrored + (1 - amount) * other.mirrored
 
     def plugin(self) -> Plugin:
         parts = {"foreground": self.foreground, "background": self.background}

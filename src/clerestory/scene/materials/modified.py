@@ -19,6 +19,10 @@ class Patterned(Material):
     def opaque(self) -> bool:
         return self.base.opaque
 
+    @property
+    def mirrored(self) -> float:
+        return self.base.mirrored
+
     def plugin(self) -> Plugin:
         base = self.base.plugin()
         return Plugin(base.name, {**base.parameters, "pattern": self.pattern})

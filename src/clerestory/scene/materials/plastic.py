@@ -30,6 +30,9 @@ from clerestory.scene.primitive import Definition, Readers
 # Minimum roughness of anisotropic highlights (Radiance's FTINY)
 _TINY = 1e-6
 
+# Greatest roughness of a smooth surface, as in Radiance (normal.c, SP_PURE)
+SMOOTHEST = 1e-3
+
 # Rms facet slope; anisotropic highlight: slopes along `up` and perpendicular to it
 Roughness = float | Vector2
 
@@ -60,6 +63,10 @@ class Plastic(Material):
     takes_pattern = True
     opaque = True
 
+    @property
+    def mirrored(self) -> float:
+        return smooth_specularity(self)
+
     def plugin(self) -> Plugin:
         return Plugin("radiance_plastic", highlight_parameters(self))
 
@@ -80,6 +87,10 @@ class Metal(Material):
     takes_pattern = True
     opaque = True
 
+    @property
+    def mirrored(self) -> float:
+        return smooth_specularity(self) * float(np.mean(self.reflectance))
+
     def plugin(self) -> Plugin:
         parameters = {"metallic": True, **highlight_parameters(self)}
         return Plugin("radiance_plastic", parameters)
@@ -99,6 +110,12 @@ class Glossy(Protocol):
     def roughness(self) -> Roughness: ...
     @property
     def up(self) -> Up: ...
+
+
+def smooth_specularity(material: Glossy) -> float:
+    """Return the specularity of a smooth surface, or 0 for a rough surface."""
+    smooth = np.max(material.roughness) <= SMOOTHEST
+    return float(material.specularity) if smooth else 0.0
 
 
 def highlight_parameters(material: Glossy) -> dict[str, Parameter]:

@@ -10,6 +10,7 @@ from clerestory.scene.materials.plastic import (
     highlight_parameters,
     highlight_specification,
     read_highlight,
+    smooth_specularity,
 )
 from clerestory.scene.primitive import Definition, Readers
 
@@ -40,6 +41,10 @@ class Trans(Material):
     @property
     def opaque(self) -> bool:
         return self.transmission == 0
+
+    @property
+    def mirrored(self) -> float:
+        return smooth_specularity(self)
 
     def plugin(self) -> Plugin:
         names = "transmission", "transmitted_specular"

@@ -1,0 +1,246 @@
+"""Mirror images of light sources in the flat smooth surfaces of a scene.
+
+The image of a source by one or more plane reflections is a virtual light source, as for
+Radiance's `mirror`. Surfaces of one plane share an image; for suns, so do all surfaces
+of one orientation. A *state* is the composition of the reflections of a path since its
+last vertex with next-event estimation: the transform that maps a source to its image.
+
+Reference: G. Ward, "The RADIANCE Lighting Simulation and Rendering System", SIGGRAPH
+1994, section 3.2 (virtual light sources).
+"""
+
+from dataclasses import dataclass, replace
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.engine.lower import LoweredScene
+from clerestory.engine.next_event_estimation import Scattering
+from clerestory.engine.sampler import Distribution, PathNumbers, random_number
+from clerestory.engine.smooth_faces import SmoothFaces
+from clerestory.engine.upload import on_device, vectors
+
+# Largest number of planes or orientations (curved meshes have many), and of images;
+# light by way of the smallest surfaces is found by BSDF sampling only.
+MOST = 64
+
+# Largest number of reflections of an image.
+_REFLECTIONS = 2
+
+# Factor on the sampling weight of a surface for each further reflection to the image.
+_LATER = 0.1
+
+# Vertices up to this number always sample an image; binary logarithm of the number of
+# paths that decide alike at later vertices; dimension of the random numbers.
+_FIRST, _ALIKE, _DECISION = 1, 5, 0x60000
+
+# Tolerances of equal transforms: rotation, and shift [m].
+_SAME, _SAME_SHIFT = 1e-3, 2e-3
+
+
+@dataclass
+class MirrorImages:
+    """Images of a source, sampled by area and reflectance of the surfaces.
+
+    Attributes
+    ----------
+    distant : whether the sources are suns, whose images depend on orientations only
+    count : number of planes or orientations; 0: no images
+    plane_of_face : 1 + index of each face's plane, or 0
+    normal, offset : planes; offset from the origin [m], or 0 for orientations
+    rows, shift : transforms from a source to its images, by state
+    step : next state, by state and 1 + index of the plane; state 0 is a path without
+        reflections, state `other` one whose image is not sampled
+    guide : sampling weight of surfaces, by state after reflection and image
+    weight : sampling weights of the states
+    rate : probability of sampling an image at all, beyond the first vertices of a path
+    """
+
+    distant: bool
+    count: int
+    plane_of_face: mi.UInt32
+    normal: mi.Vector3f
+    offset: mi.Float
+    rows: list[mi.Vector3f]
+    shift: mi.Vector3f
+    step: mi.UInt32
+    other: int
+    guide: mi.Float
+    weight: Float[np.ndarray, " state"]
+    chosen: Distribution
+    rate: mi.Float
+
+    @classmethod
+    def of(cls, faces: SmoothFaces, *, distant: bool) -> "MirrorImages":
+        """Return the images of suns (`distant`) or of emitters in a scene."""
+        planes = faces.orientations(MOST) if distant else faces.planes(MOST)
+        linear, shift, step, weight = _compositions(
+            planes.normal, planes.offset, planes.weight, planes.apart
+        )
+        return cls(
+            distant=distant,
+            count=len(planes.normal),
+            plane_of_face=on_device(mi.UInt32, planes.of_face),
+            normal=vectors(mi.Vector3f, planes.normal.reshape(-1, 3)),
+            offset=on_device(mi.Float, planes.offset),
+            rows=[vectors(mi.Vector3f, linear[:, i]) for i in range(3)],
+            shift=vectors(mi.Vector3f, shift),
+            step=on_device(mi.UInt32, step),
+            other=len(step) - 1,
+            guide=on_device(mi.Float, _guidance(step)),
+            weight=weight,
+            chosen=Distribution.of(weight if weight.any() else np.ones(len(weight))),
+            rate=on_device(mi.Float, [1.0]),
+        )
+
+    def sampled_by(
+        self, weight: Float[np.ndarray, " state"], rate: float
+    ) -> "MirrorImages":
+        """Return the images with other sampling weights."""
+        return replace(
+            self,
+            weight=weight,
+            chosen=Distribution.of(weight),
+            rate=on_device(mi.Float, [rate]),
+        )
+
+    def choose(self, pick, numbers: PathNumbers, given: mi.UInt32 | None = None):
+        """Sample an image, unless one is given.
+
+        Return its state, the probability, and the rate of sampling images at the
+        vertex; 0 if no image is sampled.
+        """
+        if given is not None:
+            return given, mi.Float(1), mi.Float(1)
+        state, chance, _ = self.chosen.sample(pick)
+        # Neighbouring paths decide alike, which saves time in kernels
+        group = (numbers.index + numbers.points.first) >> _ALIKE
+        decision = random_number(numbers.seed, group, _DECISION + numbers.vertex)
+        rate = dr.select(numbers.vertex <= _FIRST, 1, self.rate)
+        return state, chance, dr.select(decision < rate, rate, 0)
+
+    def probability(self, state):
+        """Return the probability of sampling the image of a state."""
+        known = (state > 0) & (state < self.other)
+        chance = self.chosen.probability(dr.select(known, state, 0))
+        return dr.select(known, chance, 0)
+
+    def image(self, state, source):
+        """Return the image of a point, or of a direction, of a source."""
+        rows = [dr.gather(mi.Vector3f, row, state) for row in self.rows]
+        shift = dr.gather(mi.Vector3f, self.shift, state)
+        return type(source)(*(dr.dot(row, source) for row in rows)) + shift
+
+    def source_direction(self, state, direction):
+        """Return the direction at the source of light that arrives from its image."""
+        rows = [dr.gather(mi.Vector3f, row, state) for row in self.rows]
+        return sum(row * part for row, part in zip(rows, direction, strict=True))
+
+    def following(self, state, plane):
+        """Return the state after reflection in a plane (1 + index, or 0)."""
+        return dr.gather(mi.UInt32, self.step, state * (self.count + 1) + plane)
+
+    def guidance(self, state, image):
+        """Return the sampling weight of a surface: 0 if the image is out of reach."""
+        return dr.gather(mi.Float, self.guide, state * self.other + image)
+
+    def plane(self, model: LoweredScene, shape, si, active):
+        """Return 1 + index of the plane of a surface hit, or 0."""
+        first = dr.gather(mi.UInt32, model.first_face, shape, active)
+        return dr.gather(mi.UInt32, self.plane_of_face, first + si.prim_index, active)
+
+    def reflected(self, aim, plane):
+        """Return the reflection of a point or direction in a plane (1 + index)."""
+        normal = dr.gather(mi.Vector3f, self.normal, plane - 1, plane > 0)
+        offset = dr.gather(mi.Float, self.offset, plane - 1, plane > 0)
+        return aim - 2 * (dr.dot(normal, aim) - offset) * normal
+
+    def remember(self, model: LoweredScene, state, shape, si, after: Scattering):
+        """Return the state of the next path segment; see `Source.remember`."""
+        mirrored = after.delta & ~after.null
+        mirrored &= mi.has_flag(after.flags, mi.BSDFFlags.DeltaReflection)
+        plane = dr.select(mirrored, self.plane(model, shape, si, mirrored), 0)
+        moved = self.following(state, plane)
+        moved = dr.select(after.delta, moved, 0)
+        return dr.select(after.null, state, moved)
+
+
+def _compositions(
+    normal: Float[np.ndarray, "plane 3"],
+    offset: Float[np.ndarray, " plane"],
+    weight: Float[np.ndarray, " plane"],
+    apart: np.ndarray,
+) -> tuple[
+    Float[np.ndarray, "state 3 3"],
+    Float[np.ndarray, "state 3"],
+    Int[np.ndarray, "state_and_other plane_and_none"],
+    Float[np.ndarray, " state"],
+]:
+    # Transforms, steps and weights of the states. `apart` tells whether light can be
+    # reflected twice by surfaces of one orientation
+    planes = range(len(normal))
+    linear, shift, found, last = [np.eye(3)], [np.zeros(3)], [0.0], [-1]
+    reflect = [np.eye(3) - 2 * np.outer(n, n) for n in normal]
+    move = [2 * c * n for n, c in zip(normal, offset, strict=True)]
+
+    def composed(state: int, plane: int) -> tuple[np.ndarray, np.ndarray]:
+        return (
+            linear[state] @ reflect[plane],
+            linear[state] @ move[plane] + shift[state],
+        )
+
+    def known(one: tuple[np.ndarray, np.ndarray]) -> int | None:
+        turn = np.abs(np.array(linear[1:]) - one[0]).max(axis=(1, 2), initial=0)
+        away = np.abs(np.array(shift[1:]) - one[1]).max(axis=1, initial=0)
+        same = np.flatnonzero((turn < _SAME) & (away < _SAME_SHIFT))
+        return int(same[0]) + 1 if len(same) else None
+
+    level = [0]
+    for _ in range(_REFLECTIONS):
+        # The most probable compositions first
+        next_ = [
+            ((found[state] if state else 1.0) * weight[plane], state, plane)
+            for state in level
+            for plane in planes
+            if plane != last[state] or apart[plane]
+        ]
+        level = []
+        for chance, state, plane in sorted(next_, reverse=True):
+            if len(linear) > MOST:
+                break
+            made = composed(state, plane)
+            same = known(made) if len(linear) > 1 else None
+            if same is not None:
+                found[same] += chance
+            else:
+                level.append(len(linear))
+                linear.append(made[0])
+                shift.append(made[1])
+                found.append(chance)
+                last.append(plane)
+    other = len(linear)
+    step = np.full((other + 1, len(normal) + 1), other)
+    for state in range(other):
+        for plane in planes:
+            same = known(composed(state, plane)) if other > 1 else None
+            step[state, plane + 1] = other if same is None else same
+    return np.array(linear), np.array(shift), step, np.array(found)
+
+
+def _guidance(
+    step: Int[np.ndarray, "state_and_other plane_and_none"],
+) -> Float[np.ndarray, "state_and_other state"]:
+    # Power of _LATER by the least number of reflections from each state to each image
+    count = len(step) - 1
+    guide = np.eye(count + 1)
+    reached = guide > 0
+    for distance in range(1, count):
+        # One more reflection before those of the shortest paths
+        further = reached[step[:, 1:]].any(axis=1) & ~reached
+        further[count] = False
+        guide[further] = _LATER**distance
+        reached |= further
+    guide[count] = 0
+    return np.asarray(guide[:, :count])

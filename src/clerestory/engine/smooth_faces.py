@@ -1,0 +1,136 @@
+"""Faces of a scene that reflect like a mirror, grouped by plane or orientation."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from clerestory.scene.tessellate import Mesh
+
+# Normals are equal up to this difference [rad]; distances of parallel planes [m].
+_SLOPE, _DISTANCE = 1e-3, 2e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Planes:
+    """Planes, or orientations, of flat smooth surfaces, the most reflecting first.
+
+    `of_face` has 1 + the index of the plane for every face of the scene, or 0.
+    `weight` is a sampling weight (sum at most 1); `apart` tells whether a plane can
+    reflect light that it has reflected before: an orientation of several planes.
+    """
+
+    normal: Float[np.ndarray, "plane 3"]
+    offset: Float[np.ndarray, " plane"]
+    weight: Float[np.ndarray, " plane"]
+    apart: Bool[np.ndarray, " plane"]
+    of_face: Int[np.ndarray, " scene_face"]
+
+
+@dataclass
+class SmoothFaces:
+    """Triangles with mirror reflection.
+
+    Attributes
+    ----------
+    count : number of faces of the scene
+    face : index of each triangle in the scene
+    normal, offset : unit normals, of one sign for both sides, and distances from the
+        origin of the planes [m]
+    area : areas [m²]
+    reflectance : reflectances near normal incidence
+    """
+
+    count: int
+    face: Int[np.ndarray, " face"]
+    normal: Float[np.ndarray, "face 3"]
+    offset: Float[np.ndarray, " face"]
+    area: Float[np.ndarray, " face"]
+    reflectance: Float[np.ndarray, " face"]
+
+    @property
+    def power(self) -> Float[np.ndarray, " face"]:
+        """Area times reflectance of each face [m²]."""
+        return self.area * self.reflectance
+
+    @classmethod
+    def of(
+        cls, count: int, found: list[tuple[int, Mesh]], origin: Float[np.ndarray, "3"]
+    ) -> "SmoothFaces":
+        """Return the smooth faces of meshes, each with the index of its first face."""
+        corner = [mesh.vertices[mesh.faces] - origin for _, mesh in found]
+        number = [np.arange(len(mesh.faces)) + first for first, mesh in found]
+        share = [np.full(len(mesh.faces), mesh.material.mirrored) for _, mesh in found]
+        a, b, c = np.moveaxis(np.concatenate([np.zeros((0, 3, 3)), *corner]), 1, 0)
+        cross = np.cross(b - a, c - a)
+        length = np.linalg.norm(cross, axis=1)
+        kept = length > 0
+        normal = cross[kept] / length[kept, None]
+        normal *= _sign(normal)[:, None]
+        middle = (a + b + c)[kept] / 3
+        return cls(
+            count,
+            np.concatenate([np.zeros(0, int), *number])[kept],
+            normal,
+            np.sum(normal * middle, axis=1),
+            length[kept] / 2,
+            np.concatenate([np.zeros(0), *share])[kept],
+        )
+
+    def orientations(self, most: int) -> Planes:
+        """Return the orientations of largest area times reflectance."""
+        group = _clusters(self.normal, self.power, _SLOPE, most)
+        return self._planes(group, distant=True)
+
+    def planes(self, most: int) -> Planes:
+        """Return the planes of largest area times reflectance."""
+        scale = _DISTANCE / _SLOPE
+        place = np.column_stack([self.normal, self.offset / scale])
+        return self._planes(_clusters(place, self.power, _SLOPE, most), distant=False)
+
+    def _planes(self, group: Int[np.ndarray, " face"], *, distant: bool) -> Planes:
+        of_face, power = np.zeros(self.count, dtype=int), self.power
+        of_face[self.face] = group + 1
+        count = int(group.max(initial=-1)) + 1
+        chosen = [group == number for number in range(count)]
+        normal = [power[c] @ self.normal[c] for c in chosen]
+        normal = np.reshape([n / np.linalg.norm(n) for n in normal], (-1, 3))
+        offset = [np.average(self.offset[c], weights=power[c]) for c in chosen]
+        apart = [np.ptp(self.offset[c]) > _DISTANCE for c in chosen]
+        weight = np.array([power[c].sum() for c in chosen])
+        return Planes(
+            normal,
+            np.zeros(count) if distant else np.array(offset),
+            weight / max(self.area.sum(), 1e-30),
+            np.array(apart, dtype=bool) & distant,
+            of_face,
+        )
+
+
+def _sign(normal: Float[np.ndarray, "face 3"]) -> Float[np.ndarray, " face"]:
+    # The half space of a normal; its limit is parallel to no usual surface
+    return np.where(normal @ [0.5377, 0.6123, 0.5796] < 0, -1.0, 1.0)
+
+
+def _clusters(
+    place: Float[np.ndarray, "face axes"],
+    power: Float[np.ndarray, " face"],
+    size: float,
+    most: int,
+) -> Int[np.ndarray, " face"]:
+    # Index of each face's cluster of points, at most `most`, the most powerful first;
+    # -1 for faces without a cluster
+    cell = np.round(place / (0.1 * size)).astype(np.int64)
+    kept, member = np.unique(cell, axis=0, return_inverse=True)
+    member = member.ravel()
+    strength = np.bincount(member, power, minlength=len(kept))
+    group = np.full(len(kept), -1)
+    number = 0
+    for first in np.argsort(strength, kind="stable")[::-1]:
+        if number == most:
+            break
+        if group[first] < 0:
+            near = np.abs(kept - kept[first]).max(axis=1) <= 10
+            group[near & (group < 0)] = number
+            number += 1
+    return np.asarray(group[member])

@@ -1,0 +1,525 @@
+"""Names that are commands, through every writer, read by Radiance and by the library.
+
+A name is obeyed if it makes a canary file; Radiance's programs are the referee.
+"""
+
+import ast
+import csv
+import json
+import subprocess
+import tomllib
+import warnings
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import numpy as np
+import pytest
+import xarray as xr
+from hostile_names import CANARY, NAMES, more_names, require_silence
+from seeds import _hbjson
+
+import clerestory
+from clerestory import escaping
+from clerestory.bsdf.analytic import lambertian
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.product_data import Detail, Product
+from clerestory.bsdf.xml_reader import read_bsdf
+from clerestory.bsdf.xml_writer import write_bsdf
+from clerestory.bsdfgen.mgf_text import mgf_text
+from clerestory.bsdfgen.shading_system import SampleArea
+from clerestory.comparison.comparison_output import _write_csv
+from clerestory.control.schedule import StateSchedule, read_schedule, write_schedule
+from clerestory.files import write_text
+from clerestory.formats.hbjson import read_hbjson
+from clerestory.formats.mgf import parse_mgf
+from clerestory.hemisphere.klems import klems
+from clerestory.image.exr import read_exr, write_exr
+from clerestory.image.picture import Picture
+from clerestory.image.radiance_hdr import read_radiance, write_radiance
+from clerestory.matrix.axis import Axis, unknown_axis
+from clerestory.matrix.netcdf import read_netcdf, write_netcdf
+from clerestory.matrix.radiance_format import read_matrix, write_matrix
+from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.metrics.honeybee import read_honeybee, write_honeybee
+from clerestory.phases.matrix_store import MatrixStore
+from clerestory.radiance.rad_reader import read_rad
+from clerestory.radiance.rad_writer import format_rad
+from clerestory.radiance.window_reader import read_windows
+from clerestory.report.markup import element, embedded_json, render
+from clerestory.report.page_assets import content_policy
+from clerestory.scene.model import Mirror, Mixture, Plastic, Polygon, Scene
+from clerestory.study.model_import import write_honeybee_model
+from clerestory.study.outputs import write_hourly, write_metrics
+from clerestory.study.results import Results
+from clerestory.study.study_files import study_text, window_text
+
+pyradiance = pytest.importorskip("pyradiance", reason="Radiance reads the files")
+BIN = Path(pyradiance.__file__).parent / "bin"
+ALL = list(dict.fromkeys([*NAMES, *more_names(150)]))
+GREY = np.full(3, 0.5)
+SQUARE = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0]])
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    yield tmp_path
+    require_silence(tmp_path)
+
+
+def radiance(command, folder, **options):
+    """Output of a Radiance program that accepts its input."""
+    program, *words = command
+    path = {"PATH": f"{BIN}:/usr/bin:/bin", "RAYPATH": f".:{BIN.parent / 'lib'}"}
+    done = subprocess.run(
+        [str(BIN / program), *map(str, words)],
+        cwd=folder,
+        capture_output=True,
+        check=False,
+        env=path,
+        timeout=120,
+        **options,
+    )
+    assert done.returncode == 0, f"{command}: {done.stderr[-500:]!r}"
+    require_silence(folder)
+    return done.stdout
+
+
+def scene_of(names):
+    surfaces, materials = [], {}
+    for number, name in enumerate(names):
+        if name:
+            materials[name] = Plastic(name, GREY)
+        key = name or "plain"
+        surfaces.append(Polygon([*SQUARE, 0, 0, number], key, name))
+    return Scene(materials, tuple(surfaces))
+
+
+# ------------------------------- Rules of escaping -------------------------------
+@pytest.mark.parametrize(
+    "rule",
+    [escaping.radiance_name, escaping.file_stem, escaping.table_cell],
+    ids=lambda rule: rule.__name__,
+)
+def test_different_names_remain_different(rule):
+    found = {}
+    for name in [*ALL, *(rule(name) for name in ALL)]:
+        assert found.setdefault(rule(name), name) == name
+
+
+def test_plain_names_are_unchanged():
+    for name in ("wall", "wall#2", "a-b_c.d", "50%", "[1]", "a=b"):
+        assert escaping.radiance_name(name) == name
+        assert escaping.table_cell(name) == name
+    assert escaping.file_stem("Büro 3.b") == "Büro 3.b"
+
+
+def test_file_names_differ_whatever_the_case(folder):
+    stems = escaping.file_stems(ALL)
+    assert len({stem.casefold() for stem in stems.values()}) == len(stems)
+    for stem in stems.values():
+        write_text(folder / f"{stem}.txt", "")
+    written = {path.stem for path in folder.iterdir()}
+    assert written == set(stems.values())
+
+
+# ------------------------------------- Scenes -------------------------------------
+def test_radiance_reads_a_scene_of_hostile_names(folder):
+    """As many surfaces after two passes of xform as before, and the names we wrote."""
+    scene = scene_of(ALL)
+    write_text(folder / "scene.rad", format_rad(scene, bsdf_file={}))
+    once = radiance(["xform", "scene.rad"], folder)
+    (folder / "once.rad").write_bytes(once)
+    twice = radiance(["xform", "-n", "p", "once.rad"], folder)
+    (folder / "twice.rad").write_bytes(twice)
+    (folder / "scene.oct").write_bytes(radiance(["oconv", "twice.rad"], folder))
+    radiance(["getinfo", "scene.oct"], folder)
+    rays = "".join(f".7 .2 {z + 0.5} 0 0 -1\n" for z in range(len(ALL))).encode()
+    hit = radiance(["rtrace", "-h", "-oM", "scene.oct"], folder, input=rays)
+    ours = [escaping.radiance_name(s.material) for s in scene.surfaces]
+    assert hit.decode().split("\t\n")[:-1] == ours
+    read = read_rad(folder / "scene.rad")
+    assert [s.material for s in read.surfaces] == ours
+    assert [s.name for s in read_rad(folder / "once.rad").surfaces] == [
+        s.name for s in read.surfaces
+    ]
+
+
+def test_names_within_materials_are_escaped(folder):
+    """Alternates of mirrors and parts of mixtures are written by the same name."""
+    scene = Scene()
+    for number, name in enumerate(name for name in NAMES if name):
+        part, other = Plastic(name, GREY), Plastic(f"{name}2", GREY / 2)
+        mixed = Mixture(f"{name}3", part, other, 0.5)
+        mirror = Mirror(f"{name}4", GREY, part)
+        used = [
+            Polygon([*SQUARE, k, 0, number], m.name, name)
+            for k, m in ((0, mixed), (2, mirror))
+        ]
+        scene += Scene({m.name: m for m in (mixed, mirror)}, tuple(used))
+    write_text(folder / "scene.rad", format_rad(scene, bsdf_file={}))
+    assert radiance(["oconv", "scene.rad"], folder)
+    assert len(read_rad(folder / "scene.rad").surfaces) == len(scene.surfaces)
+
+
+def test_words_that_cannot_be_quoted_are_refused():
+    for word in ("", "a\nb", '"a', "!cmd", "'a b\"", "x" * 512, "a\0b", "\ud800"):
+        with pytest.raises(clerestory.InputError, match="a word of a scene file is"):
+            escaping.radiance_word(word)
+
+
+def test_rfluxmtx_runs_no_name_of_a_window(folder):
+    """`rfluxmtx` puts the modifiers of receivers into a command line of a shell."""
+    grey = scene_of(["grey"])
+    write_text(folder / "grey.rad", format_rad(grey, bsdf_file={}))
+    for number, name in enumerate(n for n in NAMES if n.strip()):
+        outline = SQUARE[:, [0, 2, 1]]
+        write_text(folder / "window.rad", window_text(name, [outline], basis="kq"))
+        [window] = read_windows(folder / "window.rad")
+        assert window.name == escaping.radiance_name(name)
+        if number % 4 == 0:
+            options = ["-ab", "0", "-c", "1", "-h", "-faa"]
+            command = ["rfluxmtx", *options, "-", "window.rad", "grey.rad"]
+            made = radiance(command, folder, input=b".7 1 .2 0 -1 0\n")
+            assert len(made.split()) == 3 * 41
+            assert float(made.split()[0]) >= 0
+
+
+@pytest.mark.parametrize("name", [n for n in NAMES if n and len(n) < 3000][::3])
+def test_packages_of_bsdfs_obey_no_product_name(folder, name, monkeypatch):
+    from clerestory.cli.bsdf_package import package
+    from clerestory.cli.requests.bsdf import PackageBsdf
+
+    parts = lambertian(0.5, klems("quarter")).functions
+    product = Product(name=name, manufacturer=name, width=1.0, height=1.0)
+    write_bsdf(
+        folder / "a.xml",
+        Bsdf(parts, product),
+        comment=name,
+    )
+    package(PackageBsdf(file=folder / "a.xml", output=folder / "a.rad", xform=""))
+    assert radiance(["oconv", "a.rad"], folder)
+    (folder / "b.rad").write_bytes(radiance(["xform", "a.rad"], folder))
+    assert len(read_rad(folder / "b.rad").surfaces) == 1
+
+
+# ------------------------------------- Imports -------------------------------------
+def hostile_model(folder, names):
+    """A honeybee model with these names everywhere, and fewer than a second each."""
+    model = json.loads(_hbjson(folder)[0])
+    [room] = model["rooms"]
+    model["display_name"] = names[0]
+    radiance = model["properties"]["radiance"]
+    [grid] = radiance["sensor_grids"][:1]
+    radiance["sensor_grids"] = [grid | {"identifier": n} for n in names]
+    for part, name in zip(room["faces"], names, strict=False):
+        part["identifier"] = name
+    shade = room["faces"][0]["geometry"]
+    modifiers = [
+        {
+            "type": "Plastic",
+            "identifier": f"{name}-shade",
+            **{f"{c}_reflectance": 0.1 + number / 1000 for c in "rgb"},
+        }
+        for number, name in enumerate(names)
+    ]
+    radiance["modifiers"] = [*radiance.get("modifiers", []), *modifiers]
+    model["orphaned_shades"] = [
+        {
+            "identifier": name,
+            "geometry": shade,
+            "properties": {"radiance": {"modifier": f"{name}-shade"}},
+        }
+        for name in names
+    ]
+    path = folder / "model.hbjson"
+    path.write_text(json.dumps(model))
+    return path
+
+
+def test_imports_of_models_obey_no_name(folder):
+    path = hostile_model(folder, ALL)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        model = read_hbjson(path)
+    model = replace(model, views={}, windows=())
+    out = folder / "out"
+    written = write_honeybee_model(model, out, weather=folder / "a.epw")
+    inside = set(out.rglob("*"))
+    assert set(written.files) == inside
+    assert len(written.files) == len(inside)
+    assert all(path.parent == out for path in inside)
+    assert len(read_rad(out / "scene.rad").materials) >= len(ALL)
+    radiance(["xform", "out/scene.rad"], folder)
+    study = tomllib.loads((out / "study.toml").read_text())
+    assert len(study["sensors"]) == len(ALL)
+    assert len({table["file"].casefold() for table in study["sensors"]}) == len(ALL)
+
+
+# ------------------------------- Matrices and pictures -------------------------------
+def test_headers_of_matrices_stay_headers(folder):
+    values = np.arange(6.0).reshape(3, 1, 2)
+    matrix = TransferMatrix(values, unknown_axis(1), unknown_axis(2))
+    for name in ALL:
+        write_matrix(folder / "a.mtx", matrix, command=f"made of {name}")
+        assert np.array_equal(read_matrix(folder / "a.mtx").values, values)
+        assert (folder / "a.mtx").read_bytes().count(b"\n\n") == 1
+    for name in NAMES[::5]:
+        write_matrix(folder / "a.mtx", matrix, command=f"made of {name}")
+        shown = radiance(["rmtxop", "-fa", "a.mtx"], folder)
+        assert len(shown.split(b"\n\n")[-1].split()) == 6
+
+
+def test_headers_of_pictures_stay_headers(folder):
+    for name in ALL:
+        lines = (f"made of {name}", f"\t{name}")
+        picture = Picture(np.full((2, 3, 3), 0.5, np.float32), header=lines)
+        write_radiance(picture, folder / "a.hdr")
+        read = read_radiance(folder / "a.hdr")
+        assert read.radiance.shape == (2, 3, 3)
+        assert np.allclose(read.radiance, 0.5, rtol=0.01)
+    for name in NAMES[::5]:
+        lines = (f"made of {name}", f"\t{name}")
+        picture = Picture(np.full((2, 3, 3), 0.5, np.float32), header=lines)
+        write_radiance(picture, folder / "a.hdr")
+        assert b"-Y 2 +X 3" in radiance(["getinfo", "-d", "a.hdr"], folder)
+        shown = radiance(["pvalue", "-h", "-H", "-d", "a.hdr"], folder)
+        assert np.allclose([float(x) for x in shown.split()], 0.5, rtol=0.01)
+        write_exr(picture, folder / "a.exr")
+        assert len(read_exr(folder / "a.exr").header) <= 2
+
+
+def test_netcdf_holds_any_name(folder):
+    names = tuple(dict.fromkeys(map(escaping.printable, ALL)))
+    assert len(names) == len(ALL)
+    for name in ALL:
+        axis = Axis("interior", 2, window=name)
+        matrix = TransferMatrix(np.ones((3, 1, 2)), unknown_axis(1), axis)
+        write_netcdf(folder / "a.nc", matrix)
+        assert read_netcdf(folder / "a.nc").columns.window == escaping.printable(name)
+    axis = Axis("sensor", len(ALL), names=tuple(ALL))
+    matrix = TransferMatrix(np.ones((3, len(ALL), 1)), axis, unknown_axis(1))
+    write_netcdf(folder / "a.nc", matrix)
+    assert read_netcdf(folder / "a.nc").rows.names == names
+
+
+def test_stored_matrices_of_different_names_are_different_files(folder):
+    store = MatrixStore(folder)
+    paths = [store.path(name, "0" * 64) for name in ALL]
+    assert len(set(paths)) == len(ALL)
+    assert all(path.parent == folder for path in paths)
+
+
+# ------------------------------------ XML, HTML ------------------------------------
+def test_bsdf_files_hold_any_text(folder):
+    parts = lambertian(0.5, klems("quarter")).functions
+    for name in NAMES:
+        product = Product(
+            name=name, manufacturer=name, details=(Detail("Source", name or "x", name),)
+        )
+        bsdf = Bsdf(parts, product)
+        write_bsdf(folder / "a.xml", bsdf, comment=name)
+        read = read_bsdf(folder / "a.xml").product
+        shown = escaping.xml_text(name).replace("\r", "\r").strip()
+        assert read.name == read.manufacturer == shown
+        tree = ET.parse(folder / "a.xml")
+        assert sum(1 for _ in tree.iter()) > 50
+
+
+class Elements(HTMLParser):
+    def __init__(self):
+        super().__init__()
+        self.found = []
+
+    def handle_starttag(self, tag, attrs):
+        self.found.append(tag)
+        assert not [name for name, _ in attrs if name.startswith("on")]
+
+
+def test_pages_hold_any_text(folder):
+    for name in ALL:
+        comparisons = {
+            "policy": content_policy(""),
+            "title": name,
+            "style": "",
+            "limits": "",
+            "shares": [["group"], [name]],
+            "comparisons": [(name, [name])],
+            "drawings": [{"name": name, "words": name, "address": name}],
+            "statistics": [["simulation"], [name]],
+        }
+        page = render("comparison.html", **comparisons)
+        page += element("p", name, title=name) + embedded_json("data", {"n": name})
+        write_text(folder / "a.html", page)
+        parser = Elements()
+        parser.feed((folder / "a.html").read_text())
+        assert parser.found.count("script") == 1
+        assert parser.found.count("img") == 1
+
+
+# --------------------------------------- Text ---------------------------------------
+def no_formulas(path):
+    """Rows of a CSV file, in which spreadsheets find no formula."""
+    with path.open(newline="") as stream:
+        rows = list(csv.reader(stream))
+    for cell in (cell for row in rows for cell in row if cell):
+        number = cell.lstrip("+-").replace(".", "").isdecimal()
+        assert cell[0] not in "=+-@\t\r＝＋－＠" or number, cell
+    return rows
+
+
+def test_tables_hold_no_formulas(folder):
+    _write_csv(folder / "a.csv", [["head", "-1.5"], *([name, name] for name in ALL)])
+    rows = no_formulas(folder / "a.csv")
+    assert len(rows) == len(ALL) + 1
+    assert rows[0] == ["head", "-1.5"]
+    assert len({row[0] for row in rows[1:]}) == len(ALL)
+
+
+def test_schedules_return_their_groups(folder):
+    names = [escaping.printable(n).strip() for n in ALL if n.strip()]
+    names = list(dict.fromkeys(names))
+    day = np.array(["2001-06-21T12:00"], "datetime64[s]")
+    states = {name: np.array([k % 7]) for k, name in enumerate(names)}
+    write_schedule(folder / "a.csv", StateSchedule(day, states))
+    no_formulas(folder / "a.csv")
+    read = read_schedule(folder / "a.csv").states
+    assert len(read) == len(names)
+    assert [int(x[0]) for x in read.values()] == [k % 7 for k in range(len(names))]
+
+
+def test_results_of_hostile_grids_are_tables(folder):
+    count, times = len(ALL), np.array(["2001-06-21T12:00"], "datetime64[ns]")
+    data = xr.Dataset(
+        {
+            "illuminance": (("sensor", "time"), np.ones((count, 1))),
+            "position": (("sensor", "xyz"), np.zeros((count, 3))),
+            "direction": (("sensor", "xyz"), np.zeros((count, 3))),
+            "useful_bands": (("band", "sensor"), np.zeros((1, count))),
+        },
+        {
+            "sensor": np.array([f"{n}.1" for n in ALL], object),
+            "grid": ("sensor", np.array(ALL, object)),
+            "time": times,
+            "band": ["a"],
+        },
+    )
+    for name in (
+        *("mean_illuminance", "median_illuminance", "maximum_illuminance"),
+        *("daylight_autonomy", "continuous_autonomy", "useful"),
+        *("mean_illuminance_error", "daylight_autonomy_error"),
+        *("continuous_autonomy_error", "useful_error"),
+    ):
+        data[name] = ("sensor", np.zeros(count))
+    write_metrics(Results(data), folder / "metrics.csv")
+    assert len(no_formulas(folder / "metrics.csv")) == count + 1
+    for grid in NAMES[:20]:
+        write_hourly(Results(data), folder / "hourly.csv", grid=grid)
+        [head, row] = no_formulas(folder / "hourly.csv")
+        assert len(head) == len(row) == 2
+
+
+def test_study_files_hold_any_text(folder):
+    for name in ALL:
+        text = study_text({"title": name, "scene": {"files": [name, "b"]}})
+        write_text(folder / "a.toml", text)
+        read = tomllib.loads((folder / "a.toml").read_text())
+        expected = name.encode(errors="replace").decode()
+        assert read == {"title": expected, "scene": {"files": [expected, "b"]}}
+
+
+def test_honeybee_results_hold_any_name(folder):
+    times = np.datetime64("2001-01-01T00:30") + np.arange(24) * np.timedelta64(1, "h")
+    lux = {name: np.full((1, 24), k + 1.0) for k, name in enumerate(ALL)}
+    write_honeybee(folder / "out", lux, times)
+    found = read_honeybee(folder / "out")
+    values = [found.illuminance(name).values[0, 0] for name in found.paths]
+    assert values == [k + 1 for k in range(len(ALL))]
+    assert [g["name"] for g in json.loads((folder / "out/grids_info.json").read_text())]
+
+
+def test_mgf_holds_any_name(folder):
+    scene = scene_of([name for name in ALL if name])
+    text = mgf_text(
+        scene, SampleArea(np.array([[0.0, 0, 0], [1, 1, 1]]), periodic=True)
+    )
+    assert len(parse_mgf(text).surfaces) == len(scene.surfaces)
+    write_text(folder / "a.mgf", text)
+    made = radiance(["mgf2rad", "a.mgf"], folder)
+    (folder / "a.rad").write_bytes(made)
+    radiance(["oconv", "a.rad"], folder)
+    assert len(read_rad(folder / "a.rad").surfaces) == len(scene.surfaces)
+
+
+# ----------------------------- Check of the class -----------------------------
+# Functions that write files; each is tested above, or writes no text from outside
+WRITERS = {
+    "bsdf.xml_insertion.insert_blocks": "lxml escapes",
+    "bsdf.xml_writer.write_bsdf": test_bsdf_files_hold_any_text,
+    "cli.bsdf_generate.generate": test_radiance_reads_a_scene_of_hostile_names,
+    "cli.bsdf_package.package": test_packages_of_bsdfs_obey_no_product_name,
+    "cli.glare._write_annual": "numbers",
+    "cli.metrics.metrics": test_tables_hold_no_formulas,
+    "cli.sky.sun": "numbers",
+    "comparison.comparison_output._write_csv": test_tables_hold_no_formulas,
+    "comparison.comparison_output.write_tables": "JSON",
+    "comparison.mapping.write_layout_sensors": "numbers",
+    "control.schedule.write_schedule": test_schedules_return_their_groups,
+    "files.replace_file": "bytes",
+    "files.write_text": "any text",
+    "gonio.fit_storage.write_fits": test_netcdf_holds_any_name,
+    "image.camera_response.write_response": "numbers",
+    "image.exr.write_exr": test_headers_of_pictures_stay_headers,
+    "image.radiance_hdr.write_radiance": test_headers_of_pictures_stay_headers,
+    "image.srgb_display.write_display": "pixels",
+    "matrix.netcdf.write_netcdf": test_netcdf_holds_any_name,
+    "matrix.radiance_format.write_rows": test_headers_of_matrices_stay_headers,
+    "metrics.honeybee.write_honeybee": test_honeybee_results_hold_any_name,
+    "phases.illuminance.illuminance": "numbers",
+    "radiance.generated_sky.sky_scene": "read by Clerestory alone, one line",
+    "radiance.illum_table.write_illums": test_names_within_materials_are_escaped,
+    "report.bsdf_view.write_view": test_pages_hold_any_text,
+    "report.comparison_page.write_comparison": test_pages_hold_any_text,
+    "report.figure_file.write_figure": "pixels",
+    "report.page.write_report": test_pages_hold_any_text,
+    "study.method_comparison.compare_methods": test_tables_hold_no_formulas,
+    "study.model_import._put": test_imports_of_models_obey_no_name,
+    "study.model_import._write_modifier": test_imports_of_models_obey_no_name,
+    "study.model_import.write_honeybee_model": test_imports_of_models_obey_no_name,
+    "study.new_study.begin_study": test_study_files_hold_any_text,
+    "study.new_study.write_demo": "files of the package",
+    "study.outputs._write_lines": test_results_of_hostile_grids_are_tables,
+    "study.outputs.write_lighting": test_tables_hold_no_formulas,
+    "study.outputs.write_metrics": test_results_of_hostile_grids_are_tables,
+    "study.results.save_results": "JSON and NetCDF",
+    "study.study_files.write_sensors": "numbers",
+}
+_WRITING = {"write_text", "write_bytes", "replace_file", "replace_path", "mkstemp"}
+
+
+def _writes(node):
+    match node:
+        case ast.Call(func=ast.Name(id=name) | ast.Attribute(attr=name)):
+            return name in _WRITING
+    return False
+
+
+def test_every_function_that_writes_files_is_listed():
+    """Whoever adds a writer adds a test with hostile names, or the reason for none."""
+    root, found = Path(clerestory.__file__).parent, set()
+    for path in root.rglob("*.py"):
+        module = ".".join(path.relative_to(root).with_suffix("").parts)
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.FunctionDef) and any(map(_writes, ast.walk(node))):
+                found.add(f"{module}.{node.name}")
+    assert found - {"files.replace_path"} == set(WRITERS)
+
+
+def test_the_canary_can_sing(folder):
+    """The referee does run commands: without escaping, the check would fail."""
+    (folder / "a.rad").write_text(f"!touch {CANARY}\n")
+    subprocess.run([BIN / "oconv", "a.rad"], cwd=folder, capture_output=True)
+    assert (folder / CANARY).exists()
+    (folder / CANARY).unlink()

@@ -1,0 +1,319 @@
+"""Suns and small luminaires mirrored in smooth surfaces, against closed forms.
+
+No scene of smooth reflectors and small sources may have an error bar that excludes the
+closed form. Each scene is estimated by 30 sensors in one place, whose random numbers
+are independent, as by 30 seeds.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from physics_scenes import quad
+
+from clerestory.phases.rendering import irradiance
+from clerestory.scene.model import (
+    DistantSource,
+    Glass,
+    Light,
+    Metal,
+    Mirror,
+    Mixture,
+    Plastic,
+    Scene,
+    Spotlight,
+    Trans,
+)
+from clerestory.scene.sensors import Sensors
+
+SEEDS = 30
+SUN_DEG = 0.5
+SUN_SR = 2 * np.pi * (1 - np.cos(np.radians(SUN_DEG / 2)))
+FAR = 50.0
+
+CLEAR = Glass("pane", np.full(3, 0.9))
+TINTED = Glass("tinted", np.array([0.4, 0.5, 0.7]))
+MIRROR = Mirror("mirror", np.array([0.9, 0.8, 0.7]))
+METAL = Metal("metal", np.array([0.3, 0.5, 0.7]), specularity=1.0)
+BLACK = Plastic("black", np.zeros(3))
+
+
+def sun(direction):
+    """A sun of unit irradiance across its beam."""
+    direction = np.array(direction) / np.linalg.norm(direction)
+    return DistantSource(direction, SUN_DEG, "sun")
+
+
+def glazed(pane, cosine):
+    """Reflectance and transmittance of a pane at an angle, by Fresnel's formulas."""
+    tau, index = pane.transmissivity, pane.index
+    inner = np.sqrt(1 - (1 - cosine**2) / index**2)
+    reflected, transmitted = np.zeros(3), np.zeros(3)
+    for amplitude in (
+        (cosine - index * inner) / (cosine + index * inner),
+        (index * cosine - inner) / (index * cosine + inner),
+    ):
+        r, a = amplitude**2, tau ** (1 / inner)
+        passed = (1 - r) ** 2 * a / (1 - (r * a) ** 2)
+        transmitted += passed / 2
+        reflected += (r + r * a * passed) / 2
+    return reflected, transmitted
+
+
+def coat(specularity, cosine):
+    """Reflectance of a smooth coat, by Radiance's approximation (normal.c)."""
+    added = np.exp(-5.85 * cosine) - 0.00203
+    return specularity + (1 - specularity) * added
+
+
+def sky_plane(y, material, *, height=FAR):
+    """A vertical plane at y, whose front faces south."""
+    return quad(
+        (-FAR, y, -height),
+        (FAR, y, -height),
+        (FAR, y, height),
+        (-FAR, y, height),
+        material=material,
+    )
+
+
+def lit(surfaces, sources, *materials):
+    """A scene; each material has its own name as key."""
+    suns = Light("sun", np.full(3, 1 / SUN_SR))
+    named = {material.name: material for material in (suns, *materials)}
+    return Scene(named, tuple(surfaces), tuple(sources))
+
+
+# South of the pane, the sun stands in the south: 0.6 up, 0.8 towards the pane
+SOUTH = (0.0, -0.8, 0.6)
+R, T = glazed(CLEAR, 0.8)
+R_TINTED, T_TINTED = glazed(TINTED, 0.8)
+RHO = MIRROR.reflectance
+
+
+def facing(reflectance, *materials, surfaces=None):
+    """A sensor that faces a wall of `reflectance` north of it: E·R·cos θ."""
+    wall = surfaces or (sky_plane(2, materials[0].name),)
+    return lit(wall, (sun(SOUTH),), *materials), (0, 1, 0), 0.8 * reflectance
+
+
+def shaded_pane():
+    """A pane that shades a horizontal sensor from the sun and mirrors another one."""
+    north = sun((0.0, 0.8, 0.6))
+    scene = lit((sky_plane(2, "pane"),), (sun(SOUTH), north), CLEAR)
+    return scene, (0, 0, 1), 0.6 * (1 + R + T)
+
+
+def corner():
+    """Two mirrors at a right angle send the light back: two reflections, twice."""
+    direction = np.array([-0.5, -0.7, 0.5])
+    direction /= np.linalg.norm(direction)
+    scene = lit(
+        (sky_plane(2, "mirror"), east_wall("mirror")), (sun(direction),), MIRROR
+    )
+    share = 1 + 2 * RHO + RHO**2
+    return scene, (0, 0, 1), direction[2] * share
+
+
+def skylight():
+    """A horizontal sensor under two panes: the series of interreflections is summed."""
+    sheets = [
+        quad((-FAR, -FAR, z), (FAR, -FAR, z), (FAR, FAR, z), (-FAR, FAR, z))
+        for z in (1.0, 1.2)
+    ]
+    sheets[0] = replace(sheets[0], material="pane")
+    sheets[1] = replace(sheets[1], material="tinted")
+    r, t = glazed(CLEAR, 0.6)
+    other, through = glazed(TINTED, 0.6)
+    scene = lit(sheets, (sun(SOUTH),), CLEAR, TINTED)
+    return scene, (0, 0, 1), 0.6 * t * through / (1 - r * other)
+
+
+def plastic_floor():
+    """A sensor that faces a polished black floor."""
+    floor = quad((-FAR, -FAR, -1), (FAR, -FAR, -1), (FAR, FAR, -1), (-FAR, FAR, -1))
+    floor = replace(floor, material="coat")
+    polished = Plastic("coat", np.zeros(3), specularity=0.05)
+    return lit((floor,), (sun(SOUTH),), polished), (0, 0, -1), 0.6 * coat(0.05, 0.6)
+
+
+def facade():
+    """Two hundred panes of one plane, around a horizontal sensor."""
+    panes = [
+        quad((x, 2, z), (x + 5, 2, z), (x + 5, 2, z + 5), (x, 2, z + 5))
+        for x in range(-50, 50, 5)
+        for z in range(-25, 25, 5)
+    ]
+    panes = [replace(pane, material="pane") for pane in panes]
+    return lit(panes, (sun(SOUTH),), CLEAR), (0, 0, 1), 0.6 * (1 + R)
+
+
+def opposite():
+    """Sun, opposite glass façade, own window, sensor: the other light is blocked."""
+    own = quad((-3, 3, -3), (3, 3, -3), (3, 3, 3), (-3, 3, 3), material="tinted")
+    roof = quad((-FAR, -FAR, 3), (FAR, -FAR, 3), (FAR, 3, 3), (-FAR, 3, 3))
+    back = quad((-FAR, -9, -9), (-FAR, -9, 9), (FAR, -9, 9), (FAR, -9, -9))
+    wall = sky_plane(40, "pane")
+    blocks = [replace(each, material="black") for each in (roof, back)]
+    scene = lit((own, wall, *blocks), (sun(SOUTH),), CLEAR, TINTED, BLACK)
+    # Light reflected by the pane comes from the north; it passes the own window, which
+    # also reflects some of it, back to the façade, and so on
+    return scene, (0, 1, 0), 0.8 * R * T_TINTED
+
+
+SCENES = {
+    "vertical pane": lambda: facing(R, CLEAR),
+    "tinted pane": lambda: facing(R_TINTED, TINTED),
+    "mirror": lambda: facing(RHO, MIRROR),
+    "smooth plastic": lambda: facing(
+        coat(0.05, 0.8), Plastic("coat", np.zeros(3), specularity=0.05)
+    ),
+    "plastic floor": plastic_floor,
+    "smooth metal": lambda: facing(coat(METAL.reflectance, 0.8), METAL),
+    "smooth trans": lambda: facing(
+        coat(0.1, 0.8), Trans("trans", np.zeros(3), 0.1, 0.0, 0.5, 1.0)
+    ),
+    "mixture": lambda: facing(
+        0.3 * RHO + 0.7 * R, Mixture("mixed", MIRROR, CLEAR, 0.3)
+    ),
+    "two panes": lambda: facing(
+        R + T**2 * R_TINTED / (1 - R * R_TINTED),
+        CLEAR,
+        TINTED,
+        surfaces=(sky_plane(2, "pane"), sky_plane(2.1, "tinted")),
+    ),
+    "pane before mirror": lambda: facing(
+        R + T**2 * RHO / (1 - R * RHO),
+        CLEAR,
+        MIRROR,
+        surfaces=(sky_plane(2, "pane"), sky_plane(2.1, "mirror")),
+    ),
+    "shaded pane": shaded_pane,
+    "corner": corner,
+    "skylight": skylight,
+    "façade": facade,
+    "opposite façade": opposite,
+}
+
+
+def lamp_at(centre, size, *, material="lamp"):
+    """A horizontal square that shines down."""
+    x, y, z = centre
+    e = size / 2
+    corners = (x - e, y - e, z), (x - e, y + e, z), (x + e, y + e, z), (x + e, y - e, z)
+    return quad(*corners, material=material)
+
+
+WHERE = np.array([0.0, 0.0, -0.5])
+LAMP = np.array([1.0, -0.5, 1.0])
+
+
+def from_lamp(reflection, images, normal, *, size=0.01, split=40):
+    """Irradiance of the sensor at WHERE from images of the lamp, by quadrature.
+
+    `images` are functions from points of the lamp to their images, each with the same
+    change of the direction; `reflection` is a function of the direction [per band].
+    """
+    step = (np.arange(split) + 0.5) / split - 0.5
+    u, v = (each.ravel() * size for each in np.meshgrid(step, step))
+    points = LAMP + np.stack([u, v, 0 * u], axis=1)
+    total = np.zeros(3)
+    for image in images:
+        across = image(points) - WHERE
+        distance2 = np.sum(across**2, axis=1)
+        direction = across / np.sqrt(distance2)[:, None]
+        # Vertical mirrors leave the angle with the lamp's normal as it is
+        cosines = np.abs(direction[:, 2]) * np.maximum(direction @ normal, 0)
+        share = np.broadcast_to(reflection(np.abs(direction)), (len(u), 3))
+        total += np.mean((cosines / distance2)[:, None] * share, axis=0)
+    return 1e3 * total * size**2
+
+
+def north(points):
+    """The image in the plane y = 2."""
+    return points * [1, -1, 1] + [0, 4, 0]
+
+
+def east(points):
+    """The image in the plane x = 2."""
+    return points * [-1, 1, 1] + [4, 0, 0]
+
+
+def by_fresnel(direction):
+    """Reflectance of the pane north of the sensor."""
+    return np.array([glazed(CLEAR, cosine)[0] for cosine in direction[:, 1]])
+
+
+def east_wall(material):
+    """A vertical plane at x = 2, whose front faces west."""
+    corners = (2, -FAR, -FAR), (2, -FAR, FAR), (2, FAR, FAR), (2, FAR, -FAR)
+    return quad(*corners, material=material)
+
+
+NORTHWARDS, UPWARDS = np.array([0.0, 1, 0]), np.array([0.0, 0, 1])
+SHINE = Light("lamp", np.full(3, 1e3))
+SPOT = Spotlight("lamp", np.full(3, 1e3), 175.0, -UPWARDS, 0.0)
+LAMPS = {
+    "pane": ([sky_plane(2, "pane")], CLEAR, SHINE, by_fresnel, [north], 0.01),
+    "large lamp": ([sky_plane(2, "pane")], CLEAR, SHINE, by_fresnel, [north], 0.8),
+    "spot": ([sky_plane(2, "pane")], CLEAR, SPOT, by_fresnel, [north], 0.01),
+    "mirror": ([sky_plane(2, "mirror")], MIRROR, SHINE, lambda d: RHO, [north], 0.01),
+    "smooth plastic": (
+        [sky_plane(2, "coat")],
+        Plastic("coat", np.zeros(3), specularity=0.05),
+        SHINE,
+        lambda d: coat(0.05, d[:, 1:2]),
+        [north],
+        0.01,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", LAMPS)
+def test_error_bars_include_a_mirrored_lamp(device, name):
+    """A sensor that faces north sees a lamp behind it in a wall north of it."""
+    surfaces, wall, shine, reflection, images, size = LAMPS[name]
+    lamp = lamp_at(LAMP, size)
+    scene = Scene({wall.name: wall, "lamp": shine}, (lamp, *surfaces))
+    truth = from_lamp(reflection, images, NORTHWARDS, size=size)
+    agrees(scene, WHERE, NORTHWARDS, truth, device=device)
+
+
+def test_error_bars_include_a_lamp_in_a_corner_of_mirrors(device):
+    """A lamp, its two images, and the image of the images."""
+    walls = sky_plane(2, "mirror"), east_wall("mirror")
+    scene = Scene({"mirror": MIRROR, "lamp": SHINE}, (lamp_at(LAMP, 0.01), *walls))
+    truth = sum(
+        from_lamp(lambda _, s=share: s, [image], UPWARDS)
+        for share, image in (
+            (1, lambda p: p),
+            (RHO, north),
+            (RHO, east),
+            (RHO**2, lambda p: east(north(p))),
+        )
+    )
+    agrees(scene, WHERE, UPWARDS, truth, device=device)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_error_bars_include_the_closed_form(device, name):
+    """Thirty independent estimates of each scene, in one place."""
+    scene, normal, truth = SCENES[name]()
+    agrees(scene, (0, 0, 0), normal, truth, device=device)
+
+
+def agrees(scene, position, normal, truth, *, device, samples=512, precision=0.02):
+    """Each estimate is within five standard errors, and their mean within four."""
+    where = Sensors(
+        np.tile(np.array(position, float), (SEEDS, 1)),
+        np.tile(np.array(normal, float), (SEEDS, 1)),
+    )
+    found = irradiance(scene, where, samples=samples, device=device)
+    off = np.abs(found.irradiance - truth)
+    # The sun's disc subtends a small angle, over which the closed form is constant
+    slack = 2e-4 * np.broadcast_to(truth, 3)
+    assert np.all(off <= 5 * found.error + slack)
+    mean = found.irradiance.mean(axis=0)
+    error = np.sqrt(np.square(found.error).mean(axis=0) / SEEDS)
+    assert np.all(np.abs(mean - truth) <= 4 * error + slack)
+    assert np.all(error <= precision * mean)
