@@ -40,7 +40,7 @@ def annual_statistic(
     200.0
     """
     reduce = getattr(within_hours(data, hours).astype(float), statistic)
-    found: xr.DataArray = reduce("time", keep_attrs=True)
+    found: xr.DataArray = reduce("time", skipna=False, keep_attrs=True)
     return found
 
 

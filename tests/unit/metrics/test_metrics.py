@@ -101,6 +101,6 @@ def test_an_hour_within_its_error_of_a_limit_blurs_the_metric():
     All errors are fully correlated: 99 becomes useful when 3000 ceases to be.
     """
     metrics = sensor_metrics(hourly(2.0), HOURS)
-    assert metrics["mean_illuminance_error"].values.tolist() == [2.0, 2.0]
-    assert metrics["daylight_autonomy_error"].values.tolist() == [0.125, 0.125]
-    assert metrics["useful_error"].values.tolist() == [0.0, 0.125]
+    assert metrics["mean_illuminance_error"].values == pytest.approx([2.0, 2.0])
+    assert metrics["daylight_autonomy_error"].values == pytest.approx([0.125, 0.125])
+    assert metrics["useful_error"].values == pytest.approx([0.0, 0.125])

@@ -116,7 +116,7 @@ def test_without_components_all_errors_are_fully_correlated():
     hourly = xr.Dataset({"illuminance": lux, "standard_error": 0 * lux + 20.0})
     found = sensor_metrics(hourly, np.ones(2, bool))
     assert float(found["mean_illuminance_error"][0]) == pytest.approx(20.0)
-    assert float(found["daylight_autonomy_error"][0]) == 0.25
+    assert float(found["daylight_autonomy_error"][0]) == pytest.approx(0.25)
 
 
 def test_without_errors_there_are_no_replicates():
