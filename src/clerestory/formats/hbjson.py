@@ -16,6 +16,7 @@ from typing import final
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.brief_repr import brief
 from clerestory.checks import require
 from clerestory.documents import read_json
 from clerestory.errors import ClerestoryWarning, located
@@ -74,6 +75,8 @@ class HoneybeeModel:
     grids: dict[str, Sensors]
     views: dict[str, View]
     unsupported: tuple[str, ...]
+
+    __repr__ = brief
 
 
 def read_hbjson(path: str | Path) -> HoneybeeModel:

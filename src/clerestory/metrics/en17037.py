@@ -1,5 +1,7 @@
 """EN 17037:2018, Daylight in buildings: provision, exposure to sunlight, glare.
 
+The fourth criterion of the standard, the view out, is not assessed.
+
 Daylight provision, method 2: for half of the daylight hours, the target illuminance is
 reached on 50 % of the area and the minimum illuminance on 95 % of the area. Method 1:
 equivalent limits of the daylight factor. Exposure to sunlight: hours of sun on a

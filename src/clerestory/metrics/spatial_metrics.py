@@ -5,7 +5,7 @@ occupied hours; ASE1000,250h is the fraction of the area with more than 1000 lux
 direct sunlight in more than 250 occupied hours a year. Sensors are weighted by the area
 they represent, or equally.
 
-References: IES LM-83-12 and LM-83-23, Approved Method: IES spatial daylight autonomy
+References: IES LM-83-12, Approved Method: IES spatial daylight autonomy
 (sDA) and annual sunlight exposure (ASE).
 """
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Int
 
+from clerestory.brief_repr import brief
 from clerestory.checks import require
 from clerestory.errors import InputError
 from clerestory.metrics.occupied_hours import occupied_hours
@@ -36,6 +37,8 @@ class Inputs:
     grids: dict[str, Sensors]
     cameras: tuple[Camera, ...]
     weather: Weather
+
+    __repr__ = brief
 
     def sensors(self) -> Sensors:
         """Return the sensors of all grids, concatenated."""

@@ -15,6 +15,7 @@ import h5netcdf  # type: ignore[import-untyped]
 import numpy as np
 import xarray as xr
 
+from clerestory.brief_repr import brief
 from clerestory.checks import require
 from clerestory.documents import json_value
 from clerestory.errors import InputError
@@ -48,6 +49,8 @@ class Results:
 
     data: xr.Dataset
     run: Mapping[str, Any] = field(default_factory=dict)
+
+    __repr__ = brief
 
     @property
     def title(self) -> str:
