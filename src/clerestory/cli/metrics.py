@@ -72,7 +72,9 @@ def metrics(request: Metrics) -> None:
     if request.output is not None:
         write_text(request.output, "\n".join([_HEAD, *rows]) + "\n")
     if request.honeybee is not None:
-        direct = {g.name: g.sun["illuminance"].values for g in grids if g.sun is not None}
+        direct = {
+            g.name: g.sun["illuminance"].values for g in grids if g.sun is not None
+        }
         honeybee.write_honeybee(
             request.honeybee,
             {g.name: g.lux.values.astype(float) for g in grids},
