@@ -33,8 +33,15 @@ _PRIOR = 0.1
 _RATE, _LEAST_RATE = 2.0, 0.125
 
 
-def with_learned_images(scene: Illumination, places: SurfacePoints) -> Illumination:
-    """Return the scene with image probabilities learned at surface points."""
+def with_learned_images(
+    scene: Illumination, places: SurfacePoints, sensors: SurfacePoints | None
+) -> Illumination:
+    """Return the scene with image probabilities learned at surface points and sensors.
+
+    As many sensors as surface points are used.
+    """
+    if sensors is not None:
+        places = sensors.thinned(_PLACES // 2) + places.thinned(_PLACES // 2)
     if len(places) == 0:
         return scene
     suns = scene.images_of_suns
@@ -49,9 +56,8 @@ def with_learned_images(scene: Illumination, places: SurfacePoints) -> Illuminat
 def _learned(
     images: MirrorImages, source: Suns | SurfaceEmitters, places: SurfacePoints
 ) -> MirrorImages:
-    few = min(_PLACES, max(1, _PAIRS // images.other))
-    chosen = np.linspace(0, len(places) - 1, min(few, len(places))).astype(int)
-    mirrored = _root_mean_squares(images, source, places, chosen)
+    places = places.thinned(min(_PLACES, max(1, _PAIRS // images.other)))
+    mirrored = _root_mean_squares(images, source, places)
     direct, total = mirrored[0], float(mirrored[1:].sum())
     mirrored[0] = 0
     prior = images.weight / images.weight.sum()
@@ -66,14 +72,13 @@ def _root_mean_squares(
     images: MirrorImages,
     source: Suns | SurfaceEmitters,
     places: SurfacePoints,
-    chosen: np.ndarray,
 ) -> Float[np.ndarray, " state"]:
     # Light at the points by way of each image; state 0 is direct light
-    count = len(chosen)
+    count = len(places)
     lane = dr.arange(mi.UInt32, count * images.other)
     state, row = lane // dr.opaque(mi.UInt32, count), lane % dr.opaque(mi.UInt32, count)
-    point = dr.gather(mi.Point3f, vectors(mi.Point3f, places.start[chosen]), row)
-    normal = dr.gather(mi.Vector3f, vectors(mi.Vector3f, places.normal[chosen]), row)
+    point = dr.gather(mi.Point3f, vectors(mi.Point3f, places.start), row)
+    normal = dr.gather(mi.Vector3f, vectors(mi.Vector3f, places.normal), row)
     numbers = PathNumbers(points(0, count), mi.UInt32(3), row, mi.UInt32(0))
     vertex = sensor_vertex(None, point, normal)
     with launching():

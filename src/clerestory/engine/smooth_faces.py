@@ -7,6 +7,10 @@ from jaxtyping import Bool, Float, Int
 
 from clerestory.scene.tessellate import Mesh
 
+# Largest number of planes or orientations (curved meshes have many); light by way of
+# the smallest surfaces is found by BSDF sampling only.
+MOST = 256
+
 # Normals are equal up to this difference [rad]; distances of parallel planes [m].
 _SLOPE, _DISTANCE = 1e-3, 2e-3
 
@@ -77,18 +81,12 @@ class SmoothFaces:
             np.concatenate([np.zeros(0), *share])[kept],
         )
 
-    def orientations(self, most: int) -> Planes:
-        """Return the orientations of largest area times reflectance."""
-        group = _clusters(self.normal, self.power, _SLOPE, most)
-        return self._planes(group, distant=True)
+    def planes(self, *, distant: bool) -> Planes:
+        """Return the planes of largest area times reflectance.
 
-    def planes(self, most: int) -> Planes:
-        """Return the planes of largest area times reflectance."""
-        scale = _DISTANCE / _SLOPE
-        place = np.column_stack([self.normal, self.offset / scale])
-        return self._planes(_clusters(place, self.power, _SLOPE, most), distant=False)
-
-    def _planes(self, group: Int[np.ndarray, " face"], *, distant: bool) -> Planes:
+        For distant sources: the orientations.
+        """
+        group = self.clusters(distant=distant)
         of_face, power = np.zeros(self.count, dtype=int), self.power
         of_face[self.face] = group + 1
         count = int(group.max(initial=-1)) + 1
@@ -106,6 +104,14 @@ class SmoothFaces:
             of_face,
         )
 
+    def clusters(self, *, distant: bool) -> Int[np.ndarray, " face"]:
+        """Return the plane or orientation of each face; -1 beyond the largest ones."""
+        if distant:
+            return _clusters(self.normal, self.power, _SLOPE)
+        scaled = self.offset * (_SLOPE / _DISTANCE)
+        place = np.column_stack([self.normal, scaled])
+        return _clusters(place, self.power, _SLOPE)
+
 
 def _sign(normal: Float[np.ndarray, "face 3"]) -> Float[np.ndarray, " face"]:
     # The half space of a normal; its limit is parallel to no usual surface
@@ -116,9 +122,8 @@ def _clusters(
     place: Float[np.ndarray, "face axes"],
     power: Float[np.ndarray, " face"],
     size: float,
-    most: int,
 ) -> Int[np.ndarray, " face"]:
-    # Index of each face's cluster of points, at most `most`, the most powerful first;
+    # Index of each face's cluster of points, at most MOST, the most powerful first;
     # -1 for faces without a cluster
     cell = np.round(place / (0.1 * size)).astype(np.int64)
     kept, member = np.unique(cell, axis=0, return_inverse=True)
@@ -127,7 +132,7 @@ def _clusters(
     group = np.full(len(kept), -1)
     number = 0
     for first in np.argsort(strength, kind="stable")[::-1]:
-        if number == most:
+        if number == MOST:
             break
         if group[first] < 0:
             near = np.abs(kept - kept[first]).max(axis=1) <= 10
