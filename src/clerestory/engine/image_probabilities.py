@@ -38,10 +38,11 @@ def with_learned_images(
 ) -> Illumination:
     """Return the scene with image probabilities learned at surface points and sensors.
 
-    As many sensors as surface points are used.
+    Half of the points may be sensors.
     """
     if sensors is not None:
-        places = sensors.thinned(_PLACES // 2) + places.thinned(_PLACES // 2)
+        sensors = sensors.thinned(_PLACES // 2)
+        places = sensors + places.thinned(_PLACES - len(sensors))
     if len(places) == 0:
         return scene
     suns = scene.images_of_suns

@@ -50,6 +50,7 @@ class MirrorImages:
     rows, shift : transforms from a source to its images, by state
     step : next state, by state and 1 + index of the plane; state 0 is a path without
         reflections, state `other` one whose image is not sampled
+    outside, columns : `other` and 1 + `count`, opaque to the compiler
     guide : sampling weight of surfaces, by state after reflection and image
     weight : sampling weights of the states
     rate : probability of sampling an image at all, beyond the first vertices of a path
@@ -64,6 +65,8 @@ class MirrorImages:
     shift: mi.Vector3f
     step: mi.UInt32
     other: int
+    outside: mi.UInt32
+    columns: mi.UInt32
     guide: mi.Float
     weight: Float[np.ndarray, " state"]
     chosen: Distribution
@@ -85,6 +88,8 @@ class MirrorImages:
             shift=vectors(mi.Vector3f, np.array(made.shift)),
             step=on_device(mi.UInt32, step),
             other=len(step) - 1,
+            outside=on_device(mi.UInt32, [len(step) - 1]),
+            columns=on_device(mi.UInt32, [len(planes.normal) + 1]),
             guide=on_device(mi.Float, _guidance(step)),
             weight=weight,
             chosen=Distribution.of(weight if weight.any() else np.ones(len(weight))),
@@ -119,7 +124,7 @@ class MirrorImages:
 
     def probability(self, state):
         """Return the probability of sampling the image of a state."""
-        known = (state > 0) & (state < self.other)
+        known = (state > 0) & (state < self.outside)
         chance = self.chosen.probability(dr.select(known, state, 0))
         return dr.select(known, chance, 0)
 
@@ -136,11 +141,11 @@ class MirrorImages:
 
     def following(self, state, plane):
         """Return the state after reflection in a plane (1 + index, or 0)."""
-        return dr.gather(mi.UInt32, self.step, state * (self.count + 1) + plane)
+        return dr.gather(mi.UInt32, self.step, state * self.columns + plane)
 
     def guidance(self, state, image):
         """Return the sampling weight of a surface: 0 if the image is out of reach."""
-        return dr.gather(mi.Float, self.guide, state * self.other + image)
+        return dr.gather(mi.Float, self.guide, state * self.outside + image)
 
     def plane(self, model: LoweredScene, shape, si, active):
         """Return 1 + index of the plane of a surface hit, or 0."""

@@ -11,6 +11,11 @@ from clerestory.scene.tessellate import Mesh
 # the smallest surfaces is found by BSDF sampling only.
 MOST = 256
 
+# Largest number of cells of normals and distances that are grouped, the most reflecting
+# ones; factors that make one number of the indices of a cell.
+_CELLS = 1 << 14
+_STRIDES = np.array([1, 1 << 15, 1 << 30, 1 << 45])
+
 # Normals are equal up to this difference [rad]; distances of parallel planes [m].
 _SLOPE, _DISTANCE = 1e-3, 2e-3
 
@@ -123,19 +128,22 @@ def _clusters(
     power: Float[np.ndarray, " face"],
     size: float,
 ) -> Int[np.ndarray, " face"]:
-    # Index of each face's cluster of points, at most MOST, the most powerful first;
-    # -1 for faces without a cluster
+    # Index of each face's cluster of points, at most MOST, the most powerful first; -1
+    # for faces without a cluster
     cell = np.round(place / (0.1 * size)).astype(np.int64)
-    kept, member = np.unique(cell, axis=0, return_inverse=True)
-    member = member.ravel()
-    strength = np.bincount(member, power, minlength=len(kept))
+    _, first, member = np.unique(
+        cell @ _STRIDES[: cell.shape[1]], return_index=True, return_inverse=True
+    )
+    strength = np.bincount(member, power, minlength=len(first))
+    strongest = np.argsort(-strength, kind="stable")[:_CELLS]
+    kept = cell[first[strongest]]
     group = np.full(len(kept), -1)
-    number = 0
-    for first in np.argsort(strength, kind="stable")[::-1]:
-        if number == MOST:
+    for number in range(MOST):
+        free = np.flatnonzero(group < 0)
+        if not len(free):
             break
-        if group[first] < 0:
-            near = np.abs(kept - kept[first]).max(axis=1) <= 10
-            group[near & (group < 0)] = number
-            number += 1
-    return np.asarray(group[member])
+        near = np.abs(kept[free] - kept[free[0]]).max(axis=1) <= 10
+        group[free[near]] = number
+    of_cell = np.full(len(first), -1)
+    of_cell[strongest] = group
+    return np.asarray(of_cell[member])
