@@ -87,8 +87,8 @@ def _root_mean_squares(
             vertex, state > 0
         )
         straight, seen = source.direct(vertex, numbers).estimate(vertex, state == 0)
-        light = dr.select(lit, dr.mean(mirrored), 0)
-        light += dr.select(seen, dr.mean(straight), 0)
+        light = dr.select(lit, dr.max(mirrored), 0)
+        light += dr.select(seen, dr.max(straight), 0)
         dr.eval(light)
         found = light.numpy().reshape(images.other, count)
     return np.asarray(np.sqrt(np.mean(np.square(found.astype(float)), axis=1)))
