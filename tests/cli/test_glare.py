@@ -119,6 +119,39 @@ def test_a_check_picture_shows_the_sources(call, desk):
     assert "--check is given with 2 pictures" in outcome.err
 
 
+def test_errors_of_pixels_become_errors_of_indices(call, desk):
+    """Illuminance is a sum: 2 % of a pixel alone are 2 % of its share."""
+    picture = read_picture(desk)
+    noise = np.zeros_like(picture.radiance)
+    noise[100, 80] = 50.0
+    write_picture(Picture(noise, view=FISHEYE), "noise.hdr")
+    words = "--error", "noise.hdr", "--format"
+    record = json.loads(call("glare", desk, *words, "json").out)[0]
+    level = picture.radiance.copy()
+    level[100, 80] = 0.0
+    write_picture(Picture(level, view=FISHEYE), "less.hdr")
+    level[100, 80] = 50.0
+    write_picture(Picture(level, view=FISHEYE), "more.hdr")
+    found = call("glare", "less.hdr", "more.hdr", "--format", "json").out
+    less, more = (each["illuminance"] for each in json.loads(found))
+    # The luminance less its error is not negative
+    own = float(picture.radiance[100, 80, 0])
+    expected = (more - less) * (1 + own / 50) / 2
+    assert record["illuminance_error"] == pytest.approx(expected, rel=0.02)
+    assert 0 < record["dgp_error"] < 0.1
+    text = call("glare", desk, *words, "text").out.splitlines()
+    assert text[1].startswith("dgp_error,dgi_error,ugr_error,vcp_error,cgi_error,")
+    assert float(text[1].split()[1]) == pytest.approx(record["dgp_error"], abs=1e-6)
+    detail = call("glare", desk, *words, "text", "-d").out.splitlines()
+    assert detail[-1].startswith("dgp_error,av_lum_error,E_v_error,")
+    assert ",dgp_error," in call("glare", desk, *words, "csv").out.splitlines()[0]
+    assert call("glare", desk, *words[:2], "--annual", "year.csv").status == 0
+    assert ",dgp_error," in Path("year.csv").read_text().splitlines()[0]
+    outcome = call("glare", desk, desk, *words[:2])
+    assert outcome.status == 2
+    assert "--error is given 1 times for 2 pictures" in outcome.err
+
+
 def test_a_mask_marks_the_window(call, desk):
     mask = np.zeros((150, 150, 3), np.float32)
     mask[30:45, 15:35] = 1

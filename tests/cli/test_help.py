@@ -20,6 +20,7 @@ COMMANDS = [
     "compare",
     "import",
     "multiply",
+    "irradiance",
     "glare",
     "picture merge",
     "picture reproject",

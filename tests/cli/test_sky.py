@@ -31,6 +31,29 @@ def test_every_sky_command_has_help_with_an_example(call, command):
     assert f"Example: clerestory sky {command}" in " ".join(outcome.out.split())
 
 
+def test_header_names_weather_place_and_options(call):
+    call(*f"{MATRIX} --sun-formula radiance --no-direct".split())
+    header = Path("S.smx").read_bytes().split(b"\n\n")[0].decode().splitlines()
+    command = "sky matrix two_days.wea --subdivision 1 --format double -o S.smx"
+    assert (
+        header[1].strip() == f"clerestory {command} --sun-formula radiance --no-direct"
+    )
+    given = dict(line.split("= ", 1) for line in header if "= " in line)
+    weather = read_weather("two_days.wea")
+    assert given["PLACE"] == weather.place
+    assert given["LATLONG"] == f"{weather.latitude_deg} {weather.longitude_deg}"
+    assert given["SOURCE"].endswith("two_days.wea")
+    assert given["SUN_FORMULA"] == "radiance"
+    assert given["INCLUDE"] == "sky"
+
+
+def test_help_says_what_the_formula_of_the_sun_changes(call):
+    """Not the solar position alone."""
+    text = " ".join(call("sky", "matrix", "--help").out.replace("│", " ").split())
+    for part in ("sunrise or sunset", "centre of each patch", "dew point of 11"):
+        assert part in text
+
+
 OPTIONS = [
     ("", {}),
     ("--sun-only", {"include": "sun"}),

@@ -55,12 +55,14 @@ class Effort:
     runs : of everything but pictures, to know its noise
     columns : of the pictures
     rays : of each pixel, the tutorial's -c 9
+    jitter : share of the pixel over which its rays are spread
     view, daylight, sun, pixel : numbers of directions or samples
     """
 
     runs: int
     columns: int
     rays: int = 9
+    jitter: float = 1.0
     view: int = 10000
     daylight: int = 4000
     sun: int = 20000
@@ -187,9 +189,9 @@ class Tutorial:
         # The rays of all pixels, pixel by pixel, the same for all matrices
         name = f"{view}0.rays"
         if not (self.folder / name).exists():
-            size = self.effort.columns
+            size, jitter = self.effort.columns, self.effort.jitter
             self.run(
-                f"vwrays -vf views/{view}.vf -x {size} -y {size} -pj 1"
+                f"vwrays -vf views/{view}.vf -x {size} -y {size} -pj {jitter:g}"
                 f" -c {self.effort.rays} -ff > {name}"
             )
         return name

@@ -11,7 +11,14 @@ from typing import final
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.array_types import Directions, ExitIncident, Points2, Values, Vector
+from clerestory.array_types import (
+    Directions,
+    ExitIncident,
+    Indices,
+    Points2,
+    Values,
+    Vector,
+)
 from clerestory.bsdf.inverse_sampling import sample_square
 from clerestory.bsdf.patch_overlap import opposite_patches
 from clerestory.bsdf.scattering_function import ScatteringFunction
@@ -61,6 +68,10 @@ class ReciprocalFunction(ScatteringFunction):
     def resolution(self, incident: Directions, leaving: Directions) -> Values:
         """Projected solid angle of the cell that contains each pair [sr]."""
         return self.forward.resolution(leaving, incident)
+
+    def cell(self, incident: Directions, leaving: Directions) -> Indices:
+        """Number of the cell that contains each pair."""
+        return self.forward.cell(leaving, incident)
 
     def average(self, exits: RingPartition, incidents: RingPartition) -> ExitIncident:
         """BSDF averaged over pairs of patches [1/sr]; flux is conserved."""

@@ -11,7 +11,7 @@ from typing import Literal, get_args
 import numpy as np
 from jaxtyping import Float, Int
 
-from clerestory.array_types import Directions, ExitIncident, Points2, Values
+from clerestory.array_types import Directions, ExitIncident, Indices, Points2, Values
 from clerestory.hemisphere.partition import RingPartition
 
 Function = Literal[
@@ -84,6 +84,10 @@ class ScatteringFunction(ABC):
     @abstractmethod
     def resolution(self, incident: Directions, leaving: Directions) -> Values:
         """Projected solid angle of the exit cell of each direction pair [sr]."""
+
+    @abstractmethod
+    def cell(self, incident: Directions, leaving: Directions) -> Indices:
+        """Number of the cell, or of the pair of patches, of each direction pair."""
 
     @abstractmethod
     def average(self, exits: RingPartition, incidents: RingPartition) -> ExitIncident:

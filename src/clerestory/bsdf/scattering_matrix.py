@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Directions, ExitIncident, Indices, Points2, Values
+from clerestory.brief_repr import brief
 from clerestory.bsdf.inverse_sampling import choose_cells
 from clerestory.bsdf.patch_overlap import opposite_patches, patches_in_patches
 from clerestory.bsdf.scattering_function import CHUNK, ScatteringFunction
@@ -32,6 +33,8 @@ class ScatteringMatrix(ScatteringFunction):
     incidents: RingPartition  # partition of the incident hemisphere
     # Standard error of each BSDF value [1/sr]; None if unknown
     standard_error: Float[np.ndarray, "exit incident"] | None = None
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         require(
@@ -94,6 +97,13 @@ class ScatteringMatrix(ScatteringFunction):
         patch = find_patches(self.exits, leaving.reshape(-1, 3))
         size = self.exits.projected_solid_angles()[patch]
         return np.asarray(size.reshape(leaving.shape[:-1]))
+
+    def cell(self, incident: Directions, leaving: Directions) -> Indices:
+        """Number of the pair of patches of each direction pair."""
+        leaving, incident = np.broadcast_arrays(leaving, incident)
+        patch = find_patches(self.exits, leaving.reshape(-1, 3)).astype(np.int64)
+        patch = patch * len(self.incidents) + self._enter(incident).ravel()
+        return np.asarray(patch.reshape(leaving.shape[:-1]))
 
     def average(self, exits: RingPartition, incidents: RingPartition) -> ExitIncident:
         """BSDF averaged over pairs of patches [1/sr]; flux is conserved."""

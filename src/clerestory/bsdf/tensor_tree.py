@@ -28,6 +28,7 @@ from clerestory.array_types import (
     Slots,
     Values,
 )
+from clerestory.brief_repr import brief
 from clerestory.bsdf.inverse_sampling import choose_cells
 from clerestory.bsdf.reciprocal_function import ReciprocalFunction
 from clerestory.bsdf.scattering_function import CHUNK, ScatteringFunction
@@ -37,6 +38,7 @@ from clerestory.bsdf.tree_lookup import (
     cells,
     dense_top,
     look_up,
+    morton_codes,
     slices,
     values_at,
 )
@@ -66,6 +68,8 @@ class ScatteringTree(ScatteringFunction):
     depth: int  # number of levels below the root; the smallest cells have edge 2^-depth
     # Standard error [1/sr] as a tree with the same cells; None if unknown
     standard_error: "ScatteringTree | None" = None
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         one_of(self.rank, "rank of a tensor tree", choices=(3, 4))
@@ -100,6 +104,17 @@ class ScatteringTree(ScatteringFunction):
             incident,
             leaving,
         )
+
+    def cell(self, incident: Directions, leaving: Directions) -> Indices:
+        """Number of the cell of each direction pair: the Morton code of its start."""
+
+        def start(place: tuple[_Places, ...]) -> Indices:
+            _, level = look_up(self.slots, place, depth=self.depth)
+            unused = self.rank * (self.depth - level.astype(np.int64))
+            path = morton_codes(place, self.depth).astype(np.int64)
+            return np.asarray(path >> unused << unused)
+
+        return self._over_pairs(start, incident, leaving, kind=np.int64)
 
     def hemispherical(self, incident: Directions) -> Values:
         """Directional-hemispherical transmittance or reflectance."""
@@ -166,14 +181,15 @@ class ScatteringTree(ScatteringFunction):
 
     def _over_pairs(
         self,
-        read: Callable[[tuple[_Places, ...]], _Pairs],
+        read: Callable[[tuple[_Places, ...]], np.ndarray],
         incident: Directions,
         leaving: Directions,
-    ) -> Values:
+        kind: type = float,
+    ) -> np.ndarray:
         incident, leaving = np.broadcast_arrays(incident, leaving)
         shape = incident.shape[:-1]
         incident, leaving = incident.reshape(-1, 3), leaving.reshape(-1, 3)
-        result = np.empty(len(incident))
+        result: np.ndarray = np.empty(len(incident), kind)
         for start in range(0, len(result), CHUNK):
             part = slice(start, start + CHUNK)
             x, y = incident[part, 0], incident[part, 1]

@@ -8,6 +8,7 @@ import importlib
 import inspect
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, nullcontext
+from contextvars import ContextVar
 from dataclasses import MISSING, Field, dataclass, fields, is_dataclass
 from pathlib import Path
 from types import ModuleType
@@ -17,6 +18,9 @@ import typer
 
 from clerestory.file_lock import locked
 from clerestory.options import Argument, Option, description, options
+
+# The command line being run, as recorded in the headers of files
+COMMAND_LINE: ContextVar[str] = ContextVar("COMMAND_LINE", default="clerestory")
 
 _KEY = "command"
 _Request = TypeVar("_Request", bound=type)

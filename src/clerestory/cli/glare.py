@@ -1,6 +1,7 @@
 """`clerestory glare`: glare indices of pictures, as evalglare computes them."""
 
 import json
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 
@@ -32,14 +33,20 @@ def glare(request: GlareRequest) -> None:
         request.check is None or len(files) == 1,
         f"--check is given with {len(files)} pictures; one picture expected",
     )
+    require(
+        len(request.error) in (0, len(files)),
+        f"--error is given {len(request.error)} times for {len(files)} pictures; once"
+        " for each picture expected",
+    )
     if request.annual is not None:
-        _write_annual(files, request.annual, options, quiet=request.quiet)
+        _write_annual(request, request.annual, options)
         return
+    errors: Sequence[Path | None] = request.error or [None] * len(files)
     records: list[dict[str, object]] = []
     with progress_display(quiet=request.quiet) as display:
         progress = display("glare")
-        for done, file in enumerate(files):
-            found = evaluate_file(file, options)
+        for done, (file, error) in enumerate(zip(files, errors, strict=True)):
+            found = evaluate_file(file, options, error=error)
             if request.check is not None:
                 show_task = request.shown_task is not None
                 shown = found.check_picture(colour=request.colour, show_task=show_task)
@@ -73,12 +80,12 @@ def _text(found: Evaluation, request: GlareRequest) -> list[str]:
             numbers = " ".join(f"{vote:.6f}" for vote in votes.values())
             lines.append(f"{','.join(votes)}: {numbers}")
     if not request.detail:
-        return [*lines, glare_text.short_line(found.result)]
+        return [*lines, *glare_text.short_lines(found.result)]
     field = field_luminances(found.luminance, found.eye)
     return [
         *lines,
         *glare_text.source_lines(found.result),
-        glare_text.long_line(found.result, field),
+        *glare_text.long_lines(found.result, field),
     ]
 
 
@@ -87,6 +94,10 @@ def _record(found: Evaluation) -> dict[str, object]:
     values = found.result.values()
     return {
         **{name: x if np.isfinite(x) else None for name, x in values.items()},
+        **{
+            f"{name}_error": x if np.isfinite(x) else None
+            for name, x in found.result.errors.items()
+        },
         **{f"{name}_luminance": value for name, value in field._asdict().items()},
         **{name: asdict(part) for name, part in found.regions.items()},
         **found.window_votes(),
@@ -105,12 +116,13 @@ def _cell(value: object) -> str:
     return "" if value is None else str(value)
 
 
-def _write_annual(
-    files: list[Path], out: Path, options: EvalglareOptions, *, quiet: bool
-) -> None:
+def _write_annual(request: GlareRequest, out: Path, options: EvalglareOptions) -> None:
+    files, quiet = request.files, request.quiet
     one_of(out.suffix, "extension of --annual", choices=(".nc", ".csv"))
     with progress_display(quiet=quiet) as display:
-        data = annual_glare_of_files(files, options, progress=display("glare"))
+        data = annual_glare_of_files(
+            files, options, errors=request.error, progress=display("glare")
+        )
     if out.suffix == ".csv":
         write_text(out, data.to_dataframe().to_csv())
     else:

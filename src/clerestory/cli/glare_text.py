@@ -1,6 +1,7 @@
 """Glare results as text in the format of evalglare."""
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -38,20 +39,30 @@ _REGION = {
 }
 
 
-def short_line(result: Glare) -> str:
-    """Return the line of glare indices that evalglare prints without options."""
+def short_lines(result: Glare) -> list[str]:
+    """Return the line of glare indices that evalglare prints, and their errors."""
     values = result.values()
     numbers = _six(*(values[name] for name in _SHORT.values()))
-    return f"{','.join(_SHORT)}: {' '.join(numbers)}"
+    return [f"{','.join(_SHORT)}: {' '.join(numbers)}", *_errors(result, _SHORT)]
 
 
-def long_line(result: Glare, field: FieldLuminances) -> str:
-    """Return the line of all indices that evalglare -d prints."""
+def _errors(result: Glare, columns: Mapping[str, str]) -> list[str]:
+    # Line of the standard errors of indices, if known
+    if not result.errors:
+        return []
+    names = [f"{column}_error" for column in columns]
+    numbers = _six(*(result.errors[name] for name in columns.values()))
+    return [f"{','.join(names)}: {' '.join(numbers)}"]
+
+
+def long_lines(result: Glare, field: FieldLuminances) -> list[str]:
+    """Return the line of all indices that evalglare -d prints, and their errors."""
     values = result.values()
     numbers = {column: values[name] for column, name in _LONG.items()}
     last = {_AFTER_FIELD: numbers.pop(_AFTER_FIELD)}
     numbers |= dict(zip(_FIELD, field, strict=True)) | last
-    return f"{','.join(numbers)}: {' '.join(_six(*numbers.values()))}"
+    line = f"{','.join(numbers)}: {' '.join(_six(*numbers.values()))}"
+    return [line, *_errors(result, _LONG)]
 
 
 def source_lines(result: Glare) -> list[str]:
@@ -103,6 +114,7 @@ def source_rows(sources: GlareSources) -> list[dict[str, float]]:
         "row": sources.row,
         "column": sources.column,
         "luminance": sources.luminance,
+        "luminance_error": sources.luminance_error,
         "solid_angle": sources.solid_angle,
         "position_index": sources.position_index,
         "sigma_deg": np.degrees(sources.sigma),

@@ -5,6 +5,7 @@ SIGTERM or SIGHUP. Errors and warnings are one line each on the error stream.
 """
 
 import os
+import shlex
 import sys
 import traceback
 import warnings
@@ -15,6 +16,7 @@ from typing import Any
 import typer
 
 from clerestory import __version__
+from clerestory.cli.command import COMMAND_LINE
 from clerestory.cli.interruption import Interruption, interruptible
 from clerestory.cli.program import program
 from clerestory.errors import ClerestoryError, ClerestoryWarning
@@ -36,10 +38,12 @@ _UsageError: type[Exception] = next(
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command line, by default `sys.argv`; return the exit status."""
-    words = spread(list(sys.argv[1:] if arguments is None else arguments))
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    words = spread(given)
     if words == ["--version"]:
         typer.echo(f"clerestory {__version__}")
         return 0
+    COMMAND_LINE.set(shlex.join(["clerestory", *given]))
     told = WarningLog()
     with warnings.catch_warnings():
         warnings.simplefilter("always", ClerestoryWarning)

@@ -1,19 +1,24 @@
 """Writers of matrices in NetCDF (.nc) or Radiance format, by file extension."""
 
 import importlib
+from collections.abc import Mapping
 
 import numpy as np
 
+from clerestory.cli.command import COMMAND_LINE
 from clerestory.cli.requests.common import MatrixFile
 from clerestory.matrix.radiance_format import write_matrix, write_rows
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.sky.patch_radiance import SkyMatrix
 
 
-def write_any_matrix(file: MatrixFile, matrix: TransferMatrix, *, command: str) -> None:
+def write_any_matrix(
+    file: MatrixFile, matrix: TransferMatrix, *, header: Mapping[str, str] | None = None
+) -> None:
     """Write a matrix; only `.nc` files contain labels and standard errors.
 
-    Radiance programs expect three channels, so a single channel is repeated.
+    Radiance programs expect three channels, so a single channel is repeated. The header
+    of Radiance's format has the command line and the variables of `header`.
     """
     if file.output.suffix.lower() == ".nc":
         # Imported on demand, because the NetCDF library loads slowly
@@ -23,17 +28,38 @@ def write_any_matrix(file: MatrixFile, matrix: TransferMatrix, *, command: str) 
     shape = len(matrix.bands), *matrix.values.shape[1:]
     values = np.broadcast_to(matrix.values, shape)
     whole = TransferMatrix(values, matrix.rows, matrix.columns, bands=matrix.bands)
-    write_matrix(file.output, whole, encoding=file.encoding, command=command)
-
-
-def write_sky(file: MatrixFile, sky: SkyMatrix, *, command: str) -> None:
-    """Write a sky matrix; Radiance format is written row by row to limit memory."""
-    if file.output.suffix.lower() == ".nc":
-        write_any_matrix(file, sky.to_transfer_matrix(), command=command)
-        return
-    shape, encoding = (
-        (len(sky.partition), len(sky.times), len(sky.bands)),
-        file.encoding,
+    write_matrix(
+        file.output,
+        whole,
+        encoding=file.encoding,
+        command=COMMAND_LINE.get(),
+        header=header,
     )
-    rows = sky.row_blocks()
-    write_rows(file.output, rows, shape=shape, encoding=encoding, command=command)
+
+
+def write_sky(file: MatrixFile, sky: SkyMatrix, *, luminance: bool = False) -> None:
+    """Write the radiance or the luminance of a sky matrix.
+
+    Radiance in Radiance's format is written row by row to limit memory.
+    """
+    if luminance or file.output.suffix.lower() == ".nc":
+        matrix = sky.luminance() if luminance else sky.to_transfer_matrix()
+        write_any_matrix(file, matrix, header=_provenance(sky))
+        return
+    write_rows(
+        file.output,
+        sky.row_blocks(),
+        shape=(len(sky.partition), len(sky.times), len(sky.bands)),
+        encoding=file.encoding,
+        command=COMMAND_LINE.get(),
+        header=_provenance(sky),
+    )
+
+
+def _provenance(sky: SkyMatrix) -> dict[str, str]:
+    # Header variables of a sky: LATLONG as gendaymtx, and all other attributes
+    given = {name.upper(): str(value) for name, value in sky.attributes.items()}
+    latitude, longitude = given.pop("LATITUDE_DEG", ""), given.pop("LONGITUDE_DEG", "")
+    if latitude:
+        given["LATLONG"] = f"{latitude} {longitude}"
+    return given

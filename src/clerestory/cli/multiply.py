@@ -8,6 +8,7 @@ from pathlib import Path
 
 from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.checks import require, within
+from clerestory.cli.command import COMMAND_LINE
 from clerestory.cli.matrix_output import write_any_matrix
 from clerestory.cli.progress import progress_display, say
 from clerestory.cli.requests.render import Multiply
@@ -17,8 +18,6 @@ from clerestory.matrix.netcdf import read_netcdf
 from clerestory.matrix.radiance_format import read_matrix
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.facade_matrices import joint_sum
-
-_COMMAND = "clerestory multiply"
 
 
 def multiply(request: Multiply) -> None:
@@ -32,11 +31,13 @@ def multiply(request: Multiply) -> None:
             others = [read_any_matrix(path) for path in request.factors[1:]]
             product = _product([view, *others], request.factors)
             progress(0.8, "writing")
-            picture_sets.write_picture_set(file.output, product, like, command=_COMMAND)
+            picture_sets.write_picture_set(
+                file.output, product, like, command=COMMAND_LINE.get()
+            )
         else:
             product = _sum(terms)
             progress(0.8, "writing")
-            write_any_matrix(file, product, command=_COMMAND)
+            write_any_matrix(file, product)
         progress(1.0, "done")
     size = f"{product.rows.describe()} by {product.columns.describe()}"
     say(f"{file.output}: {size}", quiet=file.quiet)

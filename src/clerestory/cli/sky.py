@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from clerestory.checks import require
-from clerestory.cli.matrix_output import write_any_matrix, write_sky
+from clerestory.cli.matrix_output import write_sky
 from clerestory.cli.progress import progress_display, say
 from clerestory.cli.requests import sky as requests
 from clerestory.errors import InputError
@@ -53,11 +53,7 @@ def matrix(request: requests.SkyMatrixRequest) -> None:
         )
         progress(0.2, "writing")
         sky = sky.mean() if request.average else sky
-        command = "clerestory sky matrix"
-        if request.luminance:
-            write_any_matrix(request.file, sky.luminance(), command=command)
-        else:
-            write_sky(request.file, sky, command=command)
+        write_sky(request.file, sky, luminance=request.luminance)
         progress(1.0, "done")
     size = f"{sky.rows.describe()} by {sky.columns.describe()}"
     if request.time is not None:
@@ -89,7 +85,7 @@ def vector(request: requests.SkyVectorRequest) -> None:
         sky, subdivision=request.subdivision, sun=placement, sun_diameter_deg=diameter
     )
     file = request.file
-    write_sky(file, column, command="clerestory sky vector")
+    write_sky(file, column)
     say(f"{file.output}: {column.rows.describe()}", quiet=file.quiet)
 
 

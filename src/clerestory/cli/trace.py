@@ -43,7 +43,7 @@ def view(request: requests.ViewMatrix) -> None:
     room, windows = read_rad(*request.scene), read_windows(*request.window)
     receiver = _receiver(request.receiver)
     warn_of_scene(room, windows, _sensors(receiver))
-    with _run("view", request.file, request.effort) as run:
+    with _run(request.file, request.effort) as run:
         effort = run.effort("view matrix")
         if isinstance(receiver, Camera):
             traced = picture_view_matrices(
@@ -62,7 +62,7 @@ def daylight(request: requests.DaylightMatrix) -> None:
     """Trace daylight matrices."""
     room, windows = read_rad(*request.scene), read_windows(*request.window)
     warn_of_scene(room, windows)
-    with _run("daylight", request.file, request.effort) as run:
+    with _run(request.file, request.effort) as run:
         effort = run.effort("daylight matrix")
         run.write(
             traced_matrices.daylight_matrices(
@@ -75,7 +75,7 @@ def coefficients(request: requests.DaylightCoefficients) -> None:
     """Trace daylight coefficients."""
     room, points = read_rad(*request.scene), read_sensors(request.sensors)
     warn_of_scene(room, (), points)
-    with _run("coefficients", request.file, request.effort) as run:
+    with _run(request.file, request.effort) as run:
         effort = run.effort("daylight coefficients")
         found = traced_matrices.daylight_coefficients(
             room, sensors=points, subdivision=request.subdivision, effort=effort
@@ -89,7 +89,7 @@ def facade(request: requests.FacadeMatrix) -> None:
     ports = read_windows(*request.port)
     warn_of_scene(room, windows)
     traced: dict[str, TransferMatrix] = {}
-    with _run("facade", request.file, request.effort) as run:
+    with _run(request.file, request.effort) as run:
         for number, each in enumerate(windows):
             effort = run.effort(f"façade matrix of {each.name}")
             effort = replace(effort, seed=effort.seed + number)
@@ -107,7 +107,7 @@ def sun(request: requests.SunCoefficients) -> None:
     weather = read_weather(request.weather)
     suns = sun_matrix(weather, tolerance_deg=request.tolerance).directions
     traced = {}
-    with _run("sun", request.file, request.effort) as run:
+    with _run(request.file, request.effort) as run:
         for each in windows:
             effort = run.effort(f"direct sun through {each.name}")
             common = room, windows, each.name, layer
@@ -122,8 +122,7 @@ def sun(request: requests.SunCoefficients) -> None:
 
 @dataclass(frozen=True)
 class _Run:
-    # Tracing command: output file, and a function from matrix title to sampling effort
-    kind: str
+    # Output file, and a function from matrix title to sampling effort
     file: common.MatrixFile
     effort: Callable[[str], Effort]
     begin: float
@@ -134,7 +133,7 @@ class _Run:
         receiver: Camera | Sensors | None = None,
     ) -> None:
         """Write each matrix to a file, and print a summary."""
-        output, command = self.file.output, f"clerestory trace {self.kind}"
+        output = self.file.output
         stems = file_stems(traced)
         for name, matrix in traced.items():
             stem = f"{output.stem}-{stems[name]}" if len(traced) > 1 else output.stem
@@ -143,7 +142,7 @@ class _Run:
                 _write_pictures(path, matrix, receiver)
             else:
                 file = replace(self.file, output=path)
-                write_any_matrix(file, matrix, command=command)
+                write_any_matrix(file, matrix)
             say(f"{path}: {_summary(matrix)}", quiet=self.file.quiet)
         seconds = time.perf_counter() - self.begin
         say(f"done in {seconds:.1f} s", quiet=self.file.quiet)
@@ -151,11 +150,11 @@ class _Run:
 
 @contextmanager
 def _run(
-    kind: str, file: common.MatrixFile, options: common.EffortOptions | common.SunEffort
+    file: common.MatrixFile, options: common.EffortOptions | common.SunEffort
 ) -> Iterator[_Run]:
     begin = time.perf_counter()
     with tracing(options, quiet=file.quiet) as effort:
-        yield _Run(kind, file, effort, begin)
+        yield _Run(file, effort, begin)
 
 
 def _receiver(chosen: common.SensorsOrView) -> Camera | Sensors:

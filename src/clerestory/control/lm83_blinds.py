@@ -4,7 +4,7 @@ A sensor is in direct sunlight at 1000 lux or more from the sun without reflecti
 Each window group has a blind state of its own; at each time step, the most open
 combination of states that meets the criterion is chosen.
 
-Reference: IES LM-83-12 and LM-83-23, Approved Method: spatial daylight autonomy and
+Reference: IES LM-83-12, Approved Method: spatial daylight autonomy and
 annual sunlight exposure (blinds operation).
 """
 

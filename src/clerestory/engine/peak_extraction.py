@@ -2,17 +2,18 @@
 
 A clear pane in a BSDF file is one bright cell around the direction of straight
 transmission. The peak consists of the cells around that direction that are at least an
-eighth as bright as the brightest cell and at most 1.5 times as large as the smallest
-cell of the file. The flux of the peak above the surrounding BTDF is transmitted
-undeflected, and is removed from the BTDF.
+eighth as bright as the brightest cell, at most 1.5 times as large as the smallest cell
+of the file, and brighter than all other cells near that direction. The flux of the peak
+above the surrounding BTDF is transmitted undeflected, and is removed from the BTDF.
 
-The criteria are documented in Radiance's source (m_bsdf.c).
+The criteria are those of Radiance (m_bsdf.c), which selects the peak for each direction
+of view. Here it is selected for each direction of light, which conserves its flux.
 """
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Int
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.scattering_function import Function, ScatteringFunction
@@ -26,12 +27,14 @@ from clerestory.hemisphere.shirley_chiu import cell_centres, directions_from_squ
 # Number of cells along an edge of the look-up grid of directions.
 _GRID = 128
 
-# Points around the direction of direct transmission, in steps on the disc.
-_STEPS = np.array(
-    [(i, j) for i in range(-4, 5) for j in range(-4, 5) if i * i + j * j <= 18]
-)
-_STEP = 0.6
-_REACH = float(np.sqrt(18) * _STEP + np.sqrt(0.5))
+# Points around the direction of direct transmission, _STEP smallest cells apart on the
+# disc. Cells with a point within _CORE can belong to a peak; they end within _REACH.
+_STEP, _CORE, _REACH = 0.6, 2.55, 4.3
+_EXTENT = int(_REACH / _STEP)
+_GRID_STEPS = np.indices((2 * _EXTENT + 1,) * 2).reshape(2, -1).T - _EXTENT
+_DISTANCE = _STEP * np.hypot(*_GRID_STEPS.T)
+_INNER = _GRID_STEPS[_DISTANCE <= _CORE]
+_OUTER = _GRID_STEPS[(_DISTANCE > _CORE) & (_DISTANCE <= _REACH)]
 
 _CONTRAST = 8.0
 _LARGEST = 1.5
@@ -45,8 +48,10 @@ _SIDES: tuple[Function, ...] = ("transmission_front", "transmission_back")
 class PeakTable:
     """Dr.Jit arrays of the direct transmission (peak) of a layer.
 
-    The first half of each array is for light exiting to the room, the second half for
-    light exiting to the outside.
+    The arrays are indexed by the direction of the light, as the values of the file are:
+    the peak and the remaining BTDF together conserve the flux of each incident
+    direction. The first half of each array is for light into the room, the second half
+    for light to the outside.
     """
 
     def __init__(self, bsdf: Bsdf):
@@ -55,17 +60,21 @@ class PeakTable:
             on_device(mi.Float, np.stack(parts)) for parts in found
         )
 
-    def _cell(self, wi):
-        outside = dr.select(wi.z > 0, mi.UInt32(0), mi.UInt32(_GRID * _GRID))
-        return outside + cell_of_disc(wi, _GRID)
+    def _cell(self, along):
+        # Cell of the direction in which light propagates
+        outside = dr.select(along.z > 0, mi.UInt32(0), mi.UInt32(_GRID * _GRID))
+        return outside + cell_of_disc(along, _GRID)
 
     def transmittance(self, wi):
         """Return the direct transmittance towards an exiting direction."""
         return dr.gather(mi.Color3f, self.passed, self._cell(wi))
 
     def without(self, value, wi, wo):
-        """Return a BTDF value of the layer with the peak removed [1/sr]."""
-        cell = self._cell(wi)
+        """Return a BTDF value of the layer with the peak removed [1/sr].
+
+        `wi`: exiting direction, towards the eye; `wo`: towards the source of light
+        """
+        cell = self._cell(-wo)
         side = dr.select(wi.z > 0, mi.UInt32(0), mi.UInt32(1))
         apart = dr.square(wi.x + wo.x) + dr.square(wi.y + wo.y)
         near = apart <= dr.gather(mi.Float, self.radius2, side)
@@ -86,28 +95,36 @@ def _peaks(
     smallest = _smallest(luminous)
     if smallest is None:
         return none
-    edge = float(np.sqrt(smallest))
-    leaving, incident, inside = _around(edge)
+    incident, leaving, inside = _around(_INNER, smallest)
     parts = bsdf.xyz(side) if bsdf.in_colour(side) else (luminous,)
     values = [np.where(inside, part.evaluate(incident, leaving), 0) for part in parts]
-    size = luminous.reciprocal().resolution(leaving, incident)
+    size = luminous.resolution(incident, leaving)
     bright = values[len(values) // 2]
-    in_peak, limit = _select(bright, size, inside, smallest)
+    number = luminous.cell(incident, leaving)
+
+    # Select bright small cells; they must be brighter than all other cells within
+    # reach, because `without` selects them by their values
+    limit = bright.max(axis=1) / _CONTRAST
+    in_peak = inside & (size <= _LARGEST * smallest) & (bright > limit[:, None])
+    others = np.where(in_peak, 0, bright).max(axis=1)
+    limit = np.maximum(limit, others)
+    in_peak &= bright > limit[:, None]
+    limit = np.maximum(limit, _outside(luminous, smallest, limit, number, in_peak))
+    in_peak &= bright > limit[:, None]
 
     # Transmittance of the peak above the surrounding BTDF; each cell counts once
-    first = _first_of_each(bright) & inside
+    first = _first_of_each(np.where(inside, number, -1)) & inside
     around = first & ~in_peak
     weight = np.where(around, size, 0).sum(axis=1)
     surround = np.where(around, bright * size, 0).sum(axis=1)
     surround = np.divide(surround, weight, out=np.zeros(cells), where=weight > 0)
     counted = in_peak & first
     above = [
-        np.where(counted, np.maximum(v - surround[:, None], 0) * size, 0).sum(axis=1)
-        for v in values
+        np.where(counted, (v - surround[:, None]) * size, 0).sum(axis=1) for v in values
     ]
     rgb = np.stack(above * (3 // len(above)))
     if len(parts) == 3:
-        rgb = rgb_from_xyz(rgb[:, :, None])[:, :, 0]
+        rgb = rgb_from_xyz(np.maximum(rgb, 0)[:, :, None])[:, :, 0]
     clear = (above[len(above) // 2] >= _FAINT) & (weight > 0)
     rgb = np.where(clear, rgb, 0).T
     limit = np.where(clear, limit, np.inf)
@@ -118,37 +135,42 @@ def _smallest(part: ScatteringFunction) -> float | None:
     if isinstance(part, ScatteringTree):
         return float(np.pi * 0.25**part.depth)
     if isinstance(part, ScatteringMatrix):
-        return float(part.incidents.projected_solid_angles().min())
+        return float(part.exits.projected_solid_angles().min())
     return _smallest(part.reciprocal())
 
 
-def _around(edge: float):
-    # Exit direction of each grid cell, and directions around direct transmission
-    leaving = directions_from_square(*cell_centres(_GRID.bit_length() - 1))
-    disc = -leaving[:, None, :2] + _STEPS * (_STEP * edge)
+def _around(steps: Int[np.ndarray, "step 2"], smallest: float, cells=slice(None)):
+    # Incident direction of grid cells, and exit directions around that of direct
+    # transmission
+    along = directions_from_square(*cell_centres(_GRID.bit_length() - 1))[cells]
+    disc = along[:, None, :2] + steps * (_STEP * np.sqrt(smallest))
     radius2 = np.sum(disc**2, axis=-1)
     inside = radius2 < 1
     height = np.sqrt(np.maximum(1 - radius2, 1e-9))
-    incident = np.concatenate([disc, -height[..., None]], axis=-1)
-    incident /= np.linalg.norm(incident, axis=-1, keepdims=True)
-    return np.broadcast_to(leaving[:, None], incident.shape), incident, inside
+    leaving = np.concatenate([disc, height[..., None]], axis=-1)
+    return np.broadcast_to(-along[:, None], leaving.shape), leaving, inside
 
 
-def _first_of_each(values: Float[np.ndarray, "cell step"]):
-    # First point of each cell of the file; points of equal BTDF are in the same cell
-    order = np.argsort(values, axis=1, kind="stable")
-    ranked = np.take_along_axis(values, order, axis=1)
+def _outside(part: ScatteringFunction, smallest: float, limit, number, in_peak):
+    # Largest BTDF above the limit in cells that are within reach, but not in the peak
+    most = np.zeros(len(limit))
+    row = np.flatnonzero(in_peak.any(axis=1))
+    incident, leaving, inside = _around(_OUTER, smallest, row)
+    values = np.where(inside, part.evaluate(incident, leaving), 0)
+    at, step = np.nonzero(values > limit[row, None])
+    row = row[at]
+    cell = part.cell(incident[at, step], leaving[at, step])
+    other = np.all((number[row] != cell[:, None]) | ~in_peak[row], axis=1)
+    np.maximum.at(most, row[other], values[at, step][other])
+    return most
+
+
+def _first_of_each(number: Int[np.ndarray, "cell step"]):
+    # First point of each cell of the file
+    order = np.argsort(number, axis=1, kind="stable")
+    ranked = np.take_along_axis(number, order, axis=1)
     new = np.ones_like(ranked, dtype=bool)
     new[:, 1:] = ranked[:, 1:] != ranked[:, :-1]
     first = np.zeros_like(new)
     np.put_along_axis(first, order, new, axis=1)
     return first
-
-
-def _select(values, size, inside, smallest: float):
-    # Select the points in the peak: bright points in small cells
-    small = inside & (size <= _LARGEST * smallest)
-    brightest = np.where(inside, values, 0).max(axis=1)
-    sharp = np.where(small, values, 0).max(axis=1) >= brightest
-    limit = np.where(sharp & (brightest > 0), brightest / _CONTRAST, np.inf)
-    return small & (values > limit[:, None]), limit

@@ -5,6 +5,7 @@ the view alone, such as solid angles and position indices, are computed once.
 """
 
 import importlib
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -14,8 +15,9 @@ from jaxtyping import Float
 
 from clerestory.array_types import Image
 from clerestory.checks import require, same_length
+from clerestory.errors import ClerestoryWarning
 from clerestory.glare.detection_criteria import SourceRules
-from clerestory.glare.evaluate import summarise
+from clerestory.glare.evaluate import evaluate_luminance
 from clerestory.glare.glare_view import GlareView, glare_view
 from clerestory.glare.index_settings import (
     EVALGLARE,
@@ -24,7 +26,9 @@ from clerestory.glare.index_settings import (
     IndexSettings,
 )
 from clerestory.glare.indices import REPORTED
-from clerestory.glare.sources import find_sources, warn_if_coarse
+from clerestory.glare.sources import SourceSearch, warn_if_coarse
+from clerestory.glare.uncertainty import UncertainLuminance
+from clerestory.glare.undersampled_sources import UndersampledSources
 from clerestory.scene.view import View
 
 if TYPE_CHECKING:
@@ -34,7 +38,7 @@ _UNITS = {quantity.name: quantity.unit for quantity in REPORTED}
 
 
 def annual_glare(
-    luminance: Iterable[Image],
+    luminance: Iterable[Image | UncertainLuminance],
     view: View,
     *,
     times: np.ndarray | None = None,
@@ -43,7 +47,8 @@ def annual_glare(
     background: Background = "cie",
     low_light: bool = False,
     coefficients: DgpCoefficients = EVALGLARE,
-    name: str | None = "the pictures",
+    name: str = "the pictures",
+    check_pixels: bool = True,
     progress: Callable[[int], None] | None = None,
 ) -> "xr.Dataset":
     """Return the glare indices of a sequence of pictures.
@@ -51,19 +56,22 @@ def annual_glare(
     Parameters
     ----------
     luminance : luminance of the pixels [cd/m²]: an array (step, row, column), or an
-        iterable of pictures, such as a generator over the results of a five-phase study
+        iterable of pictures, such as a generator over the results of a five-phase
+        study; pictures that are `UncertainLuminance` give standard errors
     view : common view of all pictures
     times : time of each picture, the coordinate "time" of the result; default: a
         coordinate "step" of picture numbers
     illuminance : measured vertical illuminance per time step, for DGP [lux]; default:
         from the pictures
     rules, background, low_light, coefficients : see `evaluate_glare`
-    name : name of the view in warnings; None for no warnings
+    name : name of the pictures in warnings
+    check_pixels : whether to warn of too few pixels for the merging of sources
     progress : callback with the number of completed pictures
 
     Returns
     -------
-    dataset with one variable per index, and one value per picture
+    dataset with one variable per index, and one value per picture; if pictures have
+    errors, also the standard error of each index, such as "dgp_error"
 
     Raises
     ------
@@ -81,28 +89,33 @@ def annual_glare(
     rules = rules or SourceRules()
     settings = IndexSettings(background, None, low_light, None, coefficients)
     results = []
+    worst: UndersampledSources | None = None
+    search: SourceSearch | None = None
     for step, (picture, eye) in enumerate(_checked(luminance, view)):
-        if step == 0 and name is not None:
+        if step == 0 and check_pixels:
             warn_if_coarse(eye, rules, name=name)
-        result = summarise(
-            picture,
-            eye,
-            find_sources(picture, eye, rules),
-            rules,
-            replace(settings, given_illuminance=_at(illuminance, step)),
-        )
-        results.append(result.values())
+        search = search or SourceSearch(eye, rules)
+        given = replace(settings, given_illuminance=_at(illuminance, step))
+        _, result, poor = evaluate_luminance(picture, search, given)
+        errors = {f"{key}_error": error for key, error in result.errors.items()}
+        results.append(result.values() | errors)
+        if poor is not None and (worst is None or poor.share > worst.share):
+            worst = poor
+            moment = f"picture {step}" if times is None else str(times[step])[:16]
         if progress is not None:
             progress(step + 1)
+    if worst is not None:
+        warnings.warn(f"{name}, {moment}: {worst.words()}", ClerestoryWarning, 2)
     return _dataset(results, times, illuminance)
 
 
 def _checked(
-    luminance: Iterable[np.ndarray], view: View
-) -> Iterator[tuple[np.ndarray, GlareView]]:
+    luminance: Iterable[Image | UncertainLuminance], view: View
+) -> Iterator[tuple[Image | UncertainLuminance, GlareView]]:
     # Check each picture; yield it with the pixel quantities of the common view
     eye = None
-    for step, picture in enumerate(luminance):
+    for step, given in enumerate(luminance):
+        picture = given.value if isinstance(given, UncertainLuminance) else given
         if eye is None:
             rows, columns = picture.shape
             eye = glare_view(view, columns, rows)
@@ -116,7 +129,7 @@ def _checked(
             f"picture {step} has negative or non-finite luminances; finite numbers of 0"
             " or more expected",
         )
-        yield picture, eye
+        yield given, eye
 
 
 def _at(illuminance: np.ndarray | None, step: int) -> float | None:
@@ -139,9 +152,11 @@ def _dataset(
             same_length(given, results, name, "pictures")
     require(results, "no pictures; at least one expected")
     axis = "step" if times is None else "time"
+    units = _UNITS | {f"{name}_error": unit for name, unit in _UNITS.items()}
     variables = {
-        name: (axis, [result[name] for result in results], {"units": unit})
-        for name, unit in _UNITS.items()
+        name: (axis, [result.get(name, np.nan) for result in results], {"units": unit})
+        for name, unit in units.items()
+        if any(name in result for result in results)
     }
     steps = np.arange(len(results)) if times is None else times
 

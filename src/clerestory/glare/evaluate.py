@@ -1,13 +1,15 @@
 """Glare evaluation of a picture, as in evalglare."""
 
+import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from clerestory.array_types import Image
+from clerestory.brief_repr import brief
 from clerestory.checks import require
-from clerestory.errors import InputError
+from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.glare.check_picture import Colour, check_picture
 from clerestory.glare.detection_criteria import SourceRules
 from clerestory.glare.glare_view import GlareView, glare_view
@@ -24,11 +26,21 @@ from clerestory.glare.picture_checks import check_photometry
 from clerestory.glare.position_index import PositionModel
 from clerestory.glare.sources import (
     Members,
-    find_sources,
+    SourceSearch,
     in_zone,
     reference_luminance,
     tabulate,
     warn_if_coarse,
+)
+from clerestory.glare.uncertainty import (
+    UncertainLuminance,
+    index_errors,
+    luminance_error,
+)
+from clerestory.glare.undersampled_sources import (
+    UndersampledSources,
+    undersampled_sources,
+    without_undersampled,
 )
 from clerestory.glare.zones import Zones, cut_along
 from clerestory.image.picture import Picture
@@ -60,6 +72,8 @@ class Evaluation:
     members: Members
     result: Glare
     regions: Mapping[str, RegionStatistics] = field(default_factory=dict)
+
+    __repr__ = brief
 
     def check_picture(
         self, *, colour: Colour | None = None, show_task: bool = False
@@ -101,6 +115,7 @@ def evaluate_glare(
     position_model: PositionModel = "guth",
     seen: SeenRows | None = None,
     trust: bool = False,
+    error: Picture | None = None,
 ) -> Glare:
     """Return the glare sources and indices of a picture, as in evalglare 3.06.
 
@@ -118,6 +133,8 @@ def evaluate_glare(
     position_model : model of the position index
     seen : captured rows of a cropped picture; the missing rows are extrapolated
     trust : whether to omit the checks of projection and photometric scale
+    error : standard error of each pixel, as of a `Rendering`; gives the standard errors
+        of the indices
 
     Raises
     ------
@@ -139,7 +156,7 @@ def evaluate_glare(
     )
     eye = eye_of(picture, view=view, position_model=position_model, trust=trust)
     return evaluate_picture(
-        picture, rules, settings, eye, zones=zones, seen=seen
+        picture, rules, settings, eye, zones=zones, seen=seen, error=error
     ).result
 
 
@@ -151,15 +168,58 @@ def evaluate_picture(
     *,
     zones: Zones | None = None,
     seen: SeenRows | None = None,
+    error: Picture | None = None,
 ) -> Evaluation:
     """Return the glare evaluation of a picture already checked by `eye_of`."""
-    luminance = picture.luminance()
+    images = [picture.luminance()]
+    if error is not None:
+        images.append(luminance_error(error, picture))
     if seen is not None:
-        luminance = fill_cut(luminance, eye, seen)
+        images = [fill_cut(image, eye, seen) for image in images]
     warn_if_coarse(eye, rules, name="the picture")
-    members = find_sources(luminance, eye, rules)
-    result = summarise(luminance, eye, members, rules, settings, zones=zones)
-    return Evaluation(picture, rules, luminance, eye, members, result)
+    luminance = images[0] if error is None else UncertainLuminance(*images)
+    search = SourceSearch(eye, rules)
+    members, result, poor = evaluate_luminance(luminance, search, settings, zones=zones)
+    if poor is not None:
+        warnings.warn(poor.words(), ClerestoryWarning, stacklevel=2)
+    return Evaluation(picture, rules, images[0], eye, members, result)
+
+
+def evaluate_luminance(
+    luminance: Image | UncertainLuminance,
+    search: SourceSearch,
+    settings: IndexSettings,
+    *,
+    zones: Zones | None = None,
+) -> tuple[Members, Glare, UndersampledSources | None]:
+    """Return source pixels, glare indices with standard errors, and poor sources."""
+
+    def found(pixels: Image, error: Image | None = None) -> tuple[Members, Glare]:
+        members = search.members(pixels)
+        return members, summarise(
+            pixels,
+            search.eye,
+            members,
+            search.rules,
+            settings,
+            zones=zones,
+            error=error,
+        )
+
+    if not isinstance(luminance, UncertainLuminance):
+        return *found(luminance), None
+    members, result = found(luminance.value, luminance.error)
+    errors = index_errors(luminance, lambda pixels: found(pixels)[1].values())
+    reduced = without_undersampled(luminance, search.eye, members)
+    if reduced is None:
+        return members, replace(result, errors=errors), None
+    # The error covers the value without undersampled sources
+    _, without = found(reduced)
+    others = without.values()
+    for name, value in result.values().items():
+        errors[name] = max(errors[name], abs(value - others[name]))
+    result = replace(result, errors=errors)
+    return members, result, undersampled_sources(result, without, search.eye.view)
 
 
 def eye_of(
@@ -206,18 +266,23 @@ def summarise(
     settings: IndexSettings,
     *,
     zones: Zones | None = None,
+    error: Image | None = None,
 ) -> Glare:
-    """Return the glare indices of a picture with the glare source pixels `members`."""
+    """Return the glare indices of a picture with the glare source pixels `members`.
+
+    `error` is the independent standard error of each pixel [cd/m²].
+    """
     zone_of = None
     if zones is not None:
         members, zone_of = cut_along(members, zones.of_pixels(eye))
-    sources = tabulate(members, luminance, eye, zone=zone_of)
-    values = np.ascontiguousarray(luminance, dtype=float).ravel()
-    average = float(eye.solid_angle.ravel() @ values) / eye.total_solid_angle
+    sources = tabulate(members, luminance, eye, zone=zone_of, error=error)
+    # Sums by einsum use one thread: threads cost more than they save
+    values = np.ascontiguousarray(luminance, dtype=float)
+    average = float(np.einsum("ij,ij", eye.solid_angle, values)) / eye.total_solid_angle
     task = rules.task
     return Glare(
         sources=sources.larger_than(rules.smallest),
-        illuminance=float(eye.eye_weight.ravel() @ values),
+        illuminance=float(np.einsum("ij,ij", eye.eye_weight, values)),
         average=average,
         reference=reference_luminance(luminance, eye, task) if task else average,
         brightest=float((luminance * eye.valid).max()),

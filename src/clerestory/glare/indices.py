@@ -3,11 +3,13 @@
 To add an index, write a module with the formula and add a line here.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
+from clerestory.brief_repr import brief
 from clerestory.glare.cgi import CGI
 from clerestory.glare.dgi import DGI, MODIFIED_DGI
 from clerestory.glare.dgp import (
@@ -63,7 +65,14 @@ INDICES = tuple(one for one in REPORTED if isinstance(one, GlareIndex))
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Glare(EyePhotometry):
-    """Glare sources, photometric quantities and glare indices of one picture."""
+    """Glare sources, photometric quantities and glare indices of one picture.
+
+    `errors` are the standard errors of the `values`, if those of the pixels are known.
+    """
+
+    errors: Mapping[str, float] = field(default_factory=dict)
+
+    __repr__ = brief
 
     @cached_property
     def dgp(self) -> float:

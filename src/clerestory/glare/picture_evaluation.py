@@ -33,6 +33,7 @@ from clerestory.glare.luminance_statistics import (
     region_statistics,
 )
 from clerestory.glare.position_index import PositionModel
+from clerestory.glare.uncertainty import UncertainLuminance, luminance_error
 from clerestory.glare.zones import Zones
 from clerestory.image.picture_files import read_picture
 from clerestory.progress import Progress
@@ -54,9 +55,15 @@ _FIELDS: dict[str | None, FieldOfView | None] = {
 
 
 def evaluate_file(
-    file: str | Path, options: EvalglareOptions | None = None
+    file: str | Path,
+    options: EvalglareOptions | None = None,
+    *,
+    error: str | Path | None = None,
 ) -> Evaluation:
-    """Return the glare evaluation of a picture file."""
+    """Return the glare evaluation of a picture file.
+
+    `error` is the file of the standard errors of its pixels, as from `render --error`.
+    """
     options = options or EvalglareOptions()
     picture = read_picture(file)
     model: PositionModel = "kim" if options.indices.position == "1" else "guth"
@@ -70,6 +77,7 @@ def evaluate_file(
         eye,
         zones=zones,
         seen=_rows_in_picture(options.indices, picture.rows),
+        error=None if error is None else read_picture(error),
     )
     regions = _regions(found.luminance, eye, options.regions, zones)
     return replace(found, regions=regions)
@@ -79,9 +87,13 @@ def annual_glare_of_files(
     files: Sequence[str | Path],
     options: EvalglareOptions | None = None,
     *,
+    errors: Sequence[str | Path] = (),
     progress: Progress | None = None,
 ) -> "xr.Dataset":
-    """Return the glare indices of picture files of one view, one file per time step."""
+    """Return the glare indices of picture files of one view, one file per time step.
+
+    `errors` are the files of the standard errors of the pixels, if known.
+    """
     options = options or EvalglareOptions()
     settings = _settings(options.indices)
     require(
@@ -91,9 +103,14 @@ def annual_glare_of_files(
     first = read_picture(files[0])
     view = eye_of(first, view=_view(options), trust=options.trust).view
 
-    def luminances() -> Iterator[np.ndarray]:
+    def luminances() -> Iterator[np.ndarray | UncertainLuminance]:
         for done, file in enumerate(files):
-            yield read_picture(file).luminance()
+            picture = read_picture(file)
+            if errors:
+                error = luminance_error(read_picture(errors[done]), picture)
+                yield UncertainLuminance(picture.luminance(), error)
+            else:
+                yield picture.luminance()
             if progress is not None:
                 progress((done + 1) / len(files), str(file))
 

@@ -3,9 +3,10 @@
 from dataclasses import dataclass, fields
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 from numpy.typing import ArrayLike
 
+from clerestory.brief_repr import brief
 from clerestory.checks import require
 
 
@@ -22,6 +23,7 @@ class GlareSources:
         is weighted by luminance and solid angle
     illuminance : vertical illuminance at the eye from the source [lux]
     zone : zone number: 0 outside of all zones, 1 inner zone, 2 outer zone
+    luminance_error : standard error of the mean luminance, 0 if unknown [cd/m²]
 
     >>> lamp = GlareSources.of(luminance=[5000], solid_angle=[0.01], position_index=[2])
     >>> lamp.count
@@ -38,6 +40,9 @@ class GlareSources:
     row: Float[np.ndarray, " source"]
     column: Float[np.ndarray, " source"]
     zone: Int[np.ndarray, " source"]
+    luminance_error: Float[np.ndarray, " source"]
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         lengths = {len(getattr(self, field.name)) for field in fields(self)}
@@ -78,6 +83,7 @@ class GlareSources:
             row=nothing,
             column=nothing,
             zone=none,
+            luminance_error=nothing,
         )
 
     @property
@@ -100,10 +106,22 @@ class GlareSources:
             return 0.0
         return float(self.luminance @ self.solid_angle / self.solid_angle.sum())
 
+    def samples(self) -> Float[np.ndarray, " source"]:
+        """Effective number of path samples of each source: squared L over its error.
+
+        n samples of equal value among many of 0 have the relative error 1/√n.
+        Infinite if the error is 0.
+        """
+        with np.errstate(divide="ignore"):
+            return np.asarray((self.luminance / self.luminance_error) ** 2)
+
     def larger_than(self, solid_angle: float) -> "GlareSources":
         """Return the sources with at least the given solid angle [sr].
 
         Wienold and Christoffersen (2006) ignored sources smaller than 0.002 sr.
         """
-        keep = self.solid_angle >= solid_angle
+        return self.select(self.solid_angle >= solid_angle)
+
+    def select(self, keep: Bool[np.ndarray, " source"]) -> "GlareSources":
+        """Return some of the sources."""
         return GlareSources(*(getattr(self, item.name)[keep] for item in fields(self)))

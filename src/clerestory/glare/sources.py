@@ -7,12 +7,13 @@ are extracted.
 
 import math
 import warnings
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Int
 
-from clerestory.array_types import Image
+from clerestory.array_types import Image, ImageMask
 from clerestory.checks import require
 from clerestory.errors import ClerestoryWarning
 from clerestory.glare.detection_criteria import SourceRules, Zone
@@ -100,11 +101,26 @@ def find_sources(
 ) -> Members:
     """Return the pixels of the glare sources of a picture."""
     rules = rules or SourceRules()
+    return grouped(*glare_pixels(luminance, eye, rules), eye, rules)
+
+
+def glare_pixels(
+    luminance: Image, eye: GlareView, rules: SourceRules
+) -> tuple[ImageMask, ImageMask]:
+    """Return which pixels are glare pixels, and which of them are peaks."""
     level = threshold_luminance(luminance, eye, rules)
-    scale = merging_pixels(eye, rules)
     mask = (luminance > level) & eye.valid
     if rules.field_of_view is not None:
         mask &= eye.in_field(rules.field_of_view)
+    limit = np.inf if rules.peak_luminance is None else rules.peak_luminance
+    return mask, np.asarray(luminance >= limit)
+
+
+def grouped(
+    mask: ImageMask, peak: ImageMask, eye: GlareView, rules: SourceRules
+) -> Members:
+    """Group glare pixels into sources."""
+    scale = merging_pixels(eye, rules)
     near = Neighbourhood(eye, rules.merge_angle / 2)
     pixels = scan_order(mask, near.reach)
     label = np.zeros(0, dtype=np.int64)
@@ -118,8 +134,31 @@ def find_sources(
     if rules.smooth:
         members = _smooth(members, mask, eye, scale / _SMOOTHING)
     if rules.peak_luminance is not None:
-        members = _split(members, luminance, eye, rules.peak_luminance, near)
+        members = _split(members, peak, eye, near)
     return members
+
+
+@dataclass
+class SourceSearch:
+    """Search for the glare sources of pictures of one view.
+
+    The last result is kept, since pictures often have the same glare pixels.
+    """
+
+    eye: GlareView
+    rules: SourceRules
+    _last: tuple[ImageMask, ImageMask, Members] | None = None
+
+    def members(self, luminance: Image) -> Members:
+        """Return the pixels of the glare sources of a picture."""
+        mask, peak = glare_pixels(luminance, self.eye, self.rules)
+        if self._last is not None:
+            before, peaks, members = self._last
+            if np.array_equal(mask, before) and np.array_equal(peak, peaks):
+                return members
+        members = grouped(mask, peak, self.eye, self.rules)
+        self._last = mask, peak, members
+        return members
 
 
 def _smooth(
@@ -137,14 +176,10 @@ def _smooth(
 
 
 def _split(
-    members: Members,
-    luminance: np.ndarray,
-    eye: GlareView,
-    limit: float,
-    near: Neighbourhood,
+    members: Members, peaks: np.ndarray, eye: GlareView, near: Neighbourhood
 ) -> Members:
     # The labels of extracted peaks are larger than all other labels
-    peak = luminance[members.row, members.column] >= limit
+    peak = peaks[members.row, members.column]
     if not peak.any():
         return members
     label = members.label.copy()
@@ -167,8 +202,12 @@ def tabulate(
     eye: GlareView,
     *,
     zone: Int[np.ndarray, " label"] | None = None,
+    error: Image | None = None,
 ) -> GlareSources:
-    """Return the table of the sources of a picture, in the order of labels."""
+    """Return the table of the sources of a picture, in the order of labels.
+
+    `error` is the standard error of each pixel, independent of those of other pixels.
+    """
     label, row, column = members
     bright = luminance[row, column].astype(float)
     omega = eye.solid_angle[row, column]
@@ -184,6 +223,7 @@ def tabulate(
     # position index and direction. evalglare counts rows from below and truncates
     # coordinates
     solid_angle, power = total(omega), total(flux)
+    noise = np.zeros(label.size) if error is None else error[row, column] * omega
     last = eye.shape[0] - 1
     up, across = total(flux * (last - row)) / power, total(flux * column) / power
     up_pixel, column_pixel = (x.astype(np.float32).astype(int) for x in (up, across))
@@ -199,4 +239,5 @@ def tabulate(
         row=last - up,
         column=across,
         zone=np.zeros(used.size, dtype=np.int64) if zone is None else zone[used],
+        luminance_error=np.sqrt(total(noise**2)) / solid_angle,
     )

@@ -37,7 +37,7 @@ class SlatParameters(GlazingTable):
     spacing_mm: _Length
     tilt_deg: Annotated[float, Field(ge=-90, le=90)] = 0.0
     curvature_radius_mm: float = 0.0
-    segments: int = 5
+    segments: int | None = None
     vertical: bool = False
     distribution: Literal["directional", "uniform"] = "directional"
 
@@ -104,7 +104,7 @@ def igsdb_shade(geometry: Mapping[str, Any], path: str | Path) -> ShadeParameter
     table: dict[str, object] = {"material": path}
     if "slat_width" in geometry:
         table |= {"width_mm": get("slat_width"), "spacing_mm": get("slat_spacing")}
-        table |= {"tilt_deg": get("slat_tilt"), "segments": get("number_segments") or 5}
+        table |= {"tilt_deg": get("slat_tilt"), "segments": get("number_segments")}
         table |= {"curvature_radius_mm": get("slat_curvature")}
         return validated(table, SlatParameters, file=path)
     if "thread_diameter" in geometry:

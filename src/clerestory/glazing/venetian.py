@@ -127,7 +127,7 @@ class VenetianBlind(MaterialLayer):
     def _beams(self, direction: Points2, opening: int) -> _Beams:
         shares = self._cell.beam(direction, opening=opening)
         other = self._cell.room if opening == self._cell.sky else self._cell.sky
-        return _Beams(shares[:, : 2 * self.slats.segments], shares[:, other])
+        return _Beams(shares[:, : 2 * self.slats.segment_count], shares[:, other])
 
     def _sent(
         self,
@@ -135,7 +135,7 @@ class VenetianBlind(MaterialLayer):
         wavelength_nm: PerWavelength,
     ) -> Float[np.ndarray, "wavelength face direction"]:
         # Radiosity of each face per unit irradiance of the blind, after all reflections
-        count = self.slats.segments
+        count = self.slats.segment_count
         spacing, length = self.slats.spacing, self._cell.lengths[: 2 * count]
         passes = self._material_matrix(wavelength_nm)
         among = self._view[: 2 * count, : 2 * count]
@@ -148,7 +148,7 @@ class VenetianBlind(MaterialLayer):
     ) -> Float[np.ndarray, "wavelength face face"]:
         # Each face reflects flux, and transmits flux from the other side of the slat
         shares = self.material.at(wavelength_nm)
-        count = self.slats.segments
+        count = self.slats.segment_count
         same, across = np.eye(count), np.eye(count)
         upper = [shares.reflection_front, shares.transmission_back]
         lower = [shares.transmission_front, shares.reflection_back]

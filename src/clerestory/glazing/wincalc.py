@@ -152,7 +152,7 @@ def _slats(engine: ModuleType, blind: VenetianBlind) -> Any:
         distribution_method=methods.DIRECTIONAL_DIFFUSE
         if blind.distribution == "directional"
         else methods.UNIFORM_DIFFUSE,
-        number_slat_segments=slats.segments,
+        number_slat_segments=slats.segment_count,
     )
 
 

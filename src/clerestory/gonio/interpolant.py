@@ -11,7 +11,14 @@ from typing import final
 import numpy as np
 from jaxtyping import Float, Int
 
-from clerestory.array_types import Directions, ExitIncident, Points2, Values, Vector
+from clerestory.array_types import (
+    Directions,
+    ExitIncident,
+    Indices,
+    Points2,
+    Values,
+    Vector,
+)
 from clerestory.bsdf.inverse_sampling import sample_square
 from clerestory.bsdf.patch_overlap import patches_in_cells
 from clerestory.bsdf.reciprocal_function import ReciprocalFunction
@@ -137,6 +144,11 @@ class Interpolant(ScatteringFunction):
         """Projected solid angle of the cells of the sampling grid [sr]."""
         shape = np.broadcast_shapes(np.shape(incident), np.shape(leaving))[:-1]
         return np.full(shape, np.pi * 0.25**_GATHER)
+
+    def cell(self, incident: Directions, leaving: Directions) -> Indices:
+        """Numbers that all differ: values are interpolated for each pair."""
+        shape = np.broadcast_shapes(np.shape(incident), np.shape(leaving))[:-1]
+        return np.arange(np.prod(shape, dtype=int)).reshape(shape)
 
     def average(self, exits: RingPartition, incidents: RingPartition) -> ExitIncident:
         """BSDF averaged over pairs of patches [1/sr]; flux is conserved."""

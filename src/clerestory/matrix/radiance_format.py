@@ -9,7 +9,7 @@ rows, columns and components; the caller passes their labels.
 import re
 import sys
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -29,6 +29,7 @@ Encoding = Literal["ascii", "float", "double"]
 
 _ITEM = {"float": "f4", "double": "f8"}
 _LONGEST_HEADER = 1 << 20
+_RESERVED = ("NROWS", "NCOLS", "NCOMP", "FORMAT", "BigEndian")
 
 
 @dataclass(frozen=True)
@@ -113,6 +114,7 @@ def write_matrix(
     *,
     encoding: Encoding = "float",
     command: str = "",
+    header: Mapping[str, str] | None = None,
 ) -> None:
     """Write the values of a matrix in Radiance's format.
 
@@ -122,10 +124,11 @@ def write_matrix(
     Parameters
     ----------
     command : command line recorded in the header
+    header : further variables of the header, such as LATLONG
 
     Raises
     ------
-    InputError : unknown encoding
+    InputError : unknown encoding, or a name of a header variable that is not valid
     OutputError : the file cannot be written
     """
     channels, rows, columns = matrix.values.shape
@@ -135,6 +138,7 @@ def write_matrix(
         shape=(rows, columns, channels),
         encoding=encoding,
         command=command,
+        header=header,
     )
 
 
@@ -145,15 +149,24 @@ def write_rows(
     shape: tuple[int, int, int],
     encoding: Encoding = "float",
     command: str = "",
+    header: Mapping[str, str] | None = None,
 ) -> None:
     """Write a matrix given as blocks of rows, with one block in memory at a time.
 
-    `shape` gives the numbers of rows, columns and channels of the matrix.
+    `shape` gives the numbers of rows, columns and channels of the matrix; `command` and
+    `header` are as in `write_matrix`.
     """
     one_of(encoding, "matrix encoding", choices=("ascii", *_ITEM))
+    for name in header or {}:
+        require(
+            re.fullmatch(r"[A-Z][A-Z0-9_]*", name) and name not in _RESERVED,
+            f"header variable is {name!r}; capitals, digits and _ expected, and not"
+            f" {', '.join(_RESERVED)}",
+        )
     rows, columns, channels = shape
     lines = ["#?RADIANCE"]
     lines += [f"\t{header_line(command)}"] if command else []
+    lines += [f"{name}= {header_line(text)}" for name, text in (header or {}).items()]
     lines += [f"NROWS={rows}", f"NCOLS={columns}", f"NCOMP={channels}"]
     lines += [] if encoding == "ascii" else [f"BigEndian={int(sys.byteorder == 'big')}"]
     lines += [f"FORMAT={encoding}", "", ""]

@@ -12,6 +12,7 @@ from jaxtyping import Float
 
 from clerestory import __version__
 from clerestory.bands import RGB, Bands
+from clerestory.brief_repr import brief
 from clerestory.checks import require
 from clerestory.engine.effort import Effort, EffortKeywords, effort_of
 from clerestory.engine.radiance_jobs import (
@@ -44,15 +45,24 @@ class Rendering:
     error: Float[np.ndarray, "row column band"]
     paths: int
 
+    __repr__ = brief
+
 
 @dataclass(frozen=True, eq=False)
 class Gathered:
-    """Irradiance [W/m²] of sensors at one instant, and its standard error."""
+    """Irradiance [W/m²] of sensors at one instant, and its standard error.
+
+    `illuminance_error`: standard error of the illuminance [lux], from the same batches
+    of paths; the errors of the bands are correlated.
+    """
 
     irradiance: Float[np.ndarray, "sensor band"]
     error: Float[np.ndarray, "sensor band"]
+    illuminance_error: Float[np.ndarray, " sensor"]
     paths: int
     bands: Bands = RGB
+
+    __repr__ = brief
 
     def illuminance(self) -> Float[np.ndarray, " sensor"]:
         """Illuminance of each sensor [lux]."""
@@ -152,7 +162,7 @@ def irradiance(
     job = IrradianceJob(scene=scene, sensors=sensors, **effort.job_options())
     lit = estimate_radiance(job, effort)
     warn_if_short(lit, "irradiance", effort)
-    return Gathered(lit.value, lit.error, lit.paths, scene.bands)
+    return Gathered(lit.value, lit.error, lit.photometric_error, lit.paths, scene.bands)
 
 
 def _check_light(scene: Scene) -> None:

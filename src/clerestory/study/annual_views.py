@@ -143,7 +143,12 @@ def _glare(
     # Images are grouped by combination of shade states, not in order of time
     order = view.order(states, steps)
     found = annual_glare(
-        series, view.camera.view, times=times[order], name=None, progress=progress
+        series,
+        view.camera.view,
+        times=times[order],
+        name=f'[[view]] "{view.table.label}"',
+        check_pixels=False,
+        progress=progress,
     )
     return found.sortby("time")
 

@@ -115,6 +115,25 @@ def test_command_cannot_become_a_header_variable(tmp_path):
     assert read_matrix(tmp_path / "a.mtx").values.shape == original.values.shape
 
 
+def test_header_variables_are_written_in_one_line_each(tmp_path):
+    write_matrix(
+        tmp_path / "a.mtx",
+        matrix(),
+        header={"PLACE": "OSLO\nNROWS=1"},
+        command="x " * 9000,
+    )
+    lines = (tmp_path / "a.mtx").read_bytes().split(b"\n\n")[0].decode().splitlines()
+    assert "PLACE= OSLO NROWS=1" in lines
+    assert max(map(len, lines)) < 2047  # the buffer of Radiance's programs
+    assert read_matrix(tmp_path / "a.mtx").values.shape == matrix().values.shape
+
+
+@pytest.mark.parametrize("name", ["NROWS", "FORMAT", "two words", "A=B", ""])
+def test_header_variables_cannot_replace_those_of_the_format(tmp_path, name):
+    with pytest.raises(InputError, match="header variable is"):
+        write_matrix(tmp_path / "a.mtx", matrix(), header={name: "1"})
+
+
 def test_axes_label_the_matrix(write):
     sky = sky_axis(reinhart(1))
     data = np.ones((2, 146, 3), "<f4").tobytes()

@@ -23,6 +23,11 @@ class GlareRequest:
     )
     detail: bool = option(False, "Print all indices and all glare sources.", "-d")
     options: EvalglareOptions
+    error: list[Path] = option(
+        (),
+        "Standard errors of the pixels, from render --error; one file per picture.",
+        metavar="F",
+    )
     shown_task: Circle | None = option(
         None,
         "Like --task, and colour the task zone blue in the check picture.",

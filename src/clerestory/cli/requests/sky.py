@@ -24,7 +24,7 @@ SunSize = Annotated[
 ]
 SunFormula = Annotated[
     Literal["spa", "radiance"],
-    Option("Sun position formula; radiance reproduces gendaymtx exactly."),
+    Option("Formula of the solar position; radiance is that of gensky and gendaymtx."),
 ]
 Rotation = Annotated[
     float,
@@ -59,7 +59,15 @@ class SkyMatrixRequest:
     sun_only: bool = option(False, "Include only the direct sun.")
     no_direct: NoDirect = False
     sun_size: SunSize = None
-    sun_formula: SunFormula = "spa"
+    sun_formula: Annotated[
+        Literal["spa", "radiance"],
+        Option(
+            "spa, or radiance for the values of gendaymtx: its solar position, without"
+            " correction in steps with sunrise or sunset; the sky scaled by the cosine"
+            " at the centre of each patch, 0.55 % less at MF 1; and a dew point of"
+            " 11 °C in place of the file's."
+        ),
+    ] = "spa"
     ground_reflectance: str = option(
         "0.2",
         "Reflectance of the ground, one number or R,G,B.",

@@ -1,0 +1,90 @@
+"""Standard errors of glare indices, from the statistical errors of the pixels.
+
+The indices are not linear in luminance, and a pixel near the threshold belongs to a
+source or not. Each index is therefore computed for pairs of pictures, the luminance
+plus and minus a random draw of its error, with detection of sources and all formulas.
+The standard error is the root mean square of half of the differences.
+
+Reference: McCarthy, P. J. (1969): Pseudo-replication: half samples. Review of the
+International Statistical Institute 37(3), pages 239-264.
+"""
+
+import math
+import zlib
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.array_types import Image
+from clerestory.checks import require
+from clerestory.image.picture import Picture, same_size
+
+# Number of pairs of pictures
+DRAWS = 8
+
+
+@dataclass(frozen=True, eq=False)
+class UncertainLuminance:
+    """Luminance of the pixels of a picture, with its statistical error [cd/m²].
+
+    Attributes
+    ----------
+    value : luminance
+    error : standard error of each pixel, independent of those of other pixels
+    shared : draws of errors that pixels have in common, such as that of the daylight
+        matrix; the mean of their squares is the variance
+    """
+
+    value: Image
+    error: Image
+    shared: Float[np.ndarray, "draw row column"] | None = None
+
+    def __post_init__(self) -> None:
+        least = float(self.error.min())
+        message = f"smallest standard error of a pixel is {least:g}; 0 or more expected"
+        require(least >= 0, message)
+
+    def pairs(self) -> Iterator[tuple[Image, Image]]:
+        """Yield the luminance plus and minus draws of its error.
+
+        In each draw, the error of each pixel has a random sign.
+        """
+        # Seed from the picture, so that equal pictures have equal errors
+        seed = zlib.crc32(self.error.tobytes())
+        random = np.random.default_rng(seed)
+        for draw in range(DRAWS if self.shared is None else len(self.shared)):
+            sign = 2 * random.integers(0, 2, self.value.shape, dtype=np.int8) - 1
+            change = sign * self.error
+            if self.shared is not None:
+                change += self.shared[draw]
+            yield np.maximum(self.value + change, 0), np.maximum(self.value - change, 0)
+
+
+def luminance_error(error: Picture, like: Picture) -> Image:
+    """Return the standard error of the luminance of a picture [cd/m²].
+
+    `error` contains the standard error of the radiance in each band. The errors of the
+    bands are assumed to be fully correlated, as in grey scenes.
+    """
+    same_size(error.radiance, like.radiance, "the picture of standard errors")
+    return error.luminance()
+
+
+def index_errors(
+    luminance: UncertainLuminance, quantities: Callable[[Image], Mapping[str, float]]
+) -> dict[str, float]:
+    """Return the standard error of each quantity of a picture.
+
+    >>> picture = UncertainLuminance(np.full((30, 30), 9.0), np.full((30, 30), 0.3))
+    >>> found = index_errors(picture, lambda pixels: {"mean": float(pixels.mean())})
+    >>> 0.005 < found["mean"] < 0.02  # 0.3/√900
+    True
+    """
+    squares: dict[str, list[float]] = {}
+    for plus, minus in luminance.pairs():
+        least = quantities(minus)
+        for name, value in quantities(plus).items():
+            squares.setdefault(name, []).append(((value - least[name]) / 2) ** 2)
+    return {name: math.sqrt(np.mean(each)) for name, each in squares.items()}
