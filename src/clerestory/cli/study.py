@@ -28,6 +28,7 @@ def new(request: requests.NewStudy) -> None:
         sensors=request.sensors,
         spacing=request.spacing,
         height=request.height,
+        units=request.units,
     )
     say(
         *(f'window "{n}" reversed: its front must face the room' for n in begun.turned),
