@@ -25,6 +25,7 @@ from clerestory.scene.material import (
     parts,
     same_material,
 )
+from clerestory.scene.materials.brtd import FunctionSheet
 from clerestory.scene.materials.bsdf_surface import BsdfSurface
 from clerestory.scene.materials.dielectric import Dielectric, Interface
 from clerestory.scene.materials.emitters import Glow, Illum, Light, Spotlight
@@ -53,6 +54,7 @@ __all__ = [
     "Dielectric",
     "DistantSource",
     "Emitter",
+    "FunctionSheet",
     "Glass",
     "Glow",
     "Illum",
