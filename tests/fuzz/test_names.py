@@ -93,7 +93,7 @@ def scene_of(names):
         if name:
             materials[name] = Plastic(name, GREY)
         key = name or "plain"
-        surfaces.append(Polygon([*SQUARE, 0, 0, number], key, name))
+        surfaces.append(Polygon(np.add(SQUARE, [0, 0, number]), key, name))
     return Scene(materials, tuple(surfaces))
 
 
@@ -155,7 +155,7 @@ def test_names_within_materials_are_escaped(folder):
         mixed = Mixture(f"{name}3", part, other, 0.5)
         mirror = Mirror(f"{name}4", GREY, part)
         used = [
-            Polygon([*SQUARE, k, 0, number], m.name, name)
+            Polygon(np.add(SQUARE, [k, 0, number]), m.name, name)
             for k, m in ((0, mixed), (2, mirror))
         ]
         scene += Scene({m.name: m for m in (mixed, mirror)}, tuple(used))

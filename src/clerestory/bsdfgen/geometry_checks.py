@@ -1,8 +1,8 @@
 """Plausibility checks of the geometry of a shading system.
 
 Surfaces are checked for position, length unit and coplanar overlaps. Dielectric solids
-are checked for open edges and inward normals. All findings are warnings, except that a
-system entirely on the room side of z = 0 is an error.
+are checked for open edges and inward normals. All findings are warnings, except that
+systems entirely on the room side of z = 0 and solids turned inside out are errors.
 """
 
 from collections.abc import Iterator
@@ -10,9 +10,11 @@ from collections.abc import Iterator
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from clerestory.bsdfgen.shading_system import SampleArea
 from clerestory.checks import require
+from clerestory.errors import InputError
 from clerestory.scene.model import Dielectric, Interface, Scene, Surface
 from clerestory.scene.surface import extent
 from clerestory.scene.tessellate import Mesh, meshes
@@ -31,7 +33,11 @@ def check_system(scene: Scene, area: SampleArea) -> tuple[str, ...]:
     """Return warnings about a system; they name a surface and line where possible.
 
     Checks for surfaces at z > 0, systems far behind z = 0, units other than metres,
-    open or inverted dielectric solids, and overlapping coplanar surfaces.
+    open dielectric solids, and overlapping coplanar surfaces.
+
+    Raises
+    ------
+    InputError : all surfaces are in the room, or a dielectric solid is inside out
     """
     if not scene.surfaces:
         return ()
@@ -192,7 +198,7 @@ def surface_label(surface: Surface) -> str:
 
 
 def check_solids(scene: Scene, area: SampleArea) -> Iterator[str]:
-    """Yield warnings about dielectric solids with open edges or inward normals.
+    """Yield warnings about dielectric solids with open edges; refuse inward normals.
 
     Each edge of a solid belongs to two faces that traverse it in opposite directions.
     Open edges on the sides of a periodic unit cell are allowed.
@@ -214,8 +220,14 @@ def check_solids(scene: Scene, area: SampleArea) -> Iterator[str]:
                 f" ({int(lone.sum())} edges without a second face); closed surfaces"
                 " with outward normals expected"
             )
-        elif _volume(corner, faces) < 0:
-            yield f"{name} is inside out; faces with outward normals expected"
+            continue
+        inverted = _inverted(corner, faces)
+        if inverted.any():
+            surface = surface_label(scene.surfaces[int(mesh.surface[inverted][0])])
+            raise InputError(
+                f"{surface}: {name} is inside out, its fronts face the inside of the"
+                " solid; faces with outward normals expected"
+            )
 
 
 def _welded(
@@ -246,10 +258,26 @@ def _in_sides(
     return np.asarray(beyond.all(axis=1).any(axis=-1))
 
 
-def _volume(
+def _inverted(
     corner: Float[np.ndarray, "corner 3"], faces: Int[np.ndarray, "face 3"]
-) -> float:
-    # Volume by Gauss's theorem for the field (0, 0, z); vertical faces contribute zero
+) -> Bool[np.ndarray, " face"]:
+    # Faces of solids with inward normals. Volumes are computed by Gauss's theorem for
+    # the field (0, 0, z), to which vertical faces contribute zero
+    count = len(corner)
+    joined = np.concatenate([faces[:, :2], faces[:, 1:]])
+    links = coo_array((np.ones(len(joined)), tuple(joined.T)), shape=(count, count))
+    _, label = connected_components(links, directed=False)
+    solid = label[faces[:, 0]]
     a, b, c = np.moveaxis(corner[faces] - corner.mean(axis=0), 1, 0)
     upwards = np.cross(b - a, c - a)[:, 2] / 2
-    return float(upwards @ (a + b + c)[:, 2] / 3)
+    volume = np.bincount(solid, upwards * (a + b + c)[:, 2] / 3, minlength=count)
+
+    # Cavities within another solid have inward normals
+    low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
+    np.minimum.at(low, label, corner)
+    np.maximum.at(high, label, corner)
+    outer = np.flatnonzero(volume > 0)
+    for part in np.flatnonzero(volume < 0):
+        within = np.all((low[outer] < low[part]) & (high[outer] > high[part]), axis=1)
+        volume[part] *= -1 if within.any() else 1
+    return np.asarray(volume[solid] < 0)

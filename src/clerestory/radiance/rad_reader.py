@@ -14,7 +14,7 @@ from pathlib import Path
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.gonio.layer_file import read_layer
-from clerestory.radiance.expansion import Placed, Scope, placed_items
+from clerestory.radiance.expansion import placed_items
 from clerestory.radiance.modifiers import Modifiers, modified
 from clerestory.radiance.pattern_reader import (
     PATTERN_KINDS,
@@ -24,6 +24,7 @@ from clerestory.radiance.pattern_reader import (
     read_vector,
 )
 from clerestory.radiance.placement import Placement
+from clerestory.radiance.repetition import Placed, Scope
 from clerestory.radiance.search_path import library_file
 from clerestory.radiance.statements import Directive, PolygonRun
 from clerestory.scene.material import (
@@ -96,7 +97,7 @@ class _Reading:
     def add(self, placed: Placed) -> None:
         match placed.item:
             case PolygonRun():
-                made = placed.item.polygons(placed.file, self._key)
+                made = placed.item.polygons(self._key)
                 self.surfaces += (p for p in made if p.material != _VOID)
             case Primitive(kind="alias"):
                 self._alias(Arguments(placed.item, placed.file))
@@ -189,7 +190,8 @@ class _Reading:
         item = given.item
         outer = self.named.get(item.modifier)
         if isinstance(outer, Modifiers) or item.modifier == "void":
-            self._name_modifiers(item.name, modifiers, self._modifying(given))
+            with given.located():
+                self._name_modifiers(item.name, modifiers, self._modifying(given))
             return
         # A pattern modified by a material defines a new material, as in Radiance
         value = altered(self._named(item.modifier, given.source), name=item.name)
