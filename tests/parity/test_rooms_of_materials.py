@@ -20,7 +20,6 @@ import clerestory as cl
 from clerestory.phases.rendering import irradiance
 from clerestory.scene.sensors import Sensors
 
-
 # Sheets whose mirror image of the sun rtrace leaves out, except from first rays
 # (m_light.c, badcomponent): the closed forms of physics/test_mirrored_sources.py apply
 MIRRORED = {"smooth metal", "glass", "dense glass", "BRTDfunc"}
