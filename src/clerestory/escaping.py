@@ -152,14 +152,15 @@ def terminal_text(text: str) -> str:
 
 
 def figure_text(text: str) -> str:
-    r"""Return a text that Matplotlib shows as it is, without formulas between $.
+    r"""Return a text that Matplotlib shows as it is, of at most 100 characters.
 
     >>> figure_text("$x$")
     '\\$x\\$'
     """
     # Legends omit labels that are empty or begin with an underscore
     shown = f"\N{NO-BREAK SPACE}{text}" if text[:1] in ("", "_") else text
-    return terminal_text(shown).replace("$", r"\$")
+    cut = shown if len(shown) <= _LONGEST_NAME else f"{shown[:_LONGEST_NAME]}…"
+    return terminal_text(cut).replace("$", r"\$")
 
 
 def toml_value(value: str | float | Sequence[str | float]) -> str:
