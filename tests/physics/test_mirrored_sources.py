@@ -317,3 +317,36 @@ def agrees(scene, position, normal, truth, *, device, samples=512, precision=0.0
     error = np.sqrt(np.square(found.error).mean(axis=0) / SEEDS)
     assert np.all(np.abs(mean - truth) <= 4 * error + slack)
     assert np.all(error <= precision * mean)
+
+
+def faceted(count):
+    """A façade of vertical panes around the sensor, each of its own orientation."""
+    edge = np.radians(np.linspace(-80, 80, count + 1))
+    x, y = 20 * np.sin(edge), 20 * np.cos(edge)
+    return [
+        quad(
+            (x[i], y[i], -20),
+            (x[i + 1], y[i + 1], -20),
+            (x[i + 1], y[i + 1], 60),
+            (x[i], y[i], 60),
+            material="pane",
+        )
+        for i in range(count)
+    ]
+
+
+@pytest.mark.parametrize("count", [8, 90])
+def test_a_sensor_sees_the_sun_in_one_facet(device, count):
+    """The facet whose normal halves the angle between sun and sensor reflects."""
+    direction = np.array([0.3, -0.8, 0.6]) / np.linalg.norm([0.3, -0.8, 0.6])
+    truth = np.full(3, direction[2])
+    for pane in faceted(count):
+        corner, along = pane.vertices[0], pane.vertices[1] - pane.vertices[0]
+        normal = np.cross(along, [0, 0, 1]) / np.linalg.norm(along)
+        image = direction - 2 * (direction @ normal) * normal
+        met = image * (corner @ normal) / (image @ normal)
+        if 0 < (met - corner) @ along < along @ along and image @ met > 0:
+            truth += image[2] * glazed(CLEAR, abs(image @ normal))[0]
+    assert truth[0] > direction[2]
+    scene = lit(faceted(count), (sun(direction),), CLEAR)
+    agrees(scene, (0, 0, 0), UPWARDS, truth, device=device)

@@ -5,7 +5,7 @@ order of the units, whose size does not depend on the machine.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -122,6 +122,10 @@ class EmitterPatches:
     corner: Float[np.ndarray, "triangle 3 3"]
     first: Int[np.ndarray, " patches_and_end"]
     cumulative: Float[np.ndarray, " triangle"]
+
+    def scaled(self, factor: float) -> "EmitterPatches":
+        """Return the patches with all lengths multiplied."""
+        return replace(self, corner=self.corner * factor)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -12,6 +12,7 @@ from jaxtyping import Float
 
 from clerestory import __version__
 from clerestory.bands import RGB, Bands
+from clerestory.brief_repr import brief
 from clerestory.checks import require
 from clerestory.engine.effort import Effort, EffortKeywords, effort_of
 from clerestory.engine.radiance_jobs import (
@@ -20,6 +21,7 @@ from clerestory.engine.radiance_jobs import (
     PictureJob,
     estimate_radiance,
 )
+from clerestory.engine.unsampled_light import warn_of_unsampled_light
 from clerestory.engine.work_units import Goal
 from clerestory.image.picture import Picture, Quantity
 from clerestory.phases.traced_matrices import (
@@ -43,6 +45,8 @@ class Rendering:
     error: Float[np.ndarray, "row column band"]
     paths: int
 
+    __repr__ = brief
+
 
 @dataclass(frozen=True, eq=False)
 class Gathered:
@@ -57,6 +61,8 @@ class Gathered:
     illuminance_error: Float[np.ndarray, " sensor"]
     paths: int
     bands: Bands = RGB
+
+    __repr__ = brief
 
     def illuminance(self) -> Float[np.ndarray, " sensor"]:
         """Illuminance of each sensor [lux]."""
@@ -162,3 +168,4 @@ def irradiance(
 def _check_light(scene: Scene) -> None:
     shining = any(hasattr(each, "radiance") for each in scene.materials.values())
     require(shining, "the scene has no light source; a light, a glow or a sky expected")
+    warn_of_unsampled_light(scene)

@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bands import RGB, Bands
+from clerestory.brief_repr import brief
 from clerestory.errors import InputError
 from clerestory.scene.material import (
     Colour,
@@ -115,6 +116,8 @@ class Scene:
     surfaces: tuple[Surface, ...] = ()
     distant: tuple[DistantSource, ...] = ()
     bands: Bands = RGB
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         for material in self.materials.values():

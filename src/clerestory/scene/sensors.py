@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.brief_repr import brief
 from clerestory.checks import finite, require, same_length
 from clerestory.directions import unit
 from clerestory.errors import InputError, located
@@ -37,6 +38,8 @@ class Sensors:
     position: Float[np.ndarray, "sensors 3"]
     direction: Float[np.ndarray, "sensors 3"]
     names: tuple[str, ...] | None = None
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         position = np.asarray(self.position, dtype=float)
