@@ -13,6 +13,7 @@ from jaxtyping import Bool, Float
 from clerestory.array_types import RayVectors, Vector
 from clerestory.directions import Frame
 from clerestory.errors import ClerestoryWarning
+from clerestory.scene.coplanar import check_coplanar
 from clerestory.scene.model import Scene
 from clerestory.scene.proximity import Triangulation, distances, first_hits
 from clerestory.scene.sensors import Sensors
@@ -58,9 +59,9 @@ def check_scene(
     Warnings are given for sensors that are outside the scene, on a surface, enclosed by
     surfaces, without a surface below, in the plane of a window, or duplicate; for
     windows that have the sensors behind them, are outside the scene, or are covered by
-    a surface; and for scenes of implausible size. `scene` does not contain the windows.
-    In large scenes a subset of the sensors is checked for surrounding surfaces; the
-    warnings give the number of sensors checked.
+    a surface; for overlapping coplanar surfaces; and for scenes of implausible size.
+    `scene` does not contain the windows. In large scenes a subset of the sensors is
+    checked for surrounding surfaces; the warnings give the number of sensors checked.
 
     >>> check_scene(Scene())
     ('the scene has no surfaces',)
@@ -71,7 +72,7 @@ def check_scene(
     corner = np.concatenate([m.vertices[m.faces] for m in parts])
     triangles = Triangulation(corner, np.concatenate([m.surface for m in parts]))
     box = scene.bounds()
-    findings = [*_size(box)]
+    findings = [*_size(box), *check_coplanar(scene, parts)]
     for window in windows:
         findings += _window(window, scene, box, triangles, sensors)
     if sensors is not None and len(sensors):
