@@ -15,8 +15,9 @@ from scipy.sparse.csgraph import connected_components
 from clerestory.bsdfgen.shading_system import SampleArea
 from clerestory.checks import require
 from clerestory.errors import InputError
-from clerestory.scene.model import Dielectric, Interface, Scene, Surface
-from clerestory.scene.surface import extent
+from clerestory.scene.coplanar import overlapping_pairs
+from clerestory.scene.model import Dielectric, Interface, Scene
+from clerestory.scene.surface import extent, surface_label
 from clerestory.scene.tessellate import Mesh, meshes
 
 # Largest z of surfaces without a warning [m], as in genBSDF.
@@ -96,9 +97,6 @@ def _far_behind(area: SampleArea) -> Iterator[str]:
 # the system.
 _SAME = 1e-6
 
-# Largest number of triangle pairs per plane that are tested; further pairs are skipped.
-_MOST_PAIRS = 4_000_000
-
 
 def check_overlaps(scene: Scene) -> Iterator[str]:
     """Yield one warning about overlapping coplanar surfaces, for the first pair."""
@@ -106,11 +104,7 @@ def check_overlaps(scene: Scene) -> Iterator[str]:
     corner = np.concatenate([m.vertices[m.faces] for m in parts])
     surface = np.concatenate([m.surface for m in parts])
     size = float(np.ptp(corner.reshape(-1, 3), axis=0).max())
-    pairs = [
-        _pairs(corner[of], surface[of], of, _SAME * size)
-        for of in _planes(corner, _SAME * size)
-    ]
-    found = np.concatenate([np.empty((0, 2), dtype=int), *pairs])
+    found = overlapping_pairs(corner, surface, _SAME * size)
     if not len(found):
         return
     both = np.unique(np.sort(surface[found], axis=1), axis=0)
@@ -120,81 +114,6 @@ def check_overlaps(scene: Scene) -> Iterator[str]:
         f"{one} and {other} are coplanar and overlap{more}; surfaces without overlap"
         " expected"
     )
-
-
-def _planes(
-    corner: Float[np.ndarray, "triangle 3 3"], near: float
-) -> Iterator[Int[np.ndarray, " triangle"]]:
-    # Group triangles by plane
-    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    length = np.linalg.norm(normal, axis=1)
-    flat = np.flatnonzero(length > 0)
-    normal = normal[flat] / length[flat, None]
-    lead = np.argmax(np.abs(normal) > 1e-6, axis=1)
-    normal *= np.sign(normal[np.arange(len(flat)), lead])[:, None]
-    offset = np.einsum("tx,tx->t", normal, corner[flat].mean(axis=1))
-    key = np.column_stack(
-        [np.round(normal, 5), np.round(offset / max(10 * near, 1e-12))]
-    )
-    _, which, count = np.unique(key, axis=0, return_inverse=True, return_counts=True)
-    order = np.argsort(which.ravel(), kind="stable")
-    for part in np.split(flat[order], np.cumsum(count)[:-1]):
-        if len(part) > 1:
-            yield part
-
-
-def _pairs(
-    corner: Float[np.ndarray, "triangle 3 3"],
-    surface: Int[np.ndarray, " triangle"],
-    number: Int[np.ndarray, " triangle"],
-    near: float,
-) -> Int[np.ndarray, "pair 2"]:
-    # Project along the largest component of the normal
-    normal = np.cross(corner[0, 1] - corner[0, 0], corner[0, 2] - corner[0, 0])
-    flat = np.delete(corner, int(np.argmax(np.abs(normal))), axis=2)
-    low, high = flat.min(axis=1) + near, flat.max(axis=1) - near
-    order = np.argsort(low[:, 0])
-    flat, low, high = flat[order], low[order], high[order]
-    surface, number = surface[order], number[order]
-
-    # Find pairs of overlapping bounding boxes by a sweep along the first axis
-    last = np.searchsorted(low[:, 0], high[:, 0])
-    count = np.maximum(last - np.arange(len(flat)) - 1, 0)
-    total = np.minimum(np.cumsum(count), _MOST_PAIRS)
-    count = np.diff(np.concatenate([[0], total]))
-    one = np.repeat(np.arange(len(flat)), count)
-    start = np.repeat(np.cumsum(count) - count, count)
-    other = one + 1 + np.arange(len(one)) - start
-    near_by = (low[one, 1] < high[other, 1]) & (low[other, 1] < high[one, 1])
-    near_by &= surface[one] != surface[other]
-    one, other = one[near_by], other[near_by]
-    cross = _overlap(flat[one], flat[other], near)
-    return np.stack([number[one[cross]], number[other[cross]]], axis=1)
-
-
-def _overlap(
-    one: Float[np.ndarray, "pair 3 2"],
-    other: Float[np.ndarray, "pair 3 2"],
-    near: float,
-) -> Bool[np.ndarray, " pair"]:
-    # Separating axis test for two triangles
-    apart = np.zeros(len(one), dtype=bool)
-    for part in (one, other):
-        edge = np.roll(part, -1, axis=1) - part
-        axis = np.stack([-edge[..., 1], edge[..., 0]], axis=-1)
-        axis /= np.maximum(np.linalg.norm(axis, axis=-1, keepdims=True), 1e-300)
-        a = np.einsum("pex,pcx->pec", axis, one)
-        b = np.einsum("pex,pcx->pec", axis, other)
-        gap = np.maximum(b.min(axis=2) - a.max(axis=2), a.min(axis=2) - b.max(axis=2))
-        apart |= np.any(gap > -near, axis=1)
-    return ~apart
-
-
-def surface_label(surface: Surface) -> str:
-    """File, line, type and name of a surface as text."""
-    kind, source = type(surface).__name__.lower(), surface.source
-    place = f"{source.file}:{source.line}: " if source and source.file else ""
-    return f'{place}{kind} "{surface.name}"'
 
 
 def check_solids(scene: Scene, area: SampleArea) -> Iterator[str]:

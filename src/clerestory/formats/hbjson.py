@@ -30,15 +30,16 @@ from clerestory.formats.hbjson_geometry import (
 from clerestory.formats.hbjson_modifiers import BsdfModifier, Modifier, read_modifiers
 from clerestory.formats.hbjson_schema import Model, Part, Room, ShadeMesh
 from clerestory.scene.model import Material, Polygon, Scene, Surface, insert_material
+from clerestory.scene.scaling import METRES
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View
 
 _METRES = {
-    "Meters": 1.0,
-    "Millimeters": 1e-3,
-    "Centimeters": 1e-2,
-    "Feet": 0.3048,
-    "Inches": 0.0254,
+    "Meters": METRES["metres"],
+    "Millimeters": METRES["millimetres"],
+    "Centimeters": METRES["centimetres"],
+    "Feet": METRES["feet"],
+    "Inches": METRES["inches"],
 }
 _SETS = {"Wall": "wall_set", "Floor": "floor_set", "RoofCeiling": "roof_ceiling_set"}
 

@@ -21,6 +21,7 @@ from clerestory.engine.radiance_jobs import (
     PictureJob,
     estimate_radiance,
 )
+from clerestory.engine.unsampled_light import warn_of_unsampled_light
 from clerestory.engine.work_units import Goal
 from clerestory.image.picture import Picture, Quantity
 from clerestory.phases.traced_matrices import (
@@ -167,3 +168,4 @@ def irradiance(
 def _check_light(scene: Scene) -> None:
     shining = any(hasattr(each, "radiance") for each in scene.materials.values())
     require(shining, "the scene has no light source; a light, a glow or a sky expected")
+    warn_of_unsampled_light(scene)

@@ -6,7 +6,7 @@ thicknesses, radii and transmissivities per metre of materials are converted.
 
 from dataclasses import fields, replace
 from functools import lru_cache
-from typing import Protocol, TypeVar, runtime_checkable
+from typing import Literal, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 
@@ -24,6 +24,16 @@ from clerestory.scene.view import View
 from clerestory.scene.window import Window
 
 _Scaled = TypeVar("_Scaled")
+
+# Units of length of models [m]
+Unit = Literal["metres", "centimetres", "millimetres", "feet", "inches"]
+METRES: dict[Unit, float] = {
+    "metres": 1.0,
+    "centimetres": 0.01,
+    "millimetres": 0.001,
+    "feet": 0.3048,
+    "inches": 0.0254,
+}
 
 
 @runtime_checkable
@@ -52,6 +62,8 @@ def scaled(value: _Scaled, factor: float) -> _Scaled:
     [[3.048, 6.096, 0.762]]
     """
     positive(factor, "scale")
+    if factor == 1:
+        return value
     result: object = value
     match value:
         case Scene():

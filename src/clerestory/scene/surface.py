@@ -189,6 +189,13 @@ def area_vector(vertices: Vertices) -> Vector:
     return np.asarray(np.cross(local, np.roll(local, -1, axis=0)).sum(axis=0) / 2)
 
 
+def surface_label(surface: Surface) -> str:
+    """File, line, type and name of a surface as text."""
+    kind, source = type(surface).__name__.lower(), surface.source
+    place = f"{source.file}:{source.line}: " if source and source.file else ""
+    return f'{place}{kind} "{surface.name}"'
+
+
 def is_parallelogram(vertices: Vertices) -> bool:
     """Whether the diagonals of a quadrilateral bisect each other, within 1e-6.
 

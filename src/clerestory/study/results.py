@@ -34,6 +34,13 @@ _LARGE = 500_000_000
 # Sensors per block in writing: 8760 hours of a block take 36 MB
 _SENSORS = 1024
 
+# Names of the direct sun illuminance and its errors
+DIRECT = {
+    "illuminance": "direct_open",
+    "standard_error": "direct_open_error",
+    "error_components": "direct_open_components",
+}
+
 
 @dataclass(frozen=True, eq=False)
 class Results:
@@ -55,6 +62,12 @@ class Results:
     def grids(self) -> list[str]:
         """Names of the sensor grids, in the order of the study."""
         return list(dict.fromkeys(str(name) for name in self.data["grid"].values))
+
+    @staticmethod
+    def of_direct_sun(data: xr.Dataset) -> xr.Dataset:
+        """Direct sun illuminance and its errors, under the names of the illuminance."""
+        known = {name: own for own, name in DIRECT.items() if name in data}
+        return data[list(known)].rename(known)
 
     def thinned(self, most: int) -> "Results":
         """Return the results of at most `most` evenly spaced sensors, in memory.
@@ -94,9 +107,12 @@ def save_results(results: Results, folder: str | Path) -> Path:
 
 def _append_hourly(path: Path, name: str, data: xr.DataArray) -> None:
     # Copy in blocks of sensors, as the hourly values may be in another file
-    sensors, steps = data.shape
+    sensors, axes = len(data), [str(axis) for axis in data.dims]
     with h5netcdf.File(path, "a") as file:
-        variable = hourly_variable(file, name, sensors, steps)
+        for axis in axes:
+            if axis not in file.dimensions:
+                file.dimensions[axis] = data.sizes[axis]
+        variable = hourly_variable(file, name, axes, data.dtype.str[1:])
         for key, value in data.attrs.items():
             variable.attrs[key] = value
         for first in range(0, sensors, _SENSORS):
@@ -105,7 +121,8 @@ def _append_hourly(path: Path, name: str, data: xr.DataArray) -> None:
 
 
 def _is_large(data: xr.DataArray) -> bool:
-    return data.dims == ("sensor", "time") and data.nbytes > _LARGE
+    hourly = data.ndim > 1 and (data.dims[0], data.dims[-1]) == ("sensor", "time")
+    return hourly and data.nbytes > _LARGE
 
 
 def read_results(path: str | Path) -> Results:
