@@ -137,6 +137,19 @@ def chained_mirrors_and_mixtures(folder):
 
 
 @case
+def mirrors_of_mirrors(folder):
+    text = GREY + "void mirror r0 1 m 0 3 .5 .5 .5\n"
+    for k in range(900):
+        text += f"void mirror r{k + 1} 1 r{k} 0 3 .5 .5 .5\n"
+    return rad(folder, a=text + POLYGON.replace("m", "r900", 1))
+
+
+@case
+def counts_of_many_digits(folder):
+    return rad(folder, a=f"{GREY}!xform -i {'9' * 5000} -t 1 0 0 e.rad\n", e=POLYGON)
+
+
+@case
 def nested_patterns(folder):
     text = "void brightfunc p0 2 1 . 0 0\n"
     for k in range(20_000):
@@ -244,6 +257,12 @@ def mgf_nested_arrays(folder):
 @case
 def mgf_empty_arrays(folder):
     return mgf("v a =\n p 0 0 0\n" + "xf -a 999999 -t 1 0 0\nxf\n" * 100 + "sph a 1\n")
+
+
+@case
+def mgf_objects_in_objects(folder):
+    """The names of all open objects precede each name of a surface."""
+    return mgf("v a =\n p 0 0 0\n" + "o abcdefgh\n" * 20_000 + "sph a 1\n" * 5000)
 
 
 @case

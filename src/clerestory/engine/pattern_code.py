@@ -46,6 +46,18 @@ def multiplier(pattern: Pattern, origin: Origin) -> Callable[[Any], Any]:
     return lambda si: mi.Color3f(*_single(_factors(*code(si))))
 
 
+def coefficient(pattern: Pattern, origin: Origin) -> Callable[[Any], Any]:
+    """Convert a pattern to a coefficient per channel, 0 where it is undefined."""
+    code = pattern_code(pattern, origin)
+
+    def amount(si: Any) -> Any:
+        values, bad = code(si)
+        kept = [dr.select(bad, 0.0, dr.maximum(value, 0)) for value in values]
+        return mi.Color3f(*_single(kept))
+
+    return amount
+
+
 def share(pattern: Pattern, origin: Origin) -> Callable[[Any], Any]:
     """Convert a pattern to the foreground fraction of a mixture, 0 where undefined."""
     code = pattern_code(pattern, origin)

@@ -49,6 +49,9 @@ from clerestory.scene.transform import Transform
 # Maximum number of statements, including repetitions by arrays
 _MOST_STATEMENTS = 1_000_000
 
+# Maximum number of open objects, whose names precede the names of surfaces
+_MOST_OBJECTS = 100
+
 # Number of statements that a torus or a prism counts as
 _PARTS = 20
 
@@ -169,6 +172,8 @@ class _Reading:
             f"{len(words)} names after {keyword} with {len(self.objects)} objects open;"
             " one name, or none to close an object, expected",
         )
+        message = f"more than {_MOST_OBJECTS} nested objects; fewer expected"
+        require(len(self.objects) < _MOST_OBJECTS or not words, message)
         if words:
             self.objects.append(words[0])
         else:

@@ -97,7 +97,7 @@ class Emitter(Material, ABC):
 
 
 # Largest numbers of materials in a nested material, and of materials of one name
-_MOST_PARTS, _MOST_MEANINGS = 1000, 200
+_MOST_PARTS, _MOST_MEANINGS = 100, 200
 
 Argument = str | float | Material | Pattern | Bsdf
 Parameter = float | np.ndarray | Material | Pattern | Bsdf
@@ -130,7 +130,7 @@ def with_colours(
 
 
 def require_few_parts(material: Material) -> None:
-    """Raise an error if a material is composed of more than 1,000 materials.
+    """Raise an error if a material is composed of more than 100 materials.
 
     A mixture of a mixture counts all its materials, as often as they occur.
     """

@@ -236,7 +236,7 @@ def _numbers(words: list[str], at: int, count: int) -> list[float]:
 def _whole(words: list[str], at: int) -> int:
     given = "".join(words[at + 1 : at + 2])
     unclear = f'xform {words[at]} is followed by "{given}"; a count expected'
-    require(given.lstrip("+-").isdecimal(), unclear)
+    require(given.lstrip("+-").isdecimal() and len(given) < 12, unclear)
     return int(given)
 
 
