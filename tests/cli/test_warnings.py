@@ -53,6 +53,20 @@ def test_a_coarse_view_is_named_once_in_a_run_and_its_plan(call, coarse):
     assert [f"warning: {line}" for line in noted if "merging" in line] == planned
 
 
+def test_a_view_too_small_for_glare_is_refused_before_tracing(call, coarse):
+    text = (
+        (coarse / "study.toml").read_text().replace("resolution = 60", "resolution = 8")
+    )
+    (coarse / "study.toml").write_text(text)
+    outcome = call("run", "study.toml", "--out", "results", "--quiet")
+    assert outcome.status == 2
+    assert outcome.err == (
+        '[[view]] "seat" resolution: a picture of 8 × 8 pixels; at least 21 pixels per'
+        " side expected\n"
+    )
+    assert not list((coarse / "results").glob("matrices/*"))
+
+
 def test_pictures_in_a_row_share_a_warning(call, room):
     eye = View(kind="angular", horizontal=180, vertical=180)
     names = [f"{number}.hdr" for number in range(5)]

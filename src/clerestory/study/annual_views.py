@@ -15,6 +15,7 @@ import xarray as xr
 from jaxtyping import Float, Int
 
 from clerestory.checks import require
+from clerestory.errors import located
 from clerestory.escaping import file_stems
 from clerestory.files import make_folder
 from clerestory.glare.annual_glare import annual_glare
@@ -101,8 +102,10 @@ def warn_of_views(views: Sequence[ViewTable], cameras: Sequence[Camera]) -> None
     """Warn of views with too few pixels for the evaluation of glare."""
     for table, camera in zip(views, cameras, strict=True):
         if sees_glare(camera.view):
-            eye = glare_view(camera.view, camera.columns, camera.rows)
-            warn_if_coarse(eye, SourceRules(), name=f'[[view]] "{table.label}"')
+            name = f'[[view]] "{table.label}"'
+            with located(file=None, subject=f"{name} resolution"):
+                eye = glare_view(camera.view, camera.columns, camera.rows)
+            warn_if_coarse(eye, SourceRules(), name=name)
 
 
 def glare_function(
