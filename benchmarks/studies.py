@@ -26,7 +26,7 @@ import clerestory as cl
 from clerestory.image.denoise import denoise
 from clerestory.image.srgb_display import to_srgb, write_display
 from clerestory.image.tone_curves import filmic, key_luminance
-from clerestory.metrics.sensor_metrics import error_of_group_mean
+from clerestory.metrics.replicates import error_of_group_mean
 from clerestory.phases.rendering import render
 from clerestory.radiance.generated_sky import sky_at
 from clerestory.scene.model import BsdfSurface
@@ -155,11 +155,11 @@ def figures(results: Results, processor: float | None) -> dict[str, Any]:
     return {
         "sensors": int(data.sizes["sensor"]),
         "mean": float(data["mean_illuminance"].mean()),
-        "error": error_of_group_mean(
-            data["mean_illuminance_error"].values, data["mean_components"].values
-        ),
+        "error": error_of_group_mean(data["mean_illuminance_components"].values),
         "autonomy": float(data["daylight_autonomy"].mean()),
-        "autonomy_error": float(data["daylight_autonomy_error"].mean()),
+        "autonomy_error": error_of_group_mean(
+            data["daylight_autonomy_components"].values
+        ),
         "useful": float(data["useful"].mean()),
         "hourly": float(
             next(iter(results.run["median_relative_error_of_mean"].values()))

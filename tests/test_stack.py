@@ -12,7 +12,15 @@ import pytest
 import clerestory
 
 STACK = (
-    ("array_types", "errors", "constants", "options", "progress", "warning_log"),
+    (
+        "array_types",
+        "brief_repr",
+        "errors",
+        "constants",
+        "options",
+        "progress",
+        "warning_log",
+    ),
     ("checks", "escaping"),
     ("files", "file_lock", "directions", "bands", "toml_lines"),
     ("colorimetry", "documents"),

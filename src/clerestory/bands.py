@@ -13,6 +13,7 @@ from typing import final
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.brief_repr import brief
 from clerestory.checks import require, same_length
 from clerestory.constants import LUMINOUS_EFFICACY
 from clerestory.errors import InputError, MatrixError
@@ -40,6 +41,8 @@ class Bands:
     names: tuple[str, ...]
     efficacy: tuple[float, ...] | None = None
     limits_nm: tuple[tuple[float, float], ...] | None = None
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         distinct = len(set(self.names)) == len(self.names) > 0

@@ -138,6 +138,31 @@ def printable(text: str) -> str:
     return "".join(c if c in "'\"" else repr(c)[1:-1] for c in text)
 
 
+def terminal_text(text: str) -> str:
+    r"""Return a text without control sequences of terminals; lines and tabs remain.
+
+    >>> terminal_text("a\x1b[2J\n")
+    'a\\x1b[2J\n'
+    """
+    if text.isprintable():
+        return text
+    return "".join(
+        c if c.isprintable() or c in "\n\t\xa0" else repr(c)[1:-1] for c in text
+    )
+
+
+def figure_text(text: str) -> str:
+    r"""Return a text that Matplotlib shows as it is, of at most 100 characters.
+
+    >>> figure_text("$x$")
+    '\\$x\\$'
+    """
+    # Legends omit labels that are empty or begin with an underscore
+    shown = f"\N{NO-BREAK SPACE}{text}" if text[:1] in ("", "_") else text
+    cut = shown if len(shown) <= _LONGEST_NAME else f"{shown[:_LONGEST_NAME]}…"
+    return terminal_text(cut).replace("$", r"\$")
+
+
 def toml_value(value: str | float | Sequence[str | float]) -> str:
     r"""Return a text, number or list as a TOML value.
 

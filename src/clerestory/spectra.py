@@ -9,6 +9,7 @@ from typing import final
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.brief_repr import brief
 from clerestory.checks import finite, positive, require, same_length
 from clerestory.errors import InputError
 
@@ -28,6 +29,8 @@ class Spectrum:
 
     wavelength_nm: Float[np.ndarray, " wavelength"]
     value: Float[np.ndarray, " wavelength"]
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         check_wavelengths(self.wavelength_nm)

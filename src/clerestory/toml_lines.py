@@ -10,6 +10,9 @@ from typing import Any
 
 Path = tuple[str | int, ...]
 
+# Number of lines of a statement that are tried one by one, and ends of longer ones
+_SHORT, _CLOSING = 20, ("]", "}", '"""', "'''")
+
 
 def key_lines(text: str) -> dict[Path, int]:
     r"""Return the line number of every key and table of a valid TOML text.
@@ -36,14 +39,21 @@ def key_lines(text: str) -> dict[Path, int]:
             continue
 
         # Join lines until they are a complete statement
-        statement, parsed = lines[start], _parse(lines[start])
-        while parsed is None and number < len(lines):
-            statement += "\n" + lines[number]
-            number += 1
-            parsed = _parse(statement)
+        parsed, number = _statement(lines, start)
         for path in _paths(parsed or {}):
             found.setdefault(table + path, start + 1)
     return found
+
+
+def _statement(lines: list[str], start: int) -> tuple[dict[str, Any] | None, int]:
+    # The statement that begins on a line, and the line after it: the last lines of long
+    # statements close a bracket or a text
+    for end in range(start + 1, len(lines) + 1):
+        if end - start < _SHORT or lines[end - 1].rstrip().endswith(_CLOSING):
+            parsed = _parse("\n".join(lines[start:end]))
+            if parsed is not None:
+                return parsed, end
+    return None, len(lines)
 
 
 def line_of(path: Path, lines: dict[Path, int]) -> int | None:

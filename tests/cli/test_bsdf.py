@@ -32,7 +32,21 @@ def one_sided(room):
 def test_a_sound_file_passes(call):
     outcome = call("bsdf", "check", "diffuser.xml")
     assert outcome.status == 0
-    assert outcome.out == "diffuser.xml: sound\n"
+    assert outcome.out == (
+        "diffuser.xml: sound; read by Radiance; not by pyWinCalc (line 6: no solar"
+        " data; visible and solar data expected)\n"
+    )
+
+
+def test_a_file_that_radiance_refuses_is_doubtful(call, room):
+    text = (room / "diffuser.xml").read_text()
+    spaced = text.replace("<FileType>BSDF<", "<FileType> BSDF <")
+    (room / "spaced.xml").write_text(spaced)
+    outcome = call("bsdf", "check", "spaced.xml")
+    assert outcome.status == 1
+    reason = "line 4: FileType is ' BSDF '; 'BSDF' expected"
+    assert f"warning: reader: {reason} (Radiance)" in outcome.out
+    assert f"spaced.xml: not read by Radiance ({reason})" in outcome.out
 
 
 def test_remarks_are_told_on_demand(call):
@@ -45,9 +59,10 @@ def test_a_doubtful_file_among_sound_ones_fails(call, one_sided):
     outcome = call("bsdf", "check", "diffuser.xml", one_sided)
     assert outcome.status == 1
     lines = outcome.out.splitlines()
-    assert lines[0] == "diffuser.xml: sound"
+    assert lines[0].startswith("diffuser.xml: sound; read by Radiance;")
     assert lines[1].startswith("one_sided.xml: error: empty: all values are zero")
-    assert len(lines) == 2
+    assert lines[2].startswith("one_sided.xml: read by Radiance;")
+    assert len(lines) == 3
 
 
 def test_an_unreadable_file_does_not_hide_the_others(call, one_sided, room):
@@ -85,7 +100,7 @@ def test_plot_writes_a_picture(call, room, suffix):
         (("--from", "40"), "'40'; two angles"),
         (("--from", "95,0"), "95.0°; an angle from 0"),
         (("--patch", "145"), "0 to 144 expected"),
-        (("--channel", "solar"), "no solar transmission front"),
+        (("--channel", "solar"), "'solar'; one of visible expected"),
     ],
 )
 def test_plot_refuses_what_is_not_there(call, room, words, complaint):

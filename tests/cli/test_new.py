@@ -2,6 +2,7 @@
 
 import tomllib
 
+import numpy as np
 import pytest
 
 from clerestory.radiance.window_reader import read_windows
@@ -37,6 +38,23 @@ def test_a_study_is_begun_that_can_be_read(call, demo):
     assert 45 <= len(rows) <= 54
     assert all(row.endswith("0.76 0 0 1") for row in rows)
     assert "next: clerestory run" in outcome.out
+
+
+def test_a_model_in_feet_gets_a_grid_in_feet(call, demo):
+    """The grid is 0.76 m above the floor and a metre wide: 2.493 and 3.281 feet."""
+    for name in ("room.rad", "window.rad"):
+        (demo / name).rename(demo / f"m_{name}")
+        (demo / name).write_text(f"!xform -s {1 / 0.3048!r} m_{name}\n")
+    outcome = call(*COMMAND.split(), "--units", "feet")
+    assert outcome.status == 0, outcome.err
+    assert outcome.err == ""
+    study = read_study(demo / "office" / "study.toml")
+    assert study.scene.units == "feet"
+    rows = np.loadtxt(demo / "office" / "workplane.pts")
+    assert 45 <= len(rows) <= 54
+    np.testing.assert_allclose(rows[:, 2], 0.76 / 0.3048, rtol=1e-3)
+    step = np.diff(np.unique(rows[:, 0].round(2)))
+    np.testing.assert_allclose(step.min(), 1 / 0.3048, rtol=1e-2)
 
 
 def test_a_window_that_turns_its_back_is_turned_round(call, demo):

@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from hostile_names import CANARY, NAMES, more_names, require_silence
-from seeds import _hbjson
+from scene_seeds import _hbjson
 
 import clerestory
 from clerestory import escaping
@@ -29,8 +29,10 @@ from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.bsdfgen.mgf_text import mgf_text
 from clerestory.bsdfgen.shading_system import SampleArea
+from clerestory.cli.progress import _bars, say
 from clerestory.comparison.comparison_output import _write_csv
 from clerestory.control.schedule import StateSchedule, read_schedule, write_schedule
+from clerestory.escaping import terminal_text
 from clerestory.files import write_text
 from clerestory.formats.hbjson import read_hbjson
 from clerestory.formats.mgf import parse_mgf
@@ -47,6 +49,8 @@ from clerestory.phases.matrix_store import MatrixStore
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.rad_writer import format_rad
 from clerestory.radiance.window_reader import read_windows
+from clerestory.report.bsdf_plot import share_figure
+from clerestory.report.embedded_data import figure_png
 from clerestory.report.markup import element, embedded_json, render
 from clerestory.report.page_assets import content_policy
 from clerestory.scene.model import Mirror, Mixture, Plastic, Polygon, Scene
@@ -93,7 +97,7 @@ def scene_of(names):
         if name:
             materials[name] = Plastic(name, GREY)
         key = name or "plain"
-        surfaces.append(Polygon([*SQUARE, 0, 0, number], key, name))
+        surfaces.append(Polygon(np.add(SQUARE, [0, 0, number]), key, name))
     return Scene(materials, tuple(surfaces))
 
 
@@ -155,7 +159,7 @@ def test_names_within_materials_are_escaped(folder):
         mixed = Mixture(f"{name}3", part, other, 0.5)
         mirror = Mirror(f"{name}4", GREY, part)
         used = [
-            Polygon([*SQUARE, k, 0, number], m.name, name)
+            Polygon(np.add(SQUARE, [k, 0, number]), m.name, name)
             for k, m in ((0, mixed), (2, mirror))
         ]
         scene += Scene({m.name: m for m in (mixed, mirror)}, tuple(used))
@@ -359,6 +363,31 @@ def test_pages_hold_any_text(folder):
         assert parser.found.count("img") == 1
 
 
+def test_figures_show_any_name(folder):
+    """Matplotlib would read a formula between two $, and refuse what is none."""
+    bsdf = lambertian(0.5, klems("quarter"))
+    for name in (*NAMES[::6], r"$\frac$", "$a_$", r"\$x$"):
+        figure = share_figure([bsdf], names=[name])
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", message="Glyph")
+            figure_png(figure, dpi=20)
+
+
+def test_terminals_obey_no_name(capsys):
+    hostile = "".join(map(chr, [*range(1, 32), 127, 155, 0x202E])) + "\udcff"
+    say(f"a\x1b[2J{hostile}", *(name for name in ALL))
+    shown = capsys.readouterr().out
+    assert all(c.isprintable() or c in "\n\t" for c in shown)
+    for name in (*ALL, "[/a]", "[red]"):
+        assert terminal_text(name).replace("\n", "").replace("\t", "").isprintable()
+
+
+def test_progress_bars_show_names_with_brackets():
+    bars = _bars()
+    bars.add_task("[/a] [red]", total=1.0, note="[/b]")
+    bars.make_tasks_table(bars.tasks)
+
+
 # --------------------------------------- Text ---------------------------------------
 def no_formulas(path):
     """Rows of a CSV file, in which spreadsheets find no formula."""
@@ -461,6 +490,7 @@ WRITERS = {
     "cli.bsdf_generate.generate": test_radiance_reads_a_scene_of_hostile_names,
     "cli.bsdf_package.package": test_packages_of_bsdfs_obey_no_product_name,
     "cli.glare._write_annual": "numbers",
+    "cli.irradiance.irradiance": "numbers",
     "cli.metrics.metrics": test_tables_hold_no_formulas,
     "cli.sky.sun": "numbers",
     "comparison.comparison_output._write_csv": test_tables_hold_no_formulas,

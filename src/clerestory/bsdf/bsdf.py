@@ -17,6 +17,7 @@ from jaxtyping import Float
 
 from clerestory.array_types import Directions, Points2, Values
 from clerestory.bands import RGB, Bands
+from clerestory.brief_repr import brief
 from clerestory.bsdf.product_data import Product
 from clerestory.bsdf.scattering_function import (
     CHUNK,
@@ -67,6 +68,8 @@ class Bsdf:
     product: Product = field(default_factory=Product)
     notes: tuple[str, ...] = ()
     source: str | None = None
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         for _, function in self.functions:

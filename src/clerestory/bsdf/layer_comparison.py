@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from clerestory.array_types import ExitIncident
+from clerestory.brief_repr import brief
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.patch_symmetry import (
     Turn,
@@ -51,6 +52,8 @@ class Comparison:
     # Exchange in the second layer that explains most of the redistribution, such as
     # "the sides look swapped", and the rest of the redistribution; None if none does
     exchange: tuple[str, float] | None
+
+    __repr__ = brief
 
 
 def compare(

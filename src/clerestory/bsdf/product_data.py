@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass, field
 
+from clerestory.brief_repr import brief
+
 
 @dataclass(frozen=True)
 class Geometry:
@@ -69,3 +71,5 @@ class Product:
     geometry: Geometry | None = None
     details: tuple[Detail, ...] = ()
     spectra: tuple[Spectra, ...] = ()
+
+    __repr__ = brief

@@ -6,7 +6,8 @@ correction that removes the violation identifies the error. Every finding states
 size of the deviation.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from clerestory.bsdf.direction_checks import (
     check_repeated_rings,
 )
 from clerestory.bsdf.missing_components import check_components
+from clerestory.bsdf.other_readers import check_readers
 from clerestory.bsdf.patch_symmetry import turned_mismatch
 from clerestory.bsdf.quality_finding import Finding, patch_label, severity_of
 from clerestory.bsdf.reciprocity import (
@@ -34,6 +36,7 @@ from clerestory.bsdf.scattering_function import (
     Side,
 )
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
+from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.partition import RingPartition
 
@@ -72,6 +75,9 @@ _ENERGY = (0.001, 0.01, 0.05)
 # instead of BSDF values.
 _LIKE_SHARES = (0.3, 1.01)
 
+# Smallest ratio of values to flux fractions; coarser partitions are not checked.
+_DARK = 4.0
+
 # A larger ratio of the transmittances of light from above and from below suggests that
 # the layer is upside down.
 _FROM_ABOVE = 1.5
@@ -86,12 +92,13 @@ _ALIKE = 0.025
 def check(bsdf: Bsdf) -> tuple[Finding, ...]:
     """Return the findings about a BSDF, errors first.
 
-    Tensor trees are first averaged over Klems full patches.
+        Tensor trees are first averaged over Klems full patches.
 
-    >>> from clerestory.bsdf.analytic import lambertian
-    >>> from clerestory.hemisphere.klems import klems
-    >>> [f.severity for f in check(lambertian(0.5, klems("full"))) if f.matters]
-    []
+        >>> from clerestory.bsdf.analytic import lambertian
+        >>> from clerestory.bsdf.xml_reader import read_bsdf
+    from clerestory.hemisphere.klems import klems
+        >>> [f.severity for f in check(lambertian(0.5, klems("full"))) if f.matters]
+        []
     """
     findings = [*check_angle_bases(bsdf)]
     tables: dict[str, Tables] = {}
@@ -110,6 +117,22 @@ def check(bsdf: Bsdf) -> tuple[Finding, ...]:
         # Coarse cells of trees repeat values
         own = {n: p for n, p in filled.items() if p is bsdf.functions[channel, n]}
         findings += check_repeated_rings(channel, own)
+    return _errors_first(findings)
+
+
+def check_file(path: str | Path) -> tuple[Finding, ...]:
+    """Return the findings about a BSDF file, errors first.
+
+    The file is also checked for texts that Radiance or pyWinCalc does not accept.
+
+    Raises
+    ------
+    InputError : the file is not a BSDF file, is damaged or has no data
+    """
+    return _errors_first([*check(read_bsdf(path)), *check_readers(path)])
+
+
+def _errors_first(findings: Iterable[Finding]) -> tuple[Finding, ...]:
     rank = {"error": 0, "warning": 1, "info": 2}
     return tuple(sorted(findings, key=lambda finding: rank[finding.severity]))
 
@@ -186,8 +209,8 @@ def _darkness(channel: str, tables: Tables) -> Iterator[Finding]:
             for name, part in tables.items()
             if name.endswith(side) and part.values.shape == dark.values.shape
         )
-        if _LIKE_SHARES[0] < np.max(sums) < _LIKE_SHARES[1]:
-            most, factor = share.max(), 1 / dark.exits.projected_solid_angles().mean()
+        most, factor = share.max(), 1 / dark.exits.projected_solid_angles().mean()
+        if _LIKE_SHARES[0] < np.max(sums) < _LIKE_SHARES[1] and factor > _DARK:
             what = f"transmittance and reflectance sum to {most:.2%} at most, but the"
             what += f" values for one incident direction sum to {np.max(sums):.3f}"
             effect = "if the values are flux fractions instead of 1/sr, results are"

@@ -52,28 +52,35 @@ def to_matrices(bsdf: Bsdf, partition: RingPartition) -> Bsdf:
     return replace(bsdf, functions=functions)
 
 
-def to_trees(bsdf: Bsdf, *, halvings: int = 5) -> Bsdf:
+def to_trees(bsdf: Bsdf, *, halvings: int = 5, reduction: float = 0.0) -> Bsdf:
     """Convert matrices to tensor trees of rank 4; tensor trees are unchanged.
 
-    `halvings`: the smallest cells have edge 2^-halvings; 6 at most.
+    `halvings`: the smallest cells have edge 2^-halvings; 6 at most. `reduction`:
+    percentage of the smallest cells that are merged; 0 merges only equal cells.
     """
     functions = {
-        key: part if isinstance(part, ScatteringTree) else tree_from(part, halvings)
+        key: part
+        if isinstance(part, ScatteringTree)
+        else tree_from(part, halvings, reduction=reduction)
         for key, part in bsdf.functions.items()
     }
     return replace(bsdf, functions=functions)
 
 
-def tree_from(part: ScatteringFunction, halvings: int) -> ScatteringTree:
-    """Convert a matrix to a rank 4 tensor tree; equal cells are merged."""
+def tree_from(
+    part: ScatteringFunction, halvings: int, *, reduction: float = 0.0
+) -> ScatteringTree:
+    """Convert a matrix to a rank 4 tensor tree; similar or equal cells are merged."""
     if not isinstance(part, ScatteringMatrix):
-        raise InputError(f"the BSDF is a {type(part).__name__}; a matrix expected")
+        raise InputError(
+            f"the BSDF is of type {type(part).__name__}; a matrix expected"
+        )
     within(halvings, "number of halvings of a tensor tree", least=0, most=_FINEST)
     leave = patches_in_cells(part.exits, halvings)
     enter = patches_in_cells(part.incidents, halvings)
     area = np.pi * 0.25**halvings
     value = (enter.T @ (leave.T @ part.values).T) / area**2
-    return reduce_tree(full_tree(value, halvings), 0).tree
+    return reduce_tree(full_tree(value, halvings), reduction).tree
 
 
 def reciprocal_mean(bsdf: Bsdf) -> Bsdf:

@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Directions, ExitIncident, Indices, Points2, Values
+from clerestory.brief_repr import brief
 from clerestory.bsdf.inverse_sampling import choose_cells
 from clerestory.bsdf.patch_overlap import opposite_patches, patches_in_patches
 from clerestory.bsdf.scattering_function import CHUNK, ScatteringFunction
@@ -32,6 +33,8 @@ class ScatteringMatrix(ScatteringFunction):
     incidents: RingPartition  # partition of the incident hemisphere
     # Standard error of each BSDF value [1/sr]; None if unknown
     standard_error: Float[np.ndarray, "exit incident"] | None = None
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         require(

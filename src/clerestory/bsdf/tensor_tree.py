@@ -28,6 +28,7 @@ from clerestory.array_types import (
     Slots,
     Values,
 )
+from clerestory.brief_repr import brief
 from clerestory.bsdf.inverse_sampling import choose_cells
 from clerestory.bsdf.reciprocal_function import ReciprocalFunction
 from clerestory.bsdf.scattering_function import CHUNK, ScatteringFunction
@@ -67,6 +68,8 @@ class ScatteringTree(ScatteringFunction):
     depth: int  # number of levels below the root; the smallest cells have edge 2^-depth
     # Standard error [1/sr] as a tree with the same cells; None if unknown
     standard_error: "ScatteringTree | None" = None
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         one_of(self.rank, "rank of a tensor tree", choices=(3, 4))

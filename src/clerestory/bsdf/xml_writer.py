@@ -35,9 +35,22 @@ _LABELS = {
 # Text written for empty names: WinCalc requires text, and readers strip the space.
 _BLANK = "\N{NO-BREAK SPACE}"
 
+# Least number of slots of trees that are written with fewer digits.
+_MANY_SLOTS = 10_000
+
 # Empty element that is replaced by the BSDF values; only a comment before all data can
 # contain the same text.
 _NO_VALUES = b"<ScatteringData/>"
+
+
+def usual_digits(bsdf: Bsdf) -> int:
+    """Significant digits for files of traced, measured and converted layers.
+
+    Matrices and small trees have 7. Trees of many cells, whose text is a hundred times
+    longer, have 5: the values of single cells have errors of a per cent and more.
+    """
+    trees = [p for p in bsdf.functions.values() if isinstance(p, ScatteringTree)]
+    return 5 if sum(len(tree.slots) for tree in trees) > _MANY_SLOTS else 7
 
 
 def write_bsdf(
@@ -250,4 +263,6 @@ def _row(values: Float32[np.ndarray, " value"], digits: int | None) -> str:
         texts = " ".join(str(value).removesuffix(".0") for value in values)
     else:
         texts = f"%.{digits}g " * len(values) % tuple(values.tolist())
-    return f"{{ {texts.rstrip()} }}"
+    # Omit leading zeros: trees are large, and all readers accept .5 and 2e-5
+    short = f" {texts}".replace(" 0.", " .").replace("e-0", "e-")
+    return f"{{{short.strip()}}}"

@@ -5,6 +5,7 @@ sample area and are counted in their exit patch or cell. The sample area is a fi
 sample or the unit cell of an infinite periodic system.
 """
 
+import itertools
 import warnings
 from collections.abc import Mapping
 from dataclasses import replace
@@ -13,6 +14,7 @@ from typing import Literal, Unpack
 from clerestory.bands import RGB
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product_data import Geometry, Product
+from clerestory.bsdf.scattering_function import OF_SIDE
 from clerestory.bsdfgen.channel_weights import Weights, check_bands, default_weights
 from clerestory.bsdfgen.geometry_checks import check_system
 from clerestory.bsdfgen.mgf_text import mgf_text
@@ -43,6 +45,9 @@ _BACKS: dict[str, tuple[bool, ...]] = {
 }
 
 _DEEPEST = 7
+
+# Largest share of light beyond the incident light that can be Monte Carlo noise
+_NOISE = 0.02
 
 # Default number of paths if no number and no target error is given; as in genBSDF.
 _DEFAULT = Goal(samples=2000)
@@ -101,8 +106,8 @@ def generate_bsdf(
 
     Raises
     ------
-    InputError : there is no geometry, the sample area is empty, or a number is out of
-        range
+    InputError : there is no geometry, the sample area is empty, a number is out of
+        range, a solid is inside out, or the system emits more light than it receives
     DeviceError : there is no usable device
 
     Warns
@@ -160,7 +165,22 @@ def generate_bsdf(
         functions = one_transmission(functions)
     if reduction > 0:
         functions = reduced(functions, reduction)
-    return Bsdf(functions, product)
+    made = Bsdf(functions, product)
+    _require_energy(made)
+    return made
+
+
+def _require_energy(made: Bsdf) -> None:
+    # Open or inverted solids can emit more light than they receive
+    for channel, (side, parts) in itertools.product(made.channels, OF_SIDE.items()):
+        known = all((channel, part) in made.functions for part in parts)
+        if known and not channel.startswith("cie"):
+            share = sum(made.diffuse(part, channel=channel) for part in parts)
+            require(
+                share < 1 + _NOISE,
+                f"{share:.1%} of the light on the {side} leaves the system; 100 % at"
+                " most expected: are dielectric solids closed, with outward normals?",
+            )
 
 
 def _system(

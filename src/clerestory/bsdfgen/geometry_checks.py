@@ -1,8 +1,8 @@
 """Plausibility checks of the geometry of a shading system.
 
 Surfaces are checked for position, length unit and coplanar overlaps. Dielectric solids
-are checked for open edges and inward normals. All findings are warnings, except that a
-system entirely on the room side of z = 0 is an error.
+are checked for open edges and inward normals. All findings are warnings, except that
+systems entirely on the room side of z = 0 and solids turned inside out are errors.
 """
 
 from collections.abc import Iterator
@@ -10,11 +10,14 @@ from collections.abc import Iterator
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from clerestory.bsdfgen.shading_system import SampleArea
 from clerestory.checks import require
-from clerestory.scene.model import Dielectric, Interface, Scene, Surface
-from clerestory.scene.surface import extent
+from clerestory.errors import InputError
+from clerestory.scene.coplanar import overlapping_pairs
+from clerestory.scene.model import Dielectric, Interface, Scene
+from clerestory.scene.surface import extent, surface_label
 from clerestory.scene.tessellate import Mesh, meshes
 
 # Largest z of surfaces without a warning [m], as in genBSDF.
@@ -31,7 +34,11 @@ def check_system(scene: Scene, area: SampleArea) -> tuple[str, ...]:
     """Return warnings about a system; they name a surface and line where possible.
 
     Checks for surfaces at z > 0, systems far behind z = 0, units other than metres,
-    open or inverted dielectric solids, and overlapping coplanar surfaces.
+    open dielectric solids, and overlapping coplanar surfaces.
+
+    Raises
+    ------
+    InputError : all surfaces are in the room, or a dielectric solid is inside out
     """
     if not scene.surfaces:
         return ()
@@ -90,9 +97,6 @@ def _far_behind(area: SampleArea) -> Iterator[str]:
 # the system.
 _SAME = 1e-6
 
-# Largest number of triangle pairs per plane that are tested; further pairs are skipped.
-_MOST_PAIRS = 4_000_000
-
 
 def check_overlaps(scene: Scene) -> Iterator[str]:
     """Yield one warning about overlapping coplanar surfaces, for the first pair."""
@@ -100,11 +104,7 @@ def check_overlaps(scene: Scene) -> Iterator[str]:
     corner = np.concatenate([m.vertices[m.faces] for m in parts])
     surface = np.concatenate([m.surface for m in parts])
     size = float(np.ptp(corner.reshape(-1, 3), axis=0).max())
-    pairs = [
-        _pairs(corner[of], surface[of], of, _SAME * size)
-        for of in _planes(corner, _SAME * size)
-    ]
-    found = np.concatenate([np.empty((0, 2), dtype=int), *pairs])
+    found = overlapping_pairs(corner, surface, _SAME * size)
     if not len(found):
         return
     both = np.unique(np.sort(surface[found], axis=1), axis=0)
@@ -116,83 +116,8 @@ def check_overlaps(scene: Scene) -> Iterator[str]:
     )
 
 
-def _planes(
-    corner: Float[np.ndarray, "triangle 3 3"], near: float
-) -> Iterator[Int[np.ndarray, " triangle"]]:
-    # Group triangles by plane
-    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    length = np.linalg.norm(normal, axis=1)
-    flat = np.flatnonzero(length > 0)
-    normal = normal[flat] / length[flat, None]
-    lead = np.argmax(np.abs(normal) > 1e-6, axis=1)
-    normal *= np.sign(normal[np.arange(len(flat)), lead])[:, None]
-    offset = np.einsum("tx,tx->t", normal, corner[flat].mean(axis=1))
-    key = np.column_stack(
-        [np.round(normal, 5), np.round(offset / max(10 * near, 1e-12))]
-    )
-    _, which, count = np.unique(key, axis=0, return_inverse=True, return_counts=True)
-    order = np.argsort(which.ravel(), kind="stable")
-    for part in np.split(flat[order], np.cumsum(count)[:-1]):
-        if len(part) > 1:
-            yield part
-
-
-def _pairs(
-    corner: Float[np.ndarray, "triangle 3 3"],
-    surface: Int[np.ndarray, " triangle"],
-    number: Int[np.ndarray, " triangle"],
-    near: float,
-) -> Int[np.ndarray, "pair 2"]:
-    # Project along the largest component of the normal
-    normal = np.cross(corner[0, 1] - corner[0, 0], corner[0, 2] - corner[0, 0])
-    flat = np.delete(corner, int(np.argmax(np.abs(normal))), axis=2)
-    low, high = flat.min(axis=1) + near, flat.max(axis=1) - near
-    order = np.argsort(low[:, 0])
-    flat, low, high = flat[order], low[order], high[order]
-    surface, number = surface[order], number[order]
-
-    # Find pairs of overlapping bounding boxes by a sweep along the first axis
-    last = np.searchsorted(low[:, 0], high[:, 0])
-    count = np.maximum(last - np.arange(len(flat)) - 1, 0)
-    total = np.minimum(np.cumsum(count), _MOST_PAIRS)
-    count = np.diff(np.concatenate([[0], total]))
-    one = np.repeat(np.arange(len(flat)), count)
-    start = np.repeat(np.cumsum(count) - count, count)
-    other = one + 1 + np.arange(len(one)) - start
-    near_by = (low[one, 1] < high[other, 1]) & (low[other, 1] < high[one, 1])
-    near_by &= surface[one] != surface[other]
-    one, other = one[near_by], other[near_by]
-    cross = _overlap(flat[one], flat[other], near)
-    return np.stack([number[one[cross]], number[other[cross]]], axis=1)
-
-
-def _overlap(
-    one: Float[np.ndarray, "pair 3 2"],
-    other: Float[np.ndarray, "pair 3 2"],
-    near: float,
-) -> Bool[np.ndarray, " pair"]:
-    # Separating axis test for two triangles
-    apart = np.zeros(len(one), dtype=bool)
-    for part in (one, other):
-        edge = np.roll(part, -1, axis=1) - part
-        axis = np.stack([-edge[..., 1], edge[..., 0]], axis=-1)
-        axis /= np.maximum(np.linalg.norm(axis, axis=-1, keepdims=True), 1e-300)
-        a = np.einsum("pex,pcx->pec", axis, one)
-        b = np.einsum("pex,pcx->pec", axis, other)
-        gap = np.maximum(b.min(axis=2) - a.max(axis=2), a.min(axis=2) - b.max(axis=2))
-        apart |= np.any(gap > -near, axis=1)
-    return ~apart
-
-
-def surface_label(surface: Surface) -> str:
-    """File, line, type and name of a surface as text."""
-    kind, source = type(surface).__name__.lower(), surface.source
-    place = f"{source.file}:{source.line}: " if source and source.file else ""
-    return f'{place}{kind} "{surface.name}"'
-
-
 def check_solids(scene: Scene, area: SampleArea) -> Iterator[str]:
-    """Yield warnings about dielectric solids with open edges or inward normals.
+    """Yield warnings about dielectric solids with open edges; refuse inward normals.
 
     Each edge of a solid belongs to two faces that traverse it in opposite directions.
     Open edges on the sides of a periodic unit cell are allowed.
@@ -214,8 +139,14 @@ def check_solids(scene: Scene, area: SampleArea) -> Iterator[str]:
                 f" ({int(lone.sum())} edges without a second face); closed surfaces"
                 " with outward normals expected"
             )
-        elif _volume(corner, faces) < 0:
-            yield f"{name} is inside out; faces with outward normals expected"
+            continue
+        inverted = _inverted(corner, faces)
+        if inverted.any():
+            surface = surface_label(scene.surfaces[int(mesh.surface[inverted][0])])
+            raise InputError(
+                f"{surface}: {name} is inside out, its fronts face the inside of the"
+                " solid; faces with outward normals expected"
+            )
 
 
 def _welded(
@@ -246,10 +177,26 @@ def _in_sides(
     return np.asarray(beyond.all(axis=1).any(axis=-1))
 
 
-def _volume(
+def _inverted(
     corner: Float[np.ndarray, "corner 3"], faces: Int[np.ndarray, "face 3"]
-) -> float:
-    # Volume by Gauss's theorem for the field (0, 0, z); vertical faces contribute zero
+) -> Bool[np.ndarray, " face"]:
+    # Faces of solids with inward normals. Volumes are computed by Gauss's theorem for
+    # the field (0, 0, z), to which vertical faces contribute zero
+    count = len(corner)
+    joined = np.concatenate([faces[:, :2], faces[:, 1:]])
+    links = coo_array((np.ones(len(joined)), tuple(joined.T)), shape=(count, count))
+    _, label = connected_components(links, directed=False)
+    solid = label[faces[:, 0]]
     a, b, c = np.moveaxis(corner[faces] - corner.mean(axis=0), 1, 0)
     upwards = np.cross(b - a, c - a)[:, 2] / 2
-    return float(upwards @ (a + b + c)[:, 2] / 3)
+    volume = np.bincount(solid, upwards * (a + b + c)[:, 2] / 3, minlength=count)
+
+    # Cavities within another solid have inward normals
+    low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
+    np.minimum.at(low, label, corner)
+    np.maximum.at(high, label, corner)
+    outer = np.flatnonzero(volume > 0)
+    for part in np.flatnonzero(volume < 0):
+        within = np.all((low[outer] < low[part]) & (high[outer] > high[part]), axis=1)
+        volume[part] *= -1 if within.any() else 1
+    return np.asarray(volume[solid] < 0)

@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Vector
+from clerestory.brief_repr import brief
 from clerestory.bsdf.product_data import Product
 from clerestory.bsdfgen.channel_weights import VISIBLE, Weights
 from clerestory.checks import require
@@ -31,6 +32,8 @@ class SampleArea:
 
     bounds: Float[np.ndarray, "2 3"]
     periodic: bool = False
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         bounds = np.asarray(self.bounds, dtype=float)
@@ -93,3 +96,5 @@ class System:
     area: SampleArea
     bands: Mapping[str, Weights] = field(default_factory=lambda: dict(VISIBLE))
     product: Product = field(default_factory=Product)
+
+    __repr__ = brief

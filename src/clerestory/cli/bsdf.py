@@ -6,7 +6,7 @@ from pathlib import Path
 import typer
 
 from clerestory.bsdf.layer_comparison import compare as compare_bsdfs
-from clerestory.bsdf.quality_checks import check as check_bsdf
+from clerestory.bsdf.quality_checks import check_file
 from clerestory.bsdf.quality_finding import Finding
 from clerestory.bsdf.xml_insertion import insert_blocks
 from clerestory.bsdf.xml_reader import read_bsdf
@@ -38,7 +38,7 @@ def check(request: requests.CheckBsdf) -> int:
     reports: list[tuple[Path, tuple[Finding, ...], str]] = []
     for file in request.files:
         try:
-            reports.append((file, check_bsdf(read_bsdf(file)), ""))
+            reports.append((file, check_file(file), ""))
         except InputError as error:
             reports.append((file, (), str(error)))
     if request.as_json:

@@ -10,13 +10,11 @@ from clerestory.bsdf.scattering_function import Function, ScatteringFunction
 from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.bsdf.tree_arithmetic import reduce_tree
 from clerestory.bsdf.xml_reader import read_bsdf
-from clerestory.bsdf.xml_writer import write_bsdf
+from clerestory.bsdf.xml_writer import usual_digits, write_bsdf
 from clerestory.cli.bsdf_report import function_title
 from clerestory.cli.requests.bsdf import ConvertBsdf, ReduceBsdf
 from clerestory.errors import InputError
 from clerestory.hemisphere.klems import klems
-
-_DIGITS = 7
 
 
 def convert(request: ConvertBsdf) -> None:
@@ -24,14 +22,16 @@ def convert(request: ConvertBsdf) -> None:
     before = read_bsdf(request.file)
     source = reciprocal_mean(before) if request.reciprocal else before
     if request.to == "tree":
-        after = to_trees(source, halvings=request.halvings)
+        after = to_trees(source, halvings=request.halvings, reduction=request.reduction)
     elif request.to == "same":
         after = source
     else:
         after = to_matrices(source, klems(request.to))
     command = f"clerestory bsdf convert {request.file.name} to {request.to}"
     comment = command.replace("--", "-")
-    write_bsdf(request.output, after, digits=_DIGITS, comment=comment)
+    # Values that are not converted keep all digits
+    digits = None if request.to == "same" else usual_digits(after)
+    write_bsdf(request.output, after, digits=digits, comment=comment)
     for channel, name in after.functions:
         if (channel, name) in before.functions:
             typer.echo(_change(before, after, channel, name))
@@ -56,10 +56,11 @@ def reduce(request: ReduceBsdf) -> None:
             f" direct-hemispherical values change by up to"
             f" {result.hemispherical_error:.1e}"
         )
+    reduced = replace(bsdf, functions=functions)
     write_bsdf(
         request.output,
-        replace(bsdf, functions=functions),
-        digits=_DIGITS,
+        reduced,
+        digits=usual_digits(reduced),
         comment=f"clerestory bsdf reduce by {request.percent:g} %",
     )
 

@@ -3,7 +3,7 @@
 import time
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.xml_writer import write_bsdf
+from clerestory.bsdf.xml_writer import usual_digits, write_bsdf
 from clerestory.bsdfgen import system_catalogue
 from clerestory.bsdfgen.channel_weights import Weights
 from clerestory.bsdfgen.generate import generate_bsdf
@@ -17,7 +17,6 @@ from clerestory.files import write_text
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.rad_writer import format_rad
 
-_DIGITS = 7
 _DEFAULTS = "default"
 
 
@@ -36,7 +35,7 @@ def generate(request: GenerateBsdf) -> None:
         )
     tracing, output = request.tracing, request.output
     comment = f"clerestory bsdf generate, {tracing.basis}, seed {tracing.seed}"
-    write_bsdf(output, bsdf, digits=_DIGITS, comment=comment)
+    write_bsdf(output, bsdf, digits=usual_digits(bsdf), comment=comment)
     if request.errors is not None:
         write_bsdf(
             request.errors,

@@ -9,6 +9,7 @@ import numpy as np
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.layer_comparison import Comparison
+from clerestory.bsdf.other_readers import READERS
 from clerestory.bsdf.quality_finding import Finding, patch_label
 from clerestory.bsdf.scattering_function import FUNCTIONS, Function
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
@@ -39,11 +40,21 @@ def info_lines(bsdf: Bsdf) -> Iterator[str]:
 def finding_lines(
     file: Path, findings: Sequence[Finding], *, all_of_them: bool
 ) -> Iterator[str]:
-    """Yield a line per finding (`all_of_them`) or per finding that affects results."""
+    """Yield a line per finding (`all_of_them`) or per finding that affects results.
+
+    The last line says which other programs read the file.
+    """
     shown = [f for f in findings if f.matters or all_of_them]
     yield from (f"{file}: {finding}" for finding in shown)
-    if not any(finding.matters for finding in findings):
-        yield f"{file}: sound"
+    refused = {f.where: f.what for f in findings if f.name == "reader"}
+    readers = [reader for reader in READERS if reader not in refused]
+    answers = [f"read by {' and '.join(readers)}"] if readers else []
+    answers += [
+        f"not {'' if readers else 'read '}by {who} ({why})"
+        for who, why in refused.items()
+    ]
+    sound = "" if any(finding.matters for finding in findings) else "sound; "
+    yield f"{file}: {sound}{'; '.join(answers)}"
 
 
 def findings_json(reports: Sequence[tuple[Path, Sequence[Finding], str]]) -> str:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from clerestory.bsdf.scattering_function import FUNCTIONS
-from clerestory.bsdf.xml_writer import write_bsdf
+from clerestory.bsdf.xml_writer import usual_digits, write_bsdf
 from clerestory.checks import require
 from clerestory.cli.progress import progress_display, say
 from clerestory.cli.requests.glazing import GlazingInfo, StackLayers
@@ -22,7 +22,6 @@ from clerestory.glazing.standard import standard as standard_named
 from clerestory.glazing.thermal import ThermalFigures, thermal_figures
 from clerestory.hemisphere.klems import klems
 
-_DIGITS = 7
 _SHOWN: tuple[Channel, Channel] = ("visible", "solar")
 _MILLIMETRE = 1e-3
 
@@ -55,7 +54,7 @@ def stack(request: StackLayers) -> None:
     if request.output is not None:
         names = " | ".join(layer.name for layer in system.layers).replace("--", "-")
         comment = f"clerestory glazing stack of {names}"
-        write_bsdf(request.output, bsdf, digits=_DIGITS, comment=comment)
+        write_bsdf(request.output, bsdf, digits=usual_digits(bsdf), comment=comment)
     say(*_figures(stacked), quiet=request.quiet)
     if request.thermal:
         scattering = any(not isinstance(one, Glass) for one in system.layers)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from clerestory.array_types import Directions
 from clerestory.bsdf.quality_checks import check as check_bsdf
 from clerestory.bsdf.resample import reciprocal_mean
-from clerestory.bsdf.xml_writer import write_bsdf
+from clerestory.bsdf.xml_writer import usual_digits, write_bsdf
 from clerestory.checks import require, within
 from clerestory.cli import gonio_text
 from clerestory.cli.angle_pair import angle_pair
@@ -29,8 +29,6 @@ from clerestory.gonio.measurement_planning import recommended_directions
 from clerestory.gonio.scattering_measurement import Measurement
 from clerestory.report.figure_file import figure_format, write_figure
 from clerestory.report.gonio_plots import between_figure, error_figure, fit_figure
-
-_DIGITS = 6
 
 
 def info(request: requests.MeasurementInfo) -> int:
@@ -116,7 +114,7 @@ def export(request: requests.ExportBsdf) -> None:
             )
         bsdf = mean
     comment = f"clerestory gonio export to {request.to}"
-    write_bsdf(request.output, bsdf, digits=_DIGITS, comment=comment)
+    write_bsdf(request.output, bsdf, digits=usual_digits(bsdf), comment=comment)
     if not request.quiet:
         said += [str(finding) for finding in check_bsdf(bsdf) if finding.matters]
         say(*said, f"{request.output}: {request.output.stat().st_size / 1e6:.1f} MB")

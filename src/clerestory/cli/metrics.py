@@ -16,9 +16,16 @@ from clerestory.escaping import csv_line
 from clerestory.files import write_text
 from clerestory.metrics import climate_based_metrics as climate
 from clerestory.metrics import en17037, honeybee
-from clerestory.metrics.leed import simulated_daylight
+from clerestory.metrics.leed import Version, points_error, simulated_daylight
 from clerestory.metrics.lm83_conditions import departures, hour_departures
 from clerestory.metrics.occupied_hours import occupied_hours
+from clerestory.metrics.replicates import (
+    error_of_group_mean,
+    errors_of,
+    hourly_replicates,
+    metric_error,
+)
+from clerestory.metrics.sensor_metrics import sensor_metrics
 from clerestory.metrics.spatial_metrics import (
     RoomShare,
     hours_above,
@@ -26,20 +33,23 @@ from clerestory.metrics.spatial_metrics import (
     sunlight_exposure,
 )
 from clerestory.sky.weather_formats import read_weather
-from clerestory.study.results import read_results
+from clerestory.study.results import Results, read_results
 
 _HOURS_A_YEAR = 8760
 
 
 @dataclass(frozen=True, eq=False)
 class _Grid:
-    # Illuminance of one grid, its standard error, and direct-sun illuminance [lux]
+    # Illuminance of one grid, and direct-sun illuminance [lux], with errors if known
     name: str
-    lux: xr.DataArray
-    error: xr.DataArray | None
-    direct: xr.DataArray | None
+    hourly: xr.Dataset
+    sun: xr.Dataset | None
     step_hours: float = 1.0
     departures: tuple[str, ...] = ()  # from LM-83
+
+    @property
+    def lux(self) -> xr.DataArray:
+        return self.hourly["illuminance"]
 
 
 def metrics(request: Metrics) -> None:
@@ -62,7 +72,9 @@ def metrics(request: Metrics) -> None:
     if request.output is not None:
         write_text(request.output, "\n".join([_HEAD, *rows]) + "\n")
     if request.honeybee is not None:
-        direct = {g.name: g.direct.values for g in grids if g.direct is not None}
+        direct = {
+            g.name: g.sun["illuminance"].values for g in grids if g.sun is not None
+        }
         honeybee.write_honeybee(
             request.honeybee,
             {g.name: g.lux.values.astype(float) for g in grids},
@@ -70,6 +82,13 @@ def metrics(request: Metrics) -> None:
             direct=direct,
         )
 
+
+# Means over a grid, by label
+_MEANS = {
+    "daylight autonomy": "daylight_autonomy",
+    "continuous autonomy": "continuous_autonomy",
+    "useful, 100 to 3000 lux": "useful",
+}
 
 _HEAD = (
     "grid,sensor,daylight autonomy [%],continuous autonomy [%],"
@@ -85,14 +104,15 @@ def _grids(request: Metrics) -> Iterator[_Grid]:
         for name in folder.paths:
             chosen = _operated(folder, name) if operate else _scheduled(states)
             lux = folder.illuminance(name, states=chosen)
-            sun = folder.illuminance(name, light="direct")
+            direct = folder.illuminance(name, light="direct")
+            hourly, sun = (xr.Dataset({"illuminance": x}) for x in (lux, direct))
             odd = hour_departures(
                 lux["time"].values, 1.0, request.from_hour, request.to_hour
             )
             fixed = folder.dynamic_paths(name) and not operate
             shades = ["shades that do not follow LM-83; --lm83 expected"]
             departed = (*odd, *(shades if fixed else []))
-            yield _Grid(name, lux, None, sun, departures=departed)
+            yield _Grid(name, hourly, sun, departures=departed)
         return
     require(
         states is None and not operate,
@@ -104,13 +124,12 @@ def _grids(request: Metrics) -> Iterator[_Grid]:
     for name in found.grids():
         part = found.data.isel(sensor=np.flatnonzero(found.data["grid"] == name))
         # ASE requires the sun at its exact position, not spread over patches
-        direct = part["direct_open"] if "sun_hours" in part else None
+        exposed = Results.of_direct_sun(part) if "sun_hours" in part else None
         step = float(found.data.attrs.get("step_minutes", 60)) / 60
-        lux, error = part["illuminance"], part["standard_error"]
         departed = departures(
             part, from_hour=request.from_hour, to_hour=request.to_hour
         )
-        yield _Grid(name, lux, error, direct, step, departed)
+        yield _Grid(name, part, exposed, step, departed)
 
 
 def _room_and_views(request: Metrics) -> Iterator[str]:
@@ -178,36 +197,50 @@ def _room(
     grid: _Grid, hours: np.ndarray, half: np.ndarray | None, request: Metrics
 ) -> Iterator[str]:
     target, leed = request.target, request.leed
-    autonomy = climate.daylight_autonomy(grid.lux, hours, target_lux=target)
-    continuous = climate.continuous_autonomy(grid.lux, hours, target_lux=target)
-    bands = climate.useful_illuminance(grid.lux, hours).mean("sensor").values
-    yield f"{'daylight autonomy':28}{_percent(float(autonomy.mean()))}"
-    yield f"{'continuous autonomy':28}{_percent(float(continuous.mean()))}"
-    yield f"{'useful, 100 to 3000 lux':28}{_percent(float(bands[1:3].sum()))}"
-    reached = spatial_autonomy(grid.lux, hours, standard_error=grid.error)
+    means = sensor_metrics(grid.hourly, hours, target_lux=target)
+    for label, name in _MEANS.items():
+        error = error_of_group_mean(means[f"{name}_components"].values)
+        yield f"{label:28}{_percent(float(means[name].mean()), error)}"
+    reached = spatial_autonomy(grid.lux, hours, **errors_of(grid.hourly))
     by_rule = " (not by LM-83)" if grid.departures else ""
-    yield f"{'sDA300/50':28}{_share(reached)}{by_rule}"
-    if grid.direct is not None:
-        found = sunlight_exposure(grid.direct, hours, step_hours=grid.step_hours)
-        most = float(hours_above(grid.direct, hours, step_hours=grid.step_hours).max())
-        part = _part_of_year(grid)
-        yield f"{'ASE1000,250':28}{_share(found)}, {most:.0f} h at most{part}"
-        credit = simulated_daylight(
-            reached.value, found.value, version=leed, departures=grid.departures
-        )
-        note = f" ({credit.note})" if credit.note else ""
-        yield f"{'LEED ' + leed + ' option 1':28}{credit.points} points{note}"
-    else:
-        yield f"{'ASE1000,250':28}unknown: the method 5-phase traces the direct sun"
-        if grid.departures:
-            yield f"{'not by LM-83':28}{'; '.join(grid.departures)}"
+    yield f"{'sDA300/50':28}{_percent(reached.value, reached.error)}{by_rule}"
+    yield from _exposed_area(grid, hours, reached, leed)
     if half is not None:
-        level = en17037.daylight_provision(grid.lux, half, standard_error=grid.error)
+        level = en17037.daylight_provision(grid.lux, half, **errors_of(grid.hourly))
         numbers = (level.level, level.target_level, level.minimum_level)
         both, upper, lower = (en17037.LEVELS[number] for number in numbers)
         yield f"{'EN 17037 provision':28}{both} (target {upper}, minimum {lower})"
-    exposed = climate.light_exposure(grid.lux, np.ones(grid.lux.sizes["time"], bool))
-    yield f"{'light exposure':28}{float(exposed.mean()):.0f} lux h"
+    exposed, *varied = map(_exposure, (grid.lux, *hourly_replicates(grid.hourly)))
+    stated = f" ± {metric_error(varied):.0f}" if any(varied) else ""
+    yield f"{'light exposure':28}{exposed:.0f}{stated} lux h"
+
+
+def _exposed_area(
+    grid: _Grid, hours: np.ndarray, reached: RoomShare, leed: Version
+) -> Iterator[str]:
+    # Annual sunlight exposure, and LEED points with the given sDA
+    if grid.sun is None:
+        yield f"{'ASE1000,250':28}unknown: the method 5-phase traces the direct sun"
+        if grid.departures:
+            yield f"{'not by LM-83':28}{'; '.join(grid.departures)}"
+        return
+    direct, step = grid.sun["illuminance"], grid.step_hours
+    found = sunlight_exposure(direct, hours, step_hours=step, **errors_of(grid.sun))
+    most = float(hours_above(direct, hours, step_hours=step).max())
+    share = _percent(found.value, found.error)
+    yield f"{'ASE1000,250':28}{share}, {most:.0f} h at most{_part_of_year(grid)}"
+    credit = simulated_daylight(
+        reached.value, found.value, version=leed, departures=grid.departures
+    )
+    error = points_error(reached, found, version=leed)
+    points = f"{credit.points} ± {error:.1f}" if error else f"{credit.points}"
+    note = f" ({credit.note})" if credit.note else ""
+    yield f"{'LEED ' + leed + ' option 1':28}{points} points{note}"
+
+
+def _exposure(lux: xr.DataArray) -> float:
+    every = np.ones(lux.sizes["time"], bool)
+    return float(climate.light_exposure(lux, every).mean())
 
 
 def _part_of_year(grid: _Grid) -> str:
@@ -233,10 +266,6 @@ def _sensors(grid: _Grid, hours: np.ndarray, target: float) -> Iterator[str]:
         )
 
 
-def _percent(value: float) -> str:
-    return f"{100 * value:.1f} %"
-
-
-def _share(share: RoomShare) -> str:
-    error = f" ± {100 * share.error:.1f}" if share.error else ""
-    return f"{100 * share.value:.1f}{error} %"
+def _percent(value: float, error: float) -> str:
+    stated = f" ± {100 * error:.2g}" if error else ""
+    return f"{100 * value:.1f}{stated} %"

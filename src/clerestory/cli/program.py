@@ -16,6 +16,7 @@ _TOP = {
     "demo": "study",
     "report": "study",
     "render": "render",
+    "irradiance": "render",
     "illum": "render",
     "glare": "glare",
     "metrics": "study",

@@ -13,6 +13,7 @@ from typing import Any
 
 import typer
 
+from clerestory.escaping import terminal_text
 from clerestory.progress import Progress, silent
 
 # Delay before progress is shown [s]
@@ -25,7 +26,7 @@ _LINE_EVERY = 10.0
 def say(*lines: str, quiet: bool = False) -> None:
     """Print lines of text unless `quiet`."""
     for line in () if quiet else lines:
-        typer.echo(line)
+        typer.echo(terminal_text(line))
 
 
 @contextmanager
@@ -47,9 +48,9 @@ def _bars() -> Any:
     # Imported on demand, because Rich takes 0.1 s to load
     rich = importlib.import_module("rich.progress")
     columns = (
-        rich.TextColumn("{task.description}"),
+        rich.TextColumn("{task.description}", markup=False),
         rich.BarColumn(),
-        rich.TextColumn("{task.percentage:3.0f} %  {task.fields[note]}"),
+        rich.TextColumn("{task.percentage:3.0f} %  {task.fields[note]}", markup=False),
         rich.TimeElapsedColumn(),
         rich.TextColumn("left"),
         rich.TimeRemainingColumn(),
@@ -60,13 +61,13 @@ def _bars() -> Any:
 
 def _bar(bars: Any, name: str) -> Progress:
     # A timer shows the bar, even before the first progress report
-    task = bars.add_task(name, total=1.0, visible=False, note="")
+    task = bars.add_task(terminal_text(name), total=1.0, visible=False, note="")
     timer = threading.Timer(_PATIENCE, lambda: bars.update(task, visible=True))
     timer.daemon = True
     timer.start()
 
     def report(share: float, note: str) -> None:
-        bars.update(task, completed=share, note=note)
+        bars.update(task, completed=share, note=terminal_text(note))
         if share >= 1:
             timer.cancel()
             bars.update(task, visible=False)
@@ -83,6 +84,7 @@ def _lines(name: str) -> Progress:
         if now >= due[0] and 0 < share < 1:
             due[0] = now + _LINE_EVERY
             left = (now - begin) * (1 - share) / share
-            typer.echo(f"{name}: {share:.0%}, {note}, {left:.0f} s left", err=True)
+            line = f"{name}: {share:.0%}, {note}, {left:.0f} s left"
+            typer.echo(terminal_text(line), err=True)
 
     return report

@@ -8,7 +8,7 @@ from rich.table import Table
 
 from clerestory.cli.progress import progress_display, say
 from clerestory.cli.requests import study as requests
-from clerestory.metrics.sensor_metrics import error_of_group_mean
+from clerestory.metrics.replicates import error_of_group_mean
 from clerestory.report.page import REPORT_FILE, picture_folder, write_report
 from clerestory.study.config import Study, read_study
 from clerestory.study.new_study import begin_study, write_demo
@@ -28,6 +28,7 @@ def new(request: requests.NewStudy) -> None:
         sensors=request.sensors,
         spacing=request.spacing,
         height=request.height,
+        units=request.units,
     )
     say(
         *(f'window "{n}" reversed: its front must face the room' for n in begun.turned),
@@ -98,10 +99,7 @@ def _summary(results: Results) -> Table:
 
 def _figure(part: xr.Dataset, name: str, factor: float) -> str:
     value = factor * float(part[name].mean())
-    components = None
-    if name == "mean_illuminance" and "mean_components" in part:
-        components = part["mean_components"].values.astype(float)
-    error = error_of_group_mean(part[f"{name}_error"].values.astype(float), components)
+    error = error_of_group_mean(part[f"{name}_components"].values)
     return f"{value:.1f} ± {factor * error:.1f}"
 
 

@@ -15,6 +15,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float
 
+from clerestory.brief_repr import brief
 from clerestory.checks import distinct, has_shape, require
 from clerestory.errors import InputError, located
 from clerestory.glare.indices import INDICES
@@ -75,6 +76,8 @@ class Series:
     error: Float[np.ndarray, "series time"] | None = None
     position: Float[np.ndarray, "series 3"] | None = None
     source: str = ""
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         with located(file=self.source):

@@ -11,6 +11,7 @@ from typing import TypeVar, final
 
 import numpy as np
 
+from clerestory.brief_repr import brief
 from clerestory.checks import not_negative, require
 from clerestory.comparison.series import ILLUMINANCE, Series, group_of, quantity_of
 from clerestory.comparison.time_alignment import (
@@ -92,6 +93,8 @@ class Comparison:
     unmatched: tuple[str, ...]
     years_ignored: bool
     step_minutes: float
+
+    __repr__ = brief
 
     def table(self) -> dict[tuple[str, str], Agreement]:
         """Return the agreement of each group (grid or view) and quantity."""

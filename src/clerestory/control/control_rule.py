@@ -13,6 +13,7 @@ from typing import final
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from clerestory.brief_repr import brief
 from clerestory.checks import has_shape, require, within
 from clerestory.errors import InputError
 
@@ -38,6 +39,8 @@ class Situation:
     by_state: Mapping[str, Float[np.ndarray, "state time"]] = field(
         default_factory=dict
     )
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         over_time = {"occupied": self.occupied, **self.signals}

@@ -13,6 +13,7 @@ from typing import final
 import numpy as np
 from jaxtyping import Float, Int
 
+from clerestory.brief_repr import brief
 from clerestory.checks import not_negative, require, same_length, within
 from clerestory.errors import InputError
 from clerestory.escaping import csv_line, plain_cell
@@ -46,6 +47,8 @@ class StateSchedule:
 
     times: np.ndarray
     states: Mapping[str, Int[np.ndarray, " time"]]
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         for group, state in self.states.items():

@@ -7,10 +7,12 @@ from jaxtyping import Float
 
 from clerestory.engine.direct_sun_jobs import UnscatteredJob
 from clerestory.engine.lower import lower
+from clerestory.engine.unusual_lengths import scene_factor
 from clerestory.engine.upload import launching, vectors
 from clerestory.engine.visibility import along, transmittance
 from clerestory.engine.work_units import Tracer, Unit
 from clerestory.scene.model import Scene
+from clerestory.scene.scaling import scaled
 
 
 def direct_transmittance(
@@ -19,6 +21,8 @@ def direct_transmittance(
     directions: Float[np.ndarray, "sun 3"],
 ) -> Float[np.ndarray, "point sun"]:
     """Return the direct (unscattered) transmittance from distant sources to points."""
+    factor = scene_factor(scene)
+    scene, points = scaled(scene, factor), points * factor
     origin = points.mean(axis=0)
     count = len(directions)
     with launching():

@@ -8,20 +8,13 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.engine.directional_map import DirectionalMap, map_directions
+from clerestory.engine.sampled_sources import is_sun
 from clerestory.engine.sampler import Distribution
 from clerestory.engine.upload import on_device, vectors
 from clerestory.scene.model import DistantSource, Scene
 
-# Sources up to this opening angle [°] are sampled directly, as discs with sharp edges.
-_DISC_DEG = 12.0
-
 # Number of cells along an edge of the table of sky radiance.
 _EDGE = 512
-
-
-def is_sun(source: DistantSource) -> bool:
-    """Whether a distant source has a small opening angle and is sampled directly."""
-    return source.angle_deg <= _DISC_DEG
 
 
 @dataclass

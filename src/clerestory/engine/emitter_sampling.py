@@ -44,7 +44,7 @@ class SurfaceEmitters(Source):
         """Return state, density and length at the start of a first path segment."""
         if not self.mirrored:
             return None
-        other = mi.UInt32(self.images.other)
+        other = self.images.outside
         return dr.select(pdf > 0, mi.UInt32(0), other), mi.Float(pdf), mi.Float(0)
 
     def remember(self, si, vertex: Vertex, after: Scattering, memory):

@@ -14,6 +14,7 @@ from jaxtyping import Float
 
 from clerestory.engine.directional_map import DirectionalMap, map_directions
 from clerestory.engine.origin import Origin
+from clerestory.engine.sampled_sources import is_sampled
 from clerestory.engine.sampler import Distribution
 from clerestory.engine.spherical_rectangle import Parallelograms, fold
 from clerestory.engine.upload import on_device, vectors
@@ -32,11 +33,6 @@ def split_by_surface(mesh: Mesh) -> list[Mesh]:
         return [mesh]
     parts = [mesh.surface == number for number in np.unique(mesh.surface)]
     return [replace(mesh, faces=mesh.faces[p], surface=mesh.surface[p]) for p in parts]
-
-
-def is_sampled(material: Emitter) -> bool:
-    """Whether an emitter is sampled by next-event estimation."""
-    return not (isinstance(material, Glow) and material.radius <= 0)
 
 
 @dataclass

@@ -33,8 +33,16 @@ _PRIOR = 0.1
 _RATE, _LEAST_RATE = 2.0, 0.125
 
 
-def with_learned_images(scene: Illumination, places: SurfacePoints) -> Illumination:
-    """Return the scene with image probabilities learned at surface points."""
+def with_learned_images(
+    scene: Illumination, places: SurfacePoints, sensors: SurfacePoints | None
+) -> Illumination:
+    """Return the scene with image probabilities learned at surface points and sensors.
+
+    Half of the points may be sensors.
+    """
+    if sensors is not None:
+        sensors = sensors.thinned(_PLACES // 2)
+        places = sensors + places.thinned(_PLACES - len(sensors))
     if len(places) == 0:
         return scene
     suns = scene.images_of_suns
@@ -49,9 +57,8 @@ def with_learned_images(scene: Illumination, places: SurfacePoints) -> Illuminat
 def _learned(
     images: MirrorImages, source: Suns | SurfaceEmitters, places: SurfacePoints
 ) -> MirrorImages:
-    few = min(_PLACES, max(1, _PAIRS // images.other))
-    chosen = np.linspace(0, len(places) - 1, min(few, len(places))).astype(int)
-    mirrored = _root_mean_squares(images, source, places, chosen)
+    places = places.thinned(min(_PLACES, max(1, _PAIRS // images.other)))
+    mirrored = _root_mean_squares(images, source, places)
     direct, total = mirrored[0], float(mirrored[1:].sum())
     mirrored[0] = 0
     prior = images.weight / images.weight.sum()
@@ -66,14 +73,13 @@ def _root_mean_squares(
     images: MirrorImages,
     source: Suns | SurfaceEmitters,
     places: SurfacePoints,
-    chosen: np.ndarray,
 ) -> Float[np.ndarray, " state"]:
     # Light at the points by way of each image; state 0 is direct light
-    count = len(chosen)
+    count = len(places)
     lane = dr.arange(mi.UInt32, count * images.other)
     state, row = lane // dr.opaque(mi.UInt32, count), lane % dr.opaque(mi.UInt32, count)
-    point = dr.gather(mi.Point3f, vectors(mi.Point3f, places.start[chosen]), row)
-    normal = dr.gather(mi.Vector3f, vectors(mi.Vector3f, places.normal[chosen]), row)
+    point = dr.gather(mi.Point3f, vectors(mi.Point3f, places.start), row)
+    normal = dr.gather(mi.Vector3f, vectors(mi.Vector3f, places.normal), row)
     numbers = PathNumbers(points(0, count), mi.UInt32(3), row, mi.UInt32(0))
     vertex = sensor_vertex(None, point, normal)
     with launching():
@@ -81,8 +87,8 @@ def _root_mean_squares(
             vertex, state > 0
         )
         straight, seen = source.direct(vertex, numbers).estimate(vertex, state == 0)
-        light = dr.select(lit, dr.mean(mirrored), 0)
-        light += dr.select(seen, dr.mean(straight), 0)
+        light = dr.select(lit, dr.max(mirrored), 0)
+        light += dr.select(seen, dr.max(straight), 0)
         dr.eval(light)
         found = light.numpy().reshape(images.other, count)
     return np.asarray(np.sqrt(np.mean(np.square(found.astype(float)), axis=1)))

@@ -180,6 +180,7 @@ class SlabJob(MatrixJob):
     """
 
     tracer: ClassVar[tuple[str, str]] = ("sample_area_matrix", "prepare_slab")
+    scalable: ClassVar[bool] = False  # `lower_slab` scales scene and box
     together: ClassVar[bool] = True
 
     box: Float[np.ndarray, "2 3"]

@@ -19,15 +19,12 @@ from jaxtyping import Float, Int
 from clerestory.engine.lower import LoweredScene
 from clerestory.engine.next_event_estimation import Scattering
 from clerestory.engine.sampler import Distribution, PathNumbers, random_number
-from clerestory.engine.smooth_faces import SmoothFaces
+from clerestory.engine.smooth_faces import Planes, SmoothFaces
 from clerestory.engine.upload import on_device, vectors
 
-# Largest number of planes or orientations (curved meshes have many), and of images;
-# light by way of the smallest surfaces is found by BSDF sampling only.
-MOST = 64
-
-# Largest number of reflections of an image.
-_REFLECTIONS = 2
+# Number of planes or orientations, the most reflecting ones, that form images by two
+# reflections.
+_FEW = 8
 
 # Factor on the sampling weight of a surface for each further reflection to the image.
 _LATER = 0.1
@@ -53,6 +50,7 @@ class MirrorImages:
     rows, shift : transforms from a source to its images, by state
     step : next state, by state and 1 + index of the plane; state 0 is a path without
         reflections, state `other` one whose image is not sampled
+    outside, columns : `other` and 1 + `count`, opaque to the compiler
     guide : sampling weight of surfaces, by state after reflection and image
     weight : sampling weights of the states
     rate : probability of sampling an image at all, beyond the first vertices of a path
@@ -67,6 +65,8 @@ class MirrorImages:
     shift: mi.Vector3f
     step: mi.UInt32
     other: int
+    outside: mi.UInt32
+    columns: mi.UInt32
     guide: mi.Float
     weight: Float[np.ndarray, " state"]
     chosen: Distribution
@@ -75,20 +75,21 @@ class MirrorImages:
     @classmethod
     def of(cls, faces: SmoothFaces, *, distant: bool) -> "MirrorImages":
         """Return the images of suns (`distant`) or of emitters in a scene."""
-        planes = faces.orientations(MOST) if distant else faces.planes(MOST)
-        linear, shift, step, weight = _compositions(
-            planes.normal, planes.offset, planes.weight, planes.apart
-        )
+        planes = faces.planes(distant=distant)
+        made = _Compositions.of(planes)
+        step, weight = made.steps(), np.array(made.weight)
         return cls(
             distant=distant,
             count=len(planes.normal),
             plane_of_face=on_device(mi.UInt32, planes.of_face),
             normal=vectors(mi.Vector3f, planes.normal.reshape(-1, 3)),
             offset=on_device(mi.Float, planes.offset),
-            rows=[vectors(mi.Vector3f, linear[:, i]) for i in range(3)],
-            shift=vectors(mi.Vector3f, shift),
+            rows=[vectors(mi.Vector3f, np.array(made.linear)[:, i]) for i in range(3)],
+            shift=vectors(mi.Vector3f, np.array(made.shift)),
             step=on_device(mi.UInt32, step),
             other=len(step) - 1,
+            outside=on_device(mi.UInt32, [len(step) - 1]),
+            columns=on_device(mi.UInt32, [len(planes.normal) + 1]),
             guide=on_device(mi.Float, _guidance(step)),
             weight=weight,
             chosen=Distribution.of(weight if weight.any() else np.ones(len(weight))),
@@ -123,7 +124,7 @@ class MirrorImages:
 
     def probability(self, state):
         """Return the probability of sampling the image of a state."""
-        known = (state > 0) & (state < self.other)
+        known = (state > 0) & (state < self.outside)
         chance = self.chosen.probability(dr.select(known, state, 0))
         return dr.select(known, chance, 0)
 
@@ -140,11 +141,11 @@ class MirrorImages:
 
     def following(self, state, plane):
         """Return the state after reflection in a plane (1 + index, or 0)."""
-        return dr.gather(mi.UInt32, self.step, state * (self.count + 1) + plane)
+        return dr.gather(mi.UInt32, self.step, state * self.columns + plane)
 
     def guidance(self, state, image):
         """Return the sampling weight of a surface: 0 if the image is out of reach."""
-        return dr.gather(mi.Float, self.guide, state * self.other + image)
+        return dr.gather(mi.Float, self.guide, state * self.outside + image)
 
     def plane(self, model: LoweredScene, shape, si, active):
         """Return 1 + index of the plane of a surface hit, or 0."""
@@ -167,66 +168,73 @@ class MirrorImages:
         return dr.select(after.null, state, moved)
 
 
-def _compositions(
-    normal: Float[np.ndarray, "plane 3"],
-    offset: Float[np.ndarray, " plane"],
-    weight: Float[np.ndarray, " plane"],
-    apart: np.ndarray,
-) -> tuple[
-    Float[np.ndarray, "state 3 3"],
-    Float[np.ndarray, "state 3"],
-    Int[np.ndarray, "state_and_other plane_and_none"],
-    Float[np.ndarray, " state"],
-]:
-    # Transforms, steps and weights of the states. `apart` tells whether light can be
-    # reflected twice by surfaces of one orientation
-    planes = range(len(normal))
-    linear, shift, found, last = [np.eye(3)], [np.zeros(3)], [0.0], [-1]
-    reflect = [np.eye(3) - 2 * np.outer(n, n) for n in normal]
-    move = [2 * c * n for n, c in zip(normal, offset, strict=True)]
+@dataclass
+class _Compositions:
+    # Transforms and weights of states; state 0 is the identity of a path without
+    # reflections. `last` is the plane of the last reflection
+    reflect: Float[np.ndarray, "plane 3 3"]
+    move: Float[np.ndarray, "plane 3"]
+    linear: list[np.ndarray]
+    shift: list[np.ndarray]
+    weight: list[float]
+    last: list[int]
 
-    def composed(state: int, plane: int) -> tuple[np.ndarray, np.ndarray]:
+    @classmethod
+    def of(cls, planes: Planes) -> "_Compositions":
+        normal, offset = planes.normal, planes.offset
+        reflect = np.eye(3) - 2 * normal[:, :, None] * normal[:, None, :]
+        move = 2 * offset[:, None] * normal
+        made = cls(
+            reflect, move, [np.eye(3), *reflect], [np.zeros(3), *move],
+            [0.0, *planes.weight], [-1, *range(len(normal))],
+        )  # fmt: skip
+        few = range(min(len(normal), _FEW))
+        pairs = [
+            (planes.weight[one] * planes.weight[two], one, two)
+            for one in few
+            for two in few
+            if one != two or planes.apart[one]
+        ]
+        # The most probable compositions first
+        for chance, one, two in sorted(pairs, reverse=True):
+            made.add(one + 1, two, chance)
+        return made
+
+    def after(self, state: int, plane: int) -> tuple[np.ndarray, np.ndarray]:
         return (
-            linear[state] @ reflect[plane],
-            linear[state] @ move[plane] + shift[state],
+            self.linear[state] @ self.reflect[plane],
+            self.linear[state] @ self.move[plane] + self.shift[state],
         )
 
-    def known(one: tuple[np.ndarray, np.ndarray]) -> int | None:
-        turn = np.abs(np.array(linear[1:]) - one[0]).max(axis=(1, 2), initial=0)
-        away = np.abs(np.array(shift[1:]) - one[1]).max(axis=1, initial=0)
+    def known(self, state: int, plane: int) -> int | None:
+        linear, shift = self.after(state, plane)
+        turn = np.abs(np.array(self.linear[1:]) - linear).max(axis=(1, 2))
+        away = np.abs(np.array(self.shift[1:]) - shift).max(axis=1)
         same = np.flatnonzero((turn < _SAME) & (away < _SAME_SHIFT))
         return int(same[0]) + 1 if len(same) else None
 
-    level = [0]
-    for _ in range(_REFLECTIONS):
-        # The most probable compositions first
-        next_ = [
-            ((found[state] if state else 1.0) * weight[plane], state, plane)
-            for state in level
-            for plane in planes
-            if plane != last[state] or apart[plane]
-        ]
-        level = []
-        for chance, state, plane in sorted(next_, reverse=True):
-            if len(linear) > MOST:
-                break
-            made = composed(state, plane)
-            same = known(made) if len(linear) > 1 else None
-            if same is not None:
-                found[same] += chance
-            else:
-                level.append(len(linear))
-                linear.append(made[0])
-                shift.append(made[1])
-                found.append(chance)
-                last.append(plane)
-    other = len(linear)
-    step = np.full((other + 1, len(normal) + 1), other)
-    for state in range(other):
-        for plane in planes:
-            same = known(composed(state, plane)) if other > 1 else None
-            step[state, plane + 1] = other if same is None else same
-    return np.array(linear), np.array(shift), step, np.array(found)
+    def add(self, state: int, plane: int, weight: float) -> None:
+        same = self.known(state, plane)
+        if same is not None:
+            self.weight[same] += weight
+            return
+        linear, shift = self.after(state, plane)
+        self.linear.append(linear)
+        self.shift.append(shift)
+        self.weight.append(weight)
+        self.last.append(plane)
+
+    def steps(self) -> Int[np.ndarray, "state_and_other plane_and_none"]:
+        # Next states; reflections in planes beyond the first few leave the known states
+        count, planes = len(self.linear), len(self.reflect)
+        step = np.full((count + 1, planes + 1), count)
+        step[0, 1:] = np.arange(1, planes + 1)
+        for state in range(1, count):
+            for plane in range(min(planes, _FEW)):
+                if self.last[state] < _FEW:
+                    same = self.known(state, plane)
+                    step[state, plane + 1] = count if same is None else same
+        return step
 
 
 def _guidance(

@@ -37,6 +37,17 @@ class SurfacePoints:
     def __len__(self) -> int:
         return len(self.point)
 
+    def __add__(self, other: "SurfacePoints") -> "SurfacePoints":
+        """Return the points of both."""
+        mine, theirs = vars(self), vars(other)
+        return SurfacePoints(*(np.concatenate([mine[k], theirs[k]]) for k in mine))
+
+    def thinned(self, most: int) -> "SurfacePoints":
+        """Return at most a given number of the points, evenly spaced."""
+        count = min(most, len(self))
+        chosen = np.arange(count) * len(self) // max(count, 1)
+        return SurfacePoints(*(part[chosen] for part in vars(self).values()))
+
 
 def sample_surfaces(model: LoweredScene, ray: mi.Ray3f) -> SurfacePoints:
     """Trace pilot paths from given first segments; return the surface points hit."""

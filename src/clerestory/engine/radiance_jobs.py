@@ -5,7 +5,7 @@ order of the units, whose size does not depend on the machine.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -28,11 +28,13 @@ PICTURE_BATCHES = 8
 class RadianceEstimate:
     """Estimated radiance or irradiance, with the standard error of each value.
 
-    `reached` tells whether the target relative error was reached.
+    `photometric_error` is that of luminance or illuminance; zero for bands of unknown
+    luminous efficacy. `reached` tells whether the target relative error was reached.
     """
 
     value: Float[np.ndarray, "row band"]
     error: Float[np.ndarray, "row band"]
+    photometric_error: Float[np.ndarray, " row"]
     paths: int
     reached: bool
 
@@ -121,6 +123,10 @@ class EmitterPatches:
     first: Int[np.ndarray, " patches_and_end"]
     cumulative: Float[np.ndarray, " triangle"]
 
+    def scaled(self, factor: float) -> "EmitterPatches":
+        """Return the patches with all lengths multiplied."""
+        return replace(self, corner=self.corner * factor)
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ExitingRadianceJob(RadianceJob):
@@ -146,9 +152,20 @@ def estimate_radiance(job: RadianceJob, effort: Effort) -> RadianceEstimate:
     rows, _, _, bands = job.shape
     if not effort.executor.accepts(job, effort.goal):
         nothing = np.zeros((rows, bands))
-        return RadianceEstimate(nothing, nothing, 0, True)
+        return RadianceEstimate(nothing, nothing, nothing[:, 0], 0, True)
     sums, reached = sum_rows(job, slice(0, rows), effort)
-    batches, count = sums.total[:, :, 0], sums.count[:, None]
-    error = batches.std(axis=1, ddof=1) / (count * math.sqrt(job.batches))
+    batches = sums.total[:, :, 0] / sums.count[:, None, None]
+    known = job.scene.bands.efficacy is not None
+    luminous = (
+        job.scene.bands.photometric(batches)
+        if known
+        else np.zeros_like(batches[..., 0])
+    )
+    error, photometric_error = (
+        each.std(axis=1, ddof=1) / math.sqrt(job.batches)
+        for each in (batches, luminous)
+    )
     paths = int(sums.count.sum()) * job.batches
-    return RadianceEstimate(batches.mean(axis=1) / count, error, paths, reached)
+    return RadianceEstimate(
+        batches.mean(axis=1), error, photometric_error, paths, reached
+    )

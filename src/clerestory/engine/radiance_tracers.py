@@ -14,7 +14,11 @@ from clerestory.engine.image_probabilities import with_learned_images
 from clerestory.engine.origin import Origin
 from clerestory.engine.path_guiding import learned_portals
 from clerestory.engine.path_tracer import SAMPLED_AT_START, PathTracer, segments_of
-from clerestory.engine.pilot_paths import PILOT_PATHS, sample_surfaces
+from clerestory.engine.pilot_paths import (
+    PILOT_PATHS,
+    SurfacePoints,
+    sample_surfaces,
+)
 from clerestory.engine.portals import Portals, window_rectangles
 from clerestory.engine.radiance_jobs import (
     ExitingRadianceJob,
@@ -76,7 +80,9 @@ def prepare_irradiance(job: IrradianceJob) -> Tracer:
     position = vectors(mi.Point3f, job.sensors.position - origin)
     normal = vectors(mi.Vector3f, job.sensors.direction)
     pilots = partial(_sensor_pilots, position, normal, job.receivers)
-    tracer = radiance_tracer(job.scene, origin, job.bounces, pilots)
+    place = job.sensors.position - origin
+    sensors = SurfacePoints(place, place, job.sensors.direction)
+    tracer = radiance_tracer(job.scene, origin, job.bounces, pilots, sensors)
     limit = segments_of(job.bounces, first=0)
 
     def irradiance(numbers: PathNumbers, row):
@@ -150,16 +156,17 @@ def radiance_tracer(
     origin: Origin,
     bounces: int | None,
     pilots: Callable[[], mi.Ray3f],
+    sensors: SurfacePoints | None = None,
 ) -> PathTracer:
     """Return a path tracer of radiance, guided towards windows and sunlit areas.
 
     `origin` is the origin of translated coordinates; the function `pilots` returns the
-    first segments of pilot paths.
+    first segments of pilot paths; `sensors` are the points at which paths start.
     """
     illuminated = Illumination.of(scene, origin)
     windows = window_rectangles(scene, origin)
     places = sample_surfaces(illuminated.model, pilots())
-    illuminated = with_learned_images(illuminated, places)
+    illuminated = with_learned_images(illuminated, places, sensors)
     patches = sun_patches(illuminated, places)
     portals = learned_portals(illuminated, windows, patches, places)
     return illuminated.tracer(portals, split_lobes=_splits_lobes(scene, bounces))

@@ -27,9 +27,11 @@ from clerestory.engine.sampler import (
     LOBE,
     PathNumbers,
 )
+from clerestory.engine.unusual_lengths import scene_factor
 from clerestory.engine.upload import vectors
 from clerestory.engine.visibility import interaction, offset
 from clerestory.scene.model import Scene
+from clerestory.scene.scaling import scaled
 
 # Paths below this fraction of their initial weight are subject to Russian roulette.
 _ROULETTE = 0.5
@@ -83,6 +85,8 @@ class Step:
 
 def lower_slab(scene: Scene, box: Float[np.ndarray, "2 3"], *, periodic: bool) -> Slab:
     """Return the slab of a shading system; the origin is the centre of the box [m]."""
+    factor = scene_factor(scene)
+    scene, box = scaled(scene, factor), box * factor
     origin = box.mean(axis=0)
     low, high = (vectors(mi.Point3f, corner[None]) for corner in box - origin)
     return Slab(lower(scene, origin=origin), low, high, periodic)

@@ -7,6 +7,15 @@ from jaxtyping import Bool, Float, Int
 
 from clerestory.scene.tessellate import Mesh
 
+# Largest number of planes or orientations (curved meshes have many); light by way of
+# the smallest surfaces is found by BSDF sampling only.
+MOST = 256
+
+# Largest number of cells of normals and distances that are grouped, the most reflecting
+# ones; factors that make one number of the indices of a cell.
+_CELLS = 1 << 14
+_STRIDES = np.array([1, 1 << 15, 1 << 30, 1 << 45])
+
 # Normals are equal up to this difference [rad]; distances of parallel planes [m].
 _SLOPE, _DISTANCE = 1e-3, 2e-3
 
@@ -77,18 +86,12 @@ class SmoothFaces:
             np.concatenate([np.zeros(0), *share])[kept],
         )
 
-    def orientations(self, most: int) -> Planes:
-        """Return the orientations of largest area times reflectance."""
-        group = _clusters(self.normal, self.power, _SLOPE, most)
-        return self._planes(group, distant=True)
+    def planes(self, *, distant: bool) -> Planes:
+        """Return the planes of largest area times reflectance.
 
-    def planes(self, most: int) -> Planes:
-        """Return the planes of largest area times reflectance."""
-        scale = _DISTANCE / _SLOPE
-        place = np.column_stack([self.normal, self.offset / scale])
-        return self._planes(_clusters(place, self.power, _SLOPE, most), distant=False)
-
-    def _planes(self, group: Int[np.ndarray, " face"], *, distant: bool) -> Planes:
+        For distant sources: the orientations.
+        """
+        group = self.clusters(distant=distant)
         of_face, power = np.zeros(self.count, dtype=int), self.power
         of_face[self.face] = group + 1
         count = int(group.max(initial=-1)) + 1
@@ -106,6 +109,14 @@ class SmoothFaces:
             of_face,
         )
 
+    def clusters(self, *, distant: bool) -> Int[np.ndarray, " face"]:
+        """Return the plane or orientation of each face; -1 beyond the largest ones."""
+        if distant:
+            return _clusters(self.normal, self.power, _SLOPE)
+        scaled = self.offset * (_SLOPE / _DISTANCE)
+        place = np.column_stack([self.normal, scaled])
+        return _clusters(place, self.power, _SLOPE)
+
 
 def _sign(normal: Float[np.ndarray, "face 3"]) -> Float[np.ndarray, " face"]:
     # The half space of a normal; its limit is parallel to no usual surface
@@ -116,21 +127,23 @@ def _clusters(
     place: Float[np.ndarray, "face axes"],
     power: Float[np.ndarray, " face"],
     size: float,
-    most: int,
 ) -> Int[np.ndarray, " face"]:
-    # Index of each face's cluster of points, at most `most`, the most powerful first;
-    # -1 for faces without a cluster
+    # Index of each face's cluster of points, at most MOST, the most powerful first; -1
+    # for faces without a cluster
     cell = np.round(place / (0.1 * size)).astype(np.int64)
-    kept, member = np.unique(cell, axis=0, return_inverse=True)
-    member = member.ravel()
-    strength = np.bincount(member, power, minlength=len(kept))
+    _, first, member = np.unique(
+        cell @ _STRIDES[: cell.shape[1]], return_index=True, return_inverse=True
+    )
+    strength = np.bincount(member, power, minlength=len(first))
+    strongest = np.argsort(-strength, kind="stable")[:_CELLS]
+    kept = cell[first[strongest]]
     group = np.full(len(kept), -1)
-    number = 0
-    for first in np.argsort(strength, kind="stable")[::-1]:
-        if number == most:
+    for number in range(MOST):
+        free = np.flatnonzero(group < 0)
+        if not len(free):
             break
-        if group[first] < 0:
-            near = np.abs(kept - kept[first]).max(axis=1) <= 10
-            group[near & (group < 0)] = number
-            number += 1
-    return np.asarray(group[member])
+        near = np.abs(kept[free] - kept[free[0]]).max(axis=1) <= 10
+        group[free[near]] = number
+    of_cell = np.full(len(first), -1)
+    of_cell[strongest] = group
+    return np.asarray(of_cell[member])

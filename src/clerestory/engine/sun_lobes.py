@@ -17,8 +17,8 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bsdf.scattering_function import Function
-from clerestory.engine.distant_emitters import is_sun
 from clerestory.engine.materials.bsdf_file import Table, forward_table
+from clerestory.engine.sampled_sources import is_sun
 from clerestory.engine.sampler import DIRECTION_U, DIRECTION_V, PathNumbers, points
 from clerestory.engine.upload import vectors
 from clerestory.scene.model import BsdfSurface, Material, Polygon, Scene

@@ -69,7 +69,7 @@ class Suns(Source):
 
     def begin(self, pdf, sunlit):
         """Return the state and `sunlit` density of a first path segment."""
-        other = mi.UInt32(self.images.other)
+        other = self.images.outside
         return dr.select(pdf > 0, mi.UInt32(0), other), mi.Float(sunlit)
 
     def remember(self, si, vertex: Vertex, after: Scattering, memory):

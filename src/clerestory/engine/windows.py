@@ -23,6 +23,7 @@ from clerestory.engine.spherical_rectangle import (
     fold,
 )
 from clerestory.engine.upload import on_device, vectors
+from clerestory.scene.surface import is_parallelogram
 from clerestory.scene.triangulate import triangulate
 from clerestory.scene.window import Window
 
@@ -162,7 +163,7 @@ def _elements(window: Window) -> list[_Element]:
         u_edge, v_edge = v[1] - v[0], v[3 % len(v)] - v[0]
         size = np.linalg.norm(u_edge) * np.linalg.norm(v_edge)
         upright = abs(np.dot(u_edge, v_edge)) < 1e-5 * size
-        if len(v) == 4 and upright and np.allclose(v[0] + v[2], v[1] + v[3], atol=1e-6):
+        if len(v) == 4 and upright and is_parallelogram(v):
             found.append(_Element(v[0], u_edge, v_edge, True))
             continue
         filled = triangulate(v)

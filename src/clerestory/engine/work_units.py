@@ -20,6 +20,7 @@ from jaxtyping import Float, Int
 from clerestory.engine.channels import GROUP, band_groups, channels_of
 from clerestory.engine.device import Device, Processor, free_memory, load, resolve
 from clerestory.engine.scene_cache import SceneCache
+from clerestory.engine.unusual_lengths import in_usual_lengths
 from clerestory.scene.model import Scene
 
 # Largest unit on a CPU, where larger launches are not faster: paths, sums [bytes]
@@ -68,11 +69,13 @@ class Job(ABC):
     """Plain data that determine an estimate: base class of all jobs.
 
     `tracer` names an engine module and its function that returns the tracer of the
-    job's units. `batches` is the number of independent estimates of each row; for
-    `bounces`, see `Effort`.
+    job's units; `scalable` tells whether its fields can be converted to another unit of
+    length. `batches` is the number of independent estimates of each row; for `bounces`,
+    see `Effort`.
     """
 
     tracer: ClassVar[tuple[str, str]]
+    scalable: ClassVar[bool] = True
 
     scene: Scene
     batches: int
@@ -137,8 +140,9 @@ def tracer_of_bands(job: Job, prepare: Callable[[Job], Tracer]) -> Tracer:
     """Return a function that traces the units of a job in all bands of its scene.
 
     Groups of three bands are traced with the same seeds; their channels are
-    concatenated.
+    concatenated. Scenes of unusual size are scaled (`unusual_lengths`).
     """
+    job = in_usual_lengths(job)
     tracers = [prepare(_with_scene(job, scene)) for scene in band_groups(job.scene)]
     bands, grey = len(job.scene.bands), channels_of(job.scene) == 1
 

@@ -34,7 +34,9 @@ _JSON, _BIN = 0x4E4F534A, 0x004E4942
 _TYPES = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _COUNTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
-_DEEPEST, _MOST_MESHES = 64, 1_000_000
+
+# Largest depth of nodes, and largest number of nodes or tens of triangles
+_DEEPEST, _LARGEST = 64, 1_000_000
 
 # Rotation from y up to z up
 _TURN = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
@@ -217,18 +219,49 @@ def _nodes(document: _Document) -> list[tuple[_Node, int, np.ndarray]]:
     start = tuple(range(len(document.nodes)))
     if document.scenes:
         start = _element(document.scenes, "scenes", document.scene).nodes
+    _require_few(document, start)
     found: list[tuple[_Node, int, np.ndarray]] = []
-    waiting = [(number, np.eye(4), 0) for number in start]
+    waiting = [(number, np.eye(4)) for number in start]
     while waiting:
-        number, place, depth = waiting.pop()
+        number, place = waiting.pop()
         node = _element(document.nodes, "nodes", number)
-        cyclic = depth > _DEEPEST or len(found) > _MOST_MESHES
-        require(not cyclic, f"nodes[{number}] contains itself; a tree expected")
         place = place @ node.transform()
         if node.mesh is not None:
             found.append((node, node.mesh, place))
-        waiting += [(child, place, depth + 1) for child in node.children]
+        waiting += [(child, place) for child in node.children]
     return found
+
+
+def _require_few(document: _Document, start: tuple[int, ...]) -> None:
+    # Count the nodes and triangles of all nodes, each of which can have many parents
+    meshes = [_size(document, mesh) for mesh in document.meshes]
+    sizes: dict[int, int] = {}
+
+    def size(number: int, depth: int) -> int:
+        if number not in sizes:
+            node = _element(document.nodes, "nodes", number)
+            cyclic = depth > _DEEPEST
+            require(not cyclic, f"nodes[{number}] contains itself; a tree expected")
+            own = 0 if node.mesh is None else _element(meshes, "meshes", node.mesh)
+            inner = sum(size(child, depth + 1) for child in node.children)
+            sizes[number] = 1 + own + inner
+        return sizes[number]
+
+    total = sum(size(number, 0) for number in start)
+    message = f"the nodes place meshes of a size of {total:.2g}; at most {_LARGEST:,}"
+    require(total <= _LARGEST, f"{message} (nodes, or tens of triangles) expected")
+
+
+def _size(document: _Document, mesh: _Mesh) -> int:
+    # Tens of triangles, and number of primitives
+    total = 0
+    for each in mesh.primitives:
+        points = each.attributes.get("POSITION")
+        index = points if each.indices is None else each.indices
+        total += 1
+        if index is not None and index < len(document.accessors):
+            total += document.accessors[index].count // 30
+    return total
 
 
 def _triangles(

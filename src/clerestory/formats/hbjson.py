@@ -16,6 +16,7 @@ from typing import final
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.brief_repr import brief
 from clerestory.checks import require
 from clerestory.documents import read_json
 from clerestory.errors import ClerestoryWarning, located
@@ -29,15 +30,16 @@ from clerestory.formats.hbjson_geometry import (
 from clerestory.formats.hbjson_modifiers import BsdfModifier, Modifier, read_modifiers
 from clerestory.formats.hbjson_schema import Model, Part, Room, ShadeMesh
 from clerestory.scene.model import Material, Polygon, Scene, Surface, insert_material
+from clerestory.scene.scaling import METRES
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View
 
 _METRES = {
-    "Meters": 1.0,
-    "Millimeters": 1e-3,
-    "Centimeters": 1e-2,
-    "Feet": 0.3048,
-    "Inches": 0.0254,
+    "Meters": METRES["metres"],
+    "Millimeters": METRES["millimetres"],
+    "Centimeters": METRES["centimetres"],
+    "Feet": METRES["feet"],
+    "Inches": METRES["inches"],
 }
 _SETS = {"Wall": "wall_set", "Floor": "floor_set", "RoofCeiling": "roof_ceiling_set"}
 
@@ -74,6 +76,8 @@ class HoneybeeModel:
     grids: dict[str, Sensors]
     views: dict[str, View]
     unsupported: tuple[str, ...]
+
+    __repr__ = brief
 
 
 def read_hbjson(path: str | Path) -> HoneybeeModel:

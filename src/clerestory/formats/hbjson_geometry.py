@@ -6,6 +6,7 @@ from itertools import count
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.checks import require
 from clerestory.errors import located
 from clerestory.formats.hbjson_schema import Radiance
 from clerestory.scene.projection import LETTERS
@@ -13,8 +14,8 @@ from clerestory.scene.sensors import Sensors
 from clerestory.scene.surface import area_vector
 from clerestory.scene.view import View
 
-# Largest number of characters of a name, before its number
-_LONGEST = 90
+# Largest number of characters of a name, before its number, and of equal names
+_LONGEST, _MOST_ALIKE = 90, 1000
 
 
 def read_grids(radiance: Radiance, scale: float) -> dict[str, Sensors]:
@@ -59,6 +60,8 @@ def unique_name(name: str, taken: Container[str]) -> str:
     for number in count(2):
         if label not in taken:
             break
+        message = f"more than {_MOST_ALIKE:,} names like {plain!r}"
+        require(number <= _MOST_ALIKE, f"{message}; different names expected")
         label = f"{plain} {number}"
     return label
 

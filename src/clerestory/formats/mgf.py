@@ -11,6 +11,7 @@ References: G. Ward, "The Materials and Geometry Format", version 2, LBNL, 1996;
 materials as converted by Radiance's mgf2rad.
 """
 
+import math
 import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -46,7 +47,13 @@ from clerestory.scene.surface import transformed
 from clerestory.scene.transform import Transform
 
 # Maximum number of statements, including repetitions by arrays
-_MOST_STATEMENTS = 2_000_000
+_MOST_STATEMENTS = 1_000_000
+
+# Maximum number of open objects, whose names precede the names of surfaces
+_MOST_OBJECTS = 100
+
+# Number of statements that a torus or a prism counts as
+_PARTS = 20
 
 
 def parse_mgf(
@@ -81,17 +88,35 @@ def parse_mgf(
     """
     reading = _Reading(file, TransformStack(transform or Transform()))
     statements = list(_statements(text, line))
-    at = count = 0
-    too_many = f"arrays repeat more than {_MOST_STATEMENTS} statements"
+    _require_few(statements, file)
+    at = 0
     while at < len(statements):
         number_of_line, words = statements[at]
         reading.line = number_of_line
         with located(file=file, line=number_of_line):
-            count += 1
-            require(count <= _MOST_STATEMENTS, too_many)
             back = reading.follow(words, at)
         at = at + 1 if back is None else back
     return Scene(reading.materials, tuple(reading.surfaces))
+
+
+def _require_few(
+    statements: list[tuple[int, list[str]]], file: str | Path | None
+) -> None:
+    # Count the statements with the repetitions by arrays; some make several surfaces
+    total, open_ = 0, [1]
+    for line, (keyword, *words) in statements:
+        total += open_[-1] * (_PARTS if keyword in ("torus", "prism") else 1)
+        if keyword == "xf" and words:
+            after = (words[at + 1 : at + 2] for at, w in enumerate(words) if w == "-a")
+            counts = (
+                int(c[0]) for c in after if c and c[0].isdecimal() and len(c[0]) < 10
+            )
+            open_.append(open_[-1] * math.prod(counts))
+        elif keyword == "xf" and len(open_) > 1:
+            open_.pop()
+        message = f"arrays repeat {total:.2g} statements or more"
+        few = f"{message}; at most {_MOST_STATEMENTS:,} expected"
+        require(total <= _MOST_STATEMENTS, few, file=file, line=line)
 
 
 def _statements(text: str, line: int) -> Iterator[tuple[int, list[str]]]:
@@ -147,6 +172,8 @@ class _Reading:
             f"{len(words)} names after {keyword} with {len(self.objects)} objects open;"
             " one name, or none to close an object, expected",
         )
+        message = f"more than {_MOST_OBJECTS} nested objects; fewer expected"
+        require(len(self.objects) < _MOST_OBJECTS or not words, message)
         if words:
             self.objects.append(words[0])
         else:

@@ -3,8 +3,15 @@
 import math
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from clerestory.checks import require
-from clerestory.scene.transform import Transform, parse_transform
+from clerestory.scene.transform import (
+    Transform,
+    Transforms,
+    array_count,
+    parse_array,
+)
 
 _DEEPEST = 64
 _MOST_DIMENSIONS = 8
@@ -13,35 +20,27 @@ _MOST_INSTANCES = 1_000_000
 
 @dataclass
 class _Level:
-    # An open transform or array; `start`: index of the first enclosed statement
-    words: list[str]
+    # An open transform or array; `start`: index of the first enclosed statement,
+    # `instance`: index of the current instance, the last dimension the fastest
+    instances: Transforms
+    counts: list[int]
     outer: Transform
     start: int
-    counters: list[int] = field(default_factory=list)  # indices into `words`
-    counts: list[int] = field(default_factory=list)
+    instance: int = 0
 
     @property
-    def instance(self) -> str | None:
-        if not self.counters:
+    def name(self) -> str | None:
+        if not self.counts:
             return None
-        return "a" + ".".join(self.words[k] for k in self.counters)
+        return "a" + ".".join(map(str, np.unravel_index(self.instance, self.counts)))
 
     def transform(self) -> Transform:
-        own, taken = parse_transform(self.words)
-        rest = " ".join(self.words[taken:])[:20]
-        options = "-t, -rx, -ry, -rz, -s, -mx, -my, -mz, -i and -a"
-        require(not rest, f"xf with {rest!r}; {options} expected")
-        return own.then(self.outer)
+        return self.instances[self.instance].then(self.outer)
 
     def advance(self) -> bool:
-        # Go to the next instance, last dimension first; return False after the last one
-        for at, count in reversed(list(zip(self.counters, self.counts, strict=True))):
-            following = int(self.words[at]) + 1
-            if following < count:
-                self.words[at] = str(following)
-                return True
-            self.words[at] = "0"
-        return False
+        # Go to the next instance; return False after the last one
+        self.instance += 1
+        return self.instance < len(self.instances)
 
 
 @dataclass
@@ -54,7 +53,7 @@ class TransformStack:
     @property
     def instances(self) -> list[str]:
         """Name of the current instance of each open array."""
-        names = [level.instance for level in self.levels]
+        names = [level.name for level in self.levels]
         return [name for name in names if name is not None]
 
     def follow(self, words: list[str], at: int) -> int | None:
@@ -67,9 +66,7 @@ class TransformStack:
             nested = len(self.levels)
             require(nested < _DEEPEST, f"more than {_DEEPEST} nested transforms")
             level = _level(words, self.transform, at + 1)
-            instances = math.prod(n for x in [*self.levels, level] for n in x.counts)
-            message = f"{instances:.3g} instances; {_MOST_INSTANCES} at most expected"
-            require(instances <= _MOST_INSTANCES, message)
+            _require_few(math.prod(len(x.instances) for x in [*self.levels, level]))
             self.transform = level.transform()
             self.levels.append(level)
             return None
@@ -83,17 +80,19 @@ class TransformStack:
 
 
 def _level(words: list[str], outer: Transform, start: int) -> _Level:
-    # Replace each `-a` of an array by `-i` with the instance number, from 0
-    level = _Level(list(words), outer, start)
-    for at, word in enumerate(words):
-        if word != "-a":
-            continue
-        count = words[at + 1] if at + 1 < len(words) else ""
-        whole = count.isascii() and count.isdecimal() and len(count) < 10
-        require(whole, f"xf -a {count[:20]!r}; a number of instances expected")
-        level.words[at : at + 2] = ["-i", "0"]
-        level.counters.append(at + 1)
-        level.counts.append(int(count))
+    dimensions = words.count("-a")
     message = f"an array of more than {_MOST_DIMENSIONS} dimensions"
-    require(len(level.counts) <= _MOST_DIMENSIONS, message)
-    return level
+    require(dimensions <= _MOST_DIMENSIONS, message)
+    after = [at for at, word in enumerate(words) if word == "-a"]
+    count = math.prod(array_count(words, at) for at in after)
+    _require_few(count)
+    instances, counts, taken = parse_array(words)
+    rest = " ".join(words[taken:])[:20]
+    options = "-t, -rx, -ry, -rz, -s, -mx, -my, -mz, -i and -a"
+    require(not rest, f"xf with {rest!r}; {options} expected")
+    return _Level(instances, counts, outer, start)
+
+
+def _require_few(instances: int) -> None:
+    message = f"{instances:.3g} instances; {_MOST_INSTANCES} at most expected"
+    require(instances <= _MOST_INSTANCES, message)

@@ -15,8 +15,8 @@ import numpy as np
 from jaxtyping import Bool, Float, Int, UInt8
 
 from clerestory.checks import require
-from clerestory.errors import InputError
-from clerestory.scene.triangulate import triangulate
+from clerestory.errors import InputError, located
+from clerestory.scene.triangulate import simple_faces
 
 # Approximate maximum size of a run of lines that is converted together [bytes]
 _PIECE = 1 << 23
@@ -130,7 +130,8 @@ class _Reading:
         key = (self.group, self.material)
         self.lines.setdefault(key, line)
         part = self.parts.setdefault(key, [])
-        part += self._triangles(corner.astype(np.int64), words)
+        with located(file=self.file, line=line):
+            part += self._triangles(corner.astype(np.int64), words)
 
     def _triangles(
         self, corner: Int[np.ndarray, " corners"], words: Int[np.ndarray, " faces"]
@@ -153,10 +154,10 @@ class _Reading:
         bent = np.flatnonzero(~_convex(points))
         fanned = np.ones(len(faces), dtype=bool)
         for i in bent.tolist():
-            ears = triangulate(points[i])
-            if len(ears.vertices) == faces.shape[1]:
+            ears = simple_faces(points[i])
+            if ears is not None:
                 fanned[i] = False
-                made.append(faces[i][ears.faces])
+                made.append(faces[i][ears])
         return np.concatenate([faces[fanned][:, fan].reshape(-1, 3), *made])
 
     def _points(self) -> Float[np.ndarray, "vertices 3"]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from clerestory.array_types import Image
+from clerestory.brief_repr import brief
 from clerestory.checks import require
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.glare.check_picture import Colour, check_picture
@@ -71,6 +72,8 @@ class Evaluation:
     members: Members
     result: Glare
     regions: Mapping[str, RegionStatistics] = field(default_factory=dict)
+
+    __repr__ = brief
 
     def check_picture(
         self, *, colour: Colour | None = None, show_task: bool = False

@@ -9,6 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
+from clerestory.brief_repr import brief
 from clerestory.glare.cgi import CGI
 from clerestory.glare.dgi import DGI, MODIFIED_DGI
 from clerestory.glare.dgp import (
@@ -70,6 +71,8 @@ class Glare(EyePhotometry):
     """
 
     errors: Mapping[str, float] = field(default_factory=dict)
+
+    __repr__ = brief
 
     @cached_property
     def dgp(self) -> float:

@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from numpy.typing import ArrayLike
 
+from clerestory.brief_repr import brief
 from clerestory.checks import require
 
 
@@ -40,6 +41,8 @@ class GlareSources:
     column: Float[np.ndarray, " source"]
     zone: Int[np.ndarray, " source"]
     luminance_error: Float[np.ndarray, " source"]
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         lengths = {len(getattr(self, field.name)) for field in fields(self)}

@@ -11,6 +11,7 @@ from typing import final
 import numpy as np
 
 from clerestory.array_types import ExitIncident, Values
+from clerestory.brief_repr import brief
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.scattering_function import Function, ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
@@ -53,6 +54,8 @@ class BsdfLayer(Layer):
     conductivity: float = 1.0
     infrared_transmittance: float = 0.0
     permeability: float = 0.0
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         require(

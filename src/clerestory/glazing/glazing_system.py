@@ -30,6 +30,7 @@ from typing import Annotated, final
 
 from pydantic import Field
 
+from clerestory.brief_repr import brief
 from clerestory.checks import not_negative, one_of, positive, require
 from clerestory.documents import Positive, read_toml
 from clerestory.errors import located
@@ -61,6 +62,8 @@ class Gap:
     gases: Mapping[str, float] = field(default_factory=lambda: {"air": 1.0})
     pressure: float = ATMOSPHERE
 
+    __repr__ = brief
+
     def __post_init__(self) -> None:
         positive(self.thickness, "thickness of the gap", unit="m")
         positive(self.pressure, "pressure in the gap", unit="Pa")
@@ -83,6 +86,8 @@ class GlazingSystem:
     name: str
     layers: tuple[Layer, ...]
     gaps: tuple[Gap, ...] = ()
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         require(self.layers, "glazing system without layers; at least one expected")

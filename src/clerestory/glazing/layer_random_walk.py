@@ -16,6 +16,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Directions, Indices, Mask, Values
+from clerestory.brief_repr import brief
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product_data import Product
 from clerestory.bsdf.resample import full_tree
@@ -47,6 +48,8 @@ class WalkedLayers:
 
     bsdf: Bsdf
     diffuse: dict[tuple[Channel, Function], tuple[float, float]]
+
+    __repr__ = brief
 
 
 def walk_layers(

@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Values
+from clerestory.brief_repr import brief
 from clerestory.bsdf.scattering_function import FUNCTIONS, OF_SIDE, Function, Side
 
 
@@ -24,6 +25,8 @@ class Optics:
     transmission_back: Float[np.ndarray, "*batch"]
     reflection_front: Float[np.ndarray, "*batch"]
     reflection_back: Float[np.ndarray, "*batch"]
+
+    __repr__ = brief
 
     @classmethod
     def alike(cls, transmission: float, reflection: float) -> "Optics":

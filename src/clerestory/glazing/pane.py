@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Mask, PerWavelength, Values
+from clerestory.brief_repr import brief
 from clerestory.bsdf.scattering_function import Function
 from clerestory.checks import not_negative, positive, same_length
 from clerestory.errors import located
@@ -71,6 +72,8 @@ class Pane:
     manufacturer: str = ""
     nfrc_id: int | None = None
     source: str | None = None
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         with located(file=None, subject=f"pane {self.name!r}"):

@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Values
+from clerestory.brief_repr import brief
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product_data import Product
 from clerestory.bsdf.scattering_function import (
@@ -56,6 +57,8 @@ class StackedLayers:
     layers: tuple[str, ...]
     standard: str
     partition: RingPartition = field(repr=False)
+
+    __repr__ = brief
 
     def direct_hemispherical(
         self, function: Function, *, channel: Channel = "visible"

@@ -15,6 +15,7 @@ from typing import Literal, final
 import numpy as np
 
 from clerestory.array_types import PerWavelength, Values
+from clerestory.brief_repr import brief
 from clerestory.checks import one_of, require
 from clerestory.spectra import Spectrum, interpolation_matrix
 
@@ -56,6 +57,8 @@ class Standard:
     name: str
     solar: Band
     visible: Band
+
+    __repr__ = brief
 
     def band(self, channel: Channel) -> Band:
         """Return the solar or the visible band."""

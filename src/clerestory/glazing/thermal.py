@@ -17,6 +17,7 @@ from typing import Any, Literal, NamedTuple, final, get_args
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.brief_repr import brief
 from clerestory.checks import one_of
 from clerestory.errors import InputError
 from clerestory.glazing.bsdf_layer import BsdfLayer
@@ -63,6 +64,8 @@ class ThermalFigures:
     temperatures_winter: Float[np.ndarray, "layer 2"]
     temperatures_summer: Float[np.ndarray, "layer 2"]
     relative_heat_gain: float
+
+    __repr__ = brief
 
 
 def thermal_figures(

@@ -17,6 +17,7 @@ import ot
 from jaxtyping import Float
 
 from clerestory.array_types import Values, Vector
+from clerestory.brief_repr import brief
 from clerestory.checks import one_of, require
 from clerestory.gonio.angles import angle_between
 from clerestory.gonio.incident_mesh import locate
@@ -128,6 +129,8 @@ class CrossValidation:
 
     scans: tuple[LeftOut, ...]  # prediction errors of all scans
     smoothing: float  # smoothing factor of the lobe fits
+
+    __repr__ = brief
 
     def median(self, name: str, *, inside: bool = True) -> float:
         """Median absolute error of the scans; `name`: attribute of `LeftOut`."""

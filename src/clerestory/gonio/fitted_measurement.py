@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 
 from clerestory.array_types import Values
+from clerestory.brief_repr import brief
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product_data import Product
 from clerestory.bsdf.resample import to_matrices
@@ -33,6 +34,8 @@ class Fitted:
     channel: str = "visible"  # spectral channel, such as "visible" or "cie-x"
     name: str = ""  # name of the sample
     options: FitOptions = DEFAULT  # options of the lobe fits
+
+    __repr__ = brief
 
 
 def fit_measurement(

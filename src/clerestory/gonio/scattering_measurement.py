@@ -20,6 +20,7 @@ from jaxtyping import Float, Int
 from scipy.spatial import Delaunay, QhullError, cKDTree
 
 from clerestory.array_types import Directions, Values
+from clerestory.brief_repr import brief
 from clerestory.bsdf.scattering_function import Function
 from clerestory.checks import finite, require, same_length
 from clerestory.errors import InputError, located
@@ -110,6 +111,8 @@ class Scan:
     values: Float[np.ndarray, " points"]
     source: str | None = None  # file name, for error messages
 
+    __repr__ = brief
+
     def __post_init__(self) -> None:
         with located(file=self.source):
             same_length(self.values, self.leaving, "BSDF values", "directions")
@@ -162,6 +165,8 @@ class Measurement:
     name: str = ""  # name of the sample
     claimed: Symmetry | None = None  # symmetry stated in the file; None if not stated
     notes: tuple[str, ...] = ()  # irregularities of the files, and their treatment
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         require(self.scans, "no scan; one per incident direction expected")

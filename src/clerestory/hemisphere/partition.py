@@ -17,6 +17,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.array_types import Directions, Indices, Points2, Values
+from clerestory.brief_repr import brief
 from clerestory.checks import require
 
 
@@ -37,6 +38,8 @@ class RingPartition:
     count: Int[np.ndarray, " rings"]
     theta: Float[np.ndarray, " limits"]
     azimuth: Literal["compass", "polar"] = "compass"
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         require(

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from clerestory.array_types import Directions, Indices, Values
+from clerestory.brief_repr import brief
 from clerestory.checks import require
 from clerestory.hemisphere.partition import RingPartition
 
@@ -35,6 +36,8 @@ class SkyPartition:
 
     subdivision: int
     dome: RingPartition
+
+    __repr__ = brief
 
     def __len__(self) -> int:
         return 1 + len(self.dome)

@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Float32
 
 from clerestory.bands import RGB, Bands
+from clerestory.brief_repr import brief
 from clerestory.checks import one_of, positive, require
 from clerestory.errors import InputError
 from clerestory.scene.view import View
@@ -49,6 +50,8 @@ class Picture:
     pixel_aspect: float = 1.0
     quantity: Quantity = "radiance"
     bands: Bands = RGB
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         values = np.asarray(self.radiance, dtype=np.float32)

@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 
+from clerestory.brief_repr import brief
 from clerestory.checks import one_of
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.reinhart import SkyPartition
@@ -49,6 +50,8 @@ class Axis:
     window: str | None = None
     times: np.ndarray | None = None
     names: tuple[str, ...] | None = None
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         one_of(self.kind, "kind of an axis", choices=_MEANING)

@@ -18,6 +18,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bands import GREY, RGB, Bands, common_bands, weighted_sum
+from clerestory.brief_repr import brief
 from clerestory.checks import has_shape, require
 from clerestory.errors import MatrixError
 from clerestory.matrix.axis import Axis
@@ -56,6 +57,8 @@ class TransferMatrix:
     columns: Axis
     components: Float[np.ndarray, "component channel row column"] | None = None
     bands: Bands = RGB
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         shape, bands = self.values.shape, len(self.bands)

@@ -35,15 +35,12 @@ def annual_statistic(
 ) -> xr.DataArray:
     """Mean, median or maximum illuminance of each sensor over the selected hours.
 
-    For hourly standard errors as `data`, the mean is an upper limit of the standard
-    error of the mean illuminance, valid for any correlation between hourly errors.
-
     >>> lux = xr.DataArray([[100.0, 300.0, 999.0]], dims=("sensor", "time"))
     >>> float(annual_statistic(lux, np.array([True, True, False]), "mean")[0])
     200.0
     """
     reduce = getattr(within_hours(data, hours).astype(float), statistic)
-    found: xr.DataArray = reduce("time", keep_attrs=True)
+    found: xr.DataArray = reduce("time", skipna=False, keep_attrs=True)
     return found
 
 

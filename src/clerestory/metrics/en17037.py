@@ -19,7 +19,6 @@ from jaxtyping import Bool, Float
 
 from clerestory.checks import positive, require
 from clerestory.directions import unit
-from clerestory.metrics.occupied_hours import within_hours
 from clerestory.metrics.spatial_metrics import RoomShare, spatial_autonomy
 
 LEVELS = ("none", "minimum", "medium", "high")
@@ -83,6 +82,7 @@ def daylight_provision(
     hours: Bool[np.ndarray, " time"],
     *,
     standard_error: xr.DataArray | None = None,
+    components: xr.DataArray | None = None,
     area: Float[np.ndarray, " sensor"] | None = None,
     roof: bool = False,
 ) -> DaylightProvision:
@@ -91,6 +91,7 @@ def daylight_provision(
     Parameters
     ----------
     illuminance, standard_error : arrays over (sensor, time) [lux]
+    components : error components, see `metrics.replicates`
     hours : mask of the daylight hours, from `daylight_hours`
     area : area represented by each sensor [m²]; default: equal areas
     roof : whether the openings are horizontal, so that the target is required on 95 %
@@ -101,13 +102,12 @@ def daylight_provision(
     >>> provision.target_level, provision.minimum_level
     (2, 2)
     """
-    data = within_hours(illuminance, hours)
-    error = None if standard_error is None else within_hours(standard_error, hours)
     share = partial(
         spatial_autonomy,
-        data,
-        np.ones(data.sizes["time"], bool),
-        standard_error=error,
+        illuminance,
+        hours,
+        standard_error=standard_error,
+        components=components,
         area=area,
         share_of_hours=SHARE_OF_HOURS,
     )

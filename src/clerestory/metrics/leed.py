@@ -13,7 +13,8 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.checks import one_of, require
-from clerestory.metrics.spatial_metrics import area_share
+from clerestory.metrics.replicates import metric_error
+from clerestory.metrics.spatial_metrics import RoomShare, area_share
 
 Version = Literal["v4", "v4.1"]
 
@@ -71,6 +72,19 @@ def simulated_daylight(
             note += ": state how the design addresses glare"
         notes.append(note)
     return Credit(points, autonomy, "; ".join(notes))
+
+
+def points_error(
+    autonomy: RoomShare, exposure: RoomShare, *, version: Version = "v4.1"
+) -> float:
+    """Return the standard error of the LEED points of option 1; 0 if unknown.
+
+    >>> points_error(RoomShare(0.55, (0.56, 0.54)), RoomShare(0.0, (0.0, 0.0)))
+    0.5
+    """
+    pairs = zip(autonomy.replicates, exposure.replicates, strict=False)
+    points = [simulated_daylight(*pair, version=version).points for pair in pairs]
+    return metric_error(points)
 
 
 def clear_sky_illuminance(

@@ -59,15 +59,13 @@ class LightingZone:
 class LightingUse:
     """Light output, electric power [W] and energy [Wh] of the luminaires.
 
-    Light output is a fraction of full output; `illuminance` [lux] includes daylight;
-    `error` is the standard error of the energy [Wh] due to daylight illuminance errors.
+    Light output is a fraction of full output; `illuminance` [lux] includes daylight.
     """
 
     output: Float[np.ndarray, " time"]
     power: Float[np.ndarray, " time"]
     illuminance: Float[np.ndarray, " time"]
     energy: float
-    error: float
 
 
 def lighting_use(
@@ -75,13 +73,13 @@ def lighting_use(
     daylight: Float[np.ndarray, " time"],
     occupied: Bool[np.ndarray, " time"],
     *,
-    standard_error: Float[np.ndarray, " time"] | None = None,
     step_hours: float = 1.0,
 ) -> LightingUse:
     """Return light output, electric power and energy of the luminaires of a zone.
 
-    Daylight illuminance and its standard error are in lux. The luminaires are off in
-    unoccupied steps.
+    Daylight illuminance is in lux. The luminaires are off in unoccupied steps. The
+    standard error of the energy follows from that of all replicates of the daylight
+    (`metrics.replicates`).
 
     >>> zone = LightingZone(power=100, full_lux=500, least_output=0, least_power=0)
     >>> use = lighting_use(zone, np.array([0.0, 250.0, 900.0]), np.ones(3, bool))
@@ -89,16 +87,9 @@ def lighting_use(
     ([100.0, 50.0, 0.0], 150.0)
     """
     output, power = _output(zone, daylight, occupied)
-    error = 0.0
-    if standard_error is not None:
-        high, low = (
-            _output(zone, daylight + sign * standard_error, occupied)[1].sum()
-            for sign in (-1, 1)
-        )
-        error = float(abs(high - low) / 2 * step_hours)
     illuminance = np.asarray(daylight + output * zone.full_lux)
     energy = float(power.sum() * step_hours)
-    return LightingUse(output, power, illuminance, energy, error)
+    return LightingUse(output, power, illuminance, energy)
 
 
 def lighting_saving(use: LightingUse, reference: LightingUse) -> float:

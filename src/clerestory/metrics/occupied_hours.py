@@ -1,10 +1,14 @@
 """Occupied hours: time steps at which metrics are evaluated."""
 
+from typing import TypeVar
+
 import numpy as np
 import xarray as xr
 from jaxtyping import Bool
 
 from clerestory.checks import require, same_length
+
+Hourly = TypeVar("Hourly", xr.DataArray, xr.Dataset)
 
 
 def occupied_hours(
@@ -26,7 +30,7 @@ def occupied_hours(
     return np.asarray((hour >= from_hour) & (hour < to_hour))
 
 
-def within_hours(data: xr.DataArray, hours: Bool[np.ndarray, " time"]) -> xr.DataArray:
+def within_hours(data: Hourly, hours: Bool[np.ndarray, " time"]) -> Hourly:
     """Return the data of the time steps selected by a mask."""
     same_length(hours, data["time"], "values of the mask", "time steps")
     require(np.any(hours), "no time step is within the schedule; at least one expected")

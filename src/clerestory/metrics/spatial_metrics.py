@@ -5,9 +5,6 @@ occupied hours; ASE1000,250h is the fraction of the area with more than 1000 lux
 direct sunlight in more than 250 occupied hours a year. Sensors are weighted by the area
 they represent, or equally.
 
-The error of a fraction is an upper limit of the standard error, computed as in
-`sensor_metrics`.
-
 References: IES LM-83-12, Approved Method: IES spatial daylight autonomy
 (sDA) and annual sunlight exposure (ASE).
 """
@@ -23,6 +20,7 @@ from jaxtyping import Bool, Float
 from clerestory.checks import not_negative, positive, same_length
 from clerestory.metrics.climate_based_metrics import TARGET_LUX
 from clerestory.metrics.occupied_hours import within_hours
+from clerestory.metrics.replicates import metric_error, replicates
 
 SUN_LUX = 1000.0
 MOST_HOURS = 250.0
@@ -32,13 +30,19 @@ HALF_OF_THE_HOURS = 0.5
 @final
 @dataclass(frozen=True)
 class RoomShare:
-    """Fraction of the area of a room, and an upper limit of its standard error.
+    """Fraction of the area of a room, and its values for all replicates.
 
-    The error is 0 if unknown.
+    There are no replicates if the errors of the illuminance are unknown; see
+    `metrics.replicates`.
     """
 
     value: float
-    error: float = 0.0
+    replicates: tuple[float, ...] = ()
+
+    @property
+    def error(self) -> float:
+        """Standard error of the fraction; 0 if unknown."""
+        return metric_error(self.replicates)
 
 
 def spatial_autonomy(
@@ -46,6 +50,7 @@ def spatial_autonomy(
     hours: Bool[np.ndarray, " time"],
     *,
     standard_error: xr.DataArray | None = None,
+    components: xr.DataArray | None = None,
     area: Float[np.ndarray, " sensor"] | None = None,
     target_lux: float = TARGET_LUX,
     share_of_hours: float = HALF_OF_THE_HOURS,
@@ -55,6 +60,7 @@ def spatial_autonomy(
     Parameters
     ----------
     illuminance, standard_error : values with operated blinds [lux], over (sensor, time)
+    components : error components, see `metrics.replicates`
     hours : mask of the occupied hours; in LM-83, 8 to 18 h every day
     area : area represented by each sensor [m²]; default: equal areas
 
@@ -64,10 +70,10 @@ def spatial_autonomy(
     """
 
     def share(lux: xr.DataArray) -> float:
-        often = (within_hours(lux, hours) >= target_lux).mean("time").values
+        often = (lux >= target_lux).mean("time").values
         return area_share(often >= share_of_hours - 1e-12, area)
 
-    return with_error(share, illuminance, standard_error)
+    return _replicated(share, hours, illuminance, standard_error, components)
 
 
 def sunlight_exposure(
@@ -75,6 +81,7 @@ def sunlight_exposure(
     hours: Bool[np.ndarray, " time"],
     *,
     standard_error: xr.DataArray | None = None,
+    components: xr.DataArray | None = None,
     area: Float[np.ndarray, " sensor"] | None = None,
     step_hours: float = 1.0,
     sun_lux: float = SUN_LUX,
@@ -86,6 +93,7 @@ def sunlight_exposure(
     ----------
     direct : illuminance from the sun, without reflections and without blinds [lux],
         over (sensor, time)
+    components : error components, see `metrics.replicates`
     hours : mask of the occupied hours; in LM-83, 8 to 18 h every day
     step_hours : length of a time step [h]
 
@@ -95,10 +103,10 @@ def sunlight_exposure(
     """
 
     def share(lux: xr.DataArray) -> float:
-        count = hours_above(lux, hours, limit_lux=sun_lux, step_hours=step_hours)
-        return area_share(count.values > most_hours, area)
+        often = (lux > sun_lux).sum("time").values * step_hours
+        return area_share(often > most_hours, area)
 
-    return with_error(share, direct, standard_error)
+    return _replicated(share, hours, direct, standard_error, components)
 
 
 def hours_above(
@@ -129,13 +137,13 @@ def area_share(
     return float(area[good].sum() / area.sum())
 
 
-def with_error(
+def _replicated(
     share: Callable[[xr.DataArray], float],
-    illuminance: xr.DataArray,
-    standard_error: xr.DataArray | None,
+    hours: Bool[np.ndarray, " time"],
+    *given: xr.DataArray | None,
 ) -> RoomShare:
-    """Return a fraction of the area, and the error caused by illuminance errors."""
-    if standard_error is None:
-        return RoomShare(share(illuminance))
-    high, low = share(illuminance + standard_error), share(illuminance - standard_error)
-    return RoomShare(share(illuminance), abs(high - low) / 2)
+    # Fraction of the area for the illuminance of the selected hours, its standard
+    # errors and its error components
+    lux, *errors = (None if x is None else within_hours(x, hours) for x in given)
+    assert lux is not None
+    return RoomShare(share(lux), tuple(map(share, replicates(lux, *errors))))

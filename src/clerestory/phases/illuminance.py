@@ -7,10 +7,16 @@ from typing import Any
 import h5netcdf  # type: ignore[import-untyped]
 import numpy as np
 import xarray as xr
-from jaxtyping import Bool, Float, Float32
+from jaxtyping import Float32, Int8
 
 from clerestory.errors import MatrixError
 from clerestory.files import replace_path
+from clerestory.matrix.error_components import (
+    COUNT,
+    UNIT,
+    add_components,
+    compressed,
+)
 from clerestory.matrix.transfer_matrix import illuminance_dataset
 from clerestory.phases.blockwise_product import Block, BlockwiseProduct
 from clerestory.phases.matrix_equation import (
@@ -27,6 +33,10 @@ from clerestory.progress import Progress
 # sensors or few time steps
 _CHUNK = 256, 730
 
+# Name of the error components, and axes of hourly results
+PARTS = "error_components"
+_AXES, _PART_AXES = ("sensor", "time"), ("sensor", "component", "time")
+
 
 def illuminance(
     windows: Sequence[WindowMatrices],
@@ -34,7 +44,6 @@ def illuminance(
     skies: Skies,
     states: States | None = None,
     *,
-    hours: Bool[np.ndarray, " time"] | None = None,
     file: Path | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
@@ -43,14 +52,13 @@ def illuminance(
     Parameters
     ----------
     states : index of the shade state at each time step, per window group; default 0
-    hours : mask of the time steps averaged in `mean_components`
     file : NetCDF file for the hourly values; by default they are kept in memory
 
     Returns
     -------
-    `illuminance` and `standard_error` over (sensor, time); each term unsigned, if
-    there are several terms; `mean_components` (component, sensor): error components of
-    the mean illuminance over `hours`
+    `illuminance` and `standard_error` over (sensor, time); `error_components` over
+    (sensor, component, time), see `clerestory.matrix.error_components`; each term
+    unsigned, if there are several terms
     """
     axis = chains(windows, terms[0].part)[0].receivers
     if axis is None:
@@ -64,99 +72,89 @@ def illuminance(
         equation_bands(windows, skies).weights[None],
         axis.size,
     )
-    shape = axis.size, len(skies.times)
     names = ["illuminance", "standard_error"]
     names += [term.name for term in terms] if len(terms) > 1 else []
-    means = MeanComponents(hours, axis.size) if hours is not None else None
+    kinds = {**dict.fromkeys(names, (_AXES, "f4")), PARTS: (_PART_AXES, "i1")}
+    sizes = {"sensor": axis.size, "component": COUNT, "time": len(skies.times)}
     if file is None:
-        held = {name: np.zeros(shape, np.float32) for name in names}
-        _fill(held, product, means, progress)
-        lux, error, *_ = held.values()
+        held = {
+            name: np.zeros([sizes[axis] for axis in axes], kind)
+            for name, (axes, kind) in kinds.items()
+        }
+        _fill(held, product, progress)
+        lux, error = (held[name] for name in names[:2])
         data = illuminance_dataset(lux, error, sensors=axis, times=skies.whole.columns)
-        for term in names[2:]:
-            data[term] = ("sensor", "time"), held[term], {"units": "lux"}
+        for name in [*names[2:], PARTS]:
+            data[name] = kinds[name][0], held[name]
     else:
         with replace_path(file) as made, h5netcdf.File(made, "w") as stored:
-            stored.dimensions = {"sensor": shape[0], "time": shape[1]}
-            variables = {name: hourly_variable(stored, name, *shape) for name in names}
-            for variable in variables.values():
-                variable.attrs["units"] = "lux"
-            long_name = "standard error of the illuminance"
-            variables["standard_error"].attrs["long_name"] = long_name
-            _fill(variables, product, means, progress)
+            stored.dimensions = sizes
+            variables = {
+                name: hourly_variable(stored, name, *kind)
+                for name, kind in kinds.items()
+            }
+            _fill(variables, product, progress)
         # Read illuminance from the file when needed, without a cache
         data = xr.open_dataset(file, engine="h5netcdf", cache=False)
         data = data.assign_coords(sensor=np.arange(axis.size), time=skies.times)
-    if means is not None:
-        data["mean_components"] = ("component", "sensor"), means.values()
+    for name in names:
+        data[name].attrs["units"] = "lux"
+    data["standard_error"].attrs["long_name"] = "standard error of the illuminance"
+    data[PARTS].attrs["units"] = f"standard error / {UNIT}"
     return data
 
 
 def _fill(
     targets: Mapping[str, Any],
     product: BlockwiseProduct,
-    means: "MeanComponents | None",
     progress: Progress | None,
 ) -> None:
     # Write the results to `targets`: arrays in memory or NetCDF variables
     done, whole = 0, product.count * len(product.skies.times)
     for block in product.blocks():
         terms = block.terms[:, 0]
-        found = [terms.sum(axis=0), np.sqrt(_variance(block))]
-        found += [
-            term.sign * lux for term, lux in zip(product.terms, terms, strict=True)
-        ]
-        size = block.rows.stop - block.rows.start, block.times.stop - block.times.start
-        for target, lux in zip(targets.values(), found, strict=False):
-            every = np.zeros(size, np.float32)
-            every[:, block.steps] = lux
-            target[block.rows, block.times] = every
-        if means is not None:
-            means.add(block)
+        variance, parts = _errors(block)
+        found = {
+            "illuminance": terms.sum(axis=0),
+            "standard_error": np.sqrt(variance),
+            PARTS: parts,
+        }
+        for term, lux in zip(product.terms, terms, strict=True):
+            found.setdefault(term.name, term.sign * lux)
+        steps = block.times.stop - block.times.start
+        for name, target in targets.items():
+            every = np.zeros((*found[name].shape[:-1], steps), target.dtype)
+            every[..., block.steps] = found[name]
+            target[block.rows, ..., block.times] = every
         if progress is not None:
-            done += size[0] * size[1]
+            done += (block.rows.stop - block.rows.start) * steps
             progress(done / whole, f"{block.rows.stop} of {product.count} sensors")
 
 
-def _variance(block: Block) -> Float32[np.ndarray, "row step"]:
-    # Sum of the squares of all error components
+def _errors(
+    block: Block,
+) -> tuple[Float32[np.ndarray, "row step"], Int8[np.ndarray, "row eight step"]]:
+    # Sum of the squares of all error components, and the components in compressed form
     total: np.ndarray = np.zeros_like(block.terms[0, 0])
-    for part in block.components:
-        square = np.einsum("krs,krs->rs", part.values[:, 0], part.values[:, 0])
-        if len(part.steps) == total.shape[1]:
+    parts = np.zeros((COUNT, *total.shape), np.float32)
+    for each in block.components:
+        own = each.values[:, 0]
+        square = np.einsum("krs,krs->rs", own, own)
+        if len(each.steps) == total.shape[1]:
             total += square
+            add_components(parts, own)
         else:
-            total[:, part.steps] += square
-    return total
-
-
-class MeanComponents:
-    """Error components of the mean illuminance over selected time steps."""
-
-    def __init__(self, hours: Bool[np.ndarray, " time"], sensors: int) -> None:
-        self._share = (hours / max(1, np.count_nonzero(hours))).astype(np.float32)
-        self._sensors = sensors
-        self._found: dict[tuple[int, int, int], np.ndarray] = {}
-
-    def add(self, block: Block) -> None:
-        """Add the error components of a block, weighted by the selected time steps."""
-        share = self._share[block.times][block.steps]
-        for part in block.components:
-            own = part.values[:, 0] @ share[part.steps]
-            known = self._found.setdefault(
-                part.source, np.zeros((len(own), self._sensors), np.float32)
-            )
-            known[:, block.rows] += own
-
-    def values(self) -> Float[np.ndarray, "component sensor"]:
-        """Return the error components; the variance is the sum of squares."""
-        none = np.zeros((0, self._sensors), np.float32)
-        return np.concatenate([none, *self._found.values()])
+            total[:, each.steps] += square
+            some = parts[..., each.steps]
+            add_components(some, own)
+            parts[..., each.steps] = some
+    return total, compressed(parts)
 
 
 def hourly_variable(
-    file: h5netcdf.File, name: str, sensors: int, steps: int
+    file: h5netcdf.File, name: str, axes: Sequence[str], kind: str = "f4"
 ) -> h5netcdf.Variable:
-    """Create and return a NetCDF variable over the dimensions (sensor, time)."""
-    chunks = min(_CHUNK[0], sensors), min(_CHUNK[1], steps)
-    return file.create_variable(name, ("sensor", "time"), "f4", chunks=chunks)
+    """Create and return a NetCDF variable over (sensor, time) and axes between them."""
+    sizes = [file.dimensions[axis].size for axis in axes]
+    chunks = (min(_CHUNK[0], sizes[0]), *sizes[1:-1], min(_CHUNK[1], sizes[-1]))
+    return file.create_variable(name, tuple(axes), kind, chunks=chunks)

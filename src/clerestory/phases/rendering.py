@@ -12,6 +12,7 @@ from jaxtyping import Float
 
 from clerestory import __version__
 from clerestory.bands import RGB, Bands
+from clerestory.brief_repr import brief
 from clerestory.checks import require
 from clerestory.engine.effort import Effort, EffortKeywords, effort_of
 from clerestory.engine.radiance_jobs import (
@@ -20,6 +21,7 @@ from clerestory.engine.radiance_jobs import (
     PictureJob,
     estimate_radiance,
 )
+from clerestory.engine.unsampled_light import warn_of_unsampled_light
 from clerestory.engine.work_units import Goal
 from clerestory.image.picture import Picture, Quantity
 from clerestory.phases.traced_matrices import (
@@ -43,15 +45,24 @@ class Rendering:
     error: Float[np.ndarray, "row column band"]
     paths: int
 
+    __repr__ = brief
+
 
 @dataclass(frozen=True, eq=False)
 class Gathered:
-    """Irradiance [W/m²] of sensors at one instant, and its standard error."""
+    """Irradiance [W/m²] of sensors at one instant, and its standard error.
+
+    `illuminance_error`: standard error of the illuminance [lux], from the same batches
+    of paths; the errors of the bands are correlated.
+    """
 
     irradiance: Float[np.ndarray, "sensor band"]
     error: Float[np.ndarray, "sensor band"]
+    illuminance_error: Float[np.ndarray, " sensor"]
     paths: int
     bands: Bands = RGB
+
+    __repr__ = brief
 
     def illuminance(self) -> Float[np.ndarray, " sensor"]:
         """Illuminance of each sensor [lux]."""
@@ -151,9 +162,10 @@ def irradiance(
     job = IrradianceJob(scene=scene, sensors=sensors, **effort.job_options())
     lit = estimate_radiance(job, effort)
     warn_if_short(lit, "irradiance", effort)
-    return Gathered(lit.value, lit.error, lit.paths, scene.bands)
+    return Gathered(lit.value, lit.error, lit.photometric_error, lit.paths, scene.bands)
 
 
 def _check_light(scene: Scene) -> None:
     shining = any(hasattr(each, "radiance") for each in scene.materials.values())
     require(shining, "the scene has no light source; a light, a glow or a sky expected")
+    warn_of_unsampled_light(scene)

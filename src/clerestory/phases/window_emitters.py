@@ -26,6 +26,7 @@ from clerestory.errors import InputError
 from clerestory.phases.traced_matrices import warn_if_short
 from clerestory.radiance.illum_table import LeavingLight, light_pattern
 from clerestory.scene.model import Illum, Material, Polygon, Scene
+from clerestory.scene.surface import is_parallelogram
 from clerestory.scene.triangulate import triangulate
 
 # Default, if neither samples nor relative_error is given
@@ -101,9 +102,7 @@ def _zones(pane: object, zone: float) -> list[Polygon]:
         name = getattr(pane, "name", "")
         raise InputError(f'pane "{name}" is not a polygon; flat panes expected')
     corner = pane.vertices
-    if len(corner) != 4 or not np.allclose(
-        corner[0] + corner[2], corner[1] + corner[3], atol=1e-6 * np.ptp(corner)
-    ):
+    if len(corner) != 4 or not is_parallelogram(corner):
         return [pane]
     u, v = corner[1] - corner[0], corner[3] - corner[0]
     across, along = (max(1, int(np.ceil(np.linalg.norm(e) / zone))) for e in (u, v))

@@ -3,10 +3,10 @@
 Commands are evaluated without a shell or external programs.
 """
 
-import math
 import shlex
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 
 from clerestory.checks import require
@@ -14,12 +14,15 @@ from clerestory.errors import InputError
 from clerestory.files import read_text
 from clerestory.formats.word_reader import WordReader
 from clerestory.radiance.generators.catalogue import CONVERTERS, GENERATORS, Build
-from clerestory.radiance.placement import Placement
+from clerestory.radiance.placement import Placement, Placements, one_placement
 from clerestory.scene.primitive import Primitive
-from clerestory.scene.transform import parse_transform
+from clerestory.scene.transform import array_count, parse_array
 
 # Maximum number of copies made by one command
 _MOST_COPIES = 100_000
+
+# Maximum depth of nested option files
+_DEEPEST = 50
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,13 +30,18 @@ class Inclusion:
     """Files, primitives or scene inserted by a command, with a placement per copy.
 
     Commands include named files, primitives made by a generator, or a scene built by
-    a converter such as mgf2rad.
+    a converter such as mgf2rad. Each element of `placements` has one or more copies.
     """
 
     files: tuple[str, ...]
-    placements: tuple[Placement, ...]
+    placements: tuple[Placements, ...]
     items: tuple[Primitive, ...] = ()
     build: Build | None = None
+
+    @property
+    def copies(self) -> int:
+        """Number of copies."""
+        return sum(map(len, self.placements))
 
 
 def parse_command(text: str, *, find: Callable[[str], Path]) -> Inclusion:
@@ -47,7 +55,7 @@ def parse_command(text: str, *, find: Callable[[str], Path]) -> Inclusion:
     program = _program(words)
     items: list[Primitive] = []
     files: list[str] = []
-    placements, build = [Placement()], None
+    placements, build = [one_placement(Placement())], None
     reader = WordReader(words[1:], program)
     if program in GENERATORS:
         items = GENERATORS[program](reader, find)
@@ -61,7 +69,7 @@ def parse_command(text: str, *, find: Callable[[str], Path]) -> Inclusion:
         outer, more = _xform(words[1:], find)
         if more:
             raise _refusal(text, " ".join(words))
-        _require_few(len(outer) * len(placements))
+        _require_few(sum(map(len, outer)) * sum(map(len, placements)))
         placements = [inner.then(o) for o in outer for inner in placements]
     return Inclusion(tuple(files), tuple(placements), tuple(items), build)
 
@@ -91,10 +99,10 @@ def _stages(text: str) -> list[list[str]]:
 
 def _first_stage(
     words: list[str], text: str, find: Callable[[str], Path]
-) -> tuple[list[str], list[Placement]]:
+) -> tuple[list[str], list[Placements]]:
     match _program(words):
         case "cat":
-            files, placements = words[1:], [Placement()]
+            files, placements = words[1:], [one_placement(Placement())]
             if any(f.startswith("-") for f in files):
                 raise _refusal(text, " ".join(words))
         case "xform":
@@ -120,13 +128,14 @@ def _refusal(text: str, part: str) -> InputError:
 
 def _xform(
     words: list[str], find: Callable[[str], Path]
-) -> tuple[list[Placement], list[str]]:
+) -> tuple[list[Placements], list[str]]:
     # Placements of all copies, and names of the files
+    lines: OptionLines = {}
+    _require_few(_copies(words, find, lines, ()))
     placements, files = [], words
-    for arguments in _copies(words, find):
-        placement, files = _single(arguments)
+    for arguments in _commands(words, lines):
+        placement, files = _placed(arguments)
         placements.append(placement)
-        _require_few(len(placements))
     return placements, files
 
 
@@ -135,48 +144,44 @@ def _require_few(copies: int) -> None:
     require(copies <= _MOST_COPIES, most)
 
 
+# Commands in the files of option -f, and number of copies by each file
+OptionLines = dict[str, tuple[list[list[str]], int]]
+
+
 def _copies(
-    words: list[str], find: Callable[[str], Path], reading: tuple[str, ...] = ()
-) -> Iterator[list[str]]:
-    # Expands the first -f, or else the first -a, into one command per copy
-    if "-f" in words:
-        at = words.index("-f")
-        for i, line in enumerate(_option_lines(words[at + 1 : at + 2], find, reading)):
-            inner = words[:at] + line + words[at + 2 :]
-            yield from _copies(
-                _numbered(inner, f"i{i}", i, slice(1)), find, (*reading, words[at + 1])
-            )
-    elif "-a" in words:
-        at = words.index("-a")
-        for i in range(_array_count(words)):
-            inner = [*words[:at], "-i", str(i), *words[at + 2 :]]
-            yield from _copies(_numbered(inner, f"a{i}", i, slice(None)), find, reading)
-    else:
+    words: list[str],
+    find: Callable[[str], Path],
+    known: OptionLines,
+    reading: tuple[str, ...],
+) -> int:
+    # Number of copies by all options -a and -f; reads the files of -f
+    count = 1
+    for at, word in enumerate(words):
+        if word == "-a":
+            count *= array_count(words, at)
+        elif word == "-f":
+            name = "".join(words[at + 1 : at + 2])
+            if name not in known:
+                within = (*reading, name)
+                lines = _option_lines(words[at + 1 : at + 2], find, reading)
+                total = sum(_copies(line, find, known, within) for line in lines)
+                known[name] = lines, total
+            count *= known[name][1]
+    return count
+
+
+def _commands(words: list[str], known: OptionLines) -> Iterator[list[str]]:
+    # Replaces the first -f by each line of its file
+    if "-f" not in words:
         yield words
-
-
-def _array_count(words: list[str]) -> int:
-    # Number of copies of the first -a; the product for all -a is limited
-    counts = []
-    for at in (i for i, word in enumerate(words) if word == "-a"):
-        count = "".join(words[at + 1 : at + 2])
-        require(
-            count.isascii() and count.isdecimal() and int(count) > 0,
-            f'xform -a is followed by "{count}"; a count above 0 expected',
-        )
-        counts.append(int(count))
-    _require_few(math.prod(counts))
-    return counts[0]
-
-
-def _numbered(words: list[str], fresh: str, i: int, which: slice) -> list[str]:
-    # Appends i to the name prefix (-n) of copy i. If there are several -n, xform -f
-    # numbers the first one; xform -a replaces each by the last one, numbered.
-    named = [at for at in range(1, len(words)) if words[at - 1] == "-n"][which]
-    if not named:
-        return ["-n", fresh, *words]
-    prefix = f"{words[named[-1]]}.{i}"
-    return [prefix if at in named else word for at, word in enumerate(words)]
+        return
+    at = words.index("-f")
+    for i, line in enumerate(known[words[at + 1]][0]):
+        inner = words[:at] + line + words[at + 2 :]
+        # The first name prefix (-n) is numbered
+        named = [k for k in range(1, len(inner)) if inner[k - 1] == "-n"][:1]
+        numbered = [f"{w}.{i}" if k in named else w for k, w in enumerate(inner)]
+        yield from _commands(numbered if named else ["-n", f"i{i}", *inner], known)
 
 
 def _option_lines(
@@ -186,20 +191,27 @@ def _option_lines(
     missing = "xform -f has no file; a file of xform options expected"
     require(name and not name[0].startswith("-"), missing)
     require(name[0] not in reading, f'xform -f: the file "{name[0]}" refers to itself')
+    deep = f"files of xform -f are nested more than {_DEEPEST} deep"
+    require(len(reading) < _DEEPEST, f"{deep}; fewer levels expected")
     lines = []
     for line in read_text(find(name[0])).replace("\\\n", "").splitlines():
         if line and not line.startswith("#"):
             try:
                 words = shlex.split(line.removeprefix("!"))
             except ValueError as error:
-                raise InputError(f'xform -f {name[0]}: "{line}": {error}') from error
-            lines.append(words[1:] if words[:1] == ["xform"] else words)
+                raise InputError(f"xform -f {name[0]}: {error}") from error
+            words = words[1:] if words[:1] == ["xform"] else words
+            message = f"xform -f {name[0]}: a line has no options"
+            require(
+                not words or words[0].startswith("-"), f"{message}; -t x y z expected"
+            )
+            lines.append(words)
     require(lines, f'xform -f: the file "{name[0]}" is empty; options expected')
     return lines
 
 
-def _single(words: list[str]) -> tuple[Placement, list[str]]:
-    # Placement of one xform copy, and file names; other options precede the transform
+def _placed(words: list[str]) -> tuple[Placements, list[str]]:
+    # Placements by an xform, and file names; other options precede the transform
     modifier, prefixes, inverted, at = None, [], False, 0
     while at < len(words) and words[at] in ("-m", "-n", "-c", "-e", "-I"):
         option = words[at]
@@ -212,7 +224,7 @@ def _single(words: list[str]) -> tuple[Placement, list[str]]:
                 modifier = words[at]
         inverted ^= option == "-I"
         at += 1
-    transform, taken = parse_transform(words[at:])
+    transform, counts, taken = parse_array(words[at:])
     files = words[at + taken :]
     first = files[0] if files else ""
     require(
@@ -220,4 +232,17 @@ def _single(words: list[str]) -> tuple[Placement, list[str]]:
         f'xform option "{first}" is unknown or out of order; -m -n -I first, then'
         " -t -rx -ry -rz -s -mx -my -mz -i expected, with -a and -f anywhere",
     )
-    return Placement(transform, modifier, ".".join(prefixes), inverted), files
+    return Placements(transform, _names(prefixes, counts), modifier, inverted), files
+
+
+def _names(prefixes: list[str], counts: list[int]) -> list[str]:
+    # Name prefix of each copy. Arrays replace each of several -n by the last one, with
+    # the numbers of the copy; without -n, the prefix is a0, a1, …
+    if not counts:
+        return [".".join(prefixes)]
+    numbers = [
+        ".".join(copy) for copy in product(*(map(str, range(n)) for n in counts))
+    ]
+    if not prefixes:
+        return [f"a{number}" for number in numbers]
+    return [".".join([f"{prefixes[-1]}.{n}"] * len(prefixes)) for n in numbers]

@@ -1,7 +1,7 @@
 """Expansion of scene files: insertion of files, instances and generated surfaces."""
 
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, replace
 from itertools import chain, groupby
 from pathlib import Path
 
@@ -11,9 +11,23 @@ from clerestory.checks import require
 from clerestory.errors import InputError, located
 from clerestory.files import read_text
 from clerestory.radiance.command import parse_command
+from clerestory.radiance.generators.catalogue import Build
 from clerestory.radiance.instance import INSTANCE_KINDS, Loaded, read_instance
-from clerestory.radiance.placement import Placement
+from clerestory.radiance.placement import Placement, Placements, one_placement
 from clerestory.radiance.primitives import checked, surface
+from clerestory.radiance.repetition import (
+    MOST_REPEATED,
+    SLOW,
+    Item,
+    Materials,
+    Part,
+    Placed,
+    Scope,
+    copied,
+    joined,
+    materials_of,
+    own_size,
+)
 from clerestory.radiance.search_path import found_in
 from clerestory.radiance.statements import (
     SURFACE_KINDS,
@@ -23,21 +37,9 @@ from clerestory.radiance.statements import (
     Statement,
     parse_statements,
 )
-from clerestory.scene.model import Scene, Simple, TriangleMesh
+from clerestory.scene.model import Scene, Source, TriangleMesh
 from clerestory.scene.primitive import Primitive
-
-
-@dataclass(frozen=True)
-class Scope:
-    """Beginning or end of a scope of material names.
-
-    Materials defined inside an instance are not visible outside it.
-    """
-
-    opens: bool
-
-
-Item = PolygonRun | Primitive | Directive | Simple | Scope | Scene
+from clerestory.scene.transform import Transform
 
 _SHAPES = SURFACE_KINDS - INSTANCE_KINDS
 
@@ -45,24 +47,15 @@ _SHAPES = SURFACE_KINDS - INSTANCE_KINDS
 _DEEPEST = 100
 
 
-@dataclass(frozen=True, eq=False)
-class Placed:
-    """An item of a scene file in its final position, with the name of the file.
-
-    Items are polygons, other surfaces, materials and aliases (Primitive), directives,
-    scope limits and scenes. `placement` combines all nested xforms, which are already
-    applied to surfaces.
-    """
-
-    item: Item
-    file: str
-    placement: Placement
-
-
 def placed_items(path: str | Path) -> Iterator[Placed]:
-    """Yield the items of a scene file and of included files, in Radiance's order."""
-    walk = _Walk(Path(path).parent, {}, {})
-    yield from walk.items(_Place(Path(path), Placement()))
+    """Yield the items of a scene file and of included files, in Radiance's order.
+
+    Copies of surfaces by arrays and repeated files are counted before they are made.
+    """
+    place = _Place(Path(path), Placement())
+    walk = _Walk(place.path.parent)
+    walk.require_few(place)
+    yield from walk.items(place)
 
 
 @dataclass(frozen=True)
@@ -79,19 +72,34 @@ class _Place:
         return _Place(path, placement, (*self.within, self.path))
 
 
+@dataclass(frozen=True, eq=False)
+class _Content:
+    # What a command or an instance inserts: items, then files, for each copy
+    items: tuple[Item | Command, ...]
+    files: tuple[Path, ...]
+    copies: tuple[Placements, ...]
+    build: Build | None = None
+
+    @property
+    def count(self) -> int:
+        return sum(map(len, self.copies))
+
+
 @dataclass(frozen=True)
 class _Walk:
-    # Cache of files by path; each file is read once, even if it is placed repeatedly
+    # Caches by path, and by command or instance of a file; each file is read once, even
+    # if it is placed repeatedly
     top: Path
-    loaded: dict[Path, tuple[Item | Command, ...]]
-    compiled: Loaded
+    loaded: dict[Path, tuple[Item | Command, ...]] = field(default_factory=dict)
+    compiled: Loaded = field(default_factory=dict)
+    contents: dict[tuple[Path, Item | Command], _Content] = field(default_factory=dict)
+    materials: dict[Path, Materials | None] = field(default_factory=dict)
+    surfaces: dict[Path, tuple[Part, ...]] = field(default_factory=dict)
+    sizes: dict[Path, int] = field(default_factory=dict)
+    joined: dict[_Content, Materials | None] = field(default_factory=dict)
 
     def items(self, place: _Place) -> Iterator[Placed]:
-        path = place.path
-        if path not in self.loaded:
-            statements = parse_statements(read_text(path), file=str(path))
-            self.loaded[path] = _built(statements, str(path))
-        yield from self._put(self.loaded[path], place)
+        yield from self._put(self._loaded(place.path), place)
 
     def _put(
         self, items: tuple[Item | Command, ...], place: _Place
@@ -109,47 +117,169 @@ class _Walk:
                 case _:
                     yield place.put(place.placement.surface(item))
 
+    def _loaded(self, path: Path) -> tuple[Item | Command, ...]:
+        if path not in self.loaded:
+            statements = parse_statements(read_text(path), file=str(path))
+            self.loaded[path] = _built(statements, str(path))
+        return self.loaded[path]
+
     def _included(self, command: Command, place: _Place) -> Iterator[Placed]:
-        with located(file=place.path, line=command.line):
-            inclusion = parse_command(command.text, find=self._finder(place))
-            files = [self._finder(place)(name) for name in inclusion.files]
-            _refuse_recursion(files, (*place.within, place.path))
-        items = (replace(item, line=command.line) for item in inclusion.items)
-        made = _built(items, str(place.path))
-        for placement in inclusion.placements:
-            inner = replace(place, placement=placement.then(place.placement))
-            yield from self._put(made, inner)
-            if inclusion.build is not None:
+        content = self._content(command, place)
+        materials = self._materials_of(content)
+        if materials is not None:
+            # Define the materials once, and make all copies of the surfaces together
+            for item, file in materials.definitions:
+                yield Placed(item, file, place.placement)
+            parts = self._parts_of(content)
+            for copies in content.copies:
+                moved = copies.then(one_placement(place.placement))
+                yield from map(place.put, copied(parts, moved))
+            return
+        for own in chain.from_iterable(content.copies):
+            inner = replace(place, placement=own.then(place.placement))
+            yield from self._put(content.items, inner)
+            if content.build is not None:
                 with located(file=place.path, line=command.line):
-                    scene = inclusion.build(inner.placement.transform)
+                    scene = content.build(inner.placement.transform)
                 yield inner.put(scene)
-            for found in files:
+            for found in content.files:
                 yield from self.items(place.inner(found, inner.placement))
 
     def _instanced(self, item: Primitive, place: _Place) -> Iterator[Placed]:
         # Items of the file to which an instance or mesh refers
-        file = str(place.path)
-        with located(file=file, line=item.line):
-            instance = read_instance(
-                item, file=file, find=self._finder(place), loaded=self.compiled
-            )
-            placement = instance.placement.then(place.placement)
-            _refuse_recursion(instance.files, (*place.within, place.path))
-        inner = replace(place, placement=placement)
-        content = chain(
-            self._put(_built(instance.items, item.strings[0]), inner),
-            *(self.items(place.inner(found, placement)) for found in instance.files),
+        content = self._content(item, place)
+        [[own]] = content.copies
+        inner = replace(place, placement=own.then(place.placement))
+        placed = chain(
+            self._put(content.items, inner),
+            *(self.items(place.inner(f, inner.placement)) for f in content.files),
         )
-        if instance.placement.modifier is None:
+        if own.modifier is None:
             yield inner.put(Scope(opens=True))
-            yield from content
+            yield from placed
             yield inner.put(Scope(opens=False))
         else:
             # The modifier of an instance replaces the materials of all its surfaces
-            yield from (p for p in content if not isinstance(p.item, Primitive))
+            yield from (p for p in placed if not isinstance(p.item, Primitive))
 
-    def _finder(self, place: _Place) -> Callable[[str], Path]:
-        return lambda name: found_in(name, [self.top, place.path.parent, Path()])
+    def _content(self, item: Command | Primitive, place: _Place) -> _Content:
+        key = place.path, item
+        with located(file=place.path, line=item.line):
+            if key not in self.contents:
+                self.contents[key] = self._read(item, place)
+            files = self.contents[key].files
+            _refuse_recursion(files, (*place.within, place.path))
+        return self.contents[key]
+
+    def _read(self, item: Command | Primitive, place: _Place) -> _Content:
+        file = str(place.path)
+
+        def find(name: str) -> Path:
+            return found_in(name, [self.top, place.path.parent, Path()])
+
+        if isinstance(item, Primitive):
+            mesh = read_instance(item, file=file, find=find, loaded=self.compiled)
+            items = _built(mesh.items, item.strings[0])
+            return _Content(items, mesh.files, (one_placement(mesh.placement),))
+        told = parse_command(item.text, find=find)
+        items = _built((replace(i, line=item.line) for i in told.items), file)
+        files = tuple(find(name) for name in told.files)
+        return _Content(items, files, told.placements, told.build)
+
+    def require_few(self, place: _Place) -> None:
+        """Raise an error if arrays, instances and files repeat too many surfaces."""
+        inserting = [item for item in self._loaded(place.path) if _inserts(item)]
+        sizes = {item: self._size_of(item, place) for item in inserting}
+        once = sum(map(own_size, self.loaded.values()))
+        for together, most in ((True, MOST_REPEATED), (False, MOST_REPEATED // SLOW)):
+            found = [i for i in inserting if self._together(i, place) == together]
+            total = sum(sizes[item] for item in found)
+            if total > once + most:
+                raise InputError(
+                    f"arrays, instances and repeated files make {total:.2g} surfaces;"
+                    f" at most {most:,} expected"
+                    + ("" if together else " of materials that depend on their place"),
+                    file=place.path,
+                    line=getattr(max(found, key=sizes.__getitem__), "line", None),
+                )
+
+    def _together(self, item: Item | Command, place: _Place) -> bool:
+        # Whether all copies by a command are transformed together
+        if not isinstance(item, Command):
+            return False
+        return self._materials_of(self._content(item, place)) is not None
+
+    def _size(self, place: _Place) -> int:
+        # Number of surfaces of a file with the files that it includes
+        if place.path not in self.sizes:
+            self.sizes[place.path] = self._size_all(self._loaded(place.path), place)
+        return self.sizes[place.path]
+
+    def _size_all(self, items: tuple[Item | Command, ...], place: _Place) -> int:
+        inserted = sum(self._size_of(i, place) for i in items if _inserts(i))
+        return 1 + own_size(items) + inserted
+
+    def _size_of(self, item: Item | Command, place: _Place) -> int:
+        assert isinstance(item, Command | Primitive)
+        content = self._content(item, place)
+        below = (place.inner(file, Placement()) for file in content.files)
+        once = self._size_all(content.items, place) + sum(map(self._size, below))
+        if content.build is not None and (content.count > 1 or place.within):
+            once += len(content.build(Transform()).surfaces)
+        return content.count * once
+
+    def _materials_of(self, content: _Content) -> Materials | None:
+        # Definitions in a command's files, None if they depend on the placement
+        if content not in self.joined:
+            own = materials_of(content.items, "", lambda _: None)
+            replaced = (copies.modifier for copies in content.copies)
+            given = Materials((), frozenset(name for name in replaced if name))
+            files = () if content.build else map(self._materials, content.files)
+            found = [None if content.build else own, given, *files]
+            self.joined[content] = joined(found)
+        return self.joined[content]
+
+    def _materials(self, path: Path) -> Materials | None:
+        if path not in self.materials:
+            place = _Place(path, Placement())
+
+            def inner(command: Command) -> Materials | None:
+                return self._materials_of(self._content(command, place))
+
+            items = self._loaded(path)
+            self.materials[path] = materials_of(items, str(path), inner)
+        return self.materials[path]
+
+    def _parts_of(self, content: _Content) -> tuple[Part, ...]:
+        files = (self._parts(file) for file in content.files)
+        return (*self._flat(content.items, None), *chain.from_iterable(files))
+
+    def _parts(self, path: Path) -> tuple[Part, ...]:
+        # Surfaces of a file and of the files that it includes
+        if path not in self.surfaces:
+            place = _Place(path, Placement())
+            self.surfaces[path] = tuple(self._flat(self._loaded(path), place))
+        return self.surfaces[path]
+
+    def _flat(
+        self, items: tuple[Item | Command, ...], place: _Place | None
+    ) -> Iterator[Part]:
+        for item in items:
+            match item:
+                case Command() if place is not None:
+                    content = self._content(item, place)
+                    for copies in content.copies:
+                        yield from copied(self._parts_of(content), copies)
+                case Command() | Primitive() | Directive() | Scope() | Scene():
+                    pass  # definitions
+                case _:
+                    yield item
+
+
+def _inserts(item: Item | Command) -> bool:
+    if isinstance(item, Primitive):
+        return item.kind in INSTANCE_KINDS
+    return isinstance(item, Command)
 
 
 def _refuse_recursion(files: Iterable[Path], within: tuple[Path, ...]) -> None:
@@ -189,7 +319,7 @@ def _is_polygon(statement: Statement | TriangleMesh) -> bool:
 
 def _run(polygons: list[Primitive], file: str) -> PolygonRun:
     # Converts polygon primitives, read word by word or made by a command
-    modifier, name, line, count = [], [], [], []
+    modifier, name, source, count = [], [], [], []
     numbers: list[float] = []
     for item in polygons:
         given, words = len(item.reals), len(item.strings)
@@ -202,8 +332,8 @@ def _run(polygons: list[Primitive], file: str) -> PolygonRun:
         )
         modifier.append(item.modifier)
         name.append(item.name)
-        line.append(item.line)
+        source.append(Source(file, item.line))
         count.append(given // 3)
         numbers += item.reals
     first = np.cumsum([0, *count])
-    return PolygonRun(modifier, name, line, first, np.array(numbers).reshape(-1, 3))
+    return PolygonRun(modifier, name, source, first, np.array(numbers).reshape(-1, 3))

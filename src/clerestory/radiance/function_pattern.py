@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from clerestory.array_types import RayVectors, Vector
+from clerestory.brief_repr import brief
 from clerestory.errors import ClerestoryWarning
 from clerestory.radiance.cal.program import Computed, Program
 from clerestory.radiance.cal.syntax import Call, Name, Node
@@ -54,6 +55,8 @@ class FunctionPattern:
     source: Source | None = None
     tables: tuple[DataArray, ...] = ()
     coordinates: tuple[Node, ...] = ()
+
+    __repr__ = brief
 
     @cached_property
     def names(self) -> frozenset[str]:

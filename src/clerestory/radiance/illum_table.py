@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Vector
+from clerestory.brief_repr import brief
 from clerestory.errors import InputError
 from clerestory.escaping import file_stem, radiance_name
 from clerestory.files import replace_file
@@ -42,6 +43,8 @@ class LeavingLight:
 
     frame: Float[np.ndarray, "3 3"]
     radiance: Float[np.ndarray, "ring sector 3"]
+
+    __repr__ = brief
 
     def exitance(self) -> Vector:
         """Radiant exitance of the patch [W/m²]."""

@@ -7,6 +7,7 @@ modified; of a mirror with an alternate material, only the alternate is modified
 
 from dataclasses import dataclass, replace
 
+from clerestory.checks import require
 from clerestory.radiance.function_pattern import FunctionPattern, constant_value
 from clerestory.scene.material import Emitter, Material, altered
 from clerestory.scene.materials.mirror import Mirror
@@ -16,6 +17,9 @@ from clerestory.scene.materials.plastic import Metal, Plastic
 from clerestory.scene.materials.trans import Trans
 from clerestory.scene.pattern import Pattern, Product
 from clerestory.scene.primitive import Arguments
+
+# Largest number of patterns and textures that modify one material
+_MOST_NESTED = 100
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +34,9 @@ class Modifiers:
         if outer is None:
             return self
         patterns, textures = outer.patterns + self.patterns, outer.textures
+        nested = len(patterns) + len(textures)
+        message = f"more than {_MOST_NESTED} nested patterns and textures"
+        require(nested <= _MOST_NESTED, f"{message}; fewer expected")
         return Modifiers(patterns, textures + self.textures)
 
 

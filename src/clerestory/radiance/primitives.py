@@ -66,7 +66,7 @@ def _refuse_beyond_measure(run: PolygonRun, file: str) -> None:
     if len(beyond):
         i = int(np.searchsorted(run.first, beyond[0], side="right")) - 1
         message = f'polygon "{run.name[i]}": a coordinate exceeds {LARGEST:.0e} m'
-        raise InputError(message, file=file, line=run.line[i])
+        raise InputError(message, file=file, line=run.source[i].line)
 
 
 def _without_closing_vertex(run: PolygonRun) -> PolygonRun:
@@ -80,7 +80,7 @@ def _without_closing_vertex(run: PolygonRun) -> PolygonRun:
     keep = np.ones(len(run.vertices), dtype=bool)
     keep[last[closing]] = False
     first = np.concatenate([[0], np.cumsum(length - closing)])
-    return PolygonRun(run.modifier, run.name, run.line, first, run.vertices[keep])
+    return PolygonRun(run.modifier, run.name, run.source, first, run.vertices[keep])
 
 
 def _subset(run: PolygonRun, keep: Bool[np.ndarray, " polygons"]) -> PolygonRun:
@@ -89,7 +89,7 @@ def _subset(run: PolygonRun, keep: Bool[np.ndarray, " polygons"]) -> PolygonRun:
     return PolygonRun(
         [run.modifier[i] for i in chosen],
         [run.name[i] for i in chosen],
-        [run.line[i] for i in chosen],
+        [run.source[i] for i in chosen],
         np.concatenate([[0], np.cumsum(length[keep])]),
         run.vertices[np.repeat(keep, length)],
     )
@@ -109,11 +109,11 @@ def _warn(
 ) -> None:
     found = np.flatnonzero(doubtful).tolist()
     for i in found[:_NAMED]:
-        text = f'{file}:{run.line[i]}: polygon "{run.name[i]}": {message(i)}'
+        text = f'{file}:{run.source[i].line}: polygon "{run.name[i]}": {message(i)}'
         warnings.warn(text, ClerestoryWarning, stacklevel=2)
     if len(found) > _NAMED:
         text = f"{file}: {len(found) - _NAMED} more polygons of this kind"
-        text += f", the first on line {run.line[found[_NAMED]]}"
+        text += f", the first on line {run.source[found[_NAMED]].line}"
         warnings.warn(text, ClerestoryWarning, stacklevel=2)
 
 

@@ -14,15 +14,17 @@ from pathlib import Path
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.gonio.layer_file import read_layer
-from clerestory.radiance.expansion import Placed, Scope, placed_items
+from clerestory.radiance.expansion import placed_items
 from clerestory.radiance.modifiers import Modifiers, modified
 from clerestory.radiance.pattern_reader import (
     PATTERN_KINDS,
+    read_coefficients,
     read_modifiers,
     read_share,
     read_vector,
 )
 from clerestory.radiance.placement import Placement
+from clerestory.radiance.repetition import Placed, Scope
 from clerestory.radiance.search_path import library_file
 from clerestory.radiance.statements import Directive, PolygonRun
 from clerestory.scene.material import (
@@ -95,7 +97,7 @@ class _Reading:
     def add(self, placed: Placed) -> None:
         match placed.item:
             case PolygonRun():
-                made = placed.item.polygons(placed.file, self._key)
+                made = placed.item.polygons(self._key)
                 self.surfaces += (p for p in made if p.material != _VOID)
             case Primitive(kind="alias"):
                 self._alias(Arguments(placed.item, placed.file))
@@ -170,6 +172,7 @@ class _Reading:
                 bsdf=lambda name: self._bsdf(name, given.source),
                 vector=lambda first, placed: read_vector(given, placed, first),
                 share_of_foreground=lambda: read_share(given, placement.transform),
+                coefficients=lambda: read_coefficients(given, placement.transform),
             )
         )
         self._name_material(value, self._modifying(given), given)
@@ -187,7 +190,8 @@ class _Reading:
         item = given.item
         outer = self.named.get(item.modifier)
         if isinstance(outer, Modifiers) or item.modifier == "void":
-            self._name_modifiers(item.name, modifiers, self._modifying(given))
+            with given.located():
+                self._name_modifiers(item.name, modifiers, self._modifying(given))
             return
         # A pattern modified by a material defines a new material, as in Radiance
         value = altered(self._named(item.modifier, given.source), name=item.name)

@@ -25,17 +25,17 @@ class PolygonRun:
 
     modifier: list[str]
     name: list[str]
-    line: list[int]
+    source: list[Source]
     first: Int[np.ndarray, " polygons_and_end"]
     vertices: Vertices
 
     def polygons(
-        self, file: str, key: Callable[[str, Source], str] = lambda name, _: name
+        self, key: Callable[[str, Source], str] = lambda name, _: name
     ) -> Iterator[Polygon]:
         """Yield the polygons; `key` returns the key of the material of a modifier."""
         ends = self.first.tolist()
         for i, modifier in enumerate(self.modifier):
-            source = Source(file, self.line[i])
+            source = self.source[i]
             vertices = self.vertices[ends[i] : ends[i + 1]]
             yield Polygon(vertices, key(modifier, source), self.name[i], source)
 
@@ -200,7 +200,7 @@ class _PolygonCollector:
     # Consecutive polygons; coordinates are still text
     modifier: list[str] = field(default_factory=list)
     name: list[str] = field(default_factory=list)
-    line: list[int] = field(default_factory=list)
+    source: list[Source] = field(default_factory=list)
     count: list[int] = field(default_factory=list)
     numbers: list[str] = field(default_factory=list)
 
@@ -215,7 +215,7 @@ class _PolygonCollector:
             return False
         self.modifier.append(modifier)
         self.name.append(name)
-        self.line.append(cursor.line())
+        self.source.append(Source(cursor.file, cursor.line()))
         self.count.append(count // 3)
         self.numbers.append(numbers)
         cursor.at = match.end()
@@ -226,4 +226,4 @@ class _PolygonCollector:
             return []
         vertices = np.fromstring("".join(self.numbers), sep=" ").reshape(-1, 3)
         first = np.concatenate([[0], np.cumsum(self.count)])
-        return [PolygonRun(self.modifier, self.name, self.line, first, vertices)]
+        return [PolygonRun(self.modifier, self.name, self.source, first, vertices)]

@@ -13,7 +13,8 @@ from clerestory.array_types import Vector
 from clerestory.checks import require
 from clerestory.errors import InputError, located
 from clerestory.hemisphere.klems import klems
-from clerestory.radiance.expansion import Placed, placed_items
+from clerestory.radiance.expansion import placed_items
+from clerestory.radiance.repetition import Placed
 from clerestory.radiance.statements import Directive, PolygonRun
 from clerestory.scene.material import error_at
 from clerestory.scene.model import Polygon, Scene
@@ -75,7 +76,7 @@ def _groups(path: str | Path) -> dict[str, list[_Pane]]:
                 with located(file=placed.file, line=placed.item.line):
                     basis, up = _variables(placed.item, basis, up)
             case PolygonRun():
-                for polygon in placed.item.polygons(placed.file):
+                for polygon in placed.item.polygons():
                     groups.setdefault(polygon.material, []).append(
                         _Pane(polygon, basis, up)
                     )
@@ -94,7 +95,9 @@ def _refuse_surface(placed: Placed) -> None:
     source = getattr(placed.item, "source", None)
     if source is not None:
         kind = type(placed.item).__name__.lower()
-        raise error_at(source, f"the window file has a {kind}; polygons expected")
+        raise error_at(
+            source, f"the window file has surfaces of type {kind}; polygons expected"
+        )
 
 
 def _window(name: str, panes: list[_Pane]) -> Window:

@@ -16,6 +16,7 @@ from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.scattering_function import Function, ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.checks import require, within
+from clerestory.escaping import figure_text
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.report.figure_axes import (
@@ -87,7 +88,8 @@ def lobe_figure(
     size = (3.3 * len(bsdfs) + 1.1, 3.5 * len(directions) + 0.5)
     figure = Figure(figsize=size, layout="constrained")
     axes = figure.subplots(len(directions), len(bsdfs), squeeze=False)
-    titles = list(names) or [bsdf.product.name for bsdf in bsdfs]
+    given = list(names) or [bsdf.product.name for bsdf in bsdfs]
+    titles = [figure_text(name) for name in given]
     for k, (direction, row) in enumerate(zip(directions, rows, strict=True)):
         for panel, bsdf, title, values in zip(axes[k], bsdfs, titles, row, strict=True):
             draw_disc(panel, np.where(inside, values, np.nan), norm)
@@ -119,7 +121,8 @@ def share_figure(
     figure = Figure(figsize=(8.4, 3.4), layout="constrained")
     panels = figure.subplots(1, 2, sharey=True)
     angle = np.arange(-87.5, 88, _CURVE_DEG)
-    titles = list(names) or [bsdf.product.name for bsdf in bsdfs]
+    given = list(names) or [bsdf.product.name for bsdf in bsdfs]
+    titles = [figure_text(name) for name in given]
     for panel, azimuth, ends in (
         (panels[0], 90.0, "from below | from above"),
         (panels[1], 0.0, "from the left | from the right"),

@@ -17,6 +17,7 @@ from clerestory.comparison.series import (
 )
 from clerestory.comparison.series_comparison import Comparison
 from clerestory.comparison.time_alignment import Pairs
+from clerestory.escaping import figure_text
 from clerestory.metrics.agreement import agreement
 from clerestory.report.period import evenly
 
@@ -57,7 +58,7 @@ def scatter_figure(comparisons: Sequence[Comparison], quantity: str) -> Figure |
         panel.set_xlabel(f"measured {_unit(quantity)}")
         found = agreement(pairs.measured, pairs.simulated)
         panel.set_title(
-            f"{name}: bias {100 * found.relative_bias:+.0f} %, CV(RMSE)"
+            f"{figure_text(name)}: bias {100 * found.relative_bias:+.0f} %, CV(RMSE)"
             f" {100 * found.variation:.0f} %, r {found.correlation:.2f}",
             **_TITLE,
         )
@@ -67,7 +68,11 @@ def scatter_figure(comparisons: Sequence[Comparison], quantity: str) -> Figure |
 
 def days_figure(comparisons: Sequence[Comparison], name: str) -> Figure:
     """Draw the daily curves of one series, measured and simulated."""
-    found = [(c.name, c.pairs.of(name)) for c in comparisons if name in c.pairs.names]
+    found = [
+        (figure_text(c.name), c.pairs.of(name))
+        for c in comparisons
+        if name in c.pairs.names
+    ]
     times = np.concatenate([pairs.times for _, pairs in found])
     days, counts = np.unique(times.astype("datetime64[D]"), return_counts=True)
     # Evenly spaced days, each with at least 60 % of the values of the fullest day
@@ -88,7 +93,7 @@ def days_figure(comparisons: Sequence[Comparison], name: str) -> Figure:
         panel.set_xlabel("hour, local standard time")
         panel.grid(lw=0.3)
     _finish(panels[0, 0], quantity_of(name))
-    figure.suptitle(name, x=0.01, ha="left", fontsize=11)
+    figure.suptitle(figure_text(name), x=0.01, ha="left", fontsize=11)
     return figure
 
 
@@ -104,10 +109,10 @@ def time_figure(comparisons: Sequence[Comparison], group: str, quantity: str) ->
         place, lines = _by_day(times, stamps, [measured, simulated])
         if number == 0:
             axes.plot(place, lines[0], color=_MEASURED, label="measured", **style)
-        name = comparisons[number].name
+        name = figure_text(comparisons[number].name)
         axes.plot(place, lines[1], color=_colour(number), label=name, **style)
     _mark_days(axes, stamps)
-    axes.set_title(f"{group}: mean over its series at each time", **_TITLE)
+    axes.set_title(f"{figure_text(group)}: mean over its series at each time", **_TITLE)
     axes.grid(lw=0.3, axis="y")
     _finish(axes, quantity)
     return figure
@@ -156,7 +161,7 @@ def scan_figure(
                 figure.colorbar(drawn, ax=side, label=label, fraction=0.04)
         middle = part.times[len(part.times) // 2].astype("datetime64[m]")
         panels[0, column].set_title(str(middle).replace("T", "\n"), fontsize=9)
-    for row, word in enumerate(("measured", comparison.name, "deviation")):
+    for row, word in enumerate(("measured", figure_text(comparison.name), "deviation")):
         panels[row, 0].set_ylabel(word, fontsize=9)
     return figure
 

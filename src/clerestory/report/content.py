@@ -96,8 +96,7 @@ class ReportContent:
     illuminance, standard_error : illuminance and its standard error [lux]
     occupied : whether each time step is within the occupied hours
     schedule : description of the occupied hours
-    metrics : metrics of each sensor, as returned by `sensor_metrics`, and
-        `useful_bands_error`, the standard error of the UDI bands
+    metrics : metrics of each sensor, as returned by `sensor_metrics`
     sensors : positions and directions of the sensors
     room, windows : surfaces of the scene and of its windows; both may be empty
     north : azimuth of the scene's +y axis, clockwise from north [rad]

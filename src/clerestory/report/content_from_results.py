@@ -3,7 +3,6 @@
 import json
 import math
 from collections.abc import Mapping
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,13 +10,8 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Bool
 
-from clerestory.metrics.climate_based_metrics import (
-    TARGET_LUX,
-    USEFUL_LIMITS_LUX,
-    USEFUL_RANGES,
-    daylight_autonomy,
-)
-from clerestory.metrics.sensor_metrics import metric_error, sensor_metrics
+from clerestory.metrics.climate_based_metrics import TARGET_LUX
+from clerestory.metrics.sensor_metrics import sensor_metrics
 from clerestory.phases.methods import METHODS
 from clerestory.report.content import (
     FactTable,
@@ -149,19 +143,11 @@ def _label(key: str) -> str:
 
 
 def _metrics(data: xr.Dataset, occupied: Bool[np.ndarray, " time"]) -> xr.Dataset:
-    # Metrics of the run, computed if missing, with standard errors of the UDI bands
-    metrics = data
-    if not all(name in data for name in _METRICS):
-        target = float(data.attrs.get("target_lux", TARGET_LUX))
-        metrics = sensor_metrics(data, occupied, target_lux=target)
-    reached = [
-        metric_error(partial(daylight_autonomy, hours=occupied, target_lux=limit), data)
-        for limit in USEFUL_LIMITS_LUX
-    ]
-    low, middle, high = reached
-    errors = [low, low + middle, middle + high, high]
-    band = xr.DataArray(list(USEFUL_RANGES), dims="band", name="band")
-    return metrics.assign(useful_bands_error=xr.concat(errors, dim=band))
+    # Metrics of the run, computed if missing
+    if all(f"{name}_components" in data for name in _METRICS):
+        return data
+    target = float(data.attrs.get("target_lux", TARGET_LUX))
+    return sensor_metrics(data, occupied, target_lux=target)
 
 
 def _room(data: xr.Dataset) -> Room:

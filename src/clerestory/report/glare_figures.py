@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from clerestory.checks import same_length
+from clerestory.escaping import figure_text
 from clerestory.glare.comfort_classes import (
     EXCEEDANCE,
     LIMITS,
@@ -67,7 +68,7 @@ def _title(dgp: np.ndarray, title: str) -> str:
         f" (EN 17037: {'no' if level == 'none' else level} protection);"
         f" glare autonomy {float(glare_autonomy(dgp)) * 100:.0f} %"
     )
-    return f"{title}: {words}" if title else words
+    return f"{figure_text(title)}: {words}" if title else words
 
 
 def _legend(figure: Figure, columns: int) -> None:
@@ -115,6 +116,6 @@ def glare_rosette_figure(
     axes.grid(alpha=0.4, linewidth=0.6)
     axes.set_axisbelow(False)
     words = f"share of time; rim: DGP exceeded in {EXCEEDANCE * 100:.0f} % of it"
-    axes.set_title(f"{title}\n{words}" if title else words, pad=24)
+    axes.set_title(f"{figure_text(title)}\n{words}" if title else words, pad=24)
     _legend(figure, 2)
     return figure

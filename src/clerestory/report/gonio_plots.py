@@ -15,6 +15,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
+from clerestory.escaping import figure_text
 from clerestory.gonio.angles import from_degrees, undeviated
 from clerestory.gonio.cross_validation import CrossValidation
 from clerestory.gonio.incident_mesh import Mesh
@@ -125,7 +126,7 @@ def _panels(*titles: str) -> tuple[Figure, Any]:
     figure = Figure(figsize=size, layout="constrained")
     axes = figure.subplots(1, len(titles))
     for panel, title in zip(axes, titles, strict=True):
-        panel.set_title(title, fontsize=9)
+        panel.set_title(figure_text(title), fontsize=9)
     return figure, axes
 
 

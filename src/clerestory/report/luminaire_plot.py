@@ -15,6 +15,7 @@ from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import MaxNLocator
 
 from clerestory.checks import within
+from clerestory.escaping import figure_text
 from clerestory.formats.photometry.luminaire import Luminaire
 
 # Angular step along a curve [°]
@@ -49,7 +50,7 @@ def polar_figure(luminaire: Luminaire, *, planes_deg: Sequence[float]) -> Figure
     axes.tick_params(labelsize=8, colors="#555555")
     axes.grid(color="#d5d5d5", linewidth=0.6)
     name = shorten(luminaire.name, _TITLE, placeholder=" …")
-    axes.set_title(f"{name}\n{luminaire.flux():.0f} lm; intensity in cd")
+    axes.set_title(f"{figure_text(name)}\n{luminaire.flux():.0f} lm; intensity in cd")
     figure.legend(loc="outside lower center", ncols=len(planes_deg), frameon=False)
     return figure
 

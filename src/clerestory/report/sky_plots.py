@@ -17,6 +17,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator
 from clerestory.checks import require
 from clerestory.constants import LUMINOUS_EFFICACY
 from clerestory.directions import from_azimuth
+from clerestory.escaping import figure_text
 from clerestory.report.figure_axes import compass_axes, draw_year
 from clerestory.report.heat_map import day_hour_grid
 from clerestory.sky.point_sky import perez_point
@@ -114,7 +115,7 @@ def year_figure(weather: Weather) -> Figure:
 
 def _place(weather: Weather) -> str:
     name = weather.place.replace("_", " ").strip() or "unnamed place"
-    return name.replace("$", r"\$")
+    return figure_text(name)
 
 
 def _altitude_axes(figure: Figure) -> PolarAxes:

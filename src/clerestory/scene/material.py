@@ -96,6 +96,9 @@ class Emitter(Material, ABC):
     pattern: Pattern | None
 
 
+# Largest numbers of materials in a nested material, and of materials of one name
+_MOST_PARTS, _MOST_MEANINGS = 100, 200
+
 Argument = str | float | Material | Pattern | Bsdf
 Parameter = float | np.ndarray | Material | Pattern | Bsdf
 _AnyMaterial = TypeVar("_AnyMaterial", bound=Material)
@@ -126,11 +129,29 @@ def with_colours(
     return altered(material, **changed)
 
 
+def require_few_parts(material: Material) -> None:
+    """Raise an error if a material is composed of more than 100 materials.
+
+    A mixture of a mixture counts all its materials, as often as they occur.
+    """
+    waiting, count = [material], 0
+    while waiting:
+        count += 1
+        if count > _MOST_PARTS:
+            raise error_at(
+                material.source,
+                f'the material "{material.name}" is composed of more than'
+                f" {_MOST_PARTS:,} materials; fewer nested mixtures expected",
+            )
+        waiting += parts(waiting.pop())
+
+
 def insert_material(materials: dict[str, Material], material: Material) -> str:
     """Add a material under its name, numbered if the name is in use; return the key.
 
     The material is not added if an equal material (source aside) has the same name.
     """
+    require_few_parts(material)
     stem = material.name.rpartition("#")[0] if "#" in material.name else material.name
     key, count = material.name, 1
     while key in materials:
@@ -138,6 +159,12 @@ def insert_material(materials: dict[str, Material], material: Material) -> str:
             return key
         count += 1
         key = f"{stem}#{count}"
+        if count > _MOST_MEANINGS:
+            raise error_at(
+                material.source,
+                f'the material "{stem}" is defined in more than {_MOST_MEANINGS} ways;'
+                " different names expected",
+            )
     materials[key] = material if key == material.name else altered(material, name=key)
     return key
 

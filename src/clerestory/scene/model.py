@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bands import RGB, Bands
+from clerestory.brief_repr import brief
 from clerestory.errors import InputError
 from clerestory.scene.material import (
     Colour,
@@ -23,8 +24,10 @@ from clerestory.scene.material import (
     error_at,
     insert_material,
     parts,
+    require_few_parts,
     same_material,
 )
+from clerestory.scene.materials.brtd import FunctionSheet
 from clerestory.scene.materials.bsdf_surface import BsdfSurface
 from clerestory.scene.materials.dielectric import Dielectric, Interface
 from clerestory.scene.materials.emitters import Glow, Illum, Light, Spotlight
@@ -53,6 +56,7 @@ __all__ = [
     "Dielectric",
     "DistantSource",
     "Emitter",
+    "FunctionSheet",
     "Glass",
     "Glow",
     "Illum",
@@ -115,8 +119,11 @@ class Scene:
     distant: tuple[DistantSource, ...] = ()
     bands: Bands = RGB
 
+    __repr__ = brief
+
     def __post_init__(self) -> None:
         for material in self.materials.values():
+            require_few_parts(material)
             _check_colours(material, self.bands)
         oriented = {key for key, m in self.materials.items() if _has_bsdf(m)}
         for item in (*self.surfaces, *self.distant):

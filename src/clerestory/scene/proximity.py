@@ -32,6 +32,11 @@ class Triangulation:
         """Return the triangles with bounding boxes vertically below a point."""
         return self._meeting(np.array([point[0], point[1], -np.inf]), point)
 
+    def along_vertical(self, point: Vector) -> "Triangulation":
+        """Return the triangles with bounding boxes below or above a point."""
+        low, high = (np.array([point[0], point[1], z]) for z in (-np.inf, np.inf))
+        return self._meeting(low, high)
+
     def _meeting(self, low: Vector, high: Vector) -> "Triangulation":
         # Triangles whose bounding boxes overlap a box, filtered by x, then y and z
         lowest, highest = self.__dict__["_low"], self.__dict__["_high"]

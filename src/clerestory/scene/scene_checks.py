@@ -13,6 +13,7 @@ from jaxtyping import Bool, Float
 from clerestory.array_types import RayVectors, Vector
 from clerestory.directions import Frame
 from clerestory.errors import ClerestoryWarning
+from clerestory.scene.coplanar import check_coplanar
 from clerestory.scene.model import Scene
 from clerestory.scene.proximity import Triangulation, distances, first_hits
 from clerestory.scene.sensors import Sensors
@@ -34,6 +35,12 @@ _EFFORT = 300_000_000
 
 _RAYS = 64
 _DOWN = np.array([[0.0, 0.0, -1.0]])
+_UP_AND_DOWN = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]])
+
+# Heights of rooms without a warning [m], and number of points where they are measured
+_LOWEST, _HIGHEST, _PROBES = 0.5, 40.0, 20
+
+_CONVERSION = "the key `units` of [scene], or `!xform -s FACTOR`, converts"
 
 
 def warn_of_scene(
@@ -52,9 +59,9 @@ def check_scene(
     Warnings are given for sensors that are outside the scene, on a surface, enclosed by
     surfaces, without a surface below, in the plane of a window, or duplicate; for
     windows that have the sensors behind them, are outside the scene, or are covered by
-    a surface; and for scenes of implausible size. `scene` does not contain the windows.
-    In large scenes a subset of the sensors is checked for surrounding surfaces; the
-    warnings give the number of sensors checked.
+    a surface; for overlapping coplanar surfaces; and for scenes of implausible size.
+    `scene` does not contain the windows. In large scenes a subset of the sensors is
+    checked for surrounding surfaces; the warnings give the number of sensors checked.
 
     >>> check_scene(Scene())
     ('the scene has no surfaces',)
@@ -65,10 +72,11 @@ def check_scene(
     corner = np.concatenate([m.vertices[m.faces] for m in parts])
     triangles = Triangulation(corner, np.concatenate([m.surface for m in parts]))
     box = scene.bounds()
-    findings = [*_size(box)]
+    findings = [*_size(box), *check_coplanar(scene, parts)]
     for window in windows:
         findings += _window(window, scene, box, triangles, sensors)
     if sensors is not None and len(sensors):
+        findings += _height(sensors.position, triangles)
         findings += _sensors(sensors, box, windows)
         opaque = np.array([scene.materials[s.material].opaque for s in scene.surfaces])
         kept = opaque[triangles.surface]
@@ -80,10 +88,18 @@ def check_scene(
 def _size(box: Float[np.ndarray, "2 3"]) -> Iterator[str]:
     size = float(np.ptp(box, axis=0).max())
     if size > _LARGEST or size < _SMALLEST:
-        yield (
-            f"the scene is {size:.3g} m across; is it in metres?"
-            " `!xform -s FACTOR` scales"
-        )
+        yield (f"the scene is {size:.3g} m across; is it in metres? {_CONVERSION}")
+
+
+def _height(points: RayVectors, triangles: Triangulation) -> Iterator[str]:
+    # Median distance from floor to ceiling at some of the points
+    heights = []
+    for point in points[:: 1 + len(points) // _PROBES]:
+        corner = triangles.along_vertical(point).corner
+        heights.append(first_hits(point, _UP_AND_DOWN, corner).sum())
+    height = float(np.median(heights))
+    if np.isfinite(height) and not _LOWEST <= height <= _HIGHEST:
+        yield f"the room is {height:.3g} m high; is it in metres? {_CONVERSION}"
 
 
 def _window(

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.brief_repr import brief
 from clerestory.checks import finite, require, same_length
 from clerestory.directions import unit
 from clerestory.errors import InputError, located
@@ -38,6 +39,8 @@ class Sensors:
     direction: Float[np.ndarray, "sensors 3"]
     names: tuple[str, ...] | None = None
 
+    __repr__ = brief
+
     def __post_init__(self) -> None:
         position = np.asarray(self.position, dtype=float)
         direction = np.asarray(self.direction, dtype=float)
@@ -62,8 +65,13 @@ def read_sensors(path: str | Path) -> Sensors:
 
     Blank lines and lines that begin with # are ignored.
     """
+    return parse_sensors(read_text(path), path)
+
+
+def parse_sensors(content: str, path: str | Path) -> Sensors:
+    """Return sensors from the text of a sensor file; `path` is for messages."""
     rows = []
-    for i, text in enumerate(read_text(path).split("\n"), start=1):
+    for i, text in enumerate(content.split("\n"), start=1):
         words = text.partition("#")[0].replace(",", " ").split()
         if words:
             with located(file=path, line=i):

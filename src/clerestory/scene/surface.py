@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Faces, Vector, Vertices
+from clerestory.brief_repr import brief
 from clerestory.checks import require
 from clerestory.errors import InputError
 from clerestory.scene.material import Source
@@ -25,6 +26,8 @@ class Polygon:
     material: str
     name: str = ""
     source: Source | None = None
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         shape = self.vertices.shape
@@ -83,6 +86,8 @@ class TriangleMesh:
     material: str
     name: str = ""
     source: Source | None = None
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         low, high = self.faces.min(initial=0), self.faces.max(initial=0)
@@ -182,6 +187,25 @@ def area_vector(vertices: Vertices) -> Vector:
     """Return a polygon's normal by Newell's method, with the area [m²] as length."""
     local = vertices - vertices[0]
     return np.asarray(np.cross(local, np.roll(local, -1, axis=0)).sum(axis=0) / 2)
+
+
+def surface_label(surface: Surface) -> str:
+    """File, line, type and name of a surface as text."""
+    kind, source = type(surface).__name__.lower(), surface.source
+    place = f"{source.file}:{source.line}: " if source and source.file else ""
+    return f'{place}{kind} "{surface.name}"'
+
+
+def is_parallelogram(vertices: Vertices) -> bool:
+    """Whether the diagonals of a quadrilateral bisect each other, within 1e-6.
+
+    >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    >>> is_parallelogram(square + 1e7), is_parallelogram(square[[0, 2, 1, 3]])
+    (True, False)
+    """
+    a, b, c, d = vertices - vertices[0]
+    largest = max(np.abs(b).max(), np.abs(d).max())
+    return bool(np.abs(a + c - b - d).max() <= 1e-6 * largest)
 
 
 def area_vectors(

@@ -16,6 +16,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from clerestory.array_types import Faces, Vector, Vertices
+from clerestory.brief_repr import brief
 from clerestory.scene.model import (
     Cone,
     Material,
@@ -40,6 +41,8 @@ class Mesh:
     vertices: Vertices
     faces: Faces
     surface: Int[np.ndarray, " triangles"]
+
+    __repr__ = brief
 
 
 def meshes(scene: Scene) -> tuple[Mesh, ...]:

@@ -4,10 +4,12 @@ Points are row vectors, as in Radiance: p' = p @ matrix.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from clerestory.array_types import Directions
 from clerestory.checks import require
@@ -17,6 +19,11 @@ _AXES = "xyz"
 
 # Maximum coordinate [m] and maximum scale factor; larger values overflow when squared
 LARGEST = 1e15
+
+_TOO_LARGE = (
+    f"the xform options scale or move by more than {LARGEST:.0e}, or scale by less than"
+    f" {1 / LARGEST:.0e}; other values expected"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,12 +53,84 @@ class Transform:
             self.scale * outer.scale,
             self.mirrored != outer.mirrored,
         )
-        require(
-            np.abs(both.matrix).max() <= LARGEST and both.scale >= 1 / LARGEST,
-            f"the xform options scale or move by more than {LARGEST:.0e}, or scale by"
-            f" less than {1 / LARGEST:.0e}; other values expected",
-        )
+        large = np.abs(both.matrix).max() <= LARGEST and both.scale >= 1 / LARGEST
+        require(large, _TOO_LARGE)
         return both
+
+
+@dataclass(frozen=True, eq=False)
+class Transforms:
+    """Similarity transforms of the copies of an array, as in `Transform`."""
+
+    matrix: Float[np.ndarray, "copies 4 4"]
+    scale: Float[np.ndarray, " copies"]
+    mirrored: Bool[np.ndarray, " copies"]
+
+    def __post_init__(self) -> None:
+        large = np.abs(self.matrix).max() <= LARGEST
+        require(large and self.scale.min() >= 1 / LARGEST, _TOO_LARGE)
+
+    def __len__(self) -> int:
+        return len(self.scale)
+
+    def __getitem__(self, copy: int) -> Transform:
+        mirrored = bool(self.mirrored[copy])
+        return Transform(self.matrix[copy], float(self.scale[copy]), mirrored)
+
+    def then(self, outer: "Transforms", *, slow: bool = True) -> "Transforms":
+        """Return each transform followed by each of `outer`.
+
+        The index of `outer` is the slower one, or the faster one unless `slow`.
+        """
+        axes = (1, 0) if slow else (0, 1)
+        with np.errstate(over="ignore", invalid="ignore"):
+            matrix = self.matrix[:, None] @ outer.matrix
+            scale = np.multiply.outer(self.scale, outer.scale)
+            mirrored = np.not_equal.outer(self.mirrored, outer.mirrored)
+        return Transforms(
+            matrix.transpose(*axes, 2, 3).reshape(-1, 4, 4),
+            scale.transpose(axes).ravel(),
+            mirrored.transpose(axes).ravel(),
+        )
+
+
+def single(transform: Transform) -> Transforms:
+    """Return one transform as an array of one copy."""
+    scale, mirrored = np.array([transform.scale]), np.array([transform.mirrored])
+    return Transforms(transform.matrix[None], scale, mirrored)
+
+
+def parse_array(words: list[str]) -> tuple[Transforms, list[int], int]:
+    """Return the transforms of all copies that the first words give.
+
+    The options are those of `parse_transform` and `-a count`, which makes copies 0 to
+    count-1 by repeating the options up to the next `-i` or `-a`. The index of the first
+    `-a` is the slowest. The counts and the number of words taken are returned too.
+    """
+    if "-a" not in words:
+        transform, at = parse_transform(words)
+        return single(transform), [], at
+    total, part = single(Transform()), Transform()
+    powers: Callable[[Transform], Transforms] = _once
+    counts: list[int] = []
+    at = 0
+    while at < len(words) and words[at].startswith("-"):
+        option = words[at]
+        if option in ("-a", "-i"):
+            total, part = total.then(powers(part), slow=False), Transform()
+            if option == "-a":
+                counts.append(array_count(words, at))
+                powers = partial(_powers, count=counts[-1])
+            else:
+                powers = partial(_once, count=_whole(words, at))
+            taken = 1
+        else:
+            taken = _ARGUMENTS.get(option, -1)
+            if taken < 0:
+                break
+            part = part.then(_step(option, _numbers(words, at, taken)))
+        at += 1 + taken
+    return total.then(powers(part), slow=False), counts, at
 
 
 def parse_transform(words: list[str]) -> tuple[Transform, int]:
@@ -118,6 +197,31 @@ def _repeat(part: Transform, count: int) -> Transform:
     return result
 
 
+def _once(part: Transform, count: int = 1) -> Transforms:
+    return single(_repeat(part, count))
+
+
+def _powers(part: Transform, count: int) -> Transforms:
+    # Powers 0 to count-1, by doubling
+    with np.errstate(over="ignore", invalid="ignore"):
+        matrix, step = np.eye(4)[None], part.matrix
+        while len(matrix) < count:
+            matrix, step = np.concatenate([matrix, matrix @ step]), step @ step
+        scale = part.scale ** np.arange(count)
+    odd = np.arange(count) % 2 == 1
+    return Transforms(matrix[:count], scale, odd & part.mirrored)
+
+
+def array_count(words: list[str], at: int) -> int:
+    """Return the count after the option `-a` at an index."""
+    count = "".join(words[at + 1 : at + 2])
+    require(
+        count.isascii() and count.isdecimal() and len(count) < 12 and int(count) > 0,
+        f'xform -a is followed by "{count}"; a count above 0 expected',
+    )
+    return int(count)
+
+
 def _numbers(words: list[str], at: int, count: int) -> list[float]:
     given = words[at + 1 : at + 1 + count]
     values = [number(word) for word in given]
@@ -132,7 +236,7 @@ def _numbers(words: list[str], at: int, count: int) -> list[float]:
 def _whole(words: list[str], at: int) -> int:
     given = "".join(words[at + 1 : at + 2])
     unclear = f'xform {words[at]} is followed by "{given}"; a count expected'
-    require(given.lstrip("+-").isdecimal(), unclear)
+    require(given.lstrip("+-").isdecimal() and len(given) < 12, unclear)
     return int(given)
 
 

@@ -10,13 +10,13 @@ filled region in a slab is between the first and second edge, third and fourth, 
 """
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import mapbox_earcut
 import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.array_types import Faces, Vector, Vertices, Vertices2
+from clerestory.checks import require
 
 # Distance below which two vertices coincide, relative to the size of the polygon
 _WELD = 1e-9
@@ -48,18 +48,31 @@ def triangulate(vertices: Vertices) -> Triangles:
     points, size = flat[:, :2], float(np.abs(flat).max())
 
     # Loops of a contour without intersections are triangulated
-    welded = _weld(points, size)
-    edges = _odd_edges(welded)
-    if len(edges) and not crossings(points[edges]).size:
-        faces = _fill(points, _loops(edges))
-        if faces is not None:
-            return Triangles(vertices, _facing_up(points, faces, size))
+    edges = _odd_edges(_weld(points, size))
+    faces = _simple(points, edges)
+    if faces is not None:
+        return Triangles(vertices, _facing_up(points, faces, size))
 
     # A self-intersecting contour is decomposed into slabs
     corner = slab_triangles(points[edges])
     lifted = np.concatenate([corner, np.zeros((len(corner), 1))], axis=1)
     faces = np.arange(len(corner)).reshape(-1, 3)
     return Triangles(origin + lifted @ frame, _facing_up(corner, faces, size))
+
+
+def simple_faces(vertices: Vertices) -> Faces | None:
+    """Return triangles of a polygon's own vertices; None if it intersects itself."""
+    origin, frame = _plane(vertices)
+    points = ((vertices - origin) @ frame.T)[:, :2]
+    size = float(np.abs(points).max())
+    faces = _simple(points, _odd_edges(_weld(points, size)))
+    return None if faces is None else _facing_up(points, faces, size)
+
+
+def _simple(points: Vertices2, edges: Int[np.ndarray, "edges 2"]) -> Faces | None:
+    if len(edges) and not crossings(points[edges]).size:
+        return _fill(points, _loops(edges))
+    return None
 
 
 def _plane(vertices: Vertices) -> tuple[Vector, Float[np.ndarray, "3 3"]]:
@@ -141,18 +154,22 @@ def _area(loop: Vertices2) -> float:
 
 def _containment(points: Vertices2, loops: list[Loop]) -> np.ndarray:
     # Entry [i, j]: whether loop i is inside loop j; loops touch at vertices only
+    a = points[np.concatenate(loops)]
+    b = points[np.concatenate([np.roll(loop, -1) for loop in loops])]
+    owner = np.repeat(np.arange(len(loops)), [len(loop) for loop in loops])
     result = np.zeros((len(loops), len(loops)), dtype=bool)
+    if len(loops) == 1:
+        return result
+    tests = len(loops) * len(a)
+    _require_few(len(a), tests, _MOST_PAIRS, "tests of loops within loops")
     for i, loop in enumerate(loops):
         x, y = points[loop[:2]].mean(axis=0)
-        for j, other in enumerate(loops):
-            if i != j:
-                a, b = points[other], np.roll(points[other], -1, axis=0)
-                spans = (a[:, 1] > y) != (b[:, 1] > y)
-                with np.errstate(divide="ignore", invalid="ignore"):
-                    at = a[:, 0] + (y - a[:, 1]) * (b[:, 0] - a[:, 0]) / (
-                        b[:, 1] - a[:, 1]
-                    )
-                result[i, j] = np.count_nonzero(spans & (at > x)) % 2 == 1
+        spans = np.flatnonzero((a[:, 1] > y) != (b[:, 1] > y))
+        p, q = a[spans], b[spans]
+        at = p[:, 0] + (y - p[:, 1]) * (q[:, 0] - p[:, 0]) / (q[:, 1] - p[:, 1])
+        crossed = np.bincount(owner[spans[at > x]], minlength=len(loops))
+        result[i] = crossed % 2 == 1
+        result[i, i] = False
     return result
 
 
@@ -169,20 +186,58 @@ def _facing_up(points: Vertices2, faces: Faces, size: float) -> Faces:
     return np.asarray(turned[np.abs(doubled) > 1e-14 * size**2])
 
 
-# Maximum number of edge pairs in one array operation
-_BLOCK = 2_000_000
+# Pairs of edges in one array operation, and in all; parts of edges between crossings
+_BLOCK, _MOST_PAIRS, _MOST_PARTS = 500_000, 100_000_000, 1_000_000
 
 
 def crossings(
     segments: Float[np.ndarray, "edges 2 2"],
 ) -> Float[np.ndarray, " crossings"]:
     """Return the x coordinates of edge intersections other than common end points."""
-    step = max(1, _BLOCK // max(1, len(segments)))
-    found = [
-        _block_crossings(segments[start : start + step], segments)
-        for start in range(0, len(segments), step)
+    if not len(segments):
+        return np.empty(0)
+    size = float(np.ptp(segments.reshape(-1, 2), axis=0).max())
+    low, high = segments.min(axis=1) - 1e-6 * size, segments.max(axis=1) + 1e-6 * size
+
+    # Compare each edge with the following edges that begin before its end
+    axis = int(np.argmin(_overlaps(low, high)))
+    order = np.argsort(low[:, axis], kind="stable")
+    low, high, segments = low[order], high[order], segments[order]
+    ends = np.searchsorted(low[:, axis], high[:, axis], side="right")
+    count = ends - np.arange(len(ends)) - 1
+    _require_few(len(segments), int(count.sum()), _MOST_PAIRS, "pairs of edges overlap")
+    total = np.cumsum(count)
+    found = [np.empty(0)]
+    start = 0
+    while start < len(count):
+        done = total[start - 1] if start else 0
+        stop = max(start + 1, int(np.searchsorted(total, done + _BLOCK)))
+        one = np.repeat(np.arange(start, stop), count[start:stop])
+        before = np.repeat(
+            total[start:stop] - count[start:stop] - done, count[start:stop]
+        )
+        other = one + 1 + np.arange(len(one)) - before
+        beside = 1 - axis
+        near = low[other, beside] <= high[one, beside]
+        near &= low[one, beside] <= high[other, beside]
+        found += _pair_crossings(segments[one[near]], segments[other[near]], size)
+        start = stop
+    return np.unique(np.concatenate(found))
+
+
+def _overlaps(low: Vertices2, high: Vertices2) -> list[int]:
+    # Number of pairs whose extents overlap, for each axis
+    return [
+        int(np.searchsorted(np.sort(low[:, k]), high[:, k], side="right").sum())
+        for k in (0, 1)
     ]
-    return np.unique(np.concatenate([np.empty(0), *found]))
+
+
+def _require_few(edges: int, found: int, most: int, what: str) -> None:
+    message = (
+        f"polygon of {edges:,} edges: {found:.2g} {what}; at most {most:,} expected"
+    )
+    require(found <= most, message)
 
 
 def slab_triangles(
@@ -193,33 +248,42 @@ def slab_triangles(
     flip = segments[:, 0, 0] > segments[:, 1, 0]
     left = np.where(flip[:, None], segments[:, 1], segments[:, 0])
     right = np.where(flip[:, None], segments[:, 0], segments[:, 1])
-    corners = [np.empty((0, 2))]
-    for low, high in pairwise(cuts):
-        spanning = (
-            (left[:, 0] <= low) & (right[:, 0] >= high) & (left[:, 0] < right[:, 0])
-        )
-        a, b = left[spanning], right[spanning]
-        slope = (b[:, 1] - a[:, 1]) / (b[:, 0] - a[:, 0])
-        at_low, at_high = (a[:, 1] + (x - a[:, 0]) * slope for x in (low, high))
-        order = np.argsort(at_low + at_high, kind="stable")
-        for lower, upper in zip(order[0::2], order[1::2], strict=False):
-            first, second = (low, at_low[lower]), (high, at_high[lower])
-            third, fourth = (high, at_high[upper]), (low, at_low[upper])
-            corners.append(np.array([first, second, third, first, third, fourth]))
-    corner = np.concatenate(corners).reshape(-1, 3, 2)
+
+    # Divide the edges at all cuts, and order the parts within each slab
+    first, last = (np.searchsorted(cuts, end[:, 0]) for end in (left, right))
+    count = last - first
+    _require_few(
+        len(segments), int(count.sum()), _MOST_PARTS, "parts between crossings"
+    )
+    edge = np.repeat(np.arange(len(count)), count)
+    slab = np.arange(len(edge)) - np.repeat(np.cumsum(count) - count - first, count)
+    low, high = cuts[slab], cuts[slab + 1]
+    a, b = left[edge], right[edge]
+    slope = (b[:, 1] - a[:, 1]) / (b[:, 0] - a[:, 0])
+    at_low, at_high = (a[:, 1] + (x - a[:, 0]) * slope for x in (low, high))
+    order = np.lexsort((at_low + at_high, slab))
+
+    # Fill between the first and second part, third and fourth, … of each slab
+    rank = np.arange(len(order)) - np.searchsorted(slab[order], slab[order])
+    lower = order[:-1][(rank[:-1] % 2 == 0) & (rank[1:] % 2 == 1)]
+    upper = order[1:][(rank[:-1] % 2 == 0) & (rank[1:] % 2 == 1)]
+    one, two = (low[lower], at_low[lower]), (high[lower], at_high[lower])
+    three, four = (high[upper], at_high[upper]), (low[upper], at_low[upper])
+    corner = np.array([one, two, three, one, three, four]).transpose(2, 0, 1)
+    corner = corner.reshape(-1, 3, 2)
     u, v = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
     doubled = np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
     size = np.ptp(segments.reshape(-1, 2), axis=0).max() if len(segments) else 0.0
     return np.asarray(corner[doubled > 1e-13 * size**2].reshape(-1, 2))
 
 
-def _block_crossings(
-    some: Float[np.ndarray, "some 2 2"], all_: Float[np.ndarray, "edges 2 2"]
-) -> Float[np.ndarray, " crossings"]:
-    # For each edge, the side of its line on which the ends of every other edge lie
-    a, b = some[:, None, 0], some[:, None, 1]
-    c, d = all_[None, :, 0], all_[None, :, 1]
-    size = np.ptp(all_.reshape(-1, 2), axis=0).max()
+def _pair_crossings(
+    one: Float[np.ndarray, "pairs 2 2"],
+    other: Float[np.ndarray, "pairs 2 2"],
+    size: float,
+) -> list[Float[np.ndarray, " _"]]:
+    # For each edge of a pair, the side of its line on which the other's ends lie
+    (a, b), (c, d) = one.transpose(1, 0, 2), other.transpose(1, 0, 2)
     tiny = 1e-12 * size**2
     c_side, d_side = _side(a, b, c), _side(a, b, d)
     a_side, b_side = _side(c, d, a), _side(c, d, b)
@@ -228,16 +292,15 @@ def _block_crossings(
     across = (c_side * d_side < 0) & (a_side * b_side < 0)
     across &= np.minimum(abs(c_side), abs(d_side)) > tiny
     across &= np.minimum(abs(a_side), abs(b_side)) > tiny
-    i, j = np.nonzero(across)
-    share = c_side[i, j] / (c_side[i, j] - d_side[i, j])
-    found = [all_[j, 0, 0] + share * (all_[j, 1, 0] - all_[j, 0, 0])]
-    for end, side in ((0, c_side), (1, d_side)):
-        i, j = np.nonzero(abs(side) <= tiny)
-        along = some[i, 1] - some[i, 0]
-        t = ((all_[j, end] - some[i, 0]) * along).sum(axis=1) / (along**2).sum(axis=1)
-        within = (t > 1e-9) & (t < 1 - 1e-9)
-        found.append(all_[j[within], end, 0])
-    return np.concatenate(found)
+    share = c_side[across] / (c_side[across] - d_side[across])
+    found = [c[across, 0] + share * (d[across, 0] - c[across, 0])]
+    ends = ((c, c_side, a, b), (d, d_side, a, b), (a, a_side, c, d), (b, b_side, c, d))
+    for end, side, start, stop in ends:
+        on = abs(side) <= tiny
+        along = stop[on] - start[on]
+        t = ((end[on] - start[on]) * along).sum(axis=1) / (along**2).sum(axis=1)
+        found.append(end[on, 0][(t > 1e-9) & (t < 1 - 1e-9)])
+    return found
 
 
 def _side(a: np.ndarray, b: np.ndarray, p: np.ndarray) -> np.ndarray:

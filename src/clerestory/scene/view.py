@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from clerestory.array_types import Directions, Points2, Values, Vector
+from clerestory.brief_repr import brief
 from clerestory.checks import finite, one_of, positive, require
 from clerestory.directions import unit
 from clerestory.scene.projection import PROJECTIONS, TINY, Kind, Projection
@@ -65,6 +66,8 @@ class View:
     lift: float = 0.0
     fore: float = 0.0
     aft: float = 0.0
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         one_of(self.kind, "view kind", choices=PROJECTIONS)

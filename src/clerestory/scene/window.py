@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Vector
+from clerestory.brief_repr import brief
 from clerestory.checks import require
 from clerestory.directions import Frame, unit
 from clerestory.errors import located
@@ -35,6 +36,8 @@ class Window:
     polygons: tuple[Polygon, ...]
     frame: Frame
     partition: RingPartition
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         require(

@@ -14,6 +14,7 @@ from jaxtyping import Float, Float32
 from scipy.sparse import csc_array, csr_array
 
 from clerestory.bands import GREY, RGB, Bands, common_bands
+from clerestory.brief_repr import brief
 from clerestory.checks import require
 from clerestory.errors import MatrixError
 from clerestory.hemisphere.reinhart import SkyPartition
@@ -65,6 +66,8 @@ class SkyMatrix:
 
     # Let `array @ sky` raise a TypeError instead of using NumPy's operator
     __array_ufunc__ = None
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         shape = (len(self.partition), len(self.times))

@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from clerestory.array_types import Series
+from clerestory.brief_repr import brief
 from clerestory.checks import finite, one_of, require, within
 from clerestory.constants import LUMINOUS_EFFICACY, SUN_DIAMETER
 from clerestory.errors import ClerestoryWarning
@@ -49,6 +50,8 @@ class SkyConditions:
     state: SkyState
     direct_normal: Series
     diffuse_horizontal: Series
+
+    __repr__ = brief
 
     @property
     def lit(self) -> Bool[np.ndarray, " time"]:

@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.sparse import coo_array, csc_array
 
+from clerestory.brief_repr import brief
 from clerestory.checks import require, within
 from clerestory.constants import SUN_DIAMETER
 from clerestory.errors import MatrixError
@@ -38,6 +39,8 @@ class SunMatrix:
     times: np.ndarray
     direct_normal: csc_array
     attributes: Mapping[str, str | float]
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         require(

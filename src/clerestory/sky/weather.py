@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from clerestory.array_types import Series
+from clerestory.brief_repr import brief
 from clerestory.checks import not_negative, positive, require, same_length, within
 
 TYPICAL_YEAR = 2023
@@ -48,6 +49,8 @@ class Illuminance:
 
     direct_normal: Series
     diffuse_horizontal: Series
+
+    __repr__ = brief
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +92,8 @@ class Weather:
     illuminance: Illuminance | None = None
     source: str = ""
     notes: tuple[str, ...] = ()
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         _ = self.site

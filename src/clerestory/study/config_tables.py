@@ -22,6 +22,7 @@ from clerestory.escaping import printable
 from clerestory.files import is_file
 from clerestory.metrics.climate_based_metrics import TARGET_LUX
 from clerestory.metrics.en17037 import FIRST_DAY, LAST_DAY
+from clerestory.scene.scaling import METRES, Unit
 from clerestory.sky.station_file import MeasuredTable, SiteTable
 
 
@@ -100,6 +101,12 @@ class SceneTable(Table):
     files: list[InputFile] = Field(
         min_length=1, description="a list of Radiance scene files"
     )
+    units: Unit = "metres"
+
+    @property
+    def metres(self) -> float:
+        """Length of the unit of scenes, windows, sensors, views and places [m]."""
+        return METRES[self.units]
 
 
 class SensorsTable(NamedFile):

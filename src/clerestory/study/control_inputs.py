@@ -138,4 +138,5 @@ class ControlInputs:
     ) -> Float[np.ndarray, "sensor time"]:
         """Return the direct sun illuminance of a grid through one window [lux]."""
         part = self.matrices.reduced([group], self.inputs.rows(grid))
-        return np.asarray(part.direct_illuminance(self.skies, state).values)
+        found = part.direct_illuminance(self.skies, state)
+        return np.asarray(found["illuminance"].values)

@@ -1,6 +1,7 @@
 """Dimming level, illuminance and energy use of the luminaires of a study."""
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 import xarray as xr
@@ -8,6 +9,7 @@ from jaxtyping import Bool, Float, Int
 
 from clerestory.checks import require
 from clerestory.metrics.lighting_energy import LightingUse, LightingZone, lighting_use
+from clerestory.metrics.replicates import hourly_replicates, metric_error
 from clerestory.study.lighting_tables import LightingTable
 from clerestory.study.luminaire_matrices import Lamps, Zone
 
@@ -31,16 +33,37 @@ def lighting(
     """
     if not lamps.zones:
         return xr.Dataset()
-    full = lamps.illuminance
-    daylight = [hourly["illuminance"][chosen].values for chosen in rows]
-    error = [hourly["standard_error"][chosen].values for chosen in rows]
-    output = np.zeros((len(lamps.zones), hourly.sizes["time"]))
-    uses: list[LightingUse] = []
+    operate = partial(
+        _operate, lamps, rows=rows, occupied=occupied, step_hours=step_hours
+    )
+    uses = operate([hourly["illuminance"][chosen].values for chosen in rows])
+
+    # Operate the luminaires for all replicates of the daylight at their photosensors
+    read = [hourly.isel(sensor=chosen).load() for chosen in rows]
+    varied = zip(*map(hourly_replicates, read), strict=True)
+    energies = [
+        [use.energy for use in operate([lux.values for lux in daylight])]
+        for daylight in varied
+    ]
+    errors = [metric_error(energy) for energy in zip(*energies, strict=True)]
+    return _dataset(lamps, uses, errors)
+
+
+def _operate(
+    lamps: Lamps,
+    daylight: Sequence[Float[np.ndarray, "_ time"]],
+    *,
+    rows: Sequence[Int[np.ndarray, " sensor"]],
+    occupied: Bool[np.ndarray, " time"],
+    step_hours: float,
+) -> list[LightingUse]:
+    full, uses = lamps.illuminance, list[LightingUse]()
+    output = np.zeros((len(lamps.zones), len(occupied)))
     for _ in range(1 if len(lamps.zones) == 1 else _ROUNDS):
         uses = []
-        for number, (zone, chosen) in enumerate(zip(lamps.zones, rows, strict=True)):
+        for number, (zone, lux) in enumerate(zip(lamps.zones, daylight, strict=True)):
             others = np.delete(np.arange(len(lamps.zones)), number)
-            seen = daylight[number].astype(float)
+            seen, chosen = lux.astype(float), rows[number]
             if zone.table.control != "on-off":
                 seen = seen + full[np.ix_(others, chosen)].T @ output[others]
             own = full[number, chosen]
@@ -48,12 +71,11 @@ def lighting(
                 _governed(zone, own),
                 _reading(zone.table, seen, own),
                 occupied,
-                standard_error=error[number].mean(axis=0),
                 step_hours=step_hours,
             )
             output[number] = use.output
             uses.append(use)
-    return _dataset(lamps, full, output, uses)
+    return uses
 
 
 def _governed(zone: Zone, full: np.ndarray) -> LightingZone:
@@ -86,12 +108,12 @@ def _reading(
 
 
 def _dataset(
-    lamps: Lamps, full: np.ndarray, output: np.ndarray, uses: Sequence[LightingUse]
+    lamps: Lamps, uses: Sequence[LightingUse], errors: Sequence[float]
 ) -> xr.Dataset:
-    axes = ("zone", "time")
-    lux = (full.T @ output).astype(np.float32)
+    axes, output = ("zone", "time"), np.stack([use.output for use in uses])
+    lux = (lamps.illuminance.T @ output).astype(np.float32)
     power = np.stack([use.power for use in uses]).astype(np.float32)
-    energy, error = [use.energy for use in uses], [use.error for use in uses]
+    energy = [use.energy for use in uses]
     names = np.array([zone.table.label for zone in lamps.zones], dtype=str)
     return xr.Dataset(
         {
@@ -99,7 +121,7 @@ def _dataset(
             "dimming": (axes, output.astype(np.float32), {"units": "1"}),
             "lighting_power": (axes, power, {"units": "W"}),
             "lighting_energy": ("zone", energy, {"units": "Wh"}),
-            "lighting_energy_error": ("zone", error, {"units": "Wh"}),
+            "lighting_energy_error": ("zone", list(errors), {"units": "Wh"}),
         },
         coords={"zone": names},
     )

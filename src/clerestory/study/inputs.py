@@ -5,13 +5,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Int
 
+from clerestory.brief_repr import brief
 from clerestory.checks import require
+from clerestory.control.schedule import read_schedule
 from clerestory.errors import InputError
 from clerestory.metrics.occupied_hours import occupied_hours
 from clerestory.phases.picture_matrices import Camera
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.view_text import read_view
 from clerestory.scene.model import Scene
+from clerestory.scene.scaling import scaled
 from clerestory.scene.sensors import Sensors, read_sensors
 from clerestory.sky.clear_sky import clear_sky_weather
 from clerestory.sky.quality_checks import warn_of_clock
@@ -37,6 +40,8 @@ class Inputs:
     cameras: tuple[Camera, ...]
     weather: Weather
 
+    __repr__ = brief
+
     def sensors(self) -> Sensors:
         """Return the sensors of all grids, concatenated."""
         grids = self.grids.values()
@@ -52,25 +57,36 @@ class Inputs:
 
 
 def read_inputs(study: Study) -> Inputs:
-    """Read the input files of a study."""
-    groups = [group for table in study.window for group in read_window_groups(table)]
+    """Read the input files of a study; coordinates are converted to metres."""
+    metres = study.scene.metres
+    groups = [
+        group.scaled(metres)
+        for table in study.window
+        for group in read_window_groups(table)
+    ]
     names = [group.name for group in groups]
     for name in names:
         require(
             names.count(name) == 1,
             f'two window groups are named "{name}"; different names expected',
         )
+    for table in study.window:
+        if table.control is not None and table.control.file is not None:
+            read_schedule(table.control.file)
     return Inputs(
-        scene=read_rad(*study.scene.files),
+        scene=scaled(read_rad(*study.scene.files), metres),
         groups=tuple(groups),
-        grids={table.label: read_sensors(table.file) for table in study.sensors},
-        cameras=tuple(_camera(table) for table in study.view),
+        grids={
+            table.label: scaled(read_sensors(table.file), metres)
+            for table in study.sensors
+        },
+        cameras=tuple(_camera(table, metres) for table in study.view),
         weather=study_weather(study),
     )
 
 
-def _camera(table: ViewTable) -> Camera:
-    view = read_view(table.file)
+def _camera(table: ViewTable, metres: float) -> Camera:
+    view = scaled(read_view(table.file), metres)
     return Camera(view, *view.size_for(table.resolution))
 
 

@@ -11,11 +11,12 @@ from clerestory.metrics.spatial_metrics import hours_above
 from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.drawing import layer_drawing, room_drawing, window_drawing
 from clerestory.study.inputs import Inputs
-from clerestory.study.results import sensor_names
+from clerestory.study.results import DIRECT, sensor_names
 from clerestory.study.shade_operation import ShadeOperation
 
-# Sensors per block in the computation of metrics: 8760 hours of a block take 140 MB
-_SENSORS = 4096
+# Sensors per block in the computation of metrics: replicates of 8760 hours of a block
+# take 200 MB
+_SENSORS = 512
 
 
 def sensor_labels(inputs: Inputs) -> list[str]:
@@ -77,7 +78,7 @@ def _metrics(
     # Compute metrics in blocks of sensors, as hourly results may be in a file
     parts = [
         sensor_metrics(
-            hourly.isel(sensor=slice(first, first + _SENSORS)).load(),
+            hourly.isel(sensor=slice(first, first + _SENSORS)),
             hours,
             target_lux=target_lux,
         )
@@ -138,12 +139,13 @@ def _direct_sun(signals: ControlInputs, hours: Bool[np.ndarray, " time"]) -> xr.
     steps = len(signals.times)
     opened = [np.zeros(steps, dtype=np.int64) for _ in signals.inputs.groups]
     lux = matrices.direct_illuminance(signals.skies, opened)
-    sun = lux.drop_vars(["sensor", "time"])
-    found = xr.Dataset({"direct_open": sun}, coords={"time": signals.times})
+    found = lux.drop_vars(["sensor", "time"]).drop_attrs(deep=False).rename(DIRECT)
+    found, sun = found.assign_coords(time=signals.times), lux["illuminance"]
     if matrices.suns is None:
         return found  # ASE needs the sun at its true position
     step_hours = signals.step_minutes / 60
-    return found.assign(sun_hours=hours_above(sun, hours, step_hours=step_hours))
+    found["sun_hours"] = hours_above(sun, hours, step_hours=step_hours).variable
+    return found
 
 
 def _single(rows: Sequence[np.ndarray]) -> np.ndarray:

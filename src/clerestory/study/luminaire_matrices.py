@@ -20,6 +20,7 @@ from clerestory.phases.rendering import irradiance, render
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.scene.material import altered
 from clerestory.scene.model import Emitter, Illum, Material, Plastic, Scene
+from clerestory.scene.scaling import scaled
 from clerestory.scene.sensors import Sensors
 from clerestory.study.job import LAMPS, Job
 from clerestory.study.lighting_tables import LightingTable, LuminaireTable
@@ -82,23 +83,23 @@ def _zone(job: Job, table: LightingTable) -> Zone:
     light, power = Scene(), 0.0
     for lamp in job.study.luminaire:
         if lamp.zone == table.label or not lamp.zone:
-            part, watts = _luminaires(lamp)
+            part, watts = _luminaires(lamp, job.study.scene.metres)
             light, power = light + part, power + watts
     message = f'lighting "{table.label}" has no luminaires; one or more expected'
     require(light.surfaces, message)
     return Zone(table, light, power)
 
 
-def _luminaires(table: LuminaireTable) -> tuple[Scene, float]:
+def _luminaires(table: LuminaireTable, metres: float) -> tuple[Scene, float]:
     # Light-emitting surfaces and their electric power [W]
     if not table.photometric:
-        return _emitters(table), table.power or 0.0
+        return _emitters(table, metres), table.power or 0.0
     lamp = read_luminaire(table.file)
     light = Scene()
     for number, place in enumerate(table.places, start=1):
         light += luminaire_scene(
             lamp,
-            position=np.array(place, dtype=float),
+            position=metres * np.array(place, dtype=float),
             turn_deg=table.turn_deg,
             tilt_deg=table.tilt_deg,
             dimming=table.output,
@@ -113,8 +114,8 @@ def _luminaires(table: LuminaireTable) -> tuple[Scene, float]:
     return light, power
 
 
-def _emitters(table: LuminaireTable) -> Scene:
-    scene = read_rad(table.file)
+def _emitters(table: LuminaireTable, metres: float) -> Scene:
+    scene = scaled(read_rad(table.file), metres)
     materials = dict(scene.materials)
     emitters = {name for name, each in materials.items() if isinstance(each, Emitter)}
     for name, material in scene.materials.items():

@@ -19,9 +19,9 @@ _COEFFICIENT = 8 + 4 * BATCHES
 # Bytes of a coefficient in single precision, without error components
 _SINGLE = 4
 
-# Maximum number of (sensor, time) arrays in memory: illuminance, its error, copies for
-# writing, and copies for the report
-_HOURLY = 8
+# Maximum number of (sensor, time) arrays in memory: illuminance, its error and error
+# components, copies for writing, and copies for the report
+_HOURLY = 14
 
 
 def is_stored(study: Study, inputs: Inputs, *, direct: bool) -> bool:

@@ -123,9 +123,7 @@ def _simulate(job: Job, log: RunLog, states: States | None, *, out: Path) -> xr.
         signals = ControlInputs(study, inputs, matrices, skies, glare_of)
         acts = operate(signals) if states is None else ShadeOperation(list(states))
     with log.phase("multiply"):
-        hourly = matrices.illuminance(
-            skies, acts.states, hours=signals.occupied, progress=display("multiply")
-        )
+        hourly = matrices.illuminance(skies, acts.states, progress=display("multiply"))
         electric = lighting(
             lamps,
             hourly,

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from clerestory.bsdf.xml_reader import read_bsdf
-from clerestory.checks import require
+from clerestory.checks import one_of, require
 from clerestory.files import make_folder, replace_file, write_text
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.window_reader import read_windows
 from clerestory.scene.floor_grid import floor_grid, room_side
+from clerestory.scene.scaling import METRES, Unit, scaled
 from clerestory.scene.scene_checks import warn_of_scene
 from clerestory.scene.sensors import read_sensors
 from clerestory.scene.window import Window
@@ -47,43 +48,54 @@ def begin_study(
     sensors: str | Path | None = None,
     spacing: float = 0.5,
     height: float = 0.76,
+    units: Unit = "metres",
 ) -> NewStudy:
     """Write a study file for a room, by default with a sensor grid above its floor.
 
     A window whose back faces the room is flipped in a copy of its file. Warnings are
-    issued for probable mistakes, such as glazing left in the scene.
+    issued for probable mistakes, such as glazing left in the scene. `units` is the unit
+    of length of the scene, the windows and the sensors; `spacing` and `height` are in
+    metres.
     """
+    one_of(units, "units", choices=METRES)
+    metres = METRES[units]
     folder = Path(folder)
     exists = (folder / STUDY_FILE).exists()
     require(not exists, "contains a study; a new folder expected", file=folder)
-    room = read_rad(*scene)
+    room = scaled(read_rad(*scene), metres)
     groups = {Path(file): read_windows(file) for file in windows}
     read_bsdf(bsdf)
     read_weather(weather)
-    first, *others = [window for found in groups.values() for window in found]
+    every = {file: scaled(found, metres) for file, found in groups.items()}
+    first, *others = [window for found in every.values() for window in found]
     warn_of_scene(room, [first, *others])
     grid = (
         floor_grid(room, first, others=others, spacing=spacing, height=height)
         if sensors is None
-        else read_sensors(sensors)
+        else scaled(read_sensors(sensors), metres)
     )
 
     # Flip windows to face the room; write files only after all input files are read
     make_folder(folder)
     shown, turned = [], []
     for file, found in groups.items():
-        wrong = [w.name for w in found if room_side(room, w) < 0]
+        wrong = [w.name for w in every[file] if room_side(room, w) < 0]
         shown.append(folder / file.name if wrong else file)
         turned += wrong
         if wrong:
             write_text(shown[-1], "\n".join(_facing_room(w, wrong) for w in found))
     if sensors is None:
-        sensors = study_files.write_sensors(folder / SENSOR_FILE, grid)
+        sensors = study_files.write_sensors(
+            folder / SENSOR_FILE, scaled(grid, 1 / metres)
+        )
     layer = study_files.relative_path(bsdf, folder)
     tables = {
         "title": folder.resolve().name,
         "method": "3-phase",
-        "scene": {"files": [study_files.relative_path(file, folder) for file in scene]},
+        "scene": {
+            "files": [study_files.relative_path(file, folder) for file in scene],
+            **({} if units == "metres" else {"units": units}),
+        },
         "window": [
             {"file": study_files.relative_path(f, folder), "bsdf": layer} for f in shown
         ],

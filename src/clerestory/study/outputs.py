@@ -28,13 +28,15 @@ _METRICS = (
     ("mean_illuminance", "mean [lux]", 1),
     ("mean_illuminance_error", "mean, standard error [lux]", 1),
     ("median_illuminance", "median [lux]", 1),
+    ("median_illuminance_error", "median, standard error [lux]", 1),
     ("maximum_illuminance", "maximum [lux]", 1),
+    ("maximum_illuminance_error", "maximum, standard error [lux]", 1),
     ("daylight_autonomy", "daylight autonomy [%]", 100),
-    ("daylight_autonomy_error", "daylight autonomy, error [%]", 100),
+    ("daylight_autonomy_error", "daylight autonomy, standard error [%]", 100),
     ("continuous_autonomy", "continuous autonomy [%]", 100),
-    ("continuous_autonomy_error", "continuous autonomy, error [%]", 100),
+    ("continuous_autonomy_error", "continuous autonomy, standard error [%]", 100),
     ("useful", "useful illuminance [%]", 100),
-    ("useful_error", "useful illuminance, error [%]", 100),
+    ("useful_error", "useful illuminance, standard error [%]", 100),
 )
 
 

@@ -12,14 +12,17 @@ from pathlib import Path
 from typing import Any
 
 import h5netcdf  # type: ignore[import-untyped]
+import h5py
 import numpy as np
 import xarray as xr
 
+from clerestory.brief_repr import brief
 from clerestory.checks import require
 from clerestory.documents import json_value
 from clerestory.errors import InputError
 from clerestory.files import is_file, read_bytes, read_text, replace_path, write_text
 from clerestory.phases.illuminance import hourly_variable
+from clerestory.study.result_checks import check_results, check_run
 
 RESULTS_FILE = "results.nc"
 RUN_FILE = "run.json"
@@ -30,6 +33,13 @@ _LARGE = 500_000_000
 
 # Sensors per block in writing: 8760 hours of a block take 36 MB
 _SENSORS = 1024
+
+# Names of the direct sun illuminance and its errors
+DIRECT = {
+    "illuminance": "direct_open",
+    "standard_error": "direct_open_error",
+    "error_components": "direct_open_components",
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +52,8 @@ class Results:
     data: xr.Dataset
     run: Mapping[str, Any] = field(default_factory=dict)
 
+    __repr__ = brief
+
     @property
     def title(self) -> str:
         """Title of the study."""
@@ -50,6 +62,12 @@ class Results:
     def grids(self) -> list[str]:
         """Names of the sensor grids, in the order of the study."""
         return list(dict.fromkeys(str(name) for name in self.data["grid"].values))
+
+    @staticmethod
+    def of_direct_sun(data: xr.Dataset) -> xr.Dataset:
+        """Direct sun illuminance and its errors, under the names of the illuminance."""
+        known = {name: own for own, name in DIRECT.items() if name in data}
+        return data[list(known)].rename(known)
 
     def thinned(self, most: int) -> "Results":
         """Return the results of at most `most` evenly spaced sensors, in memory.
@@ -89,9 +107,12 @@ def save_results(results: Results, folder: str | Path) -> Path:
 
 def _append_hourly(path: Path, name: str, data: xr.DataArray) -> None:
     # Copy in blocks of sensors, as the hourly values may be in another file
-    sensors, steps = data.shape
+    sensors, axes = len(data), [str(axis) for axis in data.dims]
     with h5netcdf.File(path, "a") as file:
-        variable = hourly_variable(file, name, sensors, steps)
+        for axis in axes:
+            if axis not in file.dimensions:
+                file.dimensions[axis] = data.sizes[axis]
+        variable = hourly_variable(file, name, axes, data.dtype.str[1:])
         for key, value in data.attrs.items():
             variable.attrs[key] = value
         for first in range(0, sensors, _SENSORS):
@@ -100,7 +121,8 @@ def _append_hourly(path: Path, name: str, data: xr.DataArray) -> None:
 
 
 def _is_large(data: xr.DataArray) -> bool:
-    return data.dims == ("sensor", "time") and data.nbytes > _LARGE
+    hourly = data.ndim > 1 and (data.dims[0], data.dims[-1]) == ("sensor", "time")
+    return hourly and data.nbytes > _LARGE
 
 
 def read_results(path: str | Path) -> Results:
@@ -113,18 +135,22 @@ def read_results(path: str | Path) -> Results:
     large = is_file(path) and path.stat().st_size > 2 * _LARGE
     source = path if large else io.BytesIO(read_bytes(path))
     try:
+        # h5netcdf prints a traceback for files that are not HDF5
+        with h5py.File(source, "r") as file:
+            known = file.attrs.get("format") == _FORMAT
+        message = f"is not the results.nc of a run ({_FORMAT} expected)"
+        require(known, message, file=path)
         data = xr.open_dataset(source, engine="h5netcdf", cache=False)
         if not large:
             with data:
                 data = data.load()
-    except (OSError, ValueError, KeyError, RuntimeError) as error:
+    except InputError:
+        raise
+    except Exception as error:  # HDF5 raises many exception types on damage
         raise InputError(
             "is damaged; the results.nc of a run expected", file=path
         ) from error
-    if data.attrs.get("format") != _FORMAT:
-        raise InputError(
-            f"is not the results.nc of a run ({_FORMAT} expected)", file=path
-        )
+    check_results(data, path)
     return Results(data, _read_run(path.with_name(RUN_FILE)))
 
 
@@ -133,7 +159,7 @@ def _read_run(path: Path) -> dict[str, Any]:
     if not path.is_file():
         return {}
     data = json_value(read_text(path), file=path)
-    require(isinstance(data, dict), "is no run.json; a JSON object expected", file=path)
+    check_run(data, path)
     return dict(data)
 
 

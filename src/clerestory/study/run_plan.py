@@ -10,6 +10,7 @@ from pathlib import Path
 
 from clerestory.cluster.cluster import executor_at
 from clerestory.engine.cost_estimate import JobCost, Plan, estimate_costs
+from clerestory.matrix.error_components import COUNT
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.matrix_store import MatrixStore, block_names
 from clerestory.phases.stored_views import FEW
@@ -214,10 +215,11 @@ def _planned(
 
 
 def _hour_bytes(study: Study) -> int:
-    # Bytes per sensor and time step: illuminance, error, terms, sun, luminaires, text
-    variables = 2 + bool(study.lighting)
+    # Bytes per sensor and time step: illuminance, terms, sun, luminaires, text, and
+    # errors with their components
+    variables = 2 + COUNT // 4 + bool(study.lighting)
     if needs_direct(study):
-        variables += 1 + 3 * study.corrected
+        variables += 2 + COUNT // 4 + 3 * study.corrected
     return 4 * variables + _TEXT * (study.output.csv + study.output.ill)
 
 

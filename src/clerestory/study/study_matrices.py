@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from jaxtyping import Bool, Int
+from jaxtyping import Int
 
 from clerestory.errors import InputError
 from clerestory.phases.illuminance import illuminance
@@ -47,25 +47,20 @@ class StudyMatrices:
         skies: Skies,
         states: States,
         *,
-        hours: Bool[np.ndarray, " time"] | None = None,
         progress: Progress | None = None,
     ) -> xr.Dataset:
-        """Illuminance [lux] over (sensor, time), with its standard error.
-
-        Error components are given for the mean illuminance over the time steps `hours`.
-        """
+        """Illuminance [lux] over (sensor, time), with its errors; see `illuminance`."""
         return illuminance(
             self.windows,
             self.terms,
             skies,
             states,
-            hours=hours,
             file=self.folder and self.folder / "illuminance.nc",
             progress=progress,
         )
 
-    def direct_illuminance(self, skies: Skies, states: States) -> xr.DataArray:
-        """Direct sun illuminance [lux] over (sensor, time).
+    def direct_illuminance(self, skies: Skies, states: States) -> xr.Dataset:
+        """Direct sun illuminance [lux] over (sensor, time), with its errors.
 
         With C_ds the sun is at its true position, otherwise spread over sky patches.
         """
@@ -75,8 +70,7 @@ class StudyMatrices:
         part: Part = "direct" if self.suns is None else "sun"
         term = Term("direct", part, sky="sun")
         file = self.folder and self.folder / "direct.nc"
-        found = illuminance(self.windows, (term,), skies, states, file=file)
-        return found["illuminance"]
+        return illuminance(self.windows, (term,), skies, states, file=file)
 
     def reduced(
         self, groups: Sequence[int], rows: Int[np.ndarray, " sensor"]

@@ -6,6 +6,7 @@ import xarray as xr
 from clerestory.metrics.en17037 import hours_of_sun, reference_point
 from clerestory.phases.unscattered_light import sun_visible
 from clerestory.radiance.window_reader import read_windows
+from clerestory.scene.scaling import scaled
 from clerestory.scene.window import Window
 from clerestory.sky.solar_position import SunPosition, sun_at
 from clerestory.study.config import Study
@@ -22,7 +23,7 @@ def sunlight(study: Study, inputs: Inputs) -> xr.Dataset:
         return xr.Dataset()
     windows = tuple(group.inner for group in inputs.groups)
     if table.file is not None:
-        windows = read_windows(table.file)
+        windows = scaled(tuple(read_windows(table.file)), study.scene.metres)
     names, points = _openings(table, windows)
     moments, sun = _day(study, table, inputs)
     lowest = {"lowest_sun_deg": table.lowest_sun_deg}

@@ -17,6 +17,7 @@ from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.window_reader import read_windows
 from clerestory.scene.model import Scene
+from clerestory.scene.scaling import scaled
 from clerestory.scene.window import Window
 from clerestory.study.window_tables import (
     ControlTable,
@@ -58,6 +59,17 @@ class WindowGroup:
     def name(self) -> str:
         """Name of the window group."""
         return self.inner.name
+
+    def scaled(self, factor: float) -> "WindowGroup":
+        """Return the group with all lengths multiplied."""
+        states = (replace(s, shade=scaled(s.shade, factor)) for s in self.states)
+        return replace(
+            self,
+            inner=scaled(self.inner, factor),
+            outer=scaled(self.outer, factor),
+            states=tuple(states),
+            ports=scaled(self.ports, factor),
+        )
 
     def number_of(self, choice: StateChoice) -> int:
         """Return the index of a shade state that is given by index or name."""

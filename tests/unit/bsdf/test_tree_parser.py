@@ -80,6 +80,19 @@ def test_written_trees_read_the_same(digits):
     np.testing.assert_allclose(grid_of(again), grid, rtol=0 if digits is None else 1e-6)
 
 
+@pytest.mark.parametrize("digits", [None, 4])
+def test_short_numbers_are_the_same_numbers(digits):
+    """2e-05 is written as 2e-5, 0.5 as .5, 10 as 10, without spaces at braces."""
+    values = [2e-5, 3.5e-8, 0.5, 10, 1e5, 0, 0.25, 1, 7e-4, 20, 3e10, 0.1, 10.5, 2e-12]
+    values = np.array([*values, 100.0, 0.02], dtype=np.float32)
+    tree = ScatteringTree(np.concatenate([[-2], values.view("i4")]).astype("i4"), 4, 1)
+    text = "\n".join(tree_lines(tree, digits=digits))
+    assert not {"e-0", " 0.", "{ "} & {
+        text[i : i + 3][:n] for i in range(99) for n in (2, 3)
+    }
+    assert parse_tree(text.encode(), rank=4).slots.tolist() == tree.slots.tolist()
+
+
 def test_values_that_cross_the_borders_of_chunks_are_whole(monkeypatch):
     grid = np.random.default_rng(4).random((4,) * 4)
     text = nested(grid)

@@ -1,13 +1,16 @@
 """Doubts about the geometry of a system name the item."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from clerestory.bsdfgen.film_geometry import prismatic
+from clerestory.bsdfgen.generate import generate_bsdf
 from clerestory.bsdfgen.geometry_checks import check_system
 from clerestory.bsdfgen.shading_system import SampleArea, area_from_dimensions, area_of
 from clerestory.bsdfgen.system_catalogue import SYSTEMS, make_system
-from clerestory.errors import InputError
+from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.scene.material import Source
 from clerestory.scene.model import Dielectric, Plastic, Polygon, Scene
 
@@ -86,9 +89,34 @@ def test_a_dielectric_without_a_side_is_named():
     assert text.startswith("blind.rad:7: polygon")
 
 
-def test_a_dielectric_inside_out_is_told():
-    [text] = doubts(*box(flip=True), material=GLASS)
-    assert "inside out" in text
+def moved(sides, offset, scale=1.0):
+    return [replace(s, vertices=s.vertices * scale + offset) for s in sides]
+
+
+INSIDE_OUT = {
+    "box": box(flip=True),
+    "one of two boxes": [*box(), *moved(box(flip=True), (1, 0, 0))],
+    "the smaller one": [
+        *moved(box(), 0, 1.5),
+        *moved(box(flip=True), (2, 0, 0)),
+    ],
+    "box in a box with a gap": [
+        *moved(box(flip=True), (1, 1, 0)),
+        *moved(box(), (1.1, 1.1, -0.02), 0.5),
+    ],
+}
+
+
+@pytest.mark.parametrize("solids", INSIDE_OUT.values(), ids=INSIDE_OUT)
+def test_a_dielectric_inside_out_is_refused(solids):
+    """Written as a BSDF, the box would transmit and reflect 104.5 % of the light."""
+    with pytest.raises(InputError, match=r"blind.rad:7: .*\"glass\" is inside out"):
+        doubts(*solids, material=GLASS)
+
+
+def test_a_cavity_in_a_solid_has_inward_fronts():
+    hollow = [*box(), *moved(box(flip=True), (0.1, 0.1, -0.02), 0.5)]
+    assert doubts(*hollow, material=GLASS) == ()
 
 
 def test_films_of_a_repeating_cell_may_be_open_at_its_sides():
@@ -129,3 +157,14 @@ def test_boxes_without_size_are_refused(dimensions):
 def test_an_empty_scene_has_no_box():
     with pytest.raises(InputError, match="no surfaces"):
         area_of(Scene())
+
+
+@pytest.mark.parametrize("missing", [0, 3])
+def test_more_light_than_arrives_is_refused(missing):
+    """An open box with inward fronts: 103 to 105 % of the light leaves it."""
+    scene = Scene({"glass": GLASS}, tuple(box(flip=True, skip=(missing,))))
+    with (
+        pytest.warns(ClerestoryWarning, match="open edge"),
+        pytest.raises(InputError, match=r"10[345]\.\d% of the light"),
+    ):
+        generate_bsdf(scene, basis="quarter", samples=1024)

@@ -161,11 +161,11 @@ def test_a_long_line_may_be_continued(tmp_path):
         ("fh a b c - d e", "fewer than 3 vertices"),
         ("xf", "none is open"),
         ("xf -q 3", "-t, -rx"),
-        ("xf -a x", "number of instances"),
+        ("xf -a x", "a count above 0 expected"),
         ("o", "objects open"),
         ("i room.mgf", "includes another file"),
         ("m a =\nrd .8\ntd .4\nv a =\nsph a 1", "reflects and transmits 1.200"),
-        ("xf -a 99999 -a 99999 -t 0 0 1\n#\nv a =\nxf", "1e\\+10 instances"),
+        ("xf -a 99999 -a 99999 -t 0 0 1\n#\nv a =\nxf", "1e\\+10 statements"),
         ("xf -t 0 0 1\n" * 65, "more than 64 nested transforms"),
     ],
 )
@@ -177,7 +177,7 @@ def test_malformed_statements_are_refused_with_their_line(text, message):
 
 def test_endless_arrays_are_refused(monkeypatch):
     monkeypatch.setattr(mgf, "_MOST_STATEMENTS", 100)
-    with pytest.raises(InputError, match="more than 100 statements"):
+    with pytest.raises(InputError, match="at most 100 expected"):
         parse_mgf("xf -a 1000 -t 0 0 1\nv a =\nxf")
 
 

@@ -24,6 +24,7 @@ from clerestory.metrics.lighting_energy import (
     lighting_use,
 )
 from clerestory.metrics.lm83_conditions import departures
+from clerestory.metrics.replicates import metric_error
 from clerestory.metrics.spatial_metrics import spatial_autonomy, sunlight_exposure
 
 ALL = np.ones(10, bool)
@@ -189,13 +190,13 @@ def test_switched_light_is_full_or_off(control, power):
 def test_savings_and_their_error():
     zone = LightingZone(power=100, full_lux=500, least_output=0, least_power=0)
     daylight = np.full(10, 250.0)
-    error = np.full(10, 25.0)
-    use = lighting_use(zone, daylight, ALL, standard_error=error)
+    use, more, less = (lighting_use(zone, daylight + x, ALL) for x in (0, 25, -25))
     always = lighting_use(
         LightingZone(power=100, full_lux=500, control="none"), daylight, ALL
     )
     assert lighting_saving(use, always) == pytest.approx(0.5)
-    assert use.error == pytest.approx(50.0)  # 25 of 500 lux is 5 % of 1000 Wh
+    # 25 of 500 lux is 5 % of 1000 Wh
+    assert metric_error([more.energy, less.energy]) == pytest.approx(50.0)
 
 
 def test_areas_have_to_fit_the_sensors():

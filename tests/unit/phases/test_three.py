@@ -154,21 +154,23 @@ def test_no_window_at_all_is_refused():
 
 @pytest.mark.parametrize("moving", [False, True], ids=["fixed", "moving"])
 def test_the_error_of_a_mean_comes_from_its_components(moving):
-    """Error components of the mean of the first two steps, of radiance 1 and 2.
+    """Error components of the sum of two steps, of radiance 1 and 2.
 
-    They are those of each step added with their signs, as all steps share V and D.
+    All steps share V and D, so that errors add with their signs: the error of the sum
+    is the sum of the errors, to the 8 bits of the components.
     """
     rng = np.random.default_rng(6)
     seen, bright = view("w", rng=rng, count=3), daylight("w", rng=rng, count=4)
     T = [transmission(0.7)] * 2
     window = WindowMatrices(window_chain(seen, T, bright))
     states = [np.array([0, 1, 1]) if moving else np.zeros(3, int)]
-    hours = np.array([True, True, False])
     skies = Skies(uniform_sky())
-    found = illuminance([window], THREE_PHASE, skies, states, hours=hours)
+    found = illuminance([window], THREE_PHASE, skies, states)
     product = (seen @ T[0] @ bright).weighted(seen.bands.weights)
-    expected = 1.5 * product.components[:, 0].sum(axis=-1)
-    variance = np.square(found["mean_components"]).sum("component")
-    np.testing.assert_allclose(variance, np.square(expected).sum(axis=0), rtol=1e-4)
+    one = np.linalg.norm(product.components[:, 0].sum(axis=-1), axis=0)
+    np.testing.assert_allclose(found["standard_error"][:, 0], one, rtol=1e-4)
+    parts = found["standard_error"] * found["error_components"] / 127
+    error = np.sqrt((parts[{"time": slice(2)}].sum("time") ** 2).sum("component"))
+    np.testing.assert_allclose(error, 3 * one, rtol=0.01)
     hourly = found["standard_error"].values
     np.testing.assert_allclose(hourly[:, 1], 2 * hourly[:, 0], rtol=1e-4)

@@ -104,6 +104,9 @@ class ConvertBsdf:
         "full", "Klems basis, or a tensor tree of rank 4."
     )
     halvings: common.Halvings = 5
+    reduction: float = option(
+        75.0, "Percentage of the smallest cells of a new tree to merge.", "--reduce"
+    )
     reciprocal: bool = option(False, "Average with the reverse function first.")
 
 

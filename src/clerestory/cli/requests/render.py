@@ -1,6 +1,7 @@
-"""Requests of `clerestory render`, `illum` and `multiply`."""
+"""Requests of `clerestory render`, `irradiance`, `illum` and `multiply`."""
 
 from pathlib import Path
+from typing import Literal
 
 from clerestory.cli.command import command
 from clerestory.cli.requests import common
@@ -28,6 +29,37 @@ class Render:
     error: Path | None = option(None, "Picture of the standard errors to write.")
     illuminance: bool = option(False, "Render irradiance, as rpict -i does.")
     denoise: bool = option(False, "Denoise for display; the header says so.")
+    quiet: common.Quiet = False
+
+
+@command(
+    "irradiance:irradiance",
+    "--scene materials.rad room.rad --sensors desks.pts --sky 'gensky 9 21 12 +s -a 48"
+    " -o -11 -m -15' -o desks.csv",
+)
+class Irradiance:
+    """Compute illuminance and irradiance of sensors under a sky, like rtrace -I.
+
+    The scene may contain its sky. Without --samples or --relative-error, paths are
+    traced until the standard error of each sensor is 2 %. The first bounce is the light
+    that arrives at the sensor: --bounces 1 is rtrace -ab 0 plus the light of the sky.
+    """
+
+    scene: common.SceneFiles
+    sensors: Path = required(
+        "Sensor file, x y z dx dy dz per line; - for standard input.", metavar="F"
+    )
+    sky: common.SkyChoice
+    output: Path | None = option(
+        None, "Table to write; default: standard output.", "-o", metavar="F"
+    )
+    form: Literal["csv", "text"] = option(
+        "csv",
+        "csv: sensor, illuminance [lux], irradiance [W/m²] and their standard errors;"
+        " text: irradiance R G B per line, as rtrace -h -I.",
+        "--format",
+    )
+    effort: common.EffortOptions
     quiet: common.Quiet = False
 
 

@@ -36,6 +36,9 @@ class NewStudy:
     sensors: Path | None = option(None, "Sensor file instead of a grid over the floor.")
     spacing: float = option(0.5, "Spacing of the grid [m].", least=0.05)
     height: float = option(0.76, "Height of the grid above the floor [m].", least=0)
+    units: Literal["metres", "centimetres", "millimetres", "feet", "inches"] = option(
+        "metres", "Unit of length of the scene, the windows and the sensors."
+    )
     quiet: common.Quiet = False
 
 

@@ -20,6 +20,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.brief_repr import brief
 from clerestory.checks import not_negative, require
 
 PhotometricType = Literal["A", "B", "C"]
@@ -96,6 +97,8 @@ class Luminaire:
     watts: float = 0.0
     keywords: Mapping[str, str] = field(default_factory=dict)
     tilt: TiltTable | None = None
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         low, high = (0.0, 180.0) if self.photometry == "C" else (-90.0, 90.0)

@@ -4,6 +4,7 @@ Formulas, and the definitions given by -e and -f, are in Radiance's function lan
 Surfaces are flat facets and cones; -s (smooth normals) is ignored with a warning.
 """
 
+import math
 import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -171,8 +172,10 @@ def _square(
 
 
 def _normal(corner: Float[np.ndarray, "3 3"]) -> Vector | None:
-    normal = np.cross(corner[1] - corner[0], corner[2] - corner[0])
-    length = np.linalg.norm(normal)
+    # Written out, as np.cross of single vectors takes most of the time
+    (a, b, c), (d, e, f) = (corner[1:] - corner[0]).tolist()
+    normal = np.array([b * f - c * e, c * d - a * f, a * e - b * d])
+    length = math.sqrt(normal @ normal)
     return normal / length if length > 0 else None
 
 

@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Vector
+from clerestory.brief_repr import brief
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.directions import unit
 from clerestory.errors import InputError
@@ -44,6 +45,8 @@ class BsdfSurface(Material):
     peak: bool = False
     source: Source | None = None
     opaque = False
+
+    __repr__ = brief
 
     def plugin(self) -> Plugin:
         names = "bsdf", "front", "back", "transmission", "peak"

@@ -1,0 +1,97 @@
+"""Standard errors of metrics by balanced repeated replication.
+
+Each replicate is an illuminance that another run could give: the estimate plus or minus
+each of its error components, with signs from a Hadamard matrix. The standard deviation
+of a metric over the replicates is its standard error, with all correlations between
+hours and sensors. It is exact for means, and counts the hours or sensors that may cross
+a threshold. Reference: P. J. McCarthy, Review of the International Statistical
+Institute 37 (3), 1969.
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import TypedDict
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float
+
+from clerestory.matrix.error_components import COUNT, UNIT, signed_sums
+
+
+class IlluminanceErrors(TypedDict):
+    """Standard errors of hourly illuminance, and their components, if known."""
+
+    standard_error: xr.DataArray | None
+    components: xr.DataArray | None
+
+
+def replicates(
+    illuminance: xr.DataArray,
+    standard_error: xr.DataArray | None,
+    components: xr.DataArray | None = None,
+) -> Iterator[xr.DataArray]:
+    """Yield replicates of the illuminance, all over (sensor, time) [lux].
+
+    `components` are the error components of a run, over (sensor, component, time), as
+    in `clerestory.matrix.error_components`. Without them, all errors are assumed to be
+    fully correlated, which gives upper limits. Without standard errors, there are no
+    replicates.
+
+    >>> lux = xr.DataArray([[100.0, 300.0]], dims=("sensor", "time"))
+    >>> [x.values.tolist() for x in replicates(lux, 0.1 * lux)]
+    [[[110.0, 330.0]], [[90.0, 270.0]]]
+    """
+    if standard_error is None:
+        return
+    if components is None:
+        yield illuminance + standard_error
+        yield illuminance - standard_error
+        return
+    sums = signed_sums(components.transpose("sensor", "component", "time").values)
+    scale = standard_error / np.float32(UNIT)
+    for number in range(COUNT):
+        deviation = scale * sums[:, number]
+        yield illuminance + deviation
+        yield illuminance - deviation
+
+
+def hourly_replicates(hourly: xr.Dataset) -> Iterator[xr.DataArray]:
+    """Yield replicates of the illuminance of a run, or of a part of its results."""
+    return replicates(hourly["illuminance"], **errors_of(hourly))
+
+
+def errors_of(hourly: xr.Dataset) -> IlluminanceErrors:
+    """Return the errors of the illuminance, as arguments of `replicates`."""
+    error, parts = hourly.get("standard_error"), hourly.get("error_components")
+    return IlluminanceErrors(standard_error=error, components=parts)
+
+
+def metric_components(
+    metric: Float[np.ndarray, "..."], varied: Sequence[Float[np.ndarray, "..."]]
+) -> Float[np.ndarray, "replicate ..."]:
+    """Return the error components of a metric from its values for all replicates.
+
+    The sum of their squares is the variance of the metric.
+    """
+    if not varied:
+        return np.zeros((0, *metric.shape))
+    found = np.stack(varied).astype(float)
+    return np.asarray((found - found.mean(axis=0)) / np.sqrt(len(found)))
+
+
+def metric_error(values: Sequence[float]) -> float:
+    """Return the standard error of a number from its values for all replicates.
+
+    >>> metric_error([3.0, 5.0]), metric_error([])
+    (1.0, 0.0)
+    """
+    return float(np.std(values)) if len(values) else 0.0
+
+
+def error_of_group_mean(components: Float[np.ndarray, "component sensor"]) -> float:
+    """Return the standard error of the mean over a group of sensors.
+
+    >>> error_of_group_mean(np.array([[3.0, 5.0], [3.0, -5.0]]))
+    4.123105625617661
+    """
+    return float(np.linalg.norm(components.mean(axis=1)))

@@ -1,0 +1,151 @@
+"""Items of scene files that are placed, and copies of them.
+
+The surfaces of a file that is placed repeatedly are transformed together. This requires
+that its materials do not depend on the placement, and that no name has two meanings.
+"""
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from clerestory.radiance.placement import Placement, Placements
+from clerestory.radiance.statements import Command, Directive, PolygonRun
+from clerestory.scene.model import Scene, Simple, TriangleMesh
+from clerestory.scene.primitive import Primitive
+
+# Largest number of surfaces that arrays, instances and repeated files may add
+MOST_REPEATED = 1_000_000
+
+# Cost of a surface that is placed one by one, relative to surfaces placed together, and
+# vertices or triangles that cost as much as one surface
+SLOW, _VERTICES = 10, 10
+
+# Types of materials that do not depend on the placement
+_FIXED = {"plastic", "metal", "trans", "glass", "mirror", "light", "illum", "alias"}
+
+
+@dataclass(frozen=True)
+class Scope:
+    """Beginning or end of a scope of material names.
+
+    Materials defined inside an instance are not visible outside it.
+    """
+
+    opens: bool
+
+
+Part = PolygonRun | Simple
+Item = Part | Primitive | Directive | Scope | Scene
+
+
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """An item of a scene file in its final position, with the name of the file.
+
+    Items are polygons, other surfaces, materials and aliases (Primitive), directives,
+    scope limits and scenes. `placement` combines all nested xforms, which are already
+    applied to surfaces.
+    """
+
+    item: Item
+    file: str
+    placement: Placement
+
+
+@dataclass(frozen=True)
+class Materials:
+    """Definitions that do not depend on the placement, with their files; names used."""
+
+    definitions: tuple[tuple[Primitive, str], ...] = ()
+    used: frozenset[str] = frozenset()
+
+
+def joined(found: Iterable[Materials | None]) -> Materials | None:
+    """Return the materials of consecutive contents, each of which is used many times.
+
+    None if the materials of one are None, or if a name has two meanings.
+    """
+    known: dict[str, tuple[Primitive, str]] = {}
+    used: set[str] = set()
+    for each in found:
+        if each is None:
+            return None
+        for item, file in each.definitions:
+            if item.name not in known and item.name not in used:
+                known[item.name] = item, file
+            elif item.name not in known or known[item.name][0] is not item:
+                return None
+        used |= each.used
+    return Materials(tuple(known.values()), frozenset(used))
+
+
+def materials_of(
+    items: Iterable[Item | Command],
+    file: str,
+    inner: Callable[[Command], Materials | None],
+) -> Materials | None:
+    """Return the materials of the items of a file; `inner` gives those of a command."""
+    return joined(_materials(item, file, inner) for item in items)
+
+
+def _materials(
+    item: Item | Command, file: str, inner: Callable[[Command], Materials | None]
+) -> Materials | None:
+    match item:
+        case Command():
+            return inner(item)
+        case PolygonRun():
+            return Materials((), frozenset(item.modifier))
+        case Primitive(kind=kind) if kind in _FIXED:
+            used = frozenset((item.modifier, *item.strings))
+            return Materials(((item, file),), used)
+        case Primitive() | Directive() | Scope() | Scene():
+            return None
+    return Materials((), frozenset((item.material,)))
+
+
+def copied(parts: tuple[Part, ...], placements: Placements) -> Iterator[Part]:
+    """Yield the surfaces of all copies, one copy after the other."""
+    runs = [part for part in parts if isinstance(part, PolygonRun)]
+    if runs and len(runs) == len(parts):
+        yield placements.polygons(_merged(runs))
+        return
+    for placement in placements:
+        for part in parts:
+            match part:
+                case PolygonRun():
+                    yield placement.polygons(part)
+                case _:
+                    yield placement.surface(part)
+
+
+def _merged(runs: list[PolygonRun]) -> PolygonRun:
+    if len(runs) == 1:
+        return runs[0]
+    starts = np.cumsum([0, *(len(run.vertices) for run in runs)])
+    ends = (run.first[1:] + at for run, at in zip(runs, starts, strict=False))
+    return PolygonRun(
+        [name for run in runs for name in run.modifier],
+        [name for run in runs for name in run.name],
+        [source for run in runs for source in run.source],
+        np.concatenate([[0], *ends]),
+        np.concatenate([run.vertices for run in runs]),
+    )
+
+
+def own_size(items: Iterable[Item | Command]) -> int:
+    """Return the number of surfaces and definitions, without what commands insert.
+
+    Ten vertices of a polygon, or ten triangles of a mesh, count as a surface.
+    """
+    size = 0
+    for item in items:
+        match item:
+            case PolygonRun():
+                size += max(len(item.modifier), len(item.vertices) // _VERTICES)
+            case TriangleMesh():
+                size += 1 + len(item.faces) // _VERTICES
+            case _:
+                size += 1
+    return size

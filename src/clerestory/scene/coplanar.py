@@ -1,0 +1,201 @@
+"""Overlapping coplanar surfaces, of which rays meet one or the other by rounding.
+
+Triangles are grouped by plane; in planes with different labels, overlapping bounding
+boxes are found by a sweep and triangles tested by separating axes.
+"""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from clerestory.array_types import Vector
+from clerestory.scene.model import Scene, same_material
+from clerestory.scene.proximity import first_hits
+from clerestory.scene.surface import surface_label
+from clerestory.scene.tessellate import Mesh
+
+# Distance below which planes coincide: relative to the size of the scene, at most [m]
+_SAME, _MOST_APART = 1e-6, 2e-5
+
+# Width of the classes of plane offsets [distances]: no multiple of round coordinates
+_CLASS = 12.345678
+
+# Largest number of triangle pairs per plane that are tested; further pairs are skipped
+_MOST_PAIRS = 4_000_000
+
+# Largest number of pairs of surfaces whose surroundings are examined
+_MOST_EXAMINED = 20
+
+
+def check_coplanar(scene: Scene, parts: Sequence[Mesh]) -> Iterator[str]:
+    """Yield a warning about coplanar overlapping surfaces of different materials.
+
+    `parts` are the meshes of the scene. Faces of opposite orientation that touch inside
+    a solid, such as furniture on a floor, are no overlap.
+    """
+    corner = np.concatenate([m.vertices[m.faces] for m in parts])
+    surface = np.concatenate([m.surface for m in parts])
+    label = np.array(_material_numbers(scene))[surface]
+    low, high = corner.min(axis=(0, 1)), corner.max(axis=(0, 1))
+    near = min(_SAME * float((high - low).max()), _MOST_APART)
+    found = overlapping_pairs(corner, label, near)
+    if not len(found):
+        return
+    both, first = np.unique(np.sort(surface[found], axis=1), axis=0, return_index=True)
+    visible = [
+        pair
+        for pair, (a, b) in zip(
+            both[:_MOST_EXAMINED], found[first[:_MOST_EXAMINED]], strict=True
+        )
+        if not _in_contact(corner, int(a), int(b), near)
+    ]
+    if visible:
+        one, other = (scene.surfaces[int(i)] for i in visible[0])
+        count = len(visible) - 1
+        more = f" (and {count} more pairs)" if count else ""
+        yield (
+            f'{surface_label(one)} of "{one.material}" and {surface_label(other)} of'
+            f' "{other.material}" lie in one plane and overlap{more}: rays meet one or'
+            " the other at random"
+        )
+
+
+def _material_numbers(scene: Scene) -> list[int]:
+    # Number of each surface's material; equal materials have one number
+    number: dict[str, int] = {}
+    for name, material in scene.materials.items():
+        alike = (n for n in number if same_material(material, scene.materials[n]))
+        found = next(alike, None)
+        number[name] = len(number) if found is None else number[found]
+    return [number[surface.material] for surface in scene.surfaces]
+
+
+def overlapping_pairs(
+    corner: Float[np.ndarray, "triangle 3 3"],
+    label: Int[np.ndarray, " triangle"],
+    near: float,
+) -> Int[np.ndarray, "pair 2"]:
+    """Return pairs of overlapping triangles in one plane that have different labels.
+
+    Planes coincide, and edges touch, within the distance `near`.
+    """
+    middle = corner.reshape(-1, 3).mean(axis=0)
+    pairs = [
+        _pairs(corner[of] - middle, label[of], of, near)
+        for of in _planes(corner - middle, label, max(near, 1e-300))
+    ]
+    return np.concatenate([np.empty((0, 2), dtype=int), *pairs])
+
+
+def _planes(
+    corner: Float[np.ndarray, "triangle 3 3"],
+    label: Int[np.ndarray, " triangle"],
+    near: float,
+) -> Iterator[Int[np.ndarray, " triangle"]]:
+    # Triangles of each plane that has more than one label
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    length = np.linalg.norm(normal, axis=1)
+    flat = np.flatnonzero(length > 0)
+    normal = normal[flat] / length[flat, None]
+    lead = np.argmax(np.abs(normal) > 1e-6, axis=1)
+    normal *= np.sign(normal[np.arange(len(flat)), lead])[:, None]
+    offset = np.einsum("tx,tx->t", normal, corner[flat].mean(axis=1))
+
+    # Sort by a hash of the rounded normal and offset
+    facing = np.round(normal * 1e5).astype(np.int64)
+    height = np.round(offset / (_CLASS * near)).astype(np.int64)
+    key = ((facing[:, 0] * 1_000_003 + facing[:, 1]) * 1_000_003 + facing[:, 2]) * (
+        2_654_435_761
+    ) + height
+    order = np.argsort(key, kind="stable")
+    starts = np.flatnonzero(np.diff(key[order], prepend=key[order][:1] - 1))
+    if not len(starts):
+        return
+    labels = label[flat[order]]
+    least = np.minimum.reduceat(labels, starts)
+    mixed = np.flatnonzero(least != np.maximum.reduceat(labels, starts))
+    ends = np.append(starts[1:], len(order))
+    for plane in mixed:
+        yield flat[order[starts[plane] : ends[plane]]]
+
+
+def _in_contact(
+    corner: Float[np.ndarray, "triangle 3 3"], one: int, other: int, near: float
+) -> bool:
+    # Whether two faces of opposite orientation touch inside a solid
+    normal = [_normal(corner[number]) for number in (one, other)]
+    if normal[0] @ normal[1] > 0:
+        return False
+    small = min((one, other), key=lambda n: float(np.linalg.norm(_normal(corner[n]))))
+    facing = _normal(corner[small])
+    facing = facing / np.linalg.norm(facing)
+    middle = corner[small].mean(axis=0)
+    return any(
+        _inside(middle + side * 30 * near * facing, side * facing, corner)
+        for side in (-1, 1)
+    )
+
+
+def _inside(
+    point: Vector, along: Vector, corner: Float[np.ndarray, "triangle 3 3"]
+) -> bool:
+    # Whether the first face that a ray meets is seen from its back
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    leaving = normal @ along > 0
+    back, front = (
+        first_hits(point, along[None], corner[which])[0]
+        for which in (leaving, ~leaving)
+    )
+    return bool(back < front)
+
+
+def _normal(corner: Float[np.ndarray, "3 3"]) -> Vector:
+    return np.asarray(np.cross(corner[1] - corner[0], corner[2] - corner[0]))
+
+
+def _pairs(
+    corner: Float[np.ndarray, "triangle 3 3"],
+    label: Int[np.ndarray, " triangle"],
+    number: Int[np.ndarray, " triangle"],
+    near: float,
+) -> Int[np.ndarray, "pair 2"]:
+    # Project along the largest component of the normal
+    normal = np.cross(corner[0, 1] - corner[0, 0], corner[0, 2] - corner[0, 0])
+    flat = np.delete(corner, int(np.argmax(np.abs(normal))), axis=2)
+    low, high = flat.min(axis=1) + near, flat.max(axis=1) - near
+    order = np.argsort(low[:, 0])
+    flat, low, high = flat[order], low[order], high[order]
+    label, number = label[order], number[order]
+
+    # Find pairs of overlapping bounding boxes by a sweep along the first axis
+    last = np.searchsorted(low[:, 0], high[:, 0])
+    count = np.maximum(last - np.arange(len(flat)) - 1, 0)
+    total = np.minimum(np.cumsum(count), _MOST_PAIRS)
+    count = np.diff(np.concatenate([[0], total]))
+    one = np.repeat(np.arange(len(flat)), count)
+    start = np.repeat(np.cumsum(count) - count, count)
+    other = one + 1 + np.arange(len(one)) - start
+    near_by = (low[one, 1] < high[other, 1]) & (low[other, 1] < high[one, 1])
+    near_by &= label[one] != label[other]
+    one, other = one[near_by], other[near_by]
+    cross = _overlap(flat[one], flat[other], near)
+    return np.stack([number[one[cross]], number[other[cross]]], axis=1)
+
+
+def _overlap(
+    one: Float[np.ndarray, "pair 3 2"],
+    other: Float[np.ndarray, "pair 3 2"],
+    near: float,
+) -> Bool[np.ndarray, " pair"]:
+    # Separating axis test for two triangles
+    apart = np.zeros(len(one), dtype=bool)
+    for part in (one, other):
+        edge = np.roll(part, -1, axis=1) - part
+        axis = np.stack([-edge[..., 1], edge[..., 0]], axis=-1)
+        axis /= np.maximum(np.linalg.norm(axis, axis=-1, keepdims=True), 1e-300)
+        a = np.einsum("pex,pcx->pec", axis, one)
+        b = np.einsum("pex,pcx->pec", axis, other)
+        gap = np.maximum(b.min(axis=2) - a.max(axis=2), a.min(axis=2) - b.max(axis=2))
+        apart |= np.any(gap > -near, axis=1)
+    return ~apart

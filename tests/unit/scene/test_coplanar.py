@@ -1,0 +1,119 @@
+"""Coplanar surfaces of different materials are named; neighbours are no overlap."""
+
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from clerestory.scene.coplanar import check_coplanar
+from clerestory.scene.model import Glass, Plastic, Polygon, Scene, TriangleMesh
+from clerestory.scene.surface import transformed
+from clerestory.scene.tessellate import meshes
+from clerestory.scene.transform import parse_transform
+
+MATERIALS = {
+    "wall": Plastic("wall", np.full(3, 0.5)),
+    "same": Plastic("same", np.full(3, 0.5)),
+    "rug": Plastic("rug", np.full(3, 0.1)),
+    "glass": Glass("glass", np.full(3, 0.9)),
+}
+
+
+def rectangle(corner, u, v, material, name):
+    a, u, v = (np.array(x, dtype=float) for x in (corner, u, v))
+    return Polygon(np.array([a, a + u, a + u + v, a + v]), material, name)
+
+
+def box(corner, size, material, name):
+    """A closed box with its fronts outwards."""
+    x, y, z = np.diag(np.array(size, dtype=float))
+    a = np.array(corner, dtype=float)
+    sides = [(a, y, x), (a + z, x, y), (a, x, z), (a + y, z, x)]
+    sides += [(a, z, y), (a + x, y, z)]
+    return [rectangle(*s, material, f"{name}{n}") for n, s in enumerate(sides)]
+
+
+FLOOR = rectangle((0, 0, 0), (5, 0, 0), (0, 4, 0), "wall", "floor")
+CEILING = rectangle((0, 0, 3), (0, 4, 0), (5, 0, 0), "wall", "ceiling")
+WALL = rectangle((0, 0, 0), (0, 0, 3), (5, 0, 0), "wall", "wall")
+
+OVERLAPS = {
+    "a rug in the floor": [rectangle((1, 1, 0), (2, 0, 0), (0, 1, 0), "rug", "rug")],
+    "a rug that covers two edges": [
+        rectangle((-1, -1, 0), (2, 0, 0), (0, 2, 0), "rug", "rug")
+    ],
+    "the floor twice": [replace(FLOOR, material="rug", name="rug")],
+    "the floor seen from below": [
+        replace(FLOOR, vertices=FLOOR.vertices[::-1], material="rug", name="rug")
+    ],
+    "a pane in a wall without a hole": [
+        WALL,
+        rectangle((1, 0, 1), (0, 0, 1), (2, 0, 0), "glass", "pane"),
+    ],
+    "a box sunk to its top": box((1, 1, -0.5), (1, 1, 0.5), "rug", "box"),
+}
+SOUND = {
+    "nothing else": [],
+    "a rug a millimetre above": [
+        rectangle((1, 1, 0.001), (2, 0, 0), (0, 1, 0), "rug", "rug")
+    ],
+    "an equal material": [rectangle((1, 1, 0), (2, 0, 0), (0, 1, 0), "same", "rug")],
+    "a pane in a hole": [
+        rectangle((0, 0, 0), (0, 0, 3), (1, 0, 0), "wall", "left"),
+        rectangle((1, 0, 0), (0, 0, 1), (4, 0, 0), "wall", "sill"),
+        rectangle((1, 0, 1), (0, 0, 2), (4, 0, 0), "glass", "pane"),
+    ],
+    "furniture on the floor": box((1, 1, 0), (1, 0.5, 0.8), "rug", "box"),
+    "a box on a box": [
+        *box((1, 1, 0), (1, 1, 0.8), "rug", "low"),
+        *box((1.2, 1.2, 0.8), (0.2, 0.2, 0.3), "glass", "high"),
+    ],
+}
+PLACES = {
+    "as it is": "-t 0 0 0",
+    "turned": "-rx 20 -rz 31.4 -t 3 4 5",
+    "far away": "-rz 12.3 -t 1e6 -7e5 100",
+    "in millimetres": "-s 1000",
+    "small": "-s 0.01 -rz 10",
+}
+
+
+def found(surfaces, place):
+    move, _ = parse_transform(place.split())
+    scene = Scene(MATERIALS, tuple(transformed(s, move) for s in surfaces))
+    return list(check_coplanar(scene, meshes(scene)))
+
+
+@pytest.mark.parametrize("place", PLACES.values(), ids=PLACES)
+@pytest.mark.parametrize("case", OVERLAPS)
+def test_overlapping_materials_are_named(case, place):
+    [text] = found([FLOOR, CEILING, *OVERLAPS[case]], place)
+    assert "lie in one plane and overlap" in text
+    assert 'of "wall"' in text
+    assert 'of "rug"' in text or 'of "glass"' in text
+
+
+@pytest.mark.parametrize("place", PLACES.values(), ids=PLACES)
+@pytest.mark.parametrize("case", SOUND)
+def test_neighbours_are_no_overlap(case, place):
+    assert found([FLOOR, CEILING, *SOUND[case]], place) == []
+
+
+def test_a_million_faces_are_checked_in_seconds():
+    """A hilly terrain, with one patch of another material on one of its faces."""
+    x, y = np.meshgrid(np.linspace(0, 500, 708), np.linspace(0, 500, 708))
+    z = 5 * np.sin(x / 20) * np.cos(y / 30)
+    vertices = np.stack([x, y, z], axis=-1).reshape(-1, 3)
+    corner = np.arange(708 * 708).reshape(708, 708)
+    a, b, c, d = corner[:-1, :-1], corner[:-1, 1:], corner[1:, :-1], corner[1:, 1:]
+    faces = np.concatenate([np.stack([a, b, c], -1), np.stack([b, d, c], -1)])
+    hills = TriangleMesh(vertices, faces.reshape(-1, 3), "wall", "hills")
+    place = vertices[hills.faces[1234]]
+    patch = TriangleMesh(place, np.array([[0, 1, 2]]), "rug", "patch")
+    scene = Scene(MATERIALS, (hills, patch))
+    parts = meshes(scene)
+    begin = time.process_time()
+    [text] = check_coplanar(scene, parts)
+    assert time.process_time() - begin < 4
+    assert '"patch" of "rug"' in text
