@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from hostile_names import CANARY, NAMES, more_names, require_silence
-from seeds import _hbjson
+from scene_seeds import _hbjson
 
 import clerestory
 from clerestory import escaping

@@ -62,6 +62,7 @@ def material(folder):
 def interaction(n, view):
     """Points of the sheet, seen from a direction."""
     si = dr.zeros(mi.SurfaceInteraction3f, n)
+    si.n = mi.Normal3f(0, 0, 1)
     si.sh_frame = mi.Frame3f(mi.Vector3f(0, 0, 1))
     si.wi = si.to_local(mi.Vector3f(view.astype("f4")))
     si.t = 1

@@ -20,6 +20,10 @@ import clerestory as cl
 from clerestory.phases.rendering import irradiance
 from clerestory.scene.sensors import Sensors
 
+# Sheets whose mirror image of the sun rtrace leaves out, except from first rays
+# (m_light.c, badcomponent): the closed forms of physics/test_mirrored_sources.py apply
+MIRRORED = {"smooth metal", "glass", "dense glass", "BRTDfunc"}
+
 
 def highlight(name):
     """Samples of highlights: of metals rtrace is to take many after a bounce too."""
@@ -36,6 +40,8 @@ def test_sensors_read_what_rtrace_reads(tmp_path, name, light):
     take several samples of a highlight, and single ones it does not weight by its
     model, so they bring a few per cent more at grazing angles.
     """
+    if light == "sun" and name in MIRRORED:
+        pytest.skip("rtrace leaves out sunlight by way of smooth sheets")
     file = tmp_path / "room.rad"
     file.write_text("\n".join([SHEETS[name], BOX, LIGHT[light]]))
     ours = irradiance(

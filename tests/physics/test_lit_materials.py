@@ -148,3 +148,33 @@ def test_highlights_do_not_count_as_bounces(device):
     error = np.sqrt(sum(np.square(e).sum() for e in errors))
     assert error < 0.01 * sums[1]
     assert abs(sums[0] - sums[1]) < 4 * error
+
+
+# Mirror reflection and direct transmission by angle, and diffuse parts, of both sides
+_SHEET = (
+    "void BRTDfunc x 10 if(Rdot,.1,.3)+.5*(1-abs(Rdot))^5 .1 .1 .6*abs(Rdot) .5 .5"
+    " 0 0 0 . 0 9 .05 .05 .05 .2 .2 .2 .1 .1 .1\n"
+)
+
+
+@pytest.mark.parametrize(("front", "share"), [(True, 0.15), (False, 0.5)])
+def test_a_sheet_of_functions_reflects_and_passes_what_they_say(
+    tmp_path, device, front, share
+):
+    """∫ 2 cos (r + (1-cos)⁵/2) = r + 1/42 and ∫ 2 cos · .6 cos = .4; diffuse parts."""
+    corners = ((-FAR, -FAR, 1), (FAR, -FAR, 1), (FAR, FAR, 1), (-FAR, FAR, 1))
+    words = " ".join(
+        str(x) for corner in corners[:: 1 if front else -1] for x in corner
+    )
+    (tmp_path / "sheet.rad").write_text(f"{_SHEET}x polygon p 0 0 12 {words}\n")
+    sheet = cl.read_rad(tmp_path / "sheet.rad")
+    named, source = sky()
+    scene = Scene({**sheet.materials, **named}, sheet.surfaces, (source,))
+
+    # Below, a sensor that looks up through the sheet; above, one that looks down on it
+    up, down = sensor((0, 0, 1 - 1e-3), (0, 0, 1)), sensor((0, 0, 1 + 1e-3), (0, 0, -1))
+    for where, truth in ((up, 0.4 + 0.1), (down, share + 1 / 42)):
+        found = irradiance(scene, where, samples=1 << 14, seed=2, device=device)
+        difference = abs(found.irradiance[0, 0] - np.pi * truth)
+        assert difference < 4 * found.error[0, 0] + 1e-5
+        assert found.error[0, 0] < 0.01 * np.pi * truth

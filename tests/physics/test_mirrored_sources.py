@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from physics_scenes import quad
 
-from clerestory.phases.rendering import irradiance
+from clerestory.phases.rendering import irradiance, render
 from clerestory.scene.model import (
     DistantSource,
     Glass,
@@ -25,6 +25,7 @@ from clerestory.scene.model import (
     Trans,
 )
 from clerestory.scene.sensors import Sensors
+from clerestory.scene.view import View
 
 SEEDS = 30
 SUN_DEG = 0.5
@@ -350,3 +351,25 @@ def test_a_sensor_sees_the_sun_in_one_facet(device, count):
     assert truth[0] > direction[2]
     scene = lit(faceted(count), (sun(direction),), CLEAR)
     agrees(scene, (0, 0, 0), UPWARDS, truth, device=device)
+
+
+def test_a_picture_shows_the_floor_lit_by_a_pane(device):
+    """Each pixel shows the radiance ρ/π·E·cos θ·(1 + R) of a matt floor."""
+    ground = (-400, -400, -1), (400, -400, -1), (400, 2, -1), (-400, 2, -1)
+    floor = quad(*ground, material="matt")
+    matt = Plastic("matt", np.full(3, 0.5))
+    scene = lit((floor, sky_plane(2, "pane")), (sun(SOUTH),), CLEAR, matt)
+    view = View("parallel", np.array([0.0, -10, 5]), -UPWARDS, NORTHWARDS, 2.0, 2.0)
+    seen = render(scene, view, columns=4, rows=4, samples=256, device=device)
+    truth = 0.5 / np.pi * 0.6 * (1 + R)
+    pixel, error = seen.picture.radiance, seen.error
+    assert np.all(np.abs(pixel - truth) <= 5 * error + 1e-3 * truth)
+    assert np.all(error <= 0.05 * truth)
+
+
+def test_a_mirrored_sun_is_seen_where_the_sun_is_hidden(device):
+    """A canopy shades the sensor; the pane behind it sends the only light."""
+    canopy = quad((-9, -9, 3), (9, -9, 3), (9, -2, 3), (-9, -2, 3), material="black")
+    parts = canopy, sky_plane(2, "pane")
+    scene = lit(parts, (sun(SOUTH),), CLEAR, BLACK)
+    agrees(scene, (0, 0, 0), UPWARDS, 0.6 * R, device=device, samples=64)

@@ -35,7 +35,9 @@ def pattern_code(pattern: Pattern, origin: Origin) -> Code:
         case Product(factors):
             return _product([pattern_code(factor, origin) for factor in factors])
         case _:
-            raise InputError(f"a surface pattern cannot be a {type(pattern).__name__}")
+            raise InputError(
+                f"a surface pattern cannot be of type {type(pattern).__name__}"
+            )
     _try(code, pattern.source)
     return code
 
@@ -44,6 +46,18 @@ def multiplier(pattern: Pattern, origin: Origin) -> Callable[[Any], Any]:
     """Convert a pattern to a multiplier of colours, 1 where it is undefined."""
     code = pattern_code(pattern, origin)
     return lambda si: mi.Color3f(*_single(_factors(*code(si))))
+
+
+def coefficient(pattern: Pattern, origin: Origin) -> Callable[[Any], Any]:
+    """Convert a pattern to a coefficient per channel, 0 where it is undefined."""
+    code = pattern_code(pattern, origin)
+
+    def amount(si: Any) -> Any:
+        values, bad = code(si)
+        kept = [dr.select(bad, 0.0, dr.maximum(value, 0)) for value in values]
+        return mi.Color3f(*_single(kept))
+
+    return amount
 
 
 def share(pattern: Pattern, origin: Origin) -> Callable[[Any], Any]:
@@ -61,7 +75,7 @@ def share(pattern: Pattern, origin: Origin) -> Callable[[Any], Any]:
 def perturbation(pattern: Pattern, origin: Origin) -> Callable[[Any], Any]:
     """Convert a pattern to a vector in scene coordinates that perturbs normals."""
     if not isinstance(pattern, FunctionPattern):
-        what = f"a texture cannot be a {type(pattern).__name__}"
+        what = f"a texture cannot be of type {type(pattern).__name__}"
         raise InputError(f"{what}; texfunc or texdata expected")
     code = pattern_code(pattern, origin)
     turn = pattern.transform.matrix[:3, :3] / pattern.transform.scale

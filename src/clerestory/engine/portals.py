@@ -21,7 +21,15 @@ from clerestory.engine.guiding_cells import GuidingCells
 from clerestory.engine.origin import Origin
 from clerestory.engine.spherical_rectangle import Parallelograms
 from clerestory.engine.upload import on_device, vectors
-from clerestory.scene.model import BsdfSurface, Glass, Illum, Polygon, Scene, Trans
+from clerestory.scene.model import (
+    BsdfSurface,
+    FunctionSheet,
+    Glass,
+    Illum,
+    Polygon,
+    Scene,
+    Trans,
+)
 
 # Largest number of rectangles; further, smaller ones cost more time than they save.
 MOST = 12
@@ -36,7 +44,7 @@ _TOGETHER = 4
 # Probability of sampling a portal before probabilities are learned.
 _UNIFORM_CHANCE = 0.35
 
-_TRANSMITTING = (Glass, BsdfSurface, Illum, Trans)
+_TRANSMITTING = (Glass, BsdfSurface, FunctionSheet, Illum, Trans)
 
 
 @dataclass

@@ -6,11 +6,11 @@ larger source. Scans are repeated until no sources are merged; sources of equal 
 angle are not merged.
 """
 
+import importlib
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Int
-from scipy.spatial import cKDTree
 
 from clerestory.array_types import Image
 from clerestory.glare.neighbour_search import Neighbourhood, first_found
@@ -76,6 +76,8 @@ class _Merging:
         outer = np.flatnonzero(self._is_outer(np.arange(self.labels.size)))
         row, column = self.pixels.row[outer], self.pixels.column[outer]
         direction, reach = self.near.direction[row, column], self.near.reach
+        # Imported here, since scipy.spatial loads slowly
+        tree = importlib.import_module("scipy.spatial").cKDTree
         found = []
         for label in np.unique(self.labels):
             mine = self.labels[outer] == label
@@ -84,7 +86,7 @@ class _Merging:
             for place in (row, column):
                 least, most = place[mine].min(), place[mine].max()
                 about &= (place >= least - reach) & (place <= most + reach)
-            distance, _ = cKDTree(direction[mine]).query(
+            distance, _ = tree(direction[mine]).query(
                 direction[about], distance_upper_bound=self.near.chord
             )
             pixel = outer[about][np.isfinite(distance)]

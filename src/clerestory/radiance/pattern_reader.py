@@ -6,6 +6,7 @@ function files are searched for in these folders and in RAYPATH.
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -68,6 +69,26 @@ def read_vector(given: Arguments, placed: Transform, first: int) -> Vector | Pat
         vector = _pattern(given, placed, 3, first)
     constant = constant_vector(vector)
     return vector if constant is None else constant
+
+
+def read_coefficients(given: Arguments, placed: Transform) -> tuple[Pattern, Pattern]:
+    """Return the specular reflection and transmission of a BRTDfunc.
+
+    The BRTD functions, by which Radiance scatters light of its sources only, must be 0.
+    """
+    with given.located():
+        whole = _pattern(given, placed, 9, 0)
+        perturbed = sorted(whole.names & {"RdotP", "NxP", "NyP", "NzP"})
+        require(not perturbed, f'"{"".join(perturbed[:1])}" is used; Rdot expected')
+    parts = (whole.expressions[i : i + 3] for i in (0, 3, 6))
+    reflection, transmission, brtd = (replace(whole, expressions=e) for e in parts)
+    scattered = constant_vector(brtd)
+    if scattered is None or np.any(scattered):
+        raise given.error(
+            "the BRTD functions are not zero; 0 0 0, or a BSDF file (type BSDF) instead"
+            " of BRTDfunc expected"
+        )
+    return reflection, transmission
 
 
 def _read(given: Arguments, placed: Transform) -> FunctionPattern:

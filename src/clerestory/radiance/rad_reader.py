@@ -18,6 +18,7 @@ from clerestory.radiance.expansion import placed_items
 from clerestory.radiance.modifiers import Modifiers, modified
 from clerestory.radiance.pattern_reader import (
     PATTERN_KINDS,
+    read_coefficients,
     read_modifiers,
     read_share,
     read_vector,
@@ -171,6 +172,7 @@ class _Reading:
                 bsdf=lambda name: self._bsdf(name, given.source),
                 vector=lambda first, placed: read_vector(given, placed, first),
                 share_of_foreground=lambda: read_share(given, placement.transform),
+                coefficients=lambda: read_coefficients(given, placement.transform),
             )
         )
         self._name_material(value, self._modifying(given), given)

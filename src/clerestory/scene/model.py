@@ -27,6 +27,7 @@ from clerestory.scene.material import (
     require_few_parts,
     same_material,
 )
+from clerestory.scene.materials.brtd import FunctionSheet
 from clerestory.scene.materials.bsdf_surface import BsdfSurface
 from clerestory.scene.materials.dielectric import Dielectric, Interface
 from clerestory.scene.materials.emitters import Glow, Illum, Light, Spotlight
@@ -55,6 +56,7 @@ __all__ = [
     "Dielectric",
     "DistantSource",
     "Emitter",
+    "FunctionSheet",
     "Glass",
     "Glow",
     "Illum",

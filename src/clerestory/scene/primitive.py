@@ -158,7 +158,8 @@ class Definition(Arguments):
 
     `placed` is the transform of the scene file. The functions return a material by
     name, the BSDF in a file, a vector (a pattern if it varies) given by the three
-    expressions from an index on, and the foreground fraction of a mixture.
+    expressions from an index on, the foreground fraction of a mixture, and the specular
+    reflection and transmission of a BRTDfunc.
     """
 
     placed: Transform
@@ -166,6 +167,7 @@ class Definition(Arguments):
     bsdf: Callable[[str], Bsdf]
     vector: Callable[[int, Transform], Vector | Pattern]
     share_of_foreground: Callable[[], float | Pattern]
+    coefficients: Callable[[], tuple[Pattern, Pattern]]
 
     def oriented(self, at: int) -> Transform:
         """Return the transform in the string arguments, followed by `placed`."""

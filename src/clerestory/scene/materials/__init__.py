@@ -6,8 +6,10 @@ that read the arguments, by Radiance material type.
 
 import importlib
 import pkgutil
+from collections.abc import Mapping
 
 from clerestory.checks import require
+from clerestory.errors import InputError
 from clerestory.scene.material import Material
 from clerestory.scene.primitive import Definition, Readers
 
@@ -21,12 +23,39 @@ READERS: Readers = {
     for kind, reader in getattr(module, "READERS", {}).items()
 }
 
+_BY_FUNCTION = "a BSDF file (bsdf2ttree makes one from a function) in the type BSDF, or"
+
+# What to use instead of each of Radiance's types that is not supported
+INSTEAD: Mapping[str, str] = {
+    "plasfunc": f"{_BY_FUNCTION} plastic",
+    "metfunc": f"{_BY_FUNCTION} metal",
+    "transfunc": f"{_BY_FUNCTION} trans",
+    **dict.fromkeys(
+        ("plasdata", "metdata", "transdata"),
+        "a BSDF file (clerestory gonio makes one from a measurement) in the type BSDF",
+    ),
+    **dict.fromkeys(
+        ("prism1", "prism2"),
+        "a BSDF file (clerestory bsdf generate makes one from the prism's geometry)",
+    ),
+    "ashik2": "plastic2 or metal2",
+    "antimatter": "the remaining surfaces without antimatter",
+    "mist": "a scene without participating media",
+    "colorpict": "colordata or colorfunc, or a plain colour",
+    "brighttext": "brightdata or brightfunc, or a plain colour",
+    "colortext": "colordata or colorfunc, or a plain colour",
+    "mixtext": "mixdata or mixfunc",
+    "mixpict": "mixdata or mixfunc",
+}
+
 
 def read_material(given: Definition) -> Material:
     """Return the material defined by a primitive."""
+    kind = given.item.kind
     with given.located():
-        kinds = ", ".join(READERS)
+        if kind in INSTEAD:
+            raise InputError(f"unsupported type; {INSTEAD[kind]} expected")
         require(
-            given.item.kind in READERS, f"unsupported type; one of {kinds} expected"
+            kind in READERS, f"unsupported type; one of {', '.join(READERS)} expected"
         )
-        return READERS[given.item.kind](given)
+        return READERS[kind](given)
