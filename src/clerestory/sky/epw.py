@@ -9,6 +9,7 @@ Reference: U.S. Department of Energy, EnergyPlus, Auxiliary Programs, chapter
 "EnergyPlus Weather File (EPW) Data Dictionary".
 """
 
+import csv
 import warnings
 from contextlib import suppress
 from pathlib import Path
@@ -17,7 +18,7 @@ import numpy as np
 
 from clerestory.checks import require
 from clerestory.errors import ClerestoryWarning, InputError
-from clerestory.files import csv_rows, read_text
+from clerestory.files import read_text
 from clerestory.sky.irradiance_decomposition import Irradiance
 from clerestory.sky.measured_weather import weather_of_components
 from clerestory.sky.table_cells import DataRows, numbers
@@ -81,7 +82,8 @@ def read_epw(path: str | Path) -> Weather:
 def _cells(text: str) -> list[str]:
     # Cells of a line; commas within double quotes do not separate
     if '"' in text:
-        return csv_rows([text])[0]
+        with suppress(csv.Error):  # a cell longer than 131,072 characters
+            return next(csv.reader([text]))
     return text.split(",") if text.strip() else []
 
 
