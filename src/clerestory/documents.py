@@ -57,6 +57,12 @@ _EXPECTED = {
 # Largest number of characters of a value in a message
 _SHOWN = 60
 
+# Deepest nesting of tables and lists
+_DEEPEST = 100
+
+# Largest whole number; floating-point numbers end at 1.8e308
+_LARGEST = 10**300
+
 
 class Table(BaseModel):
     """Base class of TOML tables; unknown keys and values of wrong type are invalid."""
@@ -99,13 +105,27 @@ def json_value(text: str | bytes, *, file: str | Path) -> Any:
     InputError : the text is not JSON; the message states the line
     """
     try:
-        return json.loads(text)
+        return _not_too_deep(json.loads(text))
     except json.JSONDecodeError as error:
         line = error.lineno
         raise InputError(f"not JSON: {error.msg}", file=file, line=line) from error
     except (ValueError, RecursionError) as error:
         message = "not JSON: a number is too long, or values are nested too deeply"
         raise InputError(message, file=file) from error
+
+
+def _not_too_deep(value: Any) -> Any:
+    # Return a value, unless it has tables and lists nested deeper than expected
+    level = [value]
+    for _ in range(_DEEPEST):
+        nested = (each for each in level if isinstance(each, dict | list))
+        if any(isinstance(each, int) and abs(each) > _LARGEST for each in level):
+            raise ValueError
+        members = (n.values() if isinstance(n, dict) else n for n in nested)
+        level = [member for each in members for member in each]
+    if level:
+        raise RecursionError
+    return value
 
 
 def read_toml(
@@ -135,7 +155,8 @@ def toml_tables(text: str, *, file: str | Path) -> dict[str, Any]:
     InputError : the text is not TOML; the message states the line
     """
     try:
-        return tomllib.loads(text)
+        tables: dict[str, Any] = _not_too_deep(tomllib.loads(text))
+        return tables
     except tomllib.TOMLDecodeError as error:
         reason = str(error)
         place = re.search(r" \(at line (\d+), column \d+\)$", reason)

@@ -16,6 +16,9 @@ from pathlib import Path
 # Largest number of characters of a message and of a word
 _LONGEST_MESSAGE, _LONGEST_WORD = 400, 80
 
+# Largest number of characters of the path before a message, and of both
+_LONGEST_PATH, _LONGEST_TEXT = 240, 499
+
 
 def one_line(text: str) -> str:
     r"""Return a text as one line of printable characters, with long words cut.
@@ -27,6 +30,13 @@ def one_line(text: str) -> str:
     cut = (w if len(w) <= _LONGEST_WORD else f"{w[:_LONGEST_WORD]}…" for w in words)
     line = " ".join(cut)
     return line if len(line) <= _LONGEST_MESSAGE else f"{line[:_LONGEST_MESSAGE]}…"
+
+
+def _short_path(path: str) -> str:
+    # Printable characters of a path, without the middle of a long one
+    shown = "".join(c if c.isprintable() else "?" for c in path)
+    half = _LONGEST_PATH // 2
+    return shown if len(shown) <= 2 * half else f"{shown[:half]}…{shown[-half:]}"
 
 
 class ClerestoryError(Exception):
@@ -56,9 +66,9 @@ class InputError(ClerestoryError):
     ) -> None:
         message = one_line(message)
         self.message, self.file, self.line = message, file, line
-        place = "" if file is None else f"{file}:"
+        place = "" if file is None else f"{_short_path(str(file))}:"
         place += "" if line is None else f"{line}:"
-        super().__init__(f"{place} {message}".strip())
+        super().__init__(f"{place} {message}".strip()[:_LONGEST_TEXT])
 
 
 class MatrixError(InputError):

@@ -1,8 +1,10 @@
 """Atomic writing of files, and reading with error messages that name the file."""
 
+import csv
 import os
+import stat
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO, cast
@@ -11,6 +13,10 @@ from clerestory.errors import InputError, OutputError
 
 # Number of characters of a name in the name of its temporary file
 _SHOWN_NAME = 40
+
+# Flags for opening pipes without a writer; paths of pipes that a shell passes
+_WITHOUT_WAITING = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+_PASSED = ("/dev/fd/", "/dev/stdin", "/proc/self/fd/")
 
 
 @contextmanager
@@ -29,6 +35,8 @@ def replace_path(path: str | Path) -> Iterator[Path]:
     """Yield an empty temporary file that replaces `path` as in `replace_file`."""
     path = Path(path)
     temporary = None
+    if path.exists() and not path.is_file():
+        raise OutputError(f"{path}: is a folder, a pipe or a device; a file expected")
     try:
         start = path.name[:_SHOWN_NAME]
         handle, name = tempfile.mkstemp(prefix=f".{start}.", dir=path.parent)
@@ -71,12 +79,33 @@ def read_text(path: str | Path) -> str:
         return data.decode("latin-1")
 
 
-def read_bytes(path: str | Path) -> bytes:
-    """Return the bytes of a file."""
+def csv_rows(
+    lines: Iterable[str], *, file: str | Path | None = None, separator: str = ","
+) -> list[list[str]]:
+    """Return the cells of lines of comma-separated values."""
     try:
-        return Path(path).read_bytes()
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
+        return list(csv.reader(lines, delimiter=separator))
+    except csv.Error as error:
+        raise InputError(f"no table of values: {error}", file=file) from error
+
+
+def read_bytes(path: str | Path) -> bytes:
+    """Return the bytes of a file.
+
+    Named pipes and devices are not read, since they may never end; pipes that a shell
+    passes as `/dev/fd/N` are.
+    """
+    try:
+        with os.fdopen(os.open(path, os.O_RDONLY | _WITHOUT_WAITING), "rb") as stream:
+            kind = os.fstat(stream.fileno()).st_mode
+            passed = stat.S_ISFIFO(kind) and str(path).startswith(_PASSED)
+            if not (stat.S_ISREG(kind) or passed or str(path) == os.devnull):
+                expected = "is a pipe, a device or a folder; a file expected"
+                raise InputError(expected, file=path)
+            os.set_blocking(stream.fileno(), True)
+            return stream.read()
+    except (OSError, ValueError, MemoryError) as error:
+        reason = getattr(error, "strerror", None) or str(error) or "too large"
         raise InputError(f"cannot be read: {reason}", file=path) from error
 
 

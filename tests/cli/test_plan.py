@@ -37,7 +37,7 @@ def test_pictures_are_part_of_the_plan(room):
     """All that a run traces is asked for, direct suns of pictures too."""
     (room / "seat.vf").write_text("rvu -vta -vp 2 2 1.2 -vd 0 -1 0 -vh 180 -vv 180\n")
     text = (room / "study.toml").read_text().replace("3-phase", "5-phase")
-    view = '[[view]]\nname = "seat"\nfile = "seat.vf"\nresolution = 8\nsamples = 16\n'
+    view = '[[view]]\nname = "seat"\nfile = "seat.vf"\nresolution = 136\nsamples = 16\n'
     (room / "study.toml").write_text(text + view)
     names = [m.file for m in plan_study(cl.read_study("study.toml"), out="r").matrices]
     kinds = {name.rpartition("-")[0] for name in names}

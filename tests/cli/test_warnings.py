@@ -1,6 +1,7 @@
 """Every kind of warning is shown once, and counted."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from clerestory.image.picture import Picture
 from clerestory.image.picture_files import write_picture
 from clerestory.scene.view import View
+from clerestory.study.results import read_results
 
 VIEW = """
 [[view]]
@@ -42,8 +44,27 @@ def test_a_coarse_view_is_named_once_in_a_run_and_its_plan(call, coarse):
         'warning: [[view]] "seat": half the merging angle is 1.4 pixels at a'
         " resolution of 60; 3 or more expected, as from a resolution of 134"
     ]
+    data = read_results("results").data
+    lit = np.isfinite(data["glare_dgp"].values)
+    assert np.all(data["glare_dgp_error"].values[lit] > 0)
+    page = (coarse / "results/report.html").read_text()
+    assert re.search(r"<td>0\.\d+ ± 0\.\d+</td>", page)
     noted = json.loads((coarse / "results/run.json").read_text())["warnings"]
     assert [f"warning: {line}" for line in noted if "merging" in line] == planned
+
+
+def test_a_view_too_small_for_glare_is_refused_before_tracing(call, coarse):
+    text = (
+        (coarse / "study.toml").read_text().replace("resolution = 60", "resolution = 8")
+    )
+    (coarse / "study.toml").write_text(text)
+    outcome = call("run", "study.toml", "--out", "results", "--quiet")
+    assert outcome.status == 2
+    assert outcome.err == (
+        '[[view]] "seat" resolution: a picture of 8 × 8 pixels; at least 21 pixels per'
+        " side expected\n"
+    )
+    assert not list((coarse / "results").glob("matrices/*"))
 
 
 def test_pictures_in_a_row_share_a_warning(call, room):

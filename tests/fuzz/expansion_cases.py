@@ -191,7 +191,7 @@ def data_file_of_many_dimensions(folder):
 # ---------------------------------- Other scenes ----------------------------------
 @case
 def doubled_gltf_nodes(folder):
-    from seeds import _gltf
+    from scene_seeds import _gltf
 
     from clerestory.formats.gltf import read_gltf
     from clerestory.scene.model import Plastic
@@ -206,7 +206,7 @@ def doubled_gltf_nodes(folder):
 
 @case
 def doubled_gltf_nodes_without_a_mesh(folder):
-    from seeds import _gltf
+    from scene_seeds import _gltf
 
     from clerestory.formats.gltf import read_gltf
     from clerestory.scene.model import Plastic
@@ -222,7 +222,7 @@ def doubled_gltf_nodes_without_a_mesh(folder):
 @case
 def gltf_mesh_used_often(folder):
     """One node for each use of a mesh of 100,000 triangles."""
-    from seeds import _gltf
+    from scene_seeds import _gltf
 
     from clerestory.formats.gltf import read_gltf
     from clerestory.scene.model import Plastic

@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from hostile_names import CANARY, NAMES, more_names, require_silence
-from seeds import _hbjson
+from scene_seeds import _hbjson
 
 import clerestory
 from clerestory import escaping
@@ -55,7 +55,7 @@ from clerestory.report.markup import element, embedded_json, render
 from clerestory.report.page_assets import content_policy
 from clerestory.scene.model import Mirror, Mixture, Plastic, Polygon, Scene
 from clerestory.study.model_import import write_honeybee_model
-from clerestory.study.outputs import write_hourly, write_metrics
+from clerestory.study.outputs import _METRICS, write_hourly, write_metrics
 from clerestory.study.results import Results
 from clerestory.study.study_files import study_text, window_text
 
@@ -435,12 +435,7 @@ def test_results_of_hostile_grids_are_tables(folder):
             "band": ["a"],
         },
     )
-    for name in (
-        *("mean_illuminance", "median_illuminance", "maximum_illuminance"),
-        *("daylight_autonomy", "continuous_autonomy", "useful"),
-        *("mean_illuminance_error", "daylight_autonomy_error"),
-        *("continuous_autonomy_error", "useful_error"),
-    ):
+    for name, *_ in _METRICS:
         data[name] = ("sensor", np.zeros(count))
     write_metrics(Results(data), folder / "metrics.csv")
     assert len(no_formulas(folder / "metrics.csv")) == count + 1

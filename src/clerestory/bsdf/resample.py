@@ -72,7 +72,9 @@ def tree_from(
 ) -> ScatteringTree:
     """Convert a matrix to a rank 4 tensor tree; similar or equal cells are merged."""
     if not isinstance(part, ScatteringMatrix):
-        raise InputError(f"the BSDF is a {type(part).__name__}; a matrix expected")
+        raise InputError(
+            f"the BSDF is of type {type(part).__name__}; a matrix expected"
+        )
     within(halvings, "number of halvings of a tensor tree", least=0, most=_FINEST)
     leave = patches_in_cells(part.exits, halvings)
     enter = patches_in_cells(part.incidents, halvings)

@@ -15,6 +15,7 @@ from lxml import etree
 
 from clerestory.bsdf.xml_document import Document, parse_document
 from clerestory.checks import require
+from clerestory.errors import InputError
 from clerestory.files import replace_file
 
 
@@ -174,6 +175,15 @@ def _rings(basis: etree._Element, document: Document) -> list[tuple[float, ...]]
     # Lower limit, upper limit and number of patches of each ring
     paths = ("ThetaBounds/LowerTheta", "ThetaBounds/UpperTheta", "nPhis")
     return [
-        tuple(float(document.text(block, path) or "nan") for path in paths)
+        tuple(_ring_number(block, path, document) for path in paths)
         for block in document.children(basis, "AngleBasisBlock")
     ]
+
+
+def _ring_number(block: etree._Element, path: str, document: Document) -> float:
+    text = document.text(block, path)
+    try:
+        return float(text or "nan")
+    except ValueError:
+        message = f"{path} is {text[:60]!r}; a number expected"
+        raise InputError(message, file=document.path) from None

@@ -5,12 +5,14 @@ SIGTERM or SIGHUP. Errors and warnings are one line each on the error stream.
 """
 
 import os
+import re
 import shlex
 import sys
 import traceback
 import warnings
 from collections.abc import Sequence
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import typer
@@ -20,12 +22,20 @@ from clerestory.cli.command import COMMAND_LINE
 from clerestory.cli.interruption import Interruption, interruptible
 from clerestory.cli.program import program
 from clerestory.errors import ClerestoryError, ClerestoryWarning
+from clerestory.files import is_file
 from clerestory.warning_log import WarningLog
 
 TRACEBACK = "CLERESTORY_TRACEBACK"
 
 # Exit status that Typer returns after `KeyboardInterrupt`
 _SIGINT = 130
+
+# Largest number of characters of an error message, with its path
+_LONGEST = 500
+
+# Words from a file in a message
+_QUOTED = re.compile(r"\"[^\"]*\"?|(?<!\w)'[^']*'?")
+_VALUE = re.compile(r"\bis [^;]+")
 
 # Options that take all words up to the next option
 _GREEDY = ("--scene", "--window")
@@ -55,7 +65,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 )
             return _interrupted(received) if status == _SIGINT else int(status or 0)
         except ClerestoryError as error:
-            return _fail(str(error), error.exit_status, error)
+            return _fail(_own_text(error, words), error.exit_status, error)
         except (KeyboardInterrupt, typer.Abort):
             return _interrupted(received)
         except _UsageError as error:
@@ -105,10 +115,29 @@ def _usage(error: Any) -> int:
     return _fail(text, int(error.exit_code), error)
 
 
+def _own_text(error: ClerestoryError, words: list[str]) -> str:
+    # Message of an error, without words of files that other files name and that are
+    # outside of the folders which the command line names
+    file = getattr(error, "file", None)
+    if file is None or not is_file(file):
+        return str(error)
+    named = (Path(part) for word in words for part in word.split("=")[-1:])
+    folders = [Path.cwd(), *(path.resolve().parent for path in named if is_file(path))]
+    if any(Path(file).resolve().is_relative_to(folder) for folder in folders):
+        return str(error)
+    message = getattr(error, "message", "")
+    place = str(error).removesuffix(message)
+    fault = _VALUE.sub("is …", _QUOTED.sub("…", message.partition(";")[0]))
+    return f"{place}{fault} (words of files outside the project are hidden)"
+
+
 def _fail(text: str, status: int, error: BaseException) -> int:
     if os.environ.get(TRACEBACK):
         traceback.print_exception(error)
-    typer.echo(_one_line(text), err=True)
+    line = _one_line(text)
+    if len(line) > _LONGEST:
+        line = f"{line[: _LONGEST // 3]}…{line[-_LONGEST // 2 :]}"
+    typer.echo(line, err=True)
     return status
 
 

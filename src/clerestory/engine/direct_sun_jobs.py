@@ -153,30 +153,31 @@ class PixelSunJob(SunlightJob):
 
     @property
     def shape(self) -> tuple[int, int, int, int]:
-        """Numbers of pixels, batches (one), suns and bands."""
-        return self.columns * self.rows, 1, len(self.suns), len(self.scene.bands)
+        """Numbers of pixels, batches, suns and bands."""
+        pixels, bands = self.columns * self.rows, len(self.scene.bands)
+        return pixels, self.batches, len(self.suns), bands
 
 
 def trace_pixel_sun(
     job: PixelSunJob, numbers: Int[np.ndarray, " sun"], effort: Effort
-) -> Float[np.ndarray, "band pixel sun"]:
+) -> Float[np.ndarray, "batch band pixel sun"]:
     """Return the radiance of pixels per direct normal irradiance of each sun [1/sr].
 
-    `numbers` selects suns of the job by index; the index also seeds the random numbers.
-    Calls with the same job should pass the same executor, so that the scene is built
-    only once.
+    Each batch is an independent estimate. `numbers` selects suns of the job by index;
+    the index also seeds the random numbers. Calls with the same job should pass the
+    same executor, so that the scene is built only once.
     """
-    pixels, _, _, bands = job.shape
-    count = len(numbers)
-    values = np.zeros((bands, pixels, count), np.float32)
-    every = max(1, min(count, _LANES // job.samples))
-    block = max(1, _LANES // (job.samples * every))
+    pixels, batches, _, bands = job.shape
+    count, samples = len(numbers), job.batches * job.points
+    values = np.zeros((batches, bands, pixels, count), np.float32)
+    every = max(1, min(count, _LANES // samples))
+    block = max(1, _LANES // (samples * every))
     places = _places(pixels, count, block, every)
     pixel = np.arange(pixels)
-    units = [Unit(pixel[row], 0, job.samples, numbers[sun]) for row, sun in places]
+    units = [Unit(pixel[row], 0, job.points, numbers[sun]) for row, sun in places]
     traced = traced_units(job, units, effort, f"{count} suns")
     for (row, sun), (_, part) in zip(places, traced, strict=True):
-        values[:, row, sun] = np.moveaxis(part, -1, 0)
+        values[:, :, row, sun] = part.transpose(1, 3, 0, 2)
     return values
 
 

@@ -96,14 +96,15 @@ def prepare_pixel_sun(job: PixelSunJob) -> Tracer:
     origin = np.asarray(job.view.position, dtype=float)
     window = SunlitWindow.of(job, origin)
     rays = CameraRays.of(job.view, job.columns, job.rows)
-    sequence = points(0, job.samples)
+    sequence, batches = points(0, job.points), job.batches
 
-    def trace(unit: Unit) -> Float[np.ndarray, "pixel sun channel"]:
+    def trace(unit: Unit) -> Float[np.ndarray, "pixel batch sun channel"]:
         suns, samples = len(unit.columns), unit.count
-        lane = dr.arange(mi.UInt32, len(unit.rows) * suns * samples)
+        lane = dr.arange(mi.UInt32, len(unit.rows) * suns * batches * samples)
         index = lane % dr.opaque(mi.UInt32, samples)
-        pixel, stream, middle = _pairs(job, unit, lane // dr.opaque(mi.UInt32, samples))
-        key = mi.sample_tea_32(pixel, stream)[0]
+        slot = lane // dr.opaque(mi.UInt32, samples)
+        pixel, stream, middle = _pairs(job, unit, slot // batches)
+        key = mi.sample_tea_32(pixel * batches + slot % batches, stream)[0]
         numbers = PathNumbers(sequence, key, index, mi.UInt32(0))
         x, y = numbers.sobol(DIRECTION_U), numbers.sobol(DIRECTION_V)
         a, b = numbers.sobol(CONNECT_U), numbers.sobol(CONNECT_V)
@@ -113,7 +114,8 @@ def prepare_pixel_sun(job: PixelSunJob) -> Tracer:
             light = tracer.trace(_SINK, tracer.camera_path(ray), numbers, 1, valid)
             dr.eval(light)
             total = dr.block_reduce(dr.ReduceOp.Add, light, samples).numpy()
-        return (total / samples).T.reshape(len(unit.rows), suns, -1)
+        by_pair = (total / samples).T.reshape(len(unit.rows), suns, batches, -1)
+        return by_pair.transpose(0, 2, 1, 3)
 
     return trace
 

@@ -35,7 +35,9 @@ def pattern_code(pattern: Pattern, origin: Origin) -> Code:
         case Product(factors):
             return _product([pattern_code(factor, origin) for factor in factors])
         case _:
-            raise InputError(f"a surface pattern cannot be a {type(pattern).__name__}")
+            raise InputError(
+                f"a surface pattern cannot be of type {type(pattern).__name__}"
+            )
     _try(code, pattern.source)
     return code
 
@@ -73,7 +75,7 @@ def share(pattern: Pattern, origin: Origin) -> Callable[[Any], Any]:
 def perturbation(pattern: Pattern, origin: Origin) -> Callable[[Any], Any]:
     """Convert a pattern to a vector in scene coordinates that perturbs normals."""
     if not isinstance(pattern, FunctionPattern):
-        what = f"a texture cannot be a {type(pattern).__name__}"
+        what = f"a texture cannot be of type {type(pattern).__name__}"
         raise InputError(f"{what}; texfunc or texdata expected")
     code = pattern_code(pattern, origin)
     turn = pattern.transform.matrix[:3, :3] / pattern.transform.scale

@@ -155,7 +155,7 @@ def _polynomials(lines: list[np.ndarray]) -> ResponseCurve:
     curves = []
     for numbers in lines:
         require(
-            2 <= numbers.size == int(numbers[0]) + 2,
+            2 <= numbers.size == numbers[0] + 2,
             f"a line has {numbers.size} numbers; degree N of a polynomial and its N + 1"
             " coefficients expected",
         )

@@ -6,7 +6,11 @@ and comments (header lines). The custom attributes `radianceView` and `quantity`
 the view, and whether pixels are radiance or irradiance.
 """
 
+import os
 import tempfile
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import astuple
 from itertools import chain
 from pathlib import Path
@@ -29,6 +33,13 @@ from clerestory.radiance.view_text import format_view, parse_view
 # Largest finite half-precision number (IEEE 754 binary16)
 _LARGEST_HALF = 65504.0
 
+# Largest ratio of the pixels of a picture to those that are stored
+_MOST_BORDER = 1000
+
+# File descriptors of standard output and standard error, which one thread may redirect
+_STREAMS = (1, 2)
+_SILENCE = threading.Lock()
+
 
 def read_exr(path: str | Path) -> Picture:
     """Read an OpenEXR picture, and convert it to the primaries of Radiance.
@@ -38,7 +49,7 @@ def read_exr(path: str | Path) -> Picture:
     """
     read_bytes(path)  # raises InputError with the reason if the file is unreadable
     try:
-        with located(file=path):
+        with located(file=path), _silent():
             header = OpenEXR.File(str(path), header_only=True).header()
             _window(header["dataWindow"])
             channels = OpenEXR.File(str(path), separate_channels=True).channels()
@@ -46,6 +57,23 @@ def read_exr(path: str | Path) -> Picture:
     except (RuntimeError, ValueError, TypeError, KeyError, UnicodeError) as error:
         reason = " ".join(str(error).split())
         raise InputError(f"damaged OpenEXR file: {reason}", file=path) from error
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    # Discard what the OpenEXR library prints about damaged files, on both streams
+    with _SILENCE:
+        kept = [os.dup(number) for number in _STREAMS]
+        nothing = os.open(os.devnull, os.O_WRONLY)
+        try:
+            for number in _STREAMS:
+                os.dup2(nothing, number)
+            yield
+        finally:
+            for number, before in zip(_STREAMS, kept, strict=True):
+                os.dup2(before, number)
+                os.close(before)
+            os.close(nothing)
 
 
 def _window(corners: Any) -> tuple[int, int, int, int]:
@@ -73,6 +101,12 @@ def _in_display_window(
     # The view refers to the display window; stored pixels may cover only part of it
     left, top, columns, rows = _window(header["displayWindow"])
     first_column, first_row = np.asarray(header["dataWindow"][0]) - [left, top]
+    stored = values.shape[0] * values.shape[1]
+    require(
+        rows * columns <= _MOST_BORDER * stored,
+        f"displayWindow has {rows * columns} pixels for {stored} that are stored; at"
+        f" most {_MOST_BORDER} times as many expected",
+    )
     whole = np.zeros((rows, columns, 3), dtype=np.float32)
     row = np.arange(values.shape[0]) + first_row
     column = np.arange(values.shape[1]) + first_column

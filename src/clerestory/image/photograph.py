@@ -4,6 +4,7 @@ The exposure is computed from exposure time, ISO speed and f-number, which are g
 read from the EXIF data.
 """
 
+import io
 import struct
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -17,6 +18,7 @@ from PIL import ExifTags, Image
 
 from clerestory.checks import positive, require
 from clerestory.errors import InputError
+from clerestory.files import read_bytes
 
 # Exceptions that Pillow raises on damaged files
 _BROKEN = (
@@ -72,8 +74,9 @@ def read_photograph(path: str | Path) -> Photograph:
 
 @contextmanager
 def _opened(path: str | Path) -> Iterator[Image.Image]:
+    data = io.BytesIO(read_bytes(path))
     try:
-        with Image.open(path) as image:
+        with Image.open(data) as image:
             yield image
     except _BROKEN as error:
         raise InputError(f"not a photograph: {error}", file=path) from error

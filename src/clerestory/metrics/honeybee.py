@@ -7,6 +7,7 @@ A folder contains `grids_info.json` (sensor grids and their light paths),
 hour).
 """
 
+import io
 import json
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -23,12 +24,19 @@ from clerestory.checks import has_shape, one_of, require, within
 from clerestory.documents import json_value
 from clerestory.errors import InputError, located
 from clerestory.escaping import file_stems
-from clerestory.files import make_folder, read_text, replace_file, write_text
+from clerestory.files import (
+    make_folder,
+    read_bytes,
+    read_text,
+    replace_file,
+    write_text,
+)
 
 STATIC = "__static_apertures__"
 Light = Literal["total", "direct"]
 
 _HOURS_A_YEAR = 8760
+_MOST_SENSORS = 10_000_000
 _YEAR = np.datetime64("2023-01-01T00:00", "s")
 
 
@@ -69,14 +77,18 @@ class HoneybeeFolder:
         with located(file=self.folder):
             one_of(grid, "grid", choices=self.paths)
         hours = self.sun_up_hours.astype(int)
-        total = np.zeros((self.counts[grid], len(hours)), dtype=np.float32)
+        # Files that contradict the number of sensors are refused before it is allocated
+        parts = []
         for path in self.paths[grid]:
             chosen: Any = (states or {}).get(path, 0)
             per_hour = np.broadcast_to(np.asarray(chosen), _HOURS_A_YEAR)[hours]
             for state in np.unique(per_hour):
                 if state >= 0:
                     array = self._load(grid, path, int(state), light)
-                    total += np.where(per_hour == state, array, np.float32(0))
+                    parts.append(np.where(per_hour == state, array, np.float32(0)))
+        total = np.zeros((self.counts[grid], len(hours)), dtype=np.float32)
+        for part in parts:
+            total += part
         year = np.zeros((len(total), _HOURS_A_YEAR), dtype=np.float32)
         year[:, hours] = total
         minutes = np.arange(30, 60 * _HOURS_A_YEAR, 60)
@@ -106,10 +118,12 @@ class HoneybeeFolder:
         with located(file=self.folder):
             within(state, f"state of light path {path}", least=0, most=len(names) - 1)
         file = self.folder / path / names[state] / light / f"{grid}.npy"
+        data = read_bytes(file)
         try:
-            array = np.load(file, allow_pickle=False)
-        except (OSError, ValueError, EOFError) as error:
-            raise InputError(f"cannot be read: {error}", file=file) from error
+            array = np.load(io.BytesIO(data), allow_pickle=False)
+        except Exception as error:  # NumPy raises many exception types on damage
+            reason = str(error) or type(error).__name__
+            raise InputError(f"no NumPy array: {reason}", file=file) from error
         shape = self.counts[grid], len(self.sun_up_hours)
         has_shape(array, shape, "array of illuminance", file=file)
         floating = np.issubdtype(array.dtype, np.floating)
@@ -121,9 +135,13 @@ def read_honeybee(folder: str | Path) -> HoneybeeFolder:
     """Return a results folder of honeybee-radiance-postprocess."""
     folder = Path(folder)
     file = folder / "grids_info.json"
-    with _expecting("grids with full_id, count and light_path", file):
+    expected = "grids with full_id, count and light_path"
+    with located(file=file), _expecting(expected, file):
         info = {str(grid["full_id"]): grid for grid in _json(file)}
         counts = {name: int(grid["count"]) for name, grid in info.items()}
+        for name, count in counts.items():
+            what = f"number of sensors of grid {name}"
+            within(count, what, least=1, most=_MOST_SENSORS)
         paths = {
             name: tuple(dict.fromkeys(map(str, chain(*grid["light_path"]))))
             for name, grid in info.items()
@@ -150,7 +168,7 @@ def _expecting(what: str, file: Path) -> Iterator[None]:
     # Convert errors caused by invalid contents of a file
     try:
         yield
-    except (AttributeError, KeyError, TypeError, ValueError) as error:
+    except (AttributeError, KeyError, TypeError, ValueError, OverflowError) as error:
         raise InputError(f"{what} expected", file=file) from error
 
 

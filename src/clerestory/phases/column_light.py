@@ -60,7 +60,9 @@ class PatchLight:
         for parts in self.components:
             columns = slice(first, first + parts.shape[2])
             first = columns.stop
-            if len(parts):
+            if len(parts) and not self.summed:
+                found.append(np.asarray(values[..., columns] @ parts))
+            elif len(parts):
                 own = _wide(values[None, :, :, columns], parts.shape[1])[0]
                 flat = parts.reshape(len(parts), -1, parts.shape[-1])
                 found.append((own @ flat)[:, None])

@@ -66,7 +66,7 @@ def _feed(value: Any, feed: Feed) -> None:
         for name in names:
             _feed(getattr(value, name), feed)
     else:
-        raise TypeError(f"a {type(value).__name__} has no fingerprint")
+        raise TypeError(f"values of type {type(value).__name__} have no fingerprint")
 
 
 def _feed_array(array: np.ndarray, feed: Feed) -> None:

@@ -10,6 +10,7 @@ reflected once in the room. In the notation of the extended five-phase method, C
 C_F-ds + C_R-ds, and V_d includes the surface reflectances (both material maps).
 """
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Unpack
@@ -26,7 +27,7 @@ from clerestory.engine.effort import EffortKeywords
 from clerestory.engine.matrix_jobs import PixelViewJob
 from clerestory.image.picture import Picture
 from clerestory.matrix.axis import pixel_axis, sun_axis
-from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.matrix.transfer_matrix import Entries, TransferMatrix
 from clerestory.phases.sun_coefficients import sun_effort, window_number
 from clerestory.phases.traced_matrices import (
     matrix_effort,
@@ -38,8 +39,9 @@ from clerestory.scene.model import Scene
 from clerestory.scene.view import View
 from clerestory.scene.window import Window
 
-# Number of batches of paths per pixel, for the standard error; few, to save memory
-_BATCHES = 4
+# Number of batches of paths per pixel; two, to save memory: half of their difference is
+# the error component of a pixel
+_BATCHES = 2
 
 # Default number of paths per pixel and sun
 _SUN_SAMPLES = 16
@@ -104,23 +106,29 @@ def picture_view_matrices(
         direct=direct,
         **effort.job_options(_BATCHES),
     )
-    effort = replace(effort, components=False)
-    estimated = estimate(job, effort)
+    estimated = estimate(job, replace(effort, components=True))
     warn_if_short(estimated, "view matrix of the picture", effort)
+    assert estimated.components is not None
     found, first, pixels = {}, 0, pixel_axis(len(camera))
     for name, columns in patch_axes(windows, "interior").items():
-        part = estimated.values[:, :, first : first + columns.size]
-        # Repeat the single channel of grey rooms in all bands
-        shape = len(scene.bands), *part.shape[1:]
-        values = np.broadcast_to(part.astype(np.float32), shape)
-        found[name] = TransferMatrix(values, pixels, columns, bands=scene.bands)
-        first += columns.size
+        own = slice(first, first + columns.size)
+        parts = estimated.values[..., own], estimated.components[..., own]
+        values, components = (_in_bands(part, scene.bands) for part in parts)
+        # The two components are opposite; one of them is the error
+        error = components[:1] * np.float32(math.sqrt(2))
+        found[name] = TransferMatrix(values, pixels, columns, error, scene.bands)
+        first = own.stop
     return found
 
 
-SunPictures = Callable[
-    [Int[np.ndarray, " sun"]], Float[np.ndarray, "channel pixel sun"]
-]
+def _in_bands(values: np.ndarray, bands: Bands) -> np.ndarray:
+    # Repeat the single channel of grey rooms in all bands
+    shape = *values.shape[:-3], len(bands), *values.shape[-2:]
+    return np.broadcast_to(values.astype(np.float32), shape)
+
+
+# Function that returns the coefficients of given suns, and their error component
+SunPictures = Callable[[Int[np.ndarray, " sun"]], Entries]
 
 
 def sun_pictures(
@@ -159,20 +167,25 @@ def sun_pictures(
         suns=suns,
         peak=peak,
         samples=effort.samples or _SUN_SAMPLES,
-        **effort.job_options(1),
+        **effort.job_options(_BATCHES),
     )
 
     # Nothing is traced yet, but a dry run records the job
     accepted = effort.executor.accepts(job, effort.goal)
 
-    def coefficients(asked: np.ndarray) -> np.ndarray:
+    def coefficients(asked: np.ndarray) -> Entries:
         shape = len(scene.bands), len(camera), len(asked)
         if not accepted:
-            return np.broadcast_to(np.float32(0), shape)
-        values, lit = np.zeros(shape, np.float32), behind[asked]
+            nothing = np.broadcast_to(np.float32(0), shape)
+            return nothing, nothing[None]
+        lit = behind[asked]
+        values = np.zeros(shape, np.float32)
+        error = np.zeros((1, *shape), np.float32)
         if lit.any():
-            values[..., lit] = trace_pixel_sun(job, asked[lit], effort)
-        return values
+            one, other = trace_pixel_sun(job, asked[lit], effort)
+            values[..., lit] = (one + other) / 2
+            error[..., lit] = (one - other) / 2
+        return values, error
 
     return coefficients
 
@@ -198,6 +211,6 @@ def picture_sun_coefficients(
     trace = sun_pictures(
         scene, windows, window, bsdf, camera, suns=suns, peak=peak, effort=effort
     )
-    values = trace(np.arange(len(suns)))
+    values, error = trace(np.arange(len(suns)))
     axes = pixel_axis(len(camera)), sun_axis(len(suns))
-    return TransferMatrix(values, *axes, bands=scene.bands)
+    return TransferMatrix(values, *axes, error, scene.bands)

@@ -142,4 +142,4 @@ def shining_columns(matrix: Receiving, normal: csc_array) -> tuple[Columns, csc_
     if isinstance(matrix, TransferMatrix):
         return Columns(matrix.values, matrix.components, shining), normal
     assert callable(matrix)
-    return Columns(matrix(shining), None, slice(None)), normal
+    return Columns(*matrix(shining), slice(None)), normal

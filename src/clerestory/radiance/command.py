@@ -199,8 +199,13 @@ def _option_lines(
             try:
                 words = shlex.split(line.removeprefix("!"))
             except ValueError as error:
-                raise InputError(f'xform -f {name[0]}: "{line}": {error}') from error
-            lines.append(words[1:] if words[:1] == ["xform"] else words)
+                raise InputError(f"xform -f {name[0]}: {error}") from error
+            words = words[1:] if words[:1] == ["xform"] else words
+            message = f"xform -f {name[0]}: a line has no options"
+            require(
+                not words or words[0].startswith("-"), f"{message}; -t x y z expected"
+            )
+            lines.append(words)
     require(lines, f'xform -f: the file "{name[0]}" is empty; options expected')
     return lines
 

@@ -147,7 +147,7 @@ class Reader:
     def _primitive(self, kind: str, before: list[Primitive], size: int) -> Primitive:
         modifier = self.whole(size)
         defined = modifier < len(before)
-        self.require(defined, f"the modifier of a {kind} is defined after it")
+        self.require(defined, f"the modifier of the {kind} is defined after it")
         by = "void" if modifier < 0 else before[modifier].name
         name = self.text()
         count = self.within(2, 0, _MOST, "the number of arguments")

@@ -95,7 +95,9 @@ def _refuse_surface(placed: Placed) -> None:
     source = getattr(placed.item, "source", None)
     if source is not None:
         kind = type(placed.item).__name__.lower()
-        raise error_at(source, f"the window file has a {kind}; polygons expected")
+        raise error_at(
+            source, f"the window file has surfaces of type {kind}; polygons expected"
+        )
 
 
 def _window(name: str, panes: list[_Pane]) -> Window:

@@ -42,13 +42,22 @@ class ViewGlare:
     """Annual glare of one view; values are NaN in the dark.
 
     `illuminance` is the illuminance at the eye [lux], `brightest` the luminance of the
-    brightest pixel [cd/m²].
+    brightest pixel [cd/m²], `error` the standard error of DGP, NaN if unknown.
     """
 
     view: str
     dgp: Float[np.ndarray, " time"]
     illuminance: Float[np.ndarray, " time"]
     brightest: Float[np.ndarray, " time"]
+    error: Float[np.ndarray, " time"]
+
+    def words(self, step: int) -> str:
+        """Return DGP of a time step with its standard error, if known."""
+        value, error = self.dgp[step], self.error[step]
+        if not np.isfinite(error):
+            return f"{value:.2f}"
+        digits = 2 if error >= _STEP / 2 else 3
+        return f"{value:.{digits}f} ± {max(error, 0.001):.{digits}f}"
 
     def class_of(self, step: int) -> str:
         """Return the glare category of a time step."""
@@ -63,7 +72,12 @@ def view_glare(data: xr.Dataset) -> tuple[ViewGlare, ...]:
     """Return the annual glare of each view in the results; empty without views."""
     if "glare_dgp" not in data:
         return ()
-    names = ("glare_dgp", "glare_illuminance", "glare_brightest_luminance")
+    names = (
+        "glare_dgp",
+        "glare_illuminance",
+        "glare_brightest_luminance",
+        "glare_dgp_error",
+    )
     missing = xr.full_like(data["glare_dgp"], np.nan)
     values = [data.get(name, missing).transpose("view", "time") for name in names]
     rows = zip(*(value.values.astype(float) for value in values), strict=True)
@@ -144,9 +158,12 @@ def glare_words(glare: ViewGlare, occupied: Bool[np.ndarray, " time"]) -> str:
     top = float(exceeded_dgp(dgp))
     level = protection_level(top)
     protection = "no" if level == "none" else level
+    # The time step whose DGP is that percentile has its error
+    step = int(np.argmin(np.where(occupied, np.abs(glare.rated() - top), np.inf)))
+    value = glare.words(step) if np.isfinite(glare.dgp[step]) else f"{top:.2f}"
     free = 100 * float(glare_autonomy(dgp))
     return (
-        f"A DGP of {top:.2f} is exceeded in {100 * EXCEEDANCE:.0f} % of the occupied"
+        f"A DGP of {value} is exceeded in {100 * EXCEEDANCE:.0f} % of the occupied"
         f" hours: {protection} protection from glare after EN 17037."
         f" {free:.1f} % of the hours are free of disturbing glare."
     )
@@ -157,7 +174,7 @@ def glare_note(views: Sequence[ViewGlare], view: str, step: int) -> str:
     glare = next((each for each in views if each.view == view), None)
     if glare is None or not np.isfinite(glare.dgp[step]):
         return ""
-    words = f"DGP {glare.dgp[step]:.2f}, {glare.class_of(step)}"
+    words = f"DGP {glare.words(step)}, {glare.class_of(step)}"
     if np.isfinite(glare.illuminance[step]):
         words += f"; {number(float(glare.illuminance[step]))} lux at the eye"
     return words
@@ -185,7 +202,7 @@ def _worst_rows(
         (
             f"{glare.view}, {moment_words(content.times[step])}",
             [
-                f"{glare.dgp[step]:.2f}",
+                glare.words(step),
                 glare.class_of(step),
                 _or_dash(float(glare.illuminance[step])),
                 _or_dash(float(glare.brightest[step])),

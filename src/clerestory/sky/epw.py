@@ -82,7 +82,8 @@ def read_epw(path: str | Path) -> Weather:
 def _cells(text: str) -> list[str]:
     # Cells of a line; commas within double quotes do not separate
     if '"' in text:
-        return next(csv.reader([text]))
+        with suppress(csv.Error):  # a cell longer than 131,072 characters
+            return next(csv.reader([text]))
     return text.split(",") if text.strip() else []
 
 

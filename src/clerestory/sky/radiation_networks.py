@@ -43,6 +43,9 @@ _SRML: dict[Quantity, str] = {
 }
 _SRML_HEADER = 1
 
+# Exceptions that pvlib and pandas raise on damaged files
+_BROKEN = (ValueError, LookupError, TypeError, AttributeError, ArithmeticError)
+
 
 def read_surfrad(path: str | Path, *, utc_offset_hours: float | None = None) -> Weather:
     """Return the weather of a SURFRAD file (.dat), one day in steps of a minute.
@@ -149,7 +152,7 @@ def _read_srml(path: str | Path) -> Any:
             # pvlib 0.16 uses options that pandas 4 will remove
             warnings.simplefilter("ignore", DeprecationWarning)
             return iotools.read_srml(str(path))
-    except (ValueError, LookupError, TypeError, AttributeError) as error:
+    except _BROKEN as error:
         text = " ".join(str(error).split())
         raise InputError(
             f"{text[:100]}; a file of SRML expected", file=path, line=1

@@ -6,6 +6,8 @@ are written to files.
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
+from itertools import starmap
 from pathlib import Path
 
 import numpy as np
@@ -13,16 +15,19 @@ import xarray as xr
 from jaxtyping import Float, Int
 
 from clerestory.checks import require
+from clerestory.errors import located
 from clerestory.escaping import file_stems
 from clerestory.files import make_folder
 from clerestory.glare.annual_glare import annual_glare
 from clerestory.glare.detection_criteria import SourceRules
 from clerestory.glare.glare_view import glare_view
 from clerestory.glare.sources import warn_if_coarse
+from clerestory.glare.uncertainty import UncertainLuminance
 from clerestory.image.picture import Picture
 from clerestory.image.picture_files import write_picture
 from clerestory.phases.matrix_equation import Skies, States
 from clerestory.phases.picture_matrices import Camera
+from clerestory.phases.picture_series import UncertainPicture
 from clerestory.progress import Progress
 from clerestory.scene.view import View
 from clerestory.study.config_tables import EVERY, ViewTable
@@ -64,15 +69,22 @@ def study_views(
         if len(seen) == 0:
             continue
         show = _counted(display(f"pictures of {label}"), len(seen))
-        lit = _with_lamps(
-            view.pictures(states, skies, seen), lamps.views.get(label, ()), output
+        finish = partial(
+            _finished,
+            lamps.views.get(label, ()),
+            output,
+            kept,
+            out / PICTURE_FOLDER / stems[label],
         )
-        series = _written(lit, kept, out / PICTURE_FOLDER, stems[label])
         if sees_glare(view.camera.view):
+            given = view.uncertain_pictures(states, skies, seen)
+            series = starmap(partial(_uncertain, finish), given)
             glare = _glare(series, view, times, seen, states, progress=show)
             found[label] = glare.reindex(time=times)
         else:
-            for done, _ in enumerate(series, start=1):
+            pictures = view.pictures(states, skies, seen)
+            for done, (step, picture) in enumerate(pictures, start=1):
+                finish(step, picture)
                 show(done)
     if not found:
         return xr.Dataset()
@@ -90,8 +102,10 @@ def warn_of_views(views: Sequence[ViewTable], cameras: Sequence[Camera]) -> None
     """Warn of views with too few pixels for the evaluation of glare."""
     for table, camera in zip(views, cameras, strict=True):
         if sees_glare(camera.view):
-            eye = glare_view(camera.view, camera.columns, camera.rows)
-            warn_if_coarse(eye, SourceRules(), name=f'[[view]] "{table.label}"')
+            name = f'[[view]] "{table.label}"'
+            with located(file=None, subject=f"{name} resolution"):
+                eye = glare_view(camera.view, camera.columns, camera.rows)
+            warn_if_coarse(eye, SourceRules(), name=name)
 
 
 def glare_function(
@@ -132,7 +146,7 @@ def glare_function(
 
 
 def _glare(
-    series: Iterator[np.ndarray],
+    series: Iterator[np.ndarray] | Iterator[UncertainLuminance],
     view: ViewMatrices,
     times: np.ndarray,
     steps: np.ndarray,
@@ -173,29 +187,30 @@ def _asked_for(
     return {stamps[moment]: moment for moment in wanted}
 
 
-def _with_lamps(
-    series: Iterator[tuple[int, Picture]],
+def _finished(
     lamps: Sequence[np.ndarray],
     output: Float[np.ndarray, "zone time"],
-) -> Iterator[tuple[int, Picture]]:
-    # Add the radiance due to each lighting zone, scaled by the zone's dimming level
-    for step, picture in series:
-        pixels = picture.radiance
-        for lit, share in zip(lamps, output[:, step], strict=True):
-            if share > 0:
-                pixels = pixels + np.float32(share) * lit.reshape(pixels.shape)
-        yield step, replace(picture, radiance=pixels)
-
-
-def _written(
-    series: Iterator[tuple[int, Picture]],
     kept: dict[int, str],
-    folder: Path,
-    stem: str,
-) -> Iterator[np.ndarray]:
-    for step, picture in series:
-        if step in kept:
-            make_folder(folder)
-            name = f"{stem}_{kept[step].replace(':', '')}.hdr"
-            write_picture(picture, folder / name)
-        yield picture.luminance()
+    stem: Path,
+    step: int,
+    picture: Picture,
+) -> Picture:
+    # Add the radiance due to each lighting zone, scaled by the zone's dimming level;
+    # write the picture if its time step is selected
+    pixels = picture.radiance
+    for lit, share in zip(lamps, output[:, step], strict=True):
+        if share > 0:
+            pixels = pixels + np.float32(share) * lit.reshape(pixels.shape)
+    found = replace(picture, radiance=pixels)
+    if step in kept:
+        make_folder(stem.parent)
+        name = f"{stem.name}_{kept[step].replace(':', '')}.hdr"
+        write_picture(found, stem.parent / name)
+    return found
+
+
+def _uncertain(
+    finish: Callable[[int, Picture], Picture], step: int, given: UncertainPicture
+) -> UncertainLuminance:
+    luminance = finish(step, given.picture).luminance()
+    return UncertainLuminance(luminance, given.error, given.shared)

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import h5netcdf  # type: ignore[import-untyped]
+import h5py
 import numpy as np
 import xarray as xr
 
@@ -21,6 +22,7 @@ from clerestory.documents import json_value
 from clerestory.errors import InputError
 from clerestory.files import is_file, read_bytes, read_text, replace_path, write_text
 from clerestory.phases.illuminance import hourly_variable
+from clerestory.study.result_checks import check_results, check_run
 
 RESULTS_FILE = "results.nc"
 RUN_FILE = "run.json"
@@ -133,18 +135,22 @@ def read_results(path: str | Path) -> Results:
     large = is_file(path) and path.stat().st_size > 2 * _LARGE
     source = path if large else io.BytesIO(read_bytes(path))
     try:
+        # h5netcdf prints a traceback for files that are not HDF5
+        with h5py.File(source, "r") as file:
+            known = file.attrs.get("format") == _FORMAT
+        message = f"is not the results.nc of a run ({_FORMAT} expected)"
+        require(known, message, file=path)
         data = xr.open_dataset(source, engine="h5netcdf", cache=False)
         if not large:
             with data:
                 data = data.load()
-    except (OSError, ValueError, KeyError, RuntimeError) as error:
+    except InputError:
+        raise
+    except Exception as error:  # HDF5 raises many exception types on damage
         raise InputError(
             "is damaged; the results.nc of a run expected", file=path
         ) from error
-    if data.attrs.get("format") != _FORMAT:
-        raise InputError(
-            f"is not the results.nc of a run ({_FORMAT} expected)", file=path
-        )
+    check_results(data, path)
     return Results(data, _read_run(path.with_name(RUN_FILE)))
 
 
@@ -153,7 +159,7 @@ def _read_run(path: Path) -> dict[str, Any]:
     if not path.is_file():
         return {}
     data = json_value(read_text(path), file=path)
-    require(isinstance(data, dict), "is no run.json; a JSON object expected", file=path)
+    check_run(data, path)
     return dict(data)
 
 

@@ -6,10 +6,10 @@ direct-sun coefficients of all states exceed the limit `keep_gb` of the study, t
 coefficients are traced for each picture and not cached.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
-from functools import partial
-from typing import Any, Literal
+from functools import cache, partial
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 from jaxtyping import Int
@@ -30,13 +30,22 @@ from clerestory.phases.picture_matrices import (
     picture_view_matrices,
     sun_pictures,
 )
-from clerestory.phases.picture_series import pictures_over_time
+from clerestory.phases.picture_series import (
+    UncertainPicture,
+    pictures_over_time,
+    uncertain_pictures_over_time,
+)
+from clerestory.phases.stored_views import FEW, with_few_components
 from clerestory.study.config_tables import ViewTable
 from clerestory.study.job import DIRECT, STATE, SUN, Job
 from clerestory.study.study_matrices import StudyMatrices
 
-# Bytes per pixel and sun: three half-precision values
-_PIXEL_BYTES = 6
+# Bytes per pixel and sun: three half-precision values and their errors
+_PIXEL_BYTES = 12
+
+
+# Kind of the pictures of a series
+_Series = TypeVar("_Series", Picture, UncertainPicture)
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,8 +69,23 @@ class ViewMatrices:
 
         Time steps with the same shade states follow each other, in order of time.
         """
+        return self._series(pictures_over_time, states, skies, steps)
+
+    def uncertain_pictures(
+        self, states: States, skies: Skies, steps: Int[np.ndarray, " step"]
+    ) -> Iterator[tuple[int, UncertainPicture]]:
+        """Yield index, picture and its errors of each time step; see `pictures`."""
+        return self._series(uncertain_pictures_over_time, states, skies, steps)
+
+    def _series(
+        self,
+        make: Callable[..., Iterator[_Series]],
+        states: States,
+        skies: Skies,
+        steps: Int[np.ndarray, " step"],
+    ) -> Iterator[tuple[int, _Series]]:
         for alike in _combinations(states, steps):
-            series = pictures_over_time(
+            series = make(
                 self.windows,
                 self.matrices.terms,
                 self.camera,
@@ -104,7 +128,11 @@ class ViewMatrices:
             effort,
             shown=f"direct sun in pictures, {label}",
         )
-        return lambda asked: found.values[:, :, asked]
+        parts = found.components
+        return lambda asked: (
+            found.values[:, :, asked],
+            None if parts is None else parts[..., asked],
+        )
 
     def _bytes(self, suns: int) -> int:
         # Size of the direct-sun coefficients of all views and shade states [bytes]
@@ -126,9 +154,15 @@ def _half_views(*where: Any, **how: Any) -> dict[str, TransferMatrix]:
 def _half(matrix: TransferMatrix) -> TransferMatrix:
     # Half precision (three digits) suffices, as pixel noise is larger. If channels are
     # equal, as in grey rooms, only one is stored
-    values = matrix.values
-    alike = values.strides[0] == 0
-    return replace(matrix, values=(values[:1] if alike else values).astype(np.float16))
+    values, error = matrix.values, matrix.components
+    if values.strides[0] == 0:
+        values = values[:1]
+        error = None if error is None else error[:, :1]
+    return replace(
+        matrix,
+        values=values.astype(np.float16),
+        components=None if error is None else error.astype(np.float16),
+    )
 
 
 def _combinations(
@@ -159,8 +193,15 @@ def _view(
         for group, window in zip(job.inputs.groups, matrices.windows, strict=True):
             chain = window.direct if part == "direct" else window.whole
             factors = chain.factors if chain else ()
-            found.append(MatrixChain((views[group.name],), factors))
+            own = tuple(tuple(map(few, factor)) for factor in factors)
+            found.append(MatrixChain((views[group.name],), own))
         return found
+
+    @cache
+    def few(matrix: TransferMatrix) -> TransferMatrix:
+        # Few error components suffice for glare; equal matrices remain one object
+        batches = 0 if matrix.components is None else len(matrix.components)
+        return matrix if batches % FEW else with_few_components(matrix)
 
     view = ViewMatrices(job, table, camera, matrices)
     parts = {term.part for term in matrices.terms}

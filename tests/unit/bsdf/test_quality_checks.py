@@ -150,6 +150,13 @@ def test_flux_shares_of_a_clear_layer_are_too_dark():
     assert finding.matters
 
 
+def test_values_of_a_coarse_basis_are_no_flux_shares():
+    """Five patches of a Lambertian layer of 0.2 sum to 5 · 0.2/π = 0.32."""
+    limits, count = np.array([0.0, 30, 90]), np.array([1, 4])
+    coarse = from_rings("Coarse", limits_deg=limits, count=count)
+    assert names(lambertian(0.2, coarse)) == set()
+
+
 def test_half_with_73_patches_is_a_doubtful_label():
     rings = from_rings(
         "LBNL/Klems Half",

@@ -67,9 +67,9 @@ def test_errors_shared_by_all_pixels_are_those_of_the_closed_form():
 
 
 def fireflies(seed):
-    """Rare paths: one batch of 12,800 in a part of the room finds the sun."""
+    """Rare paths: one batch of 20,000 in a part of the room finds the sun."""
     factor, random = noise(seed, 30.0)
-    batches, chance = room() * factor, 1 / 12_800
+    batches, chance = room() * factor, 1 / 20_000
     part = np.s_[90:118, 10:110]
     hits = random.random((BATCHES, 28, 100)) < chance
     batches[(slice(None), *part)] += hits * FIREFLY * BATCHES
@@ -82,7 +82,7 @@ def test_a_firefly_picture_covers_the_truth_and_is_told():
     """Single samples of 8e6 cd/m² as in the acceptance run; truth by expectation."""
     truth = evaluate_glare(picture(fireflies(0)[1])).dgp
     wrong = 0
-    for seed in range(2 * SEEDS):
+    for seed in range(SEEDS):
         batches, _, hits = fireflies(seed)
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")

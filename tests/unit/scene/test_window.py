@@ -107,7 +107,7 @@ def test_holes_do_not_count_as_area(write):
         (f"#@rfluxmtx u=0,0,0\nvoid {PANE}", 1, "is not a direction"),
         (f"#@rfluxmtx q=1\nvoid {PANE}", 1, "unknown variable"),
         (f"#@rfluxmtx u=Y\nvoid {PANE}", 2, "parallel to the normal"),
-        ("void ring r 0 0 8 0 0 0 0 0 1 0 1", 1, "window file has a ring"),
+        ("void ring r 0 0 8 0 0 0 0 0 1 0 1", 1, "surfaces of type ring"),
         ("void polygon p 0 0 9 1 2 3", 1, "ends"),
         ("# nothing", None, "no polygons"),
     ],

@@ -232,6 +232,13 @@ def test_commas_in_quotes_do_not_separate(write_epw):
     assert (weather.latitude_deg, weather.longitude_deg) == (50.0, 8.5)
 
 
+def test_a_very_long_cell_in_quotes_is_a_comment(write_epw):
+    path = write_epw()
+    long = '"' + 200_000 * "x" + '"'
+    path.write_text(path.read_text().replace("made for tests", long))
+    assert len(read_weather(path)) == 24
+
+
 def test_daysim_five_minute_files_keep_their_step(write_wea):
     """Daysim writes hours with three digits: 0.042, 0.125, 0.208, …"""
     hours = (np.arange(288) + 0.5) / 12

@@ -1,0 +1,124 @@
+"""Checks of results.nc and run.json, which may come from outside."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+from pydantic import Field
+
+from clerestory.checks import require
+from clerestory.documents import Item, json_value, validated
+from clerestory.errors import InputError, located
+
+# Axes of the variables of results.nc, by their kind of values in NumPy
+_NUMBERS = {
+    "illuminance": ("sensor", "time"),
+    "standard_error": ("sensor", "time"),
+    "occupied": ("time",),
+    "position": ("sensor", "xyz"),
+    "direction": ("sensor", "xyz"),
+    "direct_sun_illuminance": ("sensor", "time"),
+    "triangle": ("triangle", "corner", "xyz"),
+    "triangle_colour": ("triangle", "channel"),
+    "window_triangle": ("window_triangle", "corner", "xyz"),
+    "window_index": ("window_triangle",),
+    "window_centre": ("window", "xyz"),
+    "window_normal": ("window", "xyz"),
+    "window_up": ("window", "xyz"),
+    "state": ("window", "time"),
+    "electric_illuminance": ("sensor", "time"),
+    "sun_reaches": ("opening", "moment"),
+    "room_hours_of_sun": (),
+}
+_NAMES = {
+    "sensor": ("sensor",),
+    "grid": ("sensor",),
+    "window": ("window",),
+    "state_name": ("window", "state_number"),
+    "control": ("window",),
+    "view": ("view",),
+    "zone": ("zone",),
+    "opening": ("opening",),
+    "method": ("method",),
+}
+_TIMES = {"time": ("time",), "moment": ("moment",)}
+_KINDS: Mapping[str, Mapping[str, tuple[str, ...]]] = {
+    "fiub": _NUMBERS,
+    "UO": _NAMES,
+    "M": _TIMES,
+}
+_REQUIRED = (
+    *("illuminance", "standard_error", "occupied", "position", "direction"),
+    *("sensor", "grid", "time"),
+)
+_SPATIAL = 3
+
+_TEXTS = ("title", "method", "place", "study")
+_FIGURES = (
+    *("target_lux", "latitude_deg", "longitude_deg", "utc_offset_hours"),
+    *("step_minutes", "rotation_deg"),
+)
+
+
+class _RunFacts(Item):
+    # What reports use of run.json
+    seconds: dict[str, float] = Field({})
+    warnings: list[str] = Field([])
+    matrices: dict[str, dict[str, Any]] = Field({})
+
+
+class _StudyFacts(Item):
+    # What reports use of the study in results.nc
+    sky: dict[str, Any] = Field({})
+    schedule: dict[str, Any] = Field({})
+    weather: dict[str, Any] = Field({})
+
+
+def check_results(data: xr.Dataset, file: Path) -> None:
+    """Require the variables and attributes of results.nc, with their axes and kinds."""
+    with located(file=file):
+        missing = [name for name in _REQUIRED if name not in data.variables]
+        require(not missing, f"{', '.join(missing)} missing; results of a run expected")
+        for kinds, axes in _KINDS.items():
+            for name in axes.keys() & set(data.variables):
+                _check_variable(data[name], axes[name], kinds)
+        spatial = data.sizes.get("xyz", _SPATIAL)
+        require(spatial == _SPATIAL, f"axis xyz has length {spatial}; 3 expected")
+        for name in ("sensor", "time"):
+            require(data.sizes[name], f"axis {name} is empty; one or more expected")
+        require("title" in data.attrs, "attribute title missing; a text expected")
+        for name in _TEXTS:
+            value = data.attrs.get(name, "")
+            require(
+                isinstance(value, str), f"attribute {name} is {value!r}; text expected"
+            )
+        for name in _FIGURES:
+            _check_number(data.attrs.get(name, 0.0), name)
+    study = json_value(data.attrs.get("study", "{}"), file=file)
+    validated(study, _StudyFacts, file=file)
+
+
+def check_run(value: object, file: Path) -> None:
+    """Require a JSON object, with times, warnings and matrices as in run.json."""
+    expected = "is no run.json; a JSON object expected"
+    require(isinstance(value, dict), expected, file=file)
+    validated(value, _RunFacts, file=file)
+
+
+def _check_variable(data: xr.DataArray, axes: tuple[str, ...], kinds: str) -> None:
+    shown = ", ".join(axes) or "none"
+    message = (
+        f"variable {data.name} has axes {', '.join(map(str, data.dims)) or 'none'}"
+    )
+    require(data.dims == axes, f"{message}; {shown} expected")
+    what = {"fiub": "numbers", "UO": "texts", "M": "times"}[kinds]
+    found = f"variable {data.name} has values of type {data.dtype}"
+    require(data.dtype.kind in kinds, f"{found}; {what} expected")
+
+
+def _check_number(value: object, name: str) -> None:
+    try:
+        float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        raise InputError(f"attribute {name} is {value!r}; a number expected") from None

@@ -1,0 +1,319 @@
+"""Named cases of hostile input, through the command line: one line, at once."""
+
+import ast
+import os
+import time
+import warnings
+from pathlib import Path
+
+import pytest
+from optics_seeds import SYSTEM
+from result_seeds import SCAN, room
+from scene_seeds import IES, OBJ
+from weather_seeds import STATION
+
+import clerestory
+from clerestory.cli.main import main
+from clerestory.errors import InputError
+from clerestory.files import read_bytes
+
+SOURCE = Path(clerestory.__file__).parent
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    place = tmp_path / "project"
+    place.mkdir()
+    room(place)
+    monkeypatch.chdir(place)
+    return place
+
+
+@pytest.fixture
+def said(capsys, folder):
+    """Status and message of a command, of one line and fewer than 500 characters."""
+
+    def run(*words):
+        capsys.readouterr()
+        began = time.process_time()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            status = main([str(word) for word in words])
+        # What is refused takes no time, but the first command imports the package
+        assert time.process_time() - began < 20
+        lines = capsys.readouterr().err.splitlines()
+        told = [line for line in lines if not line.startswith("warning: ")]
+        assert len(told) == (status != 0), told
+        assert all(len(line) <= 500 for line in lines)
+        assert not any(line.startswith("unexpected ") for line in told)
+        return status, "".join(told)
+
+    return run
+
+
+def change(name, old, new):
+    text = Path(name).read_text()
+    assert old in text
+    Path(name).write_text(text.replace(old, new, 1))
+
+
+# ------------------------------- Numbers and nesting -------------------------------
+DEEP = {
+    "lists": "a = " + "[" * 5000 + "]" * 5000,
+    "tables": "a = " + "{b=" * 3000 + "1" + "}" * 3000,
+    "dotted key": ".".join("a" * 5000) + " = 1",
+    "header": "[" + ".".join("a" * 5000) + "]\nx = 1",
+    "array of tables": "[[window]]\n[window." + ".".join("a" * 5000) + "]\nx = 1",
+    "5000 digits": "a = " + "9" * 5000,
+}
+
+
+@pytest.mark.parametrize("case", DEEP)
+def test_deep_nesting_and_long_numbers_of_a_study_are_refused(said, case):
+    Path("study.toml").write_text(DEEP[case])
+    status, text = said("run", "study.toml")
+    assert status == 2
+    assert text.startswith("study.toml:")
+
+
+@pytest.mark.parametrize("digits", [400, 4000, 5000])
+def test_a_value_of_thousands_of_digits_is_refused(said, digits):
+    change("study.toml", "samples = 256", "samples = " + "9" * digits)
+    assert said("run", "study.toml")[0] == 2
+
+
+def test_long_numbers_and_cells_of_other_files_are_refused(said):
+    change("room.rad", "\n12\n", "\n" + "9" * 5000 + "\n")
+    assert said("run", "study.toml")[0] == 2
+    Path("s.toml").write_text('kind = "venetian"\nspacing = ' + "9" * 4000)
+    assert said("bsdf", "generate", "--system", "s.toml", "-o", "a.xml")[0] == 2
+    head = '722000,"T",NC,-5.0,36.1,-79.9,273\nDate (MM/DD/YYYY),Time (HH:MM)\n'
+    Path("y.csv").write_text(head + "9" * 200_000 + "\n")
+    assert said("sky", "describe", "y.csv")[0] == 2
+
+
+def test_nested_json_is_refused(said):
+    Path("m.hbjson").write_text("[" * 900 + "]" * 900)
+    assert said("import", "m.hbjson", "-o", "out")[0] == 2
+    Path("m.hbjson").write_text('{"a":' * 900 + "1" + "}" * 900)
+    assert said("import", "m.hbjson", "-o", "out")[0] == 2
+
+
+# ------------------------------------ Geometry ------------------------------------
+WINDOW = "{head}void glow g 0 0 4 1 1 1 0\ng polygon w 0 0 12 {points}\n"
+WINDOWS = {
+    "on a line": ("0 0 0 1 0 0 2 0 0 3 0 0", "", "no area"),
+    "a point": ("0 0 1 0 0 1 0 0 1 0 0 1", "", "no area"),
+    "infinite vertex": ("inf 0 1 1 0 1 1 0 2 4 0 2", "", "number"),
+    "infinite axis": ("4 0 1 1 0 1 1 0 2 4 0 2", "u=inf,0,0", "direction"),
+    "no axis": ("4 0 1 1 0 1 1 0 2 4 0 2", "u=nan,0,1", "direction"),
+    "overflowing axis": ("4 0 1 1 0 1 1 0 2 4 0 2", "u=0,1e300,1e300", "direction"),
+}
+
+
+@pytest.mark.parametrize("case", WINDOWS)
+def test_a_window_without_area_or_axis_is_refused(said, capsys, case):
+    points, up, _ = WINDOWS[case]
+    head = f"#@rfluxmtx h=kf {up}\n"
+    Path("window.rad").write_text(WINDOW.format(head=head, points=points))
+    status, text = said("run", "study.toml")
+    assert status == 2
+    assert "window.rad" in text
+
+
+@pytest.mark.parametrize("metres", ["1e11", "-1e11", "1e15"])
+def test_a_vertex_far_away_gives_a_result_or_a_line(said, metres):
+    far = f"\ngrey polygon far 0 0 9 {metres} 0 0 {metres} 1 0 {metres} 0 1\n"
+    Path("room.rad").write_text(Path("room.rad").read_text() + far)
+    assert said("run", "study.toml", "--plan")[0] in (0, 2)
+
+
+@pytest.mark.parametrize("sensor", ["inf 1 1 0 0 1", "1 1 1 0 0 1e300", "1 1 1 0 0 0"])
+def test_a_sensor_without_place_or_direction_is_refused(said, sensor):
+    Path("desk.pts").write_text(sensor + "\n")
+    status, text = said("run", "study.toml")
+    assert status == 2
+    assert text.startswith("desk.pts:1:")
+
+
+# ------------------------------------- Names -------------------------------------
+@pytest.mark.parametrize("name", ["a" * 300, "é" * 200, "a" * 5000])
+def test_a_name_of_more_than_255_bytes_is_written_or_refused(said, name):
+    for key in ("sensors", "window"):
+        room(Path())
+        head = f"[[{key}]]\n"
+        change("study.toml", head, f'{head}name = "{name}"\n')
+        change("study.toml", 'name = "south"\n', "") if key == "window" else None
+        assert said("run", "study.toml", "--plan")[0] in (0, 2)
+    assert said("sky", "matrix", "two_days.wea", "-o", f"{name}.smx")[0] == 1
+    assert said("run", f"{name}.toml")[0] == 2
+    assert not [path for path in Path().rglob("*.lock")]
+
+
+# ----------------------------- Pipes, devices, folders -----------------------------
+@pytest.fixture(params=["pipe", "zero", "random", "folder", "missing"])
+def odd_path(request, folder):
+    path = folder / "odd"
+    match request.param:
+        case "pipe":
+            os.mkfifo(path)
+        case "zero" | "random":
+            path = Path("/dev/zero" if request.param == "zero" else "/dev/urandom")
+        case "folder":
+            path.mkdir()
+    return path
+
+
+COMMANDS = (
+    "bsdf info {}",
+    "run {}",
+    "report {}",
+    "sky describe {}",
+    "glare {}",
+    "picture info {}",
+    "picture convert {} -o a.hdr",
+    "picture merge {} {} -o a.hdr",
+    "gonio info {}",
+    "gonio fit {} -o a.nc",
+    "glazing stack {}",
+    "luminaire info {}",
+    "metrics {}",
+    "multiply {} {} -o a.mtx",
+    "import {} -o out",
+    "trace coefficients --scene {} --sensors desk.pts --samples 1 -o a.mtx",
+    "trace coefficients --scene room.rad --sensors {} --samples 1 -o a.mtx",
+    "render --scene room.rad --view {} -o a.hdr",
+    "compare {} {}",
+)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_pipes_devices_and_folders_are_refused_at_once(said, odd_path, command):
+    status, text = said(*(word.format(odd_path) for word in command.split()))
+    assert status == 2
+    assert str(odd_path.name) in text
+
+
+def test_a_pipe_that_a_shell_passes_is_read(tmp_path):
+    reading, writing = os.pipe()
+    os.write(writing, b"void plastic")
+    os.close(writing)
+    assert read_bytes(f"/dev/fd/{reading}") == b"void plastic"
+    os.close(reading)
+
+
+def test_an_output_that_is_no_file_is_left_alone(said, folder):
+    os.mkfifo("pipe")
+    for output in ("pipe", "/dev/null", "."):
+        before = Path(output).stat().st_mode
+        command = f"sky matrix two_days.wea --subdivision 1 -o {output}"
+        assert said(*command.split())[0] == 1
+        assert Path(output).stat().st_mode == before
+
+
+def test_a_file_larger_than_memory_is_refused(tmp_path, monkeypatch):
+    path = tmp_path / "huge"
+    with path.open("wb") as stream:
+        stream.truncate(1 << 42)
+    with pytest.raises(InputError, match="cannot be read"):
+        read_bytes(path)
+
+
+# ---------------------------- Files outside the project ----------------------------
+SECRET = (
+    "root:$6$tOpSeCrEt:19000:0:99999:7:::\n31337 tOpSeCrEt 'tOpSeCrEt' \"tOpSeCrEt\n"
+)
+STUDY_KEYS = {
+    "scene": ('"room.rad"', '"{}"'),
+    "window": ('"window.rad"', '"{}"'),
+    "bsdf": ('"diffuser.xml"', '"{}"'),
+    "sensors": ('"desk.pts"', '"{}"'),
+    "weather": ('"two_days.wea"', '"{}"'),
+    "view": ("[weather]", '[[view]]\nname = "v"\nfile = "{}"\n[weather]'),
+    "luminaire": (
+        "[weather]",
+        '[[luminaire]]\nfile = "{}"\nposition = [1, 1, 2]\n[weather]',
+    ),
+    "schedule": (
+        "[[sensors]]",
+        '[window.control]\nrule = "schedule"\nfile = "{}"\n[[sensors]]',
+    ),
+}
+STATEMENTS = (
+    "!xform {}",
+    "!xform -f {} part.rad",
+    "!cat {}",
+    "!genprism grey p {} -l 0 0 1",
+    "!gensurf grey p s t '0' 2 2 -f {}",
+    "!ies2rad {}",
+    "!mgf2rad {}",
+    "!pkgBSDF {}",
+    "void instance i 1 {} 0 0",
+    "void mesh i 1 {} 0 0",
+    "void brightfunc i 2 f {} 0 0",
+    "void brightdata i 4 f {} . Px 0 0",
+    "void BSDF i 6 0 {} 0 0 1 . 0 0",
+)
+
+
+def secret_of(tmp_path, suffix=""):
+    path = tmp_path / f"outside{suffix}"
+    path.write_text(SECRET)
+    return path
+
+
+@pytest.mark.parametrize("suffix", ["", ".toml", ".csv"])
+@pytest.mark.parametrize("key", STUDY_KEYS)
+def test_a_study_does_not_show_files_outside_its_folder(said, tmp_path, key, suffix):
+    old, new = STUDY_KEYS[key]
+    change("study.toml", old, new.format(secret_of(tmp_path, suffix)))
+    status, text = said("run", "study.toml", "--plan")
+    assert status == 2
+    assert "tOpSeCrEt" not in text
+    assert "31337" not in text
+
+
+@pytest.mark.parametrize("line", STATEMENTS)
+def test_a_scene_does_not_show_files_outside_its_folder(said, tmp_path, line):
+    Path("part.rad").write_text("")
+    text = line.format(secret_of(tmp_path)) + "\n"
+    Path("room.rad").write_text(Path("room.rad").read_text() + text)
+    status, told = said("run", "study.toml", "--plan")
+    assert status in (0, 2)
+    assert "tOpSeCrEt" not in told
+
+
+OTHERS = {
+    "glazing stack g.toml": ("g.toml", SYSTEM.replace("a.json", "{}")),
+    "sky describe s.toml": ("s.toml", STATION.replace("roof.csv", "{}")),
+    "import m.obj -o out": ("m.obj", OBJ.replace("m.mtl", "{}")),
+    "luminaire info l.ies": ("l.ies", IES.replace("TILT=NONE", "TILT={}")),
+    "compare m.toml two_days.wea": ("m.toml", SCAN.replace("nine.csv", "{}")),
+}
+
+
+@pytest.mark.parametrize("command", OTHERS)
+def test_other_files_do_not_show_files_outside_their_folder(said, tmp_path, command):
+    name, text = OTHERS[command]
+    Path(name).write_text(text.replace("{}", str(secret_of(tmp_path))))
+    assert "tOpSeCrEt" not in said(*command.split())[1]
+
+
+def test_own_files_are_quoted(said):
+    Path("desk.pts").write_text("1 1 desk 0 0 1\n")
+    assert '"desk"' in said("run", "study.toml")[1]
+
+
+# ------------------------------------ Sentences ------------------------------------
+def test_no_message_has_an_article_before_a_value():
+    """The article depends on the value: "of kind {kind}", not "a {kind}"."""
+    found = []
+    for file in SOURCE.rglob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text("utf-8"))):
+            if isinstance(node, ast.JoinedStr):
+                for part in node.values[:-1]:
+                    text = part.value if isinstance(part, ast.Constant) else ""
+                    words = text.lower().split(" ")
+                    if words[-1] == "" and words[-2:-1] in (["a"], ["an"]):
+                        found.append(f"{file.relative_to(SOURCE)}:{node.lineno}")
+    assert found == []
