@@ -155,8 +155,10 @@ def _count(paths: int) -> str:
 
 
 def _duration(seconds: float) -> str:
+    if seconds < 0.5:
+        return "< 1 s"
     if seconds < 100:
-        return f"{max(1, round(seconds))} s"
+        return f"{round(seconds)} s"
     if seconds < 6000:
         return f"{seconds / 60:.0f} min"
     return f"{seconds / 3600:.1f} h"
