@@ -60,6 +60,9 @@ _SHOWN = 60
 # Deepest nesting of tables and lists
 _DEEPEST = 100
 
+# Largest whole number; floating-point numbers end at 1.8e308
+_LARGEST = 10**300
+
 
 class Table(BaseModel):
     """Base class of TOML tables; unknown keys and values of wrong type are invalid."""
@@ -116,6 +119,8 @@ def _not_too_deep(value: Any) -> Any:
     level = [value]
     for _ in range(_DEEPEST):
         nested = (each for each in level if isinstance(each, dict | list))
+        if any(isinstance(each, int) and abs(each) > _LARGEST for each in level):
+            raise ValueError
         members = (n.values() if isinstance(n, dict) else n for n in nested)
         level = [member for each in members for member in each]
     if level:

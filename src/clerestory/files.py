@@ -1,9 +1,10 @@
 """Atomic writing of files, and reading with error messages that name the file."""
 
+import csv
 import os
 import stat
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO, cast
@@ -76,6 +77,16 @@ def read_text(path: str | Path) -> str:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
         return data.decode("latin-1")
+
+
+def csv_rows(
+    lines: Iterable[str], *, file: str | Path | None = None, separator: str = ","
+) -> list[list[str]]:
+    """Return the cells of lines of comma-separated values."""
+    try:
+        return list(csv.reader(lines, delimiter=separator))
+    except csv.Error as error:
+        raise InputError(f"no table of values: {error}", file=file) from error
 
 
 def read_bytes(path: str | Path) -> bytes:

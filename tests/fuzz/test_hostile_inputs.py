@@ -82,6 +82,16 @@ def test_a_value_of_thousands_of_digits_is_refused(said, digits):
     assert said("run", "study.toml")[0] == 2
 
 
+def test_long_numbers_and_cells_of_other_files_are_refused(said):
+    change("room.rad", "\n12\n", "\n" + "9" * 5000 + "\n")
+    assert said("run", "study.toml")[0] == 2
+    Path("s.toml").write_text('kind = "venetian"\nspacing = ' + "9" * 4000)
+    assert said("bsdf", "generate", "--system", "s.toml", "-o", "a.xml")[0] == 2
+    head = '722000,"T",NC,-5.0,36.1,-79.9,273\nDate (MM/DD/YYYY),Time (HH:MM)\n'
+    Path("y.csv").write_text(head + "9" * 200_000 + "\n")
+    assert said("sky", "describe", "y.csv")[0] == 2
+
+
 def test_nested_json_is_refused(said):
     Path("m.hbjson").write_text("[" * 900 + "]" * 900)
     assert said("import", "m.hbjson", "-o", "out")[0] == 2

@@ -116,6 +116,33 @@ def corner():
     return scene, (0, 0, 1), direction[2] * share
 
 
+def cube_corner():
+    """Three mirrors at right angles: three reflections send the light back."""
+    direction = np.array([-0.5, -0.7, 0.5])
+    direction /= np.linalg.norm(direction)
+    floor = quad((-FAR, -FAR, -1), (FAR, -FAR, -1), (FAR, FAR, -1), (-FAR, FAR, -1))
+    floor = replace(floor, material="mirror")
+    walls = floor, sky_plane(2, "mirror"), east_wall("mirror")
+    share = RHO * (1 + 2 * RHO + RHO**2)
+    return lit(walls, (sun(direction),), MIRROR), (0, 0, -1), direction[2] * share
+
+
+def kaleidoscope():
+    """Two mirrors at 60°: five images, which the mirrors' normals do not contain."""
+    x, y = FAR / 2, FAR * np.sqrt(3) / 2 - 2
+    walls = (
+        quad((0, -2, FAR), (x, y, FAR), (x, y, -FAR), (0, -2, -FAR), material="mirror"),
+        quad(
+            (0, -2, -FAR), (-x, y, -FAR), (-x, y, FAR), (0, -2, FAR), material="mirror"
+        ),
+    )
+    # All images are seen from near the bisector, none of them at the edge
+    direction = np.array([0.15, 0.8, 0.6]) / np.linalg.norm([0.15, 0.8, 0.6])
+    scene = lit(walls, (sun(direction),), MIRROR)
+    share = 1 + 2 * RHO + 2 * RHO**2 + RHO**3
+    return scene, (0, 0, 1), direction[2] * share
+
+
 def skylight():
     """A horizontal sensor under two panes: the series of interreflections is summed."""
     sheets = [
@@ -191,6 +218,8 @@ SCENES = {
     ),
     "shaded pane": shaded_pane,
     "corner": corner,
+    "cube corner": cube_corner,
+    "kaleidoscope": kaleidoscope,
     "skylight": skylight,
     "façade": facade,
     "opposite façade": opposite,
@@ -294,6 +323,24 @@ def test_error_bars_include_a_lamp_in_a_corner_of_mirrors(device):
         )
     )
     agrees(scene, WHERE, UPWARDS, truth, device=device)
+
+
+def test_error_bars_include_a_lamp_between_parallel_mirrors(device):
+    """The light of all images in both walls, down to faint ones."""
+    west = (-2, -FAR, -FAR), (-2, FAR, -FAR), (-2, FAR, FAR), (-2, -FAR, FAR)
+    walls = quad(*west, material="mirror"), east_wall("mirror")
+    scene = Scene({"mirror": MIRROR, "lamp": SHINE}, (lamp_at(LAMP, 0.01), *walls))
+    normal = np.array([1.0, 0, 0])
+    truth = np.zeros(3)
+    for order in range(200):
+        # The image number `order` to the east; the mirrored lamp looks like the lamp
+        place = 4 * order + (LAMP[0] if order % 2 == 0 else -LAMP[0])
+        moved = np.array([place - LAMP[0], 0, 0])
+        share = RHO**order
+        truth += from_lamp(
+            lambda _, s=share: s, [lambda points, by=moved: points + by], normal
+        )
+    agrees(scene, WHERE, normal, truth, device=device)
 
 
 @pytest.mark.parametrize("name", SCENES)

@@ -1,6 +1,5 @@
 """CSV files of data loggers, with a column of times and one column per series."""
 
-import csv
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Literal
@@ -12,7 +11,7 @@ from pydantic import Field
 from clerestory.checks import require
 from clerestory.comparison.series import Series
 from clerestory.documents import Table
-from clerestory.files import read_text
+from clerestory.files import csv_rows, read_text
 from clerestory.sky.csv_measurements import LoggerTable, local_times, read_table
 from clerestory.sky.station_file import OneOrSeveral
 from clerestory.sky.time_steps import step_centres
@@ -103,7 +102,7 @@ def read_plain(path: str | Path, *, utc_offset_hours: float) -> Series:
 
 
 def _header(path: Path) -> Sequence[str]:
-    rows = csv.reader(read_text(path).splitlines()[:1])
+    rows = csv_rows(read_text(path).splitlines()[:1], file=path)
     names = [name.strip() for row in rows for name in row]
     valid = len(names) > 1 and all(names) and len(set(names)) == len(names)
     message = "a header with a column of times and unique names of series expected"

@@ -4,7 +4,6 @@ The states of a window group are numbered from the most open, 0, to the most clo
 Results are computed once for every state; a schedule selects one per time step.
 """
 
-import csv
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,7 +16,7 @@ from clerestory.brief_repr import brief
 from clerestory.checks import not_negative, require, same_length, within
 from clerestory.errors import InputError
 from clerestory.escaping import csv_line, plain_cell
-from clerestory.files import read_text, write_text
+from clerestory.files import csv_rows, read_text, write_text
 
 # Largest state number in a file
 _MOST_STATES = 10_000
@@ -122,7 +121,8 @@ def states_at(
 def read_schedule(path: str | Path) -> StateSchedule:
     """Read times and shade states from a CSV file with the header `time,GROUP…`."""
     lines = read_text(path).splitlines()
-    groups = [plain_cell(w.strip()) for w in next(csv.reader(lines[:1]), [])[1:]]
+    head = [*csv_rows(lines[:1], file=path), []][0]
+    groups = [plain_cell(word.strip()) for word in head[1:]]
     message = "no header time,GROUP… in the first line"
     require(groups, message, file=path, line=1)
     times, rows = [], []

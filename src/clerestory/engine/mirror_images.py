@@ -14,27 +14,18 @@ from dataclasses import dataclass, replace
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
+from clerestory.engine.image_compositions import Compositions, guidance
 from clerestory.engine.lower import LoweredScene
 from clerestory.engine.next_event_estimation import Scattering
 from clerestory.engine.sampler import Distribution, PathNumbers, random_number
-from clerestory.engine.smooth_faces import Planes, SmoothFaces
+from clerestory.engine.smooth_faces import SmoothFaces
 from clerestory.engine.upload import on_device, vectors
-
-# Number of planes or orientations, the most reflecting ones, that form images by two
-# reflections.
-_FEW = 8
-
-# Factor on the sampling weight of a surface for each further reflection to the image.
-_LATER = 0.1
 
 # Vertices up to this number always sample an image; binary logarithm of the number of
 # paths that decide alike at later vertices; dimension of the random numbers.
 _FIRST, _ALIKE, _DECISION = 1, 5, 0x60000
-
-# Tolerances of equal transforms: rotation, and shift [m].
-_SAME, _SAME_SHIFT = 1e-3, 2e-3
 
 
 @dataclass
@@ -76,7 +67,7 @@ class MirrorImages:
     def of(cls, faces: SmoothFaces, *, distant: bool) -> "MirrorImages":
         """Return the images of suns (`distant`) or of emitters in a scene."""
         planes = faces.planes(distant=distant)
-        made = _Compositions.of(planes)
+        made = Compositions.of(planes)
         step, weight = made.steps(), np.array(made.weight)
         return cls(
             distant=distant,
@@ -90,7 +81,7 @@ class MirrorImages:
             other=len(step) - 1,
             outside=on_device(mi.UInt32, [len(step) - 1]),
             columns=on_device(mi.UInt32, [len(planes.normal) + 1]),
-            guide=on_device(mi.Float, _guidance(step)),
+            guide=on_device(mi.Float, guidance(step)),
             weight=weight,
             chosen=Distribution.of(weight if weight.any() else np.ones(len(weight))),
             rate=on_device(mi.Float, [1.0]),
@@ -166,89 +157,3 @@ class MirrorImages:
         moved = self.following(state, plane)
         moved = dr.select(after.delta, moved, 0)
         return dr.select(after.null, state, moved)
-
-
-@dataclass
-class _Compositions:
-    # Transforms and weights of states; state 0 is the identity of a path without
-    # reflections. `last` is the plane of the last reflection
-    reflect: Float[np.ndarray, "plane 3 3"]
-    move: Float[np.ndarray, "plane 3"]
-    linear: list[np.ndarray]
-    shift: list[np.ndarray]
-    weight: list[float]
-    last: list[int]
-
-    @classmethod
-    def of(cls, planes: Planes) -> "_Compositions":
-        normal, offset = planes.normal, planes.offset
-        reflect = np.eye(3) - 2 * normal[:, :, None] * normal[:, None, :]
-        move = 2 * offset[:, None] * normal
-        made = cls(
-            reflect, move, [np.eye(3), *reflect], [np.zeros(3), *move],
-            [0.0, *planes.weight], [-1, *range(len(normal))],
-        )  # fmt: skip
-        few = range(min(len(normal), _FEW))
-        pairs = [
-            (planes.weight[one] * planes.weight[two], one, two)
-            for one in few
-            for two in few
-            if one != two or planes.apart[one]
-        ]
-        # The most probable compositions first
-        for chance, one, two in sorted(pairs, reverse=True):
-            made.add(one + 1, two, chance)
-        return made
-
-    def after(self, state: int, plane: int) -> tuple[np.ndarray, np.ndarray]:
-        return (
-            self.linear[state] @ self.reflect[plane],
-            self.linear[state] @ self.move[plane] + self.shift[state],
-        )
-
-    def known(self, state: int, plane: int) -> int | None:
-        linear, shift = self.after(state, plane)
-        turn = np.abs(np.array(self.linear[1:]) - linear).max(axis=(1, 2))
-        away = np.abs(np.array(self.shift[1:]) - shift).max(axis=1)
-        same = np.flatnonzero((turn < _SAME) & (away < _SAME_SHIFT))
-        return int(same[0]) + 1 if len(same) else None
-
-    def add(self, state: int, plane: int, weight: float) -> None:
-        same = self.known(state, plane)
-        if same is not None:
-            self.weight[same] += weight
-            return
-        linear, shift = self.after(state, plane)
-        self.linear.append(linear)
-        self.shift.append(shift)
-        self.weight.append(weight)
-        self.last.append(plane)
-
-    def steps(self) -> Int[np.ndarray, "state_and_other plane_and_none"]:
-        # Next states; reflections in planes beyond the first few leave the known states
-        count, planes = len(self.linear), len(self.reflect)
-        step = np.full((count + 1, planes + 1), count)
-        step[0, 1:] = np.arange(1, planes + 1)
-        for state in range(1, count):
-            for plane in range(min(planes, _FEW)):
-                if self.last[state] < _FEW:
-                    same = self.known(state, plane)
-                    step[state, plane + 1] = count if same is None else same
-        return step
-
-
-def _guidance(
-    step: Int[np.ndarray, "state_and_other plane_and_none"],
-) -> Float[np.ndarray, "state_and_other state"]:
-    # Power of _LATER by the least number of reflections from each state to each image
-    count = len(step) - 1
-    guide = np.eye(count + 1)
-    reached = guide > 0
-    for distance in range(1, count):
-        # One more reflection before those of the shortest paths
-        further = reached[step[:, 1:]].any(axis=1) & ~reached
-        further[count] = False
-        guide[further] = _LATER**distance
-        reached |= further
-    guide[count] = 0
-    return np.asarray(guide[:, :count])

@@ -25,13 +25,15 @@ class Planes:
     """Planes, or orientations, of flat smooth surfaces, the most reflecting first.
 
     `of_face` has 1 + the index of the plane for every face of the scene, or 0.
-    `weight` is a sampling weight (sum at most 1); `apart` tells whether a plane can
-    reflect light that it has reflected before: an orientation of several planes.
+    `weight` is a sampling weight (sum at most 1), `reflectance` the mean reflectance
+    near normal incidence; `apart` tells whether a plane can reflect light that it has
+    reflected before: an orientation of several planes.
     """
 
     normal: Float[np.ndarray, "plane 3"]
     offset: Float[np.ndarray, " plane"]
     weight: Float[np.ndarray, " plane"]
+    reflectance: Float[np.ndarray, " plane"]
     apart: Bool[np.ndarray, " plane"]
     of_face: Int[np.ndarray, " scene_face"]
 
@@ -105,6 +107,7 @@ class SmoothFaces:
             normal,
             np.zeros(count) if distant else np.array(offset),
             weight / max(self.area.sum(), 1e-30),
+            weight / np.array([self.area[c].sum() for c in chosen]),
             np.array(apart, dtype=bool) & distant,
             of_face,
         )

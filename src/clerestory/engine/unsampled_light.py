@@ -1,9 +1,9 @@
 """Light of small sources that is found by chance, without next-event estimation.
 
 Suns and small emitters are sampled directly and by way of flat smooth surfaces. Their
-light by way of curved smooth surfaces, perturbed normals, narrow highlights and
-refracting solids (caustics) is found by BSDF sampling only. Few paths find it, and
-standard errors of a run in which none did do not include it.
+light by way of curved smooth surfaces, perturbed normals, narrow highlights, refracting
+solids (caustics) and very many reflections is found by BSDF sampling only. Few paths
+find it, and standard errors of a run in which none did do not include it.
 """
 
 import warnings
@@ -12,6 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from clerestory.engine.image_compositions import Compositions
 from clerestory.engine.sampled_sources import is_sampled, is_sun
 from clerestory.engine.smooth_faces import MOST, SmoothFaces
 from clerestory.errors import ClerestoryWarning
@@ -32,6 +33,9 @@ from clerestory.scene.tessellate import meshes
 
 # Largest dimension of a small emitter [m]; largest roughness of narrow highlights.
 _SMALL, _NARROW = 1.0, 0.02
+
+# Largest reflectance of images by several reflections that may be missing.
+_FAINT = 0.02
 
 
 def warn_of_unsampled_light(scene: Scene) -> None:
@@ -70,11 +74,19 @@ def _by_chance(scene: Scene, *, suns: bool, lamps: bool) -> dict[str, list[str]]
     numbered = list(zip(first.tolist(), tessellated, strict=False))
     faces = SmoothFaces.of(len(surface), numbered, np.zeros(3))
     for distant, present in ((True, suns), (False, lamps)):
+        if not present:
+            continue
         left = faces.clusters(distant=distant) < 0
-        if present and left.any():
+        if left.any():
             beyond = np.unique(surface[faces.face[left]])
             names = [flat[number].material for number in beyond]
             found[f"smooth surfaces beyond the {MOST} largest planes"] = names
+        missing = Compositions.of(faces.planes(distant=distant)).missing
+        if missing > _FAINT:
+            flat.sort(key=lambda each: -scene.materials[each.material].mirrored)
+            names = [each.material for each in flat]
+            found["smooth surfaces that mirror each other many times"] = names
+        if found:
             break
     return found
 

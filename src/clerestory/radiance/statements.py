@@ -71,6 +71,9 @@ SURFACE_KINDS = frozenset(_SURFACES.split())
 MODIFIER_KINDS = frozenset(_MODIFIERS.split())
 
 _NUMBER = r"[-+]?(?:\d++(?:\.\d*+)?+|\.\d++)(?:[eE][-+]?\d++)?+(?!\S)"
+# Largest number of digits of a number of arguments
+_MOST_DIGITS = 9
+
 _POLYGON = re.compile(
     rf"""([^\s"'\#!]\S*)\s+polygon\s+([^\s"']\S*)\s+0\s+0\s+(\d+)((?:\s+{_NUMBER})++)""",
     re.ASCII,
@@ -210,6 +213,8 @@ class _PolygonCollector:
         if match is None:
             return False
         modifier, name, announced, numbers = match.groups()
+        if len(announced) > _MOST_DIGITS:
+            return False
         count = int(announced)
         if count < 9 or count % 3 or len(numbers.split()) != count:
             return False

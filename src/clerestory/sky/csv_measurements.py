@@ -6,7 +6,6 @@ time of a given time zone; the hour repeated at the end of daylight saving time 
 resolved by the order of the rows.
 """
 
-import csv
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta, timezone
 from pathlib import Path
@@ -18,7 +17,7 @@ import numpy as np
 from clerestory.array_types import Series
 from clerestory.checks import require
 from clerestory.errors import InputError
-from clerestory.files import read_text
+from clerestory.files import csv_rows, read_text
 from clerestory.sky.irradiance_decomposition import Decomposition
 from clerestory.sky.measured_weather import Measurement, Quantity, weather_of
 from clerestory.sky.table_cells import DataRows
@@ -107,7 +106,8 @@ class LoggerTable(DataRows):
 
 def read_table(path: str | Path, separator: str, skip_lines: int) -> LoggerTable:
     """Return the cells of a CSV file whose header follows `skip_lines` lines."""
-    table = list(csv.reader(read_text(path).splitlines(), delimiter=separator))
+    lines = read_text(path).splitlines()
+    table = csv_rows(lines, file=path, separator=separator)
     filled = (row if any(row) else [] for row in table)
     rows = DataRows.below(skip_lines + 1, filled, file=path)
     names = [name.strip() for name in table[skip_lines]]

@@ -6,14 +6,13 @@ Reference: S. Wilcox, W. Marion, Users Manual for TMY3 Data Sets,
 NREL/TP-581-43156, 2008.
 """
 
-import csv
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from clerestory.checks import require
-from clerestory.files import read_text
+from clerestory.files import csv_rows, read_text
 from clerestory.sky.irradiance_decomposition import Irradiance
 from clerestory.sky.measured_weather import weather_of_components
 from clerestory.sky.table_cells import DataRows, numbers
@@ -33,7 +32,7 @@ _MISSING_DEW_POINT = -9900.0
 
 def read_tmy3(path: str | Path) -> Weather:
     """Return the weather in a TMY3 file, dated 2023."""
-    table = list(csv.reader(read_text(path).splitlines()))
+    table = csv_rows(read_text(path).splitlines(), file=path)
     require(
         len(table) > 2 and DATE in table[1],
         f"no column {DATE!r} in the second line, or no data; a TMY3 file expected",

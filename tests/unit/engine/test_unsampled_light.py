@@ -1,5 +1,7 @@
 """Warnings of light that has no sampling technique."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -89,7 +91,29 @@ def test_small_lamps_are_named():
 @pytest.mark.parametrize("material", [POLISHED, GLASS, MATT])
 def test_flat_surfaces_need_no_warning(material):
     warn_of_unsampled_light(scene_of(triangle(), material, SUN))
+
+
+@pytest.mark.parametrize("material", [GLASS, MATT])
+def test_faint_repeated_reflections_need_no_warning(material):
     warn_of_unsampled_light(scene_of(fan(200), material, SUN))
+
+
+@pytest.mark.parametrize("count", [5, 200])
+def test_mirrors_of_many_orientations_are_named(count):
+    """Their images by several reflections are too many."""
+    scene = scene_of(fan(count), POLISHED, SUN)
+    tilted = Polygon(np.array([[0.0, 0, 2], [1, 0, 2.3], [0, 1, 2.5]]), "m")
+    scene = replace(scene, surfaces=(*scene.surfaces, tilted))
+    with pytest.warns(ClerestoryWarning, match="mirror each other many times"):
+        warn_of_unsampled_light(scene)
+
+
+def test_parallel_mirrors_need_no_warning():
+    """All images of a lamp down to a faint one are sampled."""
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    mirrors = [Polygon(corners + height * UP, "m") for height in (0, 3)]
+    shine = {"m": POLISHED, "lamp": Light("lamp", np.ones(3))}
+    warn_of_unsampled_light(Scene(shine, (*mirrors, triangle("lamp"))))
 
 
 def test_wide_sources_need_no_warning():
