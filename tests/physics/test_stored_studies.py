@@ -38,7 +38,7 @@ RULES = {
 }
 
 # Too little for the matrices with their errors, enough for rules to look at them
-FEW_GB = 1e-5
+FEW_GB = 1.4e-5
 
 
 @pytest.fixture
