@@ -120,7 +120,7 @@ def test_a_damaged_folder_is_told_in_one_line(folder, tmp_path):
     write_honeybee(tmp_path, lux, times)
     array = tmp_path / "__static_apertures__" / "default" / "total" / "room.npy"
     array.write_bytes(array.read_bytes()[:200])
-    with pytest.raises(InputError, match=r"room\.npy: cannot be read"):
+    with pytest.raises(InputError, match=r"room\.npy: no NumPy array"):
         read_honeybee(tmp_path).illuminance("room")
     (tmp_path / "grids_info.json").write_text(json.dumps([{"name": "x"}]))
     with pytest.raises(InputError, match=r"grids_info\.json: grids with"):
