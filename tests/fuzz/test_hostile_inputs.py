@@ -1,7 +1,9 @@
 """Named cases of hostile input, through the command line: one line, at once."""
 
 import ast
+import json
 import os
+import re
 import time
 import warnings
 from pathlib import Path
@@ -10,6 +12,7 @@ import pytest
 from optics_seeds import SYSTEM
 from result_seeds import SCAN, room
 from scene_seeds import IES, OBJ
+from scene_seeds import _gltf as gltf
 from weather_seeds import STATION
 
 import clerestory
@@ -317,3 +320,75 @@ def test_no_message_has_an_article_before_a_value():
                     if words[-1] == "" and words[-2:-1] in (["a"], ["an"]):
                         found.append(f"{file.relative_to(SOURCE)}:{node.lineno}")
     assert found == []
+
+
+# ----------------------------- Numbers beyond measure -----------------------------
+MAP = '[materials]\n"*" = { reflectance = 0.5 }\n'
+
+
+@pytest.mark.parametrize("metres", ["1e16", "1e300", "-1e308"])
+@pytest.mark.parametrize("name", ["m.obj", "m.gltf"])
+def test_a_mesh_beyond_measure_is_refused(said, folder, metres, name):
+    Path("map.toml").write_text(MAP)
+    if name == "m.obj":
+        Path(name).write_text(OBJ.replace("v 1 0 0", f"v {metres} 0 0", 1))
+    else:
+        model = json.loads(gltf(folder)[0])
+        model["nodes"][0]["translation"] = [float(metres), 0, 0]
+        Path(name).write_text(json.dumps(model))
+    with warnings.catch_warnings(record=True) as caught:
+        status, text = said("import", name, "--materials", "map.toml", "-o", "out")
+    assert status == 2
+    assert "1e+15 m" in text
+    assert not caught
+
+
+def test_a_mesh_scaled_beyond_measure_is_refused(said):
+    Path("map.toml").write_text("scale = 1e300\n" + MAP)
+    Path("m.obj").write_text(OBJ)
+    status, text = said("import", "m.obj", "--materials", "map.toml", "-o", "out")
+    assert status == 2
+    assert "1e+15 m" in text
+
+
+def test_a_sensor_beyond_measure_is_refused(said):
+    Path("desk.pts").write_text("1 1 1 0 0 1\n1 1e16 1 0 0 1\n")
+    status, text = said("run", "study.toml", "--plan")
+    assert status == 2
+    assert text.startswith("desk.pts:2:")
+
+
+@pytest.mark.parametrize("value", ["1e16", "1e308"])
+def test_a_bsdf_beyond_measure_is_refused(said, value):
+    text = Path("diffuser.xml").read_text()
+    Path("diffuser.xml").write_text(re.sub(r"(<ScatteringData>\s*)[\d.e+-]+", rf"\g<1>{value}", text))
+    status, text = said("bsdf", "info", "diffuser.xml")
+    assert status == 2
+    assert "ScatteringData" in text
+
+
+def test_deep_gltf_nodes_are_not_called_a_cycle(said, folder):
+    Path("map.toml").write_text(MAP)
+    model = json.loads(gltf(folder)[0])
+    chain = [{"children": [k + 1]} for k in range(200)] + [{"mesh": 0}]
+    for nodes, expected in ((chain, "nested"), ([{"children": [0]}], "itself")):
+        model |= {"nodes": nodes, "scenes": [{"nodes": [0]}]}
+        Path("m.gltf").write_text(json.dumps(model))
+        status, text = said("import", "m.gltf", "--materials", "map.toml", "-o", "out")
+        assert status == 2
+        assert expected in text
+
+
+@pytest.mark.parametrize("text", ["", "# nothing\n", "v 0 0 0\n"])
+def test_an_obj_file_without_faces_is_refused(said, text):
+    Path("m.obj").write_text(text)
+    status, told = said("import", "m.obj", "-o", "out")
+    assert status == 2
+    assert told.startswith("m.obj: no faces")
+
+
+def test_a_fault_of_a_sky_command_names_no_temporary_file(said):
+    words = ["irradiance", "--scene", "room.rad", "--sensors", "desk.pts", "--sky"]
+    status, text = said(*words, "gensky 99 21 12")
+    assert status == 2
+    assert text.startswith('the sky "gensky 99 21 12": gensky: the month')
