@@ -9,16 +9,20 @@ import warnings
 from pathlib import Path
 
 import pytest
-from optics_seeds import SYSTEM
+import xarray as xr
+from optics_seeds import COLUMNS, FRED, PABOPTO, SYSTEM, VIAVI
 from result_seeds import SCAN, room
+from result_seeds import _results as results
 from scene_seeds import IES, OBJ
 from scene_seeds import _gltf as gltf
 from weather_seeds import STATION
 
 import clerestory
 from clerestory.cli.main import main
-from clerestory.errors import InputError
+from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.files import read_bytes
+from clerestory.formats.photometry.ies import read_ies
+from clerestory.gonio.measurement_files import read_measurement
 
 SOURCE = Path(clerestory.__file__).parent
 
@@ -361,7 +365,9 @@ def test_a_sensor_beyond_measure_is_refused(said):
 @pytest.mark.parametrize("value", ["1e16", "1e308"])
 def test_a_bsdf_beyond_measure_is_refused(said, value):
     text = Path("diffuser.xml").read_text()
-    Path("diffuser.xml").write_text(re.sub(r"(<ScatteringData>\s*)[\d.e+-]+", rf"\g<1>{value}", text))
+    Path("diffuser.xml").write_text(
+        re.sub(r"(<ScatteringData>\s*)[\d.e+-]+", rf"\g<1>{value}", text)
+    )
     status, text = said("bsdf", "info", "diffuser.xml")
     assert status == 2
     assert "ScatteringData" in text
@@ -392,3 +398,121 @@ def test_a_fault_of_a_sky_command_names_no_temporary_file(said):
     status, text = said(*words, "gensky 99 21 12")
     assert status == 2
     assert text.startswith('the sky "gensky 99 21 12": gensky: the month')
+
+
+TWICE = "polygon twice 0 0 18 0 0 2 1 0 2 1 1 2 0 0 2 1 0 2 1 1 2\n"
+
+
+@pytest.mark.parametrize("alone", [False, True])
+def test_a_polygon_that_is_filled_nowhere_is_traced(said, alone):
+    """An outline that is run through twice has no inside by the even–odd rule."""
+    Path("sky.rad").write_text(
+        "void glow g 0 0 4 1 1 1 0\ng source dome 0 0 4 0 0 1 360\n"
+    )
+    own = "void plastic thin 0 0 5 .5 .5 .5 0 0\nthin " + TWICE
+    Path("room.rad").write_text(own if alone else Path("room.rad").read_text() + own)
+    words = "irradiance --scene room.rad --sensors desk.pts --samples 4 --sky sky.rad"
+    assert said(*words.split())[0] == 0
+
+
+def test_a_window_that_is_filled_nowhere_is_refused(said):
+    head = "#@rfluxmtx h=kf u=Z\nvoid glow g 0 0 4 1 1 1 0\ng "
+    Path("window.rad").write_text(head + TWICE)
+    assert said("run", "study.toml", "--plan")[0] == 2
+
+
+def test_a_pixel_beyond_measure_is_refused(said):
+    head = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 40 +X 40\n"
+    Path("p.hdr").write_bytes(head + b"\xff\xff\xff\xfe" * 1600)
+    for command in ("picture info", "glare"):
+        status, text = said(*command.split(), "p.hdr")
+        assert status == 2
+        assert "exceeds 1e+15" in text
+
+
+@pytest.mark.parametrize(
+    "name", ["V_%999999999d.hdr", "V_%.99999d.hdr", "V_%0500d.hdr"]
+)
+def test_a_picture_set_of_endless_names_is_refused(said, name):
+    status, text = said("multiply", name, "two_days.wea", "-o", "o.mtx")
+    assert status == 2
+    assert "V_%03d.hdr" in text
+
+
+# ------------------------------------ Schedules ------------------------------------
+SCHEDULES = {
+    "offset": ("time,south\n2023-03-21T08:00+01:00,1\n", "s.csv:2: .*offset"),
+    "Zulu": ("time,south\n2023-03-21 08:00Z,1\n", "s.csv:2: .*offset"),
+    "no line": ("time,south\n", "s.csv: no lines"),
+    "column twice": ("time,south,south\n2023-03-21T08:00,0,1\n", "s.csv:1: several"),
+}
+
+
+@pytest.mark.parametrize("case", SCHEDULES)
+def test_a_doubtful_schedule_is_refused(said, case):
+    content, expected = SCHEDULES[case]
+    Path("s.csv").write_text(content)
+    control = '[window.control]\nrule = "schedule"\nfile = "s.csv"\n'
+    states = "".join(
+        f'[[window.state]]\nname = "{name}"\nbsdf = "diffuser.xml"\n'
+        for name in ("up", "down")
+    )
+    change("study.toml", 'bsdf = "diffuser.xml"\n', "")
+    change("study.toml", "[[sensors]]", control + states + "[[sensors]]")
+    status, text = said("run", "study.toml", "--plan")
+    assert status == 2
+    assert re.match(expected, text)
+
+
+# ------------------------------- Results and weather -------------------------------
+@pytest.mark.parametrize("value", [float("nan"), float("inf")])
+def test_metrics_of_results_that_are_not_finite_are_refused(said, value):
+    Path("r").mkdir()
+    results(Path("r"))
+    with xr.open_dataset("r/results.nc") as data:
+        data = data.load()
+    data["illuminance"].values[0, :3] = value
+    Path("r/results.nc").unlink()
+    data.to_netcdf("r/results.nc", engine="h5netcdf")
+    status, text = said("metrics", "r")
+    assert status == 2
+    assert "not finite" in text
+
+
+def test_time_steps_of_years_are_refused(said):
+    Path("s.toml").write_text(STATION)
+    rows = "2022-06-21;12:00;700;120\n9999-12-31;12:05;710;118\n"
+    Path("roof.csv").write_text("day;clock;GHI;DHI\n" + rows)
+    status, text = said("sky", "describe", "s.toml")
+    assert status == 2
+    assert "time step" in text
+
+
+def test_numbers_left_over_in_an_ies_file_are_told(tmp_path):
+    """A decimal comma separates numbers, so that all later ones are moved."""
+    file = tmp_path / "l.ies"
+    file.write_text(IES.replace("100 80 0", "100,5 80,0 0"))
+    with pytest.warns(ClerestoryWarning, match="2 words after the last intensity"):
+        read_ies(file)
+
+
+# ---------------------------------- Goniophotometers ----------------------------------
+SEEDS = {"a.csv": COLUMNS, "v.txt": VIAVI, "f.txt": FRED, "p.txt": PABOPTO}
+
+
+@pytest.mark.parametrize("name", SEEDS)
+def test_measurements_with_a_byte_order_mark_are_recognized(tmp_path, name):
+    """As spreadsheets write them."""
+    file = tmp_path / name
+    file.write_bytes(SEEDS[name].replace("\n", "\r\n").encode("utf-8-sig"))
+    (measured,) = read_measurement(file)
+    file.write_text(SEEDS[name])
+    assert len(measured.scans) == len(read_measurement(file)[0].scans) == 1
+
+
+@pytest.mark.parametrize("name", SEEDS)
+def test_a_measured_value_beyond_measure_is_refused(said, name):
+    Path(name).write_text(SEEDS[name].replace(".4", "1e308"))
+    status, text = said("gonio", "info", name)
+    assert status == 2
+    assert "1e308" in text

@@ -19,6 +19,10 @@ from clerestory.scene.view import View
 Quantity = Literal["radiance", "irradiance"]
 
 
+# Largest value of a pixel; larger ones overflow when multiplied
+_LARGEST = 1e15
+
+
 @dataclass(frozen=True, eq=False)
 class Picture:
     """Radiance or irradiance of every pixel of a view.
@@ -65,6 +69,12 @@ class Picture:
             raise InputError(
                 f"the pixel in row {row}, column {column} is not finite;"
                 " finite numbers expected"
+            )
+        if max(values.max(), -values.min()) > _LARGEST:
+            row, column, _ = np.argwhere(np.abs(values) > _LARGEST)[0]
+            raise InputError(
+                f"the pixel in row {row}, column {column} exceeds {_LARGEST:.0e};"
+                " smaller numbers expected"
             )
         positive(self.pixel_aspect, "pixel aspect")
         one_of(self.quantity, "quantity of a picture", choices=get_args(Quantity))
