@@ -15,6 +15,7 @@ from result_seeds import SCAN, room
 from result_seeds import _results as results
 from scene_seeds import IES, OBJ
 from scene_seeds import _gltf as gltf
+from scene_seeds import _hbjson as hbjson
 from weather_seeds import STATION
 
 import clerestory
@@ -443,6 +444,8 @@ def test_a_picture_set_of_endless_names_is_refused(said, name):
 SCHEDULES = {
     "offset": ("time,south\n2023-03-21T08:00+01:00,1\n", "s.csv:2: .*offset"),
     "Zulu": ("time,south\n2023-03-21 08:00Z,1\n", "s.csv:2: .*offset"),
+    "now": ("time,south\n2023-03-21T08:00,1\nnow,0\n", "s.csv:3: 'now,0'"),
+    "year": ("time,south\n99999-03-21T08:00,1\n", "s.csv:2: '99999"),
     "no line": ("time,south\n", "s.csv: no lines"),
     "column twice": ("time,south,south\n2023-03-21T08:00,0,1\n", "s.csv:1: several"),
 }
@@ -516,3 +519,13 @@ def test_a_measured_value_beyond_measure_is_refused(said, name):
     status, text = said("gonio", "info", name)
     assert status == 2
     assert "1e308" in text
+
+
+@pytest.mark.parametrize("value", [1e308, -1, 1.5])
+def test_honeybee_materials_that_cannot_be_are_refused(said, folder, value):
+    model = json.loads(hbjson(folder)[0])
+    model["properties"]["radiance"]["modifiers"][0]["r_transmissivity"] = value
+    Path("m.hbjson").write_text(json.dumps(model))
+    status, text = said("import", "m.hbjson", "-o", "out")
+    assert status == 2
+    assert "r_transmissivity" in text

@@ -22,7 +22,8 @@ from clerestory.files import csv_rows, read_text, write_text
 # Largest state number in a file
 _MOST_STATES = 10_000
 
-# Offset from UTC after a time, which NumPy would subtract
+# NumPy would read "now" and years of five digits, and subtract an offset from UTC
+_TIME = re.compile(r"\d{4}-\d\d-\d\d([T ]\d\d(:\d\d(:\d\d(\.\d+)?)?)?)?", re.ASCII)
 _OFFSET = re.compile(r"[T ].*[Zz+-]")
 
 
@@ -146,7 +147,12 @@ def read_schedule(path: str | Path) -> StateSchedule:
             row = [int(word) for word in words[1:]]
         except ValueError as error:
             raise InputError(message, file=path, line=number) from error
-        valid = len(row) == len(groups) and 0 <= min(row) <= max(row) <= _MOST_STATES
+        valid = _TIME.fullmatch(words[0]) is not None
+        valid = (
+            valid
+            and len(row) == len(groups)
+            and 0 <= min(row) <= max(row) <= _MOST_STATES
+        )
         require(valid and not np.isnat(moment), message, file=path, line=number)
         times.append(moment)
         rows.append(row)

@@ -70,12 +70,6 @@ class Picture:
                 f"the pixel in row {row}, column {column} is not finite;"
                 " finite numbers expected"
             )
-        if max(values.max(), -values.min()) > _LARGEST:
-            row, column, _ = np.argwhere(np.abs(values) > _LARGEST)[0]
-            raise InputError(
-                f"the pixel in row {row}, column {column} exceeds {_LARGEST:.0e};"
-                " smaller numbers expected"
-            )
         positive(self.pixel_aspect, "pixel aspect")
         one_of(self.quantity, "quantity of a picture", choices=get_args(Quantity))
         object.__setattr__(self, "radiance", values)
@@ -115,7 +109,14 @@ class Picture:
 
 def photometric(picture: Picture) -> Float32[np.ndarray, "row column"]:
     """Luminance [cd/m²] or illuminance [lux] of every pixel."""
-    return picture.bands.photometric(picture.radiance)
+    values = picture.radiance
+    if max(values.max(), -values.min()) > _LARGEST:
+        row, column, _ = np.argwhere(np.abs(values) > _LARGEST)[0]
+        raise InputError(
+            f"the pixel in row {row}, column {column} exceeds {_LARGEST:.0e};"
+            " smaller numbers expected"
+        )
+    return picture.bands.photometric(values)
 
 
 def photometric_unit(picture: Picture) -> str:
