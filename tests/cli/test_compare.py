@@ -24,12 +24,14 @@ def run(room):
             "illuminance": (axes, lux),
             "standard_error": (axes, 0.01 * lux),
             "glare_dgp": (("view", "time"), 0.2 + 1e-4 * sky[None]),
+            "occupied": (("time",), sky > 0),
         },
         coords={
             "time": times.astype("datetime64[ns]"),
             "sensor": ["desks.1", "desks.2"],
             "grid": ("sensor", ["desks", "desks"]),
             "position": (("sensor", "xyz"), [[0.0, 1, 0.75], [0, 2, 0.75]]),
+            "direction": (("sensor", "xyz"), [[0.0, 0, 1], [0, 0, 1]]),
             "view": ["eye"],
         },
         attrs={

@@ -74,11 +74,14 @@ def results(folder, *, sun_hours):
             "glare_dgp": (("view", "time"), dgp[None]),
             "sun_reaches": (("opening", "moment"), np.ones((1, 216), dtype=bool)),
             "room_hours_of_sun": ((), 3.6),
+            "occupied": ("time", np.ones(len(times), dtype=bool)),
         },
         coords={
             "time": times.astype("datetime64[ns]"),
             "sensor": ["desks.1", "desks.2"],
             "grid": ("sensor", ["desks", "desks"]),
+            "position": (("sensor", "xyz"), [[0.0, 1, 0.8], [0.5, 1, 0.8]]),
+            "direction": (("sensor", "xyz"), np.tile([0.0, 0, 1], (2, 1))),
             "view": ["eye"],
             "opening": ["south"],
             "moment": np.datetime64("2023-03-21T10:00:30", "ns")

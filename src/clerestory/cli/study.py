@@ -45,7 +45,8 @@ def run(request: requests.RunStudy) -> None:
     )
     folder = request.out or request.study.with_name(f"{request.study.stem}_results")
     if request.plan:
-        Console().print(_plan_table(plan_study(study, out=folder)))
+        plan = plan_study(study, out=folder)
+        Console().print(_plan_table(plan), _stage_table(plan))
         return
     _run(study, folder, quiet=request.quiet)
 
@@ -117,8 +118,21 @@ def _plan_table(plan: StudyPlan) -> Table:
     if plan.later.paths:
         paths, seconds = _count(plan.later.paths), _duration(plan.later.seconds)
         table.add_row("direct sun in pictures", "", "", paths, seconds, "")
+    return table
+
+
+def _stage_table(plan: StudyPlan) -> Table:
+    # Table of the stages of the run; the caption gives total costs
+    table = Table(title="Stages of the run", title_justify="left")
+    for heading in ("stage", "work"):
+        table.add_column(heading)
+    for heading in ("time", "files", "disk"):
+        table.add_column(heading, justify="right")
+    for name, stage in plan.stages.items():
+        files = [f"{stage.files:,}", _size(stage.bytes)] if stage.files else ["", ""]
+        table.add_row(name, stage.work, _duration(stage.seconds), *files)
     table.caption = (
-        f"tracing about {_duration(plan.seconds)}, memory about {_size(plan.memory)},"
+        f"about {_duration(plan.run_seconds)}, memory about {_size(plan.memory)},"
         f" disk {_size(plan.disk)}"
     )
     table.caption_justify = "left"
@@ -141,8 +155,10 @@ def _count(paths: int) -> str:
 
 
 def _duration(seconds: float) -> str:
+    if seconds < 0.5:
+        return "< 1 s"
     if seconds < 100:
-        return f"{max(1, round(seconds))} s"
+        return f"{round(seconds)} s"
     if seconds < 6000:
         return f"{seconds / 60:.0f} min"
     return f"{seconds / 3600:.1f} h"

@@ -46,7 +46,7 @@ class _DirectJob(Job):
         """Return a pilot unit of consecutive rows and evenly spaced columns."""
         rows, _, columns, _ = self.shape
         pairs = max(1, paths // (self.batches * self.points))
-        few = evenly_spaced(columns, max(1, min(8, pairs)))
+        few = evenly_spaced(columns, max(1, min(pairs, max(8, pairs // rows))))
         block = max(1, min(rows, pairs // max(1, len(few))))
         first = (rows - block) // 2
         return Unit(np.arange(first, first + block), 0, self.points, few)

@@ -176,7 +176,7 @@ def sun_pictures(
     def coefficients(asked: np.ndarray) -> Entries:
         shape = len(scene.bands), len(camera), len(asked)
         if not accepted:
-            nothing = np.broadcast_to(np.float32(0), shape)
+            nothing = np.broadcast_to(np.zeros((shape[0], 1, 1), np.float32), shape)
             return nothing, nothing[None]
         lit = behind[asked]
         values = np.zeros(shape, np.float32)

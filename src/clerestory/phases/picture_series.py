@@ -27,7 +27,7 @@ from clerestory.phases.receivers import component_count
 from clerestory.phases.stored_views import FEW
 
 # Time steps per block: 640,000 pixels × 16 steps take 123 MB
-_STEPS = 16
+STEPS_PER_BLOCK = 16
 
 # Pixels per block: the memory for coefficients converted from half precision to float32
 _PIXELS = 1 << 15
@@ -99,7 +99,7 @@ class _Series:
             len(self.camera),
             errors=self.errors,
             most_receivers=_PIXELS,
-            most_steps=_STEPS,
+            most_steps=STEPS_PER_BLOCK,
         )
         draws, pixels = FEW if self.errors else 0, len(self.camera)
         light = variance = shared = np.zeros((0, 0, 0), np.float32)

@@ -64,8 +64,7 @@ def study_views(
     stems = file_stems(view.table.label for view in views)
     for view in views:
         label = view.table.label
-        kept = _asked_for(view.table, times, steps)
-        seen = steps if sees_glare(view.camera.view) else np.array(sorted(kept), int)
+        kept, seen = picture_steps(view, times, steps)
         if len(seen) == 0:
             continue
         show = _counted(display(f"pictures of {label}"), len(seen))
@@ -90,6 +89,18 @@ def study_views(
         return xr.Dataset()
     every = xr.concat(list(found.values()), dim="view").assign_coords(view=list(found))
     return every.rename({name: f"glare_{name}" for name in every.data_vars})
+
+
+def picture_steps(
+    view: ViewMatrices, times: np.ndarray, steps: Int[np.ndarray, " lit"]
+) -> tuple[dict[int, str], Int[np.ndarray, " step"]]:
+    """Return the time steps whose pictures are written, and those that are computed.
+
+    `steps` are those with light. A picture that is written has its date and time.
+    """
+    kept = _asked_for(view.table, times, steps)
+    every = sees_glare(view.camera.view)
+    return kept, steps if every else np.array(sorted(kept), int)
 
 
 def sees_glare(view: View) -> bool:

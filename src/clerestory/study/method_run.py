@@ -29,7 +29,7 @@ from clerestory.study.annual_views import glare_function, study_views, warn_of_v
 from clerestory.study.config import Study
 from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.electric_lighting import lighting
-from clerestory.study.inputs import read_inputs
+from clerestory.study.inputs import Inputs, read_inputs
 from clerestory.study.job import Display, Job
 from clerestory.study.labels import label_results, sensor_labels
 from clerestory.study.luminaire_matrices import trace_lamps
@@ -92,9 +92,7 @@ def run_method(
     with log.phase("read"):
         inputs = read_inputs(study)
     with log.phase("check"):
-        sensors = replace(inputs.sensors(), names=tuple(sensor_labels(inputs)))
-        warn_of_scene(inputs.scene, [group.inner for group in inputs.groups], sensors)
-        warn_of_views(study.view, inputs.cameras)
+        warn_of_inputs(study, inputs)
     with _scratch_folder(out) as scratch:
         job = Job(study, inputs, store, display, executor=executor, scratch=scratch)
         data = _simulate(job, log, states, out=out)
@@ -108,6 +106,13 @@ def run_method(
             data.close()
             results = read_results(out)
     return results
+
+
+def warn_of_inputs(study: Study, inputs: Inputs) -> None:
+    """Warn of implausible geometry, and of views with too few pixels for glare."""
+    sensors = replace(inputs.sensors(), names=tuple(sensor_labels(inputs)))
+    warn_of_scene(inputs.scene, [group.inner for group in inputs.groups], sensors)
+    warn_of_views(study.view, inputs.cameras)
 
 
 def _simulate(job: Job, log: RunLog, states: States | None, *, out: Path) -> xr.Dataset:

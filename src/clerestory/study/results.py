@@ -163,6 +163,13 @@ def _read_run(path: Path) -> dict[str, Any]:
     return dict(data)
 
 
+def recorded_seconds(folder: Path, study: Mapping[str, Any]) -> dict[str, float]:
+    """Return the seconds of each stage of an earlier run of the same study, if any."""
+    run = _read_run(folder / RUN_FILE)
+    same = run.get("study") == json.loads(json.dumps(study))
+    return dict(run.get("seconds", {})) if same else {}
+
+
 def sensor_names(grid: str, count: int) -> list[str]:
     """Names of the sensors of one grid, numbered from 1, such as "desks.1"."""
     return [f"{grid}.{number}" for number in range(1, count + 1)]

@@ -1,7 +1,8 @@
 """Dry run: estimate of time, memory and disk space of a run.
 
 A dry run has the same stages as a run, with an executor that records the tracing jobs
-instead of executing them. Matrices in the cache have no cost.
+instead of executing them. Matrices in the cache have no cost. The cost of the stages
+after tracing is estimated in `stage_costs`.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -10,19 +11,21 @@ from pathlib import Path
 
 from clerestory.cluster.cluster import executor_at
 from clerestory.engine.cost_estimate import JobCost, Plan, estimate_costs
-from clerestory.matrix.error_components import COUNT
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.matrix_store import MatrixStore, block_names
+from clerestory.phases.picture_series import STEPS_PER_BLOCK
 from clerestory.phases.stored_views import FEW
 from clerestory.progress import silent
 from clerestory.scene.model import Polygon, Scene, TriangleMesh
-from clerestory.study.annual_views import warn_of_views
 from clerestory.study.config import Study
-from clerestory.study.inputs import Inputs, read_inputs
+from clerestory.study.inputs import read_inputs
 from clerestory.study.job import Job
 from clerestory.study.luminaire_matrices import trace_lamps
+from clerestory.study.method_run import RunLog, warn_of_inputs
+from clerestory.study.results import recorded_seconds
+from clerestory.study.stage_costs import STAGES, StageCost, StageWork, hour_bytes
 from clerestory.study.study_run import MATRIX_FOLDER
-from clerestory.study.study_tracing import needs_direct, trace_study
+from clerestory.study.study_tracing import study_skies, trace_study
 from clerestory.study.view_matrices import trace_views
 
 # Memory besides that of matrices [bytes]: libraries and compiled kernels; largest
@@ -31,9 +34,6 @@ _PROCESS, _SUMS = 450e6, 5 * 2**29
 
 # Approximate memory per triangle [bytes], in main and GPU memory
 _TRIANGLE = 400
-
-# Bytes per value in a text table
-_TEXT = 7
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,9 @@ class StudyPlan:
     """Estimated cost of a run; sizes in bytes.
 
     `later` is the cost of direct-sun coefficients traced for pictures, `streamed` the
-    memory for the window radiance of all time steps if hourly results are in files.
+    memory for the window radiance of all time steps if hourly results are in files,
+    `pictures` the memory for the pictures of a view that are computed together. The
+    `stages` are those of all methods, in order.
     """
 
     device: str
@@ -69,6 +71,9 @@ class StudyPlan:
     results: int
     scene: int
     streamed: int = 0
+    sky: int = 0
+    pictures: int = 0
+    stages: Mapping[str, StageCost] = field(default_factory=dict)
 
     @property
     def seconds(self) -> float:
@@ -78,7 +83,7 @@ class StudyPlan:
     @property
     def memory(self) -> float:
         """Peak memory of the run [bytes]."""
-        held = sum(m.bytes for m in self.matrices if not m.stored)
+        held = self.sky + sum(m.bytes for m in self.matrices if not m.stored)
         sums = max(
             (m.bytes * (32 if m.stored else 6) for m in self.matrices), default=0
         )
@@ -86,12 +91,18 @@ class StudyPlan:
         # The accumulators are freed before window radiance is allocated; they exist at
         # the same time as hourly results in memory
         work = max(sums, self.streamed) if self.streamed else sums + self.results
-        return _PROCESS + held + self.scene + work
+        return _PROCESS + held + self.scene + max(work, self.results + self.pictures)
 
     @property
     def disk(self) -> int:
-        """Disk space for new matrices and results [bytes]."""
-        return self.results + sum(m.bytes for m in self.matrices if not m.kept)
+        """Disk space for new matrices, results and pictures [bytes]."""
+        written = sum(stage.bytes for stage in self.stages.values())
+        return written + sum(m.bytes for m in self.matrices if not m.kept)
+
+    @property
+    def run_seconds(self) -> float:
+        """Total time of all stages of the run [s]."""
+        return sum(stage.seconds for stage in self.stages.values())
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,31 +177,50 @@ def plan_study(study: Study, *, out: str | Path) -> StudyPlan:
     """Estimate the cost of a run of a study.
 
     Each kind of matrix is traced for about one second to measure the speed. Matrices
-    in the folder `out` are reused.
+    in the folder `out` are reused. If the same study was run into this folder before,
+    the time of stages other than tracing is that of the earlier run.
     """
+    out, log, stages = Path(out), RunLog(), dict.fromkeys(STAGES, StageCost())
     with executor_at(study.trace.cluster) as place:
         plan = Plan(place)
-        store = PlannedStore(MatrixStore(Path(out) / MATRIX_FOLDER), plan)
+        store = PlannedStore(MatrixStore(out / MATRIX_FOLDER), plan)
         for method in study.methods:
-            inputs = _walk_through(study.with_method(method), store, plan)
-        return _planned(study, inputs, store, estimate_costs(plan))
+            one = study.with_method(method)
+            work = _walk_through(one, store, plan, log)
+            own = out / method if len(study.methods) > 1 else out
+            costs = work.costs(log.seconds | recorded_seconds(own, one.facts()))
+            stages = {name: stages[name] + cost for name, cost in costs.items()}
+        if len(study.methods) > 1:
+            # The results of the last method are written again, with a comparison
+            stages["write"] += replace(costs["write"], files=costs["write"].files + 1)
+        planned = _planned(work, store, estimate_costs(plan))
+    stages["trace"] = StageCost(seconds=planned.seconds)
+    return replace(planned, stages=stages)
 
 
-def _walk_through(study: Study, store: PlannedStore, plan: Plan) -> Inputs:
-    # Request the matrices that a run would request
-    inputs = read_inputs(study)
-    warn_of_views(study.view, inputs.cameras)
+def _walk_through(
+    study: Study, store: PlannedStore, plan: Plan, log: RunLog
+) -> StageWork:
+    # Request the matrices that a run would request; measure the stages before them
+    with log.phase("read"):
+        inputs = read_inputs(study)
+    with log.phase("check"):
+        warn_of_inputs(study, inputs)
     job = Job(study, inputs, store, silent, executor=plan)
-    for view in trace_views(job, trace_study(job)):
-        for number, group in enumerate(inputs.groups if view.matrices.suns else ()):
+    matrices = trace_study(job)
+    views = trace_views(job, matrices)
+    for view in views:
+        for number, group in enumerate(inputs.groups if matrices.suns else ()):
             for state in range(len(group.states)):
                 view.sun(number, state)
     trace_lamps(job)
-    return inputs
+    with log.phase("sky"):
+        skies = study_skies(study, inputs, matrices.suns)
+    return StageWork(study, inputs, matrices, views, skies)
 
 
 def _planned(
-    study: Study, inputs: Inputs, store: PlannedStore, foreseen: Sequence[JobCost]
+    work: StageWork, store: PlannedStore, foreseen: Sequence[JobCost]
 ) -> StudyPlan:
     found, place = [], store.plan.place
     for entry in store.entries:
@@ -202,25 +232,21 @@ def _planned(
             cost = JobCost(cost.paths, 0.0)
     within = {number for entry in store.entries for number in entry.jobs}
     later = [each for n, each in enumerate(foreseen) if n not in within]
-    steps = len(inputs.weather.times)
+    study, inputs, steps = work.study, work.inputs, len(work.skies.times)
+    pixels = max(map(len, inputs.cameras), default=0) if work.views else 0
+    bands = len(inputs.scene.bands)
     return StudyPlan(
         device=place.resolve(study.trace.device),
         workers=place.workers(),
         matrices=tuple(found),
         later=_together(later),
-        results=_hour_bytes(study) * len(inputs.sensors()) * steps,
+        results=hour_bytes(study) * len(inputs.sensors()) * steps,
         scene=_TRIANGLE * _triangles(inputs.scene),
         streamed=max((_leaving(e, steps) for e in store.entries), default=0),
+        sky=work.skies.whole.diffuse.nbytes,
+        # Radiance, variance and shared deviations of the pixels
+        pictures=4 * pixels * (2 * bands + 1 + FEW) * STEPS_PER_BLOCK,
     )
-
-
-def _hour_bytes(study: Study) -> int:
-    # Bytes per sensor and time step: illuminance, terms, sun, luminaires, text, and
-    # errors with their components
-    variables = 2 + COUNT // 4 + bool(study.lighting)
-    if needs_direct(study):
-        variables += 2 + COUNT // 4 + 3 * study.corrected
-    return 4 * variables + _TEXT * (study.output.csv + study.output.ill)
 
 
 def _leaving(entry: _Entry, steps: int) -> int:
