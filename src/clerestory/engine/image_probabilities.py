@@ -38,11 +38,11 @@ def with_learned_images(
 ) -> Illumination:
     """Return the scene with image probabilities learned at surface points and sensors.
 
-    Half of the points may be sensors.
+    Half of the points are sensors. Few sensors are tested repeatedly, since a sample of
+    an image that is seen in part may miss it.
     """
-    if sensors is not None:
-        sensors = sensors.thinned(_PLACES // 2)
-        places = sensors + places.thinned(_PLACES - len(sensors))
+    if sensors is not None and len(sensors):
+        places = sensors.repeated(_PLACES // 2) + places.thinned(_PLACES // 2)
     if len(places) == 0:
         return scene
     suns = scene.images_of_suns
