@@ -12,6 +12,7 @@ import pytest
 from physics_scenes import quad
 
 from clerestory.phases.rendering import irradiance, render
+from clerestory.radiance.rad_reader import read_rad
 from clerestory.scene.model import (
     DistantSource,
     Glass,
@@ -398,6 +399,18 @@ def test_a_sensor_sees_the_sun_in_one_facet(device, count):
     assert truth[0] > direction[2]
     scene = lit(faceted(count), (sun(direction),), CLEAR)
     agrees(scene, (0, 0, 0), UPWARDS, truth, device=device)
+
+
+def test_a_coating_that_reflects_at_oblique_incidence_only(device, tmp_path):
+    """A coating without reflectance along the normal has images too."""
+    shares = " ".join(["if(.95-abs(Rdot),.3,0)"] * 3)
+    path = tmp_path / "coated.rad"
+    path.write_text(
+        f"void BRTDfunc coated 10 {shares} 0 0 0 0 0 0 . 0 9 0 0 0 0 0 0 0 0 0\n"
+    )
+    material = read_rad(path).materials["coated"]
+    scene = lit((sky_plane(2, "coated"),), (sun(SOUTH),), material)
+    agrees(scene, (0, 0, 0), NORTHWARDS, np.full(3, 0.8 * 0.3), device=device)
 
 
 def test_images_that_are_seen_in_part_are_found(device):
