@@ -1,21 +1,29 @@
 """Named cases of hostile input, through the command line: one line, at once."""
 
 import ast
+import json
 import os
+import re
 import time
 import warnings
 from pathlib import Path
 
 import pytest
-from optics_seeds import SYSTEM
+import xarray as xr
+from optics_seeds import COLUMNS, FRED, PABOPTO, SYSTEM, VIAVI
 from result_seeds import SCAN, room
+from result_seeds import _results as results
 from scene_seeds import IES, OBJ
+from scene_seeds import _gltf as gltf
+from scene_seeds import _hbjson as hbjson
 from weather_seeds import STATION
 
 import clerestory
 from clerestory.cli.main import main
-from clerestory.errors import InputError
+from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.files import read_bytes
+from clerestory.formats.photometry.ies import read_ies
+from clerestory.gonio.measurement_files import read_measurement
 
 SOURCE = Path(clerestory.__file__).parent
 
@@ -317,3 +325,208 @@ def test_no_message_has_an_article_before_a_value():
                     if words[-1] == "" and words[-2:-1] in (["a"], ["an"]):
                         found.append(f"{file.relative_to(SOURCE)}:{node.lineno}")
     assert found == []
+
+
+# ----------------------------- Numbers beyond measure -----------------------------
+MAP = '[materials]\n"*" = { reflectance = 0.5 }\n'
+
+
+@pytest.mark.parametrize("metres", ["1e16", "1e300", "-1e308"])
+@pytest.mark.parametrize("name", ["m.obj", "m.gltf"])
+def test_a_mesh_beyond_measure_is_refused(said, folder, metres, name):
+    Path("map.toml").write_text(MAP)
+    if name == "m.obj":
+        Path(name).write_text(OBJ.replace("v 1 0 0", f"v {metres} 0 0", 1))
+    else:
+        model = json.loads(gltf(folder)[0])
+        model["nodes"][0]["translation"] = [float(metres), 0, 0]
+        Path(name).write_text(json.dumps(model))
+    with warnings.catch_warnings(record=True) as caught:
+        status, text = said("import", name, "--materials", "map.toml", "-o", "out")
+    assert status == 2
+    assert "1e+15 m" in text
+    assert not caught
+
+
+def test_a_mesh_scaled_beyond_measure_is_refused(said):
+    Path("map.toml").write_text("scale = 1e300\n" + MAP)
+    Path("m.obj").write_text(OBJ)
+    status, text = said("import", "m.obj", "--materials", "map.toml", "-o", "out")
+    assert status == 2
+    assert "1e+15 m" in text
+
+
+def test_a_sensor_beyond_measure_is_refused(said):
+    Path("desk.pts").write_text("1 1 1 0 0 1\n1 1e16 1 0 0 1\n")
+    status, text = said("run", "study.toml", "--plan")
+    assert status == 2
+    assert text.startswith("desk.pts:2:")
+
+
+@pytest.mark.parametrize("value", ["1e16", "1e308"])
+def test_a_bsdf_beyond_measure_is_refused(said, value):
+    text = Path("diffuser.xml").read_text()
+    Path("diffuser.xml").write_text(
+        re.sub(r"(<ScatteringData>\s*)[\d.e+-]+", rf"\g<1>{value}", text)
+    )
+    status, text = said("bsdf", "info", "diffuser.xml")
+    assert status == 2
+    assert "ScatteringData" in text
+
+
+def test_deep_gltf_nodes_are_not_called_a_cycle(said, folder):
+    Path("map.toml").write_text(MAP)
+    model = json.loads(gltf(folder)[0])
+    chain = [{"children": [k + 1]} for k in range(200)] + [{"mesh": 0}]
+    for nodes, expected in ((chain, "nested"), ([{"children": [0]}], "itself")):
+        model |= {"nodes": nodes, "scenes": [{"nodes": [0]}]}
+        Path("m.gltf").write_text(json.dumps(model))
+        status, text = said("import", "m.gltf", "--materials", "map.toml", "-o", "out")
+        assert status == 2
+        assert expected in text
+
+
+@pytest.mark.parametrize("text", ["", "# nothing\n", "v 0 0 0\n"])
+def test_an_obj_file_without_faces_is_refused(said, text):
+    Path("m.obj").write_text(text)
+    status, told = said("import", "m.obj", "-o", "out")
+    assert status == 2
+    assert told.startswith("m.obj: no faces")
+
+
+def test_a_fault_of_a_sky_command_names_no_temporary_file(said):
+    words = ["irradiance", "--scene", "room.rad", "--sensors", "desk.pts", "--sky"]
+    status, text = said(*words, "gensky 99 21 12")
+    assert status == 2
+    assert text.startswith('the sky "gensky 99 21 12": gensky: the month')
+
+
+TWICE = "polygon twice 0 0 18 0 0 2 1 0 2 1 1 2 0 0 2 1 0 2 1 1 2\n"
+
+
+@pytest.mark.parametrize("alone", [False, True])
+def test_a_polygon_that_is_filled_nowhere_is_traced(said, alone):
+    """An outline that is run through twice has no inside by the even–odd rule."""
+    Path("sky.rad").write_text(
+        "void glow g 0 0 4 1 1 1 0\ng source dome 0 0 4 0 0 1 360\n"
+    )
+    own = "void plastic thin 0 0 5 .5 .5 .5 0 0\nthin " + TWICE
+    Path("room.rad").write_text(own if alone else Path("room.rad").read_text() + own)
+    words = "irradiance --scene room.rad --sensors desk.pts --samples 4 --sky sky.rad"
+    assert said(*words.split())[0] == 0
+
+
+def test_a_window_that_is_filled_nowhere_is_refused(said):
+    head = "#@rfluxmtx h=kf u=Z\nvoid glow g 0 0 4 1 1 1 0\ng "
+    Path("window.rad").write_text(head + TWICE)
+    assert said("run", "study.toml", "--plan")[0] == 2
+
+
+def test_a_pixel_beyond_measure_is_refused(said):
+    head = b"#?RADIANCE\nVIEW= -vta -vh 180 -vv 180\nFORMAT=32-bit_rle_rgbe\n\n"
+    head += b"-Y 40 +X 40\n"
+    Path("p.hdr").write_bytes(head + b"\xff\xff\xff\xfe" * 1600)
+    for command in ("picture info", "glare"):
+        status, text = said(*command.split(), "p.hdr")
+        assert status == 2
+        assert "the pixel in row 0, column 0" in text
+
+
+@pytest.mark.parametrize(
+    "name", ["V_%999999999d.hdr", "V_%.99999d.hdr", "V_%0500d.hdr"]
+)
+def test_a_picture_set_of_endless_names_is_refused(said, name):
+    status, text = said("multiply", name, "two_days.wea", "-o", "o.mtx")
+    assert status == 2
+    assert "V_%03d.hdr" in text
+
+
+# ------------------------------------ Schedules ------------------------------------
+SCHEDULES = {
+    "offset": ("time,south\n2023-03-21T08:00+01:00,1\n", "s.csv:2: .*offset"),
+    "Zulu": ("time,south\n2023-03-21 08:00Z,1\n", "s.csv:2: .*offset"),
+    "now": ("time,south\n2023-03-21T08:00,1\nnow,0\n", "s.csv:3: 'now,0'"),
+    "year": ("time,south\n99999-03-21T08:00,1\n", "s.csv:2: '99999"),
+    "no line": ("time,south\n", "s.csv: no lines"),
+    "column twice": ("time,south,south\n2023-03-21T08:00,0,1\n", "s.csv:1: several"),
+}
+
+
+@pytest.mark.parametrize("case", SCHEDULES)
+def test_a_doubtful_schedule_is_refused(said, case):
+    content, expected = SCHEDULES[case]
+    Path("s.csv").write_text(content)
+    control = '[window.control]\nrule = "schedule"\nfile = "s.csv"\n'
+    states = "".join(
+        f'[[window.state]]\nname = "{name}"\nbsdf = "diffuser.xml"\n'
+        for name in ("up", "down")
+    )
+    change("study.toml", 'bsdf = "diffuser.xml"\n', "")
+    change("study.toml", "[[sensors]]", control + states + "[[sensors]]")
+    status, text = said("run", "study.toml", "--plan")
+    assert status == 2
+    assert re.match(expected, text)
+
+
+# ------------------------------- Results and weather -------------------------------
+@pytest.mark.parametrize("value", [float("nan"), float("inf")])
+def test_metrics_of_results_that_are_not_finite_are_refused(said, value):
+    Path("r").mkdir()
+    results(Path("r"))
+    with xr.open_dataset("r/results.nc") as data:
+        data = data.load()
+    data["illuminance"].values[0, :3] = value
+    Path("r/results.nc").unlink()
+    data.to_netcdf("r/results.nc", engine="h5netcdf")
+    status, text = said("metrics", "r")
+    assert status == 2
+    assert "not finite" in text
+
+
+def test_time_steps_of_years_are_refused(said):
+    Path("s.toml").write_text(STATION)
+    rows = "2022-06-21;12:00;700;120\n9999-12-31;12:05;710;118\n"
+    Path("roof.csv").write_text("day;clock;GHI;DHI\n" + rows)
+    status, text = said("sky", "describe", "s.toml")
+    assert status == 2
+    assert "time step" in text
+
+
+def test_numbers_left_over_in_an_ies_file_are_told(tmp_path):
+    """A decimal comma separates numbers, so that all later ones are moved."""
+    file = tmp_path / "l.ies"
+    file.write_text(IES.replace("100 80 0", "100,5 80,0 0"))
+    with pytest.warns(ClerestoryWarning, match="2 words after the last intensity"):
+        read_ies(file)
+
+
+# ---------------------------------- Goniophotometers ----------------------------------
+SEEDS = {"a.csv": COLUMNS, "v.txt": VIAVI, "f.txt": FRED, "p.txt": PABOPTO}
+
+
+@pytest.mark.parametrize("name", SEEDS)
+def test_measurements_with_a_byte_order_mark_are_recognized(tmp_path, name):
+    """As spreadsheets write them."""
+    file = tmp_path / name
+    file.write_bytes(SEEDS[name].replace("\n", "\r\n").encode("utf-8-sig"))
+    (measured,) = read_measurement(file)
+    file.write_text(SEEDS[name])
+    assert len(measured.scans) == len(read_measurement(file)[0].scans) == 1
+
+
+@pytest.mark.parametrize("name", SEEDS)
+def test_a_measured_value_beyond_measure_is_refused(said, name):
+    Path(name).write_text(SEEDS[name].replace(".4", "1e308"))
+    status, text = said("gonio", "info", name)
+    assert status == 2
+    assert "1e308" in text
+
+
+@pytest.mark.parametrize("value", [1e308, -1, 1.5])
+def test_honeybee_materials_that_cannot_be_are_refused(said, folder, value):
+    model = json.loads(hbjson(folder)[0])
+    model["properties"]["radiance"]["modifiers"][0]["r_transmissivity"] = value
+    Path("m.hbjson").write_text(json.dumps(model))
+    status, text = said("import", "m.hbjson", "-o", "out")
+    assert status == 2
+    assert "r_transmissivity" in text

@@ -12,6 +12,7 @@ import pytest
 from physics_scenes import quad
 
 from clerestory.phases.rendering import irradiance, render
+from clerestory.radiance.rad_reader import read_rad
 from clerestory.scene.model import (
     DistantSource,
     Glass,
@@ -398,6 +399,53 @@ def test_a_sensor_sees_the_sun_in_one_facet(device, count):
     assert truth[0] > direction[2]
     scene = lit(faceted(count), (sun(direction),), CLEAR)
     agrees(scene, (0, 0, 0), UPWARDS, truth, device=device)
+
+
+def test_a_coating_that_reflects_at_oblique_incidence_only(device, tmp_path):
+    """A coating without reflectance along the normal has images too."""
+    shares = " ".join(["if(.95-abs(Rdot),.3,0)"] * 3)
+    path = tmp_path / "coated.rad"
+    path.write_text(
+        f"void BRTDfunc coated 10 {shares} 0 0 0 0 0 0 . 0 9 0 0 0 0 0 0 0 0 0\n"
+    )
+    material = read_rad(path).materials["coated"]
+    scene = lit((sky_plane(2, "coated"),), (sun(SOUTH),), material)
+    agrees(scene, (0, 0, 0), NORTHWARDS, np.full(3, 0.8 * 0.3), device=device)
+
+
+def test_images_that_are_seen_in_part_are_found(device):
+    """One of two hundred narrow facets shows each sensor a part of the sun."""
+    direction = np.array([0.3, -0.8, 0.6]) / np.linalg.norm([0.3, -0.8, 0.6])
+    canopy = quad((-60, -60, 7), (60, -60, 7), (60, -7, 7), (-60, -7, 7))
+    panes, places = faceted(200), np.array([[-5.35, -1.4, 0], [2.12, -5.27, 0]])
+    scene = lit(
+        (*panes, replace(canopy, material="black")), (sun(direction),), CLEAR, BLACK
+    )
+    # Points of the sun's disc
+    u, v = np.random.default_rng(0).uniform(-1, 1, (2, 20000))
+    inside = u**2 + v**2 < 1
+    across = np.cross(direction, [0, 0, 1]) / np.hypot(*direction[:2])
+    spread = np.outer(u, across) + np.outer(v, np.cross(across, direction))
+    points = direction + np.radians(SUN_DEG / 2) * spread[inside]
+    truth = np.zeros(2)
+    for pane in panes:
+        corner, along = pane.vertices[0], pane.vertices[1] - pane.vertices[0]
+        normal = np.cross(along, [0, 0, 1]) / np.linalg.norm(along)
+        image = points - 2 * np.outer(points @ normal, normal)
+        for number, place in enumerate(places):
+            distance = (corner - place) @ normal / (image @ normal)
+            met = place + distance[:, None] * image
+            share = (met - corner) @ along / (along @ along)
+            seen = np.mean((distance > 0) & (share > 0) & (share < 1))
+            shown = glazed(CLEAR, abs(np.mean(image @ normal)))[0][0]
+            truth[number] += direction[2] * shown * seen
+    assert np.all(truth > 0.01)
+    sensors = Sensors(places, np.tile(UPWARDS, (2, 1)))
+    for seed in range(4):
+        found = irradiance(scene, sensors, samples=2048, seed=seed, device=device)
+        grey, error = found.irradiance[:, 0], found.error[:, 0]
+        assert np.all(np.abs(grey - truth) <= 5 * error + 0.01 * truth)
+        assert np.all(error <= 0.3 * truth)
 
 
 def test_a_picture_shows_the_floor_lit_by_a_pane(device):

@@ -24,6 +24,9 @@ _NUMBER = re.compile(r"\s*\{(\d{1,9})\}\s*")
 # Largest tolerated flux of negative BSDF values, as a fraction of the incident flux.
 _NEGLIGIBLE = 1e-3
 
+# Largest number in a file; larger ones overflow when multiplied
+_LARGEST = 1e15
+
 
 @dataclass(frozen=True)
 class TreeTexts:
@@ -189,10 +192,13 @@ def read_numbers(element: etree._Element, document: Document) -> Values:
         word = next((word for word in text.split() if not is_number(word)), "")
         message = f"{word[:40]!r} in {_name(element)}; numbers expected"
         raise document.error(element, message) from error
-    wrong = np.flatnonzero(~np.isfinite(values))
+    wrong = np.flatnonzero(~(np.abs(values) <= _LARGEST))
     if len(wrong):
-        found = f"value {wrong[0] + 1} of {_name(element)} is {values[wrong[0]]}"
-        raise document.error(element, f"{found}; a finite number expected")
+        value = values[wrong[0]]
+        found = f"value {wrong[0] + 1} of {_name(element)} is {value:g}"
+        limit = f"number up to {_LARGEST:.0e}"
+        wanted = limit if np.isfinite(value) else "finite number"
+        raise document.error(element, f"{found}; a {wanted} expected")
     return values
 
 

@@ -65,6 +65,9 @@ def metrics(request: Metrics) -> None:
         half = _brightest_half(request.weather, grids[0].lux)
     rows: list[str] = []
     for grid in grids:
+        message = f"illuminances of grid {grid.name!r} are not finite"
+        known = bool(np.isfinite(grid.lux.values).all())
+        require(known, f"{message}; finite numbers expected", file=results)
         say(f"{grid.name}: {grid.lux.sizes['sensor']} sensors", quiet=quiet)
         say(*(f"  {line}" for line in _room(grid, hours, half, request)), quiet=quiet)
         rows += _sensors(grid, hours, request.target)

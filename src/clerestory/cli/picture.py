@@ -6,6 +6,7 @@ from pathlib import Path
 from clerestory.checks import require
 from clerestory.cli.progress import progress_display, say
 from clerestory.cli.requests import picture as requests
+from clerestory.errors import located
 from clerestory.image import arithmetic
 from clerestory.image.colour_scale import linear_scale, logarithmic_scale
 from clerestory.image.denoise import denoise as denoise_picture
@@ -26,12 +27,14 @@ def info(request: requests.PictureInfo) -> None:
     """Print size, view and luminance of pictures."""
     for file in request.files:
         picture = read_picture(file)
+        with located(file=file):
+            lines = _statistics_lines(picture)
         say(f"{file}: {picture.columns} × {picture.rows} pixels of {picture.quantity}")
         if picture.view is not None:
             say(f"  view  {format_view(picture.view)}")
         if picture.pixel_aspect != 1:
             say(f"  pixel aspect  {picture.pixel_aspect:g}")
-        say(*_statistics_lines(picture))
+        say(*lines)
         say(*(f"  | {line}" for line in picture.header), quiet=not request.header)
 
 

@@ -4,6 +4,7 @@ The states of a window group are numbered from the most open, 0, to the most clo
 Results are computed once for every state; a schedule selects one per time step.
 """
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,13 +14,17 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.brief_repr import brief
-from clerestory.checks import not_negative, require, same_length, within
-from clerestory.errors import InputError
+from clerestory.checks import distinct, not_negative, require, same_length, within
+from clerestory.errors import InputError, located
 from clerestory.escaping import csv_line, plain_cell
 from clerestory.files import csv_rows, read_text, write_text
 
 # Largest state number in a file
 _MOST_STATES = 10_000
+
+# NumPy would read "now" and years of five digits, and subtract an offset from UTC
+_TIME = re.compile(r"\d{4}-\d\d-\d\d([T ]\d\d(:\d\d(:\d\d(\.\d+)?)?)?)?", re.ASCII)
+_OFFSET = re.compile(r"[T ].*[Zz+-]")
 
 
 @final
@@ -125,6 +130,8 @@ def read_schedule(path: str | Path) -> StateSchedule:
     groups = [plain_cell(word.strip()) for word in head[1:]]
     message = "no header time,GROUP… in the first line"
     require(groups, message, file=path, line=1)
+    with located(file=path, line=1):
+        distinct(groups, "columns")
     times, rows = [], []
     for number, line in enumerate(lines[1:], start=2):
         if not line.strip():
@@ -132,15 +139,25 @@ def read_schedule(path: str | Path) -> StateSchedule:
         words = [word.strip() for word in line.split(",")]
         message = f"{line.strip()[:60]!r}; a time, and a state from 0 to {_MOST_STATES}"
         message += f" for each of {', '.join(groups)}, expected"
+        offset = _OFFSET.search(words[0])
+        local = f"{words[0][:40]!r} has an offset from UTC; local standard time"
+        require(not offset, f"{local} expected", file=path, line=number)
         try:
             moment = np.datetime64(words[0], "s")
             row = [int(word) for word in words[1:]]
         except ValueError as error:
             raise InputError(message, file=path, line=number) from error
-        valid = len(row) == len(groups) and 0 <= min(row) <= max(row) <= _MOST_STATES
+        valid = _TIME.fullmatch(words[0]) is not None
+        valid = (
+            valid
+            and len(row) == len(groups)
+            and 0 <= min(row) <= max(row) <= _MOST_STATES
+        )
         require(valid and not np.isnat(moment), message, file=path, line=number)
         times.append(moment)
         rows.append(row)
+    message = "no lines after the header; a time and states expected"
+    require(rows, message, file=path)
     table = np.array(rows, dtype=int).reshape(-1, len(groups))
     return StateSchedule(
         np.array(times, dtype="datetime64[s]"),

@@ -44,7 +44,10 @@ class SurfacePoints:
 
     def thinned(self, most: int) -> "SurfacePoints":
         """Return at most a given number of the points, evenly spaced."""
-        count = min(most, len(self))
+        return self.repeated(min(most, len(self)))
+
+    def repeated(self, count: int) -> "SurfacePoints":
+        """Return a given number of points, evenly spaced or repeated."""
         chosen = np.arange(count) * len(self) // max(count, 1)
         return SurfacePoints(*(part[chosen] for part in vars(self).values()))
 

@@ -29,6 +29,7 @@ from clerestory.scene.model import (
     TriangleMesh,
     insert_material,
 )
+from clerestory.scene.transform import LARGEST
 
 _JSON, _BIN = 0x4E4F534A, 0x004E4942
 _TYPES = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
@@ -154,6 +155,8 @@ def read_gltf(
                 if not len(faces):
                     continue
                 material = _material(document, primitive, materials, colours)
+                large = f"a matrix of nodes exceeds {LARGEST:.0e} m"
+                require(bool(np.abs(place).max() <= LARGEST), large)
                 moved = vertices @ place[:3, :3].T + place[:3, 3]
                 if np.linalg.det(place[:3, :3]) < 0:
                     faces = faces[:, ::-1]
@@ -236,18 +239,22 @@ def _require_few(document: _Document, start: tuple[int, ...]) -> None:
     # Count the nodes and triangles of all nodes, each of which can have many parents
     meshes = [_size(document, mesh) for mesh in document.meshes]
     sizes: dict[int, int] = {}
+    parents: list[int] = []
 
-    def size(number: int, depth: int) -> int:
+    def size(number: int) -> int:
         if number not in sizes:
             node = _element(document.nodes, "nodes", number)
-            cyclic = depth > _DEEPEST
+            cyclic, deep = number in parents, len(parents) > _DEEPEST
             require(not cyclic, f"nodes[{number}] contains itself; a tree expected")
+            require(not deep, f"more than {_DEEPEST} nested nodes; fewer expected")
+            parents.append(number)
             own = 0 if node.mesh is None else _element(meshes, "meshes", node.mesh)
-            inner = sum(size(child, depth + 1) for child in node.children)
+            inner = sum(size(child) for child in node.children)
+            parents.pop()
             sizes[number] = 1 + own + inner
         return sizes[number]
 
-    total = sum(size(number, 0) for number in start)
+    total = sum(size(number) for number in start)
     message = f"the nodes place meshes of a size of {total:.2g}; at most {_LARGEST:,}"
     require(total <= _LARGEST, f"{message} (nodes, or tens of triangles) expected")
 

@@ -11,6 +11,8 @@ from pydantic import AliasPath, ConfigDict, Field
 
 from clerestory.documents import Item, Number
 
+_Fraction = Annotated[Number, Field(ge=0, le=1)]
+_Positive = Annotated[Number, Field(ge=0)]
 _Point = tuple[Number, Number, Number]
 _Loop = Annotated[tuple[_Point, ...], Field(min_length=3)]
 _Polygon = Annotated[tuple[Annotated[int, Field(ge=0)], ...], Field(min_length=3)]
@@ -79,20 +81,20 @@ class ModifierItem(Item):
     identifier: str
     type: str
     modifier: object = None
-    r_reflectance: Number = 0.0
-    g_reflectance: Number = 0.0
-    b_reflectance: Number = 0.0
-    r_transmissivity: Number = 0.0
-    g_transmissivity: Number = 0.0
-    b_transmissivity: Number = 0.0
-    r_emittance: Number = 0.0
-    g_emittance: Number = 0.0
-    b_emittance: Number = 0.0
-    specularity: Number = 0.0
-    roughness: Number = 0.0
-    refraction_index: Number = 1.52
-    transmitted_diff: Number = 0.0
-    transmitted_spec: Number = 0.0
+    r_reflectance: _Fraction = 0.0
+    g_reflectance: _Fraction = 0.0
+    b_reflectance: _Fraction = 0.0
+    r_transmissivity: _Fraction = 0.0
+    g_transmissivity: _Fraction = 0.0
+    b_transmissivity: _Fraction = 0.0
+    r_emittance: _Positive = 0.0
+    g_emittance: _Positive = 0.0
+    b_emittance: _Positive = 0.0
+    specularity: _Fraction = 0.0
+    roughness: _Fraction = 0.0
+    refraction_index: _Positive = 1.52
+    transmitted_diff: _Fraction = 0.0
+    transmitted_spec: _Fraction = 0.0
     max_radius: Number = 0.0
     thickness: Number = 0.0
     transform: object = None

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from clerestory.checks import require
-from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.errors import ClerestoryWarning, InputError, located
 from clerestory.files import is_file, read_bytes, read_text
 from clerestory.formats.obj_text import ObjPart, ObjText, parse_obj
 from clerestory.scene.material import Source
@@ -65,7 +65,10 @@ def read_obj(
     for mesh, part in zip(obj_meshes(text, file=str(path)), text.parts, strict=True):
         material = _material(part, given, path)
         key = insert_material(used, material)
-        surfaces.append(replace(mesh, material=key, vertices=mesh.vertices * scale))
+        with located(file=path, line=part.line):
+            moved = replace(mesh, material=key, vertices=mesh.vertices * scale)
+        surfaces.append(moved)
+    require(surfaces, "no faces; a mesh expected", file=path)
     return Scene(used, tuple(surfaces))
 
 

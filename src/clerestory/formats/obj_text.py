@@ -16,6 +16,7 @@ from jaxtyping import Bool, Float, Int, UInt8
 
 from clerestory.checks import require
 from clerestory.errors import InputError, located
+from clerestory.scene.transform import LARGEST
 from clerestory.scene.triangulate import simple_faces
 
 # Approximate maximum size of a run of lines that is converted together [bytes]
@@ -112,6 +113,10 @@ class _Reading:
         known = np.isfinite(points).all(axis=1)
         bad = line + int(np.argmin(known))
         require(known.all(), "a coordinate is not finite", file=self.file, line=bad)
+        near = (np.abs(points) <= LARGEST).all(axis=1)
+        message = f"a coordinate exceeds {LARGEST:.0e} m"
+        bad = line + int(np.argmin(near))
+        require(near.all(), message, file=self.file, line=bad)
         self.vertices.append(points)
         self.count += len(points)
 

@@ -4,6 +4,7 @@ Each module in `clerestory.gonio.formats` reads one format. The format of a file
 recognized from the first bytes of the file.
 """
 
+import codecs
 import importlib
 import pkgutil
 from collections.abc import Mapping, Sequence
@@ -86,7 +87,7 @@ def read_measurement(
 
 def _recognized_format(path: Path) -> FileFormat:
     # Recognize the format of a file from its first bytes
-    data = read_bytes(path)[:_HEAD]
+    data = read_bytes(path)[:_HEAD].removeprefix(codecs.BOM_UTF8)
     text = "" if b"\0" in data else data.decode("latin-1").lower()
     lines = (line.strip() for line in text.splitlines())
     head = FileHead(data, tuple(line for line in lines if line))

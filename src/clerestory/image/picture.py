@@ -19,6 +19,10 @@ from clerestory.scene.view import View
 Quantity = Literal["radiance", "irradiance"]
 
 
+# Largest value of a pixel; larger ones overflow when multiplied
+_LARGEST = 1e15
+
+
 @dataclass(frozen=True, eq=False)
 class Picture:
     """Radiance or irradiance of every pixel of a view.
@@ -105,7 +109,14 @@ class Picture:
 
 def photometric(picture: Picture) -> Float32[np.ndarray, "row column"]:
     """Luminance [cd/m²] or illuminance [lux] of every pixel."""
-    return picture.bands.photometric(picture.radiance)
+    values = picture.radiance
+    if max(values.max(), -values.min()) > _LARGEST:
+        row, column, _ = np.argwhere(np.abs(values) > _LARGEST)[0]
+        raise InputError(
+            f"the pixel in row {row}, column {column} exceeds {_LARGEST:.0e};"
+            " smaller numbers expected"
+        )
+    return picture.bands.photometric(values)
 
 
 def photometric_unit(picture: Picture) -> str:

@@ -4,6 +4,7 @@ Examples are view matrices of images, V_%03d.hdr, with one picture per window pa
 their products with sky matrices, with one picture per time step.
 """
 
+import re
 from itertools import count, takewhile
 from pathlib import Path
 
@@ -17,6 +18,9 @@ from clerestory.matrix.axis import pixel_axis, unknown_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
 
 _NO_NUMBER = "the name has no number; one number such as in V_%03d.hdr expected"
+
+# A number of three digits of a width or precision makes names that are too long
+_WIDE = re.compile(r"%[^%a-zA-Z]*\d{3}")
 
 
 def is_picture_set(path: Path) -> bool:
@@ -34,6 +38,7 @@ def numbered(path: Path, number: int) -> Path:
     >>> str(numbered(Path("V_%03d.hdr"), 7))
     'V_007.hdr'
     """
+    require(not _WIDE.search(path.name), _NO_NUMBER, file=path)
     try:
         return path.with_name(path.name % number)
     except (TypeError, ValueError):

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from clerestory.checks import require
+from clerestory.errors import InputError
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.scene.model import Scene
 from clerestory.sky.weather import Weather
@@ -40,7 +41,11 @@ def sky_scene(command: str) -> Scene:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder, "sky.rad")
         file.write_text(f"!{command}\n{_DOMES}", encoding="utf-8")
-        return read_rad(file)
+        try:
+            return read_rad(file)
+        except InputError as error:
+            message = f'the sky "{command}": {error.message}'
+            raise InputError(message) from error
 
 
 def sky_at(weather: Weather, moment: datetime) -> Scene:

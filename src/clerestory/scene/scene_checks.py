@@ -69,6 +69,8 @@ def check_scene(
     if not scene.surfaces:
         return ("the scene has no surfaces",)
     parts = meshes(scene)
+    if not parts:
+        return ("the surfaces of the scene have no area",)
     corner = np.concatenate([m.vertices[m.faces] for m in parts])
     triangles = Triangulation(corner, np.concatenate([m.surface for m in parts]))
     box = scene.bounds()

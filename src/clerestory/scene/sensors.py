@@ -11,7 +11,7 @@ from clerestory.checks import finite, require, same_length
 from clerestory.directions import unit
 from clerestory.errors import InputError, located
 from clerestory.files import read_text
-from clerestory.scene.transform import number
+from clerestory.scene.transform import LARGEST, number
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +87,8 @@ def _row(words: list[str]) -> list[float]:
         value = number(word)
         if value is None:
             raise InputError(f'"{word}" is found where a finite number is expected')
+        if abs(value) > LARGEST:
+            raise InputError(f"a number exceeds {LARGEST:.0e}; a smaller one expected")
         values.append(value)
     require(len(values) == 6, f"{len(values)} numbers; six (x y z dx dy dz) expected")
     unit(np.array(values[3:]))

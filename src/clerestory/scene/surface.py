@@ -15,7 +15,7 @@ from clerestory.brief_repr import brief
 from clerestory.checks import require
 from clerestory.errors import InputError
 from clerestory.scene.material import Source
-from clerestory.scene.transform import Transform
+from clerestory.scene.transform import LARGEST, Transform
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +36,10 @@ class Polygon:
                 f'polygon "{self.name}" has vertices of shape {shape};'
                 " at least 3 rows of 3 expected"
             )
+        require(
+            bool(np.abs(self.vertices).max() <= LARGEST),
+            f'polygon "{self.name}": a coordinate exceeds {LARGEST:.0e} m',
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +99,10 @@ class TriangleMesh:
             0 <= low <= high < len(self.vertices),
             f'mesh "{self.name}" refers to vertices {low} to {high};'
             f" 0 to {len(self.vertices) - 1} expected",
+        )
+        require(
+            bool(np.abs(self.vertices).max(initial=0) <= LARGEST),
+            f'mesh "{self.name}": a coordinate exceeds {LARGEST:.0e} m',
         )
 
 

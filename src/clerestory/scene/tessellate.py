@@ -49,16 +49,19 @@ def meshes(scene: Scene) -> tuple[Mesh, ...]:
     """Return the surfaces of a scene as triangles, one mesh per material in use.
 
     Polygons are filled by the even–odd rule; only polygons that intersect themselves
-    get new vertices. For curved surfaces see `curved_triangles`.
+    get new vertices. For curved surfaces see `curved_triangles`. A material whose
+    surfaces have no triangles has no mesh: an outline that is run through twice is
+    filled nowhere.
     """
     groups: dict[str, list[int]] = {}
     for i, surface in enumerate(scene.surfaces):
         groups.setdefault(surface.material, []).append(i)
-    return tuple(
+    made = (
         _mesh(scene.materials[key], scene.surfaces, groups[key])
         for key in scene.materials
         if key in groups
     )
+    return tuple(mesh for mesh in made if len(mesh.faces))
 
 
 def _mesh(material: Material, surfaces: Sequence[Surface], chosen: list[int]) -> Mesh:

@@ -17,6 +17,10 @@ TYPICAL_YEAR = 2023
 TYPICAL_LEAP_YEAR = 2024
 
 
+# Longest time step [min]
+_DAY = 1440
+
+
 @dataclass(frozen=True)
 class Site:
     """Location of a weather station or a simulation.
@@ -113,6 +117,11 @@ class Weather:
             same_length(self.dew_point_c, self.times, "dew points", "time steps")
         require(len(self), "weather without time steps; at least one expected")
         positive(self.step_minutes, "length of a time step", unit="minutes")
+        require(
+            self.step_minutes <= _DAY,
+            f"length of a time step is {self.step_minutes:g} minutes; at most {_DAY}"
+            " expected",
+        )
         late = np.diff(self.times, prepend=self.times[:1] - 1) <= np.timedelta64(0)
         require(
             not np.any(late),

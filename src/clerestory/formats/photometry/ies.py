@@ -9,12 +9,13 @@ version: R. Fritz's comments in Radiance's ies2rad.
 """
 
 import re
+import warnings
 from pathlib import Path
 
 import numpy as np
 
 from clerestory.checks import require
-from clerestory.errors import located
+from clerestory.errors import ClerestoryWarning, located
 from clerestory.files import is_file, read_text
 from clerestory.formats.photometry.luminaire import (
     Luminaire,
@@ -48,7 +49,13 @@ def read_ies(path: str | Path) -> Luminaire:
     numbers = _words(body, path, line + 1)
     tilt = _tilt(how.strip(), numbers, Path(path), line)
     with located(file=path):
-        return _luminaire(numbers, year, _keywords(head, Path(path)), tilt)
+        made = _luminaire(numbers, year, _keywords(head, Path(path)), tilt)
+    more = len(numbers.words) - numbers.at
+    if more:
+        first = f"the first is {numbers.words[numbers.at][:20]!r}"
+        message = f"{path}: {more} words after the last intensity are ignored; {first}"
+        warnings.warn(message, ClerestoryWarning, stacklevel=2)
+    return made
 
 
 def _words(text: str, path: str | Path, line: int) -> WordReader:

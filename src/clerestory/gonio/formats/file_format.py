@@ -67,6 +67,9 @@ _SEPARATOR = re.compile(r"[,;\s]+")
 # Upper limit of the polar angles of scattered directions [°].
 _LARGEST_THETA_DEG = 89.99
 
+# Largest number in a file; larger ones overflow when multiplied
+_LARGEST = 1e15
+
 
 def numbered_lines(path: Path, *, comment: str | None = None) -> list[Line]:
     """Return the non-blank lines of a file, with line numbers from 1.
@@ -86,7 +89,8 @@ def number(text: str, *, what: str, line: int) -> float:
         value = float(text)
     except ValueError:
         value = math.nan
-    require(math.isfinite(value), f"{text[:40]!r}; {what} expected", line=line)
+    valid = abs(value) <= _LARGEST
+    require(valid, f"{text[:40]!r}; {what} expected", line=line)
     return value
 
 

@@ -42,10 +42,14 @@ class FunctionSheet(Material):
 
     @property
     def mirrored(self) -> float:
-        # Mean reflectance of both sides along the normal
-        towards = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]])
-        normal = np.array([[0.0, 0.0, 1.0]] * 2)
-        return float(self.reflection.value(towards, normal, np.zeros((2, 3))).mean())
+        # Mean of both sides along the normal and at two oblique angles; some
+        # coatings reflect at oblique incidence only
+        slope = np.radians([0.0, 60.0, 80.0])
+        upwards = np.column_stack([np.sin(slope), 0 * slope, np.cos(slope)])
+        towards = np.concatenate([upwards, -upwards])
+        normal = np.array([[0.0, 0.0, 1.0]] * len(towards))
+        value = self.reflection.value(towards, normal, np.zeros((len(towards), 3)))
+        return float(value.mean())
 
     def plugin(self) -> Plugin:
         return Plugin(
