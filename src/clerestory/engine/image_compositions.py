@@ -21,7 +21,7 @@ _LEAST = 5e-4
 _LATER, _LAST = 0.1, 1e-12
 
 # Tolerances of equal transforms: rotation, and shift [m].
-_SAME, _SAME_SHIFT = 1e-3, 2e-3
+_SAME, _SAME_SHIFT = 3e-4, 2e-3
 
 
 @dataclass

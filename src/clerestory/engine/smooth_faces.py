@@ -17,7 +17,7 @@ _CELLS = 1 << 14
 _STRIDES = np.array([1, 1 << 15, 1 << 30, 1 << 45])
 
 # Normals are equal up to this difference [rad]; distances of parallel planes [m].
-_SLOPE, _DISTANCE = 1e-3, 2e-3
+_SLOPE, _DISTANCE = 3e-4, 2e-3
 
 
 @dataclass(frozen=True, eq=False)

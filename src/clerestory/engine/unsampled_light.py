@@ -32,7 +32,7 @@ from clerestory.scene.model import (
 from clerestory.scene.tessellate import meshes
 
 # Largest dimension of a small emitter [m]; largest roughness of narrow highlights.
-_SMALL, _NARROW = 1.0, 0.02
+_SMALL, _NARROW = 1.0, 0.05
 
 # Largest reflectance of images by several reflections that may be missing.
 _FAINT = 0.02
