@@ -36,6 +36,8 @@ grey cylinder tube 0 0 7 0 0 0 0 0 1 .1
 pane ring r 0 0 8 0 0 1 0 0 1 0 .5
 void plastic2 brushed 4 0 Nz 1 . 0 6 .5 .5 .5 .1 .2 .05
 void alias steel shiny
+void BRTDfunc roos 10 .1 .1 .1 Rdot*.6 .6 .6 0 0 0 . 0 9 .1 .1 .1 .1 .1 .1 0 0 0
+roos ring coated 0 0 8 0 0 2 0 0 1 0 .5
 !genbox grey crate 1 1 1 -r .1 | xform -t 2 2 0 -a 3 -t 0 0 1.1
 !xform -rz 30 -s 2 part.rad
 !genblinds grey blind .05 1 1 8 30
