@@ -196,9 +196,9 @@ def read_numbers(element: etree._Element, document: Document) -> Values:
     if len(wrong):
         value = values[wrong[0]]
         found = f"value {wrong[0] + 1} of {_name(element)} is {value:g}"
-        limit = f"number up to {_LARGEST:.0e}"
-        wanted = limit if np.isfinite(value) else "finite number"
-        raise document.error(element, f"{found}; a {wanted} expected")
+        limit = f"a number up to {_LARGEST:.0e}"
+        wanted = limit if np.isfinite(value) else "a finite number"
+        raise document.error(element, f"{found}; {wanted} expected")
     return values
 
 

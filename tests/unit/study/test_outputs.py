@@ -26,6 +26,7 @@ def results():
             "sensor": ["desks.1", "desks.2", "eyes.1"],
             "grid": ("sensor", ["desks", "desks", "eyes"]),
             "time": TIMES,
+            "occupied": ("time", np.array([False, True, True])),
             "position": (("sensor", "xyz"), np.arange(9.0).reshape(3, 3)),
             "direction": (("sensor", "xyz"), np.tile([0.0, 0, 1], (3, 1))),
         },
