@@ -130,24 +130,28 @@ def _in_contact(
     small = min((one, other), key=lambda n: float(np.linalg.norm(_normal(corner[n]))))
     facing = _normal(corner[small])
     facing = facing / np.linalg.norm(facing)
-    middle = corner[small].mean(axis=0)
+    # A point that is on no diagonal of an opposite rectangle, as the centroid can be
+    middle = np.array([0.47, 0.31, 0.22]) @ corner[small]
     return any(
-        _inside(middle + side * 30 * near * facing, side * facing, corner)
+        _inside(middle + side * 30 * near * facing, side * facing, corner, near)
         for side in (-1, 1)
     )
 
 
 def _inside(
-    point: Vector, along: Vector, corner: Float[np.ndarray, "triangle 3 3"]
+    point: Vector,
+    along: Vector,
+    corner: Float[np.ndarray, "triangle 3 3"],
+    near: float,
 ) -> bool:
-    # Whether the first face that a ray meets is seen from its back
+    # Whether the first face that a ray meets is seen from its back; it may touch another
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     leaving = normal @ along > 0
     back, front = (
         first_hits(point, along[None], corner[which])[0]
         for which in (leaving, ~leaving)
     )
-    return bool(back < front)
+    return bool(np.isfinite(back) and back < front + near)
 
 
 def _normal(corner: Float[np.ndarray, "3 3"]) -> Vector:

@@ -69,6 +69,15 @@ SOUND = {
         *box((1, 1, 0), (1, 1, 0.8), "rug", "low"),
         *box((1.2, 1.2, 0.8), (0.2, 0.2, 0.3), "glass", "high"),
     ],
+    "a table whose legs touch its top": [
+        *box((1, 1, 0), (0.1, 0.8, 0.7), "rug", "leg"),
+        *box((0.9, 0.9, 0.7), (2, 1, 0.03), "glass", "top"),
+    ],
+    "a box whose top is cut along the other diagonal": [
+        *box((1.85, 2.4, 0), (0.3, 1.2, 0.7), "rug", "foot")[:1],
+        rectangle((2.15, 2.4, 0.7), (0, 1.2, 0), (-0.3, 0, 0), "rug", "top"),
+        *box((1.85, 2.4, 0), (0.3, 1.2, 0.7), "rug", "foot")[2:],
+    ],
 }
 PLACES = {
     "as it is": "-t 0 0 0",
