@@ -92,13 +92,12 @@ _ALIKE = 0.025
 def check(bsdf: Bsdf) -> tuple[Finding, ...]:
     """Return the findings about a BSDF, errors first.
 
-        Tensor trees are first averaged over Klems full patches.
+    Tensor trees are first averaged over Klems full patches.
 
-        >>> from clerestory.bsdf.analytic import lambertian
-        >>> from clerestory.bsdf.xml_reader import read_bsdf
-    from clerestory.hemisphere.klems import klems
-        >>> [f.severity for f in check(lambertian(0.5, klems("full"))) if f.matters]
-        []
+    >>> from clerestory.bsdf.analytic import lambertian
+    >>> from clerestory.hemisphere.klems import klems
+    >>> [f.severity for f in check(lambertian(0.5, klems("full"))) if f.matters]
+    []
     """
     findings = [*check_angle_bases(bsdf)]
     tables: dict[str, Tables] = {}

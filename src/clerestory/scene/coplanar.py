@@ -144,7 +144,7 @@ def _inside(
     corner: Float[np.ndarray, "triangle 3 3"],
     near: float,
 ) -> bool:
-    # Whether the first face that a ray meets is seen from its back; it may touch another
+    # Whether the first face that a ray meets, perhaps with another, is seen from behind
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     leaving = normal @ along > 0
     back, front = (
