@@ -29,6 +29,7 @@ from clerestory.image.tone_curves import filmic, key_luminance
 from clerestory.metrics.replicates import error_of_group_mean
 from clerestory.phases.rendering import render
 from clerestory.radiance.generated_sky import sky_at
+from clerestory.report.uncertain_value import Figure
 from clerestory.scene.model import BsdfSurface
 from clerestory.scene.surface import Polygon
 from clerestory.study.config import read_study
@@ -208,10 +209,11 @@ def page(found: dict[str, dict[str, Any]]) -> str:
 
 def words_of(one: dict[str, Any]) -> list[str]:
     """Return the figures of a study in sentences."""
+    mean = Figure(one["mean"], one["error"], "lux")
+    autonomy = Figure(100 * one["autonomy"], 100 * one["autonomy_error"], "%")
     lines = [
-        f"{one['sensors']} sensors: {one['mean']:.0f} ± {one['error']:.0f} lux on"
-        f" average, daylight autonomy {100 * one['autonomy']:.1f} ±"
-        f" {100 * one['autonomy_error']:.1f} %, useful illuminance in"
+        f"{one['sensors']} sensors: {mean} on average, daylight autonomy {autonomy},"
+        " useful illuminance in"
         f" {100 * one['useful']:.0f} % of the hours from 8 to 18.",
     ]
     if one["sun"] is not None:

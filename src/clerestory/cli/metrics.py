@@ -32,6 +32,7 @@ from clerestory.metrics.spatial_metrics import (
     spatial_autonomy,
     sunlight_exposure,
 )
+from clerestory.report.uncertain_value import Figure
 from clerestory.sky.weather_formats import read_weather
 from clerestory.study.results import Results, read_results
 
@@ -270,5 +271,4 @@ def _sensors(grid: _Grid, hours: np.ndarray, target: float) -> Iterator[str]:
 
 
 def _percent(value: float, error: float) -> str:
-    stated = f" ± {100 * error:.2g}" if error else ""
-    return f"{100 * value:.1f}{stated} %"
+    return str(Figure(100 * value, 100 * error, "%"))
