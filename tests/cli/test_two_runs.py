@@ -21,6 +21,12 @@ HOLD = (
 LONG = "run study.toml --quiet --out"
 
 
+def listen():
+    """Reset what a test run in the background, or under nohup, has ignored."""
+    for number in (signal.SIGINT, signal.SIGHUP, signal.SIGTERM):
+        signal.signal(number, signal.SIG_DFL)
+
+
 @pytest.fixture
 def started():
     """Start programs that end with the test."""
@@ -28,7 +34,11 @@ def started():
 
     def start(*words, program=PROGRAM, **more):
         child = subprocess.Popen(
-            [*program, *words], stderr=subprocess.PIPE, text=True, **more
+            [*program, *words],
+            stderr=subprocess.PIPE,
+            text=True,
+            preexec_fn=listen,
+            **more,
         )
         running.append(child)
         return child

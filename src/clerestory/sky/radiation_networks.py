@@ -129,7 +129,11 @@ def read_srml(
     for quantity, short in _SRML.items():
         found = [name for name in data.columns if name.startswith(f"{short}_")]
         if found:
-            values = pd.to_numeric(data[found[0]], errors="coerce")
+            try:
+                values = pd.to_numeric(data[found[0]], errors="coerce")
+            except OverflowError as error:
+                text = f"column {found[0]} has too large a number; W/m² expected"
+                raise InputError(text, file=path) from error
             series[quantity] = values.to_numpy(float)
             names[quantity] = found[0]
     return _weather(
