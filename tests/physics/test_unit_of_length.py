@@ -223,7 +223,7 @@ def test_a_closed_lamp_gives_its_radiance_times_pi(factor):
     assert found.irradiance[0] == pytest.approx(2 * np.pi, rel=0.01)
 
 
-@pytest.mark.parametrize("factor", [1e-6, 1.0, 1e9])
+@pytest.mark.parametrize("factor", [1e-6, 1.0, 9e7])
 def test_a_trapezium_far_away_is_no_rectangle(factor):
     """A window with one slanted edge, 10 000 km from the origin of its coordinates."""
     corners = np.array([[0.0, 0, 0], [0, 0, 2], [1, 0, 2], [2, 0, 0]])

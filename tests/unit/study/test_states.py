@@ -239,7 +239,7 @@ def test_states_of_a_run_are_a_schedule_for_the_next(shaded, tmp_path):
     [
         ("time,north\n2023-01-01T00:00,0\n", 'no column "south"'),
         ("time,south\n2023-01-01T00:00,3\n", "is 3; a number from 0 to 2 expected"),
-        ("time,south\n", "a schedule without lines"),
+        ("time,south\n", "no lines after the header"),
     ],
 )
 def test_a_wrong_schedule_is_told(shaded, tmp_path, text, words):
