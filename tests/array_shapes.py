@@ -15,7 +15,7 @@ from jaxtyping import AbstractArray
 # each run checks the same items, and the two copies of a function check different ones.
 _drawn, _number = random.getrandbits, itertools.count()
 random.getrandbits = lambda _: next(_number)
-from beartype import beartype  # noqa: E402
+from beartype import beartype
 
 
 @beartype
