@@ -2,6 +2,7 @@
 
 A matrix is summed in 64-bit fixed point: exact, independent of the order of additions
 and bitwise reproducible. Radiance has no upper limit and is summed in floating point.
+Sparse rows are recorded, contribution by contribution.
 """
 
 from dataclasses import dataclass
@@ -63,7 +64,42 @@ class RadianceSink:
         return total + dr.select(active, value, 0)
 
 
-Sink = MatrixSink | RadianceSink
+@dataclass
+class RecordSink:
+    """Record of the contributions of each path: columns and weights, by path.
+
+    A path has room for `most` contributions; its sum is the number of contributions
+    that it made, which may be larger.
+    """
+
+    columns: mi.UInt32
+    weights: list[mi.Float]
+    most: int
+    lane: mi.UInt32
+
+    @classmethod
+    def of(cls, lanes: int, most: int, channels: int) -> "RecordSink":
+        """Return an empty record for a number of paths."""
+        size = lanes * most
+        columns = dr.zeros(mi.UInt32, size)
+        weights = [dr.zeros(mi.Float, size) for _ in range(channels)]
+        return cls(columns, weights, most, dr.arange(mi.UInt32, lanes))
+
+    def begin(self) -> mi.UInt32:
+        """Return zero contributions."""
+        return mi.UInt32(0)
+
+    def add(self, total: mi.UInt32, column, value, active) -> mi.UInt32:
+        """Record a contribution; return the number of contributions of the path."""
+        kept = active & (total < self.most)
+        place = self.lane * self.most + total
+        dr.scatter(self.columns, mi.UInt32(column), place, kept)
+        for channel, weights in enumerate(self.weights):
+            dr.scatter(weights, value[channel], place, kept)
+        return total + dr.select(active, mi.UInt32(1), 0)
+
+
+Sink = MatrixSink | RadianceSink | RecordSink
 
 
 def _reduction() -> dr.ReduceMode:

@@ -1,4 +1,4 @@
-"""Windows and sky patches as columns of a matrix."""
+"""Windows and sky patches as columns of a matrix, and windows as recorded columns."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -6,6 +6,7 @@ from typing import ClassVar
 
 import drjit as dr
 import mitsuba as mi
+import numpy as np
 
 from clerestory.engine.lower import LoweredScene
 from clerestory.engine.next_event_estimation import (
@@ -16,9 +17,13 @@ from clerestory.engine.next_event_estimation import (
     Vertex,
     balance_heuristic,
 )
+from clerestory.engine.origin import Origin
 from clerestory.engine.patches import SkyTable
 from clerestory.engine.sampler import CONNECT_U, CONNECT_V, PathNumbers
+from clerestory.engine.square import cell_of_disc
+from clerestory.engine.upload import on_device, vectors
 from clerestory.engine.visibility import towards, transmittance
+from clerestory.scene.window_zones import CELLS, EDGE, WindowZones
 
 # Number of window points sampled per vertex, in a lattice. Compared with one point,
 # three points divide the work (time × variance) for single coefficients by 1.7, with
@@ -49,6 +54,10 @@ class WindowPatches(Source):
     model: LoweredScene
     direct: bool
 
+    def column(self, window, direction, point):
+        """Return the column of light that leaves a point of a window in a direction."""
+        return self.model.windows.find(window, direction)
+
     def met(self, path: Path, si, shape, active) -> tuple[Emission, mi.Bool]:
         """Return the window patch of a path that hits the front of a window."""
         windows = self.model.windows
@@ -60,7 +69,7 @@ class WindowPatches(Source):
         first = dr.gather(mi.UInt32, windows.first_element, window, at_window)
         element = first + (si.prim_index >> 1)
         pdf = windows.pdf(path.point, element, si.p, cosine)
-        column = windows.find(window, -path.ray.d)
+        column = self.column(window, -path.ray.d, si.p)
         front = at_window & (cosine > 1e-6)
         return Emission(mi.Color3f(1), front, SAMPLES * pdf, column), at_window
 
@@ -90,6 +99,60 @@ class WindowPatches(Source):
             SAMPLES * pdf,
             (cosine > 1e-6) & vertex.continues,
             arriving,
-            windows.find(window, -direction),
+            self.column(window, -direction, point),
             heuristic=None if self.direct else balance_heuristic,
         )
+
+
+@dataclass
+class ZoneTable:
+    """Dr.Jit arrays of the zones of windows: rectangles of a grid on each window.
+
+    By window: corner and inverse edges of the grid, numbers of zones along the edges,
+    and index of the first zone.
+    """
+
+    corner: mi.Point3f
+    across: mi.Vector3f
+    upwards: mi.Vector3f
+    columns: mi.UInt32
+    rows: mi.UInt32
+    first: mi.UInt32
+
+    @classmethod
+    def of(cls, zones: WindowZones, origin: Origin) -> "ZoneTable":
+        """Return the table of the zones of a job."""
+        edges = zones.across, zones.upwards
+        across, upwards = (e / np.square(e).sum(axis=1)[:, None] for e in edges)
+        return cls(
+            vectors(mi.Point3f, zones.corner - origin),
+            vectors(mi.Vector3f, across),
+            vectors(mi.Vector3f, upwards),
+            *(on_device(mi.UInt32, each) for each in (*zones.counts.T, zones.first)),
+        )
+
+    def find(self, window, point):
+        """Return the zone of a point of a window."""
+        place = point - dr.gather(mi.Point3f, self.corner, window)
+        found = []
+        for edge, count in ((self.across, self.columns), (self.upwards, self.rows)):
+            share = dr.dot(dr.gather(mi.Vector3f, edge, window), place)
+            most = mi.Int32(dr.gather(mi.UInt32, count, window))
+            step = mi.Int32(dr.floor(share * mi.Float(most)))
+            found.append(mi.UInt32(dr.clip(step, 0, most - 1)))
+        column, row = found
+        start = dr.gather(mi.UInt32, self.first, window)
+        return start + row * dr.gather(mi.UInt32, self.columns, window) + column
+
+
+@dataclass
+class WindowCells(WindowPatches):
+    """Directions and zones of the windows of a scene; see `scene.window_zones`."""
+
+    zones: ZoneTable
+
+    def column(self, window, direction, point):
+        """Return the code of the direction and zone of light that leaves a window."""
+        local = self.model.windows.to_local(window, direction)
+        zone = self.zones.find(window, point)
+        return zone * CELLS + cell_of_disc(local, EDGE)

@@ -28,9 +28,9 @@ from clerestory.phases.column_light import (
 from clerestory.phases.matrix_equation import (
     MatrixChain,
     Readable,
-    Receiving,
     Skies,
     States,
+    Sunlit,
     Term,
     WindowMatrices,
     chains,
@@ -111,6 +111,23 @@ class _Factor:
 
 
 @dataclass(frozen=True, eq=False)
+class _Sunlight:
+    # C_ds S_sun of all receivers and its error component, in a block of time steps
+    source: tuple[int, int]
+    sign: int
+    values: Float32[np.ndarray, "out row step"]
+    error: Float32[np.ndarray, "out row step"]
+    steps: Int[np.ndarray, " step"]
+
+    def received(
+        self, rows: slice, *, errors: bool
+    ) -> tuple[np.ndarray, list[Components]]:
+        values, error = (self.sign * v[:, rows] for v in (self.values, self.error))
+        part = Components((*self.source, 0), self.steps, error[None])
+        return values, [part] * errors
+
+
+@dataclass(frozen=True, eq=False)
 class BlockwiseProduct:
     """Matrix equation evaluated block by block.
 
@@ -187,7 +204,7 @@ class BlockwiseProduct:
 
     def _factors(
         self, number: int, found: list[MatrixChain], inside: Int[np.ndarray, " step"]
-    ) -> Iterator[_Factor]:
+    ) -> Iterator[_Factor | _Sunlight]:
         term = self.terms[number]
         skies = self.skies.select(inside)
         every = np.arange(len(inside))
@@ -203,23 +220,28 @@ class BlockwiseProduct:
             for state, matrix in enumerate(chain.receiving):
                 steps = np.flatnonzero(states[window] == state) if several else every
                 source = number, len(chain.receiving) * window + state
-                if len(steps):
+                if len(steps) and isinstance(matrix, Sunlit):
+                    assert skies.suns is not None
+                    normal = skies.suns.direct_normal[:, steps]
+                    product = matrix.received(normal, self.weights)
+                    yield _Sunlight(source, term.sign, *product, steps)
+                elif len(steps) and not isinstance(matrix, Sunlit):
                     columns, light = self._direct(term, matrix, skies, steps)
                     yield _Factor(source, term.sign, [columns], light, steps)
 
     def _direct(
         self,
         term: Term,
-        matrix: Receiving,
+        matrix: Readable,
         skies: Skies,
         steps: Int[np.ndarray, " step"],
     ) -> tuple[Readable, Light]:
         # C and the sky radiance, or C_ds and the direct normal irradiance
         if term.part == "sun" and skies.suns is not None:
+            assert isinstance(matrix, TransferMatrix)
             normal = skies.suns.direct_normal[:, steps]
             columns, normal = shining_columns(matrix, normal)
             return columns, SunLight(normal, self.weights)
-        assert not callable(matrix)
         return matrix, SkyLight(skies.patches(term).select(steps), self.weights)
 
     def _block(
@@ -227,7 +249,7 @@ class BlockwiseProduct:
         rows: slice,
         times: slice,
         steps: Int[np.ndarray, " step"],
-        factors: Sequence[_Factor],
+        factors: Sequence[_Factor | _Sunlight],
     ) -> Block:
         shape = len(self.terms), len(self.weights), rows.stop - rows.start, len(steps)
         total, components = np.zeros(shape, np.float32), []

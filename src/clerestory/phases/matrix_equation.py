@@ -16,7 +16,8 @@ from dataclasses import dataclass, replace
 from typing import Literal, Protocol, runtime_checkable
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Float, Float32, Int
+from scipy.sparse import csc_array
 
 from clerestory.bands import Bands, common_bands
 from clerestory.checks import has_shape
@@ -28,7 +29,6 @@ from clerestory.matrix.transfer_matrix import (
     require_fit,
     require_matrix,
 )
-from clerestory.phases.picture_matrices import SunPictures
 from clerestory.phases.stored_views import StoredColumns
 from clerestory.sky.patch_radiance import SkyMatrix
 from clerestory.sky.sun_matrix import SunMatrix
@@ -45,8 +45,23 @@ class Readable(Protocol):
         """Return a range of rows and their error components."""
 
 
-# View matrix or coefficients: in memory, in files, or traced on demand for given suns
-Receiving = Readable | SunPictures
+@runtime_checkable
+class Sunlit(Protocol):
+    """Direct-sun coefficients C_ds that are multiplied without being computed."""
+
+    def received(
+        self, normal: csc_array, weights: Float[np.ndarray, "out band"]
+    ) -> tuple[
+        Float32[np.ndarray, "out row step"], Float32[np.ndarray, "out row step"]
+    ]:
+        """Return C_ds S_sun, weighted by band, and its error component.
+
+        `normal` is the direct normal irradiance (sun × step).
+        """
+
+
+# View matrix or coefficients: in memory, in files, or as a factor of a product
+Receiving = Readable | Sunlit
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,7 +15,12 @@ from scipy.sparse import csc_array
 
 from clerestory.bands import common_bands
 from clerestory.matrix.transfer_matrix import Entries, TransferMatrix
-from clerestory.phases.matrix_equation import MatrixChain, Readable, Receiving
+from clerestory.phases.matrix_equation import (
+    MatrixChain,
+    Readable,
+    Receiving,
+    Sunlit,
+)
 from clerestory.phases.stored_views import StoredColumns
 
 
@@ -25,7 +30,7 @@ class Columns:
 
     values: Float[np.ndarray, "channel row column"]
     components: Float[np.ndarray, "component channel row column"] | None
-    selected: Int[np.ndarray, " some"] | slice
+    selected: Int[np.ndarray, " some"]
 
     def read(self, rows: slice) -> Entries:
         """Return a range of rows and their error components."""
@@ -98,6 +103,8 @@ def component_count(matrix: Receiving) -> int:
         return len(matrix.components)
     if isinstance(matrix, StoredColumns):
         return matrix.views.counts[1]
+    if isinstance(matrix, Sunlit):
+        return 1
     if isinstance(matrix, SkyCoefficients):
         views = max(component_count(chain.receiving[0]) for chain in matrix.windows)
         return views + sum(map(chain_components, matrix.windows))
@@ -135,11 +142,10 @@ def coefficients_cost_less(
     return bool(before < behind)
 
 
-def shining_columns(matrix: Receiving, normal: csc_array) -> tuple[Columns, csc_array]:
+def shining_columns(
+    matrix: TransferMatrix, normal: csc_array
+) -> tuple[Columns, csc_array]:
     """Return the columns of suns with irradiance > 0, and the irradiance [W/m²]."""
     shining = np.unique(normal.tocoo().coords[0])
     normal = csc_array(normal.tocsr()[shining])
-    if isinstance(matrix, TransferMatrix):
-        return Columns(matrix.values, matrix.components, shining), normal
-    assert callable(matrix)
-    return Columns(*matrix(shining), slice(None)), normal
+    return Columns(matrix.values, matrix.components, shining), normal

@@ -5,8 +5,7 @@ are written to files.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
-from functools import partial
+from dataclasses import dataclass, replace
 from itertools import starmap
 from pathlib import Path
 
@@ -14,6 +13,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float, Int
 
+from clerestory.bands import Bands
 from clerestory.checks import require
 from clerestory.errors import located
 from clerestory.escaping import file_stems
@@ -27,7 +27,7 @@ from clerestory.image.picture import Picture
 from clerestory.image.picture_files import write_picture
 from clerestory.phases.matrix_equation import Skies, States
 from clerestory.phases.picture_matrices import Camera
-from clerestory.phases.picture_series import UncertainPicture
+from clerestory.phases.picture_series import UncertainPixels
 from clerestory.progress import Progress
 from clerestory.scene.view import View
 from clerestory.study.config_tables import EVERY, ViewTable
@@ -67,24 +67,21 @@ def study_views(
         kept, seen = picture_steps(view, times, steps)
         if len(seen) == 0:
             continue
-        show = _counted(display(f"pictures of {label}"), len(seen))
-        finish = partial(
-            _finished,
-            lamps.views.get(label, ()),
-            output,
-            kept,
-            out / PICTURE_FOLDER / stems[label],
-        )
+        light = _Lamps(lamps.views.get(label, ()), output, view.job.scene.bands)
+        stem = out / PICTURE_FOLDER / stems[label]
+        if kept:
+            show = _counted(display(f"pictures of {label}"), len(kept))
+            chosen = np.array(sorted(kept))
+            pictures = view.pictures(states, skies, chosen)
+            for done, (step, picture) in enumerate(pictures, start=1):
+                _write(light.added(picture, step), stem, kept[step])
+                show(done)
         if sees_glare(view.camera.view):
-            given = view.uncertain_pictures(states, skies, seen)
-            series = starmap(partial(_uncertain, finish), given)
+            show = _counted(display(f"glare in {label}"), len(seen))
+            given = view.luminance(states, skies, seen)
+            series = starmap(light.uncertain, given)
             glare = _glare(series, view, times, seen, states, progress=show)
             found[label] = glare.reindex(time=times)
-        else:
-            pictures = view.pictures(states, skies, seen)
-            for done, (step, picture) in enumerate(pictures, start=1):
-                finish(step, picture)
-                show(done)
     if not found:
         return xr.Dataset()
     every = xr.concat(list(found.values()), dim="view").assign_coords(view=list(found))
@@ -144,8 +141,8 @@ def glare_function(
                 file=view.table.file,
             )
             if len(bright):
-                series = view.pictures(states, skies, bright)
-                pixels = (picture.luminance() for _, picture in series)
+                series = view.luminance(states, skies, bright, errors=False)
+                pixels = (found.luminance for _, found in series)
                 shown = display(f"glare in {view.table.label}")
                 report = _counted(shown, len(bright))
                 glare = _glare(pixels, view, times, bright, states, progress=report)
@@ -198,30 +195,36 @@ def _asked_for(
     return {stamps[moment]: moment for moment in wanted}
 
 
-def _finished(
-    lamps: Sequence[np.ndarray],
-    output: Float[np.ndarray, "zone time"],
-    kept: dict[int, str],
-    stem: Path,
-    step: int,
-    picture: Picture,
-) -> Picture:
-    # Add the radiance due to each lighting zone, scaled by the zone's dimming level;
-    # write the picture if its time step is selected
-    pixels = picture.radiance
-    for lit, share in zip(lamps, output[:, step], strict=True):
-        if share > 0:
-            pixels = pixels + np.float32(share) * lit.reshape(pixels.shape)
-    found = replace(picture, radiance=pixels)
-    if step in kept:
-        make_folder(stem.parent)
-        name = f"{stem.name}_{kept[step].replace(':', '')}.hdr"
-        write_picture(found, stem.parent / name)
-    return found
+@dataclass(frozen=True, eq=False)
+class _Lamps:
+    # Radiance (pixel, channel) due to each lighting zone at full output, and the
+    # dimming level 0…1 of each zone
+    zones: Sequence[np.ndarray]
+    output: Float[np.ndarray, "zone time"]
+    bands: Bands
+
+    def _at(self, step: int) -> Iterator[tuple[int, np.float32]]:
+        for number in range(len(self.zones)):
+            if self.output[number, step] > 0:
+                yield number, np.float32(self.output[number, step])
+
+    def added(self, picture: Picture, step: int) -> Picture:
+        """Add the electric light at a time step to a picture."""
+        pixels = picture.radiance
+        for number, share in self._at(step):
+            pixels = pixels + share * self.zones[number].reshape(pixels.shape)
+        return replace(picture, radiance=pixels)
+
+    def uncertain(self, step: int, given: UncertainPixels) -> UncertainLuminance:
+        """Add the electric light at a time step to the luminance of pixels."""
+        luminance = given.luminance
+        for number, share in self._at(step):
+            lit = self.bands.photometric(self.zones[number]).reshape(luminance.shape)
+            luminance = luminance + share * lit
+        return UncertainLuminance(luminance, given.error, given.shared)
 
 
-def _uncertain(
-    finish: Callable[[int, Picture], Picture], step: int, given: UncertainPicture
-) -> UncertainLuminance:
-    luminance = finish(step, given.picture).luminance()
-    return UncertainLuminance(luminance, given.error, given.shared)
+def _write(picture: Picture, stem: Path, moment: str) -> None:
+    make_folder(stem.parent)
+    name = f"{stem.name}_{moment.replace(':', '')}.hdr"
+    write_picture(picture, stem.parent / name)

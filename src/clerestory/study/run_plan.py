@@ -13,7 +13,7 @@ from clerestory.cluster.cluster import executor_at
 from clerestory.engine.cost_estimate import JobCost, Plan, estimate_costs
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.matrix_store import MatrixStore, block_names
-from clerestory.phases.picture_series import STEPS_PER_BLOCK
+from clerestory.phases.picture_series import block_bytes
 from clerestory.phases.stored_views import FEW
 from clerestory.progress import silent
 from clerestory.scene.model import Polygon, Scene, TriangleMesh
@@ -209,10 +209,6 @@ def _walk_through(
     job = Job(study, inputs, store, silent, executor=plan)
     matrices = trace_study(job)
     views = trace_views(job, matrices)
-    for view in views:
-        for number, group in enumerate(inputs.groups if matrices.suns else ()):
-            for state in range(len(group.states)):
-                view.sun(number, state)
     trace_lamps(job)
     with log.phase("sky"):
         skies = study_skies(study, inputs, matrices.suns)
@@ -234,7 +230,6 @@ def _planned(
     later = [each for n, each in enumerate(foreseen) if n not in within]
     study, inputs, steps = work.study, work.inputs, len(work.skies.times)
     pixels = max(map(len, inputs.cameras), default=0) if work.views else 0
-    bands = len(inputs.scene.bands)
     return StudyPlan(
         device=place.resolve(study.trace.device),
         workers=place.workers(),
@@ -244,8 +239,7 @@ def _planned(
         scene=_TRIANGLE * _triangles(inputs.scene),
         streamed=max((_leaving(e, steps) for e in store.entries), default=0),
         sky=work.skies.whole.diffuse.nbytes,
-        # Radiance, variance and shared deviations of the pixels
-        pictures=4 * pixels * (2 * bands + 1 + FEW) * STEPS_PER_BLOCK,
+        pictures=block_bytes(pixels),
     )
 
 

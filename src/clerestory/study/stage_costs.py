@@ -14,8 +14,13 @@ import numpy as np
 from clerestory.matrix.error_components import COUNT
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.metrics.occupied_hours import occupied_hours
-from clerestory.phases.matrix_equation import MatrixChain, Part, Skies, chains
-from clerestory.phases.picture_series import STEPS_PER_BLOCK
+from clerestory.phases.matrix_equation import (
+    MatrixChain,
+    Part,
+    Skies,
+    Sunlit,
+    chains,
+)
 from clerestory.phases.receivers import (
     chain_components,
     coefficients_cost_less,
@@ -39,6 +44,12 @@ STAGES = (
 # that is copied, per value of a result or of its error components, per hourly value in
 # metrics, per byte of tables
 _SKY, _WINDOW, _COPY, _VALUE, _METRIC, _BYTE = 5e-11, 7e-10, 3e-9, 2e-9, 4e-7, 4e-8
+
+# Seconds per recorded path and time step: pixels in sunlight, in one band
+_PATH = 2e-9
+
+# Time steps of pictures that are computed together
+_TOGETHER = 32
 
 # Seconds per picture and per pixel: glare with and without errors, Radiance picture
 _GLARE_ERRORS, _GLARE, _PICTURE = (2.5e-2, 1.2e-7), (1.2e-3, 6e-9), (2e-3, 1e-7)
@@ -118,23 +129,33 @@ class StageWork:
         return sum(_product(chains(windows, part), rows, steps) for part in parts)
 
     def _view(self, view: ViewMatrices, steps: int, *, errors: bool) -> float:
-        # Seconds for the pictures of a view, with glare if the view is wide enough
-        pixels, bands = len(view.camera), len(self.inputs.scene.bands)
-        seconds = sum(
-            _product(chains(view.windows, term.part), pixels, steps, bands, errors)
+        # Seconds for the luminance of a view, and for glare
+        seconds = self._pixels(view, steps, bands=1, errors=errors)
+        each = np.dot(_GLARE_ERRORS if errors else _GLARE, (1, len(view.camera)))
+        return float(seconds + steps * each)
+
+    def _pixels(
+        self, view: ViewMatrices, steps: int, *, bands: int, errors: bool
+    ) -> float:
+        # Seconds for the pixels of a view
+        samples = self.study.sun.picture_samples
+        return sum(
+            _product(
+                chains(view.windows, term.part), len(view.camera), steps, bands,
+                errors=errors, together=_TOGETHER, samples=samples,
+            )
             for term in self.matrices.terms
-        )
-        if sees_glare(view.camera.view):
-            seconds += steps * np.dot(_GLARE_ERRORS if errors else _GLARE, (1, pixels))
-        return float(seconds)
+        )  # fmt: skip
 
     def _pictures(self) -> StageCost:
         # Computed pictures, glare, and files of the selected time steps
         seconds, computed, files, size = 0.0, 0, 0, 0.0
         for view in self.views:
             kept, seen = picture_steps(view, self.skies.times, self._lit)
-            eye, pixels = sees_glare(view.camera.view), len(view.camera)
-            seconds += self._view(view, len(seen), errors=eye)
+            bands, pixels = len(self.inputs.scene.bands), len(view.camera)
+            if sees_glare(view.camera.view):
+                seconds += self._view(view, len(seen), errors=True)
+            seconds += self._pixels(view, len(kept), bands=bands, errors=False)
             seconds += len(kept) * np.dot(_PICTURE, (1, pixels))
             computed, files = computed + len(seen), files + len(kept)
             size += len(kept) * (_PIXEL * pixels + _HEADER)
@@ -178,15 +199,19 @@ def _product(
     rows: int,
     steps: int,
     bands: int = 1,
+    *,
     errors: bool = True,
+    together: int = 0,
+    samples: int = 0,
 ) -> float:
-    # Seconds for a term of the matrix equation; pictures are in several bands
+    # Seconds for a term of the matrix equation, of pictures with `together` time steps
+    # in a block and `samples` paths per pixel
     short = found[0].factors and isinstance(found[0].receiving[0], TransferMatrix)
     short = short and all(chain.states == 1 for chain in found)
     short = bool(short and coefficients_cost_less(found, rows, steps))
     # Pictures are computed for each combination of shade states by itself
     combinations = 1 + sum(chain.states - 1 for chain in found)
-    blocks = max(combinations, steps / STEPS_PER_BLOCK) if bands > 1 else 1
+    blocks = max(combinations, steps / together) if together else 1
     seconds = 0.0
     for chain in found:
         first = chain.receiving[0]
@@ -207,8 +232,9 @@ def _product(
                 inner = (1 + own) * D.rows.size + layers * rows
                 seconds += inner * patches * channels * steps * _WINDOW
                 seconds += layers * rows * patches * channels * blocks * _COPY
+        elif isinstance(first, Sunlit):
+            seconds += rows * steps * bands * samples * _PATH
         else:
-            # Direct-sun coefficients of pictures are traced for the suns that shine
             each = layers * rows * (held.columns.size if held else steps)
             seconds += each * channels * len(chain.receiving) * _COPY
             if held and held.columns.kind == "sky":

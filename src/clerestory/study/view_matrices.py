@@ -1,13 +1,12 @@
 """Matrices of the pixels of one view, and pictures for given shade states.
 
-V and V_d are traced once for all shade states. Direct-sun coefficients of a shade state
-are traced when the state first occurs. Matrices are cached in half precision. If the
-direct-sun coefficients of all states exceed the limit `keep_gb` of the study, the
-coefficients are traced for each picture and not cached.
+V is traced once for all shade states, and cached in half precision. The paths from
+pixels to the windows, of which V_d and the direct sunlight of all shade states are
+computed, are traced in each run: this takes seconds, and files of them are large.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cache, partial
 from typing import Any, Literal, TypeVar
 
@@ -23,29 +22,21 @@ from clerestory.phases.matrix_equation import (
     WindowMatrices,
 )
 from clerestory.phases.methods import METHODS
-from clerestory.phases.picture_matrices import (
-    Camera,
-    SunPictures,
-    picture_sun_coefficients,
-    picture_view_matrices,
-    sun_pictures,
-)
+from clerestory.phases.picture_matrices import Camera, picture_view_matrices
 from clerestory.phases.picture_series import (
-    UncertainPicture,
+    UncertainPixels,
+    luminance_over_time,
     pictures_over_time,
-    uncertain_pictures_over_time,
 )
 from clerestory.phases.stored_views import FEW, with_few_components
+from clerestory.phases.window_paths import WindowPaths, picture_window_paths
 from clerestory.study.config_tables import ViewTable
-from clerestory.study.job import DIRECT, STATE, SUN, Job
+from clerestory.study.job import DIRECT, Job
 from clerestory.study.study_matrices import StudyMatrices
-
-# Bytes per pixel and sun: three half-precision values and their errors
-_PIXEL_BYTES = 12
-
+from clerestory.study.window_groups import WindowGroup
 
 # Kind of the pictures of a series
-_Series = TypeVar("_Series", Picture, UncertainPicture)
+_Series = TypeVar("_Series", Picture, UncertainPixels)
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +51,6 @@ class ViewMatrices:
     camera: Camera
     matrices: StudyMatrices
     windows: tuple[WindowMatrices, ...] = ()
-    _suns: dict[tuple[int, int], SunPictures] = field(default_factory=dict)
 
     def pictures(
         self, states: States, skies: Skies, steps: Int[np.ndarray, " step"]
@@ -71,11 +61,17 @@ class ViewMatrices:
         """
         return self._series(pictures_over_time, states, skies, steps)
 
-    def uncertain_pictures(
-        self, states: States, skies: Skies, steps: Int[np.ndarray, " step"]
-    ) -> Iterator[tuple[int, UncertainPicture]]:
-        """Yield index, picture and its errors of each time step; see `pictures`."""
-        return self._series(uncertain_pictures_over_time, states, skies, steps)
+    def luminance(
+        self,
+        states: States,
+        skies: Skies,
+        steps: Int[np.ndarray, " step"],
+        *,
+        errors: bool = True,
+    ) -> Iterator[tuple[int, UncertainPixels]]:
+        """Yield index, luminance and its errors of each time step; see `pictures`."""
+        make = partial(luminance_over_time, errors=errors)
+        return self._series(make, states, skies, steps)
 
     def _series(
         self,
@@ -100,54 +96,8 @@ class ViewMatrices:
         """Return the indices of the time steps in the order of `pictures`."""
         return np.concatenate(_combinations(states, steps))
 
-    def sun(self, number: int, state: int) -> SunPictures:
-        """Return a function that computes C_ds of a group and shade state from suns."""
-        if (number, state) not in self._suns:
-            self._suns[number, state] = self._sun(number, state)
-        return self._suns[number, state]
 
-    def _sun(self, number: int, state: int) -> SunPictures:
-        job, suns = self.job, self.matrices.suns
-        group = job.inputs.groups[number]
-        chosen = group.states[state]
-        directions = np.zeros((0, 3)) if suns is None else suns.directions
-        windows = [each.inner for each in job.inputs.groups]
-        samples, stream = job.study.sun.picture_samples, SUN + number + STATE * state
-        effort = job.direct_effort(stream, samples)
-        scene = job.scene
-        if METHODS[job.study.method].facade:
-            scene = scene + chosen.shade
-        where = scene, windows, group.name, chosen.fine, self.camera
-        how: dict[str, Any] = {"suns": directions, "peak": chosen.peak}
-        if self._bytes(len(directions)) > job.study.sun.keep_gb * 1e9:
-            return sun_pictures(*where, **how, effort=effort)
-        label = "-".join(filter(None, (self.table.label, group.name, chosen.name)))
-        found = job.matrix(
-            f"picture-sun-{label}",
-            partial(_half_suns, *where, **how),
-            effort,
-            shown=f"direct sun in pictures, {label}",
-        )
-        parts = found.components
-        return lambda asked: (
-            found.values[:, :, asked],
-            None if parts is None else parts[..., asked],
-        )
-
-    def _bytes(self, suns: int) -> int:
-        # Size of the direct-sun coefficients of all views and shade states [bytes]
-        inputs = self.job.inputs
-        pixels = sum(len(camera) for camera in inputs.cameras)
-        states = sum(len(group.states) for group in inputs.groups)
-        return _PIXEL_BYTES * pixels * suns * states
-
-
-def _half_suns(*where: Any, **how: Any) -> TransferMatrix:
-    return _half(picture_sun_coefficients(*where, **how))
-
-
-def _half_views(*where: Any, **how: Any) -> dict[str, TransferMatrix]:
-    traced = picture_view_matrices(*where, **how)
+def _half_views(traced: dict[str, TransferMatrix]) -> dict[str, TransferMatrix]:
     return {name: _half(matrix) for name, matrix in traced.items()}
 
 
@@ -187,15 +137,9 @@ def trace_views(job: Job, matrices: StudyMatrices) -> tuple[ViewMatrices, ...]:
 def _view(
     job: Job, matrices: StudyMatrices, table: ViewTable, camera: Camera
 ) -> ViewMatrices:
-    def chains(part: Literal["whole", "direct"]) -> list[MatrixChain]:
-        views = _view_matrices(job, table, camera, direct=part == "direct")
-        found = []
-        for group, window in zip(job.inputs.groups, matrices.windows, strict=True):
-            chain = window.direct if part == "direct" else window.whole
-            factors = chain.factors if chain else ()
-            own = tuple(tuple(map(few, factor)) for factor in factors)
-            found.append(MatrixChain((views[group.name],), own))
-        return found
+    parts = {term.part for term in matrices.terms}
+    none: list[MatrixChain | None] = [None] * len(matrices.windows)
+    direct = sun = none
 
     @cache
     def few(matrix: TransferMatrix) -> TransferMatrix:
@@ -203,33 +147,71 @@ def _view(
         batches = 0 if matrix.components is None else len(matrix.components)
         return matrix if batches % FEW else with_few_components(matrix)
 
-    view = ViewMatrices(job, table, camera, matrices)
-    parts = {term.part for term in matrices.terms}
-    none: list[MatrixChain | None] = [None] * len(matrices.windows)
-    suns = [
-        MatrixChain(tuple(_on_demand(view, n, at) for at in range(len(group.states))))
-        for n, group in enumerate(job.inputs.groups)
-    ]
-    whole = chains("whole") if "whole" in parts else none
-    direct = chains("direct") if "direct" in parts else none
-    windows = map(WindowMatrices, whole, direct, suns if "sun" in parts else none)
-    return replace(view, windows=tuple(windows))
+    def chains(
+        views: dict[str, TransferMatrix], part: Literal["whole", "direct"]
+    ) -> list[MatrixChain | None]:
+        found: list[MatrixChain | None] = []
+        for group, window in zip(job.inputs.groups, matrices.windows, strict=True):
+            chain = window.direct if part == "direct" else window.whole
+            factors = chain.factors if chain else ()
+            own = tuple(tuple(map(few, factor)) for factor in factors)
+            found.append(MatrixChain((views[group.name],), own))
+        return found
 
-
-def _on_demand(view: ViewMatrices, number: int, state: int) -> SunPictures:
-    # Function that gives C_ds for given suns; C_ds is traced at the first call
-    return lambda asked: view.sun(number, state)(asked)
+    whole = chains(_view_matrices(job, table, camera), "whole")
+    if "sun" in parts:
+        paths = _paths(job, table, camera)
+        direct = chains(paths.view_matrices(np.float16), "direct")
+        sun = [_sunlit(job, matrices, group, paths) for group in job.inputs.groups]
+    windows = tuple(map(WindowMatrices, whole, direct, sun))
+    return ViewMatrices(job, table, camera, matrices, windows)
 
 
 def _view_matrices(
-    job: Job, table: ViewTable, camera: Camera, *, direct: bool
+    job: Job, table: ViewTable, camera: Camera
 ) -> dict[str, TransferMatrix]:
     windows = [group.inner for group in job.inputs.groups]
-    prefix = "direct-picture" if direct else "picture"
     return job.matrices(
-        f"{prefix}-{table.label}",
+        f"picture-{table.label}",
         windows,
-        partial(_half_views, job.scene, windows, camera, direct=direct),
-        job.pixel_effort(table.samples, DIRECT * direct),
-        shown=f"{prefix} matrices of {table.label}",
+        partial(_traced_views, job.scene, windows, camera),
+        job.pixel_effort(table.samples),
+        shown=f"picture matrices of {table.label}",
+    )
+
+
+def _traced_views(*where: Any, **how: Any) -> dict[str, TransferMatrix]:
+    return _half_views(picture_view_matrices(*where, **how))
+
+
+def _paths(job: Job, table: ViewTable, camera: Camera) -> WindowPaths:
+    effort = job.direct_effort(DIRECT, job.study.sun.picture_samples)
+    windows = [group.inner for group in job.inputs.groups]
+    return picture_window_paths(
+        job.scene,
+        windows,
+        camera,
+        effort=effort,
+        progress=job.display(f"direct light in {table.label}"),
+    )
+
+
+def _sunlit(
+    job: Job, matrices: StudyMatrices, group: WindowGroup, paths: WindowPaths
+) -> MatrixChain:
+    # C_ds of each shade state
+    suns = matrices.suns
+    directions = np.zeros((0, 3)) if suns is None else suns.directions
+    facade = METHODS[job.study.method].facade
+    return MatrixChain(
+        tuple(
+            paths.sunlit(
+                group.name,
+                state.fine,
+                suns=directions,
+                peak=state.peak,
+                scene=job.scene + state.shade if facade else None,
+            )
+            for state in group.states
+        )
     )

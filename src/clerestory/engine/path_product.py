@@ -1,0 +1,108 @@
+"""Product of recorded paths to a window and tables of its radiance in sunlight.
+
+    C_ds S_sun:  Σ weight × radiance (cell, step) × transmittance (zone, step)
+
+The sum is over the contributions of each receiver. Four time steps share one lane.
+"""
+
+from collections.abc import Sequence
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from jaxtyping import Float, Float32, UInt32
+
+from clerestory.engine.upload import launching, on_device
+from clerestory.engine.window_path_jobs import Records
+from clerestory.scene.window_zones import CELL_BITS, CELLS
+
+# Number of time steps per lane
+_TOGETHER = 4
+
+
+class PathProduct:
+    """Recorded paths from receivers to one window.
+
+    Parameters
+    ----------
+    records : contributions of each batch of paths
+    zones : zones of the window
+    cell : cell of the window's BSDF for every cell of a code
+    """
+
+    def __init__(
+        self,
+        records: Sequence[Records],
+        zones: slice,
+        cell: UInt32[np.ndarray, " code"],
+    ):
+        self.rows = len(records[0].starts) - 1
+        self._batches = [_of_window(each, zones, cell) for each in records]
+        self._weights: dict[tuple[int, bytes], mi.Float] = {}
+
+    def __len__(self) -> int:
+        return len(self._batches)
+
+    def received(
+        self,
+        batch: int,
+        share: Float[np.ndarray, " channel"],
+        radiance: Float32[np.ndarray, "cell step"],
+        transmittance: Float32[np.ndarray, "zone step"],
+    ) -> mi.Float:
+        """Return Σ share × weight × radiance × transmittance by receiver and step.
+
+        `share` weights the channels of the paths. The number of steps is a multiple of
+        four; the result is on the compute device.
+        """
+        starts, codes, weights = self._batches[batch]
+        key = batch, share.tobytes()
+        if key not in self._weights:
+            self._weights[key] = on_device(mi.Float, share.astype("f4") @ weights)
+        steps = radiance.shape[1] // _TOGETHER
+        with launching():
+            found = _sums(
+                self.rows * steps, dr.opaque(mi.UInt32, steps), starts, codes,
+                self._weights[key], on_device(mi.Float, radiance),
+                on_device(mi.Float, transmittance),
+            )  # fmt: skip
+            result = dr.ravel(found)
+            dr.eval(result)
+        return result
+
+
+def padded(steps: int) -> int:
+    """Return the number of steps for which `PathProduct.received` has room."""
+    return -(-steps // _TOGETHER) * _TOGETHER
+
+
+@dr.syntax
+def _sums(lanes, steps, starts, codes, weights, radiance, transmittance):
+    lane = dr.arange(mi.UInt32, lanes)
+    row, step = lane // steps, lane % steps
+    index = dr.gather(mi.UInt32, starts, row)
+    end = dr.gather(mi.UInt32, starts, row + 1)
+    total = mi.Vector4f(0)
+    while index < end:
+        code = dr.gather(mi.UInt32, codes, index)
+        weight = dr.gather(mi.Float, weights, index)
+        cell = (code & ((1 << CELL_BITS) - 1)) * steps + step
+        zone = (code >> CELL_BITS) * steps + step
+        light = dr.gather(mi.Vector4f, radiance, cell)
+        total += weight * light * dr.gather(mi.Vector4f, transmittance, zone)
+        index += 1
+    return total
+
+
+def _of_window(
+    records: Records, zones: slice, cell: UInt32[np.ndarray, " code"]
+) -> tuple[mi.UInt32, mi.UInt32, np.ndarray]:
+    # Contributions of one window: first of each receiver, zone and cell, and weights
+    zone, place = records.codes >> CELL_BITS, records.codes & (CELLS - 1)
+    own = (zone >= zones.start) & (zone < zones.stop)
+    starts, weights = records.starts, records.weights
+    if not own.all():
+        starts = np.concatenate([[0], np.cumsum(own)])[starts]
+        zone, place, weights = zone[own], place[own], weights[:, own]
+    code = (zone - np.uint32(zones.start)) << CELL_BITS | cell[place]
+    return on_device(mi.UInt32, starts), on_device(mi.UInt32, code), weights

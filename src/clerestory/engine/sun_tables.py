@@ -1,0 +1,133 @@
+"""Radiance of windows in sunlight, tabulated by exit direction and sun.
+
+    radiance        cells × suns   scattered by the BSDF, per direct normal irradiance
+    transmittance   zones × suns   from the sun through the outside scene to the window
+
+Both are means over the solar disc.
+"""
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from jaxtyping import Float, Float32
+
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.constants import SUN_DIAMETER
+from clerestory.directions import Frame
+from clerestory.engine.channels import band_groups
+from clerestory.engine.lower import lower
+from clerestory.engine.materials.bsdf_file import forward_table
+from clerestory.engine.peak_extraction import PeakTable
+from clerestory.engine.unusual_lengths import scene_factor
+from clerestory.engine.upload import launching, on_device, vectors
+from clerestory.engine.visibility import ROUNDING, along, transmittance
+from clerestory.scene.model import Scene
+from clerestory.scene.scaling import scaled
+
+# Number of points of the solar disc
+_DISC = 8
+
+
+class SunlitBsdf:
+    """Radiance of a BSDF lit by suns, per direct normal irradiance [1/sr].
+
+    `frame` is that of the window; if `peak`, unscattered transmission is left out.
+    """
+
+    def __init__(self, bsdf: Bsdf, frame: Frame, *, peak: bool):
+        self.table = forward_table(bsdf)
+        self.peak = PeakTable(bsdf) if peak else None
+        self.axes = np.array([frame.right, frame.up, frame.normal])
+
+    def radiance(
+        self, leaving: Float[np.ndarray, "cell 3"], suns: Float[np.ndarray, "sun 3"]
+    ) -> Float32[np.ndarray, "channel cell sun"]:
+        """Return the scattered radiance in exit directions of the window's frame."""
+        count = len(suns)
+        lane = dr.arange(mi.UInt32, len(leaving) * count)
+        width = dr.opaque(mi.UInt32, count)
+        cell, sun = lane // width, lane % width
+        with launching():
+            out = dr.gather(mi.Vector3f, vectors(mi.Vector3f, leaving), cell)
+            total = mi.Color3f(0)
+            for point in solar_disc(suns):
+                toward = vectors(mi.Vector3f, point @ self.axes.T)
+                total += self._one(out, dr.gather(mi.Vector3f, toward, sun))
+            dr.eval(total)
+            found = np.asarray(total.numpy(), np.float32) / _DISC
+        return _grey(found.reshape(3, len(leaving), count))
+
+    def _one(self, leaving, incident):
+        value, _ = self.table.evaluate(mi.UInt32(0), leaving, incident)
+        value = self.table.colour(value)
+        if self.peak is not None:
+            value = self.peak.without(value, leaving, incident)
+        return value * dr.maximum(-incident.z, 0)
+
+
+def solar_disc(
+    suns: Float[np.ndarray, "sun 3"], count: int = _DISC
+) -> Float[np.ndarray, "point sun 3"]:
+    """Return unit vectors to points of the solar disc around the centres of suns."""
+    number = np.arange(count)
+    depth = (number + 0.5) / count * (1 - np.cos(SUN_DIAMETER / 2))
+    flat, angle = np.sqrt(depth * (2 - depth)), number * np.pi * (3 - 5**0.5)
+    side = np.cross(suns, np.eye(3)[np.abs(suns).argmin(axis=1)])
+    side /= np.linalg.norm(side, axis=1, keepdims=True)
+    across = np.cross(suns, side)
+    x, y = flat * np.cos(angle), flat * np.sin(angle)
+    return np.asarray(
+        suns * (1 - depth)[:, None, None]
+        + x[:, None, None] * side
+        + y[:, None, None] * across
+    )
+
+
+def sun_transmittance(
+    scene: Scene,
+    points: Float[np.ndarray, "zone point 3"],
+    normal: Float[np.ndarray, "3"],
+    suns: Float[np.ndarray, "sun 3"],
+) -> Float32[np.ndarray, "channel zone sun"]:
+    """Return the transmittance from suns to zones of a window, given points of them.
+
+    It is zero for suns on the side to which the window's normal points.
+    """
+    factor = scene_factor(scene)
+    scene, points = scaled(scene, factor), points * factor
+    parts = [_transmittance(g, points, normal, suns) for g in band_groups(scene)]
+    return _grey(np.concatenate(parts)[: len(scene.bands)])
+
+
+def _grey(
+    values: Float32[np.ndarray, "channel row column"],
+) -> Float32[np.ndarray, "channel row column"]:
+    # One channel if all are equal
+    return values[:1] if all(np.array_equal(values[0], v) for v in values) else values
+
+
+def _transmittance(
+    scene: Scene,
+    points: Float[np.ndarray, "zone point 3"],
+    normal: Float[np.ndarray, "3"],
+    suns: Float[np.ndarray, "sun 3"],
+) -> Float32[np.ndarray, "3 zone sun"]:
+    zones, each, _ = points.shape
+    origin = points.mean(axis=(0, 1))
+    disc = solar_disc(suns)[np.arange(each) % _DISC]
+    reach = np.maximum(np.abs(points - origin).max(axis=-1, keepdims=True), 0.05)
+    start = points - origin - normal * (ROUNDING * reach)
+    found = np.zeros((3, zones, len(suns)), np.float32)
+    with launching():
+        model = lower(scene, origin=origin)
+        for number in range(each):
+            position = np.repeat(start[:, number], len(suns), axis=0)
+            towards = np.tile(disc[number], (zones, 1))
+            behind = on_device(mi.Bool, towards @ normal < 0)
+            ray = along(vectors(mi.Vector3f, towards))
+            share = transmittance(model, vectors(mi.Point3f, position), ray, behind)
+            share = dr.select(behind, share, 0)
+            dr.eval(share)
+            part = np.broadcast_to(share.numpy(), (3, zones * len(suns)))
+            found += part.reshape(found.shape)
+    return found / each

@@ -1,0 +1,140 @@
+"""Jobs of paths from pixels or sensors to windows, straight or by one reflection.
+
+What a receiver sees of the windows depends neither on the sun nor on the shade: the
+paths are recorded once (`scene.window_zones` explains the codes), and multiplied by
+tables of the windows' radiance for every sun and shade state.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from jaxtyping import Float, Int, UInt32
+
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.engine.channels import channels_of
+from clerestory.engine.controller import traced_units
+from clerestory.engine.effort import Effort
+from clerestory.engine.work_units import Job, Unit, evenly_spaced
+from clerestory.scene.sensors import Sensors
+from clerestory.scene.view import View
+from clerestory.scene.window import Window
+
+# Paths of a work unit: their records are transferred between processes
+_PATHS = 1 << 20
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class WindowPathsJob(Job):
+    """Paths from receivers to windows; `samples` is the number of paths a receiver."""
+
+    windows: tuple[Window, ...]
+    samples: int
+
+    @property
+    def points(self) -> int:
+        """Number of sample points in each batch."""
+        return -(-self.samples // self.batches)
+
+    def pilot_unit(self, paths: int) -> Unit:
+        """Return a pilot unit of rows that are evenly distributed over the receivers."""
+        few = max(1, paths // (self.batches * self.points))
+        return Unit(evenly_spaced(self.receivers, few), 0, self.points)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PixelWindowPaths(WindowPathsJob):
+    """Paths from the pixels (columns × rows) of a view; weights are reflected shares."""
+
+    tracer: ClassVar[tuple[str, str]] = ("window_paths", "prepare_pixels")
+
+    view: View
+    columns: int
+    rows: int
+
+    @property
+    def pixels(self) -> int:
+        """Number of pixels."""
+        return self.columns * self.rows
+
+    @property
+    def shape(self) -> tuple[int, int, int, int]:
+        """Numbers of pixels, batches, columns (one, as they are recorded), channels."""
+        return self.pixels, self.batches, 1, channels_of(self.scene)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SensorWindowPaths(WindowPathsJob):
+    """Straight paths from irradiance sensors; weights are projected solid angles."""
+
+    tracer: ClassVar[tuple[str, str]] = ("window_paths", "prepare_sensors")
+
+    sensors: Sensors
+
+    @property
+    def shape(self) -> tuple[int, int, int, int]:
+        """Numbers of sensors, batches, columns (one, as they are recorded), channels."""
+        return len(self.sensors), self.batches, 1, channels_of(self.scene)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PixelSunPaths(PixelWindowPaths):
+    """Paths from pixels by way of the window of index `number`, lit by the sun."""
+
+    number: int
+    bsdf: Bsdf
+    peak: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class Records:
+    """Contributions of one batch of paths, receiver by receiver.
+
+    Attributes
+    ----------
+    starts : index of the first contribution of each receiver, and the number of all
+    codes : zone and cell of each contribution; see `scene.window_zones`
+    weights : radiance of the receiver per radiance of the window; for a sensor,
+        irradiance [sr]
+    """
+
+    starts: Int[np.ndarray, " edge"]
+    codes: UInt32[np.ndarray, " contribution"]
+    weights: Float[np.ndarray, "channel contribution"]
+
+
+def record_window_paths(
+    job: WindowPathsJob, effort: Effort, note: str
+) -> list[Records]:
+    """Trace the paths of a job; return the contributions of each batch."""
+    units = list(_units(job))
+    pieces: list[list[tuple[np.ndarray, ...]]] = [[] for _ in range(job.batches)]
+    for unit, part in traced_units(job, units, effort, note):
+        for batch, found in enumerate(pieces):
+            found.append(_contributions(part[:, batch], job.points))
+    return [_whole(found) for found in pieces]
+
+
+def _units(job: WindowPathsJob) -> Iterator[Unit]:
+    rows = np.arange(job.receivers)
+    every = max(1, _PATHS // (job.batches * job.points))
+    for first in range(0, len(rows), every):
+        yield Unit(rows[first : first + every], 0, job.points)
+
+
+def _contributions(
+    records: Float[np.ndarray, "row record channel"], points: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    # Number by row, codes and mean weights of the records that are not empty. The first
+    # half of the records are the codes
+    codes, weights = np.split(records, 2, axis=1)
+    used = weights.max(axis=-1) > 0
+    code = np.ascontiguousarray(codes[..., 0][used]).view(np.uint32)
+    return used.sum(axis=1), code, (weights[used] / points).T
+
+
+def _whole(pieces: list[tuple[np.ndarray, ...]]) -> Records:
+    counts, codes, weights = (list(part) for part in zip(*pieces, strict=True))
+    starts = np.concatenate([[0], np.cumsum(np.concatenate(counts))])
+    return Records(starts, np.concatenate(codes), np.concatenate(weights, axis=1))

@@ -1,0 +1,363 @@
+"""Direct light of the windows on pixels: V_d, and C_ds S_sun as a sparse product.
+
+    V_d          pixels × interior patches
+    C_ds S_sun   pixels × time steps
+
+What a pixel sees of the windows, directly or by one reflection, depends neither on the
+sun nor on the shade. Its paths are traced once and recorded; V_d is the sum of their
+weights by patch, and the radiance in sunlight is their product with a table of the
+window's radiance for each sun and shade state. Both thus share the random error of the
+paths, which largely cancels in C_ds S_sun − V_d T D_d S_ds.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
+from typing import Any, Unpack
+
+import numpy as np
+from jaxtyping import Float, Float32, Int, UInt32
+from scipy.sparse import csc_array
+
+from clerestory.bands import RGB
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.scattering_function import ScatteringFunction
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
+from clerestory.bsdf.tensor_tree import ScatteringTree
+from clerestory.checks import require
+from clerestory.engine import device as devices
+from clerestory.engine.effort import EffortKeywords
+from clerestory.engine.window_path_jobs import (
+    PixelSunPaths,
+    PixelWindowPaths,
+    Records,
+    record_window_paths,
+)
+from clerestory.hemisphere.partition import RingPartition
+from clerestory.hemisphere.shirley_chiu import cell_centres, directions_from_square
+from clerestory.matrix.axis import pixel_axis, window_axis
+from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.picture_matrices import Camera
+from clerestory.phases.sun_coefficients import sun_effort, window_number
+from clerestory.phases.traced_matrices import require_distinct
+from clerestory.scene.model import Scene
+from clerestory.scene.window import Window
+from clerestory.scene.window_zones import (
+    CELL_BITS,
+    CELLS,
+    EDGE,
+    WindowZones,
+    cell_directions,
+)
+
+# Default number of paths per pixel, each with three directions to the windows
+_SAMPLES = 16
+
+# Number of points of a zone at which the transmittance from the sun is sampled
+_ZONE_POINTS = 16
+
+# Number of batches of paths per pixel
+_BATCHES = 2
+
+# Pixels per block of V_d: sums are in double precision
+_PIXELS = 1 << 16
+
+
+def picture_window_paths(
+    scene: Scene,
+    windows: Sequence[Window],
+    camera: "Camera",
+    **keywords: Unpack[EffortKeywords],
+) -> "WindowPaths":
+    """Trace the paths from the pixels of a picture to all windows.
+
+    `samples` is the number of paths per pixel.
+    """
+    require_distinct(windows)
+    effort = sun_effort(picture_window_paths, keywords, samples=_SAMPLES)
+    job = PixelWindowPaths(
+        scene=scene,
+        windows=tuple(windows),
+        view=camera.view,
+        columns=camera.columns,
+        rows=camera.rows,
+        samples=effort.samples or _SAMPLES,
+        **effort.job_options(_BATCHES),
+    )
+    if effort.executor.accepts(job, effort.goal):
+        return WindowPaths(job, tuple(record_window_paths(job, effort, "paths")))
+    nothing = np.zeros(len(camera) + 1, int), np.zeros(0, np.uint32)
+    return WindowPaths(job, (Records(*nothing, np.zeros((1, 0), np.float32)),) * 2)
+
+
+@dataclass(frozen=True, eq=False)
+class WindowPaths:
+    """Recorded paths from the pixels of a picture to windows, by batch."""
+
+    job: PixelWindowPaths
+    records: tuple[Records, ...]
+    _products: dict[tuple[int, object], Any] = field(default_factory=dict)
+
+    @cached_property
+    def zones(self) -> WindowZones:
+        """Zones of the windows."""
+        return WindowZones.of(self.job.windows)
+
+    def view_matrices(
+        self, kind: type[np.floating] = np.float32
+    ) -> dict[str, TransferMatrix]:
+        """Return V_d, by window name, of floating-point numbers of a `kind`."""
+        pixels, bands, found = self.job.pixels, self.job.scene.bands, {}
+        for number, window in enumerate(self.job.windows):
+            patch = window.partition.find(cell_directions())
+            own = self.zones.of_window(number)
+            shape = len(self.records[0].weights), pixels, len(window.partition)
+            values, error = np.zeros(shape, kind), np.zeros((1, *shape), kind)
+            for first in range(0, pixels, _PIXELS):
+                rows = slice(first, min(first + _PIXELS, pixels))
+                one, other = (
+                    _by_patch(each, rows, own, patch, shape[2]) for each in self.records
+                )
+                values[:, rows], error[0, :, rows] = (
+                    (one + other) / 2,
+                    (one - other) / 2,
+                )
+            axis = window_axis("interior", window.partition, window.name)
+            found[window.name] = TransferMatrix(
+                values, pixel_axis(pixels), axis, error, bands
+            )
+        return found
+
+    def sunlit(
+        self,
+        window: str,
+        bsdf: Bsdf,
+        *,
+        suns: Float[np.ndarray, "sun 3"],
+        peak: bool = False,
+        scene: Scene | None = None,
+    ) -> "SunlitPixels":
+        """Return the pixels in sunlight from one window, in one shade state.
+
+        `scene`, by default that of the paths, contains what shades the window outside.
+        """
+        number = window_number(self.job.windows, window, bsdf, suns)
+        bands = self.job.scene.bands
+        require(
+            bands == RGB or not bsdf.in_colour("transmission_front"),
+            f"the BSDF is in {RGB}, the scene in {bands}; a BSDF that is the same in"
+            " all bands expected",
+            file=bsdf.source,
+        )
+        return SunlitPixels(self, number, bsdf, suns, peak, scene or self.job.scene)
+
+    def product(self, number: int, cells: "ExitCells") -> Any:
+        """Return the paths to a window on the compute device, by exit cell."""
+        key = number, cells.key
+        if key not in self._products:
+            engine: Any = devices.load(self.job.device, "path_product")
+            zones = self.zones.of_window(number)
+            self._products[key] = engine.PathProduct(self.records, zones, cells.number)
+        return self._products[key]
+
+
+def _by_patch(
+    records: Records,
+    rows: slice,
+    zones: slice,
+    patch: Int[np.ndarray, " cell"],
+    patches: int,
+) -> Float[np.ndarray, "channel pixel patch"]:
+    # Sum of the weights by pixel and patch of a window
+    starts = records.starts[rows.start : rows.stop + 1]
+    part = slice(starts[0], starts[-1])
+    codes, count = records.codes[part], rows.stop - rows.start
+    zone = codes >> CELL_BITS
+    inside = (zone >= zones.start) & (zone < zones.stop)
+    pixel = np.repeat(np.arange(count), np.diff(starts))[inside]
+    place = pixel * patches + patch[codes[inside] & (CELLS - 1)]
+    sums = [
+        np.bincount(place, weights[part][inside], count * patches)
+        for weights in records.weights
+    ]
+    return np.reshape(sums, (len(sums), count, patches))
+
+
+@dataclass(frozen=True, eq=False)
+class ExitCells:
+    """Cells of exit directions in which a BSDF is constant, or nearly so.
+
+    Attributes
+    ----------
+    key : partition, or the number of halvings of a tensor tree
+    number : cell of each cell of a code; see `scene.window_zones`
+    directions : representative directions, in the window's frame
+    """
+
+    key: object
+    number: UInt32[np.ndarray, " code"]
+    directions: Float[np.ndarray, "cell 3"]
+
+    @classmethod
+    def of(cls, bsdf: Bsdf) -> "ExitCells":
+        """Return the exit cells of the transmission towards the room."""
+        part = bsdf.scattering("transmission_front")
+        tree = _tree(part)
+        if tree is None:
+            first = bsdf.function("transmission_front").exits
+            return _patches_of(first)
+        # Rank 3 trees turn with the azimuth of the sun: cells half as large follow them
+        return _halved(min(tree.depth + (tree.rank == 3), EDGE.bit_length() - 1))
+
+
+def _tree(part: ScatteringFunction) -> ScatteringTree | None:
+    if isinstance(part, ScatteringTree):
+        return part
+    if isinstance(part, ScatteringMatrix):
+        return None
+    return _tree(part.reciprocal())
+
+
+@lru_cache(maxsize=4)
+def _patches_of(partition: RingPartition) -> ExitCells:
+    number = partition.find(cell_directions()).astype(np.uint32)
+    return ExitCells(partition, number, partition.centres())
+
+
+@lru_cache(maxsize=4)
+def _halved(halvings: int) -> ExitCells:
+    row, column = np.divmod(np.arange(CELLS, dtype=np.uint32), np.uint32(EDGE))
+    shift = np.uint32(EDGE.bit_length() - 1 - halvings)
+    number = ((row >> shift) << np.uint32(halvings)) + (column >> shift)
+    return ExitCells(halvings, number, directions_from_square(*cell_centres(halvings)))
+
+
+@dataclass(frozen=True, eq=False)
+class SunlitPixels:
+    """Pixels in sunlight transmitted by one window in one shade state: C_ds S_sun.
+
+    C_ds is pixel radiance per direct normal irradiance [1/sr], C_F-ds + C_R-ds in the
+    notation of the extended five-phase method.
+    """
+
+    paths: WindowPaths
+    window: int
+    bsdf: Bsdf
+    suns: Float[np.ndarray, "sun 3"]
+    peak: bool
+    scene: Scene
+
+    def received(
+        self, normal: csc_array, weights: Float[np.ndarray, "out band"]
+    ) -> tuple[
+        Float32[np.ndarray, "out pixel step"], Float32[np.ndarray, "out pixel step"]
+    ]:
+        """Return the radiance under suns, weighted by band, and its error component.
+
+        `normal` is the direct normal irradiance (sun × step), of at most one sun per
+        step.
+        """
+        steps, pixels = normal.shape[1], self.paths.job.pixels
+        sun = np.full(steps, -1)
+        coordinates = normal.tocoo()
+        sun[coordinates.coords[1]] = coordinates.coords[0]
+        lit = np.flatnonzero(sun >= 0)
+        lit = lit[self._behind[sun[lit]]]
+        found = np.zeros((2, len(weights), pixels, steps), np.float32)
+        if len(lit) == 0 or not len(self.paths.records[0].codes):
+            return found[0], found[1]
+        irradiance = np.asarray(normal.sum(axis=0)).ravel()[lit]
+        one, other = self._batches(sun[lit], irradiance, weights)
+        found[0][..., lit], found[1][..., lit] = (one + other) / 2, (one - other) / 2
+        return found[0], found[1]
+
+    @cached_property
+    def _behind(self) -> np.ndarray:
+        frame = self.paths.job.windows[self.window].frame
+        return np.asarray(self.suns @ frame.normal < 0)
+
+    def _batches(
+        self,
+        sun: np.ndarray,
+        irradiance: np.ndarray,
+        weights: Float[np.ndarray, "out band"],
+    ) -> Float32[np.ndarray, "batch out pixel step"]:
+        job = self.paths.job
+        engine: Any = devices.load(job.device, "path_product")
+        cells = ExitCells.of(self.bsdf)
+        product = self.paths.product(self.window, cells)
+        width = engine.padded(len(sun))
+        extra = [(0, 0), (0, 0), (0, width - len(sun))]
+        light = self._table.radiance(cells.directions, self.suns[sun]) * irradiance
+        light = np.pad(light.astype(np.float32), extra)
+        passed = np.pad(self._transmittance[..., sun], extra)
+        sums = [
+            [self._sum(product, batch, row, light, passed) for row in weights]
+            for batch in range(len(product))
+        ]
+        if self._unscattered is not None:
+            self._unscattered.add(sums, weights, self.suns[sun], irradiance, width)
+        shape = len(sums), len(weights), job.pixels, width
+        return np.array([[o.numpy() for o in b] for b in sums]).reshape(shape)[
+            ..., : len(sun)
+        ]
+
+    def _sum(
+        self,
+        product: Any,
+        batch: int,
+        weights: Float[np.ndarray, " band"],
+        light: Float32[np.ndarray, "channel cell step"],
+        passed: Float32[np.ndarray, "channel zone step"],
+    ) -> Any:
+        # Scattered sunlight by pixel and step, on the compute device
+        channels = len(self.paths.records[batch].weights)
+        if len(light) == len(passed) == 1:
+            share = weights if channels > 1 else weights.sum(keepdims=True)
+            return product.received(batch, share, light[0], passed[0])
+        total = 0.0
+        for band, weight in enumerate(weights):
+            if weight:
+                share = np.zeros(channels)
+                share[band % channels] = weight
+                radiance, zones = light[band % len(light)], passed[band % len(passed)]
+                total = product.received(batch, share, radiance, zones) + total
+        return total
+
+    @cached_property
+    def _table(self) -> Any:
+        engine: Any = devices.load(self.paths.job.device, "sun_tables")
+        frame = self.paths.job.windows[self.window].frame
+        return engine.SunlitBsdf(self.bsdf, frame, peak=self.peak)
+
+    @cached_property
+    def _transmittance(self) -> Float32[np.ndarray, "channel zone sun"]:
+        window, job = self.paths.job.windows[self.window], self.paths.job
+        engine: Any = devices.load(job.device, "sun_tables")
+        points = self.paths.zones.points(self.window, window.polygons, _ZONE_POINTS)
+        normal = window.frame.normal
+        return np.asarray(
+            engine.sun_transmittance(self.scene, points, normal, self.suns)
+        )
+
+    @cached_property
+    def _unscattered(self) -> Any:
+        if not self.peak:
+            return None
+        job = self.paths.job
+        engine: Any = devices.load(job.device, "unscattered_sun")
+        return engine.UnscatteredSuns(
+            PixelSunPaths(
+                scene=self.scene,
+                windows=job.windows,
+                number=self.window,
+                bsdf=self.bsdf,
+                view=job.view,
+                columns=job.columns,
+                rows=job.rows,
+                samples=job.samples,
+                batches=job.batches,
+                seed=job.seed,
+                device=job.device,
+            )
+        )
