@@ -38,14 +38,14 @@ class WindowPathsJob(Job):
         return -(-self.samples // self.batches)
 
     def pilot_unit(self, paths: int) -> Unit:
-        """Return a pilot unit of rows that are evenly distributed over the receivers."""
+        """Return a pilot unit of rows that are evenly distributed over the matrix."""
         few = max(1, paths // (self.batches * self.points))
         return Unit(evenly_spaced(self.receivers, few), 0, self.points)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PixelWindowPaths(WindowPathsJob):
-    """Paths from the pixels (columns × rows) of a view; weights are reflected shares."""
+    """Paths from the pixels (columns × rows) of a view, by at most one reflection."""
 
     tracer: ClassVar[tuple[str, str]] = ("window_paths", "prepare_pixels")
 
@@ -74,7 +74,7 @@ class SensorWindowPaths(WindowPathsJob):
 
     @property
     def shape(self) -> tuple[int, int, int, int]:
-        """Numbers of sensors, batches, columns (one, as they are recorded), channels."""
+        """Numbers of sensors, batches, columns (one: they are recorded), channels."""
         return len(self.sensors), self.batches, 1, channels_of(self.scene)
 
 
@@ -110,7 +110,7 @@ def record_window_paths(
     """Trace the paths of a job; return the contributions of each batch."""
     units = list(_units(job))
     pieces: list[list[tuple[np.ndarray, ...]]] = [[] for _ in range(job.batches)]
-    for unit, part in traced_units(job, units, effort, note):
+    for _, part in traced_units(job, units, effort, note):
         for batch, found in enumerate(pieces):
             found.append(_contributions(part[:, batch], job.points))
     return [_whole(found) for found in pieces]

@@ -18,14 +18,14 @@ from clerestory.checks import require, same_length
 from clerestory.errors import ClerestoryWarning
 from clerestory.glare.detection_criteria import SourceRules
 from clerestory.glare.evaluate import evaluate_luminance
-from clerestory.glare.glare_view import GlareView, glare_view
+from clerestory.glare.glare_view import glare_view
 from clerestory.glare.index_settings import (
     EVALGLARE,
     Background,
     DgpCoefficients,
     IndexSettings,
 )
-from clerestory.glare.indices import REPORTED
+from clerestory.glare.indices import REPORTED, Glare
 from clerestory.glare.sources import SourceSearch, warn_if_coarse
 from clerestory.glare.uncertainty import UncertainLuminance
 from clerestory.glare.undersampled_sources import UndersampledSources
@@ -90,14 +90,30 @@ def annual_glare(
     settings = IndexSettings(background, None, low_light, None, coefficients)
     results = []
     worst: UndersampledSources | None = None
-    search: SourceSearch | None = None
-    for step, (picture, eye) in enumerate(_checked(luminance, view)):
-        if step == 0 and check_pixels:
-            warn_if_coarse(eye, rules, name=name)
-        search = search or SourceSearch(eye, rules)
+    searches: dict[tuple[int, ...], SourceSearch] = {}
+
+    def evaluated(
+        pixels: EachImage | UncertainLuminance, shape: tuple[int, ...]
+    ) -> tuple[Glare, UndersampledSources | None]:
+        if shape not in searches:
+            searches[shape] = SourceSearch(glare_view(view, shape[1], shape[0]), rules)
         given = replace(settings, given_illuminance=_at(illuminance, step))
-        _, result, poor = evaluate_luminance(picture, search, given)
-        errors = {f"{key}_error": error for key, error in result.errors.items()}
+        return evaluate_luminance(pixels, searches[shape], given)[1:]
+
+    for step, picture in enumerate(_checked(luminance)):
+        values = picture.value if isinstance(picture, UncertainLuminance) else picture
+        if step == 0 and check_pixels:
+            eye = glare_view(view, values.shape[1], values.shape[0])
+            warn_if_coarse(eye, rules, name=name)
+        errors = {}
+        if isinstance(picture, UncertainLuminance):
+            blocks = picture.of_blocks()
+            result, poor = evaluated(blocks, blocks.value.shape)
+            errors = {f"{key}_error": error for key, error in result.errors.items()}
+            if blocks is not picture:
+                result, _ = evaluated(values, values.shape)
+        else:
+            result, poor = evaluated(values, values.shape)
         results.append(result.values() | errors)
         if poor is not None and (worst is None or poor.share > worst.share):
             worst = poor
@@ -110,26 +126,24 @@ def annual_glare(
 
 
 def _checked(
-    luminance: Iterable[EachImage | UncertainLuminance], view: View
-) -> Iterator[tuple[EachImage | UncertainLuminance, GlareView]]:
-    # Check each picture; yield it with the pixel quantities of the common view
-    eye = None
+    luminance: Iterable[EachImage | UncertainLuminance],
+) -> Iterator[EachImage | UncertainLuminance]:
+    # Check each picture
+    first = None
     for step, given in enumerate(luminance):
         picture = given.value if isinstance(given, UncertainLuminance) else given
-        if eye is None:
-            rows, columns = picture.shape
-            eye = glare_view(view, columns, rows)
+        first = first or picture.shape
         require(
-            picture.shape == eye.shape,
+            picture.shape == first,
             f"picture {step} has {picture.shape[1]} × {picture.shape[0]} pixels;"
-            f" {eye.shape[1]} × {eye.shape[0]} expected, as in the first picture",
+            f" {first[1]} × {first[0]} expected, as in the first picture",
         )
         require(
             picture.min() >= 0 and np.isfinite(picture.max()),
             f"picture {step} has negative or non-finite luminances; finite numbers of 0"
             " or more expected",
         )
-        yield given, eye
+        yield given
 
 
 def _at(illuminance: np.ndarray | None, step: int) -> float | None:

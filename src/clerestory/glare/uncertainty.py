@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.array_types import Image
+from clerestory.array_types import EachImage, Image
 from clerestory.checks import require
 from clerestory.image.picture import Picture, same_size
 
@@ -35,16 +35,24 @@ class UncertainLuminance:
     error : standard error of each pixel, independent of those of other pixels
     shared : draws of errors that pixels have in common, such as that of the daylight
         matrix; the mean of their squares is the variance
+    blocks : mean luminance of blocks of pixels, if errors are those of blocks
     """
 
     value: Image
-    error: Image
-    shared: Float[np.ndarray, "draw row column"] | None = None
+    error: EachImage
+    shared: Float[np.ndarray, "draw across down"] | None = None
+    blocks: EachImage | None = None
 
     def __post_init__(self) -> None:
         least = float(self.error.min())
         message = f"smallest standard error of a pixel is {least:g}; 0 or more expected"
         require(least >= 0, message)
+
+    def of_blocks(self) -> "UncertainLuminance":
+        """Return the luminance of the blocks, as that of a smaller picture."""
+        if self.blocks is None:
+            return self
+        return UncertainLuminance(self.blocks, self.error, self.shared)
 
     def pairs(self) -> Iterator[tuple[Image, Image]]:
         """Yield the luminance plus and minus draws of its error.

@@ -25,14 +25,15 @@ from clerestory.phases.matrix_equation import (
     equation_bands,
 )
 from clerestory.phases.picture_matrices import Camera
+from clerestory.phases.pixel_blocks import PixelBlocks
 from clerestory.phases.receivers import component_count
 from clerestory.phases.stored_views import FEW
 
 # Memory for the result of a block of time steps [bytes], and most steps of a block
-_RESULT, _STEPS = 1 << 28, 64
+_RESULT, _STEPS = 1 << 29, 128
 
-# Layers of a block of luminance: estimate, sunlight and its error, variance, draws
-_LAYERS = 4 + FEW
+# Layers of a block of luminance: estimate, its copy, sunlight and its error
+_LAYERS = 4
 
 # Pixels per block: the memory for coefficients converted from half precision to float32
 _PIXELS = 1 << 15
@@ -44,14 +45,16 @@ class UncertainPixels:
 
     Attributes
     ----------
-    error : standard error of each pixel, independent of those of other pixels
-    shared : deviations that all pixels have in common, due to T and D; the mean of
+    blocks : mean luminance of blocks of pixels, for which the errors are given
+    error : standard error of each block, independent of those of other blocks
+    shared : deviations that all blocks have in common, due to T and D; the mean of
         their squares is the variance
     """
 
     luminance: Float32[np.ndarray, "row column"]
-    error: Float32[np.ndarray, "row column"]
-    shared: Float32[np.ndarray, "draw row column"]
+    blocks: Float32[np.ndarray, "across down"]
+    error: Float32[np.ndarray, "across down"]
+    shared: Float32[np.ndarray, "draw across down"]
 
 
 def pictures_over_time(
@@ -68,8 +71,9 @@ def pictures_over_time(
     """
     bands = equation_bands(windows, skies)
     weights = np.eye(len(bands))
-    series = _Series(windows, terms, camera, skies, states, weights, errors=False)
-    for moment, found in zip(skies.times, series.steps(), strict=True):
+    series = _Series(windows, terms, skies, states, weights, len(camera))
+    steps = series.steps(max(1, _steps(len(camera)) // len(bands)))
+    for moment, found in zip(skies.times, steps, strict=True):
         stamp = np.datetime_as_string(moment, unit="m")
         yield camera.picture(found.light, f"TIME= {stamp}", bands=bands)
 
@@ -80,23 +84,37 @@ def luminance_over_time(
     camera: Camera,
     skies: Skies,
     states: States | None = None,
-    *,
-    errors: bool = True,
+) -> Iterator[Float32[np.ndarray, "row column"]]:
+    """Yield the luminance of every time step [cd/m²]; see `pictures_over_time`."""
+    weights = equation_bands(windows, skies).weights[None]
+    series = _Series(windows, terms, skies, states, weights, len(camera))
+    for found in series.steps(_steps(len(camera))):
+        yield found.light.reshape(camera.rows, camera.columns)
+
+
+def uncertain_luminance_over_time(
+    windows: Sequence[WindowMatrices],
+    terms: Sequence[Term],
+    camera: Camera,
+    skies: Skies,
+    states: States | None = None,
 ) -> Iterator[UncertainPixels]:
     """Yield the luminance of every time step with its error; see `pictures_over_time`.
 
-    Matrices with pixels as rows have one error component each. Without `errors`, the
-    errors are zero.
+    Matrices with pixels as rows have one error component each.
     """
     weights = equation_bands(windows, skies).weights[None]
-    series = _Series(windows, terms, camera, skies, states, weights, errors=errors)
-    size = camera.rows, camera.columns
-    for found in series.steps():
-        yield UncertainPixels(
-            found.light.reshape(size),
-            np.sqrt(found.variance).reshape(size),
-            found.shared.reshape(-1, *size),
-        )
+    blocks, most = PixelBlocks.of(camera.rows, camera.columns), _steps(len(camera))
+    rest = terms, skies, states, weights
+    few = windows if blocks.single else [blocks.of_window(each) for each in windows]
+    uncertain = _Series(few, *rest, math.prod(blocks.shape), errors=True).steps(most)
+    if blocks.single:
+        for each in uncertain:
+            yield each.pixels(each.light, (camera.rows, camera.columns), blocks.shape)
+        return
+    certain = _Series(windows, *rest, len(camera)).steps(most)
+    for fine, each in zip(certain, uncertain, strict=True):
+        yield each.pixels(fine.light, (camera.rows, camera.columns), blocks.shape)
 
 
 def block_bytes(pixels: int) -> int:
@@ -116,19 +134,33 @@ class _Step:
     variance: Float32[np.ndarray, " pixel"]
     shared: Float32[np.ndarray, "draw pixel"]
 
+    def pixels(
+        self,
+        luminance: Float32[np.ndarray, "1 all"],
+        size: tuple[int, int],
+        blocks: tuple[int, int],
+    ) -> UncertainPixels:
+        """Return a picture with the errors of its blocks."""
+        return UncertainPixels(
+            luminance.reshape(size),
+            self.light.reshape(blocks),
+            np.sqrt(self.variance).reshape(blocks),
+            self.shared.reshape(-1, *blocks),
+        )
+
 
 @dataclass(frozen=True, eq=False)
 class _Series:
     windows: Sequence[WindowMatrices]
     terms: Sequence[Term]
-    camera: Camera
     skies: Skies
     states: States | None
     weights: Weights
-    errors: bool
+    pixels: int
+    errors: bool = False
 
-    def steps(self) -> Iterator[_Step]:
-        draws, pixels = FEW if self.errors else 0, len(self.camera)
+    def steps(self, most: int) -> Iterator[_Step]:
+        draws, pixels = FEW if self.errors else 0, self.pixels
         product = BlockwiseProduct(
             self.windows,
             self.terms,
@@ -138,14 +170,14 @@ class _Series:
             pixels,
             errors=self.errors,
             most_receivers=_PIXELS,
-            most_steps=_steps(pixels),
+            most_steps=most,
         )
         light = variance = shared = np.zeros((0, 0, 0), np.float32)
         for block in product.blocks():
             steps = block.times.stop - block.times.start
             if block.rows.start == 0:
                 light = np.zeros((len(self.weights), pixels, steps), np.float32)
-                variance = np.zeros((pixels, steps), np.float32)
+                variance = np.zeros((pixels * self.errors, steps), np.float32)
                 shared = np.zeros((draws, pixels, steps), np.float32)
             light[:, block.rows, block.steps] = block.terms.sum(axis=0)
             if self.errors:
@@ -153,8 +185,7 @@ class _Series:
             if block.rows.stop == pixels:
                 for step in range(steps):
                     found = np.maximum(light[:, :, step], 0)
-                    own = variance[:, step] if self.errors else np.zeros(pixels, "f4")
-                    yield _Step(found, own, shared[:, :, step])
+                    yield _Step(found, variance[:, step], shared[:, :, step])
 
     def _add_deviations(
         self,
@@ -162,14 +193,13 @@ class _Series:
         variance: Float32[np.ndarray, "pixel step"],
         shared: Float32[np.ndarray, "draw pixel step"],
     ) -> None:
-        # Add the variance that is independent in each pixel, and shared draws. The first
-        # component of a matrix of pixels is independent, all others are shared. V_d and
-        # C_ds come from the same paths: their deviations are added before squaring.
+        # Add the variance that is independent in each pixel, and shared draws. The
+        # first component of a matrix of pixels is independent, all others are shared.
+        # V_d and C_ds come from the same paths: their deviations are summed first
         paired = np.zeros((block.rows.stop - block.rows.start, variance.shape[1]), "f4")
         for part in block.components:
             term, _, group = part.source
-            [deviations] = part.values.swapaxes(0, 1)
-            own = int(group == 0 and self._errs[term])
+            deviations, own = part.values[:, 0], int(group == 0 and self._errs[term])
             steps = block.steps[part.steps]
             if own and self.terms[term].part == "whole":
                 variance[block.rows, steps] += np.square(deviations[0])

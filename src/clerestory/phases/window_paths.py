@@ -246,6 +246,9 @@ class SunlitPixels:
     suns: Float[np.ndarray, "sun 3"]
     peak: bool
     scene: Scene
+    _last: dict[tuple[bytes, ...], tuple[np.ndarray, np.ndarray]] = field(
+        default_factory=dict
+    )
 
     def received(
         self, normal: csc_array, weights: Float[np.ndarray, "out band"]
@@ -257,6 +260,15 @@ class SunlitPixels:
         `normal` is the direct normal irradiance (sun × step), of at most one sun per
         step.
         """
+        key = normal.indices.tobytes(), normal.data.tobytes(), weights.tobytes()
+        if key not in self._last:
+            self._last.clear()
+            self._last[key] = self._received(normal, weights)
+        return self._last[key]
+
+    def _received(
+        self, normal: csc_array, weights: Float[np.ndarray, "out band"]
+    ) -> tuple[np.ndarray, np.ndarray]:
         steps, pixels = normal.shape[1], self.paths.job.pixels
         sun = np.full(steps, -1)
         coordinates = normal.tocoo()

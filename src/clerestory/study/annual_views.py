@@ -28,6 +28,7 @@ from clerestory.image.picture_files import write_picture
 from clerestory.phases.matrix_equation import Skies, States
 from clerestory.phases.picture_matrices import Camera
 from clerestory.phases.picture_series import UncertainPixels
+from clerestory.phases.pixel_blocks import PixelBlocks
 from clerestory.progress import Progress
 from clerestory.scene.view import View
 from clerestory.study.config_tables import EVERY, ViewTable
@@ -78,7 +79,7 @@ def study_views(
                 show(done)
         if sees_glare(view.camera.view):
             show = _counted(display(f"glare in {label}"), len(seen))
-            given = view.luminance(states, skies, seen)
+            given = view.uncertain_luminance(states, skies, seen)
             series = starmap(light.uncertain, given)
             glare = _glare(series, view, times, seen, states, progress=show)
             found[label] = glare.reindex(time=times)
@@ -141,8 +142,8 @@ def glare_function(
                 file=view.table.file,
             )
             if len(bright):
-                series = view.luminance(states, skies, bright, errors=False)
-                pixels = (found.luminance for _, found in series)
+                series = view.luminance(states, skies, bright)
+                pixels = (luminance for _, luminance in series)
                 shown = display(f"glare in {view.table.label}")
                 report = _counted(shown, len(bright))
                 glare = _glare(pixels, view, times, bright, states, progress=report)
@@ -217,11 +218,13 @@ class _Lamps:
 
     def uncertain(self, step: int, given: UncertainPixels) -> UncertainLuminance:
         """Add the electric light at a time step to the luminance of pixels."""
-        luminance = given.luminance
+        luminance, blocks = given.luminance, given.blocks
         for number, share in self._at(step):
-            lit = self.bands.photometric(self.zones[number]).reshape(luminance.shape)
-            luminance = luminance + share * lit
-        return UncertainLuminance(luminance, given.error, given.shared)
+            lit = share * self.bands.photometric(self.zones[number])
+            luminance = luminance + lit.reshape(luminance.shape)
+            few = PixelBlocks.of(*luminance.shape).means(lit.reshape(-1, 1))
+            blocks = blocks + few.reshape(blocks.shape)
+        return UncertainLuminance(luminance, given.error, given.shared, blocks)
 
 
 def _write(picture: Picture, stem: Path, moment: str) -> None:

@@ -27,6 +27,7 @@ from clerestory.phases.picture_series import (
     UncertainPixels,
     luminance_over_time,
     pictures_over_time,
+    uncertain_luminance_over_time,
 )
 from clerestory.phases.stored_views import FEW, with_few_components
 from clerestory.phases.window_paths import WindowPaths, picture_window_paths
@@ -36,7 +37,7 @@ from clerestory.study.study_matrices import StudyMatrices
 from clerestory.study.window_groups import WindowGroup
 
 # Kind of the pictures of a series
-_Series = TypeVar("_Series", Picture, UncertainPixels)
+_Series = TypeVar("_Series", Picture, np.ndarray, UncertainPixels)
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,16 +63,16 @@ class ViewMatrices:
         return self._series(pictures_over_time, states, skies, steps)
 
     def luminance(
-        self,
-        states: States,
-        skies: Skies,
-        steps: Int[np.ndarray, " step"],
-        *,
-        errors: bool = True,
+        self, states: States, skies: Skies, steps: Int[np.ndarray, " step"]
+    ) -> Iterator[tuple[int, np.ndarray]]:
+        """Yield the index and the luminance of each time step; see `pictures`."""
+        return self._series(luminance_over_time, states, skies, steps)
+
+    def uncertain_luminance(
+        self, states: States, skies: Skies, steps: Int[np.ndarray, " step"]
     ) -> Iterator[tuple[int, UncertainPixels]]:
         """Yield index, luminance and its errors of each time step; see `pictures`."""
-        make = partial(luminance_over_time, errors=errors)
-        return self._series(make, states, skies, steps)
+        return self._series(uncertain_luminance_over_time, states, skies, steps)
 
     def _series(
         self,

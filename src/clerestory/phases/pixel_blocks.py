@@ -1,0 +1,102 @@
+"""Matrices of blocks of pixels, for the standard errors of pictures.
+
+Errors are needed for glare indices, that is for sums over many pixels. They are
+computed for blocks of pixels, which are as few in a picture of any size.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float, Float32, Int
+from scipy.sparse import csc_array
+
+from clerestory.matrix.axis import pixel_axis
+from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.matrix_equation import (
+    MatrixChain,
+    Receiving,
+    Sunlit,
+    WindowMatrices,
+)
+
+# Largest number of blocks along an edge of a picture
+_MOST = 128
+
+
+@dataclass(frozen=True, eq=False)
+class PixelBlocks:
+    """Division of a picture into blocks of pixels.
+
+    Attributes
+    ----------
+    rows, columns : first row or column of each block, and the size of the picture
+    """
+
+    rows: Int[np.ndarray, " edge"]
+    columns: Int[np.ndarray, " edge"]
+
+    @classmethod
+    def of(cls, rows: int, columns: int) -> "PixelBlocks":
+        """Return at most 128 × 128 blocks of a picture."""
+        step = -(-max(rows, columns) // _MOST)
+        counts = -(-rows // step), -(-columns // step)
+        edges = zip((rows, columns), counts, strict=True)
+        return cls(*(np.arange(n + 1) * size // n for size, n in edges))
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Numbers of blocks along both edges."""
+        return len(self.rows) - 1, len(self.columns) - 1
+
+    @property
+    def single(self) -> bool:
+        """Whether every block is one pixel."""
+        return self.shape == (self.rows[-1], self.columns[-1])
+
+    def means(
+        self, values: Float[np.ndarray, "*batch pixel column"]
+    ) -> Float32[np.ndarray, "*batch block column"]:
+        """Return the means over the pixels of each block."""
+        *batch, _, each = values.shape
+        wide = values.reshape(-1, self.rows[-1], self.columns[-1], each)
+        found = np.zeros((len(wide), *self.shape, each), np.float32)
+        sizes = np.diff(self.columns)[:, None]
+        for number, (first, last) in enumerate(
+            zip(self.rows[:-1], self.rows[1:], strict=True)
+        ):
+            strip = wide[:, first:last].astype(np.float32).sum(axis=1)
+            sums = np.add.reduceat(strip, self.columns[:-1], axis=1)
+            found[:, number] = sums / (sizes * (last - first))
+        return found.reshape(*batch, -1, each)
+
+    def of_window(self, window: WindowMatrices) -> WindowMatrices:
+        """Return the matrices of a window for the blocks of pixels."""
+        parts = (window.whole, window.direct, window.sun)
+        return WindowMatrices(*(part and self._chain(part) for part in parts))
+
+    def _chain(self, chain: MatrixChain) -> MatrixChain:
+        return replace(chain, receiving=tuple(map(self._matrix, chain.receiving)))
+
+    def _matrix(self, matrix: Receiving) -> Receiving:
+        if isinstance(matrix, Sunlit):
+            return _SunlitBlocks(self, matrix)
+        assert isinstance(matrix, TransferMatrix)
+        parts = matrix.components
+        return replace(
+            matrix,
+            values=self.means(matrix.values),
+            rows=pixel_axis(self.shape[0] * self.shape[1]),
+            components=None if parts is None else self.means(parts),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class _SunlitBlocks:
+    blocks: PixelBlocks
+    pixels: Sunlit
+
+    def received(
+        self, normal: csc_array, weights: Float[np.ndarray, "out band"]
+    ) -> tuple[np.ndarray, np.ndarray]:
+        values, error = self.pixels.received(normal, weights)
+        return self.blocks.means(values), self.blocks.means(error)
