@@ -17,8 +17,9 @@ from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.directions import Frame
 from clerestory.hemisphere.klems import klems
-from clerestory.phases.picture_matrices import Camera, picture_sun_coefficients
+from clerestory.phases.camera import Camera
 from clerestory.phases.sun_coefficients import sun_coefficients
+from clerestory.phases.window_paths import picture_sun_coefficients
 from clerestory.scene.model import (
     BsdfSurface,
     DistantSource,

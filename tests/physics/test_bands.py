@@ -12,7 +12,8 @@ from clerestory.bsdf.analytic import lambertian
 from clerestory.bsdfgen.panes_and_fabrics import diffuse_pane
 from clerestory.colorimetry import wavelength_bands
 from clerestory.errors import InputError, MatrixError
-from clerestory.phases.picture_matrices import Camera, picture_view_matrices
+from clerestory.phases.camera import Camera
+from clerestory.phases.picture_matrices import picture_view_matrices
 from clerestory.phases.rendering import irradiance, render
 from clerestory.scene.model import DistantSource, Glow, Plastic, Scene
 from clerestory.scene.sensors import Sensors

@@ -11,6 +11,7 @@ from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.errors import InputError, MatrixError
 from clerestory.hemisphere.klems import klems
+from clerestory.phases.camera import Camera
 from clerestory.phases.facade_matrices import facade_daylight, facade_matrices
 from clerestory.phases.matrix_equation import (
     MatrixChain,
@@ -19,11 +20,7 @@ from clerestory.phases.matrix_equation import (
     window_chain,
 )
 from clerestory.phases.methods import FIVE_PHASE, THREE_PHASE, five_phase
-from clerestory.phases.picture_matrices import (
-    Camera,
-    picture_sun_coefficients,
-    picture_view_matrices,
-)
+from clerestory.phases.picture_matrices import picture_view_matrices
 from clerestory.phases.picture_series import pictures_over_time
 from clerestory.phases.rendering import irradiance, render
 from clerestory.phases.sun_coefficients import blackened, sun_coefficients
@@ -32,6 +29,7 @@ from clerestory.phases.traced_matrices import (
     daylight_matrix,
     view_matrix,
 )
+from clerestory.phases.window_paths import picture_sun_coefficients
 from clerestory.scene.model import BsdfSurface, DistantSource, Light, Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View

@@ -8,11 +8,9 @@ import clerestory as cl
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.hemisphere.klems import klems
-from clerestory.phases.picture_matrices import (
-    Camera,
-    picture_sun_coefficients,
-    picture_view_matrices,
-)
+from clerestory.phases.camera import Camera
+from clerestory.phases.picture_matrices import picture_view_matrices
+from clerestory.phases.window_paths import picture_sun_coefficients
 from clerestory.scene.model import Glass
 
 SUN = np.array([[0.1, -0.8, 0.6]]) / np.linalg.norm([0.1, -0.8, 0.6])

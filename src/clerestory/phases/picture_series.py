@@ -15,6 +15,7 @@ from jaxtyping import Float32
 
 from clerestory.image.picture import Picture
 from clerestory.phases.blockwise_product import Block, BlockwiseProduct
+from clerestory.phases.camera import Camera
 from clerestory.phases.column_light import Weights
 from clerestory.phases.matrix_equation import (
     Skies,
@@ -24,7 +25,6 @@ from clerestory.phases.matrix_equation import (
     chains,
     equation_bands,
 )
-from clerestory.phases.picture_matrices import Camera
 from clerestory.phases.pixel_blocks import PixelBlocks
 from clerestory.phases.receivers import component_count
 from clerestory.phases.stored_views import FEW

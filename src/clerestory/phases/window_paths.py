@@ -35,9 +35,9 @@ from clerestory.engine.window_path_jobs import (
 )
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.shirley_chiu import cell_centres, directions_from_square
-from clerestory.matrix.axis import pixel_axis, window_axis
+from clerestory.matrix.axis import pixel_axis, sun_axis, window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.picture_matrices import Camera
+from clerestory.phases.camera import Camera
 from clerestory.phases.sun_coefficients import sun_effort, window_number
 from clerestory.phases.traced_matrices import require_distinct
 from clerestory.scene.model import Scene
@@ -59,6 +59,9 @@ _ZONE_POINTS = 16
 # Number of batches of paths per pixel
 _BATCHES = 2
 
+# Suns per block of C_ds
+_SUNS = 64
+
 # Pixels per block of V_d: sums are in double precision
 _PIXELS = 1 << 16
 
@@ -66,7 +69,7 @@ _PIXELS = 1 << 16
 def picture_window_paths(
     scene: Scene,
     windows: Sequence[Window],
-    camera: "Camera",
+    camera: Camera,
     **keywords: Unpack[EffortKeywords],
 ) -> "WindowPaths":
     """Trace the paths from the pixels of a picture to all windows.
@@ -373,3 +376,32 @@ class SunlitPixels:
                 device=job.device,
             )
         )
+
+
+def picture_sun_coefficients(
+    scene: Scene,
+    windows: Sequence[Window],
+    window: str,
+    bsdf: Bsdf,
+    camera: Camera,
+    *,
+    suns: Float[np.ndarray, "sun 3"],
+    peak: bool = False,
+    **keywords: Unpack[EffortKeywords],
+) -> TransferMatrix:
+    """Direct-sun coefficients of a picture [1/sr].
+
+    Pixel radiance per direct normal irradiance: the sun seen through the window
+    (C_F-ds) plus sunlight reflected once in the room (C_R-ds). See `sun_coefficients`
+    for the parameters; `samples` is the number of paths per pixel, for all suns.
+    """
+    effort = sun_effort(picture_sun_coefficients, keywords, samples=_SAMPLES)
+    paths = picture_window_paths(scene, windows, camera, effort=effort)
+    lit, bands = paths.sunlit(window, bsdf, suns=suns, peak=peak), scene.bands
+    values = np.zeros((2, len(bands), len(camera), len(suns)), np.float32)
+    one = csc_array(np.eye(len(suns)))
+    for first in range(0, len(suns), _SUNS):
+        part = slice(first, first + _SUNS)
+        values[..., part] = lit.received(one[:, part], np.eye(len(bands)))
+    axes = pixel_axis(len(camera)), sun_axis(len(suns))
+    return TransferMatrix(values[0], *axes, values[1:], bands)

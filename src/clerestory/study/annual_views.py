@@ -25,8 +25,8 @@ from clerestory.glare.sources import warn_if_coarse
 from clerestory.glare.uncertainty import UncertainLuminance
 from clerestory.image.picture import Picture
 from clerestory.image.picture_files import write_picture
+from clerestory.phases.camera import Camera
 from clerestory.phases.matrix_equation import Skies, States
-from clerestory.phases.picture_matrices import Camera
 from clerestory.phases.picture_series import UncertainPixels
 from clerestory.phases.pixel_blocks import PixelBlocks
 from clerestory.progress import Progress

@@ -10,7 +10,7 @@ from clerestory.checks import require
 from clerestory.control.schedule import read_schedule
 from clerestory.errors import InputError
 from clerestory.metrics.occupied_hours import occupied_hours
-from clerestory.phases.picture_matrices import Camera
+from clerestory.phases.camera import Camera
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.view_text import read_view
 from clerestory.scene.model import Scene

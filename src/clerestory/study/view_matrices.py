@@ -15,6 +15,7 @@ from jaxtyping import Int
 
 from clerestory.image.picture import Picture
 from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.camera import Camera
 from clerestory.phases.matrix_equation import (
     MatrixChain,
     Skies,
@@ -22,7 +23,7 @@ from clerestory.phases.matrix_equation import (
     WindowMatrices,
 )
 from clerestory.phases.methods import METHODS
-from clerestory.phases.picture_matrices import Camera, picture_view_matrices
+from clerestory.phases.picture_matrices import picture_view_matrices
 from clerestory.phases.picture_series import (
     UncertainPixels,
     luminance_over_time,

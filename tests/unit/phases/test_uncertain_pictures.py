@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from clerestory.matrix.axis import pixel_axis
+from clerestory.phases.camera import Camera
 from clerestory.phases.matrix_equation import Skies
 from clerestory.phases.methods import THREE_PHASE
-from clerestory.phases.picture_matrices import Camera
 from clerestory.phases.picture_series import (
     pictures_over_time,
     uncertain_pictures_over_time,

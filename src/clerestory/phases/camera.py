@@ -1,0 +1,40 @@
+"""Camera: view and size of a picture."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.bands import RGB, Bands
+from clerestory.checks import require
+from clerestory.image.picture import Picture
+from clerestory.scene.view import View
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """View and size of a picture."""
+
+    view: View
+    columns: int
+    rows: int
+
+    def __post_init__(self) -> None:
+        message = (
+            f"a picture of {self.columns} × {self.rows} pixels; 1 to 2^24 expected"
+        )
+        require(min(self.columns, self.rows) >= 1 and len(self) <= 1 << 24, message)
+
+    def __len__(self) -> int:
+        return self.columns * self.rows
+
+    def picture(
+        self,
+        radiance: Float[np.ndarray, "band pixel"],
+        *header: str,
+        bands: Bands = RGB,
+    ) -> Picture:
+        """Return the picture of the given pixel radiances."""
+        pixels = np.moveaxis(radiance, 0, -1).reshape(self.rows, self.columns, -1)
+        values = pixels.astype(np.float32)
+        return Picture(values, view=self.view, header=header, bands=bands)
