@@ -21,6 +21,7 @@ from clerestory.engine.effort import EffortKeywords
 from clerestory.engine.matrix_jobs import PixelViewJob
 from clerestory.matrix.axis import pixel_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.camera import Camera
 from clerestory.phases.traced_matrices import (
     matrix_effort,
     patch_axes,
