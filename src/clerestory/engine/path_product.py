@@ -14,7 +14,7 @@ from jaxtyping import Float, Float32, UInt32
 
 from clerestory.engine.upload import launching, on_device
 from clerestory.engine.window_path_jobs import Records
-from clerestory.scene.window_zones import CELL_BITS, CELLS
+from clerestory.scene.window_zones import CELL_BITS, CELLS, STRAIGHT, zone_of
 
 # Number of time steps per lane
 _TOGETHER = 4
@@ -28,6 +28,7 @@ class PathProduct:
     records : contributions of each batch of paths
     zones : zones of the window
     cell : cell of the window's BSDF for every cell of a code
+    cells : number of cells of the BSDF
     """
 
     def __init__(
@@ -35,9 +36,10 @@ class PathProduct:
         records: Sequence[Records],
         zones: slice,
         cell: UInt32[np.ndarray, " code"],
+        cells: int,
     ):
         self.rows = len(records[0].starts) - 1
-        self._batches = [_of_window(each, zones, cell) for each in records]
+        self._batches = [_of_window(each, zones, cell, cells) for each in records]
         self._weights: dict[tuple[int, bytes], mi.Float] = {}
 
     def __len__(self) -> int:
@@ -47,13 +49,14 @@ class PathProduct:
         self,
         batch: int,
         share: Float[np.ndarray, " channel"],
-        radiance: Float32[np.ndarray, "cell step"],
+        radiance: Float32[np.ndarray, "twice step"],
         transmittance: Float32[np.ndarray, "zone step"],
     ) -> mi.Float:
         """Return Σ share × weight × radiance × transmittance by receiver and step.
 
-        `share` weights the channels of the paths. The number of steps is a multiple of
-        four; the result is on the compute device.
+        `radiance` has the cells for reflected light, then those for light that is seen
+        directly. `share` weights the channels of the paths. The number of steps is a
+        multiple of four; the result is on the compute device.
         """
         starts, codes, weights = self._batches[batch]
         key = batch, share.tobytes()
@@ -95,14 +98,15 @@ def _sums(lanes, steps, starts, codes, weights, radiance, transmittance):
 
 
 def _of_window(
-    records: Records, zones: slice, cell: UInt32[np.ndarray, " code"]
+    records: Records, zones: slice, cell: UInt32[np.ndarray, " code"], cells: int
 ) -> tuple[mi.UInt32, mi.UInt32, np.ndarray]:
     # Contributions of one window: first of each receiver, zone and cell, and weights
-    zone, place = records.codes >> CELL_BITS, records.codes & (CELLS - 1)
+    zone, place = zone_of(records.codes), cell[records.codes & np.uint32(CELLS - 1)]
+    place = place + np.uint32(cells) * (records.codes >= STRAIGHT)
     own = (zone >= zones.start) & (zone < zones.stop)
     starts, weights = records.starts, records.weights
     if not own.all():
         starts = np.concatenate([[0], np.cumsum(own)])[starts]
         zone, place, weights = zone[own], place[own], weights[:, own]
-    code = (zone - np.uint32(zones.start)) << CELL_BITS | cell[place]
+    code = (zone - np.uint32(zones.start)) << np.uint32(CELL_BITS) | place
     return on_device(mi.UInt32, starts), on_device(mi.UInt32, code), weights

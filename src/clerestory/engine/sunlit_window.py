@@ -197,31 +197,3 @@ class SunlitWindow(Source):
         role = dr.gather(mi.UInt32, inside.window_of_shape, shape, active)
         active &= role == self.role
         return share * self._outside(si.p, active), si
-
-
-@dataclass
-class UnscatteredWindow(SunlitWindow):
-    """A window of which only the unscattered transmission (the peak) is lit."""
-
-    def met(self, path: Path, si, shape, active) -> tuple[Emission, mi.Bool]:
-        """Return no radiance: the solar disc is added by `straight_to_eye`."""
-        role = dr.gather(mi.UInt32, self.inside.window_of_shape, shape, active)
-        return Emission(mi.Color3f(0), mi.Bool(False)), active & (role > 0)
-
-    def straight_to_eye(self, eye: mi.Point3f, direction: mi.Vector3f) -> mi.Color3f:
-        """Return the transmittance from points of the solar disc to an eye."""
-        lit = replace(self, middle=direction, sun=direction)
-        value, inside = lit._straight(direction), self.inside
-        share, ray, hit = first_opaque(inside, eye, along(direction), dr.max(value) > 0)
-        active = (dr.max(value) > 0) & hit.is_valid()
-        si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, active)
-        shape = dr.reinterpret_array(mi.UInt32, si.shape)
-        role = dr.gather(mi.UInt32, inside.window_of_shape, shape, active)
-        active &= role == self.role
-        return value * share * lit._outside(si.p, active)
-
-    def samples(
-        self, vertex: Vertex, path: Path | None, numbers: PathNumbers
-    ) -> Iterator[LightSample]:
-        """Yield the direction to the sun."""
-        yield self._to_sun()

@@ -12,7 +12,6 @@ from typing import ClassVar
 import numpy as np
 from jaxtyping import Float, Int, UInt32
 
-from clerestory.bsdf.bsdf import Bsdf
 from clerestory.engine.channels import channels_of
 from clerestory.engine.controller import traced_units
 from clerestory.engine.effort import Effort
@@ -80,11 +79,9 @@ class SensorWindowPaths(WindowPathsJob):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PixelSunPaths(PixelWindowPaths):
-    """Paths from pixels by way of the window of index `number`, lit by the sun."""
+    """Paths from pixels by way of the window of index `number`."""
 
     number: int
-    bsdf: Bsdf
-    peak: bool = True
 
 
 @dataclass(frozen=True, eq=False)

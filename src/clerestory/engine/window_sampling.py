@@ -1,7 +1,7 @@
 """Windows and sky patches as columns of a matrix, and windows as recorded columns."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import drjit as dr
@@ -23,7 +23,7 @@ from clerestory.engine.sampler import CONNECT_U, CONNECT_V, PathNumbers
 from clerestory.engine.square import cell_of_disc
 from clerestory.engine.upload import on_device, vectors
 from clerestory.engine.visibility import towards, transmittance
-from clerestory.scene.window_zones import CELLS, EDGE, WindowZones
+from clerestory.scene.window_zones import CELLS, EDGE, STRAIGHT, WindowZones
 
 # Number of window points sampled per vertex, in a lattice. Compared with one point,
 # three points divide the work (time × variance) for single coefficients by 1.7, with
@@ -156,3 +156,8 @@ class WindowCells(WindowPatches):
         local = self.model.windows.to_local(window, direction)
         zone = self.zones.find(window, point)
         return zone * CELLS + cell_of_disc(local, EDGE)
+
+    def met(self, path: Path, si, shape, active) -> tuple[Emission, mi.Bool]:
+        """Return the code of a path that hits the front of a window."""
+        found, ends = super().met(path, si, shape, active)
+        return replace(found, column=found.column | STRAIGHT), ends

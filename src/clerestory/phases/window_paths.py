@@ -43,11 +43,11 @@ from clerestory.phases.traced_matrices import require_distinct
 from clerestory.scene.model import Scene
 from clerestory.scene.window import Window
 from clerestory.scene.window_zones import (
-    CELL_BITS,
     CELLS,
     EDGE,
     WindowZones,
     cell_directions,
+    zone_of,
 )
 
 # Default number of paths per pixel, each with three directions to the windows
@@ -58,6 +58,9 @@ _ZONE_POINTS = 16
 
 # Number of batches of paths per pixel
 _BATCHES = 2
+
+# Largest number of halvings of a grid of exit cells
+_FINEST = 9
 
 # Suns per block of C_ds
 _SUNS = 64
@@ -160,7 +163,9 @@ class WindowPaths:
         if key not in self._products:
             engine: Any = devices.load(self.job.device, "path_product")
             zones = self.zones.of_window(number)
-            self._products[key] = engine.PathProduct(self.records, zones, cells.number)
+            self._products[key] = engine.PathProduct(
+                self.records, zones, cells.number, len(cells.directions)
+            )
         return self._products[key]
 
 
@@ -175,7 +180,7 @@ def _by_patch(
     starts = records.starts[rows.start : rows.stop + 1]
     part = slice(starts[0], starts[-1])
     codes, count = records.codes[part], rows.stop - rows.start
-    zone = codes >> CELL_BITS
+    zone = zone_of(codes)
     inside = (zone >= zones.start) & (zone < zones.stop)
     pixel = np.repeat(np.arange(count), np.diff(starts))[inside]
     place = pixel * patches + patch[codes[inside] & (CELLS - 1)]
@@ -195,11 +200,13 @@ class ExitCells:
     key : partition, or the number of halvings of a tensor tree
     number : cell of each cell of a code; see `scene.window_zones`
     directions : representative directions, in the window's frame
+    corners : low corners of cells of a square grid; None for other cells
     """
 
     key: object
     number: UInt32[np.ndarray, " code"]
     directions: Float[np.ndarray, "cell 3"]
+    corners: Float[np.ndarray, "cell 2"] | None = None
 
     @classmethod
     def of(cls, bsdf: Bsdf) -> "ExitCells":
@@ -210,7 +217,7 @@ class ExitCells:
             first = bsdf.function("transmission_front").exits
             return _patches_of(first)
         # Rank 3 trees turn with the azimuth of the sun: cells half as large follow them
-        return _halved(min(tree.depth + (tree.rank == 3), EDGE.bit_length() - 1))
+        return _halved(min(tree.depth + (tree.rank == 3), _FINEST))
 
 
 def _tree(part: ScatteringFunction) -> ScatteringTree | None:
@@ -232,7 +239,9 @@ def _halved(halvings: int) -> ExitCells:
     row, column = np.divmod(np.arange(CELLS, dtype=np.uint32), np.uint32(EDGE))
     shift = np.uint32(EDGE.bit_length() - 1 - halvings)
     number = ((row >> shift) << np.uint32(halvings)) + (column >> shift)
-    return ExitCells(halvings, number, directions_from_square(*cell_centres(halvings)))
+    centres = cell_centres(halvings)
+    corners = np.stack(centres, axis=-1) - 0.5 / (1 << halvings)
+    return ExitCells(halvings, number, directions_from_square(*centres), corners)
 
 
 @dataclass(frozen=True, eq=False)
@@ -303,15 +312,17 @@ class SunlitPixels:
         product = self.paths.product(self.window, cells)
         width = engine.padded(len(sun))
         extra = [(0, 0), (0, 0), (0, width - len(sun))]
-        light = self._table.radiance(cells.directions, self.suns[sun]) * irradiance
-        light = np.pad(light.astype(np.float32), extra)
+        light = self._table.radiance(cells.directions, self.suns[sun])
+        light *= irradiance.astype(np.float32)
+        spread, beams = self._beams(cells, light, self.suns[sun], irradiance)
+        light = np.pad(np.concatenate([spread, light], axis=1), extra)
         passed = np.pad(self._transmittance[..., sun], extra)
         sums = [
             [self._sum(product, batch, row, light, passed) for row in weights]
             for batch in range(len(product))
         ]
-        if self._unscattered is not None:
-            self._unscattered.add(sums, weights, self.suns[sun], irradiance, width)
+        for each in beams:
+            self._beam_tracer.add(sums, weights, each, width)
         shape = len(sums), len(weights), job.pixels, width
         return np.array([[o.numpy() for o in b] for b in sums]).reshape(shape)[
             ..., : len(sun)
@@ -355,18 +366,45 @@ class SunlitPixels:
             engine.sun_transmittance(self.scene, points, normal, self.suns)
         )
 
+    def _beams(
+        self,
+        cells: ExitCells,
+        light: Float32[np.ndarray, "channel cell step"],
+        suns: Float[np.ndarray, "step 3"],
+        irradiance: Float[np.ndarray, " step"],
+    ) -> tuple[Float32[np.ndarray, "channel cell step"], list[Any]]:
+        # Radiance for light reflected by pixels, without narrow beams, and the beams
+        engine: Any = devices.load(self.paths.job.device, "sun_beams")
+        frame, found = self.paths.job.windows[self.window].frame, []
+        if cells.corners is not None:
+            narrow = engine.narrow_cells(light)
+            if narrow.any():
+                bright = np.where(narrow, light, 0)
+                found.append(
+                    engine.narrow_beams(
+                        bright, cells.corners, suns, frame, seed=self.paths.job.seed
+                    )
+                )
+                light = light - bright
+        if self.peak:
+            found.append(self._unscattered.of(suns, irradiance))
+        return light, found
+
     @cached_property
     def _unscattered(self) -> Any:
-        if not self.peak:
-            return None
+        engine: Any = devices.load(self.paths.job.device, "sun_beams")
+        frame = self.paths.job.windows[self.window].frame
+        return engine.UnscatteredBeams(self.bsdf, frame)
+
+    @cached_property
+    def _beam_tracer(self) -> Any:
         job = self.paths.job
-        engine: Any = devices.load(job.device, "unscattered_sun")
-        return engine.UnscatteredSuns(
+        engine: Any = devices.load(job.device, "beam_tracer")
+        return engine.BeamTracer(
             PixelSunPaths(
                 scene=self.scene,
                 windows=job.windows,
                 number=self.window,
-                bsdf=self.bsdf,
                 view=job.view,
                 columns=job.columns,
                 rows=job.rows,

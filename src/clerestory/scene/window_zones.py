@@ -1,6 +1,7 @@
 """Zones of windows and cells of directions, by which paths to windows are recorded.
 
-A path is recorded by a code: zone × CELLS + cell. The zones are rectangles of a grid on
+A path is recorded by a code: zone × CELLS + cell, plus STRAIGHT if the window is seen
+directly. The zones are rectangles of a grid on
 each window, numbered window by window. The cells divide the hemisphere of directions
 that leave a window into equal projected solid angles (Shirley–Chiu map), much finer
 than any BSDF, so that the code gives the cell of the direction in any partition.
@@ -12,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float, Int, UInt32
 
 from clerestory.checks import require
 from clerestory.hemisphere.shirley_chiu import cell_centres, directions_from_square
@@ -26,8 +27,9 @@ EDGE = 1 << _HALVINGS
 CELL_BITS = 2 * _HALVINGS
 CELLS = 1 << CELL_BITS
 
-# Largest number of zones of all windows together: a code has 32 bits
-_ZONES = (1 << 32) // CELLS
+# Bit of a code of 32 bits, and largest number of zones of all windows together
+STRAIGHT = 1 << 31
+_ZONES = STRAIGHT // CELLS
 
 # Increments of the R2 sequence (M. Roberts, 2018): powers of the inverse plastic number
 _R2 = 1.32471795724474602596 ** -np.arange(1.0, 3.0)
@@ -97,6 +99,11 @@ class WindowZones:
         begin = np.minimum(begin, len(order) - 1)
         number = begin[:, None] + np.arange(each) % np.maximum(end - begin, 1)[:, None]
         return np.asarray(found[order[number]])
+
+
+def zone_of(codes: UInt32[np.ndarray, " code"]) -> UInt32[np.ndarray, " code"]:
+    """Return the zones of codes."""
+    return (codes & np.uint32(STRAIGHT - 1)) >> np.uint32(CELL_BITS)
 
 
 def cell_directions() -> Float[np.ndarray, "cell 3"]:

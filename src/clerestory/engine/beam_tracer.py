@@ -1,0 +1,309 @@
+"""Sunlight that a window transmits in narrow beams, on visible surfaces.
+
+Unscattered sunlight, and light scattered into few cells of a BSDF, reach few of the
+pixels, and paths to random points of the window would miss them. For each visible point
+and sun, one direction of the beams is chosen, and the line from the point against it is
+tested against the window's rectangle. Only the pairs that pass are traced.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.engine.camera_rays import CameraRays
+from clerestory.engine.channels import GROUP, band_groups
+from clerestory.engine.lower import LoweredScene, lower
+from clerestory.engine.next_event_estimation import (
+    Emission,
+    LightSample,
+    Path,
+    Source,
+    Vertex,
+)
+from clerestory.engine.path_tracer import PathTracer
+from clerestory.engine.sampler import DIRECTION_U, DIRECTION_V, PathNumbers, mix, points
+from clerestory.engine.sinks import RadianceSink
+from clerestory.engine.sun_beams import BEAMS, Beams
+from clerestory.engine.unusual_lengths import in_usual_lengths
+from clerestory.engine.upload import launching, on_device, vectors
+from clerestory.engine.visibility import (
+    ROUNDING,
+    along,
+    first_hit,
+    first_opaque,
+    only_reflects,
+    transmittance,
+)
+from clerestory.engine.window_path_jobs import PixelSunPaths
+from clerestory.scene.view import solid_angles
+from clerestory.scene.window_zones import WindowZones
+
+# Sample points per pixel and batch
+_POINTS = 2
+
+# Suns that are tested together: one bit each
+_BITS = 32
+
+# Tolerance of the test: relative to the window, and cosine of a surface turned away
+_SLACK, _FACING = 1e-3, -1e-3
+
+
+@dataclass
+class BeamWindow(Source):
+    """A window that transmits light towards a vertex along given directions.
+
+    Attributes
+    ----------
+    inside, outside : scene with all windows as receivers, and without windows
+    role : 1 + index of the window in `inside`
+    normal : unit normal of the window, into the room
+    direction, sun, value : by path, unit vectors against the beam and to the sun, and
+        the irradiance perpendicular to the beam
+    """
+
+    name: ClassVar[str] = "beams"
+    inside: LoweredScene
+    outside: LoweredScene
+    role: int
+    normal: mi.Vector3f
+    direction: mi.Vector3f | None = None
+    sun: mi.Vector3f | None = None
+    value: mi.Color3f | None = None
+
+    def met(self, path: Path, si, shape, active) -> tuple[Emission, mi.Bool]:
+        """Return no radiance: windows that are seen directly are not lit by beams."""
+        role = dr.gather(mi.UInt32, self.inside.window_of_shape, shape, active)
+        return Emission(mi.Color3f(0), mi.Bool(False)), active & (role > 0)
+
+    def samples(
+        self, vertex: Vertex, path: Path | None, numbers: PathNumbers
+    ) -> Iterator[LightSample]:
+        """Yield the direction against the beam."""
+
+        def arriving(vertex: Vertex, active):
+            start = vertex.leave(self.direction, active)
+            return self.value * self.seen(start, active)
+
+        active = dr.max(self.value) > 0
+        yield LightSample(self.direction, mi.Float(1), active, arriving, heuristic=None)
+
+    def seen(self, start: mi.Point3f, active) -> mi.Color3f:
+        """Return the transmittance from the sun, by way of the window, to points."""
+        inside = self.inside
+        share, ray, hit = first_opaque(inside, start, along(self.direction), active)
+        met = active & hit.is_valid()
+        si = hit.compute_surface_interaction(ray, mi.RayFlags.Minimal, met)
+        shape = dr.reinterpret_array(mi.UInt32, si.shape)
+        met &= dr.gather(mi.UInt32, inside.window_of_shape, shape, met) == self.role
+        met &= dr.dot(self.normal, self.sun) < 0
+        reach = dr.maximum(dr.max(dr.abs(si.p)), 0.05)
+        start = si.p - self.normal * (ROUNDING * reach)
+        passed = transmittance(self.outside, start, along(self.sun), met)
+        return dr.select(met, share * passed, 0)
+
+
+class BeamTracer:
+    """Radiance of the pixels of a view due to beams of sunlight through a window."""
+
+    def __init__(self, job: PixelSunPaths):
+        job = in_usual_lengths(job)
+        scenes = band_groups(job.scene)
+        self.groups = [_Group(replace(job, scene=scene)) for scene in scenes]
+
+    def add(
+        self,
+        total: list[list[mi.Float]],
+        weights: Float[np.ndarray, "out band"],
+        beams: Beams,
+        width: int,
+    ) -> None:
+        """Add the radiance at each pixel and step to sums by batch and output.
+
+        Steps are `width` elements of the sums apart from pixel to pixel.
+        """
+        for number, group in enumerate(self.groups):
+            share = weights[:, GROUP * number : GROUP * (number + 1)]
+            group.add(total, share, beams, width)
+
+
+@dataclass
+class _Visible:
+    # Visible points: positions, normals, whether light may arrive from either side, and
+    # whether there is a surface that is not a window
+    point: mi.Point3f
+    normal: mi.Vector3f
+    both: mi.Bool
+    valid: mi.Bool
+
+
+class _Group:
+    # The radiance in three bands
+
+    def __init__(self, job: PixelSunPaths):
+        self.job = job
+        origin = np.asarray(job.view.position, dtype=float)
+        window = job.windows[job.number]
+        zones = WindowZones.of((window,))
+        with launching():
+            self.window = BeamWindow(
+                lower(job.scene, origin=origin, receivers=job.windows),
+                lower(job.scene, origin=origin),
+                job.number + 1,
+                vectors(mi.Vector3f, window.frame.normal[None]),
+            )
+            self.corner = vectors(mi.Point3f, zones.corner - origin)
+            self.edges = [
+                vectors(mi.Vector3f, edge / np.square(edge).sum())
+                for edge in (zones.across, zones.upwards)
+            ]
+        self.rays = CameraRays.of(job.view, job.columns, job.rows)
+        self.sequence = points(0, _POINTS)
+        self.count = job.pixels * job.batches * _POINTS
+        self.angles = solid_angles(job.view, job.columns, job.rows)
+        self.visible = self._visible()
+
+    def add(self, total, share, beams: Beams, width: int) -> None:
+        # See `BeamTracer.add`
+        for first in range(0, len(beams.steps), _BITS):
+            part = beams.select(slice(first, first + _BITS))
+            place, number = self._crossing(part)
+            if len(place):
+                self._trace(total, share, part, place, number, width)
+        if beams.disc:
+            self._disc(total, share, beams, width)
+
+    def _ray(self, place):
+        # Pixel, batch, sample numbers and camera ray of a sample point
+        each, batches = (dr.opaque(mi.UInt32, n) for n in (_POINTS, self.job.batches))
+        slot, index = place // each, place % each
+        pixel = slot // batches
+        key = mi.sample_tea_32(slot, dr.opaque(mi.UInt32, self.job.seed))[0]
+        numbers = PathNumbers(self.sequence, key, index, mi.UInt32(0))
+        x, y = numbers.sobol(DIRECTION_U), numbers.sobol(DIRECTION_V)
+        ray, valid = self.rays.through(pixel, x, y)
+        return pixel, slot % batches, numbers, ray, valid
+
+    def _visible(self) -> _Visible:
+        model = self.window.inside
+        with launching():
+            _, _, _, ray, valid = self._ray(dr.arange(mi.UInt32, self.count))
+            hit = model.scene.ray_intersect_preliminary(ray, active=valid)
+            shape = dr.reinterpret_array(mi.UInt32, hit.shape)
+            met = valid & hit.is_valid()
+            flags = dr.gather(mi.UInt32, model.flags_of_shape, shape, met)
+            role = dr.gather(mi.UInt32, model.window_of_shape, shape, met)
+            point, normal, found = first_hit(model, ray, valid)
+            # Surfaces that transmit and scatter are traced for all suns
+            both = met & ~only_reflects(flags)
+            both &= mi.has_flag(flags, mi.BSDFFlags.Smooth)
+            seen = _Visible(point, normal, both, (found & (role == 0)) | both)
+            dr.eval(seen.point, seen.normal, seen.both, seen.valid)
+        return seen
+
+    def _crossing(self, beams: Beams):
+        # Sample points and suns for which the line against a beam crosses the window
+        seen, count = self.visible, len(beams.steps)
+        with launching():
+            masks = _tested(
+                seen.point, seen.normal, seen.both, seen.valid,
+                vectors(mi.Vector3f, beams.direction.reshape(-1, 3)),
+                dr.opaque(mi.UInt32, count), self.corner, self.window.normal,
+                *self.edges, dr.opaque(mi.UInt32, self.job.seed),
+            )  # fmt: skip
+            found = masks.numpy()
+        place = np.flatnonzero(found)
+        bits = np.unpackbits(
+            np.ascontiguousarray(found[place], "<u4").view(np.uint8).reshape(-1, 4),
+            axis=1, bitorder="little", count=count,
+        )  # fmt: skip
+        row, number = np.nonzero(bits)
+        return place[row], number
+
+    def _trace(self, total, share, beams: Beams, found, suns, width) -> None:
+        with launching():
+            place, number = on_device(mi.UInt32, found), on_device(mi.UInt32, suns)
+            pixel, batch, numbers, ray, valid = self._ray(place)
+            beam = _chosen(place, number, dr.opaque(mi.UInt32, self.job.seed))
+            lit = _lit(self.window, beams, beam)
+            tracer = PathTracer(lit.inside, (lit,), 1.0, direct_only=True)
+            path = tracer.camera_path(ray)
+            light = tracer.trace(RadianceSink(), path, numbers, 1, valid) / _POINTS
+            step = dr.gather(mi.UInt32, on_device(mi.UInt32, beams.steps), number)
+            at = pixel * dr.opaque(mi.UInt32, width) + step
+            _add(total, share, light, at, batch)
+
+    def _disc(self, total, share, beams: Beams, width) -> None:
+        # Points of the solar disc seen through the window, each in its pixel
+        job = self.job
+        where = job.view.pixel(beams.direction, columns=job.columns, rows=job.rows)
+        row, column = (
+            np.floor(np.nan_to_num(where, nan=-1)).astype(int).reshape(-1, 2).T
+        )
+        seen = (row >= 0) & (row < job.rows) & (column >= 0) & (column < job.columns)
+        chosen = np.flatnonzero(seen)
+        angle = self.angles[row[chosen], column[chosen]]
+        chosen, angle = chosen[angle > 0], angle[angle > 0]
+        if not len(chosen):
+            return
+        with launching():
+            pixel = on_device(mi.UInt32, (row * job.columns + column)[chosen])
+            beam = on_device(mi.UInt32, chosen)
+            lit = _lit(self.window, beams, beam)
+            eye = dr.gather(mi.Point3f, self.rays.origin, pixel)
+            light = lit.value * lit.seen(eye, dr.max(lit.value) > 0)
+            light *= on_device(mi.Float, job.batches / (BEAMS * angle))
+            step = on_device(mi.UInt32, beams.steps[chosen // BEAMS])
+            batch = on_device(mi.UInt32, chosen % job.batches)
+            _add(total, share, light, pixel * dr.opaque(mi.UInt32, width) + step, batch)
+
+
+@dr.syntax
+def _tested(
+    points, normals, both, valid, directions, count, corner, plane, across, up, seed
+):
+    # Bit mask of the suns for which the line from each point crosses the window
+    masks, number = mi.UInt32(0), mi.UInt32(0)
+    place = dr.arange(mi.UInt32, dr.width(valid))
+    apart = mi.Vector3f(corner - points)
+    height = dr.dot(apart, plane)
+    while number < count:
+        toward = dr.gather(mi.Vector3f, directions, _chosen(place, number, seed))
+        distance = height / dr.dot(toward, plane)
+        offset = toward * distance - apart
+        x, y = dr.dot(offset, across), dr.dot(offset, up)
+        crosses = (distance > 0) & (dr.dot(toward, plane) < 0)
+        crosses &= (x > -_SLACK) & (x < 1 + _SLACK) & (y > -_SLACK) & (y < 1 + _SLACK)
+        crosses &= dr.dot(normals, toward) > _FACING
+        masks |= dr.select(crosses | both, mi.UInt32(1) << number, 0)
+        number += 1
+    return dr.select(valid, masks, 0)
+
+
+def _chosen(place, number, seed):
+    # Index of the beam of a sample point and sun
+    return number * BEAMS + (mix(mix(place, seed), number) & (BEAMS - 1))
+
+
+def _lit(window: BeamWindow, beams: Beams, beam) -> BeamWindow:
+    # The window with the chosen beams
+    direction, sun, value = (
+        dr.gather(mi.Vector3f, vectors(mi.Vector3f, part.reshape(-1, 3)), beam)
+        for part in (beams.direction, beams.sun, beams.value)
+    )
+    return replace(window, direction=direction, sun=sun, value=mi.Color3f(value))
+
+
+def _add(total, share, light, place, batch) -> None:
+    # Add the weighted light to the sums by batch and output
+    for number, outputs in enumerate(total):
+        for output, weights in enumerate(share):
+            value = mi.Float(0)
+            for channel, weight in enumerate(weights.tolist()):
+                value += light[channel] * dr.opaque(mi.Float, weight)
+            dr.scatter_add(outputs[output], value, place, batch == number)
+    dr.eval(total)
