@@ -1,5 +1,6 @@
 """Expansion of scene files: insertion of files, instances and generated surfaces."""
 
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from itertools import chain, groupby
@@ -97,6 +98,7 @@ class _Walk:
     surfaces: dict[Path, tuple[Part, ...]] = field(default_factory=dict)
     sizes: dict[Path, int] = field(default_factory=dict)
     joined: dict[_Content, Materials | None] = field(default_factory=dict)
+    made: Counter[str] = field(default_factory=Counter)
 
     def items(self, place: _Place) -> Iterator[Placed]:
         yield from self._put(self._loaded(place.path), place)
@@ -167,6 +169,9 @@ class _Walk:
         with located(file=place.path, line=item.line):
             if key not in self.contents:
                 self.contents[key] = self._read(item, place)
+                self.made["copies"] += self.contents[key].count - 1
+                few = f"arrays make more than {MOST_REPEATED:,} copies; fewer expected"
+                require(self.made["copies"] <= MOST_REPEATED, few)
             files = self.contents[key].files
             _refuse_recursion(files, (*place.within, place.path))
         return self.contents[key]
@@ -196,8 +201,8 @@ class _Walk:
             total = sum(sizes[item] for item in found)
             if total > once + most:
                 raise InputError(
-                    f"arrays, instances and repeated files make {total:.2g} surfaces;"
-                    f" at most {most:,} expected"
+                    "arrays, instances and repeated files make"
+                    f" {min(total, 1e99):.2g} surfaces; at most {most:,} expected"
                     + ("" if together else " of materials that depend on their place"),
                     file=place.path,
                     line=getattr(max(found, key=sizes.__getitem__), "line", None),
