@@ -74,7 +74,7 @@ class _Place:
 
 @dataclass(frozen=True, eq=False)
 class _Content:
-    # What a command or an instance inserts: items, then files, for each copy
+    # Content that a command or an instance inserts for each copy: items, then files
     items: tuple[Item | Command, ...]
     files: tuple[Path, ...]
     copies: tuple[Placements, ...]
@@ -198,7 +198,7 @@ class _Walk:
                 raise InputError(
                     f"arrays, instances and repeated files make {total:.2g} surfaces;"
                     f" at most {most:,} expected"
-                    + ("" if together else " of materials that depend on their place"),
+                    + ("" if together else " if materials depend on the placement"),
                     file=place.path,
                     line=getattr(max(found, key=sizes.__getitem__), "line", None),
                 )
@@ -229,7 +229,7 @@ class _Walk:
         return content.count * once
 
     def _materials_of(self, content: _Content) -> Materials | None:
-        # Definitions in a command's files, None if they depend on the placement
+        # Materials of a command's files; None if they depend on the placement
         if content not in self.joined:
             own = materials_of(content.items, "", lambda _: None)
             replaced = (copies.modifier for copies in content.copies)

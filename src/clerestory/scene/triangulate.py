@@ -61,7 +61,7 @@ def triangulate(vertices: Vertices) -> Triangles:
 
 
 def simple_faces(vertices: Vertices) -> Faces | None:
-    """Return triangles of a polygon's own vertices; None if it intersects itself."""
+    """Return triangles between a polygon's vertices; None if it intersects itself."""
     origin, frame = _plane(vertices)
     points = ((vertices - origin) @ frame.T)[:, :2]
     size = float(np.abs(points).max())
@@ -186,7 +186,8 @@ def _facing_up(points: Vertices2, faces: Faces, size: float) -> Faces:
     return np.asarray(turned[np.abs(doubled) > 1e-14 * size**2])
 
 
-# Pairs of edges in one array operation, and in all; parts of edges between crossings
+# Largest numbers of pairs of edges in one array operation and of all pairs, and largest
+# number of parts of edges between crossings
 _BLOCK, _MOST_PAIRS, _MOST_PARTS = 500_000, 100_000_000, 1_000_000
 
 
