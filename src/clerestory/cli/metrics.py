@@ -224,7 +224,7 @@ def _exposed_area(
 ) -> Iterator[str]:
     # Annual sunlight exposure, and LEED points with the given sDA
     if grid.sun is None:
-        yield f"{'ASE1000,250':28}unknown: the method 5-phase traces the direct sun"
+        yield f"{'ASE1000,250':28}unknown; a run with the five-phase method expected"
         if grid.departures:
             yield f"{'not by LM-83':28}{'; '.join(grid.departures)}"
         return

@@ -57,7 +57,7 @@ class ApertureGroup:
     """
 
     name: str
-    polygons: tuple[Float[np.ndarray, "point 3"], ...]
+    polygons: tuple[Float[np.ndarray, "_ 3"], ...]
     up: Float[np.ndarray, "3"] | None
     states: tuple[tuple[str, Modifier], ...]
 

@@ -52,7 +52,7 @@ class Part(Item):
     apertures: "tuple[Part, ...]" = ()
     doors: "tuple[Part, ...]" = ()
 
-    def loops(self) -> list[Float[np.ndarray, "point 3"]]:
+    def loops(self) -> list[Float[np.ndarray, "_ 3"]]:
         """Corners of the outline, then of each hole, in model units."""
         return [np.array(loop) for loop in (self.boundary, *(self.holes or ()))]
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.array_types import Image
+from clerestory.array_types import EachImage
 from clerestory.checks import require, same_length
 from clerestory.errors import ClerestoryWarning
 from clerestory.glare.detection_criteria import SourceRules
@@ -38,7 +38,7 @@ _UNITS = {quantity.name: quantity.unit for quantity in REPORTED}
 
 
 def annual_glare(
-    luminance: Iterable[Image | UncertainLuminance],
+    luminance: Iterable[EachImage | UncertainLuminance],
     view: View,
     *,
     times: np.ndarray | None = None,
@@ -110,8 +110,8 @@ def annual_glare(
 
 
 def _checked(
-    luminance: Iterable[Image | UncertainLuminance], view: View
-) -> Iterator[tuple[Image | UncertainLuminance, GlareView]]:
+    luminance: Iterable[EachImage | UncertainLuminance], view: View
+) -> Iterator[tuple[EachImage | UncertainLuminance, GlareView]]:
     # Check each picture; yield it with the pixel quantities of the common view
     eye = None
     for step, given in enumerate(luminance):

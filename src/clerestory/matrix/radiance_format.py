@@ -144,7 +144,7 @@ def write_matrix(
 
 def write_rows(
     path: str | Path,
-    blocks: Iterable[Float[np.ndarray, "row column channel"]],
+    blocks: Iterable[Float[np.ndarray, "_ column channel"]],
     *,
     shape: tuple[int, int, int],
     encoding: Encoding = "float",

@@ -5,7 +5,7 @@ sensors at most 2 ft apart, for 8 to 18 h on every day of a year in steps of an 
 less, and for blinds that close whenever more than 2 % of the sensors receive 1000 lux
 or more of direct sunlight.
 
-Reference: IES LM-83-12 and LM-83-23, Approved Method: spatial daylight autonomy and
+Reference: IES LM-83-12, Approved Method: spatial daylight autonomy and
 annual sunlight exposure; USGBC, LEED v4 and v4.1, EQ credit Daylight.
 """
 

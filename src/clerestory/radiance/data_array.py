@@ -29,7 +29,7 @@ _MOST_AXES = 5
 class DataArray:
     """A table of values on a grid; the positions along each axis ascend or descend."""
 
-    axes: tuple[Float[np.ndarray, " positions"], ...]
+    axes: tuple[Float[np.ndarray, " _"], ...]
     values: Float[np.ndarray, "..."]
 
     def __post_init__(self) -> None:

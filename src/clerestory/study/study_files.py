@@ -46,7 +46,7 @@ def _lines(table: Mapping[str, Any], path: str = "") -> Iterator[str]:
 
 def window_text(
     name: str,
-    outlines: Iterable[Float[np.ndarray, "point 3"]],
+    outlines: Iterable[Float[np.ndarray, "_ 3"]],
     *,
     basis: str = "kf",
     up: Vector | None = None,

@@ -53,7 +53,7 @@ _Heads = dict[str, tuple[int, list[str]]]
 class _Table:
     kind: str
     symmetry: str
-    axes: tuple[Float[np.ndarray, " axis"], ...]
+    axes: tuple[Float[np.ndarray, " _"], ...]
     values: Float[np.ndarray, "rotation incidence azimuth radius"]
 
 
