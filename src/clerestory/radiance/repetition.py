@@ -11,15 +11,8 @@ import numpy as np
 
 from clerestory.radiance.placement import Placement, Placements
 from clerestory.radiance.statements import Command, Directive, PolygonRun
-from clerestory.scene.model import Scene, Simple, TriangleMesh
+from clerestory.scene.model import Scene, Simple
 from clerestory.scene.primitive import Primitive
-
-# Largest number of surfaces that arrays, instances and repeated files may add
-MOST_REPEATED = 1_000_000
-
-# Cost of a surface that is placed one by one, relative to surfaces placed together, and
-# vertices or triangles that cost as much as one surface
-SLOW, _VERTICES = 10, 10
 
 # Types of materials that do not depend on the placement
 _FIXED = {"plastic", "metal", "trans", "glass", "mirror", "light", "illum", "alias"}
@@ -132,20 +125,3 @@ def _merged(runs: list[PolygonRun]) -> PolygonRun:
         np.concatenate([[0], *ends]),
         np.concatenate([run.vertices for run in runs]),
     )
-
-
-def own_size(items: Iterable[Item | Command]) -> int:
-    """Return the number of surfaces and definitions, without what commands insert.
-
-    Ten vertices of a polygon, or ten triangles of a mesh, count as a surface.
-    """
-    size = 0
-    for item in items:
-        match item:
-            case PolygonRun():
-                size += max(len(item.modifier), len(item.vertices) // _VERTICES)
-            case TriangleMesh():
-                size += 1 + len(item.faces) // _VERTICES
-            case _:
-                size += 1
-    return size
