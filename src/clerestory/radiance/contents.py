@@ -52,7 +52,7 @@ class Place:
 
 @dataclass(frozen=True, eq=False)
 class Content:
-    """Content that a command or an instance inserts for each copy: items, then files."""
+    """Content that a command or instance inserts for each copy: items, then files."""
 
     items: tuple[Item | Command, ...]
     files: tuple[Path, ...]
