@@ -49,16 +49,14 @@ _KINDS: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     "M": _TIMES,
 }
 _REQUIRED = (
-    *("illuminance", "standard_error", "occupied", "position", "direction"),
-    *("sensor", "grid", "time"),
+    "illuminance standard_error occupied position direction sensor grid time".split()
 )
 _SPATIAL = 3
 
 _TEXTS = ("title", "method", "place", "study")
 _FIGURES = (
-    *("target_lux", "latitude_deg", "longitude_deg", "utc_offset_hours"),
-    *("step_minutes", "rotation_deg"),
-)
+    "target_lux latitude_deg longitude_deg utc_offset_hours step_minutes rotation_deg"
+).split()
 
 
 class _RunFacts(Item):
