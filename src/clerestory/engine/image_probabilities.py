@@ -1,8 +1,8 @@
 """Learned probabilities of sampling each mirror image of a light source.
 
-At surface points of the room the second moments of the light by way of each image are
-measured; the variance is smallest for probabilities proportional to their roots, as in
-`path_guiding`. Where mirrored light is faint against direct light, or absent, fewer
+The second moment of the light by way of each image is measured at surface points of the
+room; the variance is smallest for probabilities proportional to its square root, as in
+`path_guiding`. Where mirrored light is much weaker than direct light, or absent, fewer
 vertices of a path sample it. Inexact probabilities increase noise but cause no bias.
 """
 
@@ -25,11 +25,11 @@ from clerestory.engine.vertices import sensor_vertex
 # Largest number of pairs of a surface point and an image, and of surface points.
 _PAIRS, _PLACES = 1 << 19, 1 << 12
 
-# Probability of images by area and reflectance, beside the learned ones.
+# Weight of probabilities by area and reflectance, which are added to the learned ones.
 _PRIOR = 0.1
 
-# Rate of sampling per ratio of mirrored to direct light (root mean squares), and least
-# rate.
+# Sampling rate divided by the ratio of mirrored to direct light (root mean squares),
+# and smallest rate.
 _RATE, _LEAST_RATE = 2.0, 0.125
 
 
@@ -38,8 +38,8 @@ def with_learned_images(
 ) -> Illumination:
     """Return the scene with image probabilities learned at surface points and sensors.
 
-    At most half of the points are sensors, at least an eighth: few sensors are tested
-    repeatedly, since a sample of an image that is seen in part may miss it.
+    Between an eighth and half of the points are sensors. If there are few sensors, each
+    is tested repeatedly, since one sample may miss an image that is partly hidden.
     """
     if sensors is not None and len(sensors):
         tests = min(max(len(sensors), _PLACES // 8), _PLACES // 2)

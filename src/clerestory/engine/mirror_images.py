@@ -23,8 +23,8 @@ from clerestory.engine.sampler import Distribution, PathNumbers, random_number
 from clerestory.engine.smooth_faces import SmoothFaces
 from clerestory.engine.upload import on_device, vectors
 
-# Vertices up to this number always sample an image; binary logarithm of the number of
-# paths that decide alike at later vertices; dimension of the random numbers.
+# Number of the last vertex that always samples an image; binary logarithm of the number
+# of paths that share the decision at later vertices; dimension of the random numbers.
 _FIRST, _ALIKE, _DECISION = 1, 5, 0x60000
 
 
@@ -107,7 +107,7 @@ class MirrorImages:
         if given is not None:
             return given, mi.Float(1), mi.Float(1)
         state, chance, _ = self.chosen.sample(pick)
-        # Neighbouring paths decide alike, which saves time in kernels
+        # Neighbouring paths share the decision, which saves time in kernels
         group = (numbers.index + numbers.points.first) >> _ALIKE
         decision = random_number(numbers.seed, group, _DECISION + numbers.vertex)
         rate = dr.select(numbers.vertex <= _FIRST, 1, self.rate)

@@ -52,7 +52,7 @@ class Place:
 
 @dataclass(frozen=True, eq=False)
 class Content:
-    """What a command or an instance inserts: items, then files, for each copy."""
+    """Content that a command or instance inserts for each copy: items, then files."""
 
     items: tuple[Item | Command, ...]
     files: tuple[Path, ...]
@@ -85,7 +85,7 @@ class Contents:
         return self.loaded[path]
 
     def inserted(self, item: Command | Primitive, place: Place) -> Content:
-        """Return what a command or an instance in a file inserts."""
+        """Return the content that a command or an instance in a file inserts."""
         key = place.path, item
         with located(file=place.path, line=item.line):
             if key not in self._inserted:
@@ -104,10 +104,10 @@ class Contents:
             mesh = read_instance(item, file=file, find=find, loaded=self._compiled)
             items = _built(mesh.items, item.strings[0])
             return Content(items, mesh.files, (one_placement(mesh.placement),))
-        told = parse_command(item.text, find=find)
-        items = _built((replace(i, line=item.line) for i in told.items), file)
-        files = tuple(find(name) for name in told.files)
-        return Content(items, files, told.placements, told.build)
+        inclusion = parse_command(item.text, find=find)
+        items = _built((replace(i, line=item.line) for i in inclusion.items), file)
+        files = tuple(find(name) for name in inclusion.files)
+        return Content(items, files, inclusion.placements, inclusion.build)
 
 
 def _refuse_recursion(files: Iterable[Path], within: tuple[Path, ...]) -> None:

@@ -39,7 +39,7 @@ def placed_items(path: str | Path) -> Iterator[Placed]:
 
 @dataclass(frozen=True)
 class _Walk:
-    # Contents of files, with caches by path and by what a command inserts
+    # Contents of files, with caches by path and by content of a command
     contents: Contents
     materials: dict[Path, Materials | None] = field(default_factory=dict)
     surfaces: dict[Path, tuple[Part, ...]] = field(default_factory=dict)
@@ -106,7 +106,7 @@ class _Walk:
         return self._materials_of(content) is not None
 
     def _materials_of(self, content: Content) -> Materials | None:
-        # Definitions in a command's files, None if they depend on the placement
+        # Materials of a command's files; None if they depend on the placement
         if content not in self.joined:
             own = materials_of(content.items, "", lambda _: None)
             replaced = (copies.modifier for copies in content.copies)

@@ -1,7 +1,7 @@
-"""Items of scene files that are placed, and copies of them.
+"""Copies of surfaces by arrays and by files that are placed repeatedly.
 
 The surfaces of a file that is placed repeatedly are transformed together. This requires
-that its materials do not depend on the placement, and that no name has two meanings.
+that its materials do not depend on the placement, and that no name has two definitions.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -48,16 +48,16 @@ class Placed:
 
 @dataclass(frozen=True)
 class Materials:
-    """Definitions that do not depend on the placement, with their files; names used."""
+    """Definitions of materials, with their files, and names of all materials used."""
 
     definitions: tuple[tuple[Primitive, str], ...] = ()
     used: frozenset[str] = frozenset()
 
 
 def joined(found: Iterable[Materials | None]) -> Materials | None:
-    """Return the materials of consecutive contents, each of which is used many times.
+    """Combine the materials of contents that are placed one after another, repeatedly.
 
-    None if the materials of one are None, or if a name has two meanings.
+    None if one of them is None, or if a name is used before its definition or has two.
     """
     known: dict[str, tuple[Primitive, str]] = {}
     used: set[str] = set()

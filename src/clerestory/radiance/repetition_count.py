@@ -48,7 +48,7 @@ class RepetitionCount:
                 raise InputError(
                     f"arrays, instances and repeated files make {total:.2g} surfaces;"
                     f" at most {most:,} expected"
-                    + ("" if together else " of materials that depend on their place"),
+                    + ("" if together else " if materials depend on the placement"),
                     file=place.path,
                     line=getattr(max(found, key=sizes.__getitem__), "line", None),
                 )

@@ -41,7 +41,7 @@ class WithLengths(Protocol):
     """A value that can be scaled."""
 
     def scaled(self, factor: float) -> object:
-        """Return the value with all lengths multiplied."""
+        """Return the value with all lengths multiplied by a factor."""
 
 
 # Fields of materials that are lengths [m], and that are transmissivities [1/m]
@@ -53,7 +53,7 @@ _TRANSMISSIVITIES: dict[type[Material], tuple[str, ...]] = {
 
 
 def scaled(value: _Scaled, factor: float) -> _Scaled:
-    """Return a scene, window, sensors or a view with all lengths multiplied.
+    """Return a scene, window, sensors or a view with all lengths times a factor.
 
     Tuples are scaled item by item; values without lengths are returned unchanged.
 

@@ -14,7 +14,8 @@ from clerestory.checks import require
 # Most pairs of edges that are compared
 MOST_PAIRS = 100_000_000
 
-# Pairs of edges in one array operation; most parts of edges between crossings
+# Largest number of pairs of edges in one array operation, and of parts of edges
+# between crossings
 _BLOCK, _MOST_PARTS = 500_000, 1_000_000
 
 

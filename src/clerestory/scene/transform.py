@@ -78,7 +78,7 @@ class Transforms:
     def then(self, outer: "Transforms", *, slow: bool = True) -> "Transforms":
         """Return each transform followed by each of `outer`.
 
-        The index of `outer` is the slower one, or the faster one unless `slow`.
+        The index of `outer` varies slowest if `slow`, and fastest otherwise.
         """
         axes = (1, 0) if slow else (0, 1)
         with np.errstate(over="ignore", invalid="ignore"):
@@ -99,11 +99,12 @@ def single(transform: Transform) -> Transforms:
 
 
 def parse_array(words: list[str]) -> tuple[Transforms, list[int], int]:
-    """Return the transforms of all copies that the first words give.
+    """Parse the xform options at the start of a list of words, including arrays.
 
-    The options are those of `parse_transform` and `-a count`, which makes copies 0 to
-    count-1 by repeating the options up to the next `-i` or `-a`. The index of the first
-    `-a` is the slowest. The counts and the number of words taken are returned too.
+    Return the transform of each copy, the count of each array, and the number of words
+    parsed. The options are those of `parse_transform` and `-a count`, which makes
+    copies 0 to count-1 by repeating the options up to the next `-i` or `-a`. The index
+    of the first array varies slowest.
     """
     if "-a" not in words:
         transform, at = parse_transform(words)
@@ -117,10 +118,11 @@ def parse_array(words: list[str]) -> tuple[Transforms, list[int], int]:
 
 
 def parse_transform(words: list[str]) -> tuple[Transform, int]:
-    """Return the transform that the first words give, and the number of these words.
+    """Parse the xform options at the start of a list of words.
 
-    Options: -t x y z, -rx -ry -rz degrees, -s factor, -mx -my -mz, and -i count, which
-    repeats the options up to the next -i. Any other word ends the transform.
+    Return the transform and the number of words parsed. Options: -t x y z, -rx -ry -rz
+    degrees, -s factor, -mx -my -mz, and -i count, which repeats the options up to the
+    next -i. Any other word ends the transform.
     """
     runs, at = _runs(words, ("-i",))
     total = Transform()
@@ -199,7 +201,7 @@ def _repeated(part: Transform, count: int) -> Transforms:
 
 
 def _powers(part: Transform, count: int) -> Transforms:
-    # Powers 0 to count-1, by doubling
+    # Powers 0 to count-1 of a transform, by repeated doubling
     with np.errstate(over="ignore", invalid="ignore"):
         matrix, step = np.eye(4)[None], part.matrix
         while len(matrix) < count:
@@ -210,7 +212,7 @@ def _powers(part: Transform, count: int) -> Transforms:
 
 
 def array_count(words: list[str], at: int) -> int:
-    """Return the count after the option `-a` at an index."""
+    """Return the count of the array option `-a`, which is the word `at`."""
     count = "".join(words[at + 1 : at + 2])
     require(
         count.isascii() and count.isdecimal() and len(count) < 12 and int(count) > 0,

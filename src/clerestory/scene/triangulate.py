@@ -62,7 +62,7 @@ def triangulate(vertices: Vertices) -> Triangles:
 
 
 def simple_faces(vertices: Vertices) -> Faces | None:
-    """Return triangles of a polygon's own vertices; None if it intersects itself."""
+    """Return triangles between a polygon's vertices; None if it intersects itself."""
     origin, frame = _plane(vertices)
     points = ((vertices - origin) @ frame.T)[:, :2]
     size = float(np.abs(points).max())

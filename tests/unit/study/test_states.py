@@ -361,15 +361,15 @@ WRONG_RULES = {
     "raised later": (
         'rule = "cut-off"\ntilts_deg = [0, "raised", 45]\nslat_width = 1\n'
         "slat_spacing = 1",
-        'before them "raised"',
+        'optionally after "raised"',
     ),
     "raised counted as level slats": (
         'rule = "cut-off"\ntilts_deg = [0, 0, 45]\nslat_width = 1\nslat_spacing = 1',
-        "state 1 never acts) expected",
+        "state 1 does not), expected",
     ),
     "closed before open": (
         'rule = "cut-off"\ntilts_deg = [90, 0, 45]\nslat_width = 1\nslat_spacing = 0.9',
-        "state 1 never acts) expected",
+        "state 1 does not), expected",
     ),
     "angle of 400°": (
         'rule = "profile angle"\nangles_deg = [400, 40]',
