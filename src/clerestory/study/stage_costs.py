@@ -30,9 +30,18 @@ from clerestory.study.study_tracing import needs_direct
 from clerestory.study.view_matrices import ViewMatrices
 
 # Stages of a run, in order: the keys of `seconds` in run.json
-STAGES = (
-    *("read", "check", "trace", "sky", "control", "multiply", "pictures"),
-    *("metrics", "write"),
+STAGES = tuple(
+    [
+        "read",
+        "check",
+        "trace",
+        "sky",
+        "control",
+        "multiply",
+        "pictures",
+        "metrics",
+        "write",
+    ]
 )
 
 # Seconds per multiply-add with sky matrices and with window matrices, per matrix value

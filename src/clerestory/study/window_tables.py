@@ -8,12 +8,7 @@ import operator
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import (
-    BeforeValidator,
-    Field,
-    ValidationInfo,
-    model_validator,
-)
+from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
 from pydantic_core import PydanticCustomError
 
 from clerestory.control.lm83_blinds import MOST_SENSORS, SUN_LUX
@@ -189,8 +184,7 @@ class ControlTable(Table):
     def _keys_of_the_rule(self) -> "ControlTable":
         must, may = _KEYS[self.rule]
         given = {f for f in self.model_fields_set if f not in _EVERY_RULE}
-        odd = sorted(given - {*must, *may})
-        for key in odd:
+        for key in sorted(given - {*must, *may}):
             known = ", ".join((*must, *may))
             message = f'rule "{self.rule}" has no key "{key}"; one of {known} expected'
             require_rule(False, message)
