@@ -1,6 +1,8 @@
 """Small input files and values that several tests share."""
 
 import importlib
+from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -62,6 +64,19 @@ diffuse_horizontal = "DHI"
 """
 ROOF = "day;clock;GHI;DHI\n2022-06-21;12:00;700;120\n2022-06-21;12:05;710;118\n"
 
+# Three shade states of a window, which `write_states` writes
+STATES = """
+[[window.state]]
+name = "open"
+bsdf = "open.xml"
+[[window.state]]
+name = "half"
+bsdf = "half.xml"
+[[window.state]]
+name = "closed"
+bsdf = "closed.xml"
+"""
+
 
 def four_sensors() -> Any:
     """Return the series of a study with the four sensors of `SCAN`, along y first."""
@@ -71,3 +86,13 @@ def four_sensors() -> Any:
     names = tuple(f"lux.{i}" for i in range(1, 5))
     values, position = np.ones((4, 2)), np.array(places)
     return series(names, hours, values, 60.0, -6.0, position=position)
+
+
+def write_states(folder: Path, transmittances: Sequence[float]) -> None:
+    """Write the diffusing layers of `STATES`."""
+    analytic = importlib.import_module("clerestory.bsdf.analytic")
+    klems = importlib.import_module("clerestory.hemisphere.klems")
+    writer = importlib.import_module("clerestory.bsdf.xml_writer")
+    for name, tau in zip(("open", "half", "closed"), transmittances, strict=True):
+        layer = analytic.lambertian(tau, klems.klems("quarter"))
+        writer.write_bsdf(folder / f"{name}.xml", layer)
