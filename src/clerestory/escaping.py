@@ -2,7 +2,7 @@ r"""Names and texts in files that other programs read.
 
 Names come from files of unknown origin, and other programs interpret what they read:
 Radiance runs a line that begins with `!`, a shell expands `$(…)`, a spreadsheet
-evaluates a cell that begins with `=`. Characters with a meaning are written as `=` and
+evaluates a cell that begins with `=`. Special characters are written as `=` and
 two hexadecimal digits, as in quoted-printable text (RFC 2045), or quoted where a format
 has quotation marks. Different names remain different, and plain names are unchanged.
 """
@@ -17,22 +17,23 @@ from collections.abc import Container, Iterable, Sequence
 
 from clerestory.errors import InputError
 
-# Longest name that is written in full [bytes]: rfluxmtx reads names of 127 bytes, and
-# file names have up to 255 with what a program adds
+# Longest name that is written in full [bytes]: rfluxmtx reads names of 127 bytes; file
+# names, with the suffixes that programs add, have up to 255
 _LONGEST_NAME = 100
 
 # Longest line of a comment or header: Radiance reads pieces of 512 or 2048 bytes
 _LONGEST_LINE, _LONGEST_WORD = 480, 511
 
-# Characters with a meaning for Radiance or a shell, and in file names
+# Special characters of Radiance or of a shell, and of file names
 _COMMANDS = frozenset(" \"'`$;&|<>()*?!\\")
 _PATHS = frozenset('/\\:*?"<>|`$;&%!')
 
-# Names with a meaning: in Radiance, and for files on Windows
+# Reserved names: in Radiance, and of files on Windows
 _RESERVED_NAMES = {"", "void", "inherit"}
 _DEVICES = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
 
-# Beginnings of a cell that spreadsheets evaluate, and the sign that prevents it
+# First characters of cells that spreadsheets evaluate (an apostrophe prevents it);
+# numbers; texts that could be read as escapes; characters that XML does not allow
 _FORMULA = tuple("'=+-@\uff1d\uff0b\uff0d\uff20'")
 _NUMBER = re.compile(r"[-+]?[\d.]+(e[-+]?\d+)?|[-+]?(nan|inf)", re.ASCII)
 _AMBIGUOUS = re.compile(r"=(?=[0-9A-F]{2}|$)")
@@ -69,8 +70,7 @@ def radiance_word(word: str) -> str:
 
     Raises
     ------
-    InputError : no quotation makes one word of the text, such as a path with line
-        breaks
+    InputError : the text cannot be quoted as one word, such as a path with line breaks
     """
     quotes = [quote for quote in "\"'" if quote not in word]
     plain = word.isprintable() and len(word.encode(errors="replace")) <= _LONGEST_WORD
@@ -219,7 +219,7 @@ def _encoded(
     last: str = "",
     ascii_only: bool = False,
 ) -> str:
-    # Replaces characters with a meaning, anywhere or at the ends
+    # Escape special characters, which are special anywhere or at the ends only
     end = len(name) - 1
     return "".join(
         _hexadecimal(c)
@@ -239,7 +239,7 @@ def _hexadecimal(text: str) -> str:
 
 
 def _shortened(encoded: str, name: str) -> str:
-    # A digest replaces the end of a long name; the result exceeds all names in full
+    # A digest replaces the end of a long name; names written in full are shorter
     if len(encoded.encode()) <= _LONGEST_NAME:
         return encoded
     return f"{_cut(encoded, _LONGEST_NAME)}~{_digest(name)[:16]}"

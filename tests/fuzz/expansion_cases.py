@@ -58,20 +58,20 @@ def arrays_in_a_pipe(folder):
 
 
 @case
-def billion_laughs(folder):
+def files_included_twice(folder):
     files = {f"n{k}": f"!cat n{k + 1}.rad\n" * 2 for k in range(40)}
     return rad(folder, a=GREY + "!cat n0.rad\n", **files, n40=POLYGON)
 
 
 @case
-def billion_laughs_about_nothing(folder):
+def empty_files_included_twice(folder):
     files = {f"n{k}": f"!cat n{k + 1}.rad n{k + 1}.rad\n" for k in range(40)}
     return rad(folder, a=GREY + "!cat n0.rad\n", **files, n40="# nothing\n")
 
 
 @case
-def billion_definitions(folder):
-    """Patterns depend on their place and are defined anew for each copy."""
+def definitions_included_twice(folder):
+    """Patterns depend on the placement and are defined again for each copy."""
     pattern = "void brightfunc p 2 1+Px . 0 0\np plastic m 0 0 5 .5 .5 .5 0 0\n"
     files = {f"n{k}": f"!cat n{k + 1}.rad\n" * 2 for k in range(30)}
     return rad(folder, a="!cat n0.rad\n", **files, n30=pattern + POLYGON)
@@ -380,8 +380,8 @@ def nested_xml(folder):
 def xml_entities(folder):
     from clerestory.bsdf.xml_reader import read_bsdf
 
-    laughs = "".join(f'<!ENTITY a{k} "{f"&a{k - 1};" * 10}">' for k in range(1, 12))
-    head = f'<?xml version="1.0"?><!DOCTYPE x [<!ENTITY a0 "ha">{laughs}]>'
+    entities = "".join(f'<!ENTITY a{k} "{f"&a{k - 1};" * 10}">' for k in range(1, 12))
+    head = f'<?xml version="1.0"?><!DOCTYPE x [<!ENTITY a0 "text">{entities}]>'
     (folder / "a.xml").write_text(f"{head}<WindowElement>&a11;</WindowElement>")
     return read_bsdf(folder / "a.xml")
 

@@ -118,7 +118,7 @@ def test_an_even_window_becomes_an_even_lamp(device):
     assert value.std() < 0.1
 
 
-def test_the_eye_sees_the_window_and_the_sun_comes_straight(device):
+def test_the_eye_sees_the_window_and_direct_sun(device):
     """A view through the lamp shows the sky as through the pane."""
     here, window = room(sun=True), pane("glass")
     lamps = precompute_illums(here, window, samples=32, bounces=1, device=device)

@@ -33,7 +33,7 @@ _SIGINT = 130
 # Largest number of characters of an error message, with its path
 _LONGEST = 500
 
-# Words from a file in a message
+# Parts of a message that can quote a file
 _QUOTED = re.compile(r"\"[^\"]*\"?|(?<!\w)'[^']*'?")
 _VALUE = re.compile(r"\bis [^;]+")
 
@@ -116,8 +116,8 @@ def _usage(error: Any) -> int:
 
 
 def _own_text(error: ClerestoryError, words: list[str]) -> str:
-    # Message of an error, without words of files that other files name and that are
-    # outside of the folders which the command line names
+    # Message of an error. Quoted words are removed if they are from a file that only
+    # another file names, outside of the folders of the files on the command line
     file = getattr(error, "file", None)
     if file is None or not is_file(file):
         return str(error)

@@ -1,12 +1,13 @@
 """Learned probabilities of sampling each mirror image of a light source.
 
 Of the images that may be seen from a cell of the room (`image_cells`), half of the
-samples take each in proportion to its reflectance, however seldom it is seen, so that
-errors include it. The other half are distributed as learned: at surface points of the
-room the second moments of the light by way of each image are measured; the variance is
-smallest for probabilities proportional to their roots, as in `path_guiding`. Where
-mirrored light is faint against direct light, or absent, fewer vertices of a path sample
-it. Inexact probabilities increase noise but cause no bias.
+samples choose each with a probability proportional to its reflectance, even if it is
+rarely seen, so that standard errors include it. The other half follow learned
+probabilities: the second moment of the light by way of each image is measured at
+surface points of the room; the variance is smallest for probabilities proportional to
+its square root, as in `path_guiding`. Where mirrored light is much weaker than direct
+light, or absent, fewer vertices of a path sample it. Inexact probabilities increase
+noise but cause no bias.
 """
 
 from dataclasses import replace
@@ -32,7 +33,7 @@ from clerestory.engine.vertices import sensor_vertex
 # Largest number of pairs of a surface point and an image, and of surface points.
 _PAIRS, _PLACES = 1 << 19, 1 << 12
 
-# Share of the samples that take images by reflectance.
+# Fraction of the samples that choose images by reflectance.
 _PRIOR = 0.5
 
 # Fraction of surface points outside the cells at either end of an axis.
@@ -41,8 +42,8 @@ _OUTLYING = 0.004
 # Largest half angle of a group of suns [rad].
 _WIDE = 1.5
 
-# Rate of sampling per ratio of mirrored to direct light (root mean squares), and least
-# rate.
+# Sampling rate divided by the ratio of mirrored to direct light (root mean squares),
+# and smallest rate.
 _RATE, _LEAST_RATE = 2.0, 0.125
 
 
@@ -51,8 +52,8 @@ def with_learned_images(
 ) -> Illumination:
     """Return the scene with image probabilities learned at surface points and sensors.
 
-    At most half of the points are sensors, at least an eighth: few sensors are tested
-    repeatedly, since a sample of an image that is seen in part may miss it.
+    Between an eighth and half of the points are sensors. If there are few sensors, each
+    is tested repeatedly, since one sample may miss an image that is partly hidden.
     """
     # Cells contain all sensors and nearly all surface points
     inside = places.start

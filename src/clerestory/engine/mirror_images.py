@@ -24,8 +24,8 @@ from clerestory.engine.sampler import PathNumbers, random_number
 from clerestory.engine.smooth_faces import SmoothFaces
 from clerestory.engine.upload import on_device, search, vectors
 
-# Vertices up to this number always sample an image; binary logarithm of the number of
-# paths that decide alike at later vertices; dimension of the random numbers.
+# Number of the last vertex that always samples an image; binary logarithm of the number
+# of paths that share the decision at later vertices; dimension of the random numbers.
 _FIRST, _ALIKE, _DECISION = 1, 5, 0x60000
 
 
@@ -125,7 +125,7 @@ class MirrorImages:
         cell = self.cells.number(point)
         state = search(self.chances, self.slots, pick, cell * self.slots)
         chance = self.probability(state, cell)
-        # Neighbouring paths decide alike, which saves time in kernels
+        # Neighbouring paths share the decision, which saves time in kernels
         group = (numbers.index + numbers.points.first) >> _ALIKE
         decision = random_number(numbers.seed, group, _DECISION + numbers.vertex)
         rate = dr.select(numbers.vertex <= _FIRST, 1, self.rate)

@@ -11,12 +11,12 @@ from clerestory.scene.tessellate import Mesh
 # the smallest surfaces is found by BSDF sampling only.
 MOST = 256
 
-# Largest number of cells of normals and distances that are grouped, the most reflecting
-# ones; factors that make one number of the indices of a cell.
+# Largest number of grid cells of normals and offsets that are grouped, in order of
+# reflected power; factors that combine the indices of a cell into one number.
 _CELLS = 1 << 14
 _STRIDES = np.array([1, 1 << 15, 1 << 30, 1 << 45])
 
-# Normals are equal up to this difference [rad]; distances of parallel planes [m].
+# Tolerances of equal normals [rad], and of equal offsets of parallel planes [m].
 _SLOPE, _DISTANCE = 3e-4, 2e-3
 
 
@@ -35,8 +35,8 @@ class Planes:
 
     `of_face` has 1 + the index of the plane for every face of the scene, or 0.
     `weight` is a sampling weight (sum at most 1), `reflectance` the mean reflectance
-    near normal incidence; `apart` tells whether a plane can reflect light that it has
-    reflected before: an orientation of several planes. `boxes` contain the surfaces.
+    near normal incidence; `apart` tells whether an orientation has several planes, so
+    that it can reflect light that it has reflected before. `boxes` contain the faces.
     """
 
     normal: Float[np.ndarray, "plane 3"]
@@ -156,7 +156,7 @@ def _boxes(groups: list[Float[np.ndarray, "face 3 3"]]) -> Boxes:
 
 
 def _sign(normal: Float[np.ndarray, "face 3"]) -> Float[np.ndarray, " face"]:
-    # The half space of a normal; its limit is parallel to no usual surface
+    # Opposite signs for opposite normals; few surfaces are near the change of sign
     return np.where(normal @ [0.5377, 0.6123, 0.5796] < 0, -1.0, 1.0)
 
 
@@ -165,8 +165,8 @@ def _clusters(
     power: Float[np.ndarray, " face"],
     size: float,
 ) -> Int[np.ndarray, " face"]:
-    # Index of each face's cluster of points, at most MOST, the most powerful first; -1
-    # for faces without a cluster
+    # Cluster of each face, numbered by decreasing power; -1 for faces that are in none
+    # of the MOST clusters
     cell = np.round(place / (0.1 * size)).astype(np.int64)
     _, first, member = np.unique(
         cell @ _STRIDES[: cell.shape[1]], return_index=True, return_inverse=True

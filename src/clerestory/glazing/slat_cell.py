@@ -22,7 +22,7 @@ _POINTS, _ANGLES, _BEAMS = 16, 128, 1024
 # Distance from the slat edges to the openings, as a fraction of the slat width
 _MARGIN = 1e-6
 
-# Change of direction along a segment of a curved slat, at most [rad]
+# Largest change of direction along a segment of a curved slat [rad]
 _SEGMENT_TURN = np.radians(5)
 _MOST_SEGMENTS = 100
 

@@ -36,7 +36,7 @@ _LARGEST_HALF = 65504.0
 # Largest ratio of the pixels of a picture to those that are stored
 _MOST_BORDER = 1000
 
-# File descriptors of standard output and standard error, which one thread may redirect
+# File descriptors of standard output and error; one thread at a time redirects them
 _STREAMS = (1, 2)
 _SILENCE = threading.Lock()
 

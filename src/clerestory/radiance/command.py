@@ -154,7 +154,7 @@ def _copies(
     known: OptionLines,
     reading: tuple[str, ...],
 ) -> int:
-    # Number of copies by all options -a and -f; reads the files of -f
+    # Number of copies that the options -a and -f make; the files of -f are read
     count = 1
     for at, word in enumerate(words):
         if word == "-a":
@@ -236,8 +236,8 @@ def _placed(words: list[str]) -> tuple[Placements, list[str]]:
 
 
 def _names(prefixes: list[str], counts: list[int]) -> list[str]:
-    # Name prefix of each copy. Arrays replace each of several -n by the last one, with
-    # the numbers of the copy; without -n, the prefix is a0, a1, …
+    # Name prefix of each copy, as by xform: in arrays, the last -n replaces the others
+    # and the numbers of the copy are added; without -n, the prefix is a0, a1, …
     if not counts:
         return [".".join(prefixes)]
     numbers = [

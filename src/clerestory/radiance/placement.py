@@ -73,7 +73,7 @@ class Placements:
             yield Placement(transform, self.modifier, prefix, self.inverted)
 
     def then(self, outer: "Placements") -> "Placements":
-        """Return each placement followed by each outer one, whose index is slower."""
+        """Return each placement followed by each of `outer`, whose index is slowest."""
         return Placements(
             self.transform.then(outer.transform),
             [_joined(o, own) for o in outer.prefix for own in self.prefix],

@@ -18,14 +18,11 @@ from clerestory.control.schedule import read_schedule, states_at
 from clerestory.control.state_choice import Limit, best_states, least_closed
 from clerestory.control.threshold import staged_states, threshold_states
 from clerestory.errors import InputError, located
+from clerestory.glare.dgp import simplified_dgp
 from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.window_tables import ControlTable
 
 DGP_BELOW = 0.40
-
-# Simplified glare probability from vertical illuminance (J. Wienold, Building
-# Simulation 2009): DGPs = 6.22e-5 Ev + 0.184
-_DGPS_SLOPE, _DGPS_OFFSET = 6.22e-5, 0.184
 
 _StateTimes = Int[np.ndarray, " time"]
 
@@ -119,7 +116,7 @@ def by_glare(case: Case) -> _StateTimes:
     bound = case.control.dgp_below or DGP_BELOW
     if case.control.grid:
         lux = case.illuminance(case.control.grid)
-        dgp = np.stack([_DGPS_SLOPE * e.max(axis=0) + _DGPS_OFFSET for e in lux])
+        dgp = np.stack([simplified_dgp(e.max(axis=0)) for e in lux])
     else:
         dgp = _glare(case, until=bound)
     return least_closed([Limit(dgp, bound)])
