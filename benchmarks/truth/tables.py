@@ -51,9 +51,10 @@ def page(
         noise.append(_noise(kind, found, level))
     lines += [
         "",
-        "How sure the truth is, by the difference of two halves of its paths: standard"
-        " error of illuminance, relative, and of DGP, and what the noise of pixels adds"
-        " to DGP; then how far the methods are from it, as root mean square.",
+        "Uncertainty of the reference, from the difference of two halves of its paths:"
+        " relative standard error of illuminance, standard error of DGP, and the change"
+        " of DGP by the noise of pixels; then the root mean square deviations of DGP by"
+        " the methods.",
         "",
         "| | horizontal, median | vertical, median | DGP | noise adds | truth's DGP"
         " | 3-phase | 5-phase |",

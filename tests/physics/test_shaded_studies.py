@@ -176,7 +176,7 @@ def test_a_lamp_lights_as_far_as_the_inverse_square_says(study, tmp_path):
     assert np.all(glare[lit] > 0)
 
 
-def test_pictures_of_every_step_are_written_and_narrow_views_not_judged(
+def test_pictures_of_every_step_are_written_and_narrow_views_not_evaluated(
     study, tmp_path
 ):
     """A perspective view has pictures and no glare."""

@@ -95,7 +95,7 @@ def test_what_is_wrong_is_said(tmp_path, near, change, message):
 
 @settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(text=st.text(max_size=120))
-def test_garbage_is_refused_in_words(tmp_path, near, text):
+def test_random_bytes_are_refused_with_a_message(tmp_path, near, text):
     (tmp_path / "m.toml").write_text(SCAN)
     for name in ("nine.csv", "plain.csv", "other.toml"):
         (tmp_path / name).write_text(text, encoding="utf-8")
@@ -104,6 +104,6 @@ def test_garbage_is_refused_in_words(tmp_path, near, text):
             read_measured_series(tmp_path / name, near=near)
 
 
-def test_names_tell_group_and_quantity():
+def test_names_contain_group_and_quantity():
     assert (group_of("a.b.3"), quantity_of("a.b.3")) == ("a.b", "illuminance")
     assert (group_of("eye.DGP"), quantity_of("eye.DGP")) == ("eye", "dgp")

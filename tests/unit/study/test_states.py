@@ -118,7 +118,7 @@ def test_facade_irradiance_is_that_of_the_solar_sky(shaded, tmp_path):
     np.testing.assert_allclose(data["facade_irradiance"][0], np.pi * solar, rtol=1e-4)
 
 
-def test_a_shade_waits_before_it_moves(shaded, tmp_path):
+def test_a_shade_moves_after_a_delay(shaded, tmp_path):
     """Two hours above the threshold on hourly steps: it closes at the second one."""
     rule = 'rule = "threshold"\nquantity = "diffuse horizontal"\nclose_above = 100\n'
     data = run(shaded(rule + "close_after = 120\nopen_after = 60"), tmp_path)
@@ -225,7 +225,7 @@ def test_states_of_a_run_are_a_schedule_for_the_next(shaded, tmp_path):
         ("time,south\n", "no lines after the header"),
     ],
 )
-def test_a_wrong_schedule_is_told(shaded, tmp_path, text, words):
+def test_a_wrong_schedule_is_reported(shaded, tmp_path, text, words):
     file = shaded("")
     file.with_name("copy.csv").write_text(text)
     with pytest.raises(InputError, match=words):
@@ -259,7 +259,7 @@ def test_a_function_of_ones_own_chooses(shaded, tmp_path):
         ("1 / 0", "ZeroDivisionError"),
     ],
 )
-def test_a_function_that_fails_is_told_in_one_line(shaded, tmp_path, text, words):
+def test_a_function_that_fails_is_reported_in_one_line(shaded, tmp_path, text, words):
     file = shaded('rule = "python"\nfunction = "own.py:shade"')
     file.with_name("own.py").write_text(text)
     with pytest.raises(InputError, match=words) as caught:
@@ -387,7 +387,7 @@ WRONG_RULES = {
 
 
 @pytest.mark.parametrize("case", WRONG_RULES)
-def test_a_wrong_rule_is_told_with_its_line(shaded, case):
+def test_a_wrong_rule_is_reported_with_its_line(shaded, case):
     rule, words = WRONG_RULES[case]
     with pytest.raises(InputError) as caught:
         read_study(shaded(rule))
