@@ -88,6 +88,23 @@ class Compositions:
                     step[state, plane + 1] = count if same is None else same
         return step
 
+    def beginnings(
+        self, guide: Float[np.ndarray, "state_and_other state"], planes: Planes
+    ) -> tuple[
+        Int[np.ndarray, " pair"], Int[np.ndarray, " pair"], Float[np.ndarray, " pair"]
+    ]:
+        """Return pairs of a state and a plane that reflects first.
+
+        Also return the largest reflectance of the paths of a pair, from the number of
+        reflections that are missing after the first one.
+        """
+        after = guide[1 : len(self.reflect) + 1]
+        plane, state = np.nonzero(after)
+        missing = np.log(after[plane, state]) / np.log(_LATER)
+        share = planes.reflectance.max(initial=0) ** missing
+        share *= planes.reflectance[plane]
+        return state, plane, np.minimum(share, np.array(self.reflectance)[state])
+
     def _continue(self, state: int, planes: Planes) -> None:
         # Put further reflections after a state in the queue, the most probable first
         for plane in range(min(len(self.reflect), FEW)):

@@ -15,6 +15,7 @@ from jaxtyping import Float
 
 from clerestory.array_types import Indices, Points2, Values
 from clerestory.checks import positive, require, within
+from clerestory.directions import circular_arc
 
 # Points and angles per face for view factors, and rays per opening for beams.
 _POINTS, _ANGLES, _BEAMS = 16, 128, 1024
@@ -79,14 +80,12 @@ class SlatGeometry:
 
     def polyline(self) -> Points2:
         """Points of a slat from outdoors to indoors, relative to mid-chord [m]."""
+        count = self.segment_count
         if self.curvature_radius:
-            radius = self.curvature_radius
-            half = np.arcsin(self.width / 2 / abs(radius))
-            angle = np.linspace(-half, half, self.segment_count + 1)
-            x = abs(radius) * np.sin(angle)
-            y = radius * (np.cos(angle) - np.cos(half))
+            half = np.arcsin(self.width / 2 / abs(self.curvature_radius))
+            x, y = circular_arc(self.curvature_radius, half, count).T
         else:
-            x = np.linspace(-0.5, 0.5, self.segment_count + 1) * self.width
+            x = np.linspace(-0.5, 0.5, count + 1) * self.width
             y = np.zeros_like(x)
         cos, sin = np.cos(self.tilt), np.sin(self.tilt)
         return np.stack([x * cos - y * sin, x * sin + y * cos], axis=1)

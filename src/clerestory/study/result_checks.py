@@ -1,4 +1,4 @@
-"""Checks of results.nc and run.json, which other programs may have written."""
+"""Checks of results.nc and run.json, which may come from outside."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -11,7 +11,7 @@ from clerestory.checks import require
 from clerestory.documents import Item, json_value, validated
 from clerestory.errors import InputError, located
 
-# Axes of the variables of results.nc; NumPy's kinds of their values
+# Axes of the variables of results.nc, by their kind of values in NumPy
 _NUMBERS = {
     "illuminance": ("sensor", "time"),
     "standard_error": ("sensor", "time"),
@@ -48,27 +48,17 @@ _KINDS: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     "UO": _NAMES,
     "M": _TIMES,
 }
-_REQUIRED = [
-    "illuminance",
-    "standard_error",
-    "occupied",
-    "position",
-    "direction",
-    "sensor",
-    "grid",
-    "time",
-]
+_REQUIRED = (
+    *("illuminance", "standard_error", "occupied", "position", "direction"),
+    *("sensor", "grid", "time"),
+)
 _SPATIAL = 3
 
 _TEXTS = ("title", "method", "place", "study")
-_FIGURES = [
-    "target_lux",
-    "latitude_deg",
-    "longitude_deg",
-    "utc_offset_hours",
-    "step_minutes",
-    "rotation_deg",
-]
+_FIGURES = (
+    *("target_lux", "latitude_deg", "longitude_deg", "utc_offset_hours"),
+    *("step_minutes", "rotation_deg"),
+)
 
 
 class _RunFacts(Item):
