@@ -129,8 +129,7 @@ def luminance_scale(pictures: Sequence[Picture]) -> ColourScale:
 
 def as_luminance(picture: Picture, scale: ColourScale) -> Pixels:
     """Return a false-colour luminance image in sRGB; white outside the view."""
-    luminance = photometric(picture).astype(float)
-    return _on_paper(value_colours(scale, luminance), picture)
+    return _on_paper(value_colours(scale, photometric(picture).astype(float)), picture)
 
 
 def _on_paper(pixels: Pixels, picture: Picture) -> Pixels:
