@@ -22,11 +22,7 @@ from clerestory.image.tone_curves import filmic, key_luminance
 from clerestory.report.colour import logarithmic_scale, value_colours
 from clerestory.report.content import ReportContent
 from clerestory.report.view_glare import glare_note, view_glare
-from clerestory.report.window_states import (
-    states_note,
-    table_name,
-    window_states,
-)
+from clerestory.report.window_states import states_note, table_name, window_states
 
 Pixels = UInt8[np.ndarray, "row column 3"]
 
