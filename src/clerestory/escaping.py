@@ -216,7 +216,7 @@ def _encoded(
     last: str = "",
     ascii_only: bool = False,
 ) -> str:
-    # Escape special characters, which are special anywhere or at the ends only
+    # Escape characters that are special anywhere, or at the beginning or end of a name
     end = len(name) - 1
     return "".join(
         _hexadecimal(c)

@@ -155,7 +155,7 @@ def guidance(
     guide = np.eye(count + 1)
     reached = guide > 0
     for distance in range(1, count):
-        # One more reflection before those of the shortest paths
+        # States from which one reflection leads to a state that was reached before
         further = reached[step[:, 1:]].any(axis=1) & ~reached
         further[count] = False
         if not further.any():

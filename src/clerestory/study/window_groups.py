@@ -134,7 +134,7 @@ def _with_patches(window: Window, axis: Axis, *, file: Path) -> Window:
     if not axis.partition.matches(window.partition):
         warnings.warn(
             f'{file}: has the {len(axis.partition)} patches of "{axis.partition.name}",'
-            f' window "{window.name}" asks for the {len(window.partition)} of'
+            f' window "{window.name}" has the {len(window.partition)} of'
             f' "{window.partition.name}"; those of the BSDF are used',
             ClerestoryWarning,
             stacklevel=2,
