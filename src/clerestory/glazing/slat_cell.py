@@ -52,8 +52,7 @@ class SlatGeometry:
 
     def __post_init__(self) -> None:
         positive([self.width, self.spacing], "width or spacing of the slats", unit="m")
-        tilt_deg = np.degrees(self.tilt)
-        within(tilt_deg, "tilt of the slats", least=-90, most=90, unit="°")
+        within(np.degrees(self.tilt), "tilt of the slats", least=-90, most=90, unit="°")
         radius = abs(self.curvature_radius)
         require(
             radius == 0 or radius > self.width / 2,
@@ -201,8 +200,7 @@ class SlatCell:
         met = ~parallel & (distance > 0) & (place >= -slack) & (place <= 1 + slack)
         if leaving < self.sky:
             met[:, first + leaving % self.segments] = False
-        nearest = np.argmin(np.where(met, distance, np.inf), axis=1)
-        segment = nearest % self.segments
+        segment = np.argmin(np.where(met, distance, np.inf), axis=1) % self.segments
         below = np.sum(direction * self.normal[segment], axis=1) > 0
         slat = segment + self.segments * below
         opening = np.where(direction[:, 0] > 0, self.room, self.sky)

@@ -19,11 +19,7 @@ from clerestory.radiance.window_reader import read_windows
 from clerestory.scene.model import Scene
 from clerestory.scene.scaling import scaled
 from clerestory.scene.window import Window
-from clerestory.study.window_tables import (
-    ControlTable,
-    StateChoice,
-    WindowTable,
-)
+from clerestory.study.window_tables import ControlTable, StateChoice, WindowTable
 
 
 @dataclass(frozen=True, eq=False)
