@@ -3,7 +3,7 @@
 Suns and small emitters are sampled directly and by way of flat smooth surfaces. Their
 light by way of curved smooth surfaces, perturbed normals, narrow highlights, refracting
 solids (caustics) and very many reflections is found by BSDF sampling only. Few paths
-find it, and standard errors of a run in which none did do not include it.
+find it; if none does in a run, the standard errors do not include it.
 """
 
 import warnings

@@ -2,11 +2,11 @@
 
 The indices are not linear in luminance, and a pixel near the threshold belongs to a
 source or not. Each index is therefore computed for pairs of pictures, the luminance
-plus and minus a random draw of its error, with detection of sources and all formulas.
+plus and minus a random draw of its error, including the detection of sources.
 The standard error is the root mean square of half of the differences.
 
-Reference: McCarthy, P. J. (1969): Pseudo-replication: half samples. Review of the
-International Statistical Institute 37(3), pages 239-264.
+Reference: P. J. McCarthy, "Pseudo-replication: half samples", Review of the
+International Statistical Institute 37 (3), 1969.
 """
 
 import math
