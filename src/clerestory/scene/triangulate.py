@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.array_types import Faces, Vector, Vertices, Vertices2
+from clerestory.checks import require
 from clerestory.scene.slab_decomposition import (
     MOST_PAIRS,
     crossings,
