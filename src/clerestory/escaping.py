@@ -51,8 +51,7 @@ def radiance_name(name: str) -> str:
     """
     if name in _RESERVED_NAMES:
         return f"{name}="
-    word = _encoded(name, _COMMANDS, first="#-~@", ascii_only=True)
-    return _shortened(word, name)
+    return _shortened(_encoded(name, _COMMANDS, first="#-~@", ascii_only=True), name)
 
 
 def mgf_name(name: str) -> str:
@@ -88,8 +87,7 @@ def header_line(text: str, *, longest: int = _LONGEST_LINE) -> str:
     >>> header_line("blind\n!touch x")
     'blind !touch x'
     """
-    line = "".join(c if c.isprintable() else " " for c in text)
-    return _cut(line.strip(), longest)
+    return _cut("".join(c if c.isprintable() else " " for c in text).strip(), longest)
 
 
 def file_stem(name: str) -> str:
@@ -102,8 +100,7 @@ def file_stem(name: str) -> str:
         return "="
     if _DEVICES.fullmatch(name):
         return f"={ord(name[0]):02X}{name[1:]}"
-    stem = _encoded(name, _PATHS, first=".-~ ", last=". ")
-    return _shortened(stem, name)
+    return _shortened(_encoded(name, _PATHS, first=".-~ ", last=". "), name)
 
 
 def file_stems(
@@ -219,7 +216,7 @@ def _encoded(
     last: str = "",
     ascii_only: bool = False,
 ) -> str:
-    # Escape special characters, which are special anywhere or at the ends only
+    # Escape characters that are special anywhere, or at the beginning or end of a name
     end = len(name) - 1
     return "".join(
         _hexadecimal(c)

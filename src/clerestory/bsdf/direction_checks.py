@@ -108,8 +108,7 @@ def check_peaks(channel: str, tables: Tables) -> Iterator[Finding]:
         if not part.exits.matches(part.incidents):
             continue
         straight = _peak_fraction(part, None)
-        found = [(_peak_fraction(part, turn), turn) for turn in TURNS[:3]]
-        most, turn = max(found)
+        most, turn = max((_peak_fraction(part, turn), turn) for turn in TURNS[:3])
         if most < _PEAKED or most < _MISPLACED * straight:
             continue
         passes = name.startswith("transmission")

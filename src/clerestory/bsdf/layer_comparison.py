@@ -8,12 +8,7 @@ import numpy as np
 from clerestory.array_types import ExitIncident
 from clerestory.brief_repr import brief
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.patch_symmetry import (
-    Turn,
-    flux_table,
-    mismatch,
-    turned_patches,
-)
+from clerestory.bsdf.patch_symmetry import Turn, flux_table, mismatch, turned_patches
 from clerestory.bsdf.scattering_function import OF_SIDE, Function
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.hemisphere.partition import RingPartition

@@ -136,8 +136,7 @@ class ScatteringTree(ScatteringFunction):
                 disc = _turn(disc, *_azimuth(x[of], y[of]))
             height = np.sqrt(np.maximum(1 - disc[0] ** 2 - disc[1] ** 2, 0))
             leaving[of] = np.stack([*disc, height], axis=-1)
-        nothing = density == 0
-        leaving[nothing] = [0, 0, 1]
+        leaving[density == 0] = [0, 0, 1]
         density *= leaving[:, 2]
         shape = np.shape(incident)[:-1]
         return leaving.reshape(*shape, 3), density.reshape(shape)

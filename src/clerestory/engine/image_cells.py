@@ -1,9 +1,9 @@
-"""Which mirror images of light sources can be seen from where in a room.
+"""Visibility of the mirror images of light sources from the cells of a room.
 
 Light by way of an image arrives along the line to the image, and only where this line
-meets a surface that reflects first. For cells of a room and bounding boxes of the
-surfaces of a plane a separating axis proves that no line does. Cells are therefore
-short of no image, and few images are left for each.
+meets a surface that reflects first. For a cell and the bounding box of the surfaces of
+a plane, a separating axis proves that no line does. No visible image is excluded by
+this test, and few images remain for each cell.
 
 Reference: S. Gottschalk, M. Lin, D. Manocha, "OBBTree: a hierarchical structure for
 rapid interference detection", SIGGRAPH 1996 (separating axes of boxes).
@@ -19,8 +19,8 @@ from jaxtyping import Bool, Float, Int
 from clerestory.engine.smooth_faces import Boxes
 from clerestory.engine.upload import on_device, vectors
 
-# Largest number of tests of a cell and a surface, and least of tests of a cell; most
-# cells along an axis, and their least size [m].
+# Largest number of tests of cells against surfaces, and smallest number of tests per
+# cell that is assumed; largest number of cells along an axis; smallest cell size [m].
 _PAIRS, _FEWEST, _ALONG, _SIZE = 1 << 20, 256, 64, 0.05
 
 # Margin around points and boxes [m]; largest number of groups of sources.
@@ -29,10 +29,11 @@ _MARGIN, _GROUPS = 5e-3, 16
 
 @dataclass
 class ImageCells:
-    """Cells of equal size in a grid around places, and one cell of all other points.
+    """Cells of equal size in a grid, and one cell that contains all other points.
 
     `low` is the corner of the grid, `size` the cell size [m], `shape` the number of
-    cells along each axis, `outside` the index of the last cell, `centre` of the others.
+    cells along each axis, `outside` the index of the cell of all other points, `centre`
+    the centres of the other cells.
     """
 
     low: mi.Point3f
@@ -43,7 +44,7 @@ class ImageCells:
 
     @classmethod
     def around(cls, point: Float[np.ndarray, "n 3"], most: int) -> "ImageCells":
-        """Return at most a given number of cells around points."""
+        """Return a grid of at most a given number of cells around points."""
         low = point.min(axis=0) - _MARGIN
         extent = point.max(axis=0) + _MARGIN - low
         edge = max(float(extent.max()) / _ALONG, _SIZE)

@@ -95,8 +95,8 @@ class Compositions:
     ]:
         """Return pairs of a state and a plane that reflects first.
 
-        Also return the largest reflectance of the paths of a pair, from the number of
-        reflections that are missing after the first one.
+        Also return the largest reflectance of the paths of each pair, estimated from
+        the number of further reflections after the first one.
         """
         after = guide[1 : len(self.reflect) + 1]
         plane, state = np.nonzero(after)
@@ -155,7 +155,7 @@ def guidance(
     guide = np.eye(count + 1)
     reached = guide > 0
     for distance in range(1, count):
-        # One more reflection before those of the shortest paths
+        # States from which one reflection leads to a state that was reached before
         further = reached[step[:, 1:]].any(axis=1) & ~reached
         further[count] = False
         if not further.any():

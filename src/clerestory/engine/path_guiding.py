@@ -132,8 +132,8 @@ def root_mean_squares(
 ) -> Float[np.ndarray, "cell part"]:
     """Return the root mean square of each term in a cell.
 
-    The mean over the room is the prior. Normalised by the sum of all terms, so that
-    sunlit cells have no larger weight.
+    The prior is the mean over the room. Squares are normalised by their sum in each
+    cell, so that sunlit cells have no larger weight.
     """
     square = samples**2
     total = np.zeros((cells, samples.shape[1]))

@@ -137,8 +137,8 @@ class SmoothFaces:
 
 
 def _boxes(groups: list[Float[np.ndarray, "face 3 3"]]) -> Boxes:
-    # Box around the triangles of each group, aligned with the edge of the first one
-    # that makes it smallest
+    # Box around the triangles of each group, aligned with that edge of the first
+    # triangle for which it is smallest
     found = []
     for corner in groups:
         edges = np.roll(corner[0], -1, axis=0) - corner[0]

@@ -107,8 +107,7 @@ class Interpolant(ScatteringFunction):
         place = locate(self.network.mesh, folded)
         total = self._flux.at(folded)
         for k, matrix in enumerate(matrices):
-            lobes = self._at(place, k, folded[k], float(total[k]))
-            yield lobes.transformed(matrix)
+            yield self._at(place, k, folded[k], float(total[k])).transformed(matrix)
 
     def evaluate(self, incident: Directions, leaving: Directions) -> Values:
         """BSDF [1/sr] for pairs of directions."""

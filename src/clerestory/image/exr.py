@@ -122,8 +122,7 @@ def _picture(
         x = [float(number) for number in header["chromaticities"]]
         primaries = Primaries(*zip(x[::2], x[1::2], strict=True))
         if not np.allclose(x, np.ravel(_flat(RADIANCE)), atol=1e-6):
-            matrix = conversion(primaries, RADIANCE)
-            values = values @ matrix.T.astype(np.float32)
+            values = values @ conversion(primaries, RADIANCE).T.astype(np.float32)
     white = float(header.get("whiteLuminance", LUMINOUS_EFFICACY))
     positive(white, "whiteLuminance")
     if white != LUMINOUS_EFFICACY:

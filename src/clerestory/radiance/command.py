@@ -38,11 +38,6 @@ class Inclusion:
     items: tuple[Primitive, ...] = ()
     build: Build | None = None
 
-    @property
-    def copies(self) -> int:
-        """Number of copies."""
-        return sum(map(len, self.placements))
-
 
 def parse_command(text: str, *, find: Callable[[str], Path]) -> Inclusion:
     """Return the content that a command, or a pipe of commands, inserts into a scene.

@@ -90,8 +90,7 @@ class Contents:
         with located(file=place.path, line=item.line):
             if key not in self._inserted:
                 self._inserted[key] = self._read(item, place)
-            files = self._inserted[key].files
-            _refuse_recursion(files, (*place.within, place.path))
+            _refuse_recursion(self._inserted[key].files, (*place.within, place.path))
         return self._inserted[key]
 
     def _read(self, item: Command | Primitive, place: Place) -> Content:

@@ -32,8 +32,7 @@ def placed_items(path: str | Path) -> Iterator[Placed]:
     """
     place = Place(Path(path), Placement())
     walk = _Walk(Contents(place.path.parent))
-    count = RepetitionCount(walk.contents, walk.together)
-    count.require_few(place)
+    RepetitionCount(walk.contents, walk.together).require_few(place)
     yield from walk.items(place)
 
 

@@ -69,8 +69,7 @@ class Placements:
 
     def __iter__(self) -> Iterator[Placement]:
         for copy, prefix in enumerate(self.prefix):
-            transform = self.transform[copy]
-            yield Placement(transform, self.modifier, prefix, self.inverted)
+            yield Placement(self.transform[copy], self.modifier, prefix, self.inverted)
 
     def then(self, outer: "Placements") -> "Placements":
         """Return each placement followed by each of `outer`, whose index is slowest."""

@@ -11,7 +11,7 @@ from jaxtyping import Float
 from clerestory.array_types import Vertices2
 from clerestory.checks import require
 
-# Most pairs of edges that are compared
+# Largest number of pairs of edges that are compared
 MOST_PAIRS = 100_000_000
 
 # Largest number of pairs of edges in one array operation, and of parts of edges
@@ -63,7 +63,7 @@ def _overlaps(low: Vertices2, high: Vertices2) -> list[int]:
 
 
 def require_few(edges: int, found: int, most: int, what: str) -> None:
-    """Raise an error if the edges of a polygon make more than `most` of something."""
+    """Raise an error if the number of `what` of a polygon is larger than `most`."""
     message = (
         f"polygon of {edges:,} edges: {found:.2g} {what}; at most {most:,} expected"
     )

@@ -161,8 +161,7 @@ def _containment(points: Vertices2, loops: list[Loop]) -> np.ndarray:
     result = np.zeros((len(loops), len(loops)), dtype=bool)
     if len(loops) == 1:
         return result
-    tests = len(loops) * len(a)
-    require_few(len(a), tests, MOST_PAIRS, "tests of loops within loops")
+    require_few(len(a), len(loops) * len(a), MOST_PAIRS, "tests of loops within loops")
     for i, loop in enumerate(loops):
         x, y = points[loop[:2]].mean(axis=0)
         spans = np.flatnonzero((a[:, 1] > y) != (b[:, 1] > y))

@@ -166,9 +166,9 @@ def by_function(case: Case) -> _StateTimes:
     except InputError:
         raise
     except Exception as error:  # any exception of the user-defined function
-        told = " ".join(str(error).split())[:200]
+        reason = " ".join(str(error).split())[:200]
         raise InputError(
-            f'rule "{function}" ended with {type(error).__name__}: {told}', file=file
+            f'rule "{function}" ended with {type(error).__name__}: {reason}', file=file
         ) from error
 
 
@@ -259,7 +259,7 @@ def _glare(case: Case, *, until: float = -np.inf) -> Float[np.ndarray, "state ti
     for state in range(case.count):
         if len(steps):
             states, views = case.with_state(state), case.control.views
-            found = case.signals.judge(states, steps, views)
+            found = case.signals.largest_dgp(states, steps, views)
             glare[state, steps] = found
             steps = steps[found > until]
     return glare

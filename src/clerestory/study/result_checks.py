@@ -48,27 +48,17 @@ _KINDS: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     "UO": _NAMES,
     "M": _TIMES,
 }
-_REQUIRED = [
-    "illuminance",
-    "standard_error",
-    "occupied",
-    "position",
-    "direction",
-    "sensor",
-    "grid",
-    "time",
-]
+_REQUIRED = (
+    *("illuminance", "standard_error", "occupied", "position", "direction"),
+    *("sensor", "grid", "time"),
+)
 _SPATIAL = 3
 
 _TEXTS = ("title", "method", "place", "study")
-_FIGURES = [
-    "target_lux",
-    "latitude_deg",
-    "longitude_deg",
-    "utc_offset_hours",
-    "step_minutes",
-    "rotation_deg",
-]
+_FIGURES = (
+    *("target_lux", "latitude_deg", "longitude_deg", "utc_offset_hours"),
+    *("step_minutes", "rotation_deg"),
+)
 
 
 class _RunFacts(Item):

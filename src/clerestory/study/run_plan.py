@@ -12,12 +12,7 @@ from pathlib import Path
 from clerestory.cluster.cluster import executor_at
 from clerestory.engine.cost_estimate import JobCost, Plan, estimate_costs
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.matrix_store import (
-    BlockMaker,
-    Maker,
-    MatrixStore,
-    block_names,
-)
+from clerestory.phases.matrix_store import BlockMaker, Maker, MatrixStore, block_names
 from clerestory.phases.picture_series import STEPS_PER_BLOCK
 from clerestory.phases.stored_views import FEW
 from clerestory.progress import silent

@@ -30,18 +30,9 @@ from clerestory.study.study_tracing import needs_direct
 from clerestory.study.view_matrices import ViewMatrices
 
 # Stages of a run, in order: the keys of `seconds` in run.json
-STAGES = tuple(
-    [
-        "read",
-        "check",
-        "trace",
-        "sky",
-        "control",
-        "multiply",
-        "pictures",
-        "metrics",
-        "write",
-    ]
+STAGES = (
+    *("read", "check", "trace", "sky", "control", "multiply", "pictures"),
+    *("metrics", "write"),
 )
 
 # Seconds per multiply-add with sky matrices and with window matrices, per matrix value

@@ -20,11 +20,7 @@ from clerestory.image.camera_response import (
 )
 from clerestory.image.exposure_bracket import merge_bracket
 from clerestory.image.fisheye_lens import ImageCircle, Lens, reproject
-from clerestory.image.photograph import (
-    Exposure,
-    read_exposure,
-    read_photograph,
-)
+from clerestory.image.photograph import Exposure, read_exposure, read_photograph
 from clerestory.image.photometric_calibration import (
     calibrate,
     eye_illuminance,
@@ -32,11 +28,7 @@ from clerestory.image.photometric_calibration import (
     replace_overflow,
 )
 from clerestory.image.picture import Picture
-from clerestory.image.vignetting import (
-    Vignetting,
-    correct_vignetting,
-    fit_vignetting,
-)
+from clerestory.image.vignetting import Vignetting, correct_vignetting, fit_vignetting
 from clerestory.scene.view import View, solid_angles
 
 pytest.importorskip("cv2", reason="OpenCV makes pictures of photographs")

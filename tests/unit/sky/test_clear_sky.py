@@ -5,10 +5,7 @@ import pvlib
 import pytest
 
 from clerestory.errors import InputError
-from clerestory.sky.clear_sky import (
-    clear_sky_irradiance,
-    clear_sky_weather,
-)
+from clerestory.sky.clear_sky import clear_sky_irradiance, clear_sky_weather
 from clerestory.sky.sky_state import orbit_factor
 from clerestory.sky.weather import Site
 

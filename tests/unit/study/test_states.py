@@ -9,41 +9,24 @@ import json
 import numpy as np
 import pytest
 
-from clerestory.bsdf.analytic import lambertian
-from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.control.profile_angle import profile_angle
 from clerestory.errors import InputError
-from clerestory.hemisphere.klems import klems
 from clerestory.sky.sky_conditions import sun_over
 from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.sky.weather_formats import read_weather
 from clerestory.study.config import read_study
 from clerestory.study.inputs import read_inputs
 from clerestory.study.study_run import run_study
+from sample_files import STATES, write_states
 
 TAUS = (0.6, 0.2, 0.05)
 GREY = 179 * np.array([0.265, 0.670, 0.065])
-
-STATES = """
-[[window.state]]
-name = "open"
-bsdf = "open.xml"
-[[window.state]]
-name = "half"
-bsdf = "half.xml"
-[[window.state]]
-name = "closed"
-bsdf = "closed.xml"
-"""
 
 
 @pytest.fixture
 def shaded(study_file, engine):
     """The study with three states in its window; returns a way to give it a rule."""
-    names = ("open", "half", "closed")
-    for name, tau in zip(names, TAUS, strict=True):
-        file = study_file.with_name(f"{name}.xml")
-        write_bsdf(file, lambertian(tau, klems("quarter")))
+    write_states(study_file.parent, TAUS)
     plain = study_file.read_text()
 
     def with_rule(rule, extra=""):
