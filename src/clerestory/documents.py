@@ -115,7 +115,7 @@ def json_value(text: str | bytes, *, file: str | Path) -> Any:
 
 
 def _not_too_deep(value: Any) -> Any:
-    # Return a value, unless it has tables and lists nested deeper than expected
+    # Refuse tables and lists that are nested too deeply, and numbers that are too large
     level = [value]
     for _ in range(_DEEPEST):
         nested = (each for each in level if isinstance(each, dict | list))

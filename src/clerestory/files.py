@@ -11,10 +11,10 @@ from typing import BinaryIO, cast
 
 from clerestory.errors import InputError, OutputError
 
-# Number of characters of a name in the name of its temporary file
+# Number of characters of a file name that its temporary file's name repeats
 _SHOWN_NAME = 40
 
-# Flags for opening pipes without a writer; paths of pipes that a shell passes
+# Flags that open a pipe without waiting for a writer; paths of pipes from a shell
 _WITHOUT_WAITING = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
 _PASSED = ("/dev/fd/", "/dev/stdin", "/proc/self/fd/")
 

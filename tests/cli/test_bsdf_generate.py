@@ -120,7 +120,7 @@ def test_doubts_name_the_item_and_its_line(call, room, text, said):
     assert all(line.startswith("warning: ") for line in done.err.splitlines())
 
 
-def test_an_open_solid_is_told_and_refused_for_its_energy(call, room):
+def test_an_open_solid_is_reported_and_refused_for_its_energy(call, room):
     """Light that enters through the missing face leaves refracted as if from glass."""
     (room / "system.rad").write_text(GLASS)
     done = call(

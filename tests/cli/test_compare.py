@@ -51,7 +51,7 @@ def run(room):
     return "run"
 
 
-def test_tables_and_page_tell_the_agreement(call, room, run):
+def test_tables_and_page_show_the_agreement(call, room, run):
     outcome = call("compare", "measured.csv", run, "-o", "out")
     assert outcome.status == 0, outcome.err
     assert "desks illuminance: bias +11.0 %" in outcome.out

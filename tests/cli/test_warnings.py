@@ -42,7 +42,7 @@ def test_a_coarse_view_is_named_once_in_a_run_and_its_plan(call, coarse):
     assert told(run.err) == planned
     assert planned == [
         'warning: [[view]] "seat": half the merging angle is 1.4 pixels at a'
-        " resolution of 60; 3 or more expected, as from a resolution of 134"
+        " resolution of 60; 3 or more expected, which takes a resolution of 134"
     ]
     data = read_results("results").data
     lit = np.isfinite(data["glare_dgp"].values)

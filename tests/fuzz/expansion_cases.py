@@ -58,20 +58,20 @@ def arrays_in_a_pipe(folder):
 
 
 @case
-def billion_laughs(folder):
+def files_included_twice(folder):
     files = {f"n{k}": f"!cat n{k + 1}.rad\n" * 2 for k in range(40)}
     return rad(folder, a=GREY + "!cat n0.rad\n", **files, n40=POLYGON)
 
 
 @case
-def billion_laughs_about_nothing(folder):
+def empty_files_included_twice(folder):
     files = {f"n{k}": f"!cat n{k + 1}.rad n{k + 1}.rad\n" for k in range(40)}
     return rad(folder, a=GREY + "!cat n0.rad\n", **files, n40="# nothing\n")
 
 
 @case
-def billion_definitions(folder):
-    """Patterns depend on their place and are defined anew for each copy."""
+def definitions_included_twice(folder):
+    """Patterns depend on the placement and are defined again for each copy."""
     pattern = "void brightfunc p 2 1+Px . 0 0\np plastic m 0 0 5 .5 .5 .5 0 0\n"
     files = {f"n{k}": f"!cat n{k + 1}.rad\n" * 2 for k in range(30)}
     return rad(folder, a="!cat n0.rad\n", **files, n30=pattern + POLYGON)
@@ -189,51 +189,47 @@ def data_file_of_many_dimensions(folder):
 
 
 # ---------------------------------- Other scenes ----------------------------------
-@case
-def doubled_gltf_nodes(folder):
+def _gltf_surfaces(folder, change):
     from scene_seeds import _gltf
 
     from clerestory.formats.gltf import read_gltf
     from clerestory.scene.model import Plastic
 
     model = json.loads(_gltf(folder)[0])
-    nodes = [{"children": [k + 1, k + 1]} for k in range(60)] + [{"mesh": 0}]
-    model |= {"nodes": nodes, "scenes": [{"nodes": [0]}]}
+    change(model)
     (folder / "a.gltf").write_text(json.dumps(model))
     grey = {"*": Plastic("m", np.full(3, 0.5))}
     return len(read_gltf(folder / "a.gltf", materials=grey).surfaces)
+
+
+def _doubled_nodes(*last, roots):
+    nodes = [{"children": [k + 1, k + 1]} for k in range(60)]
+    return {"nodes": [*nodes, *last], "scenes": [{"nodes": roots}]}
+
+
+@case
+def doubled_gltf_nodes(folder):
+    nodes = _doubled_nodes({"mesh": 0}, roots=[0])
+    return _gltf_surfaces(folder, lambda model: model.update(nodes))
 
 
 @case
 def doubled_gltf_nodes_without_a_mesh(folder):
-    from scene_seeds import _gltf
-
-    from clerestory.formats.gltf import read_gltf
-    from clerestory.scene.model import Plastic
-
-    model = json.loads(_gltf(folder)[0])
-    nodes = [{"children": [k + 1, k + 1]} for k in range(60)] + [{}, {"mesh": 0}]
-    model |= {"nodes": nodes, "scenes": [{"nodes": [0, 61]}]}
-    (folder / "a.gltf").write_text(json.dumps(model))
-    grey = {"*": Plastic("m", np.full(3, 0.5))}
-    return len(read_gltf(folder / "a.gltf", materials=grey).surfaces)
+    nodes = _doubled_nodes({}, {"mesh": 0}, roots=[0, 61])
+    return _gltf_surfaces(folder, lambda model: model.update(nodes))
 
 
 @case
 def gltf_mesh_used_often(folder):
     """One node for each use of a mesh of 100,000 triangles."""
-    from scene_seeds import _gltf
 
-    from clerestory.formats.gltf import read_gltf
-    from clerestory.scene.model import Plastic
+    def change(model):
+        part = model["meshes"][0]["primitives"][0]
+        model["meshes"][0]["primitives"] = [part] * 10_000
+        nodes = [{"mesh": 0}] * 10_000
+        model |= {"nodes": nodes, "scenes": [{"nodes": [*range(10_000)]}]}
 
-    model = json.loads(_gltf(folder)[0])
-    part = model["meshes"][0]["primitives"][0]
-    model["meshes"][0]["primitives"] = [part] * 10_000
-    model |= {"nodes": [{"mesh": 0}] * 10_000, "scenes": [{"nodes": [*range(10_000)]}]}
-    (folder / "a.gltf").write_text(json.dumps(model))
-    grey = {"*": Plastic("m", np.full(3, 0.5))}
-    return len(read_gltf(folder / "a.gltf", materials=grey).surfaces)
+    return _gltf_surfaces(folder, change)
 
 
 def mgf(text):
@@ -380,8 +376,8 @@ def nested_xml(folder):
 def xml_entities(folder):
     from clerestory.bsdf.xml_reader import read_bsdf
 
-    laughs = "".join(f'<!ENTITY a{k} "{f"&a{k - 1};" * 10}">' for k in range(1, 12))
-    head = f'<?xml version="1.0"?><!DOCTYPE x [<!ENTITY a0 "ha">{laughs}]>'
+    entities = "".join(f'<!ENTITY a{k} "{f"&a{k - 1};" * 10}">' for k in range(1, 12))
+    head = f'<?xml version="1.0"?><!DOCTYPE x [<!ENTITY a0 "text">{entities}]>'
     (folder / "a.xml").write_text(f"{head}<WindowElement>&a11;</WindowElement>")
     return read_bsdf(folder / "a.xml")
 

@@ -492,7 +492,7 @@ def test_time_steps_of_years_are_refused(said):
     assert "time step" in text
 
 
-def test_numbers_left_over_in_an_ies_file_are_told(tmp_path):
+def test_numbers_left_over_in_an_ies_file_are_reported(tmp_path):
     """A decimal comma separates numbers, so that all later ones are moved."""
     file = tmp_path / "l.ies"
     file.write_text(IES.replace("100 80 0", "100,5 80,0 0"))

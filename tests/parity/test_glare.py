@@ -157,7 +157,7 @@ def test_a_band_is_that_of_radiances_own_test(shared_data):
     assert ours == pytest.approx(expected, rel=1e-5)
 
 
-def test_a_window_gets_the_same_votes(tmp_path, shared_data):
+def test_pgsv_of_a_window_equals_evalglare(tmp_path, shared_data):
     path = shared_data / "hdr" / "evalglare_testimage_ISE2003.hdr"
     picture = read_picture(path)
     marked = np.zeros(picture.radiance.shape, np.float32)

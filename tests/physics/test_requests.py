@@ -52,7 +52,7 @@ def test_windows_of_one_name_are_refused():
         cl.daylight_matrices(scene, [south, south])
 
 
-def test_an_error_out_of_reach_is_told(monkeypatch):
+def test_an_error_out_of_reach_is_reported(monkeypatch):
     """The trace ends at its longest batch and says what it did not reach."""
     monkeypatch.setattr(ViewJob, "growth", Growth(pilot=32, longest=64, most=32))
     scene, south = box(4, 5, 3, 0.5)

@@ -93,8 +93,7 @@ class Document:
 
     def line(self, element: etree._Element) -> int:
         """Line number of an element in the file."""
-        seen = int(element.sourceline or 0)
-        return self.trees.line(seen) + self.lines_before
+        return self.trees.line(int(element.sourceline or 0)) + self.lines_before
 
     def error(self, element: etree._Element, message: str) -> InputError:
         """Input error with the file and the line of an element."""

@@ -79,8 +79,7 @@ def read_bsdf(path: str | Path) -> Bsdf:
                 if rank is None
                 else _read_tree(block, rank, document)
             )
-    message = "no scattering data; WavelengthDataBlock expected"
-    document.check(functions, layer, message)
+    document.check(functions, layer, "no scattering data; WavelengthDataBlock expected")
     bsdf = Bsdf(
         functions, read_product(layer, document), tuple(document.notes), str(path)
     )
@@ -142,6 +141,5 @@ def _read_tree(
     table = parse_tree(text, rank=rank, file=document.path, line=line)
 
     # Half of a rank 3 tree is unused: the mean over the used half is twice as large
-    lost = 3.1416 * table.negative * (2 if rank == 3 else 1)
-    document.accept_negative(lost, data)
+    document.accept_negative(3.1416 * table.negative * (2 if rank == 3 else 1), data)
     return ScatteringTree(table.slots, rank, table.depth)

@@ -2,14 +2,14 @@
 
 The indices are not linear in luminance, and a pixel near the threshold belongs to a
 source or not. Each index is therefore computed for pairs of pictures, the luminance
-plus and minus a random draw of its error, with detection of sources and all formulas.
+plus and minus a random draw of its error, including the detection of sources.
 The variance of an index is the mean square of half of the differences, plus the
 variance of the means of the pairs: a pixel that crosses the threshold in one picture of
 one pair, but of no other pair, changes both. Draws are Gaussian; with errors of equal
 size, too few pixels would cross the threshold.
 
-Reference: McCarthy, P. J. (1969): Pseudo-replication: half samples. Review of the
-International Statistical Institute 37(3), pages 239-264.
+Reference: P. J. McCarthy, "Pseudo-replication: half samples", Review of the
+International Statistical Institute 37 (3), 1969.
 """
 
 import math

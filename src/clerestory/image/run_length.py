@@ -159,8 +159,7 @@ def _expand(
     borders = width * np.arange(1, 4 * starts.size + 1)
     at = np.searchsorted(ends, borders)
     require(at[-1] < ends.size and (ends[at] == borders).all(), _TOO_LONG)
-    plain = np.repeat(data, times).reshape(starts.size, 4, width)
-    return plain.transpose(0, 2, 1)
+    return np.repeat(data, times).reshape(starts.size, 4, width).transpose(0, 2, 1)
 
 
 def _decode_old(data: _Bytes, start: int, width: int) -> tuple[np.ndarray, int]:

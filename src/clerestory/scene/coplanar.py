@@ -1,7 +1,7 @@
-"""Overlapping coplanar surfaces, of which rays meet one or the other by rounding.
+"""Overlapping coplanar surfaces, of which rounding decides which one a ray meets.
 
-Triangles are grouped by plane; in planes with different labels, overlapping bounding
-boxes are found by a sweep and triangles tested by separating axes.
+Triangles are grouped by plane. In each plane, a sweep finds overlapping bounding boxes
+of triangles with different labels, and the separating axis test those that overlap.
 """
 
 from collections.abc import Iterator, Sequence
@@ -15,10 +15,11 @@ from clerestory.scene.proximity import first_hits
 from clerestory.scene.surface import surface_label
 from clerestory.scene.tessellate import Mesh
 
-# Distance below which planes coincide: relative to the size of the scene, at most [m]
+# Distance below which planes coincide: fraction of the scene's size, and maximum [m]
 _SAME, _MOST_APART = 1e-6, 2e-5
 
-# Width of the classes of plane offsets [distances]: no multiple of round coordinates
+# Width of the bins of plane offsets, as a multiple of that distance; not a round
+# number, so that planes at round coordinates are not at the limit of two bins
 _CLASS = 12.345678
 
 # Largest number of triangle pairs per plane that are tested; further pairs are skipped
@@ -130,7 +131,7 @@ def _in_contact(
     small = min((one, other), key=lambda n: float(np.linalg.norm(_normal(corner[n]))))
     facing = _normal(corner[small])
     facing = facing / np.linalg.norm(facing)
-    # A point that is on no diagonal of an opposite rectangle, as the centroid can be
+    # A point inside; the centroid could lie on a diagonal of the opposite rectangle
     middle = np.array([0.47, 0.31, 0.22]) @ corner[small]
     return any(
         _inside(middle + side * 30 * near * facing, side * facing, corner, near)
@@ -139,12 +140,9 @@ def _in_contact(
 
 
 def _inside(
-    point: Vector,
-    along: Vector,
-    corner: Float[np.ndarray, "triangle 3 3"],
-    near: float,
+    point: Vector, along: Vector, corner: Float[np.ndarray, "triangle 3 3"], near: float
 ) -> bool:
-    # Whether the first face that a ray meets, perhaps with another, is seen from behind
+    # Whether a ray first meets the back of a face; a coincident front does not hide it
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     leaving = normal @ along > 0
     back, front = (

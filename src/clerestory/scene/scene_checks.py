@@ -205,8 +205,7 @@ def _surroundings(
 
 def _hemisphere(direction: Vector) -> RayVectors:
     # Uniform directions over the hemisphere around a sensor's direction, on a spiral
-    helper = np.eye(3)[np.argmin(np.abs(direction))]
-    frame = Frame.from_normal_up(direction, helper)
+    frame = Frame.from_normal_up(direction, np.eye(3)[np.argmin(np.abs(direction))])
     cosine = (np.arange(_RAYS) + 0.5) / _RAYS
     angle = np.arange(_RAYS) * np.pi * (3 - np.sqrt(5))
     sine = np.sqrt(1 - cosine**2)

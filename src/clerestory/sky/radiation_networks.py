@@ -81,8 +81,7 @@ def is_surfrad(head: list[str]) -> bool:
 
 def _surfrad_site(lines: list[str], offset: float | None) -> Site:
     fields = {"latitude": 0, "longitude": 1, "elevation": 2}
-    cells = lines[1].split()
-    latitude, longitude, elevation = numbers(cells, fields, 2)
+    latitude, longitude, elevation = numbers(lines[1].split(), fields, 2)
 
     # All stations are west of Greenwich; older files omit the minus sign of longitude
     longitude = -abs(longitude)

@@ -19,11 +19,7 @@ from clerestory.radiance.window_reader import read_windows
 from clerestory.scene.model import Scene
 from clerestory.scene.scaling import scaled
 from clerestory.scene.window import Window
-from clerestory.study.window_tables import (
-    ControlTable,
-    StateChoice,
-    WindowTable,
-)
+from clerestory.study.window_tables import ControlTable, StateChoice, WindowTable
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,7 +134,7 @@ def _with_patches(window: Window, axis: Axis, *, file: Path) -> Window:
     if not axis.partition.matches(window.partition):
         warnings.warn(
             f'{file}: has the {len(axis.partition)} patches of "{axis.partition.name}",'
-            f' window "{window.name}" asks for the {len(window.partition)} of'
+            f' window "{window.name}" has the {len(window.partition)} of'
             f' "{window.partition.name}"; those of the BSDF are used',
             ClerestoryWarning,
             stacklevel=2,

@@ -112,7 +112,7 @@ def fireflies(seed):
     return batches, exact, int(hits.sum())
 
 
-def test_a_firefly_picture_covers_the_truth_and_is_told():
+def test_the_error_of_a_picture_with_fireflies_covers_the_closed_form():
     """Single samples of 8e6 cd/m² as in the acceptance run; truth by expectation."""
     truth = evaluate_glare(picture(fireflies(0)[1])).dgp
     wrong = 0
@@ -148,7 +148,7 @@ def test_the_warning_names_direction_share_and_error():
     assert found.sources.samples().min() == pytest.approx(1)
 
 
-def test_a_year_tells_the_worst_picture_once():
+def test_the_worst_picture_of_a_year_is_reported_once():
     mean, error = room(), np.zeros((SIZE, SIZE))
     bad, noisy = mean.copy(), error.copy()
     bad[90, 40] = noisy[90, 40] = FIREFLY

@@ -24,7 +24,7 @@ def told(share):
     )
 
 
-def test_directions_stand_where_scans_mislead():
+def test_directions_are_recommended_near_badly_predicted_scans():
     validation = told(lambda incident: np.where(incident[:, 1] > 0.3, 0.8, 0.02))
     found = recommended_directions(validation, symmetry="bilateral-x", count=20)
     assert found.shape == (20, 3)

@@ -60,7 +60,7 @@ def test_the_last_view_counts_and_builds_on_those_before(tmp_path):
     assert (view.position.tolist(), view.horizontal) == ([1, 2, 3], 180)
 
 
-def test_a_view_that_cannot_be_is_told_and_left_out(tmp_path):
+def test_a_view_that_cannot_be_is_reported_and_left_out(tmp_path):
     path = picture_file(tmp_path, header="VIEW= -vtv -vh 200\n")
     with pytest.warns(
         ClerestoryWarning, match="horizontal size of the perspective view is 200"
@@ -126,7 +126,7 @@ def test_writing_twice_changes_nothing_more(tmp_path):
     assert (tmp_path / "a.hdr").read_bytes() == (tmp_path / "b.hdr").read_bytes()
 
 
-def test_the_quantity_survives(tmp_path):
+def test_the_quantity_is_read_back(tmp_path):
     for quantity in ("radiance", "irradiance"):
         picture = random_picture(quantity=quantity, header=("rpict -i a.oct",))
         write_picture(picture, tmp_path / "a.hdr")
@@ -226,7 +226,7 @@ def test_pictures_check_themselves():
         Picture(np.ones((1, 1, 3), dtype=np.float32), pixel_aspect=0)
 
 
-def test_luminance_is_told_from_illuminance():
+def test_luminance_is_distinguished_from_illuminance():
     """179 lm/W times Radiance's weights of red, green and blue."""
     values = np.array([[[1, 0, 0], [0, 1, 0], [0, 0, 1]]], dtype=np.float32)
     expected = pytest.approx([47.435, 119.93, 11.635], rel=1e-5)
