@@ -68,7 +68,9 @@ def crossing(levels, *, shared):
             given = UncertainLuminance(value, 0 * error, draws)
         else:
             given = UncertainLuminance(value, error)
-        found = index_errors(given, lambda pixels: {"lit": float((pixels > 2000).sum())})
+        found = index_errors(
+            given, lambda pixels: {"lit": float((pixels > 2000).sum())}
+        )
         squares.append(found["lit"] ** 2)
     return np.sqrt(np.mean(squares))
 
