@@ -58,7 +58,7 @@ def test_errors_are_the_scatter_over_seeds(shape):
 
 
 def crossing(levels, *, shared):
-    """Rms ± of the number of pixels above 2000 cd/m², for pixels with an error of 40."""
+    """Rms ± of the number of pixels above 2000, for pixels with an error of 40."""
     random, squares = np.random.default_rng(5), []
     for noise in random.standard_normal((400, *levels.shape)):
         value = levels + 40 * noise
