@@ -10,11 +10,12 @@ import warnings
 import numpy as np
 import pytest
 from glare_rooms import FISHEYE, picture
+from scipy.stats import norm
 
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.glare.annual_glare import annual_glare
 from clerestory.glare.evaluate import evaluate_glare
-from clerestory.glare.uncertainty import UncertainLuminance
+from clerestory.glare.uncertainty import UncertainLuminance, index_errors
 
 SIZE, BATCHES, SEEDS = 136, 8, 40
 
@@ -54,6 +55,41 @@ def test_errors_are_the_scatter_over_seeds(shape):
         scatter = np.std([each.values()[name] for each in found], ddof=1)
         error = np.sqrt(np.mean([each.errors[name] ** 2 for each in found]))
         assert 0.8 < error / scatter < 1.25, name
+
+
+def crossing(levels, *, shared):
+    """Rms ± of the number of pixels above 2000, for pixels with an error of 40."""
+    random, squares = np.random.default_rng(5), []
+    for noise in random.standard_normal((400, *levels.shape)):
+        value = levels + 40 * noise
+        error = random.uniform(39.9, 40.1, levels.shape)  # other draws for each picture
+        if shared:
+            draws = 40 * random.standard_normal((4, *levels.shape))
+            given = UncertainLuminance(value, 0 * error, draws)
+        else:
+            given = UncertainLuminance(value, error)
+        found = index_errors(
+            given, lambda pixels: {"lit": float((pixels > 2000).sum())}
+        )
+        squares.append(found["lit"] ** 2)
+    return np.sqrt(np.mean(squares))
+
+
+def test_pixels_that_cross_the_threshold_scatter_as_stated():
+    """Levels evenly across the threshold: ∑ p (1 - p) with p = Φ((level - 2000)/40)."""
+    levels = np.linspace(1800, 2200, 400).reshape(20, 20)
+    chance = norm.cdf((levels - 2000) / 40)
+    truth = np.sqrt(np.sum(chance * (1 - chance)))
+    assert crossing(levels, shared=False) == pytest.approx(truth, rel=0.05)
+
+
+def test_a_window_that_crosses_the_threshold_scatters_as_stated():
+    """One level each, with errors that all pixels share."""
+    levels = np.linspace(1800, 2200, 41)
+    chance = norm.cdf((levels - 2000) / 40)
+    truth = np.sqrt(np.mean(chance * (1 - chance)))
+    each = [crossing(np.full((1, 1), level), shared=True) for level in levels]
+    assert np.sqrt(np.mean(np.square(each))) == pytest.approx(truth, rel=0.05)
 
 
 def test_errors_shared_by_all_pixels_are_those_of_the_closed_form():
