@@ -516,12 +516,12 @@ def measured(name: str) -> dict[str, object]:
         try:
             before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
             started = time.process_time()
-            told = f"read: {CASES[name](Path(place))}"
+            outcome = f"read: {CASES[name](Path(place))}"
         except ClerestoryError as error:
-            told = f"refused: {str(error).replace(place, '')}"
+            outcome = f"refused: {str(error).replace(place, '')}"
         took = time.process_time() - started
         peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return {"seconds": took, "megabytes": (peak - before) / 1024, "told": told}
+    return {"seconds": took, "megabytes": (peak - before) / 1024, "outcome": outcome}
 
 
 if __name__ == "__main__":

@@ -55,8 +55,8 @@ def test_what_grows_exponentially_is_refused_at_once(name):
     found = json.loads(done.stdout)
     assert found["megabytes"] < 1000
     assert found["seconds"] < (READ | LINEAR).get(name, REFUSED_S), found
-    assert found["told"].startswith("read: " if name in READ else "refused: "), found
-    assert "\n" not in found["told"]
+    assert found["outcome"].startswith("read: " if name in READ else "refused: "), found
+    assert "\n" not in found["outcome"]
 
 
 def test_copies_are_where_the_options_put_them(tmp_path):

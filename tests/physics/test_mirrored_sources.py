@@ -434,6 +434,23 @@ def test_each_of_many_sensors_sees_its_own_facet(device):
     assert np.sqrt(np.mean(np.square(off))) < 0.15 * np.mean(mirrored)
 
 
+@pytest.mark.parametrize("angle_deg", [13.0, 40.0])
+def test_a_wide_source_in_a_pane(device, angle_deg):
+    """A source many times as wide as the sun, mirrored in a pane."""
+    height = np.linspace(np.cos(np.radians(angle_deg / 2)), 1, 401)
+    height = (height[1:] + height[:-1]) / 2
+    turn = 2 * np.pi * (np.arange(200) + 0.5) / 200
+    flat = np.sqrt(1 - height**2)
+    # The cosine with the pane's normal, which is also the sensor's direction
+    cosine = 0.8 * height[:, None] + 0.6 * flat[:, None] * np.cos(turn)
+    part = 2 * np.pi * (1 - np.cos(np.radians(angle_deg / 2))) / cosine.size
+    shown = [c * glazed(CLEAR, c)[0] for c in cosine.ravel()]
+    truth = np.sum(shown, axis=0) * part / SUN_SR
+    wide = replace(sun(SOUTH), angle_deg=angle_deg)
+    scene = lit((sky_plane(2, "pane"),), (wide,), CLEAR)
+    agrees(scene, (0, 0, 0), NORTHWARDS, truth, device=device)
+
+
 @pytest.mark.parametrize("apart_deg", [0.005, 0.02, 0.1, 0.5])
 def test_panes_that_are_nearly_parallel(device, apart_deg):
     """Panes in steps of a small angle, each of which mirrors the sun elsewhere.

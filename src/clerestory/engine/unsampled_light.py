@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from clerestory.engine.image_compositions import Compositions
-from clerestory.engine.sampled_sources import is_sampled, is_sun
+from clerestory.engine.sampled_sources import is_sampled, suns_of
 from clerestory.engine.smooth_faces import MOST, SmoothFaces
 from clerestory.errors import ClerestoryWarning
 from clerestory.scene.material import parts
@@ -40,7 +40,7 @@ _FAINT = 0.02
 
 def warn_of_unsampled_light(scene: Scene) -> None:
     """Warn if light of small sources in a scene is found by chance only."""
-    suns = any(is_sun(source) for source in scene.distant)
+    suns = bool(suns_of(scene))
     lamps = any(_is_small(each, scene) for each in scene.surfaces)
     if not (suns or lamps):
         return

@@ -160,10 +160,7 @@ def _in_contact(
 
 
 def _inside(
-    point: Vector,
-    along: Vector,
-    corner: Float[np.ndarray, "triangle 3 3"],
-    near: float,
+    point: Vector, along: Vector, corner: Float[np.ndarray, "triangle 3 3"], near: float
 ) -> bool:
     # Whether a ray first meets the back of a face; a coincident front does not hide it
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])

@@ -112,8 +112,9 @@ def parse_array(words: list[str]) -> tuple[Transforms, list[int], int]:
     runs, at = _runs(words, ("-i", "-a"))
     total = single(Transform())
     for option, count, part in runs:
-        repeat = _powers if option == "-a" else _repeated
-        total = total.then(repeat(part, count), slow=False)
+        array = option == "-a"
+        powers = _powers(part, count) if array else single(_repeat(part, count))
+        total = total.then(powers, slow=False)
     return total, [count for option, count, _ in runs if option == "-a"], at
 
 
@@ -194,10 +195,6 @@ def _repeat(part: Transform, count: int) -> Transform:
         count //= 2
         part = part.then(part) if count else part
     return result
-
-
-def _repeated(part: Transform, count: int) -> Transforms:
-    return single(_repeat(part, count))
 
 
 def _powers(part: Transform, count: int) -> Transforms:

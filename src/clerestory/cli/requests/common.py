@@ -39,8 +39,7 @@ ClusterAddress = Annotated[
     Option("Dask scheduler for tracing, as tcp://10.0.0.1:8786.", metavar="ADDRESS"),
 ]
 SkySubdivision = Annotated[
-    int,
-    Option("Subdivision of the sky (MF).", "--sky-subdivision", least=1, most=6),
+    int, Option("Subdivision of the sky (MF).", "--sky-subdivision", least=1, most=6)
 ]
 Quiet = Annotated[bool, Option("Print only warnings and errors.", "-q")]
 PictureOutput = Annotated[Path, Option("Picture to write: .hdr or .exr.", "-o")]
