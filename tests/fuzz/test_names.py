@@ -1,6 +1,7 @@
 """Names that are commands, through every writer, read by Radiance and by the library.
 
-A name is obeyed if it makes a canary file; Radiance's programs are the referee.
+A command in a name makes a marker file if it is executed. Radiance's own programs read
+what is written.
 """
 
 import ast
@@ -17,7 +18,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 import xarray as xr
-from hostile_names import CANARY, NAMES, more_names, require_silence
+from hostile_names import MARKER, NAMES, more_names, require_no_marker
 from scene_seeds import _hbjson
 
 import clerestory
@@ -70,7 +71,7 @@ SQUARE = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0]])
 def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     yield tmp_path
-    require_silence(tmp_path)
+    require_no_marker(tmp_path)
 
 
 def radiance(command, folder, **options):
@@ -87,7 +88,7 @@ def radiance(command, folder, **options):
         **options,
     )
     assert done.returncode == 0, f"{command}: {done.stderr[-500:]!r}"
-    require_silence(folder)
+    require_no_marker(folder)
     return done.stdout
 
 
@@ -192,7 +193,7 @@ def test_rfluxmtx_runs_no_name_of_a_window(folder):
 
 
 @pytest.mark.parametrize("name", [n for n in NAMES if n and len(n) < 3000][::3])
-def test_packages_of_bsdfs_obey_no_product_name(folder, name, monkeypatch):
+def test_packages_of_bsdfs_run_no_product_name(folder, name, monkeypatch):
     from clerestory.cli.bsdf_package import package
     from clerestory.cli.requests.bsdf import PackageBsdf
 
@@ -243,7 +244,7 @@ def hostile_model(folder, names):
     return path
 
 
-def test_imports_of_models_obey_no_name(folder):
+def test_imports_of_models_run_no_name(folder):
     path = hostile_model(folder, ALL)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -373,7 +374,7 @@ def test_figures_show_any_name(folder):
             figure_png(figure, dpi=20)
 
 
-def test_terminals_obey_no_name(capsys):
+def test_terminals_execute_no_name(capsys):
     hostile = "".join(map(chr, [*range(1, 32), 127, 155, 0x202E])) + "\udcff"
     say(f"a\x1b[2J{hostile}", *(name for name in ALL))
     shown = capsys.readouterr().out
@@ -483,7 +484,7 @@ WRITERS = {
     "bsdf.xml_insertion.insert_blocks": "lxml escapes",
     "bsdf.xml_writer.write_bsdf": test_bsdf_files_hold_any_text,
     "cli.bsdf_generate.generate": test_radiance_reads_a_scene_of_hostile_names,
-    "cli.bsdf_package.package": test_packages_of_bsdfs_obey_no_product_name,
+    "cli.bsdf_package.package": test_packages_of_bsdfs_run_no_product_name,
     "cli.glare._write_annual": "numbers",
     "cli.irradiance.irradiance": "numbers",
     "cli.metrics.metrics": test_tables_hold_no_formulas,
@@ -510,9 +511,9 @@ WRITERS = {
     "report.figure_file.write_figure": "pixels",
     "report.page.write_report": test_pages_hold_any_text,
     "study.method_comparison.compare_methods": test_tables_hold_no_formulas,
-    "study.model_import._put": test_imports_of_models_obey_no_name,
-    "study.model_import._write_modifier": test_imports_of_models_obey_no_name,
-    "study.model_import.write_honeybee_model": test_imports_of_models_obey_no_name,
+    "study.model_import._put": test_imports_of_models_run_no_name,
+    "study.model_import._write_modifier": test_imports_of_models_run_no_name,
+    "study.model_import.write_honeybee_model": test_imports_of_models_run_no_name,
     "study.new_study.begin_study": test_study_files_hold_any_text,
     "study.new_study.write_demo": "files of the package",
     "study.outputs._write_lines": test_results_of_hostile_grids_are_tables,
@@ -542,9 +543,9 @@ def test_every_function_that_writes_files_is_listed():
     assert found - {"files.replace_path"} == set(WRITERS)
 
 
-def test_the_canary_can_sing(folder):
-    """The referee does run commands: without escaping, the check would fail."""
-    (folder / "a.rad").write_text(f"!touch {CANARY}\n")
+def test_oconv_runs_a_command_that_is_not_escaped(folder):
+    """Radiance runs commands in files: without escaping, the check would fail."""
+    (folder / "a.rad").write_text(f"!touch {MARKER}\n")
     subprocess.run([BIN / "oconv", "a.rad"], cwd=folder, capture_output=True)
-    assert (folder / CANARY).exists()
-    (folder / CANARY).unlink()
+    assert (folder / MARKER).exists()
+    (folder / MARKER).unlink()

@@ -18,7 +18,7 @@ from jaxtyping import Float
 
 from clerestory.bsdf.scattering_function import Function
 from clerestory.engine.materials.bsdf_file import Table, forward_table
-from clerestory.engine.sampled_sources import is_sun
+from clerestory.engine.sampled_sources import suns_of
 from clerestory.engine.sampler import DIRECTION_U, DIRECTION_V, PathNumbers, points
 from clerestory.engine.upload import vectors
 from clerestory.scene.model import BsdfSurface, Material, Polygon, Scene
@@ -93,8 +93,7 @@ class SunLobes:
     def of(cls, scene: Scene) -> "SunLobes":
         """Return the narrow BSDF lobes of the largest windows that a sun can light."""
         found: dict[tuple, float] = {}
-        shining = [source.direction for source in scene.distant if is_sun(source)]
-        suns = np.array(shining).reshape(-1, 3)
+        suns = np.reshape([sun.direction for sun in suns_of(scene)], (-1, 3))
         for surface in scene.surfaces:
             material = scene.materials[surface.material]
             if isinstance(surface, Polygon) and is_layer(material):

@@ -3,7 +3,7 @@
 Suns and small emitters are sampled directly and by way of flat smooth surfaces. Their
 light by way of curved smooth surfaces, perturbed normals, narrow highlights, refracting
 solids (caustics) and very many reflections is found by BSDF sampling only. Few paths
-find it, and standard errors of a run in which none did do not include it.
+find it; if none does in a run, the standard errors do not include it.
 """
 
 import warnings
@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from clerestory.engine.image_compositions import Compositions
-from clerestory.engine.sampled_sources import is_sampled, is_sun
+from clerestory.engine.sampled_sources import is_sampled, suns_of
 from clerestory.engine.smooth_faces import MOST, SmoothFaces
 from clerestory.errors import ClerestoryWarning
 from clerestory.scene.material import parts
@@ -40,7 +40,7 @@ _FAINT = 0.02
 
 def warn_of_unsampled_light(scene: Scene) -> None:
     """Warn if light of small sources in a scene is found by chance only."""
-    suns = any(is_sun(source) for source in scene.distant)
+    suns = bool(suns_of(scene))
     lamps = any(_is_small(each, scene) for each in scene.surfaces)
     if not (suns or lamps):
         return

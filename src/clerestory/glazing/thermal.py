@@ -38,7 +38,7 @@ from clerestory.hemisphere.klems import klems
 
 Wavelengths = Literal["full", "condensed"]
 
-# Least solar transmittance up to a layer, so that shares of it are defined.
+# Smallest solar transmittance of the layers before a layer; its share is divided by it.
 _DARK = 1e-9
 
 

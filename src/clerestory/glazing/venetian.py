@@ -56,8 +56,7 @@ class VenetianBlind(MaterialLayer):
     @property
     def name(self) -> str:
         """Name of the material, and tilt angle of the slats."""
-        tilt = np.degrees(self.slats.tilt)
-        return f"{self.material.name}, slats at {tilt:.0f}°"
+        return f"{self.material.name}, slats at {np.degrees(self.slats.tilt):.0f}°"
 
     @property
     def thickness(self) -> float:
@@ -101,8 +100,7 @@ class VenetianBlind(MaterialLayer):
         """Return the blind turned about its vertical axis."""
         if self.vertical:
             return replace(self, material=self.material.flipped())
-        turned = replace(self.slats, tilt=-self.slats.tilt)
-        return replace(self, slats=turned)
+        return replace(self, slats=replace(self.slats, tilt=-self.slats.tilt))
 
     @cached_property
     def _cell(self) -> SlatCell:

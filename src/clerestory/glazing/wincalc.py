@@ -33,8 +33,7 @@ def load_engine() -> ModuleType:
 
 def hemisphere(engine: ModuleType, basis: Basis) -> Any:
     """Return a Klems basis as a pywincalc object."""
-    kind = getattr(engine.BSDFBasisType, basis.upper())
-    return engine.BSDFHemisphere.create(kind)
+    return engine.BSDFHemisphere.create(getattr(engine.BSDFBasisType, basis.upper()))
 
 
 def engine_gap(engine: ModuleType, gap: Gap) -> Any:

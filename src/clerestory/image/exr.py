@@ -36,7 +36,7 @@ _LARGEST_HALF = 65504.0
 # Largest ratio of the pixels of a picture to those that are stored
 _MOST_BORDER = 1000
 
-# File descriptors of standard output and standard error, which one thread may redirect
+# File descriptors of standard output and error; one thread at a time redirects them
 _STREAMS = (1, 2)
 _SILENCE = threading.Lock()
 
@@ -122,8 +122,7 @@ def _picture(
         x = [float(number) for number in header["chromaticities"]]
         primaries = Primaries(*zip(x[::2], x[1::2], strict=True))
         if not np.allclose(x, np.ravel(_flat(RADIANCE)), atol=1e-6):
-            matrix = conversion(primaries, RADIANCE)
-            values = values @ matrix.T.astype(np.float32)
+            values = values @ conversion(primaries, RADIANCE).T.astype(np.float32)
     white = float(header.get("whiteLuminance", LUMINOUS_EFFICACY))
     positive(white, "whiteLuminance")
     if white != LUMINOUS_EFFICACY:

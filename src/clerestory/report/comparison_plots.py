@@ -146,8 +146,7 @@ def scan_figure(
     size = (1.9 * len(stamps) + 1.2, 3 * height + 1)
     figure = Figure(figsize=size, layout="constrained")
     panels = figure.subplots(3, len(stamps), squeeze=False)
-    values = np.concatenate([pairs.measured, pairs.simulated])
-    limits = np.percentile(values, [2, 98])
+    limits = np.percentile(np.concatenate([pairs.measured, pairs.simulated]), [2, 98])
     for column, stamp in enumerate(stamps):
         part = pairs.where(pairs.times.astype("datetime64[h]") == stamp)
         where = spots[part.series]

@@ -16,12 +16,7 @@ from clerestory.report.view_glare import view_glare
 
 Members = Int[np.ndarray, " member"]
 
-_TITLES = (
-    "Mean illuminance",
-    "Daylight autonomy",
-    "Useful illuminance",
-    "Too bright",
-)
+_TITLES = ("Mean illuminance", "Daylight autonomy", "Useful illuminance", "Too bright")
 _METHODS = {
     "2-phase": "Two-phase method: daylight coefficients",
     "3-phase": "Three-phase method: view, transmission, daylight and sky matrices",

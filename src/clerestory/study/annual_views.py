@@ -127,7 +127,7 @@ def glare_function(
     times = skies.whole.times
     lit = skies.whole.diffuse.max(axis=0) > 0
 
-    def judge(
+    def largest_dgp(
         states: States, steps: Int[np.ndarray, " step"], names: Sequence[str]
     ) -> Float[np.ndarray, " step"]:
         worst = np.zeros(len(steps))
@@ -151,7 +151,7 @@ def glare_function(
                 worst[seen] = np.maximum(worst[seen], glare["dgp"].values)
         return worst
 
-    return judge
+    return largest_dgp
 
 
 def _glare(

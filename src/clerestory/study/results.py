@@ -84,9 +84,9 @@ class Results:
             return self
         chosen = np.arange(0, count, -(-count // most))
         note = f"{len(chosen):,} of {count:,} sensors are shown, evenly spread"
-        told = [*self.run.get("warnings", ()), note]
+        notes = [*self.run.get("warnings", ()), note]
         data = self.data.isel(sensor=chosen).load()
-        return Results(data, {**self.run, "warnings": told})
+        return Results(data, {**self.run, "warnings": notes})
 
 
 def save_results(results: Results, folder: str | Path) -> Path:

@@ -209,7 +209,7 @@ def _product(
     short = found[0].factors and isinstance(found[0].receiving[0], TransferMatrix)
     short = short and all(chain.states == 1 for chain in found)
     short = bool(short and coefficients_cost_less(found, rows, steps))
-    # Pictures are computed for each combination of shade states by itself
+    # Pictures are computed separately for each combination of shade states
     combinations = 1 + sum(chain.states - 1 for chain in found)
     blocks = max(combinations, steps / together) if together else 1
     seconds = 0.0

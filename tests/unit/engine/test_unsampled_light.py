@@ -72,7 +72,7 @@ def test_light_without_a_technique_is_named(text):
         warn_of_unsampled_light(scene_of(surface, material, SUN))
 
 
-def test_a_mixture_is_judged_by_its_parts():
+def test_a_mixture_is_checked_by_its_parts():
     mixed = Mixture("m", MATT, BENT, 0.5)
     with pytest.warns(ClerestoryWarning, match="perturbed normals"):
         warn_of_unsampled_light(scene_of(triangle(), mixed, SUN))

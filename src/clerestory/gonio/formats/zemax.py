@@ -65,8 +65,7 @@ def _read(path: Path, options: ReadOptions) -> Iterator[Measurement]:
         if len(found.axes[0]) > 1 and rotation >= 360:
             continue
         for incidence, values in zip(found.axes[1], block, strict=True):
-            scan = _scan(float(rotation), float(incidence), values, found, path)
-            scans.append(scan)
+            scans.append(_scan(float(rotation), float(incidence), values, found, path))
     function = OF_SIDE[side][0 if found.kind == "btdf" else 1]
     claimed: Symmetry | None = "isotropic" if len(found.axes[0]) == 1 else None
     yield Measurement(tuple(scans), function, name=path.stem, claimed=claimed)
