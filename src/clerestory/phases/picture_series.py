@@ -129,9 +129,9 @@ def _steps(pixels: int) -> int:
 
 @dataclass(frozen=True, eq=False)
 class _Step:
-    # Radiance or luminance of the pixels at one time step, and its error
+    # Radiance or luminance of the pixels at one time step, and its error, if computed
     light: Float32[np.ndarray, "out pixel"]
-    variance: Float32[np.ndarray, " pixel"]
+    variance: Float32[np.ndarray, " uncertain"]
     shared: Float32[np.ndarray, "draw pixel"]
 
     def pixels(
