@@ -11,7 +11,7 @@ paths, which largely cancels in C_ds S_sun − V_d T D_d S_ds.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import Any, Unpack
 
@@ -26,11 +26,12 @@ from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.checks import require
 from clerestory.engine import device as devices
-from clerestory.engine.effort import EffortKeywords
+from clerestory.engine.effort import Effort, EffortKeywords
 from clerestory.engine.window_path_jobs import (
-    PixelSunPaths,
     PixelWindowPaths,
     Records,
+    SensorWindowPaths,
+    WindowPathsJob,
     record_window_paths,
 )
 from clerestory.hemisphere.partition import RingPartition
@@ -41,6 +42,7 @@ from clerestory.phases.camera import Camera
 from clerestory.phases.sun_coefficients import sun_effort, window_number
 from clerestory.phases.traced_matrices import require_distinct
 from clerestory.scene.model import Scene
+from clerestory.scene.sensors import Sensors
 from clerestory.scene.window import Window
 from clerestory.scene.window_zones import (
     CELLS,
@@ -50,8 +52,8 @@ from clerestory.scene.window_zones import (
     zone_of,
 )
 
-# Default number of paths per pixel, each with three directions to the windows
-_SAMPLES = 16
+# Default numbers of paths per pixel and sensor, with three directions to the windows
+_SAMPLES, _SENSOR_SAMPLES = 16, 1024
 
 # Number of points of a zone at which the transmittance from the sun is sampled
 _ZONE_POINTS = 16
@@ -90,17 +92,44 @@ def picture_window_paths(
         samples=effort.samples or _SAMPLES,
         **effort.job_options(_BATCHES),
     )
+    return _recorded(job, effort)
+
+
+def sensor_window_paths(
+    scene: Scene,
+    windows: Sequence[Window],
+    sensors: Sensors,
+    **keywords: Unpack[EffortKeywords],
+) -> "WindowPaths":
+    """Trace the straight paths from sensors to all windows.
+
+    `samples` is the number of paths per sensor.
+    """
+    require_distinct(windows)
+    effort = sun_effort(sensor_window_paths, keywords, samples=_SENSOR_SAMPLES)
+    job = SensorWindowPaths(
+        scene=scene,
+        windows=tuple(windows),
+        sensors=sensors,
+        samples=effort.samples or _SENSOR_SAMPLES,
+        **effort.job_options(),
+    )
+    return _recorded(job, effort)
+
+
+def _recorded(job: WindowPathsJob, effort: Effort) -> "WindowPaths":
     if effort.executor.accepts(job, effort.goal):
         return WindowPaths(job, tuple(record_window_paths(job, effort, "paths")))
-    nothing = np.zeros(len(camera) + 1, int), np.zeros(0, np.uint32)
-    return WindowPaths(job, (Records(*nothing, np.zeros((1, 0), np.float32)),) * 2)
+    nothing = np.zeros(job.receivers + 1, int), np.zeros(0, np.uint32)
+    none = Records(*nothing, np.zeros((1, 0), np.float32))
+    return WindowPaths(job, (none,) * job.batches)
 
 
 @dataclass(frozen=True, eq=False)
 class WindowPaths:
-    """Recorded paths from the pixels of a picture to windows, by batch."""
+    """Recorded paths from pixels or sensors to windows, by batch."""
 
-    job: PixelWindowPaths
+    job: WindowPathsJob
     records: tuple[Records, ...]
     _products: dict[tuple[int, object], Any] = field(default_factory=dict)
 
@@ -113,7 +142,7 @@ class WindowPaths:
         self, kind: type[np.floating] = np.float32
     ) -> dict[str, TransferMatrix]:
         """Return V_d, by window name, of floating-point numbers of a `kind`."""
-        pixels, bands, found = self.job.pixels, self.job.scene.bands, {}
+        pixels, bands, found = self.job.receivers, self.job.scene.bands, {}
         for number, window in enumerate(self.job.windows):
             patch = window.partition.find(cell_directions())
             own = self.zones.of_window(number)
@@ -281,19 +310,24 @@ class SunlitPixels:
     def _received(
         self, normal: csc_array, weights: Float[np.ndarray, "out band"]
     ) -> tuple[np.ndarray, np.ndarray]:
-        steps, pixels = normal.shape[1], self.paths.job.pixels
+        steps, pixels = normal.shape[1], self.paths.job.receivers
         sun = np.full(steps, -1)
         coordinates = normal.tocoo()
         sun[coordinates.coords[1]] = coordinates.coords[0]
         lit = np.flatnonzero(sun >= 0)
         lit = lit[self._behind[sun[lit]]]
         found = np.zeros((2, len(weights), pixels, steps), np.float32)
-        if len(lit) == 0 or not len(self.paths.records[0].codes):
+        if len(lit) == 0 or not self._traced:
             return found[0], found[1]
         irradiance = np.asarray(normal.sum(axis=0)).ravel()[lit]
         one, other = self._batches(sun[lit], irradiance, weights)
         found[0][..., lit], found[1][..., lit] = (one + other) / 2, (one - other) / 2
         return found[0], found[1]
+
+    @cached_property
+    def _traced(self) -> bool:
+        # Whether there are paths: not in a dry run
+        return any(len(each.codes) for each in self.paths.records)
 
     @cached_property
     def _behind(self) -> np.ndarray:
@@ -323,7 +357,7 @@ class SunlitPixels:
         ]
         for each in beams:
             self._beam_tracer.add(sums, weights, each, width)
-        shape = len(sums), len(weights), job.pixels, width
+        shape = len(sums), len(weights), job.receivers, width
         return np.array([[o.numpy() for o in b] for b in sums]).reshape(shape)[
             ..., : len(sun)
         ]
@@ -400,20 +434,22 @@ class SunlitPixels:
     def _beam_tracer(self) -> Any:
         job = self.paths.job
         engine: Any = devices.load(job.device, "beam_tracer")
-        return engine.BeamTracer(
-            PixelSunPaths(
-                scene=self.scene,
-                windows=job.windows,
-                number=self.window,
-                view=job.view,
-                columns=job.columns,
-                rows=job.rows,
-                samples=job.samples,
-                batches=job.batches,
-                seed=job.seed,
-                device=job.device,
-            )
-        )
+        return engine.BeamTracer(replace(job, scene=self.scene), self.window)
+
+    def coefficients(
+        self, bands: int
+    ) -> tuple[Float32[np.ndarray, "band row sun"], Float32[np.ndarray, "component band row sun"]]:
+        """Return C_ds and its error components, in one band or in all of the scene."""
+        job, weights = self.paths.job, np.eye(bands)
+        shape = job.batches, bands, job.receivers, len(self.suns)
+        found = np.zeros(shape, np.float32)
+        lit = np.flatnonzero(self._behind)
+        for first in range(0, len(lit) * self._traced, _SUNS):
+            sun = lit[first : first + _SUNS]
+            found[..., sun] = self._batches(sun, np.ones(len(sun)), weights)
+        mean = found.mean(axis=0)
+        found -= mean
+        return mean, found / np.float32(np.sqrt(job.batches * (job.batches - 1)))
 
 
 def picture_sun_coefficients(
@@ -435,11 +471,44 @@ def picture_sun_coefficients(
     """
     effort = sun_effort(picture_sun_coefficients, keywords, samples=_SAMPLES)
     paths = picture_window_paths(scene, windows, camera, effort=effort)
-    lit, bands = paths.sunlit(window, bsdf, suns=suns, peak=peak), scene.bands
-    values = np.zeros((2, len(bands), len(camera), len(suns)), np.float32)
-    one = csc_array(np.eye(len(suns)))
-    for first in range(0, len(suns), _SUNS):
-        part = slice(first, first + _SUNS)
-        values[..., part] = lit.received(one[:, part], np.eye(len(bands)))
+    lit = paths.sunlit(window, bsdf, suns=suns, peak=peak)
+    values, parts = lit.coefficients(len(scene.bands))
     axes = pixel_axis(len(camera)), sun_axis(len(suns))
-    return TransferMatrix(values[0], *axes, values[1:], bands)
+    # The two components are opposite; one of them is the error
+    return TransferMatrix(values, *axes, parts[:1] * np.float32(2**0.5), scene.bands)
+
+
+def sun_coefficients(
+    scene: Scene,
+    windows: Sequence[Window],
+    window: str,
+    bsdf: Bsdf,
+    *,
+    sensors: Sensors,
+    suns: Float[np.ndarray, "sun 3"],
+    peak: bool = False,
+    **keywords: Unpack[EffortKeywords],
+) -> TransferMatrix:
+    """Direct-sun coefficients C_ds: irradiance per direct normal irradiance.
+
+    Coefficients are zero for suns behind the window plane. The solar disc has a
+    diameter of 0.533°.
+
+    Parameters
+    ----------
+    scene : obstructions outside and inside, all taken as black
+    windows : all windows; windows other than `window` are opaque
+    window : name of the window for which coefficients are computed
+    bsdf : BSDF of this window, matrix or tensor tree, at full resolution
+    suns : unit vectors to the suns
+    peak : whether direct-direct transmission is extracted from the BSDF, as by Radiance
+        aBSDF
+    samples : number of paths per sensor, for all suns
+    """
+    effort = sun_effort(sun_coefficients, keywords, samples=_SENSOR_SAMPLES)
+    paths = sensor_window_paths(blackened(scene), windows, sensors, effort=effort)
+    lit = paths.sunlit(window, bsdf, suns=suns, peak=peak)
+    colour = bsdf.in_colour("transmission_front")
+    values, parts = lit.coefficients(len(RGB) if colour else 1)
+    axes = sensors_axis(sensors), sun_axis(len(suns))
+    return TransferMatrix(values, *axes, parts, RGB)
