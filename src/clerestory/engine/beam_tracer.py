@@ -1,9 +1,9 @@
 """Sunlight that a window transmits in narrow beams, on visible surfaces and sensors.
 
 Unscattered sunlight, and light scattered into few cells of a BSDF, reach few of the
-points, and paths to random points of the window would miss them. For each point and sun,
-one direction of the beams is chosen, and the line from the point against it is tested
-against the window's rectangle. Only the pairs that pass are traced.
+points, and paths to random points of the window would miss them. For each point and
+sun, one direction of the beams is chosen, and the line from the point against it is
+tested against the window's rectangle. Only the pairs that pass are traced.
 """
 
 from collections.abc import Iterator
@@ -31,6 +31,7 @@ from clerestory.engine.sinks import RadianceSink
 from clerestory.engine.sun_beams import BEAMS, Beams
 from clerestory.engine.unusual_lengths import in_usual_lengths
 from clerestory.engine.upload import launching, on_device, vectors
+from clerestory.engine.vertices import sensor_vertex
 from clerestory.engine.visibility import (
     ROUNDING,
     along,
@@ -39,7 +40,6 @@ from clerestory.engine.visibility import (
     only_reflects,
     transmittance,
 )
-from clerestory.engine.vertices import sensor_vertex
 from clerestory.engine.window_path_jobs import (
     PixelWindowPaths,
     SensorWindowPaths,
