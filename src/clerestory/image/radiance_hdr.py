@@ -44,9 +44,8 @@ def read_radiance(path: str | Path) -> Picture:
         rows, width = resolution.scanlines
         pixels = np.frombuffer(data, dtype=np.uint8)[start:]
         quads = decode(pixels, rows=rows, width=width)
-    values = _physical(_floats(resolution.upright(quads)), header)
     return Picture(
-        values,
+        _physical(_floats(resolution.upright(quads)), header),
         view=header.view,
         header=header.lines,
         pixel_aspect=header.pixel_aspect,
