@@ -22,7 +22,8 @@ from pydantic import (
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from clerestory.errors import InputError
+from clerestory.checks import distinct
+from clerestory.errors import InputError, located
 from clerestory.files import read_text
 from clerestory.toml_lines import key_lines, line_of
 
@@ -105,13 +106,22 @@ def json_value(text: str | bytes, *, file: str | Path) -> Any:
     InputError : the text is not JSON; the message states the line
     """
     try:
-        return _not_too_deep(json.loads(text))
+        with located(file=file):
+            return _not_too_deep(json.loads(text, object_pairs_hook=_unique))
     except json.JSONDecodeError as error:
         line = error.lineno
         raise InputError(f"not JSON: {error.msg}", file=file, line=line) from error
     except (ValueError, RecursionError) as error:
         message = "not JSON: a number is too long, or values are nested too deeply"
         raise InputError(message, file=file) from error
+
+
+def _unique(members: list[tuple[str, Any]]) -> dict[str, Any]:
+    # Return a JSON object, unless it has a key twice
+    found = dict(members)
+    if len(found) < len(members):
+        distinct((key for key, _ in members), "members of an object")
+    return found
 
 
 def _not_too_deep(value: Any) -> Any:

@@ -109,7 +109,7 @@ HIGH = SLATS + "grey polygon edge 0 0 9  0 0.3 0.02  1 0.3 0.02  1 0.3 -0.05"
     ],
 )
 def test_doubts_name_the_item_and_its_line(call, room, text, said):
-    """In the room, in millimetres, one in the other: told, and traced."""
+    """Systems in the room, in millimetres or overlapping: warned of, and traced."""
     (room / "system.rad").write_text(text)
     done = call(
         *("bsdf", "generate", "system.rad", "-o", "x.xml"),

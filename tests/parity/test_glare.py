@@ -34,7 +34,7 @@ pytestmark = pytest.mark.filterwarnings(
 )
 
 # evalglare looks up the angle of a source in the pixel below its middle, which rounding
-# may make the pixel beside it: veiling luminances are told apart by a pixel
+# may make the pixel beside it: veiling luminances differ by a pixel
 
 
 def assert_equal(result, theirs, *, pixel=0.0):

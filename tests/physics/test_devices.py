@@ -10,7 +10,7 @@ from clerestory.errors import ClerestoryWarning, DeviceError
 
 
 class FakeDriver:
-    """A CUDA driver that tells 20 GB of free memory, or fails at one call."""
+    """A CUDA driver that reports 20 GB of free memory, or fails at one call."""
 
     def __init__(self, failing=None):
         self.failing, self.calls = failing, []

@@ -1,4 +1,4 @@
-"""Errors are honest, results reproducible, samplers true to their densities."""
+"""Standard errors equal the scatter, results are reproducible, densities correct."""
 
 import numpy as np
 import pytest

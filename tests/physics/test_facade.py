@@ -156,8 +156,8 @@ def test_errors_of_f_and_d_do_not_agree(device):
         for seed in range(24)
     ]
     values = np.array([weighed(chain)[0][0] for chain in chains])
-    told = np.mean([weighed(chain)[1][0] ** 2 for chain in chains], axis=0)
-    assert values.var(axis=0, ddof=1).mean() == pytest.approx(told.mean(), rel=0.25)
+    stated = np.mean([weighed(chain)[1][0] ** 2 for chain in chains], axis=0)
+    assert values.var(axis=0, ddof=1).mean() == pytest.approx(stated.mean(), rel=0.25)
 
 
 def test_a_port_that_faces_away_is_reported(device):

@@ -6,6 +6,7 @@ every text that starts with a brace is therefore replaced by an index, such as {
 
 import re
 from bisect import bisect_left
+from collections import Counter
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -133,6 +134,13 @@ class Document:
         if found is None:
             raise self.error(element, f"no {path} in {_name(element)}; one expected")
         return found
+
+    def refuse_repeated(self, element: etree._Element, *, but: str = "") -> None:
+        """Raise an input error if an element has two children of one name."""
+        names = Counter(_name(child) for child in element.iterchildren(etree.Element))
+        twice = next((n for n, count in names.items() if count > 1 and n != but), "")
+        message = f"{_name(element)} has {names[twice]} elements {twice}; one expected"
+        self.check(not twice, element, message)
 
     def text(self, element: etree._Element, path: str) -> str:
         """Text of the first descendant along a path of element names; "" if missing."""

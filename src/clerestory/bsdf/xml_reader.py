@@ -51,6 +51,9 @@ def read_bsdf(path: str | Path) -> Bsdf:
     document = parse_document(path)
     layer = document.require(document.root, "Optical/Layer")
     definition = document.require(layer, "DataDefinition")
+    document.refuse_repeated(document.require(document.root, "Optical"))
+    document.refuse_repeated(layer, but="WavelengthData")
+    document.refuse_repeated(definition, but="AngleBasis")
     structure = document.require(definition, "IncidentDataStructure")
     kind = (structure.text or "").strip()
     rank = _RANKS.get(kind.lower())
@@ -65,7 +68,9 @@ def read_bsdf(path: str | Path) -> Bsdf:
     functions: dict[tuple[str, Function], ScatteringFunction] = {}
     for data in document.children(layer, "WavelengthData"):
         channel = document.text(data, "Wavelength").lower()
+        document.refuse_repeated(data, but="WavelengthDataBlock")
         for block in document.children(data, "WavelengthDataBlock"):
+            document.refuse_repeated(block)
             direction = document.text(block, "WavelengthDataDirection")
             name = _NAMES.get(" ".join(direction.lower().split()))
             if name is None:

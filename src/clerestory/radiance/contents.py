@@ -1,5 +1,6 @@
 """Contents of scene files, and of the commands and instances that insert files."""
 
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from itertools import groupby
@@ -28,6 +29,9 @@ from clerestory.scene.model import Source, TriangleMesh
 from clerestory.scene.primitive import Primitive
 
 _SHAPES = SURFACE_KINDS - INSTANCE_KINDS
+
+# Maximum number of copies by all commands, each counted once
+_MOST_COPIES = 1_000_000
 
 # Maximum depth of nested files, which limits recursion
 _DEEPEST = 100
@@ -76,6 +80,7 @@ class Contents:
     loaded: dict[Path, tuple[Item | Command, ...]] = field(default_factory=dict)
     _compiled: Loaded = field(default_factory=dict)
     _inserted: dict[tuple[Path, Item | Command], Content] = field(default_factory=dict)
+    _copies: Counter[str] = field(default_factory=Counter)
 
     def items(self, path: Path) -> tuple[Item | Command, ...]:
         """Return the items of a file."""
@@ -90,6 +95,9 @@ class Contents:
         with located(file=place.path, line=item.line):
             if key not in self._inserted:
                 self._inserted[key] = self._read(item, place)
+                self._copies["all"] += self._inserted[key].count - 1
+                few = f"arrays make more than {_MOST_COPIES:,} copies; fewer expected"
+                require(self._copies["all"] <= _MOST_COPIES, few)
             _refuse_recursion(self._inserted[key].files, (*place.within, place.path))
         return self._inserted[key]
 

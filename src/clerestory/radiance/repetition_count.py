@@ -46,8 +46,8 @@ class RepetitionCount:
             total = sum(sizes[item] for item in found)
             if total > once + most:
                 raise InputError(
-                    f"arrays, instances and repeated files make {total:.2g} surfaces;"
-                    f" at most {most:,} expected"
+                    "arrays, instances and repeated files make"
+                    f" {min(total, 1e99):.2g} surfaces; at most {most:,} expected"
                     + ("" if together else " if materials depend on the placement"),
                     file=place.path,
                     line=getattr(max(found, key=sizes.__getitem__), "line", None),

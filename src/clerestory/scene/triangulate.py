@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.array_types import Faces, Vector, Vertices, Vertices2
+from clerestory.checks import require
 from clerestory.scene.slab_decomposition import (
     MOST_PAIRS,
     crossings,
@@ -21,6 +22,9 @@ from clerestory.scene.slab_decomposition import (
 
 # Distance below which two vertices coincide, relative to the size of the polygon
 _WELD = 1e-9
+
+# Largest number of edges; the time of triangulation grows with its square
+_MOST_EDGES = 1 << 16
 
 Loop = list[int]
 
@@ -71,6 +75,8 @@ def simple_faces(vertices: Vertices) -> Faces | None:
 
 
 def _simple(points: Vertices2, edges: Int[np.ndarray, "edges 2"]) -> Faces | None:
+    many = f"polygon of {len(edges):,} edges; at most {_MOST_EDGES:,} expected"
+    require(len(edges) <= _MOST_EDGES, many)
     if len(edges) and not crossings(points[edges]).size:
         return _fill(points, _loops(edges))
     return None

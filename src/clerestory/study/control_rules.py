@@ -11,13 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
-from clerestory.checks import require, within
 from clerestory.control.control_rule import Situation, apply_rule, load_rule
 from clerestory.control.profile_angle import blocking_states
-from clerestory.control.schedule import read_schedule, states_at
+from clerestory.control.schedule import states_at
 from clerestory.control.state_choice import Limit, best_states, least_closed
 from clerestory.control.threshold import staged_states, threshold_states
-from clerestory.errors import InputError, located
+from clerestory.errors import InputError
 from clerestory.glare.dgp import simplified_dgp
 from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.window_tables import ControlTable
@@ -140,21 +139,7 @@ def by_score(case: Case) -> _StateTimes:
 def by_schedule(case: Case) -> _StateTimes:
     """Return the shade states of a schedule file; a line applies until the next one."""
     group = case.signals.inputs.groups[case.number]
-    file = case.control.file
-    if file is None:
-        raise InputError('rule "schedule" without a file')
-    schedule = read_schedule(file)
-    require(
-        group.name in schedule.states,
-        f'no column "{group.name}"; a column for each window with this rule expected',
-        file=file,
-    )
-    states = states_at(schedule, case.signals.times)[group.name]
-    with located(file=file):
-        within(
-            states, f'the state of window "{group.name}"', least=0, most=case.count - 1
-        )
-    return states
+    return states_at(group.schedule(), case.signals.times)[group.name]
 
 
 def by_function(case: Case) -> _StateTimes:

@@ -1,4 +1,4 @@
-"""Readers: every format gives the same scan, and damage is told in one line."""
+"""Readers: every format gives the same scan, and damage is reported in one line."""
 
 import numpy as np
 import pytest

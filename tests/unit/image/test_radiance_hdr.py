@@ -1,6 +1,7 @@
 """Radiance pictures: headers, orientations, round trips, what is refused."""
 
 import contextlib
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -237,3 +238,22 @@ def test_luminance_is_distinguished_from_illuminance():
         irradiance.luminance()
     with pytest.raises(InputError, match="use luminance"):
         Picture(values).illuminance()
+
+
+@pytest.mark.parametrize("header", ["", "EXPOSURE=2\n"])
+@pytest.mark.parametrize("runs", [True, False])
+def test_reading_takes_little_more_memory_than_the_picture(tmp_path, header, runs):
+    """9 million pixels; 30 kB of repeated pixels can describe as many."""
+    row = bytes([100, 100, 100, 128, 1, 1, 1, 0xB7, 1, 1, 1, 0xB])
+    if runs:
+        row = b"\2\2" + (3000).to_bytes(2) + (b"\xff\x80" * 23 + b"\xcf\x80") * 4
+    path = picture_file(
+        tmp_path, header=header, size="-Y 3000 +X 3000", pixels=row * 3000
+    )
+    tracemalloc.start()
+    values = read_picture(path).radiance
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert values.shape == (3000, 3000, 3)
+    assert np.ptp(values) == 0
+    assert most < values.nbytes + 50e6

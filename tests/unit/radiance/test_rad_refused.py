@@ -1,4 +1,4 @@
-"""What is wrong in a scene file is told with its place, and nothing is skipped."""
+"""Errors in a scene file are reported with their line, and nothing is skipped."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Wrong clocks and gaps in time are told."""
+"""Wrong clocks and gaps in time are reported."""
 
 from dataclasses import replace
 from datetime import datetime

@@ -262,19 +262,15 @@ class Run(Evaluation[Values]):
             raise self.endless() from None
 
     def lookup(self, name: str) -> Definition | Native | None:
-        """Return the definition of a name; None if it is undefined."""
         return self.definition(name)
 
     def constant(self, number: float, rows: Rows) -> Values:
-        """Return an array with a constant for each ray."""
         return np.full(len(rows.index), number)
 
     def negative(self, value: Values) -> Values:
-        """Return the values with opposite signs."""
         return -value
 
     def combined(self, one: Values, sign: str, other: Values, rows: Rows) -> Values:
-        """Return the result of an operation: +, -, *, / or ^."""
         match sign:
             case "+":
                 value: Values = one + other
@@ -289,7 +285,6 @@ class Run(Evaluation[Values]):
         return value
 
     def native(self, found: Native, given: Sequence[Values], rows: Rows) -> Values:
-        """Return the values of a predefined function or variable."""
         value: Values = found.compute(_Env(self, rows), *given)
         return value
 
@@ -299,7 +294,6 @@ class Run(Evaluation[Values]):
         return None if given is None else np.asarray(given[rows.index])
 
     def undefined(self, name: str) -> InputError:
-        """Return the error for a name without a definition."""
         return InputError(f'"{name}" is not defined')
 
     def choice(self, given: Nodes, rows: Rows, frame: Frame | None) -> Values:
