@@ -18,8 +18,10 @@ from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.directions import Frame
 from clerestory.hemisphere.klems import klems
 from clerestory.phases.camera import Camera
-from clerestory.phases.sun_coefficients import sun_coefficients
-from clerestory.phases.window_paths import picture_sun_coefficients
+from clerestory.phases.sun_coefficients import (
+    picture_sun_coefficients,
+    sun_coefficients,
+)
 from clerestory.scene.model import (
     BsdfSurface,
     DistantSource,

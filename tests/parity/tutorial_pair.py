@@ -14,6 +14,7 @@ import clerestory as cl
 from clerestory.bands import RGB
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.phases.camera import Camera
+from clerestory.phases.direct_light import blackened
 from clerestory.phases.matrix_equation import (
     MatrixChain,
     WindowMatrices,
@@ -25,8 +26,10 @@ from clerestory.phases.matrix_equation import (
 from clerestory.phases.methods import FIVE_PHASE, five_phase
 from clerestory.phases.picture_matrices import picture_view_matrices
 from clerestory.phases.picture_series import pictures_over_time
-from clerestory.phases.sun_coefficients import blackened, sun_coefficients
-from clerestory.phases.window_paths import picture_sun_coefficients
+from clerestory.phases.sun_coefficients import (
+    picture_sun_coefficients,
+    sun_coefficients,
+)
 from clerestory.sky.sun_matrix import patch_suns
 
 VIEWS = ("south", "eastBlinds")

@@ -12,6 +12,7 @@ from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.errors import InputError, MatrixError
 from clerestory.hemisphere.klems import klems
 from clerestory.phases.camera import Camera
+from clerestory.phases.direct_light import blackened
 from clerestory.phases.facade_matrices import facade_daylight, facade_matrices
 from clerestory.phases.matrix_equation import (
     MatrixChain,
@@ -23,13 +24,15 @@ from clerestory.phases.methods import FIVE_PHASE, THREE_PHASE, five_phase
 from clerestory.phases.picture_matrices import picture_view_matrices
 from clerestory.phases.picture_series import pictures_over_time
 from clerestory.phases.rendering import irradiance, render
-from clerestory.phases.sun_coefficients import blackened, sun_coefficients
+from clerestory.phases.sun_coefficients import (
+    picture_sun_coefficients,
+    sun_coefficients,
+)
 from clerestory.phases.traced_matrices import (
     daylight_matrices,
     daylight_matrix,
     view_matrix,
 )
-from clerestory.phases.window_paths import picture_sun_coefficients
 from clerestory.scene.model import BsdfSurface, DistantSource, Light, Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View

@@ -10,7 +10,7 @@ from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.hemisphere.klems import klems
 from clerestory.phases.camera import Camera
 from clerestory.phases.picture_matrices import picture_view_matrices
-from clerestory.phases.window_paths import picture_sun_coefficients
+from clerestory.phases.sun_coefficients import picture_sun_coefficients
 from clerestory.scene.model import Glass
 
 SUN = np.array([[0.1, -0.8, 0.6]]) / np.linalg.norm([0.1, -0.8, 0.6])

@@ -13,6 +13,7 @@ from clerestory.bsdf.analytic import lambertian
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.hemisphere.klems import klems
 from clerestory.metrics.spatial_metrics import sunlight_exposure
+from clerestory.phases.direct_light import blackened
 from clerestory.phases.illuminance import illuminance
 from clerestory.phases.matrix_equation import (
     MatrixChain,
@@ -21,7 +22,7 @@ from clerestory.phases.matrix_equation import (
     window_chain,
 )
 from clerestory.phases.methods import METHODS, five_phase, three_phase
-from clerestory.phases.sun_coefficients import blackened, sun_coefficients
+from clerestory.phases.sun_coefficients import sun_coefficients
 from clerestory.phases.unscattered_light import (
     unscattered_coefficients,
     unscattered_sun,

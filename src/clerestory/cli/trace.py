@@ -23,10 +23,13 @@ from clerestory.image.picture_sets import numbered
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases import traced_matrices
 from clerestory.phases.camera import Camera
+from clerestory.phases.direct_light import blackened
 from clerestory.phases.facade_matrices import facade_matrices
 from clerestory.phases.picture_matrices import picture_view_matrices
-from clerestory.phases.sun_coefficients import blackened, sun_coefficients
-from clerestory.phases.window_paths import picture_sun_coefficients
+from clerestory.phases.sun_coefficients import (
+    picture_sun_coefficients,
+    sun_coefficients,
+)
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.view_text import view_of
 from clerestory.radiance.window_reader import read_windows

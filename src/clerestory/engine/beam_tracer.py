@@ -1,8 +1,8 @@
-"""Sunlight that a window transmits in narrow beams, on visible surfaces.
+"""Sunlight that a window transmits in narrow beams, on visible surfaces and sensors.
 
 Unscattered sunlight, and light scattered into few cells of a BSDF, reach few of the
-pixels, and paths to random points of the window would miss them. For each visible point
-and sun, one direction of the beams is chosen, and the line from the point against it is
+points, and paths to random points of the window would miss them. For each point and
+sun, one direction of the beams is chosen, and the line from the point against it is
 tested against the window's rectangle. Only the pairs that pass are traced.
 """
 
@@ -31,6 +31,7 @@ from clerestory.engine.sinks import RadianceSink
 from clerestory.engine.sun_beams import BEAMS, Beams
 from clerestory.engine.unusual_lengths import in_usual_lengths
 from clerestory.engine.upload import launching, on_device, vectors
+from clerestory.engine.vertices import sensor_vertex
 from clerestory.engine.visibility import (
     ROUNDING,
     along,
@@ -39,15 +40,17 @@ from clerestory.engine.visibility import (
     only_reflects,
     transmittance,
 )
-from clerestory.engine.window_path_jobs import PixelSunPaths
+from clerestory.engine.window_path_jobs import (
+    PixelWindowPaths,
+    SensorWindowPaths,
+    WindowPathsJob,
+)
 from clerestory.scene.view import solid_angles
 from clerestory.scene.window_zones import WindowZones
 
-# Sample points per pixel and batch
-_POINTS = 2
-
-# Suns that are tested together: one bit each
+# Suns that are tested together: one bit each; most paths that are traced together
 _BITS = 32
+_PATHS = 1 << 22
 
 # Tolerance of the test: relative to the window, and cosine of a surface turned away
 _SLACK, _FACING = 1e-3, -1e-3
@@ -108,12 +111,15 @@ class BeamWindow(Source):
 
 
 class BeamTracer:
-    """Radiance of the pixels of a view due to beams of sunlight through a window."""
+    """Light of pixels or sensors due to beams of sunlight through a window.
 
-    def __init__(self, job: PixelSunPaths):
+    `number` is the index of the window in the job.
+    """
+
+    def __init__(self, job: WindowPathsJob, number: int):
         job = in_usual_lengths(job)
         scenes = band_groups(job.scene)
-        self.groups = [_Group(replace(job, scene=scene)) for scene in scenes]
+        self.groups = [_Group(replace(job, scene=scene), number) for scene in scenes]
 
     def add(
         self,
@@ -122,9 +128,9 @@ class BeamTracer:
         beams: Beams,
         width: int,
     ) -> None:
-        """Add the radiance at each pixel and step to sums by batch and output.
+        """Add the light of each receiver and step to sums by batch and output.
 
-        Steps are `width` elements of the sums apart from pixel to pixel.
+        Steps are `width` elements of the sums apart from receiver to receiver.
         """
         for number, group in enumerate(self.groups):
             share = weights[:, GROUP * number : GROUP * (number + 1)]
@@ -133,27 +139,96 @@ class BeamTracer:
 
 @dataclass
 class _Visible:
-    # Visible points: positions, normals, whether light may arrive from either side, and
-    # whether there is a surface that is not a window
+    # Points that receive light: positions, normals, whether light may arrive from
+    # either side, and whether there is such a point
     point: mi.Point3f
     normal: mi.Vector3f
     both: mi.Bool
     valid: mi.Bool
 
 
-class _Group:
-    # The radiance in three bands
+@dataclass
+class _Places:
+    # Sample points of receivers: row, batch and sample numbers
+    row: mi.UInt32
+    batch: mi.UInt32
+    numbers: PathNumbers
 
-    def __init__(self, job: PixelSunPaths):
+
+class _Sensors:
+    # Sensors, with four sample points per batch
+    points = 4
+
+    def __init__(self, job: SensorWindowPaths):
+        self.origin = np.mean(job.sensors.position, axis=0)
+        self.position = vectors(mi.Point3f, job.sensors.position - self.origin)
+        self.normal = vectors(mi.Vector3f, job.sensors.direction)
+
+    def visible(self, model: LoweredScene, places: _Places) -> _Visible:
+        """Return the positions of the sensors."""
+        point = dr.gather(mi.Point3f, self.position, places.row)
+        normal = dr.gather(mi.Vector3f, self.normal, places.row)
+        yes = dr.full(mi.Bool, True, dr.width(places.row))
+        return _Visible(point, normal, ~yes, yes)
+
+    def light(self, tracer: PathTracer, places: _Places) -> mi.Color3f:
+        """Return the irradiance of sensors."""
+        point = dr.gather(mi.Point3f, self.position, places.row)
+        normal = dr.gather(mi.Vector3f, self.normal, places.row)
+        vertex, sink = sensor_vertex(None, point, normal), RadianceSink()
+        return tracer.sample_sources(
+            sink, sink.begin(), vertex, places.numbers, mi.Color3f(1)
+        )
+
+
+class _Pixels:
+    # Pixels, with two sample points per batch
+    points = 2
+
+    def __init__(self, job: PixelWindowPaths):
+        self.origin = np.asarray(job.view.position, dtype=float)
+        self.rays = CameraRays.of(job.view, job.columns, job.rows)
+
+    def visible(self, model: LoweredScene, places: _Places) -> _Visible:
+        """Return the points of surfaces that are seen in the pixels."""
+        ray, valid = self._ray(places)
+        hit = model.scene.ray_intersect_preliminary(ray, active=valid)
+        shape = dr.reinterpret_array(mi.UInt32, hit.shape)
+        met = valid & hit.is_valid()
+        flags = dr.gather(mi.UInt32, model.flags_of_shape, shape, met)
+        role = dr.gather(mi.UInt32, model.window_of_shape, shape, met)
+        point, normal, found = first_hit(model, ray, valid)
+        # Surfaces that transmit and scatter are traced for all suns
+        both = met & ~only_reflects(flags) & mi.has_flag(flags, mi.BSDFFlags.Smooth)
+        return _Visible(point, normal, both, (found & (role == 0)) | both)
+
+    def light(self, tracer: PathTracer, places: _Places) -> mi.Color3f:
+        """Return the radiance of pixels."""
+        ray, valid = self._ray(places)
+        path, sink = tracer.camera_path(ray), RadianceSink()
+        return tracer.trace(sink, path, places.numbers, 1, valid)
+
+    def _ray(self, places: _Places):
+        numbers = places.numbers
+        x, y = numbers.sobol(DIRECTION_U), numbers.sobol(DIRECTION_V)
+        return self.rays.through(places.row, x, y)
+
+
+class _Group:
+    # The light in three bands
+
+    def __init__(self, job: WindowPathsJob, number: int):
         self.job = job
-        origin = np.asarray(job.view.position, dtype=float)
-        window = job.windows[job.number]
+        pixels = isinstance(job, PixelWindowPaths)
+        self.receivers = _Pixels(job) if pixels else _Sensors(job)
+        origin, window = self.receivers.origin, job.windows[number]
         zones = WindowZones.of((window,))
+        self.sequence = points(0, self.receivers.points)
         with launching():
             self.window = BeamWindow(
                 lower(job.scene, origin=origin, receivers=job.windows),
                 lower(job.scene, origin=origin),
-                job.number + 1,
+                number + 1,
                 vectors(mi.Vector3f, window.frame.normal[None]),
             )
             self.corner = vectors(mi.Point3f, zones.corner - origin)
@@ -161,49 +236,31 @@ class _Group:
                 vectors(mi.Vector3f, edge / np.square(edge).sum())
                 for edge in (zones.across, zones.upwards)
             ]
-        self.rays = CameraRays.of(job.view, job.columns, job.rows)
-        self.sequence = points(0, _POINTS)
-        self.count = job.pixels * job.batches * _POINTS
-        self.angles = solid_angles(job.view, job.columns, job.rows)
-        self.visible = self._visible()
+            count = job.receivers * job.batches * self.receivers.points
+            places = self._places(dr.arange(mi.UInt32, count))
+            self.visible = self.receivers.visible(self.window.inside, places)
+            dr.eval(self.visible)
+        if pixels:
+            self.angles = solid_angles(job.view, job.columns, job.rows)
 
     def add(self, total, share, beams: Beams, width: int) -> None:
         # See `BeamTracer.add`
         for first in range(0, len(beams.steps), _BITS):
             part = beams.select(slice(first, first + _BITS))
             place, number = self._crossing(part)
-            if len(place):
-                self._trace(total, share, part, place, number, width)
-        if beams.disc:
+            for start in range(0, len(place), _PATHS):
+                some = slice(start, start + _PATHS)
+                self._trace(total, share, part, place[some], number[some], width)
+        if beams.disc and isinstance(self.receivers, _Pixels):
             self._disc(total, share, beams, width)
 
-    def _ray(self, place):
-        # Pixel, batch, sample numbers and camera ray of a sample point
-        each, batches = (dr.opaque(mi.UInt32, n) for n in (_POINTS, self.job.batches))
-        slot, index = place // each, place % each
-        pixel = slot // batches
+    def _places(self, place) -> _Places:
+        each = dr.opaque(mi.UInt32, self.receivers.points)
+        batches = dr.opaque(mi.UInt32, self.job.batches)
+        slot = place // each
         key = mi.sample_tea_32(slot, dr.opaque(mi.UInt32, self.job.seed))[0]
-        numbers = PathNumbers(self.sequence, key, index, mi.UInt32(0))
-        x, y = numbers.sobol(DIRECTION_U), numbers.sobol(DIRECTION_V)
-        ray, valid = self.rays.through(pixel, x, y)
-        return pixel, slot % batches, numbers, ray, valid
-
-    def _visible(self) -> _Visible:
-        model = self.window.inside
-        with launching():
-            _, _, _, ray, valid = self._ray(dr.arange(mi.UInt32, self.count))
-            hit = model.scene.ray_intersect_preliminary(ray, active=valid)
-            shape = dr.reinterpret_array(mi.UInt32, hit.shape)
-            met = valid & hit.is_valid()
-            flags = dr.gather(mi.UInt32, model.flags_of_shape, shape, met)
-            role = dr.gather(mi.UInt32, model.window_of_shape, shape, met)
-            point, normal, found = first_hit(model, ray, valid)
-            # Surfaces that transmit and scatter are traced for all suns
-            both = met & ~only_reflects(flags)
-            both &= mi.has_flag(flags, mi.BSDFFlags.Smooth)
-            seen = _Visible(point, normal, both, (found & (role == 0)) | both)
-            dr.eval(seen.point, seen.normal, seen.both, seen.valid)
-        return seen
+        numbers = PathNumbers(self.sequence, key, place % each, mi.UInt32(0))
+        return _Places(slot // batches, slot % batches, numbers)
 
     def _crossing(self, beams: Beams):
         # Sample points and suns for which the line against a beam crosses the window
@@ -224,26 +281,24 @@ class _Group:
         row, number = np.nonzero(bits)
         return place[row], number
 
-    def _trace(self, total, share, beams: Beams, found, suns, width) -> None:
+    def _trace(self, total, share, beams: Beams, found, suns, width: int) -> None:
         with launching():
             place, number = on_device(mi.UInt32, found), on_device(mi.UInt32, suns)
-            pixel, batch, numbers, ray, valid = self._ray(place)
+            places = self._places(place)
             beam = _chosen(place, number, dr.opaque(mi.UInt32, self.job.seed))
             lit = _lit(self.window, beams, beam)
             tracer = PathTracer(lit.inside, (lit,), 1.0, direct_only=True)
-            path = tracer.camera_path(ray)
-            light = tracer.trace(RadianceSink(), path, numbers, 1, valid) / _POINTS
+            light = self.receivers.light(tracer, places) / self.receivers.points
             step = dr.gather(mi.UInt32, on_device(mi.UInt32, beams.steps), number)
-            at = pixel * dr.opaque(mi.UInt32, width) + step
-            _add(total, share, light, at, batch)
+            at = places.row * dr.opaque(mi.UInt32, width) + step
+            _add(total, share, light, at, places.batch)
 
-    def _disc(self, total, share, beams: Beams, width) -> None:
+    def _disc(self, total, share, beams: Beams, width: int) -> None:
         # Points of the solar disc seen through the window, each in its pixel
         job = self.job
         where = job.view.pixel(beams.direction, columns=job.columns, rows=job.rows)
-        row, column = (
-            np.floor(np.nan_to_num(where, nan=-1)).astype(int).reshape(-1, 2).T
-        )
+        place = np.floor(np.nan_to_num(where, nan=-1)).astype(int).reshape(-1, 2)
+        row, column = place.T
         seen = (row >= 0) & (row < job.rows) & (column >= 0) & (column < job.columns)
         chosen = np.flatnonzero(seen)
         angle = self.angles[row[chosen], column[chosen]]
@@ -254,7 +309,7 @@ class _Group:
             pixel = on_device(mi.UInt32, (row * job.columns + column)[chosen])
             beam = on_device(mi.UInt32, chosen)
             lit = _lit(self.window, beams, beam)
-            eye = dr.gather(mi.Point3f, self.rays.origin, pixel)
+            eye = dr.gather(mi.Point3f, self.receivers.rays.origin, pixel)
             light = lit.value * lit.seen(eye, dr.max(lit.value) > 0)
             light *= on_device(mi.Float, job.batches / (BEAMS * angle))
             step = on_device(mi.UInt32, beams.steps[chosen // BEAMS])

@@ -77,13 +77,6 @@ class SensorWindowPaths(WindowPathsJob):
         return len(self.sensors), self.batches, 1, channels_of(self.scene)
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class PixelSunPaths(PixelWindowPaths):
-    """Paths from pixels by way of the window of index `number`."""
-
-    number: int
-
-
 @dataclass(frozen=True, eq=False)
 class Records:
     """Contributions of one batch of paths, receiver by receiver.

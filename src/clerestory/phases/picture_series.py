@@ -132,7 +132,7 @@ class _Step:
     # Radiance or luminance of the pixels at one time step, and its error, if computed
     light: Float32[np.ndarray, "out pixel"]
     variance: Float32[np.ndarray, " uncertain"]
-    shared: Float32[np.ndarray, "draw pixel"]
+    shared: Float32[np.ndarray, "draw uncertain"]
 
     def pixels(
         self,
@@ -178,7 +178,7 @@ class _Series:
             if block.rows.start == 0:
                 light = np.zeros((len(self.weights), pixels, steps), np.float32)
                 variance = np.zeros((pixels * self.errors, steps), np.float32)
-                shared = np.zeros((draws, pixels, steps), np.float32)
+                shared = np.zeros((draws, len(variance), steps), np.float32)
             light[:, block.rows, block.steps] = block.terms.sum(axis=0)
             if self.errors:
                 self._add_deviations(block, variance, shared)

@@ -1,46 +1,36 @@
-"""Direct-sun coefficients, and black scenes for the direct terms of phase methods.
+"""Direct-sun coefficients C_ds of sensors and pictures.
 
-    C_ds  sensors × suns   irradiance per direct normal irradiance
+    sensors × suns   irradiance per direct normal irradiance
+    pixels × suns    radiance per direct normal irradiance [1/sr]
 
 All surfaces are black: light travels straight from the sky to the window and from the
 window to the sensor, and is scattered by the window alone.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 from typing import Unpack
 
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.bands import RGB
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.checks import has_shape, one_of, require
-from clerestory.engine.controller import estimate
-from clerestory.engine.direct_sun_jobs import SunJob
-from clerestory.engine.effort import Effort, EffortKeywords, effort_of
-from clerestory.engine.work_units import Goal
-from clerestory.matrix.axis import sun_axis
+from clerestory.engine.effort import EffortKeywords
+from clerestory.matrix.axis import pixel_axis, sun_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.camera import Camera
+from clerestory.phases.direct_light import blackened, sun_effort
+from clerestory.phases.sunlit import in_sunlight
 from clerestory.phases.traced_matrices import sensors_axis
-from clerestory.scene.model import Plastic, Scene
+from clerestory.phases.window_paths import (
+    PIXEL_SAMPLES,
+    SENSOR_SAMPLES,
+    picture_window_paths,
+    sensor_window_paths,
+)
+from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.window import Window
-
-# Default number of paths per sensor and sun
-_SAMPLES = 64
-
-# Sampling parameters that do not apply to direct-sun coefficients
-_WITHOUT = ("relative_error", "bounces", "batches", "components")
-
-_BLACK = Plastic("black", np.zeros(3))
-
-
-def blackened(scene: Scene) -> Scene:
-    """Return the scene with black surfaces, without sources at infinity."""
-    return Scene(
-        {"black": _BLACK},
-        tuple(replace(surface, material="black") for surface in scene.surfaces),
-    )
 
 
 def sun_coefficients(
@@ -61,60 +51,45 @@ def sun_coefficients(
 
     Parameters
     ----------
-    scene : obstructions outside and inside
+    scene : obstructions outside and inside, all taken as black
     windows : all windows; windows other than `window` are opaque
     window : name of the window for which coefficients are computed
     bsdf : BSDF of this window, matrix or tensor tree, at full resolution
     suns : unit vectors to the suns
     peak : whether direct-direct transmission is extracted from the BSDF, as by Radiance
         aBSDF
-    samples : number of paths per sensor and sun
+    samples : number of paths per sensor, for all suns
     """
-    effort = sun_effort(sun_coefficients, keywords, samples=_SAMPLES)
-    number = window_number(windows, window, bsdf, suns)
-    behind = suns @ windows[number].frame.normal < 0
-    job = SunJob(
-        scene=blackened(scene),
-        windows=tuple(windows),
-        number=number,
-        bsdf=bsdf,
-        sensors=sensors,
-        suns=suns[behind],
-        peak=peak,
-        samples=effort.samples or _SAMPLES,
-        **effort.job_options(),
-    )
-    lit = estimate(job, effort)
-    assert lit.components is not None
-    shape = len(lit.values), len(sensors), len(suns)
-    values = np.zeros(shape)
-    values[..., behind] = lit.values
-    components = np.zeros((len(lit.components), *shape), np.float32)
-    components[..., behind] = lit.components
+    effort = sun_effort(sun_coefficients, keywords, samples=SENSOR_SAMPLES)
+    paths = sensor_window_paths(blackened(scene), windows, sensors, effort=effort)
+    lit = in_sunlight(paths, window, bsdf, suns=suns, peak=peak)
+    colour = bsdf.in_colour("transmission_front")
+    values, parts = lit.coefficients(len(RGB) if colour else 1)
     axes = sensors_axis(sensors), sun_axis(len(suns))
-    return TransferMatrix(values, *axes, components)
+    return TransferMatrix(values, *axes, parts, RGB)
 
 
-def sun_effort(
-    function: Callable[..., object], keywords: EffortKeywords, *, samples: int
-) -> Effort:
-    """Return the checked sampling parameters for tracing direct sunlight.
+def picture_sun_coefficients(
+    scene: Scene,
+    windows: Sequence[Window],
+    window: str,
+    bsdf: Bsdf,
+    camera: Camera,
+    *,
+    suns: Float[np.ndarray, "sun 3"],
+    peak: bool = False,
+    **keywords: Unpack[EffortKeywords],
+) -> TransferMatrix:
+    """Direct-sun coefficients of a picture [1/sr].
 
-    `samples` is the default number of paths per receiver and sun.
+    Pixel radiance per direct normal irradiance: the sun seen through the window
+    (C_F-ds) plus sunlight reflected once in the room (C_R-ds). See `sun_coefficients`
+    for the parameters; `samples` is the number of paths per pixel, for all suns.
     """
-    goal, most = Goal(samples), 1 << 20
-    return effort_of(
-        function, keywords, default=goal, most_samples=most, without=_WITHOUT
-    )
-
-
-def window_number(
-    windows: Sequence[Window], window: str, bsdf: Bsdf, suns: Float[np.ndarray, "sun 3"]
-) -> int:
-    """Check window name, BSDF and suns, and return the index of the window."""
-    names = [each.name for each in windows]
-    one_of(window, "window", choices=names)
-    message = "the BSDF has no visible transmission; a transmitting layer expected"
-    require(bsdf.has("transmission_front"), message, file=bsdf.source)
-    has_shape(suns, (len(suns), 3), "array of unit vectors to the suns")
-    return names.index(window)
+    effort = sun_effort(picture_sun_coefficients, keywords, samples=PIXEL_SAMPLES)
+    paths = picture_window_paths(scene, windows, camera, effort=effort)
+    lit = in_sunlight(paths, window, bsdf, suns=suns, peak=peak)
+    values, parts = lit.coefficients(len(scene.bands))
+    axes = pixel_axis(len(camera)), sun_axis(len(suns))
+    # The two components are opposite; one of them is the error
+    return TransferMatrix(values, *axes, parts[:1] * np.float32(2**0.5), scene.bands)

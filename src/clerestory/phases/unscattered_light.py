@@ -23,7 +23,7 @@ from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.reinhart import reinhart
 from clerestory.matrix.axis import sky_axis, sun_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.sun_coefficients import sun_effort
+from clerestory.phases.direct_light import sun_effort
 from clerestory.phases.traced_matrices import sensors_axis
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors

@@ -13,9 +13,10 @@ import numpy as np
 
 from clerestory.engine.effort import Effort
 from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.direct_light import blackened
 from clerestory.phases.matrix_equation import MatrixChain
 from clerestory.phases.methods import METHODS
-from clerestory.phases.sun_coefficients import blackened, sun_coefficients
+from clerestory.phases.sun_coefficients import sun_coefficients
 from clerestory.phases.traced_matrices import daylight_coefficients
 from clerestory.phases.unscattered_light import (
     unscattered_coefficients,

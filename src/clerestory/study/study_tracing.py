@@ -11,6 +11,7 @@ from functools import partial
 from clerestory.engine.effort import Effort
 from clerestory.errors import InputError
 from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.direct_light import blackened
 from clerestory.phases.facade_matrices import facade_daylight, facade_matrices
 from clerestory.phases.fingerprint import fingerprint
 from clerestory.phases.matrix_equation import (
@@ -26,7 +27,6 @@ from clerestory.phases.stored_views import (
     stored_columns,
     with_few_components,
 )
-from clerestory.phases.sun_coefficients import blackened
 from clerestory.phases.traced_matrices import (
     daylight_matrices,
     daylight_matrix,

@@ -26,6 +26,7 @@ from clerestory.phases.picture_series import (
     uncertain_luminance_over_time,
 )
 from clerestory.phases.stored_views import FEW, with_few_components
+from clerestory.phases.sunlit import in_sunlight
 from clerestory.phases.window_paths import WindowPaths, picture_window_paths
 from clerestory.study.config_tables import ViewTable
 from clerestory.study.job import DIRECT, Job
@@ -202,7 +203,8 @@ def _sunlit(
     facade = METHODS[job.study.method].facade
     return MatrixChain(
         tuple(
-            paths.sunlit(
+            in_sunlight(
+                paths,
                 group.name,
                 state.fine,
                 suns=directions,

@@ -16,8 +16,10 @@ from clerestory.hemisphere.klems import klems
 from clerestory.phases.camera import Camera
 from clerestory.phases.facade_matrices import facade_matrix
 from clerestory.phases.picture_matrices import picture_view_matrices
-from clerestory.phases.sun_coefficients import sun_coefficients
-from clerestory.phases.window_paths import picture_sun_coefficients
+from clerestory.phases.sun_coefficients import (
+    picture_sun_coefficients,
+    sun_coefficients,
+)
 from clerestory.scene.model import Polygon, Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View

@@ -1,0 +1,235 @@
+"""Product of recorded paths to a window and its radiance in sunlight: C_ds S_sun.
+
+The radiance of the window is tabulated by exit cell and time step, the transmittance
+from the sun to the window by zone and sun. Narrow beams of light, which the paths would
+miss, are traced for the suns in question.
+"""
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float, Float32
+from scipy.sparse import csc_array
+
+from clerestory.bands import RGB
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.checks import require
+from clerestory.engine import device as devices
+from clerestory.phases.direct_light import window_number
+from clerestory.phases.exit_cells import ExitCells
+from clerestory.phases.window_paths import WindowPaths
+from clerestory.scene.model import Scene
+
+# Number of points of a zone at which the transmittance from the sun is sampled
+_ZONE_POINTS = 16
+
+# Suns per block of C_ds
+_SUNS = 64
+
+
+@dataclass(frozen=True, eq=False)
+class SunlitReceivers:
+    """Pixels or sensors in sunlight transmitted by one window in one shade state.
+
+    C_ds of a pixel is its radiance per direct normal irradiance [1/sr], C_F-ds + C_R-ds
+    in the notation of the extended five-phase method; of a sensor, its irradiance.
+    """
+
+    paths: WindowPaths
+    window: int
+    bsdf: Bsdf
+    suns: Float[np.ndarray, "sun 3"]
+    peak: bool
+    scene: Scene
+    _last: dict[tuple[bytes, ...], tuple[np.ndarray, np.ndarray]] = field(
+        default_factory=dict
+    )
+
+    def received(
+        self, normal: csc_array, weights: Float[np.ndarray, "out band"]
+    ) -> tuple[
+        Float32[np.ndarray, "out pixel step"], Float32[np.ndarray, "out pixel step"]
+    ]:
+        """Return the radiance under suns, weighted by band, and its error component.
+
+        `normal` is the direct normal irradiance (sun × step), of at most one sun per
+        step.
+        """
+        key = normal.indices.tobytes(), normal.data.tobytes(), weights.tobytes()
+        if key not in self._last:
+            self._last.clear()
+            self._last[key] = self._received(normal, weights)
+        return self._last[key]
+
+    def _received(
+        self, normal: csc_array, weights: Float[np.ndarray, "out band"]
+    ) -> tuple[np.ndarray, np.ndarray]:
+        steps, pixels = normal.shape[1], self.paths.job.receivers
+        sun = np.full(steps, -1)
+        coordinates = normal.tocoo()
+        sun[coordinates.coords[1]] = coordinates.coords[0]
+        lit = np.flatnonzero(sun >= 0)
+        lit = lit[self._behind[sun[lit]]]
+        found = np.zeros((2, len(weights), pixels, steps), np.float32)
+        if len(lit) == 0 or not self._traced:
+            return found[0], found[1]
+        irradiance = np.asarray(normal.sum(axis=0)).ravel()[lit]
+        one, other = self._batches(sun[lit], irradiance, weights)
+        found[0][..., lit], found[1][..., lit] = (one + other) / 2, (one - other) / 2
+        return found[0], found[1]
+
+    @cached_property
+    def _traced(self) -> bool:
+        # Whether there are paths: not in a dry run
+        return any(len(each.codes) for each in self.paths.records)
+
+    @cached_property
+    def _behind(self) -> np.ndarray:
+        frame = self.paths.job.windows[self.window].frame
+        return np.asarray(self.suns @ frame.normal < 0)
+
+    def _batches(
+        self,
+        sun: np.ndarray,
+        irradiance: np.ndarray,
+        weights: Float[np.ndarray, "out band"],
+    ) -> Float32[np.ndarray, "batch out pixel step"]:
+        job = self.paths.job
+        engine: Any = devices.load(job.device, "path_product")
+        cells = ExitCells.of(self.bsdf)
+        product = self.paths.product(self.window, cells)
+        width = engine.padded(len(sun))
+        extra = [(0, 0), (0, 0), (0, width - len(sun))]
+        light = self._table.radiance(cells.directions, self.suns[sun])
+        light *= irradiance.astype(np.float32)
+        spread, beams = self._beams(cells, light, self.suns[sun], irradiance)
+        light = np.pad(np.concatenate([spread, light], axis=1), extra)
+        passed = np.pad(self._transmittance[..., sun], extra)
+        sums = [
+            [self._sum(product, batch, row, light, passed) for row in weights]
+            for batch in range(len(product))
+        ]
+        for each in beams:
+            self._beam_tracer.add(sums, weights, each, width)
+        shape = len(sums), len(weights), job.receivers, width
+        return np.array([[o.numpy() for o in b] for b in sums]).reshape(shape)[
+            ..., : len(sun)
+        ]
+
+    def _sum(
+        self,
+        product: Any,
+        batch: int,
+        weights: Float[np.ndarray, " band"],
+        light: Float32[np.ndarray, "channel cell step"],
+        passed: Float32[np.ndarray, "channel zone step"],
+    ) -> Any:
+        # Scattered sunlight by pixel and step, on the compute device
+        channels = len(self.paths.records[batch].weights)
+        if len(light) == len(passed) == 1:
+            share = weights if channels > 1 else weights.sum(keepdims=True)
+            return product.received(batch, share, light[0], passed[0])
+        total = 0.0
+        for band, weight in enumerate(weights):
+            if weight:
+                share = np.zeros(channels)
+                share[band % channels] = weight
+                radiance, zones = light[band % len(light)], passed[band % len(passed)]
+                total = product.received(batch, share, radiance, zones) + total
+        return total
+
+    @cached_property
+    def _table(self) -> Any:
+        engine: Any = devices.load(self.paths.job.device, "sun_tables")
+        frame = self.paths.job.windows[self.window].frame
+        return engine.SunlitBsdf(self.bsdf, frame, peak=self.peak)
+
+    @cached_property
+    def _transmittance(self) -> Float32[np.ndarray, "channel zone sun"]:
+        window, job = self.paths.job.windows[self.window], self.paths.job
+        engine: Any = devices.load(job.device, "sun_tables")
+        points = self.paths.zones.points(self.window, window.polygons, _ZONE_POINTS)
+        normal = window.frame.normal
+        return np.asarray(
+            engine.sun_transmittance(self.scene, points, normal, self.suns)
+        )
+
+    def _beams(
+        self,
+        cells: ExitCells,
+        light: Float32[np.ndarray, "channel cell step"],
+        suns: Float[np.ndarray, "step 3"],
+        irradiance: Float[np.ndarray, " step"],
+    ) -> tuple[Float32[np.ndarray, "channel cell step"], list[Any]]:
+        # Radiance for light reflected by pixels, without narrow beams, and the beams
+        engine: Any = devices.load(self.paths.job.device, "sun_beams")
+        frame, found = self.paths.job.windows[self.window].frame, []
+        if cells.corners is not None:
+            narrow = engine.narrow_cells(light)
+            if narrow.any():
+                bright = np.where(narrow, light, 0)
+                found.append(
+                    engine.narrow_beams(
+                        bright, cells.corners, suns, frame, seed=self.paths.job.seed
+                    )
+                )
+                light = light - bright
+        if self.peak:
+            found.append(self._unscattered.of(suns, irradiance))
+        return light, found
+
+    @cached_property
+    def _unscattered(self) -> Any:
+        engine: Any = devices.load(self.paths.job.device, "sun_beams")
+        frame = self.paths.job.windows[self.window].frame
+        return engine.UnscatteredBeams(self.bsdf, frame)
+
+    @cached_property
+    def _beam_tracer(self) -> Any:
+        job = self.paths.job
+        engine: Any = devices.load(job.device, "beam_tracer")
+        return engine.BeamTracer(replace(job, scene=self.scene), self.window)
+
+    def coefficients(
+        self, bands: int
+    ) -> tuple[
+        Float32[np.ndarray, "band row sun"],
+        Float32[np.ndarray, "component band row sun"],
+    ]:
+        """Return C_ds and its error components, in one band or in all of the scene."""
+        job, weights = self.paths.job, np.eye(bands)
+        shape = job.batches, bands, job.receivers, len(self.suns)
+        found = np.zeros(shape, np.float32)
+        lit = np.flatnonzero(self._behind)
+        for first in range(0, len(lit) * self._traced, _SUNS):
+            sun = lit[first : first + _SUNS]
+            found[..., sun] = self._batches(sun, np.ones(len(sun)), weights)
+        mean = found.mean(axis=0)
+        found -= mean
+        return mean, found / np.float32(np.sqrt(job.batches * (job.batches - 1)))
+
+
+def in_sunlight(
+    paths: WindowPaths,
+    window: str,
+    bsdf: Bsdf,
+    *,
+    suns: Float[np.ndarray, "sun 3"],
+    peak: bool = False,
+    scene: Scene | None = None,
+) -> SunlitReceivers:
+    """Return the pixels or sensors in sunlight from one window, in one shade state.
+
+    `scene`, by default that of the paths, contains what shades the window outside.
+    """
+    number = window_number(paths.job.windows, window, bsdf, suns)
+    bands = paths.job.scene.bands
+    require(
+        bands == RGB or not bsdf.in_colour("transmission_front"),
+        f"the BSDF is in {RGB}, the scene in {bands}; a BSDF that is the same in"
+        " all bands expected",
+        file=bsdf.source,
+    )
+    return SunlitReceivers(paths, number, bsdf, suns, peak, scene or paths.job.scene)
