@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from pairwise_sun import pairwise_sun
 from physics_scenes import box, grey, quad, window
+from scipy.sparse import csc_array
 from test_sun_through_trees import over_disc, quadrature, towards
 
 from clerestory.bands import RGB
@@ -20,16 +21,16 @@ from clerestory.bsdf.scattering_function import FUNCTIONS
 from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.bsdf.tree_parser import parse_tree
 from clerestory.bsdfgen.generate import generate_bsdf
+from clerestory.bsdfgen.panes_and_fabrics import clear_pane
 from clerestory.bsdfgen.venetian_geometry import venetian
 from clerestory.colorimetry import wavelength_bands
 from clerestory.engine import window_path_jobs
 from clerestory.hemisphere.klems import klems
 from clerestory.phases.camera import Camera
 from clerestory.phases.picture_matrices import picture_view_matrices
-from clerestory.phases.window_paths import (
-    picture_sun_coefficients,
-    picture_window_paths,
-)
+from clerestory.phases.sun_coefficients import picture_sun_coefficients
+from clerestory.phases.sunlit import in_sunlight
+from clerestory.phases.window_paths import picture_window_paths
 from clerestory.scene.model import Plastic, Scene
 from clerestory.scene.view import View, solid_angles
 
@@ -38,8 +39,11 @@ NINE = wavelength_bands(np.linspace(380, 780, 10))
 
 # Altitudes on both sides of the cut-off angle of the blind, and a low sun
 SUNS = np.array(
-    [towards(170, 20), towards(200, 33), towards(180, 48), towards(140, 62)]
+    [towards(170, 25), towards(200, 33), towards(178, 53), towards(140, 62)]
 )
+
+# Pixels along an edge of a picture, and of a block
+SIZE, EDGE = 96, 16
 
 # From the back of the room to the window, and down to the floor behind it
 BACK = View(
@@ -76,30 +80,44 @@ def isotropic():
     return Bsdf({("visible", name): tree for name in FUNCTIONS})
 
 
+@cache
+def pane():
+    """A clear pane as a tree of rank 3: its light leaves in one cell."""
+    return generate_bsdf(
+        clear_pane(), basis="tree3", halvings=5, sides="both", samples=200, seed=3,
+        geometry=False,
+    )  # fmt: skip
+
+
 BSDFS = {
     "Klems": lambda: blind("full"),
     "rank 4": lambda: blind("tree4"),
     "rank 3": isotropic,
+    "pane": pane,
 }
 
+# The pairwise estimator removes parts of Klems patches that reach into the peak, and
+# loses their flux; random values of neighbouring cells have no peak
+PEAKS = {"Klems": SUNS[[0, 1, 3]], "rank 4": SUNS, "pane": SUNS}
 
-def camera(view=BACK, size=24):
+
+def camera(view=BACK, size=SIZE):
     return Camera(view, size, size)
 
 
-def blocks(values, edge=4, size=24):
+def blocks(values, edge=EDGE, size=SIZE):
     """Means over blocks of edge × edge pixels of (…, pixel, sun)."""
     few = size // edge
     parts = values.reshape(*values.shape[:-2], few, edge, few, edge, -1)
     return parts.mean(axis=(-4, -2))
 
 
-def block_errors(error, edge=4, size=24):
+def block_errors(error, edge=EDGE, size=SIZE):
     """Standard errors of blocks of pixels with independent errors."""
     return np.sqrt(blocks(np.square(error), edge, size)) / edge
 
 
-def compare(found, error, expected, noise, *, edge=4, size=24, bias=0.01):
+def compare(found, error, expected, noise, *, edge=EDGE, size=SIZE, bias=0.01):
     """Blocks agree within a share of their radiance and four standard errors."""
     assert expected.max() > 0
     value, truth = (blocks(v, edge, size) for v in (found, expected))
@@ -117,8 +135,8 @@ def compare(found, error, expected, noise, *, edge=4, size=24, bias=0.01):
 
 
 def against_pairs(
-    scene, windows, bsdf, *, number=0, peak=False, view=BACK, suns=SUNS, samples=128,
-    device="cpu", bias=0.01, pairs=512,
+    scene, windows, bsdf, *, number=0, peak=False, view=BACK, suns=SUNS, samples=16,
+    device="cpu", bias=0.01, pairs=32,
 ):  # fmt: skip
     """Compare recorded paths with the pairwise estimator."""
     given = scene, windows, windows[number].name, bsdf, camera(view)
@@ -129,14 +147,14 @@ def against_pairs(
         scene, windows, bsdf, camera(view), suns, number=number, peak=peak,
         samples=pairs, device=device,
     )  # fmt: skip
-    return compare(found.values, found.components[0], expected, noise, bias=bias)
+    return compare(found.values, found.standard_error, expected, noise, bias=bias)
 
 
 @pytest.mark.parametrize("reflectance", [0.5, (0.7, 0.4, 0.1)], ids=["grey", "rgb"])
 def test_direct_view_matrix_is_that_of_the_path_tracer(device, reflectance):
     """V_d, patch by patch of blocks of pixels, and each window by itself."""
     scene, windows = two_windows(reflectance)
-    shared = {"samples": 256, "device": device}
+    shared = {"samples": 16, "device": device}
     paths = picture_window_paths(scene, windows, camera(), seed=1, **shared)
     traced = picture_view_matrices(
         scene, windows, camera(), direct=True, seed=2, **shared
@@ -145,8 +163,8 @@ def test_direct_view_matrix_is_that_of_the_path_tracer(device, reflectance):
         other = traced[name]
         # One channel is enough for grey rooms
         value = np.broadcast_to(found.values, other.values.shape)
-        error = np.broadcast_to(found.components[0], other.values.shape)
-        noise = other.components[0]
+        error = np.broadcast_to(found.standard_error, other.values.shape)
+        noise = other.standard_error
         # Patches that many paths reach; others have errors of few paths
         many = blocks(other.values) > 1e-3 * other.values.sum(axis=-1).mean()
         spread = np.hypot(block_errors(error), block_errors(noise))
@@ -160,31 +178,42 @@ def test_direct_view_matrix_is_that_of_the_path_tracer(device, reflectance):
 
 
 @pytest.mark.parametrize("kind", BSDFS)
-@pytest.mark.parametrize("peak", [False, True], ids=["spread", "peak"])
-def test_blocks_agree_with_pairs_of_pixels_and_suns(device, kind, peak):
+def test_blocks_agree_with_pairs_of_pixels_and_suns(device, kind):
+    """Narrow lobes too: the pairwise estimator samples them for each sun."""
     scene, south = box(4, 5, 3, 0.5)
-    against_pairs(scene, [south], BSDFS[kind](), peak=peak, device=device)
+    against_pairs(scene, [south], BSDFS[kind](), device=device)
+
+
+@pytest.mark.parametrize("kind", PEAKS)
+def test_blocks_agree_where_sunlight_is_unscattered(device, kind):
+    scene, south = box(4, 5, 3, 0.5)
+    given = {"suns": PEAKS[kind], "peak": True, "device": device}
+    against_pairs(scene, [south], BSDFS[kind](), **given)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", ["Klems", "rank 3", "rank 4"])
+@pytest.mark.parametrize("kind", BSDFS)
 @pytest.mark.parametrize("peak", [False, True], ids=["spread", "peak"])
-@pytest.mark.parametrize("seed", [1, 2])
-def test_errors_of_blocks_are_honest(device, kind, peak, seed):
+def test_errors_of_blocks_are_honest(device, kind, peak):
     """Few paths against many pairs: z-scores of blocks have a variance of 1."""
     scene, south = box(4, 5, 3, 0.5)
-    bsdf = BSDFS[kind]()
-    found = picture_sun_coefficients(
-        scene, [south], "south", bsdf, camera(),
-        suns=SUNS, peak=peak, samples=4, seed=seed, device=device,
-    )  # fmt: skip
+    bsdf, suns = BSDFS[kind](), PEAKS.get(kind, SUNS)
     expected, noise = pairwise_sun(
-        scene, [south], bsdf, camera(), SUNS, peak=peak, samples=2048, device=device
-    )
-    score, bright = compare(found.values, found.components[0], expected, noise)
-    for sun in range(len(SUNS)):
-        known = score[..., sun][bright[..., sun]]
-        assert 0.6 < np.sqrt(np.mean(known**2)) < 1.5
+        scene, [south], bsdf, camera(), suns, peak=peak and kind in PEAKS,
+        samples=256, device=device,
+    )  # fmt: skip
+    scores = []
+    for seed in range(1, 5):
+        found = picture_sun_coefficients(
+            scene, [south], "south", bsdf, camera(),
+            suns=suns, peak=peak and kind in PEAKS, samples=4, seed=seed,
+            device=device,
+        )  # fmt: skip
+        score, bright = compare(found.values, found.standard_error, expected, noise)
+        scores.append(np.where(bright, score, np.nan))
+    for sun in range(len(suns)):
+        each = np.stack(scores)[..., sun]
+        assert 0.7 < np.sqrt(np.nanmean(np.square(each))) < 1.4
 
 
 def floor_point(x, y, reach=3.0):
@@ -197,7 +226,7 @@ def floor_point(x, y, reach=3.0):
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("kind", BSDFS)
+@pytest.mark.parametrize("kind", ["Klems", "rank 4", "rank 3"])
 def test_floor_reflects_the_integral_over_window_and_disc(device, kind):
     """L = ρ/π ∫ f cos θ_sun cos θ dω, by quadrature: no tracing on the other side."""
     scene, south = box(4, 5, 3, 0.5)
@@ -211,12 +240,12 @@ def test_floor_reflects_the_integral_over_window_and_disc(device, kind):
             [0.5 / np.pi * quadrature(south, bsdf, np.array(eye), s) for s in SUNS]
         )
         value = found.values[0].mean(axis=0)
-        error = np.sqrt(np.square(found.components[0, 0]).mean(axis=0) / 64)
+        error = np.sqrt(np.square(found.standard_error[0]).mean(axis=0) / 64)
         assert np.all(error < 0.02 * expected)
         assert np.all(abs(value - expected) < 4 * error + 0.01 * expected)
 
 
-@pytest.mark.parametrize("kind", BSDFS)
+@pytest.mark.parametrize("kind", ["Klems", "rank 4", "rank 3"])
 def test_window_has_the_radiance_of_the_layer(device, kind):
     """C_F-ds: f(ω_sun, ω) cos θ_sun, the mean over a pixel and over the disc."""
     scene, south = box(4, 5, 3, 0.0)
@@ -238,7 +267,8 @@ def test_window_has_the_radiance_of_the_layer(device, kind):
             value = value.reshape(size, fine, size, fine).mean(axis=(1, 3)).ravel()
             expected[:, number] += value * -(one @ south.frame.normal) / 6
     nothing = np.zeros_like(expected)
-    compare(found.values[0], found.components[0, 0], expected, nothing, size=size)
+    value, error = found.values[0], found.standard_error[0]
+    compare(value, error, expected, nothing, size=size, edge=3)
 
 
 def two_windows(reflectance=0.5):
@@ -301,8 +331,6 @@ def test_window_of_several_polygons(device, peak):
         quad((1.6, 0, 1), (1.6, 0, 2.2), (2.3, 0, 2.2), (2.3, 0, 1)),
         quad((4, 0, 0.5), (2.7, 0, 0.5), (3.6, 0, 2.9)),
     )
-    front = quad((0, -0.02, 0), (0, -0.02, 3), (4, -0.02, 3), (4, -0.02, 0))
-    del front
     south = window(*panes)
     against_pairs(scene, [south], blind("tree4"), peak=peak, device=device)
 
@@ -386,12 +414,12 @@ def test_suns_behind_the_wall_give_nothing(device):
     for kind in BSDFS:
         for peak in (False, True):
             found = picture_sun_coefficients(
-                scene, [south], "south", BSDFS[kind](), camera(),
+                scene, [south], "south", BSDFS[kind](), camera(size=24),
                 suns=suns, peak=peak, samples=4, device=device,
             )  # fmt: skip
             assert found.values[..., 0].max() > 0
             assert not found.values[..., [1, 3]].any()
-            assert not found.components[..., [1, 3]].any()
+            assert not found.standard_error[..., [1, 3]].any()
 
 
 def test_same_seed_gives_the_same_bits_in_work_units_of_any_size(device, monkeypatch):
@@ -399,10 +427,10 @@ def test_same_seed_gives_the_same_bits_in_work_units_of_any_size(device, monkeyp
 
     def traced(seed):
         paths = picture_window_paths(
-            scene, windows, camera(), samples=8, seed=seed, device=device
+            scene, windows, camera(size=24), samples=8, seed=seed, device=device
         )
         lit = picture_sun_coefficients(
-            scene, windows, "west", blind("tree4"), camera(),
+            scene, windows, "west", blind("tree4"), camera(size=24),
             suns=np.array([towards(230, 30)]), peak=True, samples=8, seed=seed,
             device=device,
         )  # fmt: skip
@@ -503,21 +531,21 @@ def test_parallel_view_against_the_sun(device):
         kind="parallel", horizontal=6, vertical=6, direction=sun,
         position=np.array([2, 2.5, 1.5]),
     )  # fmt: skip
-    given = scene, [south], clear_air(KLEMS), Camera(view, 24, 24)
+    given = scene, [south], clear_air(KLEMS), Camera(view, SIZE, SIZE)
     expected, noise = pairwise_sun(*given[:2], *given[2:], sun[None], peak=True)
     found = picture_sun_coefficients(
         *given[:2], "south", *given[2:],
         suns=sun[None], peak=True, samples=64, device=device,
     )  # fmt: skip
-    compare(found.values, found.components[0], expected, noise)
+    compare(found.values, found.standard_error, expected, noise)
 
 
 def test_luminance_of_bands_is_weighted(device):
     """`received` with photometric weights is the weighted sum of the bands."""
     scene, south = box(4, 5, 3, (0.7, 0.4, 0.1))
-    paths = picture_window_paths(scene, [south], camera(), samples=8, device=device)
-    lit = paths.sunlit("south", blind("tree4"), suns=SUNS, peak=True)
-    from scipy.sparse import csc_array
+    small = camera(size=24)
+    paths = picture_window_paths(scene, [south], small, samples=8, device=device)
+    lit = in_sunlight(paths, "south", blind("tree4"), suns=SUNS, peak=True)
 
     # One sun at each step; the second is dark
     normal = csc_array(np.diag([500.0, 0, 800.0, 300.0]))
@@ -530,10 +558,8 @@ def test_luminance_of_bands_is_weighted(device):
     assert weighted[:, [0, 2, 3]].mean() > 1
 
 
-def test_glossy_and_clear_surfaces_reflect_the_sun(device):
-    """Rough plastic: its lobes are wider than the cells of a matrix."""
-    scene, south = box(4, 5, 3, 0.4, specularity=0.05, roughness=0.2)
-    del scene
+def test_rough_plastic_reflects_the_sun(device):
+    """Rough plastic: its highlights are wider than a patch."""
     room, south = box(4, 5, 3, 0.4)
     glossy = Scene(
         {"wall": replace(grey(0.4), specularity=0.05, roughness=0.2)}, room.surfaces

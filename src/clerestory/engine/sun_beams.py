@@ -19,7 +19,7 @@ from clerestory.engine.upload import launching, vectors
 from clerestory.hemisphere.shirley_chiu import directions_from_square
 
 # Number of beams of a sun, a power of two
-BEAMS = 64
+BEAMS = 256
 
 # Cells with a larger share of the transmitted flux of a sun form narrow beams
 _NARROW = 0.005

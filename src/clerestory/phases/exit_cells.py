@@ -17,6 +17,9 @@ from clerestory.scene.window_zones import CELLS, EDGE, cell_directions
 # Largest number of halvings of a grid of exit cells
 _FINEST = 9
 
+# Smallest number of halvings for trees of rank 3
+_TURNED = 7
+
 
 @dataclass(frozen=True, eq=False)
 class ExitCells:
@@ -43,8 +46,11 @@ class ExitCells:
         if tree is None:
             first = bsdf.function("transmission_front").exits
             return _patches_of(first)
-        # Rank 3 trees turn with the azimuth of the sun: cells half as large follow them
-        return _halved(min(tree.depth + (tree.rank == 3), _FINEST))
+        # Rank 3 trees turn with the azimuth of the sun: smaller cells follow them
+        turns = tree.rank == 3
+        return _halved(
+            min(max(tree.depth + 1, _TURNED) if turns else tree.depth, _FINEST)
+        )
 
 
 def _tree(part: ScatteringFunction) -> ScatteringTree | None:
