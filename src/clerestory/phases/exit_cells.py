@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from jaxtyping import Float, UInt32
+from jaxtyping import Float, Int, UInt32
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.scattering_function import ScatteringFunction
@@ -27,13 +27,23 @@ class ExitCells:
     key : partition, or the number of halvings of a tensor tree
     number : cell of each cell of a code; see `scene.window_zones`
     directions : representative directions, in the window's frame
-    corners : low corners of cells of a square grid; None for other cells
+    sizes : projected solid angles of the cells [sr]
     """
 
-    key: object
+    key: RingPartition | int
     number: UInt32[np.ndarray, " code"]
     directions: Float[np.ndarray, "cell 3"]
-    corners: Float[np.ndarray, "cell 2"] | None = None
+    sizes: Float[np.ndarray, " cell"]
+
+    def sample(
+        self, cell: Int[np.ndarray, "*batch"], u: Float[np.ndarray, "*batch 2"]
+    ) -> Float[np.ndarray, "*batch 3"]:
+        """Return directions in cells, uniform in projected solid angle."""
+        if isinstance(self.key, RingPartition):
+            return self.key.sample(cell, u)
+        edge = 1 << self.key
+        place = (np.stack(np.divmod(cell, edge), axis=-1) + u) / edge
+        return directions_from_square(place[..., 0], place[..., 1])
 
     @classmethod
     def of(cls, bsdf: Bsdf) -> "ExitCells":
@@ -58,7 +68,9 @@ def _tree(part: ScatteringFunction) -> ScatteringTree | None:
 @lru_cache(maxsize=4)
 def _patches_of(partition: RingPartition) -> ExitCells:
     number = partition.find(cell_directions()).astype(np.uint32)
-    return ExitCells(partition, number, partition.centres())
+    return ExitCells(
+        partition, number, partition.centres(), partition.projected_solid_angles()
+    )
 
 
 @lru_cache(maxsize=4)
@@ -66,6 +78,6 @@ def _halved(halvings: int) -> ExitCells:
     row, column = np.divmod(np.arange(CELLS, dtype=np.uint32), np.uint32(EDGE))
     shift = np.uint32(EDGE.bit_length() - 1 - halvings)
     number = ((row >> shift) << np.uint32(halvings)) + (column >> shift)
-    centres = cell_centres(halvings)
-    corners = np.stack(centres, axis=-1) - 0.5 / (1 << halvings)
-    return ExitCells(halvings, number, directions_from_square(*centres), corners)
+    cells = 1 << 2 * halvings
+    centres = directions_from_square(*cell_centres(halvings))
+    return ExitCells(halvings, number, centres, np.full(cells, np.pi / cells))

@@ -16,6 +16,7 @@ import numpy as np
 from jaxtyping import Float, Int, UInt32
 
 from clerestory.checks import require
+from clerestory.constants import R2
 from clerestory.hemisphere.shirley_chiu import cell_centres, directions_from_square
 from clerestory.scene.surface import Polygon
 from clerestory.scene.triangulate import triangulate
@@ -30,9 +31,6 @@ CELLS = 1 << CELL_BITS
 # Bit of a code of 32 bits, and largest number of zones of all windows together
 STRAIGHT = 1 << 31
 _ZONES = STRAIGHT // CELLS
-
-# Increments of the R2 sequence (M. Roberts, 2018): powers of the inverse plastic number
-_R2 = 1.32471795724474602596 ** -np.arange(1.0, 3.0)
 
 # Usual number of zones of a window
 _USUAL = 1024
@@ -139,7 +137,7 @@ def _spread(polygons: Sequence[Polygon], count: int) -> Float[np.ndarray, "point
     face = np.minimum(
         np.searchsorted(ends, (np.arange(count) + 0.5) / count), len(a) - 1
     )
-    u, v = ((np.arange(count)[:, None] * _R2 + 0.5) % 1).T
+    u, v = ((np.arange(count)[:, None] * R2 + 0.5) % 1).T
     over = u + v > 1
     u, v = np.where(over, 1 - u, u), np.where(over, 1 - v, v)
     return np.asarray(a[face] + u[:, None] * (b - a)[face] + v[:, None] * (c - a)[face])
