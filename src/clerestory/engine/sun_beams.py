@@ -108,7 +108,8 @@ def narrow_beams(
     """Return beams that represent the radiance of cells of a window, `count` per sun.
 
     `radiance` is zero but for the cells of narrow beams. The beams of the batches of
-    paths alternate. `sample` returns directions in cells, uniform in projected solid angle, for points of the unit square.
+    paths alternate. `sample` returns directions in cells, uniform in projected solid
+    angle, for points of the unit square.
     """
     mean = radiance.mean(axis=0).T.astype(float)
     lit = np.flatnonzero(mean.sum(axis=1) > 0)

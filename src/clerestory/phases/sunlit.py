@@ -83,7 +83,7 @@ class SunlitReceivers:
     @cached_property
     def _traced(self) -> bool:
         # Whether there are paths: not in a dry run
-        return any(len(each.codes) for each in self.paths.records)
+        return any(len(each.zones) for each in self.paths.records)
 
     @cached_property
     def _behind(self) -> np.ndarray:

@@ -1,10 +1,8 @@
-"""Zones of windows and cells of directions, by which paths to windows are recorded.
+"""Zones of windows and exit directions, by which paths to windows are recorded.
 
-A path is recorded by a code: zone × CELLS + cell, plus STRAIGHT if the window is seen
-directly. The zones are rectangles of a grid on
-each window, numbered window by window. The cells divide the hemisphere of directions
-that leave a window into equal projected solid angles (Shirley–Chiu map), much finer
-than any BSDF, so that the code gives the cell of the direction in any partition.
+The zones are rectangles of a grid on each window, numbered window by window. An exit
+direction is recorded by its cell in a grid over the square of the Shirley–Chiu map: row
+and column have 16 bits each, so that any partition of directions can be applied later.
 
 Reference: P. Shirley, K. Chiu, Journal of Graphics Tools 2 (3), 1997.
 """
@@ -13,24 +11,21 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int, UInt32
+from jaxtyping import Float, Int
 
 from clerestory.checks import require
 from clerestory.constants import R2
-from clerestory.hemisphere.shirley_chiu import cell_centres, directions_from_square
 from clerestory.scene.surface import Polygon
 from clerestory.scene.triangulate import triangulate
 from clerestory.scene.window import Window
 
-# Number of cells of directions along an edge of the square, and in all
-_HALVINGS = 10
-EDGE = 1 << _HALVINGS
-CELL_BITS = 2 * _HALVINGS
-CELLS = 1 << CELL_BITS
+# Number of bits of the row and of the column of an exit direction
+DIRECTION_BITS = 16
 
-# Bit of a code of 32 bits, and largest number of zones of all windows together
-STRAIGHT = 1 << 31
-_ZONES = STRAIGHT // CELLS
+# Bit of a zone number that marks a window which is seen directly, and largest number of
+# zones of all windows together
+STRAIGHT = 1 << 15
+_ZONES = STRAIGHT
 
 # Usual number of zones of a window
 _USUAL = 1024
@@ -97,16 +92,6 @@ class WindowZones:
         begin = np.minimum(begin, len(order) - 1)
         number = begin[:, None] + np.arange(each) % np.maximum(end - begin, 1)[:, None]
         return np.asarray(found[order[number]])
-
-
-def zone_of(codes: UInt32[np.ndarray, " code"]) -> UInt32[np.ndarray, " code"]:
-    """Return the zones of codes."""
-    return (codes & np.uint32(STRAIGHT - 1)) >> np.uint32(CELL_BITS)
-
-
-def cell_directions() -> Float[np.ndarray, "cell 3"]:
-    """Return the unit vectors to the middles of the cells, in the window's frame."""
-    return directions_from_square(*cell_centres(_HALVINGS))
 
 
 def _grid(
