@@ -62,7 +62,7 @@ def test_direct_sun_behind_an_endless_blind(device, blind, peak):
     assert expected.max() > 2 * expected.min()
     found = sun_coefficients(
         Scene({}, ()), [SOUTH], "south", blind, sensors=FACING, suns=suns,
-        samples=8192, peak=peak, device=device, seed=4,
+        samples=32768, peak=peak, device=device, seed=4,
     )  # fmt: skip
     ratio = found.values[0, 0] / expected
     error = found.standard_error[0, 0] / expected

@@ -28,7 +28,7 @@ from clerestory.engine.next_event_estimation import (
 from clerestory.engine.path_tracer import PathTracer
 from clerestory.engine.sampler import DIRECTION_U, DIRECTION_V, PathNumbers, mix, points
 from clerestory.engine.sinks import RadianceSink
-from clerestory.engine.sun_beams import BEAMS, Beams
+from clerestory.engine.sun_beams import Beams
 from clerestory.engine.unusual_lengths import in_usual_lengths
 from clerestory.engine.upload import launching, on_device, vectors
 from clerestory.engine.vertices import sensor_vertex
@@ -51,6 +51,9 @@ from clerestory.scene.window_zones import WindowZones
 # Suns that are tested together: one bit each; most paths that are traced together
 _BITS = 32
 _PATHS = 1 << 22
+
+# Least number of beams of a sun, a power of two
+_BEAMS = 256
 
 # Tolerance of the test: relative to the window, and cosine of a surface turned away
 _SLACK, _FACING = 1e-3, -1e-3
@@ -121,6 +124,11 @@ class BeamTracer:
         scenes = band_groups(job.scene)
         self.groups = [_Group(replace(job, scene=scene), number) for scene in scenes]
 
+    @property
+    def beams(self) -> int:
+        """Number of beams of a sun that the tracer expects."""
+        return self.groups[0].beams
+
     def add(
         self,
         total: list[list[mi.Float]],
@@ -156,10 +164,10 @@ class _Places:
 
 
 class _Sensors:
-    # Sensors, with four sample points per batch
-    points = 4
+    # Sensors, with an eighth of the sample points of the paths
 
     def __init__(self, job: SensorWindowPaths):
+        self.points = max(4, _power_of_two(job.points // 8))
         self.origin = np.mean(job.sensors.position, axis=0)
         self.position = vectors(mi.Point3f, job.sensors.position - self.origin)
         self.normal = vectors(mi.Vector3f, job.sensors.direction)
@@ -183,9 +191,9 @@ class _Sensors:
 
 class _Pixels:
     # Pixels, with two sample points per batch
-    points = 2
 
     def __init__(self, job: PixelWindowPaths):
+        self.points = 2
         self.origin = np.asarray(job.view.position, dtype=float)
         self.rays = CameraRays.of(job.view, job.columns, job.rows)
 
@@ -224,6 +232,7 @@ class _Group:
         origin, window = self.receivers.origin, job.windows[number]
         zones = WindowZones.of((window,))
         self.sequence = points(0, self.receivers.points)
+        self.beams = max(_BEAMS, _power_of_two(job.batches) * self.receivers.points)
         with launching():
             self.window = BeamWindow(
                 lower(job.scene, origin=origin, receivers=job.windows),
@@ -262,6 +271,16 @@ class _Group:
         numbers = PathNumbers(self.sequence, key, place % each, mi.UInt32(0))
         return _Places(slot // batches, slot % batches, numbers)
 
+    def _order(self) -> "_Order":
+        each, batches = self.receivers.points, self.job.batches
+        own = self.beams // batches
+        return _Order(
+            *(
+                dr.opaque(mi.UInt32, n)
+                for n in (self.job.seed, each, batches, own, max(1, own // each))
+            )
+        )
+
     def _crossing(self, beams: Beams):
         # Sample points and suns for which the line against a beam crosses the window
         seen, count = self.visible, len(beams.steps)
@@ -270,7 +289,7 @@ class _Group:
                 seen.point, seen.normal, seen.both, seen.valid,
                 vectors(mi.Vector3f, beams.direction.reshape(-1, 3)),
                 dr.opaque(mi.UInt32, count), self.corner, self.window.normal,
-                *self.edges, dr.opaque(mi.UInt32, self.job.seed),
+                *self.edges, self._order(),
             )  # fmt: skip
             found = masks.numpy()
         place = np.flatnonzero(found)
@@ -285,7 +304,7 @@ class _Group:
         with launching():
             place, number = on_device(mi.UInt32, found), on_device(mi.UInt32, suns)
             places = self._places(place)
-            beam = _chosen(place, number, dr.opaque(mi.UInt32, self.job.seed))
+            beam = _chosen(place, number, self._order())
             lit = _lit(self.window, beams, beam)
             tracer = PathTracer(lit.inside, (lit,), 1.0, direct_only=True)
             light = self.receivers.light(tracer, places) / self.receivers.points
@@ -311,15 +330,15 @@ class _Group:
             lit = _lit(self.window, beams, beam)
             eye = dr.gather(mi.Point3f, self.receivers.rays.origin, pixel)
             light = lit.value * lit.seen(eye, dr.max(lit.value) > 0)
-            light *= on_device(mi.Float, job.batches / (BEAMS * angle))
-            step = on_device(mi.UInt32, beams.steps[chosen // BEAMS])
+            light *= on_device(mi.Float, job.batches / (self.beams * angle))
+            step = on_device(mi.UInt32, beams.steps[chosen // self.beams])
             batch = on_device(mi.UInt32, chosen % job.batches)
             _add(total, share, light, pixel * dr.opaque(mi.UInt32, width) + step, batch)
 
 
 @dr.syntax
 def _tested(
-    points, normals, both, valid, directions, count, corner, plane, across, up, seed
+    points, normals, both, valid, directions, count, corner, plane, across, up, order
 ):
     # Bit mask of the suns for which the line from each point crosses the window
     masks, number = mi.UInt32(0), mi.UInt32(0)
@@ -327,7 +346,7 @@ def _tested(
     apart = mi.Vector3f(corner - points)
     height = dr.dot(apart, plane)
     while number < count:
-        toward = dr.gather(mi.Vector3f, directions, _chosen(place, number, seed))
+        toward = dr.gather(mi.Vector3f, directions, _chosen(place, number, order))
         distance = height / dr.dot(toward, plane)
         offset = toward * distance - apart
         x, y = dr.dot(offset, across), dr.dot(offset, up)
@@ -339,9 +358,28 @@ def _tested(
     return dr.select(valid, masks, 0)
 
 
-def _chosen(place, number, seed):
-    # Index of the beam of a sample point and sun
-    return number * BEAMS + (mix(mix(place, seed), number) & (BEAMS - 1))
+@dataclass
+class _Order:
+    # Seed, points per batch, batches, beams per batch, and beams from point to point
+    seed: mi.UInt32
+    points: mi.UInt32
+    batches: mi.UInt32
+    own: mi.UInt32
+    apart: mi.UInt32
+
+
+def _chosen(place, number, order: _Order):
+    # Index of the beam of a sample point and sun. Batches have beams of their own; the
+    # points of a batch take beams that are far apart
+    slot, index = place // order.points, place % order.points
+    start = mix(mix(slot, order.seed), number)
+    own = (start + index * order.apart) % order.own
+    beams = order.own * order.batches
+    return number * beams + own * order.batches + slot % order.batches
+
+
+def _power_of_two(count: int) -> int:
+    return 1 << max(0, count - 1).bit_length()
 
 
 def _lit(window: BeamWindow, beams: Beams, beam) -> BeamWindow:

@@ -5,7 +5,7 @@
 The sum is over the contributions of each receiver. Four time steps share one lane.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import drjit as dr
 import mitsuba as mi
@@ -14,10 +14,18 @@ from jaxtyping import Float, Float32, UInt32
 
 from clerestory.engine.upload import launching, on_device
 from clerestory.engine.window_path_jobs import Records
-from clerestory.scene.window_zones import CELL_BITS, CELLS, STRAIGHT, zone_of
+from clerestory.scene.window_zones import STRAIGHT
 
 # Number of time steps per lane
 _TOGETHER = 4
+
+# Number of bits of the cell in a code; the others are those of the zone
+_CELL_BITS = 20
+
+# Function from recorded exit directions to cells
+CellOf = Callable[
+    [UInt32[np.ndarray, " contribution"]], UInt32[np.ndarray, " contribution"]
+]
 
 
 class PathProduct:
@@ -27,7 +35,7 @@ class PathProduct:
     ----------
     records : contributions of each batch of paths
     zones : zones of the window
-    cell : cell of the window's BSDF for every cell of a code
+    cell_of : function from exit directions to cells of the window's BSDF
     cells : number of cells of the BSDF
     """
 
@@ -35,11 +43,11 @@ class PathProduct:
         self,
         records: Sequence[Records],
         zones: slice,
-        cell: UInt32[np.ndarray, " code"],
+        cell_of: CellOf,
         cells: int,
     ):
         self.rows = len(records[0].starts) - 1
-        self._batches = [_of_window(each, zones, cell, cells) for each in records]
+        self._batches = [_of_window(each, zones, cell_of, cells) for each in records]
         self._weights: dict[tuple[int, bytes], mi.Float] = {}
 
     def __len__(self) -> int:
@@ -89,8 +97,8 @@ def _sums(lanes, steps, starts, codes, weights, radiance, transmittance):
     while index < end:
         code = dr.gather(mi.UInt32, codes, index)
         weight = dr.gather(mi.Float, weights, index)
-        cell = (code & ((1 << CELL_BITS) - 1)) * steps + step
-        zone = (code >> CELL_BITS) * steps + step
+        cell = (code & ((1 << _CELL_BITS) - 1)) * steps + step
+        zone = (code >> _CELL_BITS) * steps + step
         light = dr.gather(mi.Vector4f, radiance, cell)
         total += weight * light * dr.gather(mi.Vector4f, transmittance, zone)
         index += 1
@@ -98,15 +106,21 @@ def _sums(lanes, steps, starts, codes, weights, radiance, transmittance):
 
 
 def _of_window(
-    records: Records, zones: slice, cell: UInt32[np.ndarray, " code"], cells: int
+    records: Records, zones: slice, cell_of: CellOf, cells: int
 ) -> tuple[mi.UInt32, mi.UInt32, np.ndarray]:
     # Contributions of one window: first of each receiver, zone and cell, and weights
-    zone, place = zone_of(records.codes), cell[records.codes & np.uint32(CELLS - 1)]
-    place = place + np.uint32(cells) * (records.codes >= STRAIGHT)
+    zone = records.zones & np.uint16(STRAIGHT - 1)
     own = (zone >= zones.start) & (zone < zones.stop)
-    starts, weights = records.starts, records.weights
+    starts, weights, straight = (
+        records.starts,
+        records.weights,
+        records.zones >= STRAIGHT,
+    )
+    directions = records.directions
     if not own.all():
         starts = np.concatenate([[0], np.cumsum(own)])[starts]
-        zone, place, weights = zone[own], place[own], weights[:, own]
-    code = (zone - np.uint32(zones.start)) << np.uint32(CELL_BITS) | place
-    return on_device(mi.UInt32, starts), on_device(mi.UInt32, code), weights
+        zone, straight = zone[own], straight[own]
+        directions, weights = directions[own], weights[:, own]
+    place = cell_of(directions) + np.uint32(cells) * straight
+    code = (zone.astype(np.uint32) - np.uint32(zones.start)) << np.uint32(_CELL_BITS)
+    return on_device(mi.UInt32, starts), on_device(mi.UInt32, code | place), weights

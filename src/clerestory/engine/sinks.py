@@ -66,13 +66,14 @@ class RadianceSink:
 
 @dataclass
 class RecordSink:
-    """Record of the contributions of each path: columns and weights, by path.
+    """Record of the contributions of each path: exit direction, zone and weights.
 
     A path has room for `most` contributions; its sum is the number of contributions
     that it made, which may be larger.
     """
 
-    columns: mi.UInt32
+    directions: mi.UInt32
+    zones: mi.UInt32
     weights: list[mi.Float]
     most: int
     lane: mi.UInt32
@@ -81,9 +82,9 @@ class RecordSink:
     def of(cls, lanes: int, most: int, channels: int) -> "RecordSink":
         """Return an empty record for a number of paths."""
         size = lanes * most
-        columns = dr.zeros(mi.UInt32, size)
+        codes = (dr.zeros(mi.UInt32, size) for _ in range(2))
         weights = [dr.zeros(mi.Float, size) for _ in range(channels)]
-        return cls(columns, weights, most, dr.arange(mi.UInt32, lanes))
+        return cls(*codes, weights, most, dr.arange(mi.UInt32, lanes))
 
     def begin(self) -> mi.UInt32:
         """Return zero contributions."""
@@ -93,7 +94,8 @@ class RecordSink:
         """Record a contribution; return the number of contributions of the path."""
         kept = active & (total < self.most)
         place = self.lane * self.most + total
-        dr.scatter(self.columns, mi.UInt32(column), place, kept)
+        dr.scatter(self.directions, column.x, place, kept)
+        dr.scatter(self.zones, column.y, place, kept)
         for channel, weights in enumerate(self.weights):
             dr.scatter(weights, value[channel], place, kept)
         return total + dr.select(active, mi.UInt32(1), 0)

@@ -4,6 +4,7 @@ Each sun has the same number of beams of equal probability. The estimate of what
 contributes to a point is its value times the transmittance along its direction.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import drjit as dr
@@ -12,17 +13,21 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from clerestory.bsdf.bsdf import Bsdf
+from clerestory.constants import R2
 from clerestory.directions import Frame
 from clerestory.engine.peak_extraction import PeakTable
 from clerestory.engine.sun_tables import solar_disc
 from clerestory.engine.upload import launching, vectors
-from clerestory.hemisphere.shirley_chiu import directions_from_square
 
-# Number of beams of a sun, a power of two
-BEAMS = 256
+# Cells whose radiance exceeds the mean radiance by this factor form narrow beams. Paths
+# to random points of the window resolve all other cells well enough.
+_NARROW = 32
 
-# Cells with a larger share of the transmitted flux of a sun form narrow beams
-_NARROW = 0.005
+# Function from cells and points of the unit square to directions in the cells
+Sampler = Callable[
+    [Int[np.ndarray, "step beam"], Float[np.ndarray, "step beam 2"]],
+    Float[np.ndarray, "step beam 3"],
+]
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,62 +67,68 @@ class UnscatteredBeams:
         self.axes = np.array([frame.right, frame.up, frame.normal])
 
     def of(
-        self, suns: Float[np.ndarray, "step 3"], irradiance: Float[np.ndarray, " step"]
+        self,
+        suns: Float[np.ndarray, "step 3"],
+        irradiance: Float[np.ndarray, " step"],
+        count: int,
     ) -> Beams:
-        """Return the beams of suns of given direct normal irradiance."""
+        """Return `count` beams of each sun of given direct normal irradiance."""
         with launching():
             leaving = vectors(mi.Vector3f, -suns @ self.axes.T)
             passed = dr.select(leaving.z > 0, self.peak.transmittance(leaving), 0)
             value = (
                 np.broadcast_to(passed.numpy(), (3, len(suns))).T * irradiance[:, None]
             )
-        disc = solar_disc(suns, BEAMS).transpose(1, 0, 2)
-        value = np.repeat(value[:, None], BEAMS, axis=1)
+        disc = solar_disc(suns, count).transpose(1, 0, 2)
+        value = np.repeat(value[:, None], count, axis=1)
         beams = Beams(np.arange(len(suns)), disc, disc, value, disc=True)
         return beams.select(value.max(axis=(1, 2)) > 0)
 
 
 def narrow_cells(
     radiance: Float[np.ndarray, "channel cell step"],
+    sizes: Float[np.ndarray, " cell"],
 ) -> Bool[np.ndarray, "cell step"]:
-    """Return which cells of equal projected solid angle form narrow beams."""
+    """Return which cells form narrow beams; `sizes` are projected solid angles [sr]."""
     mean = radiance.mean(axis=0)
-    return np.asarray(mean > _NARROW * mean.sum(axis=0))
+    return np.asarray(mean > _NARROW * (sizes @ mean) / sizes.sum())
 
 
 def narrow_beams(
     radiance: Float[np.ndarray, "channel cell step"],
-    corners: Float[np.ndarray, "cell 2"],
+    sizes: Float[np.ndarray, " cell"],
+    sample: Sampler,
     suns: Float[np.ndarray, "step 3"],
     frame: Frame,
     *,
+    count: int,
+    batches: int,
     seed: int,
 ) -> Beams:
-    """Return beams that represent the radiance of cells of a window.
+    """Return beams that represent the radiance of cells of a window, `count` per sun.
 
-    `radiance` is zero but for the cells of narrow beams; `corners` are the low corners
-    of the cells in the unit square of the Shirley–Chiu map.
+    `radiance` is zero but for the cells of narrow beams. The beams of the batches of
+    paths alternate. `sample` returns directions in cells, uniform in projected solid
+    angle, for points of the unit square.
     """
-    channels, cells, _ = radiance.shape
     mean = radiance.mean(axis=0).T.astype(float)
     lit = np.flatnonzero(mean.sum(axis=1) > 0)
     random = np.random.default_rng(seed)
-    share = np.cumsum(mean[lit], axis=1)
-    total = share[:, -1:]
-    # Stratified points of the distribution, in random order
-    pick = (np.arange(BEAMS) + random.random((len(lit), BEAMS))) / BEAMS * total
+    # Stratified samples of the distribution of flux, one for each batch
+    share = np.cumsum(mean[lit] * sizes, axis=1)
+    total, own = share[:, -1:], count // batches
+    number, shape = np.arange(own)[:, None], (len(lit), own, batches)
+    pick = ((number + random.random(shape)) / own).reshape(len(lit), -1) * total
+    u = number[..., None] * R2 + random.random((len(lit), 1, batches, 2))
     cell = np.array(
         [np.searchsorted(s, p, side="right") for s, p in zip(share, pick, strict=True)]
-    ).reshape(len(lit), BEAMS)
-    cell = np.minimum(cell, cells - 1)
-    edge = 1 / np.sqrt(cells)
-    place = corners[cell] + edge * random.random((len(lit), BEAMS, 2))
-    leaving = directions_from_square(place[..., 0], place[..., 1])
+    ).reshape(len(lit), count)
+    cell = np.minimum(cell, len(sizes) - 1)
+    leaving = sample(cell, u.reshape(len(lit), count, 2) % 1)
     colour = radiance[:, cell, lit[:, None]] / mean[lit[:, None], cell]
-    flux = np.pi / cells * total / np.maximum(leaving[..., 2], 1e-3)
-    value = np.broadcast_to(colour, (channels, *cell.shape)) * flux
-    value = np.broadcast_to(np.moveaxis(value, 0, -1), (*cell.shape, 3))
+    flux = total / np.maximum(leaving[..., 2], 1e-3)
+    value = np.broadcast_to(np.moveaxis(colour * flux, 0, -1), (*cell.shape, 3))
     axes = np.array([frame.right, frame.up, frame.normal])
-    disc = solar_disc(suns[lit], BEAMS).transpose(1, 0, 2)
-    disc = disc[:, random.permutation(BEAMS)]
+    disc = solar_disc(suns[lit], count).transpose(1, 0, 2)
+    disc = disc[:, random.permutation(count)]
     return Beams(lit, -leaving @ axes, disc, value, disc=False)

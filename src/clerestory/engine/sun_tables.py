@@ -25,7 +25,7 @@ from clerestory.scene.model import Scene
 from clerestory.scene.scaling import scaled
 
 # Number of points of the solar disc
-_DISC = 8
+_DISC = 16
 
 
 class SunlitBsdf:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from jaxtyping import Float, Int, UInt32
+from jaxtyping import Float, Int, UInt16, UInt32
 
 from clerestory.engine.channels import channels_of
 from clerestory.engine.controller import traced_units
@@ -84,13 +84,15 @@ class Records:
     Attributes
     ----------
     starts : index of the first contribution of each receiver, and the number of all
-    codes : zone and cell of each contribution; see `scene.window_zones`
+    directions, zones : exit direction of each contribution, and zone of the window
+        with a bit for windows that are seen directly; see `scene.window_zones`
     weights : radiance of the receiver per radiance of the window; for a sensor,
         irradiance [sr]
     """
 
     starts: Int[np.ndarray, " edge"]
-    codes: UInt32[np.ndarray, " contribution"]
+    directions: UInt32[np.ndarray, " contribution"]
+    zones: UInt16[np.ndarray, " contribution"]
     weights: Float[np.ndarray, "channel contribution"]
 
 
@@ -115,16 +117,21 @@ def _units(job: WindowPathsJob) -> Iterator[Unit]:
 
 def _contributions(
     records: Float[np.ndarray, "row record channel"], points: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    # Number by row, codes and mean weights of the records that are not empty. The first
-    # half of the records are the codes
-    codes, weights = np.split(records, 2, axis=1)
+) -> tuple[np.ndarray, ...]:
+    # Number by row, codes and mean weights of the records that are not empty. Exit
+    # directions, zones and weights are a third of the records each
+    directions, zones, weights = np.split(records, 3, axis=1)
     used = weights.max(axis=-1) > 0
-    code = np.ascontiguousarray(codes[..., 0][used]).view(np.uint32)
-    return used.sum(axis=1), code, (weights[used] / points).T
+    codes = (
+        np.ascontiguousarray(part[..., 0][used]).view(np.uint32)
+        for part in (directions, zones)
+    )
+    direction, zone = codes
+    weight = (weights[used] / points).T
+    return used.sum(axis=1), direction, zone.astype(np.uint16), weight
 
 
 def _whole(pieces: list[tuple[np.ndarray, ...]]) -> Records:
-    counts, codes, weights = (list(part) for part in zip(*pieces, strict=True))
+    counts, *codes, weights = (list(part) for part in zip(*pieces, strict=True))
     starts = np.concatenate([[0], np.cumsum(np.concatenate(counts))])
-    return Records(starts, np.concatenate(codes), np.concatenate(weights, axis=1))
+    return Records(starts, *map(np.concatenate, codes), np.concatenate(weights, axis=1))

@@ -91,13 +91,14 @@ def _recorder(job: WindowPathsJob, launch: Launch) -> Tracer:
                 )  # fmt: skip
                 sink = RecordSink.of(count, most, channels)
                 largest = int(np.max(launch(sink, paths).numpy()))
-                parts = [sink.columns, *sink.weights]
-                columns, *weights = (each.numpy() for each in parts)
+                codes = [each.numpy() for each in (sink.directions, sink.zones)]
+                weights = np.stack([each.numpy() for each in sink.weights], axis=-1)
             if largest <= most:
                 slots = len(unit.rows) * batches
-                found = np.zeros((slots, 2, len(columns) // slots, channels), "f4")
-                found[:, 0, :, 0] = columns.view("f4").reshape(slots, -1)
-                found[:, 1] = np.stack(weights, axis=-1).reshape(found[:, 1].shape)
+                found = np.zeros((slots, 3, len(weights) // slots, channels), "f4")
+                for number, code in enumerate(codes):
+                    found[:, number, :, 0] = code.view("f4").reshape(slots, -1)
+                found[:, 2] = weights.reshape(found[:, 2].shape)
                 return found.reshape(len(unit.rows), batches, -1, channels)
             # Paths through several scattering panes contribute more often
             most = largest

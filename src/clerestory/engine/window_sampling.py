@@ -23,7 +23,7 @@ from clerestory.engine.sampler import CONNECT_U, CONNECT_V, PathNumbers
 from clerestory.engine.square import cell_of_disc
 from clerestory.engine.upload import on_device, vectors
 from clerestory.engine.visibility import towards, transmittance
-from clerestory.scene.window_zones import CELLS, EDGE, STRAIGHT, WindowZones
+from clerestory.scene.window_zones import DIRECTION_BITS, STRAIGHT, WindowZones
 
 # Number of window points sampled per vertex, in a lattice. Compared with one point,
 # three points divide the work (time × variance) for single coefficients by 1.7, with
@@ -152,12 +152,13 @@ class WindowCells(WindowPatches):
     zones: ZoneTable
 
     def column(self, window, direction, point):
-        """Return the code of the direction and zone of light that leaves a window."""
+        """Return exit direction and zone; see `scene.window_zones`."""
         local = self.model.windows.to_local(window, direction)
-        zone = self.zones.find(window, point)
-        return zone * CELLS + cell_of_disc(local, EDGE)
+        return mi.Vector2u(
+            cell_of_disc(local, 1 << DIRECTION_BITS), self.zones.find(window, point)
+        )
 
     def met(self, path: Path, si, shape, active) -> tuple[Emission, mi.Bool]:
-        """Return the code of a path that hits the front of a window."""
+        """Return exit direction and zone of a path that hits the front of a window."""
         found, ends = super().met(path, si, shape, active)
-        return replace(found, column=found.column | STRAIGHT), ends
+        return replace(found, column=found.column | mi.Vector2u(0, STRAIGHT)), ends

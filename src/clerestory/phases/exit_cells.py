@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from jaxtyping import Float, UInt32
+from jaxtyping import Float, Int, UInt32
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.scattering_function import ScatteringFunction
@@ -12,13 +12,18 @@ from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.shirley_chiu import cell_centres, directions_from_square
-from clerestory.scene.window_zones import CELLS, EDGE, cell_directions
+from clerestory.scene.window_zones import DIRECTION_BITS
 
 # Largest number of halvings of a grid of exit cells
 _FINEST = 9
 
 # Smallest number of halvings for trees of rank 3
 _TURNED = 7
+
+# Number of halvings of the grid on which patches are tabulated, mark of cells that
+# belong to several patches, and bits of a recorded direction
+_HALVINGS, _BORDER = 10, 0xFFFFFFFF
+_BITS, _MASK = np.uint32(DIRECTION_BITS), np.uint32((1 << DIRECTION_BITS) - 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,15 +33,13 @@ class ExitCells:
     Attributes
     ----------
     key : partition, or the number of halvings of a tensor tree
-    number : cell of each cell of a code; see `scene.window_zones`
     directions : representative directions, in the window's frame
-    corners : low corners of cells of a square grid; None for other cells
+    sizes : projected solid angles of the cells [sr]
     """
 
-    key: object
-    number: UInt32[np.ndarray, " code"]
+    key: RingPartition | int
     directions: Float[np.ndarray, "cell 3"]
-    corners: Float[np.ndarray, "cell 2"] | None = None
+    sizes: Float[np.ndarray, " cell"]
 
     @classmethod
     def of(cls, bsdf: Bsdf) -> "ExitCells":
@@ -44,13 +47,43 @@ class ExitCells:
         part = bsdf.scattering("transmission_front")
         tree = _tree(part)
         if tree is None:
-            first = bsdf.function("transmission_front").exits
-            return _patches_of(first)
+            return cls.of_partition(bsdf.function("transmission_front").exits)
         # Rank 3 trees turn with the azimuth of the sun: smaller cells follow them
-        turns = tree.rank == 3
-        return _halved(
-            min(max(tree.depth + 1, _TURNED) if turns else tree.depth, _FINEST)
-        )
+        halvings = tree.depth if tree.rank == 4 else max(tree.depth + 1, _TURNED)
+        return _halved(min(halvings, _FINEST))
+
+    @classmethod
+    def of_partition(cls, partition: RingPartition) -> "ExitCells":
+        """Return the patches of a partition as cells."""
+        sizes = partition.projected_solid_angles()
+        return cls(partition, partition.centres(), sizes)
+
+    def find(
+        self, directions: UInt32[np.ndarray, " contribution"]
+    ) -> UInt32[np.ndarray, " contribution"]:
+        """Return the cells of recorded exit directions; see `scene.window_zones`."""
+        row, column = directions >> _BITS, directions & _MASK
+        if not isinstance(self.key, RingPartition):
+            shift = _BITS - np.uint32(self.key)
+            return ((row >> shift) << np.uint32(self.key)) + (column >> shift)
+        few = _BITS - np.uint32(_HALVINGS)
+        coarse = ((row >> few) << np.uint32(_HALVINGS)) + (column >> few)
+        found = _patches(self.key)[coarse]
+        border = np.flatnonzero(found == _BORDER)
+        size = 1 << int(_BITS)
+        places = ((part[border] + 0.5) / size for part in (row, column))
+        found[border] = self.key.find(directions_from_square(*places))
+        return np.asarray(found)
+
+    def sample(
+        self, cell: Int[np.ndarray, "*batch"], u: Float[np.ndarray, "*batch 2"]
+    ) -> Float[np.ndarray, "*batch 3"]:
+        """Return directions in cells, uniform in projected solid angle."""
+        if isinstance(self.key, RingPartition):
+            return self.key.sample(cell, u)
+        edge = 1 << self.key
+        place = (np.stack(np.divmod(cell, edge), axis=-1) + u) / edge
+        return directions_from_square(place[..., 0], place[..., 1])
 
 
 def _tree(part: ScatteringFunction) -> ScatteringTree | None:
@@ -62,16 +95,19 @@ def _tree(part: ScatteringFunction) -> ScatteringTree | None:
 
 
 @lru_cache(maxsize=4)
-def _patches_of(partition: RingPartition) -> ExitCells:
-    number = partition.find(cell_directions()).astype(np.uint32)
-    return ExitCells(partition, number, partition.centres())
+def _patches(partition: RingPartition) -> UInt32[np.ndarray, " cell"]:
+    # Patch of each cell of a square grid, or _BORDER if a cell belongs to several
+    edge = 1 << _HALVINGS
+    corner = np.arange(edge + 1) / edge
+    x, y = np.meshgrid(corner, corner, indexing="ij")
+    found = partition.find(directions_from_square(x, y))
+    parts = found[:-1, :-1], found[1:, :-1], found[:-1, 1:], found[1:, 1:]
+    same = np.logical_and.reduce([parts[0] == each for each in parts[1:]])
+    return np.where(same, parts[0], _BORDER).astype(np.uint32).ravel()
 
 
 @lru_cache(maxsize=4)
 def _halved(halvings: int) -> ExitCells:
-    row, column = np.divmod(np.arange(CELLS, dtype=np.uint32), np.uint32(EDGE))
-    shift = np.uint32(EDGE.bit_length() - 1 - halvings)
-    number = ((row >> shift) << np.uint32(halvings)) + (column >> shift)
-    centres = cell_centres(halvings)
-    corners = np.stack(centres, axis=-1) - 0.5 / (1 << halvings)
-    return ExitCells(halvings, number, directions_from_square(*centres), corners)
+    cells = 1 << 2 * halvings
+    centres = directions_from_square(*cell_centres(halvings))
+    return ExitCells(halvings, centres, np.full(cells, np.pi / cells))

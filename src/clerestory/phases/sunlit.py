@@ -83,7 +83,7 @@ class SunlitReceivers:
     @cached_property
     def _traced(self) -> bool:
         # Whether there are paths: not in a dry run
-        return any(len(each.codes) for each in self.paths.records)
+        return any(len(each.zones) for each in self.paths.records)
 
     @cached_property
     def _behind(self) -> np.ndarray:
@@ -166,18 +166,23 @@ class SunlitReceivers:
         # Radiance for light reflected by pixels, without narrow beams, and the beams
         engine: Any = devices.load(self.paths.job.device, "sun_beams")
         frame, found = self.paths.job.windows[self.window].frame, []
-        if cells.corners is not None:
-            narrow = engine.narrow_cells(light)
-            if narrow.any():
-                bright = np.where(narrow, light, 0)
-                found.append(
-                    engine.narrow_beams(
-                        bright, cells.corners, suns, frame, seed=self.paths.job.seed
-                    )
+        count = self._beam_tracer.beams
+        narrow = engine.narrow_cells(light, cells.sizes)
+        if narrow.any():
+            bright, seed = np.where(narrow, light, 0), self.paths.job.seed
+            rest = cells.sizes, cells.sample, suns, frame
+            found.append(
+                engine.narrow_beams(
+                    bright,
+                    *rest,
+                    count=count,
+                    batches=self.paths.job.batches,
+                    seed=seed,
                 )
-                light = light - bright
+            )
+            light = light - bright
         if self.peak:
-            found.append(self._unscattered.of(suns, irradiance))
+            found.append(self._unscattered.of(suns, irradiance, count))
         return light, found
 
     @cached_property

@@ -12,7 +12,7 @@ from typing import Any, Unpack
 import numpy as np
 from jaxtyping import Bool, Float
 
-from clerestory.constants import SUN_DIAMETER
+from clerestory.constants import R2, SUN_DIAMETER
 from clerestory.engine import device as devices
 from clerestory.engine.controller import estimate
 from clerestory.engine.device import Device
@@ -30,9 +30,6 @@ from clerestory.scene.sensors import Sensors
 
 # Default number of rays per sensor and sky patch, and per sensor and sun
 _PATCH_SAMPLES, _SUN_SAMPLES = 32, 64
-
-# Increments of the R2 sequence (M. Roberts, 2018): powers of the inverse plastic number
-_R2 = 1.32471795724474602596 ** -np.arange(1.0, 3.0)
 
 
 def unscattered_coefficients(
@@ -119,7 +116,7 @@ def _points(columns: int, effort: Effort) -> Float[np.ndarray, "column point 2"]
     # Points of the unit square, with one R2 sequence per batch
     each = -(-(effort.samples or 1) // BATCHES)
     start = np.random.default_rng(effort.seed).random((columns, BATCHES, 1, 2))
-    steps = np.arange(each)[:, None] * _R2
+    steps = np.arange(each)[:, None] * R2
     return ((start + steps) % 1).reshape(columns, BATCHES * each, 2)
 
 

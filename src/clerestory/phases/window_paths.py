@@ -16,7 +16,7 @@ from functools import cached_property
 from typing import Any, Unpack
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
 from clerestory.engine import device as devices
 from clerestory.engine.effort import Effort, EffortKeywords
@@ -36,12 +36,7 @@ from clerestory.phases.traced_matrices import require_distinct
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.window import Window
-from clerestory.scene.window_zones import (
-    CELLS,
-    WindowZones,
-    cell_directions,
-    zone_of,
-)
+from clerestory.scene.window_zones import STRAIGHT, WindowZones
 
 # Default numbers of paths per pixel and sensor, with three directions to the windows
 PIXEL_SAMPLES, SENSOR_SAMPLES = 16, 1024
@@ -111,8 +106,9 @@ def sensor_window_paths(
 def _recorded(job: WindowPathsJob, effort: Effort) -> "WindowPaths":
     if effort.executor.accepts(job, effort.goal):
         return WindowPaths(job, tuple(record_window_paths(job, effort, "paths")))
-    nothing = np.zeros(job.receivers + 1, int), np.zeros(0, np.uint32)
-    none = Records(*nothing, np.zeros((1, 0), np.float32))
+    starts, codes = np.zeros(job.receivers + 1, int), np.zeros(0, np.uint32)
+    weights = np.zeros((1, 0), np.float32)
+    none = Records(starts, codes, codes.astype(np.uint16), weights)
     return WindowPaths(job, (none,) * job.batches)
 
 
@@ -135,14 +131,14 @@ class WindowPaths:
         """Return V_d, by window name, of floating-point numbers of a `kind`."""
         pixels, bands, found = self.job.receivers, self.job.scene.bands, {}
         for number, window in enumerate(self.job.windows):
-            patch = window.partition.find(cell_directions())
+            cells = ExitCells.of_partition(window.partition)
             own = self.zones.of_window(number)
             shape = len(self.records[0].weights), pixels, len(window.partition)
             values, error = np.zeros(shape, kind), np.zeros((1, *shape), kind)
             for first in range(0, pixels, _PIXELS):
                 rows = slice(first, min(first + _PIXELS, pixels))
                 one, other = (
-                    _by_patch(each, rows, own, patch, shape[2]) for each in self.records
+                    _by_patch(each, rows, own, cells) for each in self.records
                 )
                 values[:, rows], error[0, :, rows] = (
                     (one + other) / 2,
@@ -161,7 +157,7 @@ class WindowPaths:
             engine: Any = devices.load(self.job.device, "path_product")
             zones = self.zones.of_window(number)
             self._products[key] = engine.PathProduct(
-                self.records, zones, cells.number, len(cells.directions)
+                self.records, zones, cells.find, len(cells.sizes)
             )
         return self._products[key]
 
@@ -170,17 +166,16 @@ def _by_patch(
     records: Records,
     rows: slice,
     zones: slice,
-    patch: Int[np.ndarray, " cell"],
-    patches: int,
+    cells: ExitCells,
 ) -> Float[np.ndarray, "channel pixel patch"]:
     # Sum of the weights by pixel and patch of a window
     starts = records.starts[rows.start : rows.stop + 1]
     part = slice(starts[0], starts[-1])
-    codes, count = records.codes[part], rows.stop - rows.start
-    zone = zone_of(codes)
+    count, patches = rows.stop - rows.start, len(cells.sizes)
+    zone = records.zones[part] & np.uint16(STRAIGHT - 1)
     inside = (zone >= zones.start) & (zone < zones.stop)
     pixel = np.repeat(np.arange(count), np.diff(starts))[inside]
-    place = pixel * patches + patch[codes[inside] & (CELLS - 1)]
+    place = pixel * patches + cells.find(records.directions[part][inside])
     sums = [
         np.bincount(place, weights[part][inside], count * patches)
         for weights in records.weights

@@ -1,10 +1,8 @@
-"""Zones of windows and cells of directions, by which paths to windows are recorded.
+"""Zones of windows and exit directions, by which paths to windows are recorded.
 
-A path is recorded by a code: zone × CELLS + cell, plus STRAIGHT if the window is seen
-directly. The zones are rectangles of a grid on
-each window, numbered window by window. The cells divide the hemisphere of directions
-that leave a window into equal projected solid angles (Shirley–Chiu map), much finer
-than any BSDF, so that the code gives the cell of the direction in any partition.
+The zones are rectangles of a grid on each window, numbered window by window. An exit
+direction is recorded by its cell in a grid over the square of the Shirley–Chiu map: row
+and column have 16 bits each, so that any partition of directions can be applied later.
 
 Reference: P. Shirley, K. Chiu, Journal of Graphics Tools 2 (3), 1997.
 """
@@ -13,26 +11,21 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int, UInt32
+from jaxtyping import Float, Int
 
 from clerestory.checks import require
-from clerestory.hemisphere.shirley_chiu import cell_centres, directions_from_square
+from clerestory.constants import R2
 from clerestory.scene.surface import Polygon
 from clerestory.scene.triangulate import triangulate
 from clerestory.scene.window import Window
 
-# Number of cells of directions along an edge of the square, and in all
-_HALVINGS = 10
-EDGE = 1 << _HALVINGS
-CELL_BITS = 2 * _HALVINGS
-CELLS = 1 << CELL_BITS
+# Number of bits of the row and of the column of an exit direction
+DIRECTION_BITS = 16
 
-# Bit of a code of 32 bits, and largest number of zones of all windows together
-STRAIGHT = 1 << 31
-_ZONES = STRAIGHT // CELLS
-
-# Increments of the R2 sequence (M. Roberts, 2018): powers of the inverse plastic number
-_R2 = 1.32471795724474602596 ** -np.arange(1.0, 3.0)
+# Bit of a zone number that marks a window which is seen directly, and largest number of
+# zones of all windows together
+STRAIGHT = 1 << 15
+_ZONES = STRAIGHT
 
 # Usual number of zones of a window
 _USUAL = 1024
@@ -101,16 +94,6 @@ class WindowZones:
         return np.asarray(found[order[number]])
 
 
-def zone_of(codes: UInt32[np.ndarray, " code"]) -> UInt32[np.ndarray, " code"]:
-    """Return the zones of codes."""
-    return (codes & np.uint32(STRAIGHT - 1)) >> np.uint32(CELL_BITS)
-
-
-def cell_directions() -> Float[np.ndarray, "cell 3"]:
-    """Return the unit vectors to the middles of the cells, in the window's frame."""
-    return directions_from_square(*cell_centres(_HALVINGS))
-
-
 def _grid(
     window: Window, most: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, tuple[int, int]]:
@@ -139,7 +122,7 @@ def _spread(polygons: Sequence[Polygon], count: int) -> Float[np.ndarray, "point
     face = np.minimum(
         np.searchsorted(ends, (np.arange(count) + 0.5) / count), len(a) - 1
     )
-    u, v = ((np.arange(count)[:, None] * _R2 + 0.5) % 1).T
+    u, v = ((np.arange(count)[:, None] * R2 + 0.5) % 1).T
     over = u + v > 1
     u, v = np.where(over, 1 - u, u), np.where(over, 1 - v, v)
     return np.asarray(a[face] + u[:, None] * (b - a)[face] + v[:, None] * (c - a)[face])
