@@ -47,10 +47,8 @@ class PatchLight:
         """Multiply a matrix and its error components by the radiance."""
         if not self.summed:
             return np.asarray(matrix @ self.values)
-        layers, _, rows, _ = matrix.shape
-        flat = _wide(matrix, len(self.values)).reshape(layers * rows, -1)
-        found = flat @ self.values.reshape(-1, self.values.shape[-1])
-        return np.asarray(found).reshape(layers, 1, rows, -1)
+        wide, light = _folded(matrix, self.values)
+        return np.asarray(wide @ light)[:, None]
 
     def spread(
         self, values: Float32[np.ndarray, "channel row column"]
@@ -63,17 +61,20 @@ class PatchLight:
             if len(parts) and not self.summed:
                 found.append(np.asarray(values[..., columns] @ parts))
             elif len(parts):
-                own = _wide(values[None, :, :, columns], parts.shape[1])[0]
-                flat = parts.reshape(len(parts), -1, parts.shape[-1])
-                found.append((own @ flat)[:, None])
+                wide, light = _folded(values[None, :, :, columns], parts)
+                found.append((wide @ light)[:, None])
         return found
 
 
-def _wide(matrix: Layers, channels: int) -> np.ndarray:
-    # Reshape (layer, channel, row, column) to (layer, row, channel × column)
-    layers, _, rows, columns = matrix.shape
-    wide = np.broadcast_to(matrix, (layers, channels, rows, columns))
-    return np.moveaxis(wide, 1, 2).reshape(layers, rows, channels * columns)
+def _folded(matrix: Layers, light: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    # Factors whose product is summed over the channels: (…, row, channel × patch) and
+    # (…, channel × patch, step). The light is summed first if the matrix is grey
+    layers, channels, rows, columns = matrix.shape
+    if channels == 1:
+        return matrix[:, 0], light.sum(axis=-3)
+    wide = np.moveaxis(matrix, 1, 2).reshape(layers, rows, channels * columns)
+    light = np.broadcast_to(light, (*light.shape[:-3], channels, *light.shape[-2:]))
+    return wide, light.reshape(*light.shape[:-3], channels * columns, light.shape[-1])
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,6 +17,9 @@ from clerestory.scene.window_zones import DIRECTION_BITS
 # Largest number of halvings of a grid of exit cells
 _FINEST = 9
 
+# Smallest number of halvings for trees of rank 3
+_TURNED = 7
+
 # Number of halvings of the grid on which patches are tabulated, mark of cells that
 # belong to several patches, and bits of a recorded direction
 _HALVINGS, _BORDER = 10, 0xFFFFFFFF
@@ -45,8 +48,9 @@ class ExitCells:
         tree = _tree(part)
         if tree is None:
             return cls.of_partition(bsdf.function("transmission_front").exits)
-        # Rank 3 trees turn with the azimuth of the sun: cells half as large follow them
-        return _halved(min(tree.depth + (tree.rank == 3), _FINEST))
+        # Rank 3 trees turn with the azimuth of the sun: smaller cells follow them
+        turned = max(tree.depth + 1, _TURNED)
+        return _halved(min(turned if tree.rank == 3 else tree.depth, _FINEST))
 
     @classmethod
     def of_partition(cls, partition: RingPartition) -> "ExitCells":

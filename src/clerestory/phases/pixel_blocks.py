@@ -32,8 +32,8 @@ class PixelBlocks:
     rows, columns : first row or column of each block, and the size of the picture
     """
 
-    rows: Int[np.ndarray, " edge"]
-    columns: Int[np.ndarray, " edge"]
+    rows: Int[np.ndarray, " down"]
+    columns: Int[np.ndarray, " across"]
 
     @classmethod
     def of(cls, rows: int, columns: int) -> "PixelBlocks":

@@ -1,0 +1,567 @@
+"""Pixels in sunlight by recorded paths, against quadrature and pairwise tracing.
+
+The radiance of blocks of pixels agrees within 1 % and four standard errors, for every
+kind of BSDF; errors of blocks are honest: deviations over errors have a variance of 1.
+"""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from pairwise_sun import pairwise_sun
+from physics_scenes import box, grey, quad, window
+from scipy.sparse import csc_array
+from test_sun_through_trees import over_disc, quadrature, towards
+
+from clerestory.bands import RGB
+from clerestory.bsdf.analytic import clear_air
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.scattering_function import FUNCTIONS
+from clerestory.bsdf.tensor_tree import ScatteringTree
+from clerestory.bsdf.tree_parser import parse_tree
+from clerestory.bsdfgen.generate import generate_bsdf
+from clerestory.bsdfgen.panes_and_fabrics import clear_pane
+from clerestory.bsdfgen.venetian_geometry import venetian
+from clerestory.colorimetry import wavelength_bands
+from clerestory.engine import window_path_jobs
+from clerestory.hemisphere.klems import klems
+from clerestory.phases.camera import Camera
+from clerestory.phases.picture_matrices import picture_view_matrices
+from clerestory.phases.sun_coefficients import picture_sun_coefficients
+from clerestory.phases.sunlit import in_sunlight
+from clerestory.phases.window_paths import picture_window_paths
+from clerestory.scene.model import Plastic, Scene
+from clerestory.scene.view import View, solid_angles
+
+KLEMS = klems("full")
+NINE = wavelength_bands(np.linspace(380, 780, 10))
+
+# Altitudes on both sides of the cut-off angle of the blind, and a low sun
+SUNS = np.array(
+    [towards(170, 25), towards(200, 33), towards(178, 53), towards(140, 62)]
+)
+
+# Pixels along an edge of a picture, and of a block
+SIZE, EDGE = 96, 16
+
+# From the back of the room to the window, and down to the floor behind it
+BACK = View(
+    kind="angular", horizontal=130, vertical=130,
+    position=np.array([2.1, 4.3, 1.4]), direction=np.array([0.1, -1, -0.35]),
+)  # fmt: skip
+
+
+@cache
+def blind(basis, halvings=4):
+    """A blind whose slats let some of the suns through."""
+    system = venetian(slat_width=0.08, spacing=0.072, tilt_deg=20, reflectance=0.5)
+    return generate_bsdf(
+        system, basis=basis, halvings=halvings, sides="both", samples=200, seed=3,
+        geometry=False,
+    )  # fmt: skip
+
+
+@cache
+def isotropic():
+    """A tree of rank 3 of random values in cells of two sizes."""
+    rng = np.random.default_rng(5)
+
+    def branch(levels):
+        if levels > 1:
+            children = " ".join(branch(levels - 1) for _ in range(8))
+        else:
+            count = 8 if rng.random() < 0.7 else 1
+            children = " ".join(map(str, rng.random(count) ** 3))
+        return f"{{ {children} }}"
+
+    table = parse_tree(branch(3).encode(), rank=3)
+    tree = ScatteringTree(table.slots, 3, table.depth)
+    return Bsdf({("visible", name): tree for name in FUNCTIONS})
+
+
+@cache
+def pane():
+    """A clear pane as a tree of rank 3: its light leaves in one cell."""
+    return generate_bsdf(
+        clear_pane(), basis="tree3", halvings=5, sides="both", samples=200, seed=3,
+        geometry=False,
+    )  # fmt: skip
+
+
+BSDFS = {
+    "Klems": lambda: blind("full"),
+    "rank 4": lambda: blind("tree4"),
+    "rank 3": isotropic,
+    "pane": pane,
+}
+
+# The pairwise estimator removes parts of Klems patches that reach into the peak, and
+# loses their flux; random values of neighbouring cells have no peak
+PEAKS = {"Klems": SUNS[[0, 1, 3]], "rank 4": SUNS, "pane": SUNS}
+
+
+def camera(view=BACK, size=SIZE):
+    return Camera(view, size, size)
+
+
+def blocks(values, edge=EDGE, size=SIZE):
+    """Means over blocks of edge × edge pixels of (…, pixel, sun)."""
+    few = size // edge
+    parts = values.reshape(*values.shape[:-2], few, edge, few, edge, -1)
+    return parts.mean(axis=(-4, -2))
+
+
+def block_errors(error, edge=EDGE, size=SIZE):
+    """Standard errors of blocks of pixels with independent errors."""
+    return np.sqrt(blocks(np.square(error), edge, size)) / edge
+
+
+def compare(found, error, expected, noise, *, edge=EDGE, size=SIZE, bias=0.01):
+    """Blocks agree within a share of their radiance and four standard errors."""
+    assert expected.max() > 0
+    value, truth = (blocks(v, edge, size) for v in (found, expected))
+    spread = np.hypot(*(block_errors(e, edge, size) for e in (error, noise)))
+    least = 0.02 * np.mean(truth, axis=(-3, -2), keepdims=True)
+    allowed = 4 * spread + bias * np.maximum(truth, least)
+    worst = np.max(abs(value - truth) / np.maximum(allowed, 1e-9))
+    assert worst < 1
+    # The sum of all pixels: light is neither lost nor counted twice
+    total, whole = value.mean(axis=(-3, -2)), truth.mean(axis=(-3, -2))
+    count = value.shape[-2] * value.shape[-3]
+    sure = 4 * np.sqrt(np.mean(spread**2, axis=(-3, -2)) / count)
+    assert np.all(abs(total - whole) <= sure + bias / 2 * whole)
+    return (value - truth) / np.maximum(spread, 1e-9), truth > least
+
+
+def against_pairs(
+    scene, windows, bsdf, *, number=0, peak=False, view=BACK, suns=SUNS, samples=16,
+    device="cpu", bias=0.01, pairs=32,
+):  # fmt: skip
+    """Compare recorded paths with the pairwise estimator."""
+    given = scene, windows, windows[number].name, bsdf, camera(view)
+    found = picture_sun_coefficients(
+        *given, suns=suns, peak=peak, samples=samples, seed=7, device=device
+    )
+    expected, noise = pairwise_sun(
+        scene, windows, bsdf, camera(view), suns, number=number, peak=peak,
+        samples=pairs, device=device,
+    )  # fmt: skip
+    return compare(found.values, found.standard_error, expected, noise, bias=bias)
+
+
+@pytest.mark.parametrize("reflectance", [0.5, (0.7, 0.4, 0.1)], ids=["grey", "rgb"])
+def test_direct_view_matrix_is_that_of_the_path_tracer(device, reflectance):
+    """V_d, patch by patch of blocks of pixels, and each window by itself."""
+    scene, windows = two_windows(reflectance)
+    shared = {"samples": 16, "device": device}
+    paths = picture_window_paths(scene, windows, camera(), seed=1, **shared)
+    traced = picture_view_matrices(
+        scene, windows, camera(), direct=True, seed=2, **shared
+    )
+    for name, found in paths.view_matrices().items():
+        other = traced[name]
+        # One channel is enough for grey rooms
+        value = np.broadcast_to(found.values, other.values.shape)
+        error = np.broadcast_to(found.standard_error, other.values.shape)
+        noise = other.standard_error
+        # Patches that many paths reach; others have errors of few paths
+        many = blocks(other.values) > 1e-3 * other.values.sum(axis=-1).mean()
+        spread = np.hypot(block_errors(error), block_errors(noise))
+        score = ((blocks(value) - blocks(other.values)) / np.maximum(spread, 1e-9))[
+            many
+        ]
+        assert 0.8 < np.sqrt(np.mean(score**2)) < 1.2
+        assert abs(score).max() < 6
+        every = (v.sum(axis=-1, keepdims=True) for v in (value, error, other.values))
+        compare(*every, noise.sum(axis=-1, keepdims=True), bias=0.002)
+
+
+@pytest.mark.parametrize("kind", BSDFS)
+def test_blocks_agree_with_pairs_of_pixels_and_suns(device, kind):
+    """Narrow lobes too: the pairwise estimator samples them for each sun."""
+    scene, south = box(4, 5, 3, 0.5)
+    against_pairs(scene, [south], BSDFS[kind](), device=device)
+
+
+@pytest.mark.parametrize("kind", PEAKS)
+def test_blocks_agree_where_sunlight_is_unscattered(device, kind):
+    scene, south = box(4, 5, 3, 0.5)
+    given = {"suns": PEAKS[kind], "peak": True, "device": device}
+    against_pairs(scene, [south], BSDFS[kind](), **given)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", BSDFS)
+@pytest.mark.parametrize("peak", [False, True], ids=["spread", "peak"])
+def test_errors_of_blocks_are_honest(device, kind, peak):
+    """Few paths against many pairs: z-scores of blocks have a variance of 1."""
+    scene, south = box(4, 5, 3, 0.5)
+    bsdf, suns = BSDFS[kind](), PEAKS.get(kind, SUNS)
+    expected, noise = pairwise_sun(
+        scene, [south], bsdf, camera(), suns, peak=peak and kind in PEAKS,
+        samples=256, device=device,
+    )  # fmt: skip
+    scores = []
+    for seed in range(1, 5):
+        found = picture_sun_coefficients(
+            scene, [south], "south", bsdf, camera(),
+            suns=suns, peak=peak and kind in PEAKS, samples=4, seed=seed,
+            device=device,
+        )  # fmt: skip
+        score, bright = compare(found.values, found.standard_error, expected, noise)
+        scores.append(np.where(bright, score, np.nan))
+    for sun in range(len(suns)):
+        each = np.stack(scores)[..., sun]
+        assert 0.7 < np.sqrt(np.nanmean(np.square(each))) < 1.4
+
+
+def floor_point(x, y, reach=3.0):
+    """A view of a spot on the floor, a millimetre wide."""
+    angle = np.degrees(1e-3 / reach)
+    return View(
+        kind="perspective", horizontal=angle, vertical=angle,
+        position=np.array([x, y, 2.9]), direction=np.array([0, 0, -1.0]),
+        up=np.array([0, 1.0, 0]),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", ["Klems", "rank 4", "rank 3"])
+def test_floor_reflects_the_integral_over_window_and_disc(device, kind):
+    """L = ρ/π ∫ f cos θ_sun cos θ dω, by quadrature: no tracing on the other side."""
+    scene, south = box(4, 5, 3, 0.5)
+    bsdf = BSDFS[kind]()
+    for eye in ([1.0, 2.0, 0.0], [3.0, 4.0, 0.0]):
+        found = picture_sun_coefficients(
+            scene, [south], "south", bsdf, Camera(floor_point(*eye[:2]), 8, 8),
+            suns=SUNS, samples=2048, seed=4, device=device,
+        )  # fmt: skip
+        expected = np.array(
+            [0.5 / np.pi * quadrature(south, bsdf, np.array(eye), s) for s in SUNS]
+        )
+        value = found.values[0].mean(axis=0)
+        error = np.sqrt(np.square(found.standard_error[0]).mean(axis=0) / 64)
+        assert np.all(error < 0.02 * expected)
+        assert np.all(abs(value - expected) < 4 * error + 0.01 * expected)
+
+
+@pytest.mark.parametrize("kind", ["Klems", "rank 4", "rank 3"])
+def test_window_has_the_radiance_of_the_layer(device, kind):
+    """C_F-ds: f(ω_sun, ω) cos θ_sun, the mean over a pixel and over the disc."""
+    scene, south = box(4, 5, 3, 0.0)
+    bsdf, size, fine = BSDFS[kind](), 12, 8
+    eye = View(
+        kind="perspective", horizontal=60, vertical=50,
+        position=np.array([2.0, 3.5, 1.5]), direction=np.array([0.05, -1, 0.02]),
+    )  # fmt: skip
+    found = picture_sun_coefficients(
+        scene, [south], "south", bsdf, Camera(eye, size, size),
+        suns=SUNS, samples=512, seed=4, device=device,
+    )  # fmt: skip
+    toward = eye.rays(size * fine, size * fine).direction.reshape(-1, 3)
+    axes = np.stack([south.frame.right, south.frame.up, south.frame.normal], axis=-1)
+    expected = np.zeros((size**2, len(SUNS)))
+    for number, sun in enumerate(SUNS):
+        for one in over_disc(sun, 6):
+            value = bsdf.evaluate(one @ axes, -toward @ axes)
+            value = value.reshape(size, fine, size, fine).mean(axis=(1, 3)).ravel()
+            expected[:, number] += value * -(one @ south.frame.normal) / 6
+    nothing = np.zeros_like(expected)
+    value, error = found.values[0], found.standard_error[0]
+    compare(value, error, expected, nothing, size=size, edge=3)
+
+
+def two_windows(reflectance=0.5):
+    """A room with windows to the south and, smaller, to the west."""
+    scene, south = box(4, 5, 3, reflectance)
+    sill = quad((0, 0, 0), (0, 5, 0), (0, 5, 1), (0, 0, 1))
+    side = quad((0, 3, 1), (0, 5, 1), (0, 5, 3), (0, 3, 3))
+    west = window(quad((0, 0, 1), (0, 3, 1), (0, 3, 3), (0, 0, 3)), name="west")
+    walls = tuple(w for n, w in enumerate(scene.surfaces) if n != 2)
+    return Scene(scene.materials, (*walls, sill, side)), [south, west]
+
+
+@pytest.mark.parametrize("number", [0, 1], ids=["south", "west"])
+def test_each_of_several_windows_is_lit_by_itself(device, number):
+    """A sun in the south-west lights both; each has its own zones and frame."""
+    scene, windows = two_windows()
+    suns = np.array([towards(230, 30), towards(215, 50)])
+    view = replace(BACK, direction=np.array([-0.6, -1, -0.3]))
+    given = {"number": number, "suns": suns, "view": view, "device": device}
+    against_pairs(scene, windows, blind("tree4"), peak=True, **given)
+
+
+def test_coloured_walls_colour_reflected_sunlight(device):
+    scene, south = box(4, 5, 3, (0.7, 0.4, 0.1))
+    against_pairs(scene, [south], blind("tree4"), peak=True, device=device)
+
+
+@pytest.mark.parametrize("peak", [False, True], ids=["spread", "peak"])
+def test_nine_bands_are_lit_each_by_itself(device, peak):
+    """A floor that is black in three of nine bands reflects none of them."""
+    scene, south = box(4, 5, 3, 0.5)
+    floor, *walls = scene.surfaces
+    colour = np.array([0.5, 0.2, 0.8, 0, 0, 0, 0.9, 0.3, 0.4])
+    materials = {
+        "wall": Plastic("wall", np.linspace(0.2, 0.8, 9)),
+        "floor": Plastic("floor", colour),
+    }
+    room = Scene(materials, (replace(floor, material="floor"), *walls), bands=NINE)
+    against_pairs(room, [south], blind("tree4"), peak=peak, device=device)
+
+
+@pytest.mark.parametrize("kind", ["Klems", "rank 4"])
+@pytest.mark.parametrize("peak", [False, True], ids=["spread", "peak"])
+def test_shadow_of_an_obstacle_crosses_the_window(device, kind, peak):
+    """Fins and an overhang outside, with an oblique edge."""
+    scene, south = box(4, 5, 3, 0.5)
+    fin = quad((1.3, -1.2, -1), (1.3, 0, -1), (1.3, 0, 4), (1.3, -1.2, 4))
+    roof = quad((-1, -0.7, 3.1), (5, -1.6, 3.3), (5, -0.05, 3.3), (-1, -0.05, 3.1))
+    shaded = Scene(scene.materials, (*scene.surfaces, fin, roof))
+    suns = np.array([towards(215, 30), towards(150, 45)])
+    against_pairs(shaded, [south], BSDFS[kind](), peak=peak, suns=suns, device=device)
+
+
+@pytest.mark.parametrize("peak", [False, True], ids=["spread", "peak"])
+def test_window_of_several_polygons(device, peak):
+    """Two panes and a triangle, with walls between them."""
+    scene, _ = box(4, 5, 3, 0.5)
+    panes = (
+        quad((0, 0, 0), (0, 0, 3), (1.1, 0, 3), (1.1, 0, 0)),
+        quad((1.6, 0, 1), (1.6, 0, 2.2), (2.3, 0, 2.2), (2.3, 0, 1)),
+        quad((4, 0, 0.5), (2.7, 0, 0.5), (3.6, 0, 2.9)),
+    )
+    south = window(*panes)
+    against_pairs(scene, [south], blind("tree4"), peak=peak, device=device)
+
+
+def eye_to(sun, position=(2.0, 3.0, 1.2), kind="angular", turn=(0.0, 0.0, 0.0)):
+    """A fisheye that looks almost to the sun."""
+    return View(
+        kind=kind, horizontal=180, vertical=180, position=np.array(position),
+        direction=sun + np.array(turn),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("size", [1, 2, 5, 16, 101, 400])
+@pytest.mark.parametrize("kind", ["angular", "hemispherical"])
+def test_solar_disc_is_exact_in_any_resolution(device, size, kind):
+    """Through clear air: Σ L Ω = E; the sun is in a pixel corner if `size` is even."""
+    scene, south = box(4, 5, 3, 0.0)
+    sun = towards(175, 25)
+    view = eye_to(sun, kind=kind)
+    found = picture_sun_coefficients(
+        scene, [south], "south", clear_air(KLEMS), Camera(view, size, size),
+        suns=sun[None], peak=True, samples=2, device=device,
+    )  # fmt: skip
+    angle = solid_angles(view, size, size).ravel()
+    assert found.values[0, :, 0] @ angle == pytest.approx(1, rel=1e-4)
+    # At most four pixels share the disc, if they are larger than it
+    count = np.count_nonzero(found.values[0])
+    assert count <= 4 if size <= 101 else count <= 16
+
+
+@pytest.mark.parametrize("turn", [(0, 0, 0), (0.4, 0, 0.2), (-0.3, 0.9, 0.8)])
+def test_eye_receives_the_direct_irradiance(device, turn):
+    """E_v = cos θ, for suns in the middle and at the edge of the view."""
+    scene, south = box(4, 5, 3, 0.0)
+    sun, size = towards(175, 25), 200
+    view = eye_to(sun, turn=turn)
+    found = picture_sun_coefficients(
+        scene, [south], "south", clear_air(KLEMS), Camera(view, size, size),
+        suns=sun[None], peak=True, samples=2, device=device,
+    )  # fmt: skip
+    rays = view.rays(size, size)
+    cosine = np.maximum(rays.direction @ view.direction, 0).ravel()
+    received = found.values[0, :, 0] * solid_angles(view, size, size).ravel() @ cosine
+    assert received == pytest.approx(sun @ view.direction, rel=0.02, abs=0.01)
+
+
+def test_disc_at_the_edge_of_the_window_is_cut(device):
+    """The upper edge of the window passes through the middle of the disc."""
+    scene, south = box(4, 5, 3, 0.0)
+    sun = towards(180, 30)
+    eye = np.array([2.0, 2.0, 3 - 2 * np.tan(np.radians(30))])
+    view = eye_to(sun, eye)
+    found = picture_sun_coefficients(
+        scene, [south], "south", clear_air(KLEMS), Camera(view, 64, 64),
+        suns=sun[None], peak=True, samples=2, device=device,
+    )  # fmt: skip
+    received = found.values[0, :, 0] @ solid_angles(view, 64, 64).ravel()
+    assert received == pytest.approx(0.5, abs=0.05)
+
+
+def test_small_window_is_found_by_the_sun(device):
+    """No path of a coarse picture meets a window of 4 cm, but its sunlight counts."""
+    scene, _ = box(4, 5, 3, 0.0)
+    sun = towards(180, 30)
+    eye = np.array([2.0, 2.0, 1.0])
+    x, _, z = eye + sun * 2 / np.cos(np.radians(30))
+    corners = ((-1, -1), (-1, 1), (1, 1), (1, -1))
+    tiny = window(quad(*((x + 0.02 * a, 0, z + 0.02 * b) for a, b in corners)))
+    view = eye_to(sun, eye, turn=(0.3, 0.2, 0.1))
+    found = picture_sun_coefficients(
+        scene, [tiny], "south", clear_air(KLEMS), Camera(view, 4, 4),
+        suns=sun[None], peak=True, samples=2, device=device,
+    )  # fmt: skip
+    received = found.values[0, :, 0] @ solid_angles(view, 4, 4).ravel()
+    assert received == pytest.approx(1, rel=1e-3)
+
+
+def test_suns_behind_the_wall_give_nothing(device):
+    scene, south = box(4, 5, 3, 0.5)
+    suns = np.array([towards(180, 30), towards(0, 30), towards(91, 5), towards(89, 5)])
+    for kind in BSDFS:
+        for peak in (False, True):
+            found = picture_sun_coefficients(
+                scene, [south], "south", BSDFS[kind](), camera(size=24),
+                suns=suns, peak=peak, samples=4, device=device,
+            )  # fmt: skip
+            assert found.values[..., 0].max() > 0
+            assert not found.values[..., [1, 3]].any()
+            assert not found.standard_error[..., [1, 3]].any()
+
+
+def test_same_seed_gives_the_same_bits_in_work_units_of_any_size(device, monkeypatch):
+    scene, windows = two_windows((0.7, 0.4, 0.1))
+
+    def traced(seed):
+        paths = picture_window_paths(
+            scene, windows, camera(size=24), samples=8, seed=seed, device=device
+        )
+        lit = picture_sun_coefficients(
+            scene, windows, "west", blind("tree4"), camera(size=24),
+            suns=np.array([towards(230, 30)]), peak=True, samples=8, seed=seed,
+            device=device,
+        )  # fmt: skip
+        return paths, lit
+
+    first, lit = traced(3)
+    again, same = traced(3)
+    other, unlike = traced(4)
+    monkeypatch.setattr(window_path_jobs, "_PATHS", 1 << 8)
+    small, cut = traced(3)
+    for one, twin, few, apart in zip(
+        first.records, again.records, small.records, other.records, strict=True
+    ):
+        for name in ("starts", "codes", "weights"):
+            values = getattr(one, name)
+            assert np.array_equal(values, getattr(twin, name))
+            assert np.array_equal(values, getattr(few, name))
+        assert not np.array_equal(one.codes, apart.codes)
+    assert np.allclose(lit.values, same.values, rtol=1e-6, atol=0)
+    assert np.allclose(lit.values, cut.values, rtol=1e-6, atol=0)
+    assert not np.array_equal(lit.values, unlike.values)
+    # Sums of the sun's beams depend on the order of additions
+    assert np.array_equal(lit.values, same.values)
+    assert np.array_equal(lit.values, cut.values)
+
+
+def test_suns_do_not_depend_on_the_block_in_which_they_are_computed(device):
+    """A sun has the same radiance alone and among others."""
+    scene, south = box(4, 5, 3, 0.5)
+
+    def lit(suns):
+        return picture_sun_coefficients(
+            scene, [south], "south", blind("tree4"), camera(),
+            suns=suns, peak=True, samples=8, device=device,
+        ).values  # fmt: skip
+
+    together = lit(SUNS)
+    apart = np.concatenate([lit(sun[None]) for sun in SUNS], axis=-1)
+    compare(together, np.zeros_like(together), apart, 0.002 * apart.mean() + 0 * apart)
+
+
+VIEWS = {
+    "perspective": View(
+        kind="perspective", horizontal=70, vertical=60,
+        position=np.array([2.1, 4.3, 1.4]), direction=np.array([0.1, -1, -0.5]),
+    ),
+    "parallel": View(
+        kind="parallel", horizontal=3.5, vertical=4.5, position=np.array([2, 2.5, 2.0]),
+        direction=np.array([0, 0.1, -1.0]), up=np.array([0, 1.0, 0]),
+    ),
+    "cylindrical": View(
+        kind="cylindrical", horizontal=150, vertical=80,
+        position=np.array([2.1, 4.3, 1.4]), direction=np.array([0, -1.0, 0]),
+    ),
+    "planisphere": View(
+        kind="planisphere", horizontal=150, vertical=150,
+        position=np.array([2.1, 4.3, 1.4]), direction=np.array([0.1, -1, -0.5]),
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", VIEWS)
+def test_views_of_every_kind(device, kind):
+    scene, south = box(4, 5, 3, 0.5)
+    against_pairs(
+        scene, [south], blind("tree4"), peak=True, view=VIEWS[kind], device=device
+    )
+
+
+def test_fore_plane_hides_what_is_before_it(device):
+    """A screen before the eye is clipped away; it still throws its shadow."""
+    scene, south = box(4, 5, 3, 0.5)
+    screen = quad((0.5, 3.6, 0), (3.5, 3.6, 0), (3.5, 3.6, 1.6), (0.5, 3.6, 1.6))
+    room = Scene(scene.materials, (*scene.surfaces, screen))
+    view = replace(VIEWS["perspective"], fore=1.2)
+    against_pairs(room, [south], blind("tree4"), peak=True, view=view, device=device)
+    # Through clear air the sun is seen over the screen's place
+    sun = towards(180, 15)
+    fisheye = replace(eye_to(sun, (2.0, 4.3, 1.0)), fore=1.2)
+    found = picture_sun_coefficients(
+        room, [south], "south", clear_air(KLEMS), Camera(fisheye, 64, 64),
+        suns=sun[None], peak=True, samples=2, device=device,
+    )  # fmt: skip
+    shown = found.values.max()
+    hidden = picture_sun_coefficients(
+        room, [south], "south", clear_air(KLEMS), Camera(replace(fisheye, fore=0), 64, 64),
+        suns=sun[None], peak=True, samples=2, device=device,
+    )  # fmt: skip
+    assert shown > 0
+    assert hidden.values.max() < 0.01 * shown
+
+
+def test_parallel_view_against_the_sun(device):
+    """Every pixel whose ray meets the window has the radiance of the disc."""
+    scene, south = box(4, 5, 3, 0.0)
+    sun = towards(180, 20)
+    view = View(
+        kind="parallel", horizontal=6, vertical=6, direction=sun,
+        position=np.array([2, 2.5, 1.5]),
+    )  # fmt: skip
+    given = scene, [south], clear_air(KLEMS), Camera(view, SIZE, SIZE)
+    expected, noise = pairwise_sun(*given[:2], *given[2:], sun[None], peak=True)
+    found = picture_sun_coefficients(
+        *given[:2], "south", *given[2:],
+        suns=sun[None], peak=True, samples=64, device=device,
+    )  # fmt: skip
+    compare(found.values, found.standard_error, expected, noise)
+
+
+def test_luminance_of_bands_is_weighted(device):
+    """`received` with photometric weights is the weighted sum of the bands."""
+    scene, south = box(4, 5, 3, (0.7, 0.4, 0.1))
+    small = camera(size=24)
+    paths = picture_window_paths(scene, [south], small, samples=8, device=device)
+    lit = in_sunlight(paths, "south", blind("tree4"), suns=SUNS, peak=True)
+
+    # One sun at each step; the second is dark
+    normal = csc_array(np.diag([500.0, 0, 800.0, 300.0]))
+    by_band, error = lit.received(normal, np.eye(3))
+    [weighted], [weighted_error] = lit.received(normal, RGB.weights[None])
+    for one, other in ((by_band, weighted), (error, weighted_error)):
+        expected = np.einsum("b,bps->ps", RGB.weights, one)
+        np.testing.assert_allclose(other, expected, rtol=1e-3, atol=1e-3)
+    assert not weighted[:, 1].any()
+    assert weighted[:, [0, 2, 3]].mean() > 1
+
+
+def test_rough_plastic_reflects_the_sun(device):
+    """Rough plastic: its highlights are wider than a patch."""
+    room, south = box(4, 5, 3, 0.4)
+    glossy = Scene(
+        {"wall": replace(grey(0.4), specularity=0.05, roughness=0.2)}, room.surfaces
+    )
+    against_pairs(glossy, [south], blind("full"), device=device)
