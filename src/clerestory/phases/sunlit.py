@@ -73,17 +73,12 @@ class SunlitReceivers:
         lit = np.flatnonzero(sun >= 0)
         lit = lit[self._behind[sun[lit]]]
         found = np.zeros((2, len(weights), pixels, steps), np.float32)
-        if len(lit) == 0 or not self._traced:
+        if len(lit) == 0 or not self.paths.traced:
             return found[0], found[1]
         irradiance = np.asarray(normal.sum(axis=0)).ravel()[lit]
         one, other = self._batches(sun[lit], irradiance, weights)
         found[0][..., lit], found[1][..., lit] = (one + other) / 2, (one - other) / 2
         return found[0], found[1]
-
-    @cached_property
-    def _traced(self) -> bool:
-        # Whether there are paths: not in a dry run
-        return any(len(each.zones) for each in self.paths.records)
 
     @cached_property
     def _behind(self) -> np.ndarray:
@@ -209,7 +204,7 @@ class SunlitReceivers:
         shape = job.batches, bands, job.receivers, len(self.suns)
         found = np.zeros(shape, np.float32)
         lit = np.flatnonzero(self._behind)
-        for first in range(0, len(lit) * self._traced, _SUNS):
+        for first in range(0, len(lit) * self.paths.traced, _SUNS):
             sun = lit[first : first + _SUNS]
             found[..., sun] = self._batches(sun, np.ones(len(sun)), weights)
         mean = found.mean(axis=0)
