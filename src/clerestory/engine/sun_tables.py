@@ -6,14 +6,16 @@
 Both are means over the solar disc.
 """
 
+from collections.abc import Callable, Iterator
+
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from jaxtyping import Float, Float32
+from jaxtyping import Float, Float32, Int
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.constants import SUN_DIAMETER
-from clerestory.directions import Frame
+from clerestory.directions import Frame, unit
 from clerestory.engine.channels import band_groups
 from clerestory.engine.lower import lower
 from clerestory.engine.materials.bsdf_file import forward_table
@@ -24,20 +26,30 @@ from clerestory.engine.visibility import ROUNDING, along, transmittance
 from clerestory.scene.model import Scene
 from clerestory.scene.scaling import scaled
 
-# Number of points of the solar disc
-_DISC = 16
+# Numbers of points of the solar disc: for the transmittance from the sun, and for the
+# shares of incident cells
+_DISC, _FINE = 16, 64
 
 
 class SunlitBsdf:
     """Radiance of a BSDF lit by suns, per direct normal irradiance [1/sr].
 
     `frame` is that of the window; if `peak`, unscattered transmission is left out.
+    `cells` returns the incident cells of light in directions of the window's frame.
     """
 
-    def __init__(self, bsdf: Bsdf, frame: Frame, *, peak: bool):
+    def __init__(
+        self,
+        bsdf: Bsdf,
+        frame: Frame,
+        *,
+        peak: bool,
+        cells: Callable[[Float[np.ndarray, "ray 3"]], Int[np.ndarray, " ray"]],
+    ):
         self.table = forward_table(bsdf)
         self.peak = PeakTable(bsdf) if peak else None
         self.axes = np.array([frame.right, frame.up, frame.normal])
+        self.cells = cells
 
     def radiance(
         self, leaving: Float[np.ndarray, "cell 3"], suns: Float[np.ndarray, "sun 3"]
@@ -50,12 +62,38 @@ class SunlitBsdf:
         with launching():
             out = dr.gather(mi.Vector3f, vectors(mi.Vector3f, leaving), cell)
             total = mi.Color3f(0)
-            for point in solar_disc(suns):
-                toward = vectors(mi.Vector3f, point @ self.axes.T)
-                total += self._one(out, dr.gather(mi.Vector3f, toward, sun))
+            for direction, share in self._parts(suns):
+                toward = vectors(mi.Vector3f, direction)
+                weight = dr.gather(mi.Float, on_device(mi.Float, share), sun)
+                total += weight * self._one(out, dr.gather(mi.Vector3f, toward, sun))
             dr.eval(total)
-            found = np.asarray(total.numpy(), np.float32) / _DISC
+            found = np.asarray(total.numpy(), np.float32)
         return _grey(found.reshape(3, len(leaving), count))
+
+    def _parts(
+        self, suns: Float[np.ndarray, "sun 3"]
+    ) -> Iterator[tuple[Float[np.ndarray, "sun 3"], Float[np.ndarray, " sun"]]]:
+        # Parts of the solar disc in different incident cells: mean directions in the
+        # window's frame, and shares of the disc
+        disc = (solar_disc(suns, _FINE) @ self.axes.T).reshape(-1, 3)
+        number = np.tile(np.arange(len(suns)), _FINE)
+        disc, number = disc[disc[:, 2] < 0], number[disc[:, 2] < 0]
+        pairs, part = np.unique(
+            np.stack([number, self.cells(-disc)]), axis=1, return_inverse=True
+        )
+        sums = np.stack([np.bincount(part, axis) for axis in disc.T], axis=-1)
+        share = np.bincount(part) / _FINE
+        first = np.searchsorted(pairs[0], pairs[0], side="left")
+        rank = np.arange(len(first)) - first
+        for layer in range(rank.max(initial=-1) + 1):
+            some, own = rank == layer, pairs[0, rank == layer]
+            directions, shares = (
+                np.tile([0, 0, -1.0], (len(suns), 1)),
+                np.zeros(len(suns)),
+            )
+            directions[own] = unit(sums[some])
+            shares[own] = share[some]
+            yield directions, shares
 
     def _one(self, leaving, incident):
         value, _ = self.table.evaluate(mi.UInt32(0), leaving, incident)

@@ -1,4 +1,4 @@
-"""Cells of exit directions in which a BSDF is constant, or nearly so."""
+"""Cells of exit and incident directions in which a BSDF is constant, or nearly so."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -11,7 +11,11 @@ from clerestory.bsdf.scattering_function import ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.hemisphere.partition import RingPartition
-from clerestory.hemisphere.shirley_chiu import cell_centres, directions_from_square
+from clerestory.hemisphere.shirley_chiu import (
+    cell_centres,
+    cells_from_disc,
+    directions_from_square,
+)
 from clerestory.scene.window_zones import DIRECTION_BITS
 
 # Largest number of halvings of a grid of exit cells
@@ -49,8 +53,8 @@ class ExitCells:
         if tree is None:
             return cls.of_partition(bsdf.function("transmission_front").exits)
         # Rank 3 trees turn with the azimuth of the sun: smaller cells follow them
-        turned = max(tree.depth + 1, _TURNED)
-        return _halved(min(turned if tree.rank == 3 else tree.depth, _FINEST))
+        halvings = tree.depth if tree.rank == 4 else max(tree.depth + 1, _TURNED)
+        return _halved(min(halvings, _FINEST))
 
     @classmethod
     def of_partition(cls, partition: RingPartition) -> "ExitCells":
@@ -84,6 +88,17 @@ class ExitCells:
         edge = 1 << self.key
         place = (np.stack(np.divmod(cell, edge), axis=-1) + u) / edge
         return directions_from_square(place[..., 0], place[..., 1])
+
+
+def incident_cells(
+    bsdf: Bsdf, light: Float[np.ndarray, "ray 3"]
+) -> Int[np.ndarray, " ray"]:
+    """Return the cells of light into the room, of directions in the window's frame."""
+    cells = ExitCells.of(bsdf)
+    if isinstance(cells.key, RingPartition):
+        return bsdf.function("transmission_front").incidents.find(light)
+    row, column = cells_from_disc(light[:, 0], light[:, 1], halvings=cells.key)
+    return (row.astype(int) << cells.key) + column
 
 
 def _tree(part: ScatteringFunction) -> ScatteringTree | None:

@@ -6,7 +6,7 @@ miss, are traced for the suns in question.
 """
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from clerestory.bsdf.bsdf import Bsdf
 from clerestory.checks import require
 from clerestory.engine import device as devices
 from clerestory.phases.direct_light import window_number
-from clerestory.phases.exit_cells import ExitCells
+from clerestory.phases.exit_cells import ExitCells, incident_cells
 from clerestory.phases.window_paths import WindowPaths
 from clerestory.scene.model import Scene
 
@@ -144,7 +144,8 @@ class SunlitReceivers:
     def _table(self) -> Any:
         engine: Any = devices.load(self.paths.job.device, "sun_tables")
         frame = self.paths.job.windows[self.window].frame
-        return engine.SunlitBsdf(self.bsdf, frame, peak=self.peak)
+        cells = partial(incident_cells, self.bsdf)
+        return engine.SunlitBsdf(self.bsdf, frame, peak=self.peak, cells=cells)
 
     @cached_property
     def _transmittance(self) -> Float32[np.ndarray, "channel zone sun"]:
