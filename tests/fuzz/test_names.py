@@ -19,6 +19,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from hostile_names import MARKER, NAMES, more_names, require_no_marker
+from result_seeds import _results
 from scene_seeds import _hbjson
 
 import clerestory
@@ -57,7 +58,7 @@ from clerestory.report.page_assets import content_policy
 from clerestory.scene.model import Mirror, Mixture, Plastic, Polygon, Scene
 from clerestory.study.model_import import write_honeybee_model
 from clerestory.study.outputs import _METRICS, write_hourly, write_metrics
-from clerestory.study.results import Results
+from clerestory.study.results import Results, read_results, save_results
 from clerestory.study.study_files import study_text, window_text
 
 pyradiance = pytest.importorskip("pyradiance", reason="Radiance reads the files")
@@ -446,6 +447,26 @@ def test_results_of_hostile_grids_are_tables(folder):
         assert len(head) == len(row) == 2
 
 
+def test_results_hold_any_name(folder):
+    """In coordinates and attributes of results.nc, and in run.json."""
+    _results(folder)
+    sound = read_results(folder)
+    count = sound.data.sizes["sensor"]
+    for first in range(0, len(ALL), count):
+        names = [*ALL, *ALL][first : first + count]
+        data = sound.data.assign_attrs(title=names[0]).assign_coords(
+            grid=("sensor", np.array(names, object)),
+            sensor=np.array([f"{n}.1" for n in names], object),
+        )
+        save_results(Results(data, {**sound.run, "warnings": names}), folder)
+        found = read_results(folder)
+        plain = (name.replace("\0", "\\x00") for name in names)
+        shown = [n.encode(errors="backslashreplace").decode() for n in plain]
+        assert found.data["grid"].values.tolist() == shown
+        assert found.title == shown[0]
+        assert found.run["warnings"] == names
+
+
 def test_study_files_hold_any_text(folder):
     for name in ALL:
         text = study_text({"title": name, "scene": {"files": [name, "b"]}})
@@ -519,7 +540,7 @@ WRITERS = {
     "study.outputs._write_lines": test_results_of_hostile_grids_are_tables,
     "study.outputs.write_lighting": test_tables_hold_no_formulas,
     "study.outputs.write_metrics": test_results_of_hostile_grids_are_tables,
-    "study.results.save_results": "JSON and NetCDF",
+    "study.results.save_results": test_results_hold_any_name,
     "study.study_files.write_sensors": "numbers",
 }
 _WRITING = {"write_text", "write_bytes", "replace_file", "replace_path", "mkstemp"}

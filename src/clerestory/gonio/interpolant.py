@@ -76,10 +76,9 @@ class Interpolant(ScatteringFunction):
 
     @cached_property
     def _flux(self) -> Flux:
-        totals = np.array([lobes.total for lobes in self.network.lobes])
         return flux_surface(
             self.network.mesh,
-            totals,
+            np.array([lobes.total for lobes in self.network.lobes]),
             symmetry=self.symmetry,
             quadrant=self.network.quadrant,
         )

@@ -128,11 +128,10 @@ def _picture(
     if white != LUMINOUS_EFFICACY:
         values = values * np.float32(white / LUMINOUS_EFFICACY)
     view = header.get("radianceView")
-    comments = header.get("comments", "")
     return Picture(
         values,
         view=parse_view(view) if isinstance(view, str) else None,
-        header=tuple(str(comments).splitlines()),
+        header=tuple(str(header.get("comments", "")).splitlines()),
         pixel_aspect=1 / max(float(header.get("pixelAspectRatio", 1.0)), 1e-30),
         quantity="irradiance" if header.get("quantity") == "irradiance" else "radiance",
     )

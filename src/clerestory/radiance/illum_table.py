@@ -54,11 +54,10 @@ def light_pattern(light: LeavingLight) -> FunctionPattern:
     """
     grey = bool(np.ptp(light.radiance, axis=2).max() == 0)
     tables = [_table(light.radiance[..., c]) for c in range(1 if grey else 3)]
-    flat = light.frame[[2, 0, 1]].ravel()
     return FunctionPattern(
         Program(),
         tuple(Name(name) for name in (_GREY if grey else _COLOUR)),
-        tuple(float(x) for x in flat),
+        tuple(float(x) for x in light.frame[[2, 0, 1]].ravel()),
         tables=tuple(tables),
         coordinates=(parse_expression(_FROM_NORMAL), parse_expression(_AROUND)),
     )

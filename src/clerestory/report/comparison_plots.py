@@ -168,14 +168,13 @@ def scan_figure(
 def _map(
     panel: Axes, where: np.ndarray, values: np.ndarray, limits: tuple[float, float]
 ) -> Any:
-    signed = limits[0] < 0
     drawn = panel.scatter(
         where[:, 0],
         where[:, 1],
         c=values,
         s=42,
         marker="s",
-        cmap="RdBu_r" if signed else "viridis",
+        cmap="RdBu_r" if limits[0] < 0 else "viridis",
         vmin=limits[0],
         vmax=limits[1],
         lw=0,

@@ -91,10 +91,9 @@ def _read_file(path: Path) -> _Table:
     ]
     require(marks, "no DataBegin line; DataBegin and a table of BSDF values expected")
     # Tristimulus files contain tables of X, Y and Z in this order
-    start = marks[1 if len(marks) == 3 else 0]
     rows = [
         line
-        for line in lines[start:]
+        for line in lines[marks[1 if len(marks) == 3 else 0] :]
         if not line[1].upper().startswith(("TIS", "DATAEND"))
     ]
     wanted = shape[0] * shape[1] * shape[2]
