@@ -80,8 +80,8 @@ def main() -> None:
         "# Speed of BSDF values\n\n"
         f"Made by `benchmarks/bsdf_speed.py` on {today:%d %B %Y}, one core of"
         f" {platform.machine()}, NumPy {np.__version__}. Million values a second of"
-        " processor time, for random pairs of directions; `Bsdf.evaluate` also finds"
-        " out which of the four functions each pair is for.\n\n"
+        " processor time, for random pairs of directions; `Bsdf.evaluate` also"
+        " determines the function (of four) for each pair.\n\n"
         "| | one function | `Bsdf.evaluate` |\n| --- | --- | --- |\n"
         + "\n".join(rows)
         + "\n"

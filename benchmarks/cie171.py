@@ -33,13 +33,13 @@ relative to the standard's value. *Explained*: share of the values within four o
 standard errors, half of the standard's last digit, and 1 %.
 
 - 5.2 to 5.8 are lit by lamps and reflecting surfaces, 5.9 and 5.11 by 16 skies (CIE S
-  011 types 1 to 15 and the traditional overcast sky, sun 60° high). The skies shine
-  through daylight coefficients of 5185 patches, each with the mean of the sky's formula
-  over it: the cases judge the skies, the cutting of the sky and the tracer together.
-- 5.6: a small sun behind the sensors lights the floor. 5.7: the wall shines by itself,
-  as evenly as the standard's wall is lit; its table is the one that NVIDIA corrected.
+  011 types 1 to 15 and the traditional overcast sky, sun 60° high). Illuminances are
+  computed by daylight coefficients of 5185 patches, each with the mean of the sky's
+  formula over it: the cases test the skies, their subdivision and the tracer together.
+- 5.6: a small sun behind the sensors lights the floor. 5.7: the wall is a uniform
+  emitter, as the standard's wall is uniformly lit; its table is NVIDIA's corrected one.
 - 5.8: the mean over the cube's faces by Gauss's rule on 16 sensors each.
-- Not here, because no reference table was at hand: 5.1, 5.4 and 5.5 (the transcription
+- Omitted, because no reference table was available: 5.1, 5.4 and 5.5 (the transcription
   of the latter is flagged as wrong), 5.10 and 5.12 (glazed openings), 5.13 and 5.14
   (outer obstructions), and the experimental cases of section 4.
 """

@@ -14,6 +14,7 @@ from typing import Literal
 import numpy as np
 import pyradiance
 
+import clerestory
 from clerestory.engine.device import resolve
 from clerestory.errors import DeviceError
 
@@ -122,9 +123,10 @@ def table(
 
 def stamp() -> str:
     """Return date, machine class and versions."""
+    others = ("mitsuba", "drjit", "pyradiance")
     versions = ", ".join(
-        f"{name} {importlib.metadata.version(name)}"
-        for name in ("clerestory", "mitsuba", "drjit", "pyradiance")
+        [f"clerestory {clerestory.__version__}"]
+        + [f"{name} {importlib.metadata.version(name)}" for name in others]
     )
     today = datetime.datetime.now(tz=datetime.UTC).date()
     return f"{today}, {os.cpu_count()} cores {platform.machine()}, {versions}"

@@ -1,4 +1,4 @@
-"""Page on damaged files: what became of the mutants of every reader.
+"""Page on damaged files: number of mutants that each reader read or refused.
 
     python benchmarks/fuzz.py --count 10000 -o docs/benchmarks/fuzz.md
 
@@ -21,7 +21,7 @@ changed bytes, words, numbers, lines and XML elements, and deep nesting
 (`tests/fuzz/mutation.py`). A file is either refused by an error of one line and fewer
 than 500 characters, or read. BSDFs that are read are evaluated, integrated and written;
 pictures are evaluated for glare; results are prepared for a report. The checksums of
-two formats are renewed after the damage, so that what lies behind them is read too.
+two formats are recomputed after the damage, so that the damaged data are read.
 
 Not allowed, and counted as defects: other exceptions, a file that takes more than 5 s
 of processor time, more than 1 GB of additional memory, longer messages.

@@ -8,7 +8,6 @@ few skies. The scenes here are ours, after their text; each picture tells what i
 
 import argparse
 import datetime
-import importlib.metadata
 import json
 import os
 import platform
@@ -166,7 +165,7 @@ SHOTS = {
     ),
     "december_geometry": Shot(
         "The same, with the geometry",
-        "The direct part goes between the slats as sharp as it is.",
+        "Direct sunlight passes between the slats with sharp shadows.",
         under(DECEMBER, geometry),
     ),
     "added_reflection": Shot(
@@ -188,7 +187,7 @@ SHOTS = {
 }
 for _percent in (0, 95, 99):
     SHOTS[f"ball_{_percent}"] = Shot(
-        f"Its BSDF as a tensor tree, {_percent} % given up",
+        f"Its BSDF as a tensor tree, reduced by {_percent} %",
         "The tree was traced from the material of the reference.",
         coated(_percent),
         BALL_VIEW,
@@ -254,7 +253,7 @@ def shoot(name: str, folder: Path, size: int, samples: int) -> dict[str, object]
 
 def page(took: dict[str, dict[str, object]], sizes: str) -> str:
     """Return the page in Markdown."""
-    version = importlib.metadata.version("clerestory")
+    version = cl.__version__
     today = datetime.datetime.now(tz=datetime.UTC).date()
     cores = len(os.sched_getaffinity(0))
     lines = [
@@ -263,9 +262,9 @@ def page(took: dict[str, dict[str, object]], sizes: str) -> str:
         "The pictures of the BSDF crash course, rendered by"
         " [`benchmarks/gallery.py`](../benchmarks/gallery.py): a room of"
         " 4.5 × 5.4 × 3 m, a blind of 80 mm slats at 45°, traced to a Klems matrix with"
-        " `clerestory.bsdfgen`. Shown as the eye would see them, their noise smoothed"
-        " by Open Image Denoise ([Pictures](pictures.md)); the figures are of the"
-        " pictures before that.",
+        " `clerestory.bsdfgen`. They are tone-mapped for human vision and denoised by"
+        " Open Image Denoise ([Pictures](pictures.md)); noise and mean luminance are"
+        " those before denoising.",
         "",
         f"Made {today} with Clerestory {version} on {cores} cores of"
         f" {platform.machine()}, shared with other work: times are upper bounds. Noise"
@@ -288,9 +287,10 @@ def page(took: dict[str, dict[str, object]], sizes: str) -> str:
             "",
         ]
     lines += [
-        f"Files of the ball's coat: {sizes}. The tracer joins cells that its noise"
-        " cannot tell apart, so files are small and little is left to give up; genBSDF"
-        " writes every cell of the whole tree (files of the course: 238, 12, 3.9 MB).",
+        f"Files of the ball's coat: {sizes}. The tracer merges cells whose"
+        " differences are within its noise, so files are small and reduction merges few"
+        " further cells; genBSDF writes every cell of the whole tree (files of the"
+        " course: 238, 12, 3.9 MB).",
         "",
     ]
     return "\n".join(lines)

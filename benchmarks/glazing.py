@@ -196,8 +196,8 @@ def main() -> None:
             "",
             "The engine in this wheel is older than LBNL's expected results: its",
         ]
-        lines += ["coated panes and its blinds differ from them, and from ours, alike."]
-        lines += ["Times are of one run each, on a machine that others used too."]
+        lines += ["coated panes and its blinds differ equally from them and from ours."]
+        lines += ["Times are of one run each, on a shared machine."]
     print("\n".join(lines))
     if options.write:
         options.write.write_text("\n".join(lines) + "\n")

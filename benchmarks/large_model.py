@@ -256,12 +256,12 @@ def table(stages: dict[str, dict]) -> str:
 
 
 def plan_text(stages: dict[str, dict]) -> str:
-    """Return how the plan compares with what the run took."""
+    """Return a comparison of the plan with the run."""
     if "plan" not in stages:
         return ""
     plan, total = stages["plan"], stages["total"]
     return (
-        f"\n`--plan` foresaw and the run took: {plan['seconds']:.0f} s and"
+        f"\nEstimates of `--plan`, and values of the run: {plan['seconds']:.0f} s and"
         f" {total['trace']:.0f} s to trace, ratio"
         f" {plan['seconds'] / total['trace']:.2f};"
         f" {plan['memory'] / 1e9:.1f} GB and {total['peak_gb']:.1f} GB of memory;"

@@ -31,7 +31,7 @@ LIMITS = (0.05, 0.10, 0.20)
 DARK = 50.0  # lux below which a step does not count
 METHODS = ("3-phase", "5-phase")
 
-# What stands in the window: layers for V·T·D·s and for the direct sun.
+# Layers of the window: for V·T·D·s, and for the direct sun.
 LAYERS = {
     "exported": ("film.xml", "film_t3.xml"),
     "the fits": ("film.nc", "film.nc"),
@@ -120,15 +120,13 @@ def main() -> None:
             lines += rows(name, data)
             took.append(f"{name} {spent:.0f} s")
     lines = [
-        "# A measured film in the FLEXLAB room",
-        "",
-        f"{stamp()}; EDS10 in the whole window, {options.days[0]} to"
-        f" {options.days[1]}, 8 to 18 h, relative error {options.relative_error:g};"
-        f" processor time {', '.join(took)}. Made by `benchmarks/measured_film.py`.",
-        "",
-        "The film stands in the window *exported*, on Klems' patches and as a tree of"
-        " 2⁷ cells for the direct sun, and as *the fits*, the `.nc` of `clerestory"
-        " gonio fit`. Share of scheduled values above 50 lux in which three phases"
+        f"# A measured film in the FLEXLAB room{stamp()}; EDS10 in the whole window,"
+        f" {options.days[0]} to {options.days[1]}, 8 to 18 h, relative error"
+        f" {options.relative_error:g}; processor time {', '.join(took)}. Made by"
+        " `benchmarks/measured_film.py`.The BSDF of the film is *exported*, to Klems'"
+        " patches and to a tree of 2⁷ cells for the direct sun, or *the fits*, the"
+        " `.nc` file of `clerestory gonio fit`. Share of scheduled values above 50"
+        " lux in which three phases"
         " differ from five by less than 5, 10, 20 %; mean illuminance [lux]; share of"
         " time at 300 lux.",
         "",

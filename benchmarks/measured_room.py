@@ -46,23 +46,23 @@ of columns to sensors. Made by `benchmarks/measured_room.py`.
 
 ![Measured and simulated maps of six scans](measured-room-maps.png)
 
-How to read it:
+Notes:
 
-- This is no good agreement; what is known of the room limits it, for Radiance as well.
+- The agreement is poor; the knowledge of the room limits it, for Radiance as well.
   Materials are those that the authors measured: glass of transmissivity 0.88, floor
-  0.30, gallery 0.36. Nothing is calibrated. With these their own Radiance runs are too
-  bright as well; to match, they lower the transmissivity of the glass to 0.70 to 0.80
-  and the floors. The corners beside the windows are darker than the model's: its
-  windows may begin too early. Dirt, trees, and the people who carried the sensors are
-  not in it.
+  reflectance 0.30, gallery 0.36. Nothing is calibrated. With these values their own
+  Radiance runs are too bright as well; to match the measurements, they reduce the
+  transmissivity of the glass to 0.70 to 0.80 and the reflectance of the floors. The
+  corners beside the windows are darker than in the model, whose windows may extend too
+  far. Dirt, trees, and the people who carried the sensors are not modelled.
 - The weather is an hourly file made from a station's measurement; a scan takes minutes,
   and clouds pass within the hour. The simulation is interpolated between the middles of
   two hours; the authors take the hour that ends with the scan. `compare` finds no shift
-  of the scans' clock that would fit better.
+  of the scans' clock that improves the agreement.
 - The direct sun of an hour is spread over patches of Reinhart's MF 6 (two phases).
-- Two descriptions of the scans disagree on which end of the room the first row of a
-  file stands at. The study takes the words *from the front (east)* and a scene with +x
-  to the east. Read from the other end, CV(RMSE) is {other} %.
+- Two descriptions of the scans disagree on the end of the room to which the first row
+  of a file belongs. The study follows *from the front (east)*, in a scene with +x to
+  the east. Read from the other end, CV(RMSE) is {other} %.
 - Values of {above:g} lux and less do not count ({dark}).
 """
 

@@ -64,18 +64,18 @@ standard errors of both programs together. *Worst sensor*: its deviation over it
 (or 5 % of the mean, where it is darker), and in units of its own error, each the worst
 of the 20 to 50 in a row.
 *Blocks*: root mean square of the deviation of 12 × 12 blocks of the picture over its
-mean, and in brackets what the errors let expect.
+mean, and in brackets the value expected from the standard errors.
 
 **gensurf, metal.** The generator's `-s` smooths the sheet by a texture. Where a rough
-highlight gathers light of the surroundings, Radiance weighs samples by the angle to the
-true normal and not to the bent one, and so leaves its own formula; ours keeps it, as
-`tests/parity/test_finishes.py` shows with a sky of small suns, for which Radiance
-evaluates the formula itself. Without the texture (gensurf_faceted) both agree.
+highlight gathers light of the surroundings, Radiance weights samples by the angle to
+the geometric normal instead of the perturbed one, unlike its own formula. Ours follows
+the formula, as `tests/parity/test_finishes.py` shows with a sky of small suns, for
+which Radiance evaluates the formula itself. Without the texture (gensurf_faceted) both
+agree.
 
 **Smooth surfaces under a sun.** The sun's image in a polished metal is smaller than a
-pixel; pictures of models that have such are taken under the clear sky without sun.
-Sunlight that a smooth surface reflects to a matt one Radiance leaves out. Ours meets it
-by chance: where it does, in a column with a sun, the error says so.
+pixel; pictures of models with polished metal are under the clear sky without sun.
+Radiance omits sunlight that a smooth surface reflects to a matt one; ours includes it.
 """
 
 

@@ -102,9 +102,8 @@ def main() -> None:
             f" {memory:.2f} GB |"
         )
     lines += [
-        "",
-        "The five-phase method multiplies a second time for the direct part, and adds"
-        " the suns of each step, which are traced as the pictures pass.",
+        "The five-phase method also multiplies the direct part, and adds the suns of"
+        " each step, which are traced while the pictures are computed.",
     ]
     text = "\n".join(lines) + "\n"
     print(text)

@@ -68,10 +68,10 @@ SHOWN = (
           "An outer venetian blind follows the sun in four states, luminaires dim."
           " Geometry of the slats as BSDFs, a control rule, lighting energy."),
     Shown("redirecting_film", "room.vf", "09-21T12:30",
-          "Mirrors in a film above eye level throw the sun to the ceiling of a deep"
+          "Mirrors in a film above eye level reflect the sun to the ceiling of a deep"
           " classroom. Five phases, two window groups."),
     Shown("microlouvre", "room.vf", "06-21T12:30",
-          "A fixed microlouvre that cuts off high sun and lets one look out. Five"
+          "A fixed microlouvre that cuts off high sun and keeps the view out. Five"
           " phases."),
     Shown("skylight", "room.vf", "06-21T12:30",
           "Four opal skylights in shafts. A window group that faces down."),
@@ -179,9 +179,9 @@ def page(found: dict[str, dict[str, Any]]) -> str:
         "",
         "Six rooms in `studies/`, each run by one command. Geometry, BSDFs and weather",
         "are our own or in the public domain; `studies/make.py` makes the BSDFs from",
-        "parametric systems and the weather (Greensboro, TMY3) from pvlib's data. Take",
-        "one as the start of your own. A seventh,",
-        "`studies/crash_course_day`, is a day as a film.",
+        "parametric systems and the weather (Greensboro, TMY3) from pvlib's data. Each",
+        "can be copied and adapted to another room. A seventh study,",
+        "`studies/crash_course_day`, is an animation of one day.",
         "",
         f"Figures and pictures by `benchmarks/studies.py`, {stamp()}.",
         "± is one standard error, the run's own.",

@@ -159,22 +159,23 @@ def page(pair: Pair, tree: Path) -> str:
         "",
         *recipes(pair, tree),
         "",
-        "- Radiance looks a BSDF up at directions jittered by the size of its cells,"
-        " and a sun at its middle unless `-dj` is given; here the table is what the"
-        " file says, over the sun's whole disc. At single points in hours whose sun"
-        " stands at the edge of a bright cell of the tree, C_ds differs by a fifth."
+        "- Radiance looks up a BSDF at directions jittered by the size of its cells,"
+        " and a sun at its centre unless `-dj` is given; ours uses the values of the"
+        " file, over the sun's whole disc. At single points in hours with the sun"
+        " at the edge of a bright cell of the tree, C_ds differs by a fifth."
         " Quadrature over window and disc agrees with ours (`tests/physics/"
         "test_sun_through_trees.py`).",
-        "- The same blur makes the window's pixels brighter in hours of low sun. The"
-        " file's values along Radiance's own rays say so:",
+        "- The same jitter makes the window's pixels brighter in hours of low sun, as"
+        " the file's values along Radiance's own rays show:",
         "",
         *facades(pair),
         "",
         "- The tutorial's pane stands 5 cm behind the opening and leaves a gap above"
-        " the sill. rcontrib lets sun in through it, the window's matrices do not; a"
-        " strip closes it in Radiance's scene of suns.",
+        " the sill. In rcontrib, sunlight enters through the gap, but not in the"
+        " window's matrices; a strip closes it in Radiance's scene of suns.",
         "- The tutorial hides the tree behind the blind's own geometry (a proxy). Here"
-        " the pane is the tree, with its straight light kept sharp (aBSDF, `peak`).",
+        " the pane is the tree, with separate unscattered transmission (aBSDF,"
+        " `peak`).",
     ]
     return "\n".join(lines) + "\n"
 

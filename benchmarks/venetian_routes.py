@@ -99,11 +99,9 @@ def main() -> None:
     options = parser.parse_args()
     os.environ.update(ENVIRONMENT)
     lines = [
-        "### One blind by three routes",
-        "",
-        f"{stamp()}, pywincalc. Transmission from the sky side; direct-hemispherical"
-        " from one patch, diffuse, and the share of light from that patch that differs"
-        " from ours in where it leaves.",
+        f"### One blind by three routes{stamp()}, pywincalc. Transmission from the sky"
+        " side; direct-hemispherical from one patch, diffuse, and the fraction of the"
+        " light from that patch that leaves in other directions than ours.",
         "",
         "| tilt | patch | route | direct-hemispherical | diffuse | differs |",
         "|---|---|---|---|---|---|",

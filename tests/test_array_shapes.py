@@ -36,7 +36,7 @@ def test_other_types_are_left_to_mypy():
         scaled(np.ones((3, 3)), factor=2)
 
 
-def test_values_speak_before_the_check():
+def test_own_checks_of_values_come_before_the_shape_check():
     @jaxtyped(typechecker=check)
     @dataclass(frozen=True, eq=False)
     class Row:

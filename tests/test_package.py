@@ -62,7 +62,7 @@ def test_help_needs_no_tracer(arguments):
     assert not loaded_after(code) & set(TRACERS)
 
 
-def test_a_sky_matrix_waits_for_no_package_that_it_does_not_need(tmp_path):
+def test_a_sky_matrix_loads_no_package_that_it_does_not_need(tmp_path):
     """They took three times as long to load as the year's matrix to make."""
     wea = tmp_path / "day.wea"
     lines = ["place here", "latitude 50", "longitude -8.5", "time_zone -15"]
@@ -74,7 +74,7 @@ def test_a_sky_matrix_waits_for_no_package_that_it_does_not_need(tmp_path):
     assert not loaded_after(code) & needless
 
 
-def test_the_glare_of_a_picture_waits_for_no_package_that_it_does_not_need(tmp_path):
+def test_the_glare_of_a_picture_loads_no_package_that_it_does_not_need(tmp_path):
     """Loading all commands took longer than evalglare takes."""
     eye = View(kind="angular", horizontal=180, vertical=180)
     path = tmp_path / "even.hdr"

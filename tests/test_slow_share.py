@@ -17,7 +17,7 @@ def test_the_same_text_chooses_the_same_tests():
     assert first == again
 
 
-def test_every_test_has_its_turn():
+def test_every_test_is_in_one_of_the_parts():
     seen = set()
     for commit in range(60):
         seen |= slow_share.choose(TESTS, seconds=600, choice=str(commit), known=KNOWN)

@@ -38,14 +38,15 @@ def lines(folder):
     """Yield the page of comparisons with Radiance."""
     yield from head("Measurements to BSDFs: held-out scans, ours and Radiance's")
     yield (
-        "Scans are left out one by one, at most four a data set; a tree of rank 3 of 2⁶"
-        " cells is made of the others and compared with the scan: mean error of the"
-        " flux, and mean share of the light that is not where it was measured (noise of"
-        " the measurement counts too), among the others \\| beyond the outermost."
-        " Processor time for all scans, one core, in turns, the median of five (of one"
-        " where Radiance takes over 3 s): *ours* from values to the tree, *with files*"
-        " from the files that Radiance reads to an XML file as it writes. Starting"
-        f" Python and what is made once a process, {started():.1f} s, is in neither."
+        "Scans are left out one by one, at most four a data set; a tree of rank 3 of"
+        " 2⁶ cells is made of the others and compared with the scan: mean error of"
+        " the flux, and mean share of the light that is not where it was measured"
+        " (noise of the measurement counts too), among the others \\| beyond the"
+        " outermost. Processor time for all scans, one core, in turns, the median of"
+        " five (of one where Radiance takes over 3 s): *ours* from values to the"
+        " tree, *with files* from the files that Radiance reads to an XML file like"
+        f" Radiance's. The start of Python and of its libraries, {started():.1f} s, is"
+        " in neither."
     )
     yield ""
     yield (

@@ -1,8 +1,8 @@
-"""Where interpolation is not to be trusted, and what more scans there bring.
+"""Directions with large interpolation errors, and the effect of further scans there.
 
-Films of prisms, 81 scans: leaving each out gives a map of errors. Which of the fresh
-directions does it flag, which of them do fail, and how many still do with more scans,
-where the map asks for them or evenly spread?
+Films of prisms, 81 scans: leave-one-out prediction gives a map of errors. The page
+counts the directions that the map flags, those with large errors, and those with large
+errors after further scans at the recommended directions or evenly spread.
 """
 
 from dataclasses import replace
@@ -46,11 +46,12 @@ def lines(_data):
     yield from head("Measurements to BSDFs: where more scans are needed")
     yield (
         f"Errors at 60 directions that were not measured (seed {SEED}). A direction"
-        " *fails* if the flux is wrong by more than 2 % of the light or a beam by more"
-        " than 2°. It is *flagged* if it lies beside a scan that misleads: of which the"
-        f" others put more than {ELSEWHERE:.0%} of the light elsewhere when it is left"
-        " out (`clerestory gonio check`). More scans stand where `gonio check --next`"
-        " asks for them, or *evenly*. Flux and the brightest beam [°]: median / 9th"
+        " *fails* if the flux is wrong by more than 2 % of the light or a beam by"
+        " more than 2°. It is *flagged* if it is next to a scan of which"
+        f" leave-one-out prediction misplaces more than {ELSEWHERE:.0%} of the flux"
+        " (`clerestory gonio check`). Further scans are at the directions that `gonio"
+        " check --next` recommends, or spaced *evenly*. Flux and the brightest beam"
+        " [°]: median / 9th"
         " decile / largest."
     )
     yield ""
@@ -97,7 +98,7 @@ def film_rows(name, layer, axes):
 
 
 def beside(interpolant, scans, validation, directions):
-    """Which directions lie beside a scan that misleads."""
+    """Which directions are next to a scan that is predicted badly."""
     share = np.array([scan.misplaced for scan in validation.scans])
     ends, _ = folding(interpolant, interpolant.network.mesh.vertices)
     own, _ = folding(interpolant, scans.incidents)

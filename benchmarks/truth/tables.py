@@ -34,9 +34,9 @@ def page(
         f"{stamp()}. {len(weather().times)} sunny hours,"
         f" {int(level.sum())} horizontal and {int((~level).sum())} vertical sensors;"
         f" DGP of {int((~level).sum())} eyes in {len(pictured().times)} of these hours,"
-        f" from pictures of {EDGE} × {EDGE} pixels. The truth takes {paths[0]:,} paths"
-        f" a sensor and hour and {paths[1]:,} a pixel and hour, behind the film {film}"
-        " times as many. Made by `benchmarks/five_phase_truth.py`.",
+        f" from pictures of {EDGE} × {EDGE} pixels. The reference takes {paths[0]:,}"
+        f" paths a sensor and hour and {paths[1]:,} a pixel and hour, behind the film"
+        f" {film} times as many. Made by `benchmarks/five_phase_truth.py`.",
         "",
         f"| share of values that differ by | {head} |",
         "|---|" + "---|" * 6,
@@ -51,9 +51,10 @@ def page(
         noise.append(_noise(kind, found, level))
     lines += [
         "",
-        "How sure the truth is, by the difference of two halves of its paths: standard"
-        " error of illuminance, relative, and of DGP, and what the noise of pixels adds"
-        " to DGP; then how far the methods are from it, as root mean square.",
+        "Uncertainty of the reference, from the difference of two halves of its paths:"
+        " relative standard error of illuminance, standard error of DGP, and the change"
+        " of DGP by the noise of pixels; then the root mean square deviations of DGP by"
+        " the methods.",
         "",
         "| | horizontal, median | vertical, median | DGP | noise adds | truth's DGP"
         " | 3-phase | 5-phase |",
@@ -103,13 +104,16 @@ def _proof(proof: _Arrays) -> list[str]:
     apart = np.median(abs(ours / blind - 1))
     return [
         "",
-        "The truth behind the film was checked by a second route: blind path tracing of"
-        f" the same prisms under a sun of {SUN_DEG:g}° that sends as much light, which"
-        f" paths meet by chance. In {len(ours)} hours the sum over all sensors differs"
+        "The reference behind the film was checked by plain path tracing of the same"
+        f" prisms under a sun of {SUN_DEG:g}° of equal irradiance, which"
+        f" paths hit by chance. In {len(ours)} hours the sum over all sensors differs"
         f" by {ratio:+.1%}, with a standard error of"
         f" {np.sqrt((error**2).sum()) / blind.sum():.1%}; the median sensor by"
-        f" {apart:.1%}, whose own error is {np.median(error / blind):.1%}.",
+        f" {apart:.1%}, with a standard error of {np.median(error / blind):.1%}.",
     ]
 
 
-_NOTES = ["", "The noise of the truth counts against both methods alike."]
+_NOTES = [
+    "",
+    "The noise of the reference increases the deviations of both methods equally.",
+]

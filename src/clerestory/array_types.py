@@ -23,7 +23,7 @@ Vector2 = Float[np.ndarray, "2"]
 # One value per time step, and one per pixel of a picture
 Series = Float[np.ndarray, " time"]
 Image = Float[np.ndarray, "row column"]
-EachImage = Float[np.ndarray, "_ _"]  # one of several, which may differ in size
+EachImage = Float[np.ndarray, "_ _"]  # one of several images of different size
 ImageMask = Bool[np.ndarray, "row column"]
 
 # Vertices of a polygon or mesh in space and in a plane, and vertex indices of triangles

@@ -1,4 +1,4 @@
-"""Unit vectors, azimuth and altitude, and coordinate frames of surfaces.
+"""Unit vectors, azimuth and altitude, coordinate frames of surfaces, and arcs.
 
 East is +x, north +y, up +z. Azimuth is measured clockwise from north and altitude from
 the horizon, both in radians.
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.array_types import Directions, Values, Vector
+from clerestory.array_types import Directions, Points2, Values, Vector
 from clerestory.checks import require
 
 
@@ -22,6 +22,17 @@ def unit(vector: Directions) -> Directions:
         "a direction is zero or not finite; a vector of non-zero length expected",
     )
     return np.asarray(vector / length)
+
+
+def circular_arc(radius: float, half: float, segments: int) -> Points2:
+    """Points (along, above) of a circular arc, whose ends are at height 0.
+
+    `half` is the angle from the middle to an end [rad]; the middle is below the ends if
+    the radius is negative.
+    """
+    angle = np.linspace(-half, half, segments + 1)
+    above = radius * (np.cos(angle) - np.cos(half))
+    return np.stack([abs(radius) * np.sin(angle), above], axis=1)
 
 
 def from_azimuth(azimuth: Values, altitude: Values) -> Directions:

@@ -22,7 +22,8 @@ from pydantic import (
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from clerestory.errors import InputError
+from clerestory.checks import distinct
+from clerestory.errors import InputError, located
 from clerestory.files import read_text
 from clerestory.toml_lines import key_lines, line_of
 
@@ -105,7 +106,8 @@ def json_value(text: str | bytes, *, file: str | Path) -> Any:
     InputError : the text is not JSON; the message states the line
     """
     try:
-        return _not_too_deep(json.loads(text))
+        with located(file=file):
+            return _not_too_deep(json.loads(text, object_pairs_hook=_unique))
     except json.JSONDecodeError as error:
         line = error.lineno
         raise InputError(f"not JSON: {error.msg}", file=file, line=line) from error
@@ -114,8 +116,16 @@ def json_value(text: str | bytes, *, file: str | Path) -> Any:
         raise InputError(message, file=file) from error
 
 
+def _unique(members: list[tuple[str, Any]]) -> dict[str, Any]:
+    # Return a JSON object, unless it has a key twice
+    found = dict(members)
+    if len(found) < len(members):
+        distinct((key for key, _ in members), "members of an object")
+    return found
+
+
 def _not_too_deep(value: Any) -> Any:
-    # Return a value, unless it has tables and lists nested deeper than expected
+    # Refuse tables and lists that are nested too deeply, and numbers that are too large
     level = [value]
     for _ in range(_DEEPEST):
         nested = (each for each in level if isinstance(each, dict | list))

@@ -2,7 +2,7 @@ r"""Names and texts in files that other programs read.
 
 Names come from files of unknown origin, and other programs interpret what they read:
 Radiance runs a line that begins with `!`, a shell expands `$(…)`, a spreadsheet
-evaluates a cell that begins with `=`. Characters with a meaning are written as `=` and
+evaluates a cell that begins with `=`. Special characters are written as `=` and
 two hexadecimal digits, as in quoted-printable text (RFC 2045), or quoted where a format
 has quotation marks. Different names remain different, and plain names are unchanged.
 """
@@ -17,22 +17,23 @@ from collections.abc import Container, Iterable, Sequence
 
 from clerestory.errors import InputError
 
-# Longest name that is written in full [bytes]: rfluxmtx reads names of 127 bytes, and
-# file names have up to 255 with what a program adds
+# Longest name that is written in full [bytes]: rfluxmtx reads names of 127 bytes; file
+# names, with the suffixes that programs add, have up to 255
 _LONGEST_NAME = 100
 
 # Longest line of a comment or header: Radiance reads pieces of 512 or 2048 bytes
 _LONGEST_LINE, _LONGEST_WORD = 480, 511
 
-# Characters with a meaning for Radiance or a shell, and in file names
+# Special characters of Radiance or of a shell, and of file names
 _COMMANDS = frozenset(" \"'`$;&|<>()*?!\\")
 _PATHS = frozenset('/\\:*?"<>|`$;&%!')
 
-# Names with a meaning: in Radiance, and for files on Windows
+# Reserved names: in Radiance, and of files on Windows
 _RESERVED_NAMES = {"", "void", "inherit"}
 _DEVICES = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
 
-# Beginnings of a cell that spreadsheets evaluate, and the sign that prevents it
+# First characters of cells that spreadsheets evaluate (an apostrophe prevents it);
+# numbers; texts that could be read as escapes; characters that XML does not allow
 _FORMULA = tuple("'=+-@\uff1d\uff0b\uff0d\uff20'")
 _NUMBER = re.compile(r"[-+]?[\d.]+(e[-+]?\d+)?|[-+]?(nan|inf)", re.ASCII)
 _AMBIGUOUS = re.compile(r"=(?=[0-9A-F]{2}|$)")
@@ -50,8 +51,7 @@ def radiance_name(name: str) -> str:
     """
     if name in _RESERVED_NAMES:
         return f"{name}="
-    word = _encoded(name, _COMMANDS, first="#-~@", ascii_only=True)
-    return _shortened(word, name)
+    return _shortened(_encoded(name, _COMMANDS, first="#-~@", ascii_only=True), name)
 
 
 def mgf_name(name: str) -> str:
@@ -69,8 +69,7 @@ def radiance_word(word: str) -> str:
 
     Raises
     ------
-    InputError : no quotation makes one word of the text, such as a path with line
-        breaks
+    InputError : the text cannot be quoted as one word, such as a path with line breaks
     """
     quotes = [quote for quote in "\"'" if quote not in word]
     plain = word.isprintable() and len(word.encode(errors="replace")) <= _LONGEST_WORD
@@ -88,8 +87,7 @@ def header_line(text: str, *, longest: int = _LONGEST_LINE) -> str:
     >>> header_line("blind\n!touch x")
     'blind !touch x'
     """
-    line = "".join(c if c.isprintable() else " " for c in text)
-    return _cut(line.strip(), longest)
+    return _cut("".join(c if c.isprintable() else " " for c in text).strip(), longest)
 
 
 def file_stem(name: str) -> str:
@@ -102,8 +100,7 @@ def file_stem(name: str) -> str:
         return "="
     if _DEVICES.fullmatch(name):
         return f"={ord(name[0]):02X}{name[1:]}"
-    stem = _encoded(name, _PATHS, first=".-~ ", last=". ")
-    return _shortened(stem, name)
+    return _shortened(_encoded(name, _PATHS, first=".-~ ", last=". "), name)
 
 
 def file_stems(
@@ -219,7 +216,7 @@ def _encoded(
     last: str = "",
     ascii_only: bool = False,
 ) -> str:
-    # Replaces characters with a meaning, anywhere or at the ends
+    # Escape characters that are special anywhere, or at the beginning or end of a name
     end = len(name) - 1
     return "".join(
         _hexadecimal(c)
@@ -239,7 +236,7 @@ def _hexadecimal(text: str) -> str:
 
 
 def _shortened(encoded: str, name: str) -> str:
-    # A digest replaces the end of a long name; the result exceeds all names in full
+    # A digest replaces the end of a long name; names written in full are shorter
     if len(encoded.encode()) <= _LONGEST_NAME:
         return encoded
     return f"{_cut(encoded, _LONGEST_NAME)}~{_digest(name)[:16]}"

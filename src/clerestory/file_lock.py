@@ -1,8 +1,8 @@
 """Locks of result files and folders, so that two runs do not write the same one.
 
 A lock is a small file with the process, machine and time of the run that holds it. The
-operating system releases it when the process ends in any way. Between machines it holds
-on network file systems that pass locks on (NFS with its lock service, Lustre, GPFS).
+operating system releases it however the process ends. Locks are valid between machines
+on network file systems that support them (NFS with its lock service, Lustre, GPFS).
 """
 
 import os
@@ -22,7 +22,7 @@ try:
 except ImportError:  # Windows
     fcntl = None  # type: ignore[assignment]
 
-# First word of a lock file; and most of its bytes that are read
+# First word of a lock file; largest number of its bytes that are read
 _HEAD, _LONGEST = b"process ", 300
 
 

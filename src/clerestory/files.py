@@ -1,5 +1,6 @@
 """Atomic writing of files, and reading with error messages that name the file."""
 
+import codecs
 import csv
 import os
 import stat
@@ -11,10 +12,13 @@ from typing import BinaryIO, cast
 
 from clerestory.errors import InputError, OutputError
 
-# Number of characters of a name in the name of its temporary file
+# Number of characters of a file name that its temporary file's name repeats
 _SHOWN_NAME = 40
 
-# Flags for opening pipes without a writer; paths of pipes that a shell passes
+# Byte order marks of UTF-16
+_UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
+
+# Flags that open a pipe without waiting for a writer; paths of pipes from a shell
 _WITHOUT_WAITING = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
 _PASSED = ("/dev/fd/", "/dev/stdin", "/proc/self/fd/")
 
@@ -71,10 +75,12 @@ def is_file(path: str | Path) -> bool:
 
 
 def read_text(path: str | Path) -> str:
-    """Return the text of a file; bytes that are not UTF-8 are read as Latin-1."""
+    """Return the text of a file: UTF-8, UTF-16 with byte order mark, else Latin-1."""
     data = read_bytes(path)
+    if data.count(0) > len(data) // 4 and not data.startswith(_UTF_16):
+        raise InputError("is binary, or not UTF-8; a text file expected", file=path)
     try:
-        return data.decode("utf-8-sig")
+        return data.decode("utf-16" if data.startswith(_UTF_16) else "utf-8-sig")
     except UnicodeDecodeError:
         return data.decode("latin-1")
 
@@ -92,14 +98,17 @@ def csv_rows(
 def read_bytes(path: str | Path) -> bytes:
     """Return the bytes of a file.
 
-    Named pipes and devices are not read, since they may never end; pipes that a shell
-    passes as `/dev/fd/N` are.
+    Named pipes, devices and the files in /proc, whose size is 0, are not read, since
+    they may never end; pipes that a shell passes as `/dev/fd/N` are.
     """
     try:
         with os.fdopen(os.open(path, os.O_RDONLY | _WITHOUT_WAITING), "rb") as stream:
-            kind = os.fstat(stream.fileno()).st_mode
-            passed = stat.S_ISFIFO(kind) and str(path).startswith(_PASSED)
-            if not (stat.S_ISREG(kind) or passed or str(path) == os.devnull):
+            state = os.fstat(stream.fileno())
+            regular = stat.S_ISREG(state.st_mode)
+            if regular and (state.st_size or stream.read(1) == b""):
+                return stream.read(state.st_size)
+            passed = stat.S_ISFIFO(state.st_mode) and str(path).startswith(_PASSED)
+            if not (passed or str(path) == os.devnull):
                 expected = "is a pipe, a device or a folder; a file expected"
                 raise InputError(expected, file=path)
             os.set_blocking(stream.fileno(), True)

@@ -51,8 +51,7 @@ def options(group: _Class) -> _Class:
 
 def option(default: object, help: str, *names: str, **details: Any) -> Any:
     """Return a dataclass field that is an option with a default; see `Option`."""
-    described = Option(help, *names, **details)
-    return field(default=default, metadata={_KEY: described})
+    return field(default=default, metadata={_KEY: Option(help, *names, **details)})
 
 
 def required(help: str, *names: str, **details: Any) -> Any:

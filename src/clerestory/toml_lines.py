@@ -10,7 +10,7 @@ from typing import Any
 
 Path = tuple[str | int, ...]
 
-# Number of lines of a statement that are tried one by one, and ends of longer ones
+# Number of lines after which a statement is tried only at lines with these ends
 _SHORT, _CLOSING = 20, ("]", "}", '"""', "'''")
 
 
@@ -46,8 +46,8 @@ def key_lines(text: str) -> dict[Path, int]:
 
 
 def _statement(lines: list[str], start: int) -> tuple[dict[str, Any] | None, int]:
-    # The statement that begins on a line, and the line after it: the last lines of long
-    # statements close a bracket or a text
+    # The statement that begins on a line, and the index of the line after it. A long
+    # statement ends on a line that closes a bracket or a text
     for end in range(start + 1, len(lines) + 1):
         if end - start < _SHORT or lines[end - 1].rstrip().endswith(_CLOSING):
             parsed = _parse("\n".join(lines[start:end]))

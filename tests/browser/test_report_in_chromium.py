@@ -169,7 +169,7 @@ def test_a_hostile_title_runs_no_script(browse, room, tmp_path):
     assert not dom.xpath("//img")
 
 
-def test_a_lone_dark_sensor_opens_without_errors(browse, room, tmp_path):
+def test_a_single_dark_sensor_opens_without_errors(browse, room, tmp_path):
     page = tmp_path / "report.html"
     night = np.array(["2023-01-01T00:30"], dtype="datetime64[s]")
     results = room.analytic_results(

@@ -140,7 +140,7 @@ BAD = {
 
 
 @pytest.mark.parametrize("case", BAD)
-def test_bad_input_is_told_in_one_line_and_writes_nothing(call, room, case):
+def test_bad_input_is_reported_in_one_line_and_writes_nothing(call, room, case):
     prepare, command, words = BAD[case]
     prepare()
     before = {path.name for path in room.iterdir()}
@@ -153,7 +153,7 @@ def test_bad_input_is_told_in_one_line_and_writes_nothing(call, room, case):
     assert all(path.is_dir() and path.name == "study_results" for path in left)
 
 
-def test_factors_that_do_not_fit_are_told_with_their_files(call, room):
+def test_factors_that_do_not_fit_are_reported_with_their_files(call, room):
     Path("a.mtx").write_text("#?RADIANCE\nNROWS=1\nNCOLS=2\nNCOMP=1\n\n1 2\n")
     outcome = call("multiply", "a.mtx", "diffuser.xml", "-o", "E.mtx")
     assert outcome.status == 2

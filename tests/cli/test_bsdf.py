@@ -49,7 +49,7 @@ def test_a_file_that_radiance_refuses_is_doubtful(call, room):
     assert f"spaced.xml: not read by Radiance ({reason})" in outcome.out
 
 
-def test_remarks_are_told_on_demand(call):
+def test_remarks_are_reported_on_demand(call):
     outcome = call("bsdf", "check", "diffuser.xml", "--all")
     assert outcome.status == 0
     assert "info: isotropy" in outcome.out
@@ -116,7 +116,7 @@ def test_plot_refuses_other_kinds_of_files(call):
     assert ".png, .svg, .pdf expected" in outcome.err
 
 
-def test_compare_tells_the_difference_and_draws_it(call, room):
+def test_compare_reports_and_plots_the_difference(call, room):
     write_bsdf(room / "brighter.xml", lambertian(0.6, QUARTER))
     outcome = call(
         "bsdf", "compare", "diffuser.xml", "brighter.xml", "--curve", "-o", "c.png"
@@ -241,7 +241,7 @@ def test_a_layer_is_packaged_for_a_scene(call, room, slats):
         (["ball.xml", "--xform", "spin"], "options of xform expected"),
     ],
 )
-def test_what_cannot_be_packaged_is_told(call, slats, words, message):
+def test_what_cannot_be_packaged_is_reported(call, slats, words, message):
     outcome = call("bsdf", "package", *words)
     assert outcome.status == 2
     assert message in outcome.err

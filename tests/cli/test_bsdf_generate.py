@@ -109,7 +109,7 @@ HIGH = SLATS + "grey polygon edge 0 0 9  0 0.3 0.02  1 0.3 0.02  1 0.3 -0.05"
     ],
 )
 def test_doubts_name_the_item_and_its_line(call, room, text, said):
-    """In the room, in millimetres, one in the other: told, and traced."""
+    """Systems in the room, in millimetres or overlapping: warned of, and traced."""
     (room / "system.rad").write_text(text)
     done = call(
         *("bsdf", "generate", "system.rad", "-o", "x.xml"),
@@ -120,7 +120,7 @@ def test_doubts_name_the_item_and_its_line(call, room, text, said):
     assert all(line.startswith("warning: ") for line in done.err.splitlines())
 
 
-def test_an_open_solid_is_told_and_refused_for_its_energy(call, room):
+def test_an_open_solid_is_reported_and_refused_for_its_energy(call, room):
     """Light that enters through the missing face leaves refracted as if from glass."""
     (room / "system.rad").write_text(GLASS)
     done = call(

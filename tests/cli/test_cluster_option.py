@@ -47,7 +47,7 @@ def test_without_dask_the_extra_is_named(call, monkeypatch):
     assert "pip install 'clerestory[cluster]'" in done.err
 
 
-def test_the_study_file_names_a_cluster_and_results_do_not_tell(room):
+def test_results_do_not_depend_on_the_cluster_of_the_study_file(room):
     """Where the work was done changes nothing, so it is no part of the results."""
     text = (room / "study.toml").read_text()
     named = text.replace("[trace]", f'[trace]\ncluster = "{NOWHERE}"')

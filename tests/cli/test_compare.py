@@ -11,7 +11,7 @@ from clerestory.study.results import Results, save_results
 
 @pytest.fixture
 def run(room):
-    """Two days of two sensors and a view, measured 10 % lower and told in UTC."""
+    """Two days of two sensors and a view, measured 10 % lower, with times in UTC."""
     times = np.datetime64("2024-06-25T00:30", "s") + np.arange(48) * np.timedelta64(
         1, "h"
     )
@@ -51,7 +51,7 @@ def run(room):
     return "run"
 
 
-def test_tables_and_page_tell_the_agreement(call, room, run):
+def test_tables_and_page_show_the_agreement(call, room, run):
     outcome = call("compare", "measured.csv", run, "-o", "out")
     assert outcome.status == 0, outcome.err
     assert "desks illuminance: bias +11.0 %" in outcome.out

@@ -99,7 +99,7 @@ def test_options_left_out_are_refused_in_one_line(call, desk, words):
     assert "clerestory glare --help" in outcome.err
 
 
-def test_peaks_are_split_unless_told_otherwise(call, room):
+def test_peaks_are_split_by_default(call, room):
     pixels = np.full((150, 150, 3), 100 / 179, np.float32)
     pixels[30:45, 15:35] = 20_000 / 179
     pixels[33:35, 20:22] = 90_000 / 179
@@ -187,7 +187,7 @@ def test_pictures_become_a_year(call, desk):
         (("desk.hdr", "-r", "0"), "merging angle is 0 rad; a positive number"),
     ],
 )
-def test_bad_input_is_told_in_one_line(call, desk, words, message):
+def test_bad_input_is_reported_in_one_line(call, desk, words, message):
     save("blind.hdr", view=None)
     whole = desk.read_bytes()
     desk.with_name("torn.hdr").write_bytes(whole[: len(whole) // 2])

@@ -47,7 +47,7 @@ def test_a_tree_is_walked(call, room, glass):
     assert read_bsdf(room / "t.xml").has("reflection_back", channel="solar")
 
 
-def test_heat_is_told(call, glass):
+def test_heat_is_reported(call, glass):
     pytest.importorskip("pywincalc")
     outcome = call("glazing", "stack", glass, "--basis", "quarter", "--thermal")
     assert "SHGC" in outcome.out

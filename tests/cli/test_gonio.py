@@ -23,7 +23,7 @@ def fitted(room, call, scans):
     return "pane.nc"
 
 
-def test_info_tells_what_is_covered(call, scans):
+def test_info_reports_the_measured_directions(call, scans):
     outcome = call("gonio", "info", *scans)
     assert "visible transmission front" in outcome.out
     assert "4 incident directions, symmetry isotropic" in outcome.out
@@ -57,7 +57,7 @@ def test_a_check_writes_a_table_and_a_map(call, room, scans):
     assert (room / "errors.png").stat().st_size > 5000
 
 
-def test_a_check_names_directions_worth_a_scan(call, room, scans):
+def test_a_check_names_directions_that_need_a_scan(call, room, scans):
     outcome = call("gonio", "check", *scans, "--next", "2", "--quiet")
     assert outcome.status == 0
     rows = outcome.out.split(

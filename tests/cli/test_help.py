@@ -65,7 +65,7 @@ def test_a_bare_group_lists_its_commands(call, command):
     assert outcome.status == 2
 
 
-def test_the_version_is_told(call):
+def test_the_version_is_reported(call):
     outcome = call("--version")
     assert outcome.out == f"clerestory {clerestory.__version__}\n"
     assert outcome.status == 0

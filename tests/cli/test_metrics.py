@@ -20,7 +20,7 @@ def folder(room):
     return "year"
 
 
-def test_figures_of_a_folder_are_told(call, folder):
+def test_figures_of_a_folder_are_reported(call, folder):
     outcome = call("metrics", folder)
     assert outcome.status == 0
     assert "desks: 2 sensors" in outcome.out

@@ -19,7 +19,7 @@ def pictures(room):
     return room
 
 
-def test_info_tells_size_view_and_luminance(call, pictures):
+def test_info_reports_size_view_and_luminance(call, pictures):
     outcome = call("picture", "info", "ramp.hdr", "flat.exr", "--header")
     assert outcome.status == 0
     lines = outcome.out.splitlines()
@@ -44,7 +44,7 @@ def test_tonemap_writes_images(call, pictures, method):
     assert (np.diff(row) >= 0).all()
 
 
-def test_falsecolour_has_a_legend_unless_told(call, pictures):
+def test_falsecolour_has_a_legend_by_default(call, pictures):
     options = ("ramp.hdr", "--to", "1000", "--quiet")
     assert call("picture", "falsecolour", *options, "-o", "a.png").out == ""
     assert pixels_of("a.png").shape[1] > 60
@@ -104,7 +104,7 @@ def test_convert_keeps_values(call, pictures):
         ("convert ramp.hdr -o a.tif", ".hdr, .pic, .exr expected"),
     ],
 )
-def test_errors_are_one_line_and_tell_what_was_expected(call, pictures, words, message):
+def test_errors_are_one_line_with_what_was_expected(call, pictures, words, message):
     outcome = call("picture", *words.split())
     assert outcome.status == 2
     assert message in outcome.err

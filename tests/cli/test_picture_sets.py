@@ -71,7 +71,7 @@ def test_one_sky_makes_one_picture_without_number(call, room, factors):
         ("multiply W_%03d.hdr S.smx -o I.hdr", "W_000.hdr: cannot be read"),
     ],
 )
-def test_wrong_sets_are_told_in_one_line(call, factors, command, said):
+def test_wrong_sets_are_reported_in_one_line(call, factors, command, said):
     outcome = call(*command.split())
     assert outcome.status == 2
     assert said in outcome.err

@@ -1,4 +1,4 @@
-"""Progress is told when work takes long, and only then."""
+"""Progress is shown only if work takes long."""
 
 import pytest
 

@@ -97,7 +97,7 @@ def test_the_average_of_daylight_is_one_column(call):
     np.testing.assert_allclose(found, truth, rtol=1e-5)
 
 
-def test_a_clock_that_is_wrong_is_told(call, room):
+def test_a_clock_that_is_wrong_is_reported(call, room):
     """A year of clear days whose light comes three hours late."""
     hours = np.arange(8760)
     day, hour = hours // 24, hours % 24 + 0.5
@@ -177,7 +177,7 @@ def test_a_perez_vector_sends_the_light_asked_for(call):
     assert whole.max() > 3 * sky_alone.max()
 
 
-def test_a_clear_vector_has_its_sun_unless_told_otherwise(call):
+def test_a_clear_vector_has_its_sun_by_default(call):
     command = "sky vector clear --sun 40 180 --direct 500 --subdivision 2 -o S.vec"
     call(*command.split())
     bright = read_matrix("S.vec").values
@@ -216,7 +216,7 @@ def test_plots_are_written_in_the_kind_of_their_name(call, options, kind):
     assert start.startswith(b"\x89PNG" if kind == "png" else b"<?xml")
 
 
-def test_a_description_tells_repairs_and_doubts(call):
+def test_a_description_lists_repairs_and_doubtful_values(call):
     text = Path("two_days.wea").read_text().replace("longitude 0", "longitude 90")
     Path("east.wea").write_text(text)
     outcome = call("sky", "describe", "east.wea")

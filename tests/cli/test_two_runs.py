@@ -96,7 +96,7 @@ def test_a_second_run_to_a_file_is_refused_at_once(call, room):
     assert not Path("S.smx.lock").exists()
 
 
-def test_threads_of_one_program_are_two_runs(tmp_path):
+def test_threads_of_one_program_count_as_two_runs(tmp_path):
     again = pytest.raises(OutputError, match="another run")
     with locked(tmp_path / "a"), again, locked(tmp_path / "a"):
         pass

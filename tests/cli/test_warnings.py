@@ -30,19 +30,19 @@ def coarse(room):
     return room
 
 
-def told(text):
+def merging_warnings(text):
     return [line for line in text.splitlines() if "merging angle" in line]
 
 
 def test_a_coarse_view_is_named_once_in_a_run_and_its_plan(call, coarse):
     """evalglare measures pixels along the diagonal: 0.1 rad/(√2·180°/60) is 1.35."""
-    planned = told(call("run", "study.toml", "--plan").err)
+    planned = merging_warnings(call("run", "study.toml", "--plan").err)
     run = call("run", "study.toml", "--out", "results", "--quiet")
     assert run.status == 0
-    assert told(run.err) == planned
+    assert merging_warnings(run.err) == planned
     assert planned == [
         'warning: [[view]] "seat": half the merging angle is 1.4 pixels at a'
-        " resolution of 60; 3 or more expected, as from a resolution of 134"
+        " resolution of 60; 3 or more expected, which takes a resolution of 134"
     ]
     data = read_results("results").data
     lit = np.isfinite(data["glare_dgp"].values)
@@ -72,7 +72,7 @@ def test_pictures_in_a_row_share_a_warning(call, room):
     names = [f"{number}.hdr" for number in range(5)]
     for name in names:
         write_picture(Picture(np.ones((40, 40, 3), np.float32), view=eye), name)
-    first, last = told(call("glare", *names).err)
+    first, last = merging_warnings(call("glare", *names).err)
     assert "the picture: half the merging angle is 0.9 pixels" in first
     assert last == f"{first} (5 such warnings)"
-    assert len(told(call("glare", *names, "--annual", "year.csv").err)) == 1
+    assert len(merging_warnings(call("glare", *names, "--annual", "year.csv").err)) == 1

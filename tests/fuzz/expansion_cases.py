@@ -46,6 +46,19 @@ def arrays_of_arrays(folder):
 
 
 @case
+def arrays_beyond_floating_point(folder):
+    """More copies than the largest floating-point number."""
+    files = {f"n{k}": f"!xform -a 9000 n{k + 1}.rad\n" for k in range(80)}
+    return rad(folder, a=GREY + "!xform n0.rad\n", **files, n80=POLYGON)
+
+
+@case
+def many_arrays_of_nothing(folder):
+    """Each line makes 100,000 placements, which are counted together."""
+    return rad(folder, a=GREY + "!xform -a 100000 b.rad\n" * 1000, b="# nothing\n")
+
+
+@case
 def arrays_in_one_command(folder):
     array = "!xform -a 1000 -t 2 0 0 -a 1000 -t 0 2 0 -a 1000 -t 0 0 2 e.rad\n"
     return rad(folder, a=GREY + array, e=POLYGON)
@@ -58,20 +71,20 @@ def arrays_in_a_pipe(folder):
 
 
 @case
-def billion_laughs(folder):
+def files_included_twice(folder):
     files = {f"n{k}": f"!cat n{k + 1}.rad\n" * 2 for k in range(40)}
     return rad(folder, a=GREY + "!cat n0.rad\n", **files, n40=POLYGON)
 
 
 @case
-def billion_laughs_about_nothing(folder):
+def empty_files_included_twice(folder):
     files = {f"n{k}": f"!cat n{k + 1}.rad n{k + 1}.rad\n" for k in range(40)}
     return rad(folder, a=GREY + "!cat n0.rad\n", **files, n40="# nothing\n")
 
 
 @case
-def billion_definitions(folder):
-    """Patterns depend on their place and are defined anew for each copy."""
+def definitions_included_twice(folder):
+    """Patterns depend on the placement and are defined again for each copy."""
     pattern = "void brightfunc p 2 1+Px . 0 0\np plastic m 0 0 5 .5 .5 .5 0 0\n"
     files = {f"n{k}": f"!cat n{k + 1}.rad\n" * 2 for k in range(30)}
     return rad(folder, a="!cat n0.rad\n", **files, n30=pattern + POLYGON)
@@ -189,48 +202,75 @@ def data_file_of_many_dimensions(folder):
 
 
 # ---------------------------------- Other scenes ----------------------------------
-@case
-def doubled_gltf_nodes(folder):
+def _gltf_surfaces(folder, change):
     from scene_seeds import _gltf
 
     from clerestory.formats.gltf import read_gltf
     from clerestory.scene.model import Plastic
 
     model = json.loads(_gltf(folder)[0])
-    nodes = [{"children": [k + 1, k + 1]} for k in range(60)] + [{"mesh": 0}]
-    model |= {"nodes": nodes, "scenes": [{"nodes": [0]}]}
+    change(model)
     (folder / "a.gltf").write_text(json.dumps(model))
     grey = {"*": Plastic("m", np.full(3, 0.5))}
     return len(read_gltf(folder / "a.gltf", materials=grey).surfaces)
+
+
+def _doubled_nodes(*last, roots):
+    nodes = [{"children": [k + 1, k + 1]} for k in range(60)]
+    return {"nodes": [*nodes, *last], "scenes": [{"nodes": roots}]}
+
+
+@case
+def doubled_gltf_nodes(folder):
+    nodes = _doubled_nodes({"mesh": 0}, roots=[0])
+    return _gltf_surfaces(folder, lambda model: model.update(nodes))
 
 
 @case
 def doubled_gltf_nodes_without_a_mesh(folder):
-    from scene_seeds import _gltf
-
-    from clerestory.formats.gltf import read_gltf
-    from clerestory.scene.model import Plastic
-
-    model = json.loads(_gltf(folder)[0])
-    nodes = [{"children": [k + 1, k + 1]} for k in range(60)] + [{}, {"mesh": 0}]
-    model |= {"nodes": nodes, "scenes": [{"nodes": [0, 61]}]}
-    (folder / "a.gltf").write_text(json.dumps(model))
-    grey = {"*": Plastic("m", np.full(3, 0.5))}
-    return len(read_gltf(folder / "a.gltf", materials=grey).surfaces)
+    nodes = _doubled_nodes({}, {"mesh": 0}, roots=[0, 61])
+    return _gltf_surfaces(folder, lambda model: model.update(nodes))
 
 
 @case
 def gltf_mesh_used_often(folder):
     """One node for each use of a mesh of 100,000 triangles."""
+
+    def change(model):
+        part = model["meshes"][0]["primitives"][0]
+        model["meshes"][0]["primitives"] = [part] * 10_000
+        nodes = [{"mesh": 0}] * 10_000
+        model |= {"nodes": nodes, "scenes": [{"nodes": [*range(10_000)]}]}
+
+    return _gltf_surfaces(folder, change)
+
+
+@case
+def gltf_triangles_used_300000_times(folder):
     from scene_seeds import _gltf
 
     from clerestory.formats.gltf import read_gltf
     from clerestory.scene.model import Plastic
 
     model = json.loads(_gltf(folder)[0])
-    part = model["meshes"][0]["primitives"][0]
-    model["meshes"][0]["primitives"] = [part] * 10_000
-    model |= {"nodes": [{"mesh": 0}] * 10_000, "scenes": [{"nodes": [*range(10_000)]}]}
+    model |= {"nodes": [{"mesh": 0}], "scenes": [{"nodes": [0] * 300_000}]}
+    (folder / "a.gltf").write_text(json.dumps(model))
+    grey = {"*": Plastic("m", np.full(3, 0.5))}
+    return len(read_gltf(folder / "a.gltf", materials=grey).surfaces)
+
+
+@case
+def gltf_accessor_beyond_floating_point(folder):
+    from scene_seeds import _gltf
+
+    from clerestory.formats.gltf import read_gltf
+    from clerestory.scene.model import Plastic
+
+    model = json.loads(_gltf(folder)[0])
+    for each in model["accessors"]:
+        each["count"] = 10**299
+    nodes = [{"children": [1] * 10_000}, {"children": [2] * 10_000}, {"mesh": 0}]
+    model |= {"nodes": nodes, "scenes": [{"nodes": [0] * 1000}]}
     (folder / "a.gltf").write_text(json.dumps(model))
     grey = {"*": Plastic("m", np.full(3, 0.5))}
     return len(read_gltf(folder / "a.gltf", materials=grey).surfaces)
@@ -245,6 +285,11 @@ def mgf(text):
 @case
 def mgf_array_of_a_million(folder):
     return mgf("v a =\n p 0 0 0\nxf -a 1000000 -t 1 0 0\nsph a 1\nsph a 2\nxf\n")
+
+
+@case
+def mgf_array_of_many_dimensions(folder):
+    return mgf(f"v a =\n p 0 0 0\nxf{' -a 999999999' * 50_000}\nsph a 1\nxf\n")
 
 
 @case
@@ -285,6 +330,38 @@ def _face(radius):
     points = zip(radius * np.cos(angle), radius * np.sin(angle), strict=True)
     text = "".join(f"v {x:.7f} {y:.7f} 0\n" for x, y in points)
     return text + "f " + " ".join(map(str, range(1, n + 1))) + "\n"
+
+
+def _corners(names):
+    return "".join(f"v {name} =\n p {k} {k * k} 0\n" for k, name in enumerate(names))
+
+
+@case
+def mgf_face_of_600000(folder):
+    """A face of a few vertices, each of which is used often."""
+    return mgf(f"{_corners('abcd')}f{' a b c d' * 150_000}\n")
+
+
+@case
+def mgf_faces_of_100000_in_an_array(folder):
+    face = f"f{' a b c d' * 25_000}\n"
+    return mgf(f"{_corners('abcd')}xf -a 10000 -t 1 0 0\n{face}xf\n")
+
+
+@case
+def mgf_prism_of_a_million(folder):
+    return mgf(f"{_corners('abcd')}prism{' a b c d' * 250_000} 1\n")
+
+
+@case
+def mgf_round_face_of_250000(folder):
+    from clerestory.formats.mgf import parse_mgf
+    from clerestory.scene.tessellate import meshes
+
+    rows = _face(np.ones(250_000)).splitlines()[:-1]
+    text = "".join(f"v v{k} =\n p {row[2:]}\n" for k, row in enumerate(rows))
+    names = " ".join(f"v{k}" for k in range(len(rows)))
+    return len(list(meshes(parse_mgf(f"{text}f {names}\n", file="a.mgf"))))
 
 
 @case
@@ -380,8 +457,8 @@ def nested_xml(folder):
 def xml_entities(folder):
     from clerestory.bsdf.xml_reader import read_bsdf
 
-    laughs = "".join(f'<!ENTITY a{k} "{f"&a{k - 1};" * 10}">' for k in range(1, 12))
-    head = f'<?xml version="1.0"?><!DOCTYPE x [<!ENTITY a0 "ha">{laughs}]>'
+    entities = "".join(f'<!ENTITY a{k} "{f"&a{k - 1};" * 10}">' for k in range(1, 12))
+    head = f'<?xml version="1.0"?><!DOCTYPE x [<!ENTITY a0 "text">{entities}]>'
     (folder / "a.xml").write_text(f"{head}<WindowElement>&a11;</WindowElement>")
     return read_bsdf(folder / "a.xml")
 
@@ -439,12 +516,12 @@ def measured(name: str) -> dict[str, object]:
         try:
             before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
             started = time.process_time()
-            told = f"read: {CASES[name](Path(place))}"
+            outcome = f"read: {CASES[name](Path(place))}"
         except ClerestoryError as error:
-            told = f"refused: {str(error).replace(place, '')}"
+            outcome = f"refused: {str(error).replace(place, '')}"
         took = time.process_time() - started
         peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return {"seconds": took, "megabytes": (peak - before) / 1024, "told": told}
+    return {"seconds": took, "megabytes": (peak - before) / 1024, "outcome": outcome}
 
 
 if __name__ == "__main__":

@@ -1,22 +1,22 @@
-"""Names as a hostile file gives them, and a check that none of them is obeyed."""
+"""Names that contain commands, and a check that no command was executed."""
 
 import random
 from pathlib import Path
 
-# Each name that is obeyed makes a file of this name in the current folder
-CANARY = "canary"
+# An executed command makes a file of this name in the current folder
+MARKER = "marker"
 
 NAMES = [
     *("plain", "north wall", "wall#2", "50%", "Nordraum", "Büro 3", "", " ", "void"),
-    *(f'"\n!touch {CANARY}\n', f"'\n!touch {CANARY}\n", f"x\r!touch {CANARY}"),
-    *(f'a" \n!touch {CANARY} \n"', f"!touch {CANARY}", f"#\n!touch {CANARY}"),
-    *(f"a\n\n!touch {CANARY}", f"a\u2028!touch {CANARY}", f"a\x0b!touch {CANARY}"),
-    *(f"a\0!touch {CANARY}", f"\t!touch {CANARY}", f"a;touch {CANARY};b"),
-    *(f"$(touch {CANARY})", f"`touch {CANARY}`", f"a|touch${{IFS}}{CANARY}|b"),
-    *(f"a'\"\n!touch {CANARY}", f"a&touch {CANARY}&b", f"<({CANARY})"),
-    *("x" * 512, "x" * 5000, "x" * 505 + f"\n!touch {CANARY}"),
-    *("x" * 511 + f" !touch {CANARY}", f"!touch {CANARY}\n" * 400),
-    *("y" * 2040 + f"\n!touch {CANARY}", "\u00e9" * 300, "\U0001f3e0" * 200),
+    *(f'"\n!touch {MARKER}\n', f"'\n!touch {MARKER}\n", f"x\r!touch {MARKER}"),
+    *(f'a" \n!touch {MARKER} \n"', f"!touch {MARKER}", f"#\n!touch {MARKER}"),
+    *(f"a\n\n!touch {MARKER}", f"a\u2028!touch {MARKER}", f"a\x0b!touch {MARKER}"),
+    *(f"a\0!touch {MARKER}", f"\t!touch {MARKER}", f"a;touch {MARKER};b"),
+    *(f"$(touch {MARKER})", f"`touch {MARKER}`", f"a|touch${{IFS}}{MARKER}|b"),
+    *(f"a'\"\n!touch {MARKER}", f"a&touch {MARKER}&b", f"<({MARKER})"),
+    *("x" * 512, "x" * 5000, "x" * 505 + f"\n!touch {MARKER}"),
+    *("x" * 511 + f" !touch {MARKER}", f"!touch {MARKER}\n" * 400),
+    *("y" * 2040 + f"\n!touch {MARKER}", "\u00e9" * 300, "\U0001f3e0" * 200),
     *("../../escape", "/etc/escape", "..", ".", "-rf", "--help", "~root", "a/b", "a:b"),
     *("CON", "nul.txt", "desk", "Desk", "DESK", "desk ", "desk.", "a b", "a_b"),
     *("=1+1", "=cmd|'/C calc'!A0", "+1+1", "-1+1", "@SUM(A1)", "'=1", "\t=1+1"),
@@ -37,7 +37,7 @@ def more_names(count: int, seed: int = 1) -> list[str]:
     return found
 
 
-def require_silence(folder: Path) -> None:
-    """Fail if a name was obeyed: a canary below the folder or where we are."""
-    found = [*folder.rglob(f"{CANARY}*"), *Path().glob(f"{CANARY}*")]
+def require_no_marker(folder: Path) -> None:
+    """Fail if a command in a name made the marker file, in or below the folder."""
+    found = [*folder.rglob(f"{MARKER}*"), *Path().glob(f"{MARKER}*")]
     assert not found, f"a name was run as a command: {found}"

@@ -13,6 +13,7 @@ from workbook import workbook
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.errors import InputError
+from sample_files import PRODUCT
 
 DATA = Path(__file__).parents[1] / "data"
 
@@ -71,27 +72,6 @@ OPTICS_FILE = (
     "{ Product Name: Test coated glass }\n{ NFRC ID: 77 }\n{ Type: Coated }\n"
     "{ Coated Side: Back }\n300.0 0.10 0.20 0.30\n2500.0 0.50 0.30 0.40\n"
 )
-PRODUCT = {
-    "name": "Test glass",
-    "nfrc_id": 7,
-    "type": "glazing",
-    "subtype": "monolithic",
-    "coated_side": "Neither",
-    "manufacturer_name": "Nobody",
-    "measured_data": {
-        "thickness": 4.0,
-        "conductivity": 1.0,
-        "emissivity_front": 0.84,
-        "emissivity_back": 0.2,
-        "tir_front": 0.0,
-    },
-    "spectral_data": {
-        "spectral_data": [
-            {"T": 0.8, "Rf": 0.1, "Rb": 0.15, "wavelength": 0.3},
-            {"T": 0.6, "Rf": 0.2, "Rb": 0.25, "wavelength": 2.5},
-        ]
-    },
-}
 GEOMETRY = {"slat_width": 16.0, "slat_spacing": 12.0, "slat_tilt": 45.0}
 GEOMETRY |= {"slat_curvature": 10.0, "number_of_segments": 5, "tilt_angle": 45.0}
 SHADE = {

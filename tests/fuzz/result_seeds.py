@@ -12,6 +12,7 @@ from optics_seeds import sealed
 from reader import Reader
 
 import clerestory as cl
+from sample_files import SCAN, four_sensors
 
 TESTS = Path(__file__).parents[1]
 DEMO = Path(cl.__file__).parent / "demo"
@@ -38,22 +39,6 @@ def _netcdf(folder: Path) -> list[bytes]:
     return [(folder / "seed.nc").read_bytes()]
 
 
-SCAN = """utc_offset_hours = -6
-[layout.room]
-columns = ["north", "south"]
-column_axis = "y"
-column_at = [3.0, 1.0]
-row_at = [0.5, 1.5]
-height = 0.75
-factor = 1000
-grid = "lux"
-[[scan]]
-file = "nine.csv"
-at = 2024-06-26T09:00:00
-layout = "room"
-row_minutes = 2
-backwards = true
-"""
 LOGGER = """utc_offset_hours = -6
 [[logger]]
 file = "log.csv"
@@ -64,18 +49,7 @@ LOG = "when,A\n2024-06-26T08:30,100\n2024-06-26T08:35,110\n"
 
 
 def _measured(function: Callable[..., object], path: Path) -> object:
-    series = importlib.import_module("clerestory.comparison.series").Series
-    places = [(0.5, 1, 0.75), (0.5, 3, 0.75), (1.5, 1, 0.75), (1.5, 3, 0.75)]
-    hours = np.array(["2024-06-26T08:30", "2024-06-26T09:30"], "datetime64[s]")
-    near = series(
-        tuple(f"lux.{i}" for i in range(1, 5)),
-        hours,
-        np.ones((4, 2)),
-        60.0,
-        -6.0,
-        position=np.array(places),
-    )
-    return function(path, near=near)
+    return function(path, near=four_sensors())
 
 
 def _plain(function: Callable[..., object], path: Path) -> object:

@@ -159,7 +159,7 @@ def test_a_name_of_more_than_255_bytes_is_written_or_refused(said, name):
 
 
 # ----------------------------- Pipes, devices, folders -----------------------------
-@pytest.fixture(params=["pipe", "zero", "random", "folder", "missing"])
+@pytest.fixture(params=["pipe", "zero", "random", "kmsg", "folder", "missing"])
 def odd_path(request, folder):
     path = folder / "odd"
     match request.param:
@@ -167,6 +167,8 @@ def odd_path(request, folder):
             os.mkfifo(path)
         case "zero" | "random":
             path = Path("/dev/zero" if request.param == "zero" else "/dev/urandom")
+        case "kmsg":  # a regular file without size, which never ends
+            path = Path("/proc/kmsg")
         case "folder":
             path.mkdir()
     return path
@@ -374,6 +376,15 @@ def test_a_bsdf_beyond_measure_is_refused(said, value):
     assert "ScatteringData" in text
 
 
+def test_a_gltf_buffer_with_other_letters_is_refused(said, folder):
+    Path("map.toml").write_text(MAP)
+    model = json.loads(gltf(folder)[0])
+    model["buffers"][0]["uri"] = model["buffers"][0]["uri"][:-4] + "é==="
+    Path("m.gltf").write_text(json.dumps(model, ensure_ascii=False))
+    status, text = said("import", "m.gltf", "--materials", "map.toml", "-o", "out")
+    assert (status, text) == (2, "m.gltf: a buffer is not base64")
+
+
 def test_deep_gltf_nodes_are_not_called_a_cycle(said, folder):
     Path("map.toml").write_text(MAP)
     model = json.loads(gltf(folder)[0])
@@ -448,6 +459,11 @@ SCHEDULES = {
     "now": ("time,south\n2023-03-21T08:00,1\nnow,0\n", "s.csv:3: 'now,0'"),
     "year": ("time,south\n99999-03-21T08:00,1\n", "s.csv:2: '99999"),
     "no line": ("time,south\n", "s.csv: no lines"),
+    "state": (
+        "time,south\n2023-03-21T08:00,2\n",
+        "s.csv: the state .* is 2; .* 0 to 1",
+    ),
+    "other": ("time,north\n2023-03-21T08:00,0\n", 's.csv: no column "south"'),
     "column twice": ("time,south,south\n2023-03-21T08:00,0,1\n", "s.csv:1: several"),
 }
 
@@ -492,7 +508,7 @@ def test_time_steps_of_years_are_refused(said):
     assert "time step" in text
 
 
-def test_numbers_left_over_in_an_ies_file_are_told(tmp_path):
+def test_numbers_left_over_in_an_ies_file_are_reported(tmp_path):
     """A decimal comma separates numbers, so that all later ones are moved."""
     file = tmp_path / "l.ies"
     file.write_text(IES.replace("100 80 0", "100,5 80,0 0"))
@@ -530,3 +546,70 @@ def test_honeybee_materials_that_cannot_be_are_refused(said, folder, value):
     status, text = said("import", "m.hbjson", "-o", "out")
     assert status == 2
     assert "r_transmissivity" in text
+
+
+# ------------------------------------ BSDF files ------------------------------------
+MGF = '<MGFblock unit="furlong">v a =\n p 0 0 0\nsph a 1\n</MGFblock>'
+GEOMETRY = f'<Geometry format="MGF">{MGF}</Geometry>'
+DAMAGED = {
+    "data twice": ("</ScatteringData>", "</ScatteringData><ScatteringData/>", "Scatte"),
+    "direction twice": (
+        "<WavelengthDataDirection>",
+        "<WavelengthDataDirection/><WavelengthDataDirection>",
+        "2 elements WavelengthDataDirection",
+    ),
+    "layer twice": ("</Layer>", "</Layer><Layer/>", "2 elements Layer"),
+    "definition twice": (
+        "</DataDefinition>",
+        "</DataDefinition><DataDefinition/>",
+        "2",
+    ),
+    "thickness": (
+        "<Material>",
+        '<Material><Thickness unit="meter">-1</Thickness>',
+        "-1",
+    ),
+    "width": ("<Material>", '<Material><Width unit="furlong">-2</Width>', "-2; 0 or"),
+    "unit": ("</Material>", "</Material>" + GEOMETRY, "'furlong'; one of"),
+}
+
+
+@pytest.mark.parametrize("case", DAMAGED)
+def test_a_bsdf_file_that_contradicts_itself_is_refused(said, case):
+    old, new, expected = DAMAGED[case]
+    change("diffuser.xml", old, new)
+    status, text = said("bsdf", "info", "diffuser.xml")
+    assert status == 2
+    assert text.startswith("diffuser.xml:")
+    assert expected in text
+
+
+def test_a_width_in_an_unknown_unit_is_told(said, capsys):
+    change("diffuser.xml", "<Material>", '<Material><Width unit="ell">2</Width>')
+    assert main(["bsdf", "info", "diffuser.xml"]) == 0
+    assert "Width in the unknown unit 'ell' is ignored" in capsys.readouterr().out
+
+
+# ------------------------------------ Other texts ------------------------------------
+@pytest.mark.parametrize("coding", ["utf-16", "utf-16-le", "utf-16-be"])
+def test_geometry_in_utf_16_is_read_or_refused(said, coding):
+    """As "Unicode text" of Windows: recognized by its byte order mark."""
+    text = "m a =\n rd .5\nv a =\n p 0 0 0\nsph a 1\n"
+    Path("a.mgf").write_bytes(text.encode(coding))
+    Path("room.rad").write_text(Path("room.rad").read_text() + "!mgf2rad a.mgf\n")
+    status, told = said("run", "study.toml", "--plan")
+    if coding == "utf-16":
+        assert status == 0
+    else:
+        assert (status, told[:5]) == (2, "a.mgf")
+
+
+@pytest.mark.parametrize("name", ["m.hbjson", "g.json", "m.gltf"])
+def test_a_json_member_given_twice_is_refused(said, folder, name):
+    Path("map.toml").write_text(MAP)
+    Path(name).write_text('{"a": {"type": "Model", "b": 1, "type": "Room"}}')
+    command = "glazing stack g.json" if name == "g.json" else f"import {name} -o out"
+    words = ["--materials", "map.toml"] if name == "m.gltf" else []
+    status, text = said(*command.split(), *words)
+    assert status == 2
+    assert text.startswith(f"{name}: several members of an object are named 'type'")

@@ -1,6 +1,7 @@
 """Names that are commands, through every writer, read by Radiance and by the library.
 
-A name is obeyed if it makes a canary file; Radiance's programs are the referee.
+A command in a name makes a marker file if it is executed. Radiance's own programs read
+what is written.
 """
 
 import ast
@@ -17,7 +18,8 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 import xarray as xr
-from hostile_names import CANARY, NAMES, more_names, require_silence
+from hostile_names import MARKER, NAMES, more_names, require_no_marker
+from result_seeds import _results
 from scene_seeds import _hbjson
 
 import clerestory
@@ -56,7 +58,7 @@ from clerestory.report.page_assets import content_policy
 from clerestory.scene.model import Mirror, Mixture, Plastic, Polygon, Scene
 from clerestory.study.model_import import write_honeybee_model
 from clerestory.study.outputs import _METRICS, write_hourly, write_metrics
-from clerestory.study.results import Results
+from clerestory.study.results import Results, read_results, save_results
 from clerestory.study.study_files import study_text, window_text
 
 pyradiance = pytest.importorskip("pyradiance", reason="Radiance reads the files")
@@ -70,7 +72,7 @@ SQUARE = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0]])
 def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     yield tmp_path
-    require_silence(tmp_path)
+    require_no_marker(tmp_path)
 
 
 def radiance(command, folder, **options):
@@ -87,7 +89,7 @@ def radiance(command, folder, **options):
         **options,
     )
     assert done.returncode == 0, f"{command}: {done.stderr[-500:]!r}"
-    require_silence(folder)
+    require_no_marker(folder)
     return done.stdout
 
 
@@ -192,7 +194,7 @@ def test_rfluxmtx_runs_no_name_of_a_window(folder):
 
 
 @pytest.mark.parametrize("name", [n for n in NAMES if n and len(n) < 3000][::3])
-def test_packages_of_bsdfs_obey_no_product_name(folder, name, monkeypatch):
+def test_packages_of_bsdfs_run_no_product_name(folder, name, monkeypatch):
     from clerestory.cli.bsdf_package import package
     from clerestory.cli.requests.bsdf import PackageBsdf
 
@@ -243,7 +245,7 @@ def hostile_model(folder, names):
     return path
 
 
-def test_imports_of_models_obey_no_name(folder):
+def test_imports_of_models_run_no_name(folder):
     path = hostile_model(folder, ALL)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -373,7 +375,7 @@ def test_figures_show_any_name(folder):
             figure_png(figure, dpi=20)
 
 
-def test_terminals_obey_no_name(capsys):
+def test_terminals_execute_no_name(capsys):
     hostile = "".join(map(chr, [*range(1, 32), 127, 155, 0x202E])) + "\udcff"
     say(f"a\x1b[2J{hostile}", *(name for name in ALL))
     shown = capsys.readouterr().out
@@ -445,6 +447,26 @@ def test_results_of_hostile_grids_are_tables(folder):
         assert len(head) == len(row) == 2
 
 
+def test_results_hold_any_name(folder):
+    """In coordinates and attributes of results.nc, and in run.json."""
+    _results(folder)
+    sound = read_results(folder)
+    count = sound.data.sizes["sensor"]
+    for first in range(0, len(ALL), count):
+        names = [*ALL, *ALL][first : first + count]
+        data = sound.data.assign_attrs(title=names[0]).assign_coords(
+            grid=("sensor", np.array(names, object)),
+            sensor=np.array([f"{n}.1" for n in names], object),
+        )
+        save_results(Results(data, {**sound.run, "warnings": names}), folder)
+        found = read_results(folder)
+        plain = (name.replace("\0", "\\x00") for name in names)
+        shown = [n.encode(errors="backslashreplace").decode() for n in plain]
+        assert found.data["grid"].values.tolist() == shown
+        assert found.title == shown[0]
+        assert found.run["warnings"] == names
+
+
 def test_study_files_hold_any_text(folder):
     for name in ALL:
         text = study_text({"title": name, "scene": {"files": [name, "b"]}})
@@ -483,7 +505,7 @@ WRITERS = {
     "bsdf.xml_insertion.insert_blocks": "lxml escapes",
     "bsdf.xml_writer.write_bsdf": test_bsdf_files_hold_any_text,
     "cli.bsdf_generate.generate": test_radiance_reads_a_scene_of_hostile_names,
-    "cli.bsdf_package.package": test_packages_of_bsdfs_obey_no_product_name,
+    "cli.bsdf_package.package": test_packages_of_bsdfs_run_no_product_name,
     "cli.glare._write_annual": "numbers",
     "cli.irradiance.irradiance": "numbers",
     "cli.metrics.metrics": test_tables_hold_no_formulas,
@@ -510,15 +532,15 @@ WRITERS = {
     "report.figure_file.write_figure": "pixels",
     "report.page.write_report": test_pages_hold_any_text,
     "study.method_comparison.compare_methods": test_tables_hold_no_formulas,
-    "study.model_import._put": test_imports_of_models_obey_no_name,
-    "study.model_import._write_modifier": test_imports_of_models_obey_no_name,
-    "study.model_import.write_honeybee_model": test_imports_of_models_obey_no_name,
+    "study.model_import._put": test_imports_of_models_run_no_name,
+    "study.model_import._write_modifier": test_imports_of_models_run_no_name,
+    "study.model_import.write_honeybee_model": test_imports_of_models_run_no_name,
     "study.new_study.begin_study": test_study_files_hold_any_text,
     "study.new_study.write_demo": "files of the package",
     "study.outputs._write_lines": test_results_of_hostile_grids_are_tables,
     "study.outputs.write_lighting": test_tables_hold_no_formulas,
     "study.outputs.write_metrics": test_results_of_hostile_grids_are_tables,
-    "study.results.save_results": "JSON and NetCDF",
+    "study.results.save_results": test_results_hold_any_name,
     "study.study_files.write_sensors": "numbers",
 }
 _WRITING = {"write_text", "write_bytes", "replace_file", "replace_path", "mkstemp"}
@@ -542,9 +564,9 @@ def test_every_function_that_writes_files_is_listed():
     assert found - {"files.replace_path"} == set(WRITERS)
 
 
-def test_the_canary_can_sing(folder):
-    """The referee does run commands: without escaping, the check would fail."""
-    (folder / "a.rad").write_text(f"!touch {CANARY}\n")
+def test_oconv_runs_a_command_that_is_not_escaped(folder):
+    """Radiance runs commands in files: without escaping, the check would fail."""
+    (folder / "a.rad").write_text(f"!touch {MARKER}\n")
     subprocess.run([BIN / "oconv", "a.rad"], cwd=folder, capture_output=True)
-    assert (folder / CANARY).exists()
-    (folder / CANARY).unlink()
+    assert (folder / MARKER).exists()
+    (folder / MARKER).unlink()

@@ -7,6 +7,7 @@ from pathlib import Path
 from reader import Reader
 
 from clerestory.sky.weather import Site
+from sample_files import ROOF, STATION
 
 
 def _epw() -> str:
@@ -33,20 +34,6 @@ TMY3 = (
     "Date (MM/DD/YYYY),Time (HH:MM),DNI (W/m^2),DHI (W/m^2),Dew-point (C)\n"
     "03/21/1999,01:00,0,0,4.0\n03/21/1999,02:00,0,0,4.0\n03/21/1999,12:00,500,100,4\n"
 )
-STATION = """file = "roof.csv"
-stands_for = "end"
-separator = ";"
-[site]
-latitude_deg = 50.0
-longitude_deg = 8.5
-utc_offset_hours = 1
-place = "roof"
-[columns]
-time = ["day", "clock"]
-global_horizontal = "GHI"
-diffuse_horizontal = "DHI"
-"""
-ROOF = "day;clock;GHI;DHI\n2022-06-21;12:00;700;120\n2022-06-21;12:05;710;118\n"
 
 
 def _surfrad() -> str:

@@ -1,4 +1,4 @@
-"""evalglare, as the referee of glare."""
+"""Evaluation of glare by evalglare, the reference of parity tests."""
 
 import subprocess
 from typing import NamedTuple

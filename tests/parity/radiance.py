@@ -1,4 +1,4 @@
-"""Radiance's programs, as the referee of parity tests."""
+"""Radiance's programs, the reference of parity tests."""
 
 import os
 import subprocess
@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-pyradiance = pytest.importorskip("pyradiance", reason="pyradiance is the referee")
+pyradiance = pytest.importorskip("pyradiance", reason="pyradiance is the reference")
 
 _HOME = Path(pyradiance.__file__).parent
 ENVIRONMENT = {

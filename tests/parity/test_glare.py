@@ -34,7 +34,7 @@ pytestmark = pytest.mark.filterwarnings(
 )
 
 # evalglare looks up the angle of a source in the pixel below its middle, which rounding
-# may make the pixel beside it: veiling luminances are told apart by a pixel
+# may make the pixel beside it: veiling luminances differ by a pixel
 
 
 def assert_equal(result, theirs, *, pixel=0.0):
@@ -157,7 +157,7 @@ def test_a_band_is_that_of_radiances_own_test(shared_data):
     assert ours == pytest.approx(expected, rel=1e-5)
 
 
-def test_a_window_gets_the_same_votes(tmp_path, shared_data):
+def test_pgsv_of_a_window_equals_evalglare(tmp_path, shared_data):
     path = shared_data / "hdr" / "evalglare_testimage_ISE2003.hdr"
     picture = read_picture(path)
     marked = np.zeros(picture.radiance.shape, np.float32)

@@ -229,7 +229,7 @@ def bounced(flux, side):
 
 @pytest.mark.parametrize(("part", "share"), [("T", 0.7), ("R", 0.1)])
 def test_homogeneous_layers_of_wce_make_light(shared_data, part, share):
-    """Why ours differ from them by up to 0.0185, on purpose.
+    """The reason for deliberate differences of up to 0.0185.
 
     They send share / (π - Λ) to *every* patch, with Λ of the incident one, as if the
     light that goes on straight were taken out; but it is not. In all,

@@ -113,7 +113,7 @@ def test_a_written_folder_reads_the_same(folder, tmp_path):
         assert not back.illuminance(grid, light="direct").any()
 
 
-def test_a_damaged_folder_is_told_in_one_line(folder, tmp_path):
+def test_a_damaged_folder_is_reported_in_one_line(folder, tmp_path):
     results = read_honeybee(folder)
     lux = {"room": results.illuminance("TestRoom_1").values}
     times = results.illuminance("TestRoom_1")["time"].values

@@ -1,4 +1,4 @@
-"""Files that Radiance or WINDOW's engine refuses: asked of the programs themselves.
+"""Files that Radiance or WINDOW's engine refuses, tested with these programs.
 
 Each change of a sound file is legal XML that we read. The answer of `bsdf check` must
 be that of rtrace, which renders the layer, and of pyWinCalc, which parses the file.
@@ -154,11 +154,11 @@ def read_by_wincalc(folder):
 
 def assert_answers(folder):
     found = {finding.where: finding for finding in check_readers(folder / "file.xml")}
-    told = {reader: reader not in found for reader in READERS}
+    expected_to_read = {reader: reader not in found for reader in READERS}
     true = dict(
         zip(READERS, (read_by_radiance(folder), read_by_wincalc(folder)), strict=True)
     )
-    assert told == true
+    assert expected_to_read == true
     assert all(re.match(r"line \d+: .* expected$", f.what) for f in found.values())
 
 

@@ -96,7 +96,7 @@ def test_xform_turns_and_remakes_what_is_in_place(tmp_path):
         ("genprism grey p 3 0 0 1 0 1 1 -l 1 0 0", "a.rad:2: genprism: the vector"),
     ],
 )
-def test_what_generators_refuse_is_told_with_its_line(command, message, tmp_path):
+def test_what_generators_refuse_is_reported_with_its_line(command, message, tmp_path):
     (tmp_path / "a.mgf").write_text(MGF)
     text = f"void plastic grey 0 0 5 .5 .5 .5 0 0\n!{command}\n"
     (tmp_path / "a.rad").write_text(text)

@@ -104,7 +104,7 @@ def test_xyz_pictures_both_ways(tmp_path):
 
 
 def test_other_primaries_are_those_of_ra_xyze(tmp_path):
-    """Pixels told in D65 primaries by ra_xyze mean what they meant."""
+    """Pixels that ra_xyze converts to D65 primaries have the same colour."""
     picture = noisy_picture()
     write_radiance(picture, tmp_path / "a.hdr")
     primaries = ".64 .33 .3 .6 .15 .06 .3127 .329"

@@ -22,7 +22,7 @@ OPTIONS = {
 
 
 def shown_by_pcond(options, path, folder):
-    """Display values; where pcond maps straight it tells an exposure instead."""
+    """Display values; where pcond maps linearly, its output has an exposure instead."""
     run(f"pcond {options} {path} > c.hdr", folder=folder)
     text = (folder / "c.hdr").read_bytes().partition(b"\n\n")[0].decode("latin-1")
     told = [x for x in text.split("\n") if x.startswith("EXPOSURE")]

@@ -215,27 +215,27 @@ def lux(scene, points, device, relative_error, bounces=1):
 
 def case_5_2(folder, device="cpu", relative_error=0.001):
     """A Lambertian point of 1000 cd 3 m above a plane."""
-    told = electric(folder)["5.2_diffuse"]
+    tabulated = electric(folder)["5.2_diffuse"]
     angles = np.linspace(0, 90, 91)
     cosine = 1000 * np.cos(np.radians(angles))[None]
     shape = LuminousShape("cylinder", 0.02, 0.02, 0.0)
     lamp = Luminaire("point", "C", np.zeros(1), angles, cosine, shape)
     scene = luminaire_scene(lamp, position=(0.0, 0.0, 3.0))
-    places = [(x, y, 0.0) for x, y in told["points_xy"].values()]
+    places = [(x, y, 0.0) for x, y in tabulated["points_xy"].values()]
     points = sensors((places, [UP] * len(places)))
     ours, error = lux(scene, points, device, relative_error)
-    truth = np.array(list(told["E_lux"].values()))
+    truth = np.array(list(tabulated["E_lux"].values()))
     return [Found("5.2, point above a plane", "lux", ours, error, truth, 0.005)]
 
 
 def case_5_3(folder, device="cpu", relative_error=0.002):
     """A panel of 1 m² in the ceiling of a black room."""
-    told = electric(folder)["5.3_diffuse"]
+    tabulated = electric(folder)["5.3_diffuse"]
     corners = np.array([[1.5, 1.5, 3], [1.5, 2.5, 3], [2.5, 2.5, 3], [2.5, 1.5, 3]])
     scene = panel_scene(corners, lumens=1000 * np.pi)
     points = sensors(wall_points(0.0, NORTH), depth_points(0.0))
     ours, error = lux(scene, points, device, relative_error)
-    truth = np.array(list(told["E_lux"].values()))
+    truth = np.array(list(tabulated["E_lux"].values()))
     return [Found("5.3, panel in a room", "lux", ours, error, truth, 0.005)]
 
 
@@ -244,7 +244,7 @@ def case_5_6(folder, device="cpu", relative_error=0.002):
 
     A small sun behind the sensors lights it; a sensor upon it tells by how much.
     """
-    told = electric(folder)["5.6_scenario2"]["ff_pct"]
+    tabulated = electric(folder)["5.6_scenario2"]["ff_pct"]
     floor = quad((0, 0, 0), (4, 0, 0), (4, 4, 0), (0, 4, 0), material="floor")
     sun = Light("sun", np.full(3, 1e6))
     towards = np.array([0.0, -0.5, np.sqrt(0.75)])
@@ -259,7 +259,7 @@ def case_5_6(folder, device="cpu", relative_error=0.002):
     points = sensors(wall, depth_points(3.0, facing=DOWN), level)
     values, errors = lux(scene, points, device, relative_error, bounces=None)
     scale = 100 / (0.3 * values[-1])
-    truth = np.array(list(told.values()))
+    truth = np.array(list(tabulated.values()))
     mine = values[:-1] * scale, errors[:-1] * scale
     return [
         Found("5.6, light reflected by a floor", "E / (Ehz ρ) [%]", *mine, truth, 5e-3)
@@ -271,7 +271,7 @@ def case_5_7(folder, device="cpu", relative_error=0.002):
 
     The wall shines itself, evenly, as the standard's evenly lit wall does.
     """
-    told = electric(folder)["5.7_corrected"]["ff_pct"]
+    tabulated = electric(folder)["5.7_corrected"]["ff_pct"]
     wall = np.array([[0.0, 4, 0], [4, 4, 0], [4, 4, 3], [0, 4, 3]])
     lumens = 12.0 * 1000  # an exitance of 1000 lm/m²
     box = [
@@ -283,7 +283,7 @@ def case_5_7(folder, device="cpu", relative_error=0.002):
     depth = depth_points(0.0)
     points = sensors(wall_points(0.0, NORTH), (depth[0][:5], depth[1][:5]))
     ours, error = lux(scene, points, device, relative_error)
-    truth = np.array(list(told.values()))
+    truth = np.array(list(tabulated.values()))
     title = "5.7, light of a wall past an obstruction"
     return [Found(title, "E / (Ev ρ) [%]", ours / 10, error / 10, truth, 0.005)]
 
@@ -294,7 +294,7 @@ def case_5_8(folder, device="cpu", relative_error=0.002):
     The mean over each face is Gauss's rule on 4 × 4 sensors.
     """
     samples = max(64, round(0.02 / relative_error**2))
-    told = electric(folder)["5.8"]
+    tabulated = electric(folder)["5.8"]
     radius = 0.02
     shine = 10_000 / 179 / (4 * np.pi**2 * radius**2)
     lamp = Sphere(np.array([2.0, 2, 2]), radius, False, "lamp", "lamp")
@@ -313,7 +313,7 @@ def case_5_8(folder, device="cpu", relative_error=0.002):
                     facing.append(normal)
     grid = Sensors(np.array(points), np.array(facing))
     ours, error = [], []
-    for number, reflectance in enumerate([0.0, *map(float, told["E_indirect"])]):
+    for number, reflectance in enumerate([0.0, *map(float, tabulated["E_indirect"])]):
         materials = {
             "black": matt(reflectance),
             "lamp": Light("lamp", np.full(3, shine)),
@@ -325,7 +325,7 @@ def case_5_8(folder, device="cpu", relative_error=0.002):
         error.append(np.sqrt(np.sum((weights * errors) ** 2)))
         if number == 0:
             direct = ours[0]
-    truth = np.array(list(told["E_indirect"].values()), dtype=float)
+    truth = np.array(list(tabulated["E_indirect"].values()), dtype=float)
     mine = np.array(ours[1:]) - direct, np.hypot(error[1:], error[0])
     return [Found("5.8, cube of reflectance 0.05 to 0.95", "lux", *mine, truth, 0.5)]
 

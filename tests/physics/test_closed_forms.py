@@ -74,7 +74,7 @@ def test_colours_stay_apart(device):
     assert matrix.values.sum(axis=(1, 2)) == pytest.approx(colour * np.pi, rel=1e-5)
 
 
-def test_white_room_hands_on_all_light(device):
+def test_a_white_room_loses_no_light(device):
     """Behind white walls every sensor sees the window's radiance all around: E = π."""
     scene, south = box(4, 5, 3, 1.0)
     sensors = Sensors(

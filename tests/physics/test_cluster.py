@@ -29,30 +29,30 @@ def small_units(monkeypatch):
     monkeypatch.setattr(clusters, "_UNIT_SIZE", UnitSize(paths=1 << 14, sums=1 << 20))
 
 
-class Assassin:
-    """Progress that ends a worker once a good part of the work is done."""
+class WorkerKiller:
+    """Progress callback that kills a worker when a fraction of the work is done."""
 
     def __init__(self, cluster, share=0.4):
-        self.cluster, self.share, self.struck = cluster, share, False
+        self.cluster, self.share, self.killed = cluster, share, False
 
     def __call__(self, share, note):
-        if not self.struck and self.share < share < 0.9:
+        if not self.killed and self.share < share < 0.9:
             self.cluster.kill(0)
-            self.struck = True
+            self.killed = True
 
 
-def test_a_cluster_gives_the_same_bits_though_a_worker_dies(small_units, tmp_path):
+def test_a_cluster_gives_the_same_bits_when_a_worker_is_killed(small_units, tmp_path):
     """Sums are whole numbers: a unit done twice, or elsewhere, adds the same."""
     scene, south = box(4, 5, 3, 0.6)
     options = {"sensors": SENSORS, "samples": 1 << 15, "seed": 3, "device": "cpu"}
     here = cl.view_matrix(scene, south, **options)
     with local_cluster(tmp_path, workers=2) as started:
-        killer = Assassin(started)
+        killer = WorkerKiller(started)
         with cl.Cluster(started.address) as cluster:
             there = cl.view_matrix(
                 scene, south, executor=cluster, progress=killer, **options
             )
-            assert killer.struck
+            assert killer.killed
             assert cluster.workers() == 1
     assert np.array_equal(here.values, there.values)
     assert np.array_equal(here.components, there.components)
@@ -134,13 +134,13 @@ def test_a_study_gives_the_same_files_on_a_cluster(small_units, tmp_path, worker
     study = study_in(tmp_path / "room")
     here = cl.run_study(study, out=tmp_path / "here")
     with local_cluster(tmp_path, workers=workers) as started:
-        killer = Assassin(started, share=0.2)
+        killer = WorkerKiller(started, share=0.2)
         there = cl.run_study(
             study.with_trace(cluster=started.address),
             out=tmp_path / "there",
             display=lambda phase: killer if "daylight" in phase else lambda *_: None,
         )
-        assert killer.struck
+        assert killer.killed
     files = sorted(path.name for path in (tmp_path / "here/matrices").iterdir())
     assert len(files) == 3
     for name in files:

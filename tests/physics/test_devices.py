@@ -10,7 +10,7 @@ from clerestory.errors import ClerestoryWarning, DeviceError
 
 
 class FakeDriver:
-    """A CUDA driver that tells 20 GB of free memory, or fails at one call."""
+    """A CUDA driver that reports 20 GB of free memory, or fails at one call."""
 
     def __init__(self, failing=None):
         self.failing, self.calls = failing, []
@@ -40,7 +40,7 @@ def driver(monkeypatch):
     return install
 
 
-def test_the_driver_tells_its_free_memory(driver):
+def test_free_memory_is_that_of_the_driver(driver):
     fake = driver()
     assert devices.free_memory() == 20 << 30
     assert fake.calls[-1] == "cuDevicePrimaryCtxRelease_v2"
@@ -51,7 +51,7 @@ def test_the_driver_tells_its_free_memory(driver):
     ["cuInit", "cuDeviceGet", "cuDevicePrimaryCtxRetain", "cuCtxPushCurrent_v2",
      "cuMemGetInfo_v2"],
 )  # fmt: skip
-def test_a_driver_that_fails_tells_nothing(driver, failing):
+def test_free_memory_is_unknown_if_the_driver_fails(driver, failing):
     driver(failing)
     assert devices.free_memory() is None
 

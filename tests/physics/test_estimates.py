@@ -1,4 +1,4 @@
-"""Errors are honest, results reproducible, samplers true to their densities."""
+"""Standard errors equal the scatter, results are reproducible, densities correct."""
 
 import numpy as np
 import pytest
@@ -26,7 +26,7 @@ from clerestory.scene.sensors import Sensors
 SENSORS = Sensors(np.array([[2, 1, 1.0], [1, 4, 1]]), np.tile([0, 0, 1.0], (2, 1)))
 
 
-def test_standard_errors_are_honest(device):
+def test_standard_errors_equal_the_scatter_over_seeds(device):
     """Over 60 seeds, deviations from a long run follow the errors that are stated."""
     scene, south = box(4, 5, 3, 0.6)
     options = {"sensors": SENSORS, "device": device}

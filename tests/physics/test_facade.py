@@ -104,7 +104,7 @@ def test_light_keeps_its_direction_through_each_port(device):
     assert np.degrees(np.arccos(np.clip(cosine, -1, 1))).max() < 4
 
 
-def test_a_white_tunnel_hands_on_all_light(device):
+def test_a_white_tunnel_transmits_all_light(device):
     """Between white walls the window sees the port's radiance everywhere."""
     port = pane(-1.0, name="port")
     corners = [(0, 1.0), (4, 1.0), (4, 2.5), (0, 2.5)]
@@ -156,11 +156,11 @@ def test_errors_of_f_and_d_do_not_agree(device):
         for seed in range(24)
     ]
     values = np.array([weighed(chain)[0][0] for chain in chains])
-    told = np.mean([weighed(chain)[1][0] ** 2 for chain in chains], axis=0)
-    assert values.var(axis=0, ddof=1).mean() == pytest.approx(told.mean(), rel=0.25)
+    stated = np.mean([weighed(chain)[1][0] ** 2 for chain in chains], axis=0)
+    assert values.var(axis=0, ddof=1).mean() == pytest.approx(stated.mean(), rel=0.25)
 
 
-def test_a_port_that_faces_away_is_told(device):
+def test_a_port_that_faces_away_is_reported(device):
     corners = (4, -1, 1), (4, -1, 2.5), (0, -1, 2.5), (0, -1, 1)
     port = window(quad(*corners), name="port")
     with pytest.warns(ClerestoryWarning, match="port 'port' reaches window 'south'"):

@@ -105,7 +105,7 @@ def test_any_expression_is_computed_alike(text):
         ("arg(3)", "real argument 3 is used, but the primitive has 2"),
     ],
 )
-def test_what_kernels_cannot_do_is_told_before(device, text, message):
+def test_what_kernels_cannot_do_is_reported_before_tracing(device, text, message):
     pattern = FunctionPattern(
         Program(parse_definitions(FILE)),
         (parse_expression(text),),

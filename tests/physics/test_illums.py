@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from clerestory.errors import InputError
+from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.phases.rendering import irradiance, render
 from clerestory.phases.window_emitters import precompute_illums
 from clerestory.radiance.illum_table import write_illums
@@ -14,9 +14,11 @@ from clerestory.scene.model import (
     Glow,
     Illum,
     Light,
+    Metal,
     Plastic,
     Polygon,
     Scene,
+    Sphere,
     Trans,
 )
 from clerestory.scene.sensors import Sensors
@@ -116,7 +118,7 @@ def test_an_even_window_becomes_an_even_lamp(device):
     assert value.std() < 0.1
 
 
-def test_the_eye_sees_the_window_and_the_sun_comes_straight(device):
+def test_the_eye_sees_the_window_and_direct_sun(device):
     """A view through the lamp shows the sky as through the pane."""
     here, window = room(sun=True), pane("glass")
     lamps = precompute_illums(here, window, samples=32, bounces=1, device=device)
@@ -160,3 +162,12 @@ def test_what_cannot_be_a_lamp_is_refused(device):
         precompute_illums(room(), pane("glass"), rings=1, device=device)
     with pytest.raises(InputError, match="is not a window emitter"):
         write_illums(pane("glass"), "never.rad")
+
+
+def test_light_that_is_found_by_chance_is_named():
+    """A polished ball before the window sends sunlight that few paths find."""
+    ball = Sphere(np.array([1.5, -3, 1]), 0.5, False, "ball")
+    polished = Metal("ball", np.full(3, 0.9), specularity=1.0)
+    garden = room(sun=True) + Scene({"ball": polished}, (ball,))
+    with pytest.warns(ClerestoryWarning, match="1 curved smooth .* by chance"):
+        precompute_illums(garden, pane("glass"), rings=2, samples=1, device="cpu")

@@ -51,7 +51,7 @@ def seen(room, device, *, below=False, **options):
 
 @pytest.mark.parametrize("material", [Plastic, Metal])
 @pytest.mark.parametrize("below", [False, True])
-def test_a_flat_surface_reads_the_sky_of_its_side(device, material, below):
+def test_a_horizontal_sensor_reads_the_sky_on_its_side(device, material, below):
     """π L whatever it is made of, on the side that is seen."""
     made = seen(
         scene(square(0, "m"), m=material("m", np.full(3, 0.7), 0.9, 0.0)),

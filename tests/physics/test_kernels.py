@@ -1,4 +1,4 @@
-"""Kernels serve every size of a task: nothing is compiled anew for another one."""
+"""Kernels are compiled once for tasks of every size."""
 
 import numpy as np
 import pytest

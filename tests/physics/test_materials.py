@@ -246,7 +246,7 @@ def test_directions_count_as_diffuse_as_often_as_matt_light_takes_them(
     assert light.std() / n**0.5 < 0.01 * expected
 
 
-def test_an_up_vector_along_the_normal_makes_a_round_highlight(load):
+def test_an_up_vector_along_the_normal_makes_an_isotropic_highlight(load):
     """Radiance then takes the mean of the squared roughnesses."""
     si = interaction(64, leaving(30))
     normal = si.sh_frame.n.numpy().ravel()

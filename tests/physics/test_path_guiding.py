@@ -16,7 +16,7 @@ def cells(device):
     return load(device, "guiding_cells").GuidingCells
 
 
-def test_cells_tell_places_and_facings_apart(cells):
+def test_cells_distinguish_positions_and_orientations(cells):
     import mitsuba as mi
 
     grid = cells.around(np.array([[0.0, 0.0, 0.0], [3.0, 1.5, 0.7]] * 200))
@@ -32,7 +32,7 @@ def test_cells_tell_places_and_facings_apart(cells):
     assert np.all(np.array(grid.number(far, up)) < grid.count)
 
 
-def test_places_in_the_sun_do_not_outvote_those_in_the_shade(device):
+def test_sunlit_points_do_not_decide_the_probabilities_in_the_shade(device):
     """A cell's own pilot samples tell its shares, however bright it is elsewhere.
 
     Thirty samples in each of two cells: in the shade one part has all the light, out

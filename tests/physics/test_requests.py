@@ -52,7 +52,7 @@ def test_windows_of_one_name_are_refused():
         cl.daylight_matrices(scene, [south, south])
 
 
-def test_an_error_out_of_reach_is_told(monkeypatch):
+def test_an_error_out_of_reach_is_reported(monkeypatch):
     """The trace ends at its longest batch and says what it did not reach."""
     monkeypatch.setattr(ViewJob, "growth", Growth(pilot=32, longest=64, most=32))
     scene, south = box(4, 5, 3, 0.5)
@@ -63,16 +63,16 @@ def test_an_error_out_of_reach_is_told(monkeypatch):
 def test_progress_grows_to_its_end():
     """Shares never fall, and end at one."""
     scene, south = box(4, 5, 3, 0.5)
-    told = []
+    fractions = []
     cl.view_matrix(
         scene,
         south,
         sensors=SENSOR,
         relative_error=0.005,
-        progress=lambda share, note: told.append(share),
+        progress=lambda share, note: fractions.append(share),
     )
-    assert told == sorted(told)
-    assert told[-1] == pytest.approx(1)
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == pytest.approx(1)
 
 
 def test_a_dark_sensor_ends_its_trace():

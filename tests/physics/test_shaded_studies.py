@@ -6,12 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from clerestory.bsdf.analytic import lambertian
-from clerestory.bsdf.xml_writer import write_bsdf
-from clerestory.hemisphere.klems import klems
 from clerestory.study.config import read_study
 from clerestory.study.results import read_results
 from clerestory.study.study_run import run_study
+from sample_files import STATES, write_states
 
 ROOM = Path(__file__).parents[1] / "cli" / "room"
 TAUS = (0.6, 0.15, 0.02)
@@ -24,18 +22,6 @@ TILT=NONE
 0 15 30 45 60 75 90
 0
 1000 965.926 866.025 707.107 500 258.819 0
-"""
-
-STATES = """
-[[window.state]]
-name = "open"
-bsdf = "open.xml"
-[[window.state]]
-name = "half"
-bsdf = "half.xml"
-[[window.state]]
-name = "closed"
-bsdf = "closed.xml"
 """
 
 SUNS = "\n[sun]\npicture_samples = 2\n"
@@ -53,8 +39,7 @@ def study(tmp_path):
     """The room of ten polygons with three states; returns what writes a study."""
     folder = tmp_path / "study"
     shutil.copytree(ROOM, folder)
-    for name, tau in zip(("open", "half", "closed"), TAUS, strict=True):
-        write_bsdf(folder / f"{name}.xml", lambertian(tau, klems("quarter")))
+    write_states(folder, TAUS)
     (folder / "disc.ies").write_text(DISC)
     (folder / "seat.vf").write_text(
         "rvu -vta -vp 2 2 1.2 -vd 0 -1 0 -vu 0 0 1 -vh 180 -vv 180\n"
@@ -191,7 +176,7 @@ def test_a_lamp_lights_as_far_as_the_inverse_square_says(study, tmp_path):
     assert np.all(glare[lit] > 0)
 
 
-def test_pictures_of_every_step_are_written_and_narrow_views_not_judged(
+def test_pictures_of_every_step_are_written_and_narrow_views_not_evaluated(
     study, tmp_path
 ):
     """A perspective view has pictures and no glare."""

@@ -48,7 +48,7 @@ def test_all_windows_share_a_scene_and_have_the_light_of_each_alone(built, devic
     assert built == 3 * [(scene, 0)]
 
 
-def test_what_the_next_job_does_not_ask_for_is_let_go(built, device):
+def test_scenes_that_the_next_job_does_not_use_are_released(built, device):
     """Views have windows in their scene, another scene is another one."""
     scene, windows = room()
     sensors = cl.Sensors(np.array([[2, 2, 0.8]]), np.array([[0, 0, 1.0]]))

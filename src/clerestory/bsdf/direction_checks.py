@@ -17,8 +17,8 @@ from clerestory.bsdf.scattering_function import OF_SIDE, OTHER_SIDE, SIDES, Side
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.hemisphere.partition import RingPartition
 
-# Fraction of the directions that may be without values in a file of transmission only;
-# louvres are opaque for many directions.
+# Largest fraction of the directions without values that is usual if a file has only
+# transmission: louvres are opaque for many directions.
 _OPAQUE = 0.75
 
 # Smallest polar angle [°] that can be the end of a measured range.
@@ -28,8 +28,8 @@ _INNER_DEG = 30
 # above which the other rings differ.
 _EQUAL, _DIFFERENT = 1e-5, 0.01
 
-# Smallest fraction of the flux in peaks, and smallest ratio to the fraction of the flux
-# in the patches of unscattered light.
+# Smallest fraction of the flux in misplaced peaks, and its smallest ratio to the
+# fraction in the patches of unscattered light.
 _PEAKED, _MISPLACED = 0.1, 5.0
 
 
@@ -108,8 +108,7 @@ def check_peaks(channel: str, tables: Tables) -> Iterator[Finding]:
         if not part.exits.matches(part.incidents):
             continue
         straight = _peak_fraction(part, None)
-        found = [(_peak_fraction(part, turn), turn) for turn in TURNS[:3]]
-        most, turn = max(found)
+        most, turn = max((_peak_fraction(part, turn), turn) for turn in TURNS[:3])
         if most < _PEAKED or most < _MISPLACED * straight:
             continue
         passes = name.startswith("transmission")

@@ -8,18 +8,13 @@ import numpy as np
 from clerestory.array_types import ExitIncident
 from clerestory.brief_repr import brief
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.patch_symmetry import (
-    Turn,
-    flux_table,
-    mismatch,
-    turned_patches,
-)
+from clerestory.bsdf.patch_symmetry import Turn, flux_table, mismatch, turned_patches
 from clerestory.bsdf.scattering_function import OF_SIDE, Function
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.hemisphere.partition import RingPartition
 
-# Smallest redistributed fraction of the flux that an exchange can explain, the largest
-# part of it that may remain, and the ratio of equally good explanations.
+# Smallest redistributed fraction of the flux for which exchanges are tried, largest
+# part of it that an exchange may leave, and ratio up to which two are equally good.
 _REDISTRIBUTED, _REMAINING, _EQUALLY = 0.03, 0.4, 1.1
 
 _TURNED: dict[Turn, str] = {
@@ -102,7 +97,7 @@ def compare(
 def _explanation(
     flux: ExitIncident, second: ScatteringMatrix, exchanged: dict[str, ScatteringMatrix]
 ) -> tuple[str, float] | None:
-    # The first of the exchanges that leave the least of the redistribution
+    # The first of the exchanges after which about the least flux is redistributed
     rest = {title: mismatch(flux, flux_table(p)) for title, p in exchanged.items()}
     before, least = mismatch(flux, flux_table(second)), min(rest.values(), default=1)
     if before < _REDISTRIBUTED or least > _REMAINING * before:
@@ -113,7 +108,7 @@ def _explanation(
 def _exchanged(
     layer: Bsdf, part: ScatteringMatrix, function: Function, channel: str
 ) -> Iterator[tuple[str, ScatteringMatrix]]:
-    # Functions of a layer of which sides or directions are exchanged
+    # Function of a layer after each exchange of sides or directions, with a title
     if not part.exits.matches(part.incidents):
         return
     pairs = zip(*OF_SIDE.values(), strict=True)

@@ -1,8 +1,8 @@
-"""BSDF files that Radiance or pyWinCalc, WINDOW's engine, refuses or reads in part.
+"""Compatibility of BSDF files with Radiance and pyWinCalc, the engine of WINDOW.
 
 Our reader removes white space around texts, as XML schemas do; other programs compare
-them exactly. The rules are those of Radiance's source (bsdf.c, bsdf_m.c, bsdf_t.c) and
-of the behaviour of pyWinCalc 3.3.1.
+them exactly. The rules follow the source code of Radiance (bsdf.c, bsdf_m.c, bsdf_t.c)
+and the behaviour of pyWinCalc 3.3.1.
 """
 
 import re
@@ -17,12 +17,13 @@ from clerestory.bsdf.xml_document import Document, is_number, parse_document
 
 READERS = ("Radiance", "pyWinCalc")
 
-# Length units of Radiance, channels and directions that it reads
+# Length units, channels and directions that Radiance reads
 _UNITS = ("meter", "foot", "inch", "centimeter", "millimeter")
 _CHANNELS = ("visible", "cie-x", "cie-z", "cie-u", "cie-v")
 _DIRECTIONS = tuple(name.replace("_", " ") for name in FUNCTIONS)
 
-# Angle bases that Radiance knows, and its largest numbers of rings and of other bases
+# Names of the angle bases built into Radiance; largest number of rings in any other
+# basis, and of other bases in a file
 _BASES = tuple(f"lbnl/klems {name}" for name in ("full", "half", "quarter"))
 _TREE_BASIS = "lbnl/shirley-chiu"
 _MOST_RINGS, _MOST_BASES = 46, 4
@@ -79,7 +80,7 @@ def _radiance(document: Document) -> Iterator[_Reason]:
 
 
 def _spaced(element: etree._Element) -> Iterator[_Reason]:
-    # Texts that Radiance compares exactly
+    # White space around a text that Radiance compares exactly
     text = _raw(element)
     if text != text.strip():
         name = etree.QName(element).localname
@@ -133,10 +134,8 @@ def _rings(basis: etree._Element, number: int, document: Document) -> Iterator[_
     # Rings of a basis that Radiance does not know by name
     rings = document.children(basis, "AngleBasisBlock")
     if number >= _MOST_BASES or len(rings) > _MOST_RINGS:
-        what = (
-            f"{number + 1} angle bases, {len(rings)} rings; at most {_MOST_BASES} and"
-        )
-        yield basis, f"{what} {_MOST_RINGS} expected"
+        what = f"{number + 1} angle bases, {len(rings)} rings; at most {_MOST_BASES}"
+        yield basis, f"{what} bases and {_MOST_RINGS} rings expected"
     before = 0.0
     for ring in rings:
         lower, upper = (

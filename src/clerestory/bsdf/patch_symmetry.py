@@ -36,8 +36,7 @@ def reciprocity_mismatch(front: ScatteringMatrix, back: ScatteringMatrix) -> flo
     Fluxes are summed over groups of patches, which averages out Monte Carlo noise. For
     a reflection, both arguments are the same function.
     """
-    reverse = back.reciprocal()
-    return mismatch(_flux_of_groups(front), _flux_of_groups(reverse))
+    return mismatch(_flux_of_groups(front), _flux_of_groups(back.reciprocal()))
 
 
 def reverse_ratios(

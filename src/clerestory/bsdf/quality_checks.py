@@ -193,8 +193,7 @@ def _scattered(
     alike = parts and all(p.incidents.matches(parts[0].incidents) for p in parts)
     if not alike:
         return np.zeros(1), None
-    shares = [part.direct_hemispherical() for part in parts]
-    return np.sum(shares, axis=0), parts[0]
+    return np.sum([part.direct_hemispherical() for part in parts], axis=0), parts[0]
 
 
 def _darkness(channel: str, tables: Tables) -> Iterator[Finding]:
@@ -239,8 +238,7 @@ def _up_and_down(channel: str, tables: Tables) -> Iterator[Finding]:
         effect += (
             " values transmits the sun and has its sides swapped or is upside down"
         )
-        ratio = above / max(below, 1e-9)
-        yield Finding("order", "warning", ratio, what, where, effect)
+        yield Finding("order", "warning", above / max(below, 1e-9), what, where, effect)
 
 
 def _shape(channel: str, tables: Tables) -> Iterator[Finding]:

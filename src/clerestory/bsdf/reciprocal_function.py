@@ -40,18 +40,15 @@ class ReciprocalFunction(ScatteringFunction):
     halvings: int
 
     def evaluate(self, incident: Directions, leaving: Directions) -> Values:
-        """BSDF [1/sr] for pairs of directions."""
         return self.forward.evaluate(leaving, incident)
 
     def hemispherical(self, incident: Directions) -> Values:
-        """Directional-hemispherical transmittance or reflectance."""
         each = np.reshape(incident, (-1, 3))
         grid = self._grid()
         share = [np.pi * self._over(direction, grid).mean() for direction in each]
         return np.reshape(np.array(share), np.shape(incident)[:-1])
 
     def sample(self, incident: Directions, u: Points2) -> tuple[Directions, Values]:
-        """Sample exit directions; return them and their probability density [1/sr]."""
         shape = np.shape(incident)[:-1]
         each, which = np.unique(
             np.reshape(incident, (-1, 3)), axis=0, return_inverse=True
@@ -66,29 +63,23 @@ class ReciprocalFunction(ScatteringFunction):
         return leaving.reshape(*shape, 3), density.reshape(shape)
 
     def resolution(self, incident: Directions, leaving: Directions) -> Values:
-        """Projected solid angle of the cell that contains each pair [sr]."""
         return self.forward.resolution(leaving, incident)
 
     def cell(self, incident: Directions, leaving: Directions) -> Indices:
-        """Number of the cell that contains each pair."""
         return self.forward.cell(leaving, incident)
 
     def average(self, exits: RingPartition, incidents: RingPartition) -> ExitIncident:
-        """BSDF averaged over pairs of patches [1/sr]; flux is conserved."""
         table = self.forward.average(incidents, exits)
         opposite = np.ix_(opposite_patches(incidents), opposite_patches(exits))
         return np.ascontiguousarray(table[opposite].T)
 
     def extrema(self) -> tuple[float, float]:
-        """Smallest and largest BSDF [1/sr]."""
         return self.forward.extrema()
 
     def reciprocal(self) -> ScatteringFunction:
-        """Return the original function."""
         return self.forward
 
     def tabulated(self) -> ScatteringFunction:
-        """Return the reciprocal of the tabulated function."""
         return self.forward.tabulated().reciprocal()
 
     def own_partitions(self) -> None:

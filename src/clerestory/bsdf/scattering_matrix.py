@@ -58,7 +58,6 @@ class ScatteringMatrix(ScatteringFunction):
         return np.asarray(self.values * self.incidents.projected_solid_angles())
 
     def evaluate(self, incident: Directions, leaving: Directions) -> Values:
-        """BSDF [1/sr] for pairs of directions."""
         incident, leaving = np.broadcast_arrays(incident, leaving)
         value = np.empty(incident.shape[:-1])
         flat, i, o = value.reshape(-1), incident.reshape(-1, 3), leaving.reshape(-1, 3)
@@ -71,11 +70,9 @@ class ScatteringMatrix(ScatteringFunction):
         return value
 
     def hemispherical(self, incident: Directions) -> Values:
-        """Directional-hemispherical transmittance or reflectance."""
         return np.asarray(self.direct_hemispherical()[self._enter(incident)])
 
     def sample(self, incident: Directions, u: Points2) -> tuple[Directions, Values]:
-        """Exit directions and their probability density [1/sr]."""
         shape = np.shape(incident)[:-1]
         enter, u = self._enter(np.reshape(incident, (-1, 3))), np.reshape(u, (-1, 2))
         flux = self.exits.projected_solid_angles()[:, None] * self.values
@@ -92,21 +89,18 @@ class ScatteringMatrix(ScatteringFunction):
         return leaving.reshape(*shape, 3), density.reshape(shape)
 
     def resolution(self, incident: Directions, leaving: Directions) -> Values:
-        """Projected solid angle of the exit patch of each direction pair [sr]."""
         leaving, _ = np.broadcast_arrays(leaving, incident)
         patch = find_patches(self.exits, leaving.reshape(-1, 3))
         size = self.exits.projected_solid_angles()[patch]
         return np.asarray(size.reshape(leaving.shape[:-1]))
 
     def cell(self, incident: Directions, leaving: Directions) -> Indices:
-        """Number of the pair of patches of each direction pair."""
         leaving, incident = np.broadcast_arrays(leaving, incident)
         patch = find_patches(self.exits, leaving.reshape(-1, 3)).astype(np.int64)
         patch = patch * len(self.incidents) + self._enter(incident).ravel()
         return np.asarray(patch.reshape(leaving.shape[:-1]))
 
     def average(self, exits: RingPartition, incidents: RingPartition) -> ExitIncident:
-        """BSDF averaged over pairs of patches [1/sr]; flux is conserved."""
         if exits.matches(self.exits) and incidents.matches(self.incidents):
             return self.values
         to = patches_in_patches(self.exits, exits)
@@ -118,11 +112,9 @@ class ScatteringMatrix(ScatteringFunction):
         return np.asarray(flux.T / measure)
 
     def extrema(self) -> tuple[float, float]:
-        """Smallest and largest BSDF [1/sr]."""
         return float(self.values.min()), float(self.values.max())
 
     def reciprocal(self) -> "ScatteringMatrix":
-        """Return the function with incident and exit directions exchanged."""
         incident = opposite_patches(self.exits)
         leaving = opposite_patches(self.incidents)
         return ScatteringMatrix(
@@ -130,11 +122,9 @@ class ScatteringMatrix(ScatteringFunction):
         )
 
     def tabulated(self) -> "ScatteringMatrix":
-        """Return the function itself."""
         return self
 
     def own_partitions(self) -> tuple[RingPartition, RingPartition]:
-        """Exit and incident patches."""
         return self.exits, self.incidents
 
     def _enter(self, incident: Directions) -> Indices:

@@ -88,7 +88,6 @@ class ScatteringTree(ScatteringFunction):
         )
 
     def evaluate(self, incident: Directions, leaving: Directions) -> Values:
-        """BSDF [1/sr] for pairs of directions."""
         return self._over_pairs(
             lambda place: values_at(self.slots, self._top, place, depth=self.depth),
             incident,
@@ -96,7 +95,6 @@ class ScatteringTree(ScatteringFunction):
         )
 
     def resolution(self, incident: Directions, leaving: Directions) -> Values:
-        """Projected solid angle of the exit cell of each direction pair [sr]."""
         return self._over_pairs(
             lambda place: (
                 np.pi * 0.25 ** look_up(self.slots, place, depth=self.depth)[1]
@@ -117,7 +115,6 @@ class ScatteringTree(ScatteringFunction):
         return self._over_pairs(start, incident, leaving, kind=np.int64)
 
     def hemispherical(self, incident: Directions) -> Values:
-        """Directional-hemispherical transmittance or reflectance."""
         x, y, _ = np.reshape(np.asarray(incident, dtype=float), (-1, 3)).T
         share = np.empty(len(x))
         for found, owner, of in self._slices(x, y):
@@ -125,7 +122,6 @@ class ScatteringTree(ScatteringFunction):
         return share.reshape(np.shape(incident)[:-1])
 
     def sample(self, incident: Directions, u: Points2) -> tuple[Directions, Values]:
-        """Exit directions and their probability density [1/sr]."""
         x, y, _ = np.reshape(np.asarray(incident, dtype=float), (-1, 3)).T
         u = np.reshape(u, (-1, 2))
         leaving, density = np.empty((len(x), 3)), np.empty(len(x))
@@ -136,18 +132,15 @@ class ScatteringTree(ScatteringFunction):
                 disc = _turn(disc, *_azimuth(x[of], y[of]))
             height = np.sqrt(np.maximum(1 - disc[0] ** 2 - disc[1] ** 2, 0))
             leaving[of] = np.stack([*disc, height], axis=-1)
-        nothing = density == 0
-        leaving[nothing] = [0, 0, 1]
+        leaving[density == 0] = [0, 0, 1]
         density *= leaving[:, 2]
         shape = np.shape(incident)[:-1]
         return leaving.reshape(*shape, 3), density.reshape(shape)
 
     def average(self, exits: RingPartition, incidents: RingPartition) -> ExitIncident:
-        """BSDF averaged over pairs of patches [1/sr]; flux is conserved."""
         return average_tree(self.slots, self.rank, exits, incidents)
 
     def extrema(self) -> tuple[float, float]:
-        """Smallest and largest BSDF [1/sr]."""
         least, most = np.inf, -np.inf
         for level, place, value in cells(self.slots, self.rank):
             if self.rank == 3 and level:
@@ -158,7 +151,6 @@ class ScatteringTree(ScatteringFunction):
         return float(least), float(most)
 
     def reciprocal(self) -> ScatteringFunction:
-        """Return the function with incident and leaving directions exchanged."""
         if self.rank == 3:
             return ReciprocalFunction(self, halvings=self.depth)
         # Exchange incident and exit coordinates; complement bits to reverse directions
@@ -169,7 +161,6 @@ class ScatteringTree(ScatteringFunction):
         return ScatteringTree(slots, 4, self.depth)
 
     def tabulated(self) -> "ScatteringTree":
-        """Return the function itself."""
         return self
 
     def own_partitions(self) -> None:

@@ -57,8 +57,7 @@ def look_up(
             break
         # Descend one level; places that have reached a leaf are unchanged
         branch = (path >> rank * height).astype(np.int32) & ((1 << rank) - 1)
-        below = np.take(slots, ~code + branch, mode="clip")
-        np.copyto(code, below, where=inner)
+        np.copyto(code, np.take(slots, ~code + branch, mode="clip"), where=inner)
         level += inner
     return code.view(np.float32), level
 

@@ -48,8 +48,7 @@ def parse_tree(
     """
     try:
         scan = scan_tree(text)
-        nodes = _read_nodes(scan, rank)
-        return _build(nodes, scan.values, rank)
+        return _build(_read_nodes(scan, rank), scan.values, rank)
     except TreeFault as fault:
         at = line + text[: position_of(text, fault)].count(b"\n")
         raise InputError(fault.message, file=file, line=at) from fault

@@ -6,6 +6,7 @@ every text that starts with a brace is therefore replaced by an index, such as {
 
 import re
 from bisect import bisect_left
+from collections import Counter
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -93,8 +94,7 @@ class Document:
 
     def line(self, element: etree._Element) -> int:
         """Line number of an element in the file."""
-        seen = int(element.sourceline or 0)
-        return self.trees.line(seen) + self.lines_before
+        return self.trees.line(int(element.sourceline or 0)) + self.lines_before
 
     def error(self, element: etree._Element, message: str) -> InputError:
         """Input error with the file and the line of an element."""
@@ -134,6 +134,13 @@ class Document:
         if found is None:
             raise self.error(element, f"no {path} in {_name(element)}; one expected")
         return found
+
+    def refuse_repeated(self, element: etree._Element, *, but: str = "") -> None:
+        """Raise an input error if an element has two children of one name."""
+        names = Counter(_name(child) for child in element.iterchildren(etree.Element))
+        twice = next((n for n, count in names.items() if count > 1 and n != but), "")
+        message = f"{_name(element)} has {names[twice]} elements {twice}; one expected"
+        self.check(not twice, element, message)
 
     def text(self, element: etree._Element, path: str) -> str:
         """Text of the first descendant along a path of element names; "" if missing."""

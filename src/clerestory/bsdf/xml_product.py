@@ -65,9 +65,12 @@ def _geometry(layer: etree._Element, document: Document) -> Geometry | None:
         return None
     holder = element if block is None else block
     text = holder.text or ""
-    metres = _metres(holder)
-    if not text.strip() or metres is None:
+    if not text.strip():
         return None
+    metres = _metres(holder)
+    if metres is None:
+        unit = f"the unit of the geometry is {holder.get('unit')!r}; one of"
+        raise document.error(holder, f"{unit} {', '.join(_METRES)} expected")
     return Geometry(text, float(metres), document.line(holder))
 
 
@@ -109,6 +112,10 @@ def _length(material: etree._Element, name: str, document: Document) -> float | 
         return None
     metres = _metres(element)
     text = (element.text or "").strip()
-    if metres is None or not _number(text):
-        return None
-    return _number(str(Decimal(text) * metres))
+    value = _number(text)
+    negative = f"{name} is {text[:40]}; 0 or more expected"
+    document.check(value is None or value >= 0, element, negative)
+    if metres is None and value:
+        unit = element.get("unit")
+        document.note(element, f"{name} in the unknown unit {unit!r} is ignored")
+    return _number(str(Decimal(text) * metres)) if metres and value else None

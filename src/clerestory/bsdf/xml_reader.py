@@ -51,6 +51,9 @@ def read_bsdf(path: str | Path) -> Bsdf:
     document = parse_document(path)
     layer = document.require(document.root, "Optical/Layer")
     definition = document.require(layer, "DataDefinition")
+    document.refuse_repeated(document.require(document.root, "Optical"))
+    document.refuse_repeated(layer, but="WavelengthData")
+    document.refuse_repeated(definition, but="AngleBasis")
     structure = document.require(definition, "IncidentDataStructure")
     kind = (structure.text or "").strip()
     rank = _RANKS.get(kind.lower())
@@ -65,7 +68,9 @@ def read_bsdf(path: str | Path) -> Bsdf:
     functions: dict[tuple[str, Function], ScatteringFunction] = {}
     for data in document.children(layer, "WavelengthData"):
         channel = document.text(data, "Wavelength").lower()
+        document.refuse_repeated(data, but="WavelengthDataBlock")
         for block in document.children(data, "WavelengthDataBlock"):
+            document.refuse_repeated(block)
             direction = document.text(block, "WavelengthDataDirection")
             name = _NAMES.get(" ".join(direction.lower().split()))
             if name is None:
@@ -79,8 +84,7 @@ def read_bsdf(path: str | Path) -> Bsdf:
                 if rank is None
                 else _read_tree(block, rank, document)
             )
-    message = "no scattering data; WavelengthDataBlock expected"
-    document.check(functions, layer, message)
+    document.check(functions, layer, "no scattering data; WavelengthDataBlock expected")
     bsdf = Bsdf(
         functions, read_product(layer, document), tuple(document.notes), str(path)
     )
@@ -142,6 +146,5 @@ def _read_tree(
     table = parse_tree(text, rank=rank, file=document.path, line=line)
 
     # Half of a rank 3 tree is unused: the mean over the used half is twice as large
-    lost = 3.1416 * table.negative * (2 if rank == 3 else 1)
-    document.accept_negative(lost, data)
+    document.accept_negative(3.1416 * table.negative * (2 if rank == 3 else 1), data)
     return ScatteringTree(table.slots, rank, table.depth)

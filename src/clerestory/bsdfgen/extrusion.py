@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from clerestory.array_types import Points2
+from clerestory.directions import circular_arc
 from clerestory.scene.model import Polygon
 
 # Largest arc angle of a flat strip that approximates part of a curved slat [rad].
@@ -22,9 +23,7 @@ def arc(width: float, rise: float) -> Points2:
     radius = (width**2 / 4 + rise**2) / (2 * abs(rise))
     half = np.arctan2(width / 2, radius - abs(rise))
     strips = int(np.ceil(2 * half / _STRIP))
-    turn = np.linspace(-half, half, strips + 1)
-    above = np.sign(rise) * radius * (np.cos(turn) - 1)
-    return np.asarray(np.stack([radius * np.sin(turn), above], axis=1))
+    return circular_arc(np.sign(rise) * radius, half, strips) - [0, rise]
 
 
 def extruded(

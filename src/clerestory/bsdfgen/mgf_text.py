@@ -38,8 +38,7 @@ _Colour = Float[np.ndarray, "3"]
 
 def mgf_text(scene: Scene, area: SampleArea) -> str:
     """MGF text of a system in metres; the centre of the sample area is at x = y = 0."""
-    middle = area.bounds[:, :2].mean(axis=0)
-    lines = [f"xf -t {_numbers(-middle)} 0"]
+    lines = [f"xf -t {_numbers(-area.bounds[:, :2].mean(axis=0))} 0"]
     used = dict.fromkeys(surface.material for surface in scene.surfaces)
     names = {key: f"m{number}_{mgf_name(key)}" for number, key in enumerate(used)}
     for key, name in names.items():

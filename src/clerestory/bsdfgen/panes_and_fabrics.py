@@ -47,8 +47,7 @@ def fabric(
     scene, area = sheet_with_holes(
         cloth, pitch=_PITCH, hole=hole, shape="square", thickness=depth, faces=1
     )
-    name = f"Fabric, {openness:.1%} open"
-    product = Product(name=name, device_type="Roller Shade")
+    product = Product(name=f"Fabric, {openness:.1%} open", device_type="Roller Shade")
     return System(scene, area, product=product)
 
 

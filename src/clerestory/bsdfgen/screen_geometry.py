@@ -122,8 +122,7 @@ def sheet_with_holes(
 
 def _rim(shape: str, hole: float) -> Points2:
     if shape == "square":
-        corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
-        return np.asarray(hole / 2 * corners)
+        return np.asarray(hole / 2 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]))
     turn = 2 * np.pi * (np.arange(_CORNERS) / _CORNERS - 0.375)
     radius = hole / 2 * np.sqrt(2 * np.pi / (_CORNERS * np.sin(2 * np.pi / _CORNERS)))
     return np.asarray(radius * np.stack([np.cos(turn), np.sin(turn)], axis=1))

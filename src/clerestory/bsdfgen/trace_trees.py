@@ -38,8 +38,7 @@ def trace_trees(request: TraceRequest, engine: Any, *, rank: int, depth: int) ->
     otherwise 4. `depth`: number of tree levels below the root.
     """
     area, effort = request.system.area, request.effort
-    scene = request.system.scene
-    slab = engine.lower_slab(scene, area.slab(), periodic=area.periodic)
+    slab = engine.lower_slab(request.system.scene, area.slab(), periodic=area.periodic)
     weights = np.array([1.0]) if slab.model.grey else RGB.shares
     grid = engine.Grid(rank, depth, _block(rank, depth, len(weights) + 1))
     functions: Functions = {}

@@ -97,9 +97,8 @@ def venetian(
     high, low = section[:, 1].max(), section[:, 1].min()
     section = section - np.array([0, high])
     depth = max(high - low, 1e-3 * slat_width)
-    reach = float(np.abs(section[:, 0]).max())
     layout = (
-        _cell(spacing, depth, reach)
+        _cell(spacing, depth, float(np.abs(section[:, 0]).max()))
         if slats is None
         else _sample(spacing, slats, length)
     )

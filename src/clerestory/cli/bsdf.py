@@ -82,9 +82,8 @@ def insert(request: requests.InsertBsdf) -> None:
     """Insert BSDF data into a template file, and check that the result can be read."""
     source, template, output = request.source, request.template, request.output
     wanted = [name.strip() for name in request.channels.split(",") if name.strip()]
-    channel = request.source_channel
     result = insert_blocks(
-        source, template, output, channels=wanted, source_channel=channel
+        source, template, output, channels=wanted, source_channel=request.source_channel
     )
     read_bsdf(output)
     say(f"{output}: {', '.join(result.blocks)} from {source}")

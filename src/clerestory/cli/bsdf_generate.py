@@ -44,8 +44,7 @@ def generate(request: GenerateBsdf) -> None:
             comment=f"standard errors of the values in {output.name}",
         )
     lines = [f"{output}: {line}" for line in _summary(bsdf)]
-    seconds = time.perf_counter() - begin
-    say(*lines, f"done in {seconds:.1f} s", quiet=request.quiet)
+    say(*lines, f"done in {time.perf_counter() - begin:.1f} s", quiet=request.quiet)
 
 
 def _system(request: GenerateBsdf) -> System:

@@ -85,7 +85,7 @@ def comparison_lines(result: Comparison, names: tuple[str, str]) -> Iterator[str
     )
     if result.exchange is not None:
         title, rest = result.exchange
-        yield f"  {title}: exchanged back, {rest:.2%} goes elsewhere"
+        yield f"  {title}: without this exchange, {rest:.2%} goes elsewhere"
 
 
 def _status(findings: Sequence[Finding]) -> str:

@@ -12,11 +12,7 @@ from clerestory.cli.requests.study import Compare
 from clerestory.comparison import comparison_output, mapping
 from clerestory.comparison.logger_files import read_plain
 from clerestory.comparison.series import Series, simulated_series
-from clerestory.comparison.series_comparison import (
-    Comparison,
-    Rules,
-    compare_series,
-)
+from clerestory.comparison.series_comparison import Comparison, Rules, compare_series
 from clerestory.files import make_folder
 from clerestory.report.comparison_page import write_comparison
 from clerestory.study.results import read_results

@@ -40,14 +40,14 @@ _REGION = {
 
 
 def short_lines(result: Glare) -> list[str]:
-    """Return the line of glare indices that evalglare prints, and their errors."""
+    """Return the line of indices of evalglare, and the line of their errors."""
     values = result.values()
     numbers = _six(*(values[name] for name in _SHORT.values()))
     return [f"{','.join(_SHORT)}: {' '.join(numbers)}", *_errors(result, _SHORT)]
 
 
 def _errors(result: Glare, columns: Mapping[str, str]) -> list[str]:
-    # Line of the standard errors of indices, if known
+    # Line of the standard errors; no line if they are unknown
     if not result.errors:
         return []
     names = [f"{column}_error" for column in columns]
@@ -56,7 +56,7 @@ def _errors(result: Glare, columns: Mapping[str, str]) -> list[str]:
 
 
 def long_lines(result: Glare, field: FieldLuminances) -> list[str]:
-    """Return the line of all indices that evalglare -d prints, and their errors."""
+    """Return the line of indices of evalglare -d, and the line of their errors."""
     values = result.values()
     numbers = {column: values[name] for column, name in _LONG.items()}
     last = {_AFTER_FIELD: numbers.pop(_AFTER_FIELD)}

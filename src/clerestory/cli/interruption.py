@@ -2,7 +2,7 @@
 
 Job schedulers stop a process by SIGTERM, closed terminals by SIGHUP. All of them end a
 command as Ctrl-C does: `with` blocks delete temporary files, release locks and stop
-worker processes, and what is stored is used by the next run.
+worker processes. The next run reuses the stored matrices.
 """
 
 import signal

@@ -1,7 +1,5 @@
 """`clerestory irradiance`: sensors under one sky, like rtrace -I."""
 
-import csv
-import io
 import sys
 import time
 from pathlib import Path
@@ -13,6 +11,7 @@ from clerestory.cli.effort import tracing
 from clerestory.cli.progress import say
 from clerestory.cli.render import sky_of
 from clerestory.cli.requests.render import Irradiance
+from clerestory.escaping import csv_line
 from clerestory.files import write_text
 from clerestory.phases.rendering import Gathered
 from clerestory.phases.rendering import irradiance as gather
@@ -52,12 +51,11 @@ def _csv(sensors: Sensors, found: Gathered) -> str:
     place = np.hstack([sensors.position, sensors.direction])
     lux = np.column_stack([found.illuminance(), found.illuminance_error])
     values = np.hstack([lux, found.irradiance, found.error])
-    stream = io.StringIO()
-    table = csv.writer(stream, lineterminator="\n")
-    table.writerow(names)
-    for where, row in zip(place, values, strict=True):
-        table.writerow([*(f"{x:.9g}" for x in where), *(f"{x:.6g}" for x in row)])
-    return stream.getvalue()
+    rows = (
+        csv_line([*(f"{x:.9g}" for x in where), *(f"{x:.6g}" for x in row)])
+        for where, row in zip(place, values, strict=True)
+    )
+    return "\n".join([csv_line(names), *rows, ""])
 
 
 def _lines(found: Gathered) -> str:

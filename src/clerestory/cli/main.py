@@ -33,7 +33,7 @@ _SIGINT = 130
 # Largest number of characters of an error message, with its path
 _LONGEST = 500
 
-# Words from a file in a message
+# Parts of a message that can quote a file
 _QUOTED = re.compile(r"\"[^\"]*\"?|(?<!\w)'[^']*'?")
 _VALUE = re.compile(r"\bis [^;]+")
 
@@ -54,10 +54,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         typer.echo(f"clerestory {__version__}")
         return 0
     COMMAND_LINE.set(shlex.join(["clerestory", *given]))
-    told = WarningLog()
+    log = WarningLog()
     with warnings.catch_warnings():
         warnings.simplefilter("always", ClerestoryWarning)
-        warnings.showwarning = partial(_show_warning, told)
+        warnings.showwarning = partial(_show_warning, log)
         try:
             with interruptible() as received:
                 status = program(words)(
@@ -75,7 +75,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             text = f"unexpected {kind}: {error}; set {TRACEBACK}=1 for the traceback"
             return _fail(text, 1, error)
         finally:
-            for line in told.repeated():
+            for line in log.repeated():
                 typer.echo(f"warning: {line}", err=True)
 
 
@@ -97,11 +97,11 @@ def spread(words: list[str]) -> list[str]:
 
 
 def _show_warning(
-    told: WarningLog, message: Warning | str, *_place: Any, **_more: Any
+    log: WarningLog, message: Warning | str, *_place: Any, **_more: Any
 ) -> None:
     # Show the first warning of each kind; the others are counted
     text = _one_line(str(message))
-    if told.add(text):
+    if log.add(text):
         typer.echo(f"warning: {text}", err=True)
 
 
@@ -116,8 +116,8 @@ def _usage(error: Any) -> int:
 
 
 def _own_text(error: ClerestoryError, words: list[str]) -> str:
-    # Message of an error, without words of files that other files name and that are
-    # outside of the folders which the command line names
+    # Message of an error. Quoted words are removed if they are from a file that only
+    # another file names, outside of the folders of the files on the command line
     file = getattr(error, "file", None)
     if file is None or not is_file(file):
         return str(error)

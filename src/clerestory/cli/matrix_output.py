@@ -27,10 +27,9 @@ def write_any_matrix(
         return
     shape = len(matrix.bands), *matrix.values.shape[1:]
     values = np.broadcast_to(matrix.values, shape)
-    whole = TransferMatrix(values, matrix.rows, matrix.columns, bands=matrix.bands)
     write_matrix(
         file.output,
-        whole,
+        TransferMatrix(values, matrix.rows, matrix.columns, bands=matrix.bands),
         encoding=file.encoding,
         command=COMMAND_LINE.get(),
         header=header,

@@ -88,10 +88,9 @@ def falsecolour(request: requests.FalseColour) -> None:
         if decades is None
         else partial(logarithmic_scale, decades=decades)
     )
-    scale = make(picture, largest=request.to, palette=request.palette)
     pixels = false_colour(
         picture,
-        scale,
+        make(picture, largest=request.to, palette=request.palette),
         style=request.style,
         extremes=request.extremes,
         with_legend=request.legend,

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Literal
+from typing import Literal, cast
 
 import numpy as np
 
@@ -71,7 +71,9 @@ def vector(request: requests.SkyVectorRequest) -> None:
             )
         make: Callable[..., PointSky] = perez_moment
     else:
-        make = partial(cie_sky, _sky_kind(request.kind), turbidity=request.turbidity)
+        word = request.kind
+        kind = int(word) if word.isdigit() else cast(CieSky, word)
+        make = partial(cie_sky, kind, turbidity=request.turbidity)
     sky = make(
         sun_altitude=altitude,
         sun_azimuth=azimuth,
@@ -146,7 +148,3 @@ def _numbers(option: str, text: str) -> tuple[float, float, float]:
     require(len(values) in (1, 3), f"{option} is {text}; one number or R,G,B expected")
     red, green, blue = values * (3 // len(values))
     return red, green, blue
-
-
-def _sky_kind(word: str) -> CieSky | int:
-    return int(word) if word.isdigit() else word  # type: ignore[return-value]

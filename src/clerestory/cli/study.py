@@ -10,6 +10,7 @@ from clerestory.cli.progress import progress_display, say
 from clerestory.cli.requests import study as requests
 from clerestory.metrics.replicates import error_of_group_mean
 from clerestory.report.page import REPORT_FILE, picture_folder, write_report
+from clerestory.report.uncertain_value import Figure
 from clerestory.study.config import Study, read_study
 from clerestory.study.new_study import begin_study, write_demo
 from clerestory.study.results import Results, read_results
@@ -84,24 +85,23 @@ def _summary(results: Results) -> Table:
     table = Table(title=results.title, title_justify="left")
     target = f"{data.attrs['target_lux']:g}"
     table.add_column("grid")
-    for heading in ("sensors", "mean [lux]", f"hours ≥ {target} lux [%]", "useful [%]"):
+    for heading in ("sensors", "mean", f"hours ≥ {target} lux", "useful"):
         table.add_column(heading, justify="right")
     for grid in results.grids():
         part = data.isel(sensor=(data["grid"] == grid).values)
         table.add_row(
             grid,
             str(part.sizes["sensor"]),
-            _figure(part, "mean_illuminance", 1),
-            _figure(part, "daylight_autonomy", 100),
-            _figure(part, "useful", 100),
+            _mean(part, "mean_illuminance", 1, "lux"),
+            _mean(part, "daylight_autonomy", 100, "%"),
+            _mean(part, "useful", 100, "%"),
         )
     return table
 
 
-def _figure(part: xr.Dataset, name: str, factor: float) -> str:
-    value = factor * float(part[name].mean())
+def _mean(part: xr.Dataset, name: str, factor: float, unit: str) -> str:
     error = error_of_group_mean(part[f"{name}_components"].values)
-    return f"{value:.1f} ± {factor * error:.1f}"
+    return str(Figure(factor * float(part[name].mean()), factor * error, unit))
 
 
 def _plan_table(plan: StudyPlan) -> Table:

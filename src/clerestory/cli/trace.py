@@ -141,11 +141,9 @@ class _Run:
             if isinstance(receiver, Camera) and "%" in path.name:
                 _write_pictures(path, matrix, receiver)
             else:
-                file = replace(self.file, output=path)
-                write_any_matrix(file, matrix)
+                write_any_matrix(replace(self.file, output=path), matrix)
             say(f"{path}: {_summary(matrix)}", quiet=self.file.quiet)
-        seconds = time.perf_counter() - self.begin
-        say(f"done in {seconds:.1f} s", quiet=self.file.quiet)
+        say(f"done in {time.perf_counter() - self.begin:.1f} s", quiet=self.file.quiet)
 
 
 @contextmanager

@@ -83,8 +83,7 @@ def read_scan(
 ) -> list[Series]:
     """Return the readings of a scan as one `Series` per time of measurement."""
     path = folder / scan.file
-    table = layout.read(path)
-    readings = layout.values(table, layout.columns).T
+    readings = layout.values(layout.read(path), layout.columns).T
     same_length(readings, layout.row_at, "rows of readings", "measuring points")
     names = sensors_at(layout, near)
     places = names[::-1] if scan.backwards else names

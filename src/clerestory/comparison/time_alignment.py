@@ -52,8 +52,7 @@ class Pairs:
     def of(self, name: str) -> "Pairs":
         """Return the value pairs of one series, ordered by time."""
         one = self.where(self.series == self.names.index(name))
-        order = np.argsort(one.times, kind="stable")
-        return one.where(order)
+        return one.where(np.argsort(one.times, kind="stable"))
 
 
 def pair_series(

@@ -59,8 +59,7 @@ def operate_by_direct_sun(
     [1, 0]
     """
     require(direct, "no window group with blinds; at least one expected")
-    first = next(iter(direct.values()))
-    base = np.zeros(first.shape[1:]) if static is None else static
+    base = np.zeros(next(iter(direct.values())).shape[1:]) if static is None else static
     for group, values in direct.items():
         has_shape(values, (len(values), *base.shape), f"direct illuminance of {group}")
     counts = [len(values) for values in direct.values()]

@@ -9,14 +9,7 @@ from dataclasses import replace
 import mitsuba as mi
 
 from clerestory.engine.origin import Origin
-from clerestory.scene.model import (
-    BsdfSurface,
-    Cone,
-    Emitter,
-    Material,
-    Scene,
-    Sphere,
-)
+from clerestory.scene.model import BsdfSurface, Cone, Emitter, Material, Scene, Sphere
 
 
 def without_analytic(scene: Scene) -> tuple[Scene, tuple[Sphere | Cone, ...]]:

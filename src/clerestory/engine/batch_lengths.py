@@ -1,9 +1,10 @@
 """Lengths of batches that reach a target error, predicted from shorter batches.
 
-A row of a matrix is complete at the length that its shorter batches predicted. Stopping
-at the first error below the target would select errors that are small by chance: the
-reported errors would be 5 to 12 % too small. See C. Stein, Annals of Mathematical
-Statistics 16 (3), 1945 (two-stage samples).
+The errors of shorter batches predict the length at which a row of a matrix is complete.
+Stopping at the first error below the target would select errors that are small by
+chance: the reported errors would be 5 to 12 % too small.
+
+Reference: C. Stein, Annals of Mathematical Statistics 16 (3), 1945 (two-stage samples).
 """
 
 from dataclasses import dataclass
@@ -15,14 +16,14 @@ from jaxtyping import Bool, Float, Int
 # per batch
 CONVERGENCE = 1.6
 
-# Largest factor of the last step, from the batches that predict its length, and the
-# fraction of the need that these are planned to have. The smaller it is, the less the
-# error depends on the prediction
+# Largest ratio of the final length to the length of the batches that predict it, and
+# planned length of these batches as a fraction of the final length. A small fraction
+# keeps the final error independent of the prediction
 _LAST, _BEFORE = 16.0, 1 / 8
 
-# Factor on predicted lengths, and ratio of error and target above which rows are
-# lengthened again, for errors of single rows and for errors of the whole matrix. The
-# former are less certain: with 16 batches, their standard deviation is 18 %
+# Safety factor on predicted lengths, and ratio of error to target above which batches
+# are lengthened again: for errors of single rows, and of the whole matrix. The former
+# are less certain: with 16 batches, their standard deviation is 18 %
 _ROWS, _OVERALL = (2.0, 1.4), (1.25, 1.1)
 
 
@@ -50,7 +51,7 @@ class BatchLengths:
     needed : predicted length that reaches the target error
     last : whether the next step is the last one
     active : whether a row is incomplete
-    met : whether the error of a row is about the target error or less
+    met : whether the error of a row reaches the target, within a tolerance
     """
 
     growth: Growth
@@ -62,15 +63,15 @@ class BatchLengths:
 
     @classmethod
     def of(cls, rows: int, growth: Growth) -> "BatchLengths":
-        """Return the lengths of the pilot run, which count as 2 % of the need."""
+        """Return the plan for the pilot run, which counts as 2 % of the samples."""
         pilot = np.full(rows, min(growth.pilot, growth.longest))
         none = np.full(rows, False)
         return cls(growth, pilot, pilot * 50.0, none, ~none, none.copy())
 
     def step(self, count: Int[np.ndarray, " row"]) -> tuple[int, float]:
-        """Return the next length of all active rows, and its share of the paths left.
+        """Return the next batch length, and its fraction of the remaining paths.
 
-        `count` is the present length of each row.
+        `count` is the present batch length of each row.
         """
         length, count = int(self.planned[self.active].min()), count[self.active]
         left = np.maximum(self.needed[self.active], length) - count
@@ -79,8 +80,8 @@ class BatchLengths:
     def update(self, length: int, error: Float[np.ndarray, "*row"]) -> None:
         """Complete rows at their last step; plan the next step of the other rows.
 
-        `error` is the error of the batches of the given length, relative to the target;
-        of each row, or one for all rows.
+        `error` is the error of the batches of the given length, relative to the target:
+        one value per row, or one for all rows.
         """
         reached = self.active & (self.planned == length)
         tolerance = _uncertainty(error)[1]
@@ -104,10 +105,10 @@ class BatchLengths:
 def needed_length(
     length: int, error: Float[np.ndarray, "*row"]
 ) -> Float[np.ndarray, "*row"]:
-    """Return the length of batches that reaches the target error.
+    """Return the batch length at which the target error is reached.
 
-    `error` is the error of batches of the given length, relative to the target; of each
-    row, or one for all rows.
+    `error` is the error of batches of the given length, relative to the target: one
+    value per row, or one for all rows.
 
     >>> float(needed_length(32, np.array(1.0)))
     40.0

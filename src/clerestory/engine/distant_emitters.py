@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.engine.directional_map import DirectionalMap, map_directions
-from clerestory.engine.sampled_sources import is_sun
+from clerestory.engine.sampled_sources import suns_of
 from clerestory.engine.sampler import Distribution
 from clerestory.engine.upload import on_device, vectors
 from clerestory.scene.model import DistantSource, Scene
@@ -45,8 +45,8 @@ class DistantEmitters:
     @classmethod
     def of(cls, scene: Scene) -> "DistantEmitters":
         """Return the tables of a scene's distant sources."""
-        wide = [s for s in scene.distant if not is_sun(s)]
-        narrow = [s for s in scene.distant if is_sun(s)]
+        narrow = suns_of(scene)
+        wide = [source for source in scene.distant if source not in narrow]
         # Kernels need non-empty tables: add an unused entry if there are no suns
         direction = np.array([s.direction for s in narrow] or [[0.0, 0.0, 1.0]])
         radiance = np.array([_at_centre(scene, s) for s in narrow] or [np.zeros(3)])

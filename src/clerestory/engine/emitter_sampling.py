@@ -27,8 +27,8 @@ class SurfaceEmitters(Source):
     """Surfaces that emit light, sampled by area and power, and their mirror images.
 
     A path stores the state of reflections since the last vertex with next-event
-    estimation, the density of the direction sampled there [1/sr], and the length of the
-    path since then [m].
+    estimation, the density of the direction sampled there [1/sr], the length of the
+    path since then [m], and the cell of that vertex.
     """
 
     name: ClassVar[str] = "emitters"
@@ -40,20 +40,23 @@ class SurfaceEmitters(Source):
         """Whether mirror images of emitters are sampled."""
         return self.model.emitters.count > 0 and self.images.count > 0
 
-    def begin(self, pdf, sunlit):
-        """Return state, density and length at the start of a first path segment."""
+    def begin(self, pdf, sunlit, point):
+        """Return state, density, length and cell at the start of a first segment."""
         if not self.mirrored:
             return None
         other = self.images.outside
-        return dr.select(pdf > 0, mi.UInt32(0), other), mi.Float(pdf), mi.Float(0)
+        cell = self.images.cells.number(point)
+        state = dr.select(pdf > 0, mi.UInt32(0), other)
+        return state, mi.Float(pdf), mi.Float(0), cell
 
     def remember(self, si, vertex: Vertex, after: Scattering, memory):
-        """Return state, density and length for the next path segment."""
-        state, pdf, length = memory
+        """Return state, density, length and cell for the next path segment."""
+        state, pdf, length, cell = memory
         state = self.images.remember(self.model, state, vertex.shape, si, after)
         same = after.null | after.delta
         pdf = dr.select(same, pdf, after.densities.path)
-        return state, pdf, dr.select(same, length + si.t, 0)
+        cell = dr.select(same, cell, self.images.cells.number(si.p))
+        return state, pdf, dr.select(same, length + si.t, 0), cell
 
     def met(self, path: Path, si, shape, active) -> tuple[Emission, mi.Bool]:
         """Return the radiance of the front of an emitter; camera rays pass illums."""
@@ -69,8 +72,8 @@ class SurfaceEmitters(Source):
         distance2, own = dr.squared_norm(si.p - path.point), path.pdf
         chance = mi.Float(1)
         if self.mirrored:
-            state, pdf, length = path.memory[self.name]
-            share = self.images.probability(state)
+            state, pdf, length, cell = path.memory[self.name]
+            share = self.images.probability(state, cell)
             mirrored = share > 0
             distance2 = dr.select(mirrored, dr.square(length + si.t), distance2)
             own, chance = dr.select(mirrored, pdf, own), dr.select(mirrored, share, 1)
@@ -113,7 +116,7 @@ class SurfaceEmitters(Source):
         emitters = self.model.emitters
         u, v, pick, which = (numbers.extra(purpose) for purpose in (12, 13, 14, 15))
         point, normal, number = emitters.sample_point(pick, u, v)
-        image, chance, rate = self.images.choose(which, numbers, image)
+        image, chance, rate = self.images.choose(which, numbers, vertex.point, image)
         aim = self.images.image(image, point)
         across = aim - vertex.point
         distance2 = dr.squared_norm(across)

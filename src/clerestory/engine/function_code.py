@@ -17,9 +17,9 @@ import numpy as np
 from clerestory.engine.function_library import FUNCTIONS, Value, either_bad, where
 from clerestory.engine.upload import on_device
 from clerestory.errors import InputError
+from clerestory.radiance.cal.evaluation import Evaluation, Frame, Nodes, Rows
 from clerestory.radiance.cal.library import START_FILE, Native
 from clerestory.radiance.cal.program import Program
-from clerestory.radiance.cal.run import Evaluation, Frame, Nodes, Rows
 from clerestory.radiance.cal.syntax import Definition, Node
 
 

@@ -16,8 +16,8 @@ FEW, _IMAGES = 8, 320
 # surfaces' reflectances near normal incidence. Three panes of glass reflect 0.0006.
 _LEAST = 5e-4
 
-# Factor on the sampling weight of a surface for each further reflection to the image;
-# least weight.
+# Factor on the sampling weight of a surface for each further reflection that leads to
+# the image; smallest weight.
 _LATER, _LAST = 0.1, 1e-12
 
 # Tolerances of equal transforms: rotation, and shift [m].
@@ -35,7 +35,7 @@ class Compositions:
     weight : sampling weights of the states
     reflectance : products of the reflectances near normal incidence
     last : plane of the last reflection
-    missing : largest reflectance of a composition that is no state
+    missing : largest reflectance of the compositions that are omitted
     """
 
     reflect: Float[np.ndarray, "plane 3 3"]
@@ -76,7 +76,7 @@ class Compositions:
     def steps(self) -> Int[np.ndarray, "state_and_other plane_and_none"]:
         """Return the next state, by state and 1 + index of the plane.
 
-        Reflections in planes beyond the first few leave the known states.
+        Repeated reflections in planes beyond the first `FEW` lead to the state `other`.
         """
         count, planes = len(self.linear), len(self.reflect)
         step = np.full((count + 1, planes + 1), count)
@@ -87,6 +87,23 @@ class Compositions:
                     same = self._known(state, plane)
                     step[state, plane + 1] = count if same is None else same
         return step
+
+    def beginnings(
+        self, guide: Float[np.ndarray, "state_and_other state"], planes: Planes
+    ) -> tuple[
+        Int[np.ndarray, " pair"], Int[np.ndarray, " pair"], Float[np.ndarray, " pair"]
+    ]:
+        """Return pairs of a state and a plane that reflects first.
+
+        Also return the largest reflectance of the paths of each pair, estimated from
+        the number of further reflections after the first one.
+        """
+        after = guide[1 : len(self.reflect) + 1]
+        plane, state = np.nonzero(after)
+        missing = np.log(after[plane, state]) / np.log(_LATER)
+        share = planes.reflectance.max(initial=0) ** missing
+        share *= planes.reflectance[plane]
+        return state, plane, np.minimum(share, np.array(self.reflectance)[state])
 
     def _continue(self, state: int, planes: Planes) -> None:
         # Put further reflections after a state in the queue, the most probable first
@@ -131,14 +148,14 @@ def guidance(
 ) -> Float[np.ndarray, "state_and_other state"]:
     """Return sampling weights of surfaces, by state after reflection and image.
 
-    The weight is smaller the more reflections are missing, and 0 if the image is out of
-    reach.
+    The weight decreases with the number of further reflections that lead to the image,
+    and is 0 if none do.
     """
     count = len(step) - 1
     guide = np.eye(count + 1)
     reached = guide > 0
     for distance in range(1, count):
-        # One more reflection before those of the shortest paths
+        # States from which one reflection leads to a state that was reached before
         further = reached[step[:, 1:]].any(axis=1) & ~reached
         further[count] = False
         if not further.any():

@@ -16,21 +16,22 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.engine.image_cells import ImageCells, ImageReach
 from clerestory.engine.image_compositions import Compositions, guidance
 from clerestory.engine.lower import LoweredScene
 from clerestory.engine.next_event_estimation import Scattering
-from clerestory.engine.sampler import Distribution, PathNumbers, random_number
+from clerestory.engine.sampler import PathNumbers, random_number
 from clerestory.engine.smooth_faces import SmoothFaces
-from clerestory.engine.upload import on_device, vectors
+from clerestory.engine.upload import on_device, search, vectors
 
-# Vertices up to this number always sample an image; binary logarithm of the number of
-# paths that decide alike at later vertices; dimension of the random numbers.
+# Number of the last vertex that always samples an image; binary logarithm of the number
+# of paths that share the decision at later vertices; dimension of the random numbers.
 _FIRST, _ALIKE, _DECISION = 1, 5, 0x60000
 
 
 @dataclass
 class MirrorImages:
-    """Images of a source, sampled by area and reflectance of the surfaces.
+    """Images of a source, sampled in the cells of a room by learned probabilities.
 
     Attributes
     ----------
@@ -43,7 +44,9 @@ class MirrorImages:
         reflections, state `other` one whose image is not sampled
     outside, columns : `other` and 1 + `count`, opaque to the compiler
     guide : sampling weight of surfaces, by state after reflection and image
-    weight : sampling weights of the states
+    reach : surfaces that reflect first on the way to each image
+    cells, chances : cells, and cumulative sampling probabilities by cell and state
+    slots : entries of a cell in `chances`
     rate : probability of sampling an image at all, beyond the first vertices of a path
     """
 
@@ -59,8 +62,10 @@ class MirrorImages:
     outside: mi.UInt32
     columns: mi.UInt32
     guide: mi.Float
-    weight: Float[np.ndarray, " state"]
-    chosen: Distribution
+    reach: ImageReach
+    cells: ImageCells
+    chances: mi.Float
+    slots: int
     rate: mi.Float
 
     @classmethod
@@ -68,56 +73,76 @@ class MirrorImages:
         """Return the images of suns (`distant`) or of emitters in a scene."""
         planes = faces.planes(distant=distant)
         made = Compositions.of(planes)
-        step, weight = made.steps(), np.array(made.weight)
+        step = made.steps()
+        guide = guidance(step)
+        linear, shift = np.array(made.linear), np.array(made.shift)
+        first = made.beginnings(guide, planes)
         return cls(
             distant=distant,
             count=len(planes.normal),
             plane_of_face=on_device(mi.UInt32, planes.of_face),
             normal=vectors(mi.Vector3f, planes.normal.reshape(-1, 3)),
             offset=on_device(mi.Float, planes.offset),
-            rows=[vectors(mi.Vector3f, np.array(made.linear)[:, i]) for i in range(3)],
-            shift=vectors(mi.Vector3f, np.array(made.shift)),
+            rows=[vectors(mi.Vector3f, linear[:, i]) for i in range(3)],
+            shift=vectors(mi.Vector3f, shift),
             step=on_device(mi.UInt32, step),
             other=len(step) - 1,
             outside=on_device(mi.UInt32, [len(step) - 1]),
             columns=on_device(mi.UInt32, [len(planes.normal) + 1]),
-            guide=on_device(mi.Float, guidance(step)),
-            weight=weight,
-            chosen=Distribution.of(weight if weight.any() else np.ones(len(weight))),
+            guide=on_device(mi.Float, guide),
+            reach=ImageReach(distant, linear, shift, *first, planes.boxes),
+            cells=ImageCells.one(),
+            chances=on_device(mi.Float, []),
+            slots=1,
             rate=on_device(mi.Float, [1.0]),
-        )
+        ).sampled_by(ImageCells.one(), np.array([[0, *made.reflectance[1:]]]), 1.0)
 
     def sampled_by(
-        self, weight: Float[np.ndarray, " state"], rate: float
+        self, cells: ImageCells, weight: Float[np.ndarray, "cell state"], rate: float
     ) -> "MirrorImages":
-        """Return the images with other sampling weights."""
+        """Return the images with sampling weights of each cell."""
+        total = weight.sum(axis=1, keepdims=True)
+        chances = np.cumsum(weight / np.where(total > 0, total, 1), axis=1)
+        # There is one kernel for each power of two
+        slots = 1 << (self.other - 1).bit_length()
+        filled = np.pad(chances, ((0, 0), (0, slots - self.other)), mode="edge")
         return replace(
             self,
-            weight=weight,
-            chosen=Distribution.of(weight),
+            cells=cells,
+            chances=on_device(mi.Float, filled),
+            slots=slots,
             rate=on_device(mi.Float, [rate]),
         )
 
-    def choose(self, pick, numbers: PathNumbers, given: mi.UInt32 | None = None):
-        """Sample an image, unless one is given.
+    def choose(self, pick, numbers: PathNumbers, point, given: mi.UInt32 | None = None):
+        """Sample an image that a point may see, unless one is given.
 
         Return its state, the probability, and the rate of sampling images at the
         vertex; 0 if no image is sampled.
         """
         if given is not None:
             return given, mi.Float(1), mi.Float(1)
-        state, chance, _ = self.chosen.sample(pick)
-        # Neighbouring paths decide alike, which saves time in kernels
+        cell = self.cells.number(point)
+        state = search(self.chances, self.slots, pick, cell * self.slots)
+        chance = self.probability(state, cell)
+        # Neighbouring paths share the decision, which saves time in kernels
         group = (numbers.index + numbers.points.first) >> _ALIKE
         decision = random_number(numbers.seed, group, _DECISION + numbers.vertex)
         rate = dr.select(numbers.vertex <= _FIRST, 1, self.rate)
-        return state, chance, dr.select(decision < rate, rate, 0)
+        return state, chance, dr.select((decision < rate) & (chance > 0), rate, 0)
 
-    def probability(self, state):
-        """Return the probability of sampling the image of a state."""
-        known = (state > 0) & (state < self.outside)
-        chance = self.chosen.probability(dr.select(known, state, 0))
-        return dr.select(known, chance, 0)
+    def known(self, state):
+        """Return whether a state's image is sampled wherever it can be seen."""
+        return (state > 0) & (state < self.outside)
+
+    def probability(self, state, cell):
+        """Return the probability of sampling the image of a state in a cell."""
+        known = self.known(state)
+        place = cell * self.slots + state
+        low = dr.gather(mi.Float, self.chances, place - 1, known)
+        return dr.select(
+            known, dr.gather(mi.Float, self.chances, place, known) - low, 0
+        )
 
     def image(self, state, source):
         """Return the image of a point, or of a direction, of a source."""

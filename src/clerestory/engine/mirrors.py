@@ -33,7 +33,7 @@ def by_mirrors(
     numbers: PathNumbers,
     active: mi.Bool,
 ):
-    """Return the throughput of paths from a point to a source of which it sees images.
+    """Return the throughput of paths from a point to a mirrored source.
 
     `aim` is the image of a point of the source, or the direction to the image of a sun;
     `image` is the state of the image. The throughput is an estimate of the sum over all

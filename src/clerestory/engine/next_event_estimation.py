@@ -218,11 +218,12 @@ class Source:
         """
         return ()
 
-    def begin(self, pdf: mi.Float, sunlit: mi.Float):
+    def begin(self, pdf: mi.Float, sunlit: mi.Float, point: mi.Point3f):
         """Return the values that the source needs to weight the first path segment.
 
-        `pdf` is the density of the segment's direction, or 0 for camera rays; `sunlit`
-        is the density of rays to sunlit surfaces, negative if none were sampled [1/sr].
+        `point` is its start, `pdf` the density of the segment's direction, or 0 for
+        camera rays; `sunlit` is the density of rays to sunlit surfaces, negative if
+        none were sampled [1/sr].
         """
         return
 

@@ -51,10 +51,10 @@ def learned_portals(
     normal = vectors(mi.Vector3f, places.normal)
     number = cells.number(point, normal).numpy()
     onward, sunlit = (
-        _root_mean_squares(found, number, cells.count)
+        root_mean_squares(found, number, cells.count)
         for found in _pilot_samples(scene, trial, places)
     )
-    most = np.maximum(_shares(onward[:, :-1]), _shares(sunlit)).max(axis=0)
+    most = np.maximum(shares_of(onward[:, :-1]), shares_of(sunlit)).max(axis=0)
     kept = most > _LEAST
     if not kept.any():
         return trial
@@ -62,14 +62,14 @@ def learned_portals(
     return Portals.of(
         (windows + patches).some(kept),
         cells,
-        _even(_shares(onward[:, :-1][:, kept])),
-        _shares(sunlit[:, kept]),
+        _even(shares_of(onward[:, :-1][:, kept])),
+        shares_of(sunlit[:, kept]),
         np.minimum(_MOST, total / np.maximum(total + other, 1e-30)),
     )
 
 
-def _shares(size: Float[np.ndarray, "cell part"]) -> Float[np.ndarray, "cell part"]:
-    # Probabilities proportional to RMS values in each cell; 0 if all values are 0
+def shares_of(size: Float[np.ndarray, "cell part"]) -> Float[np.ndarray, "cell part"]:
+    """Return probabilities proportional to values of a cell; 0 if all values are 0."""
     shares: Float[np.ndarray, "cell part"]
     shares = size / np.maximum(size.sum(axis=1, keepdims=True), 1e-30)
     return shares
@@ -125,13 +125,16 @@ def _pilot_samples(
     return both[0], both[1][:, :-1]
 
 
-def _root_mean_squares(
+def root_mean_squares(
     samples: Float[np.ndarray, "place part"],
     cell: Int[np.ndarray, " place"],
     cells: int,
 ) -> Float[np.ndarray, "cell part"]:
-    # Root mean square of each term in a cell, with the mean over the room as prior.
-    # Normalised by the sum of all terms, so that sunlit cells have no larger weight
+    """Return the root mean square of each term in a cell.
+
+    The prior is the mean over the room. Squares are normalised by their sum in each
+    cell, so that sunlit cells have no larger weight.
+    """
     square = samples**2
     total = np.zeros((cells, samples.shape[1]))
     np.add.at(total, cell, square)

@@ -77,7 +77,7 @@ class PathTracer:
     def path(self, ray, throughput, pdf, *, sunlit=NOT_SAMPLED, camera=False) -> Path:
         """Return a path at its first segment; see `Path` and `Source.begin`."""
         pdf, sunlit = mi.Float(pdf), mi.Float(sunlit)
-        memory = {source.name: source.begin(pdf, sunlit) for source in self.sources}
+        memory = {each.name: each.begin(pdf, sunlit, ray.o) for each in self.sources}
         return Path(
             mi.Ray3f(ray), mi.Color3f(throughput), mi.Point3f(ray.o), pdf,
             mi.Bool(camera), {name: each for name, each in memory.items() if each},

@@ -1,8 +1,8 @@
 """Test kernel, compiled in a child process to check that a compute device works.
 
-Run as a script with a Mitsuba variant as argument. The kernel contains features that
-abort with unsuitable LLVM versions: a compiled loop with ray tracing, a virtual call
-and exact sums by 64-bit scatters.
+Run as a script with a Mitsuba variant as argument. The kernel has the features that
+unsuitable LLVM versions fail to compile: a loop with ray tracing, a virtual call and
+exact sums by 64-bit scatters.
 """
 
 import sys

@@ -14,11 +14,7 @@ from clerestory.engine.image_probabilities import with_learned_images
 from clerestory.engine.origin import Origin
 from clerestory.engine.path_guiding import learned_portals
 from clerestory.engine.path_tracer import SAMPLED_AT_START, PathTracer, segments_of
-from clerestory.engine.pilot_paths import (
-    PILOT_PATHS,
-    SurfacePoints,
-    sample_surfaces,
-)
+from clerestory.engine.pilot_paths import PILOT_PATHS, SurfacePoints, sample_surfaces
 from clerestory.engine.portals import Portals, window_rectangles
 from clerestory.engine.radiance_jobs import (
     ExitingRadianceJob,

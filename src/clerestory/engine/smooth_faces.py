@@ -11,13 +11,22 @@ from clerestory.scene.tessellate import Mesh
 # the smallest surfaces is found by BSDF sampling only.
 MOST = 256
 
-# Largest number of cells of normals and distances that are grouped, the most reflecting
-# ones; factors that make one number of the indices of a cell.
+# Largest number of grid cells of normals and offsets that are grouped, in order of
+# reflected power; factors that combine the indices of a cell into one number.
 _CELLS = 1 << 14
 _STRIDES = np.array([1, 1 << 15, 1 << 30, 1 << 45])
 
-# Normals are equal up to this difference [rad]; distances of parallel planes [m].
+# Tolerances of equal normals [rad], and of equal offsets of parallel planes [m].
 _SLOPE, _DISTANCE = 3e-4, 2e-3
+
+
+@dataclass
+class Boxes:
+    """Boxes around surfaces: centres, unit axes, and half lengths along them [m]."""
+
+    centre: Float[np.ndarray, "box 3"]
+    axes: Float[np.ndarray, "box 3 3"]
+    half: Float[np.ndarray, "box 3"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,8 +35,8 @@ class Planes:
 
     `of_face` has 1 + the index of the plane for every face of the scene, or 0.
     `weight` is a sampling weight (sum at most 1), `reflectance` the mean reflectance
-    near normal incidence; `apart` tells whether a plane can reflect light that it has
-    reflected before: an orientation of several planes.
+    near normal incidence; `apart` tells whether an orientation has several planes, so
+    that it can reflect light that it has reflected before. `boxes` contain the faces.
     """
 
     normal: Float[np.ndarray, "plane 3"]
@@ -36,6 +45,7 @@ class Planes:
     reflectance: Float[np.ndarray, " plane"]
     apart: Bool[np.ndarray, " plane"]
     of_face: Int[np.ndarray, " scene_face"]
+    boxes: Boxes
 
 
 @dataclass
@@ -46,6 +56,7 @@ class SmoothFaces:
     ----------
     count : number of faces of the scene
     face : index of each triangle in the scene
+    corner : corners of each triangle [m]
     normal, offset : unit normals, of one sign for both sides, and distances from the
         origin of the planes [m]
     area : areas [m²]
@@ -54,6 +65,7 @@ class SmoothFaces:
 
     count: int
     face: Int[np.ndarray, " face"]
+    corner: Float[np.ndarray, "face 3 3"]
     normal: Float[np.ndarray, "face 3"]
     offset: Float[np.ndarray, " face"]
     area: Float[np.ndarray, " face"]
@@ -72,7 +84,8 @@ class SmoothFaces:
         corner = [mesh.vertices[mesh.faces] - origin for _, mesh in found]
         number = [np.arange(len(mesh.faces)) + first for first, mesh in found]
         share = [np.full(len(mesh.faces), mesh.material.mirrored) for _, mesh in found]
-        a, b, c = np.moveaxis(np.concatenate([np.zeros((0, 3, 3)), *corner]), 1, 0)
+        corners = np.concatenate([np.zeros((0, 3, 3)), *corner])
+        a, b, c = np.moveaxis(corners, 1, 0)
         cross = np.cross(b - a, c - a)
         length = np.linalg.norm(cross, axis=1)
         kept = length > 0
@@ -82,6 +95,7 @@ class SmoothFaces:
         return cls(
             count,
             np.concatenate([np.zeros(0, int), *number])[kept],
+            corners[kept],
             normal,
             np.sum(normal * middle, axis=1),
             length[kept] / 2,
@@ -110,6 +124,7 @@ class SmoothFaces:
             weight / np.array([self.area[c].sum() for c in chosen]),
             np.array(apart, dtype=bool) & distant,
             of_face,
+            _boxes([self.corner[c][np.argsort(-self.area[c])] for c in chosen]),
         )
 
     def clusters(self, *, distant: bool) -> Int[np.ndarray, " face"]:
@@ -121,8 +136,27 @@ class SmoothFaces:
         return _clusters(place, self.power, _SLOPE)
 
 
+def _boxes(groups: list[Float[np.ndarray, "face 3 3"]]) -> Boxes:
+    # Box around the triangles of each group, aligned with that edge of the first
+    # triangle for which it is smallest
+    found = []
+    for corner in groups:
+        edges = np.roll(corner[0], -1, axis=0) - corner[0]
+        edges /= np.linalg.norm(edges, axis=1, keepdims=True)
+        normal = np.cross(edges[0], edges[1])
+        normal /= np.linalg.norm(normal)
+        axes = np.array([[u, np.cross(normal, u), normal] for u in edges])
+        place = np.einsum("kij,fvj->kfvi", axes, corner)
+        low, high = place.min(axis=(1, 2)), place.max(axis=(1, 2))
+        best = int(np.argmin(np.prod((high - low)[:, :2], axis=1)))
+        middle, half = (low + high)[best] / 2, (high - low)[best] / 2
+        found.append([middle @ axes[best], *axes[best], half])
+    made = np.reshape(found, (-1, 5, 3))
+    return Boxes(made[:, 0], made[:, 1:4], made[:, 4])
+
+
 def _sign(normal: Float[np.ndarray, "face 3"]) -> Float[np.ndarray, " face"]:
-    # The half space of a normal; its limit is parallel to no usual surface
+    # Opposite signs for opposite normals; few surfaces are near the change of sign
     return np.where(normal @ [0.5377, 0.6123, 0.5796] < 0, -1.0, 1.0)
 
 
@@ -131,8 +165,8 @@ def _clusters(
     power: Float[np.ndarray, " face"],
     size: float,
 ) -> Int[np.ndarray, " face"]:
-    # Index of each face's cluster of points, at most MOST, the most powerful first; -1
-    # for faces without a cluster
+    # Cluster of each face, numbered by decreasing power; -1 for faces that are in none
+    # of the MOST clusters
     cell = np.round(place / (0.1 * size)).astype(np.int64)
     _, first, member = np.unique(
         cell @ _STRIDES[: cell.shape[1]], return_index=True, return_inverse=True

@@ -1,12 +1,15 @@
-"""Sampling of rays from room surfaces to windows along lobes of transmitted sunlight.
+"""Sampling of rays from room surfaces along lobes of scattered sunlight.
 
 A blind or a film scatters sunlight into narrow lobes, which sampling of window points
 seldom finds. Leaving directions are therefore sampled from a window's BSDF for the
 incident direction of the sun; rays from room surfaces are traced in the reverse
-direction to the windows.
+direction to the windows. The same is done for narrow highlights of slightly rough flat
+surfaces, from the distribution of their slopes.
 
-The sampled direction does not depend on the window that the ray hits, so its density
-is the sum over the lobes of all windows.
+The sampled direction does not depend on the surface that the ray hits, so its density
+is the sum over all lobes.
+
+Reference: B. Walter, "Notes on the Ward BRDF", Cornell 2005 (sampling of half vectors).
 """
 
 from dataclasses import dataclass
@@ -18,9 +21,10 @@ from jaxtyping import Float
 
 from clerestory.bsdf.scattering_function import Function
 from clerestory.engine.materials.bsdf_file import Table, forward_table
-from clerestory.engine.sampled_sources import is_sun
+from clerestory.engine.narrow_highlights import Kind, highlights
+from clerestory.engine.sampled_sources import suns_of
 from clerestory.engine.sampler import DIRECTION_U, DIRECTION_V, PathNumbers, points
-from clerestory.engine.upload import vectors
+from clerestory.engine.upload import on_device, vectors
 from clerestory.scene.model import BsdfSurface, Material, Polygon, Scene
 from clerestory.scene.surface import area_vectors
 
@@ -84,17 +88,58 @@ class Lobes:
 
 
 @dataclass
-class SunLobes:
-    """Lobes of sunlight transmitted by the windows of a scene."""
+class Highlight:
+    """Highlights of the sun in surfaces of one orientation and roughness.
 
-    groups: list[Lobes]
+    `chance` is the probability of sampling these highlights.
+    """
+
+    normal: mi.Vector3f
+    roughness2: mi.Float
+    chance: float
+
+    @classmethod
+    def of(cls, kind: Kind, chance: float) -> "Highlight":
+        """Return the highlights of a roughness and normal."""
+        roughness, normal = kind
+        normals = vectors(mi.Vector3f, np.array([normal]))
+        return cls(normals, on_device(mi.Float, [roughness**2]), chance)
+
+    def sample(self, sun, u, v):
+        """Return the direction of a ray to a surface along a highlight of the sun."""
+        slope2 = -self.roughness2 * dr.log(1 - u)
+        cosine = dr.rsqrt(1 + slope2)
+        s, c = dr.sincos(2 * dr.pi * v)
+        sine = dr.sqrt(slope2) * cosine
+        facing = mi.Frame3f(dr.mulsign(self.normal, dr.dot(self.normal, sun)))
+        half = facing.to_world(mi.Vector3f(sine * c, sine * s, cosine))
+        return sun - 2 * dr.dot(half, sun) * half
+
+    def pdf(self, direction, sun):
+        """Return the density of sampling a direction [1/sr]."""
+        half = sun - direction
+        length = dr.norm(half)
+        half /= dr.maximum(length, 1e-6)
+        side = dr.mulsign(mi.Float(1), dr.dot(self.normal, sun))
+        cosine = side * dr.dot(half, self.normal)
+        valid = (cosine > 1e-3) & (length > 1e-6)
+        cosine2 = dr.square(dr.select(valid, cosine, 1))
+        bell = dr.exp(-(1 / cosine2 - 1) / self.roughness2)
+        bell *= dr.inv_pi / (self.roughness2 * cosine2 * dr.sqrt(cosine2))
+        return dr.select(valid, bell / (4 * dr.dot(half, sun)), 0)
+
+
+@dataclass
+class SunLobes:
+    """Lobes of sunlight from windows and narrow highlights of a scene."""
+
+    groups: list[Lobes | Highlight]
 
     @classmethod
     def of(cls, scene: Scene) -> "SunLobes":
-        """Return the narrow BSDF lobes of the largest windows that a sun can light."""
+        """Return the narrow lobes of the largest surfaces that a sun can light."""
         found: dict[tuple, float] = {}
-        shining = [source.direction for source in scene.distant if is_sun(source)]
-        suns = np.array(shining).reshape(-1, 3)
+        suns = np.reshape([sun.direction for sun in suns_of(scene)], (-1, 3))
         for surface in scene.surfaces:
             material = scene.materials[surface.material]
             if isinstance(surface, Polygon) and is_layer(material):
@@ -110,10 +155,12 @@ class SunLobes:
         made = {key: _lobes(scene, *key) for key in sorted(found, key=found.get)}
         narrow = [key for key in made if made[key].concentration(suns) >= _NARROW]
         largest = narrow[-MOST:]
-        total = sum(found[key] for key in largest)
+        glossy = highlights(scene) if len(suns) else {}
+        total = sum(found[key] for key in largest) + sum(glossy.values())
         for key in largest:
             made[key].chance = found[key] / total
-        return cls([made[key] for key in largest])
+        rough = [Highlight.of(kind, area / total) for kind, area in glossy.items()]
+        return cls([*(made[key] for key in largest), *rough])
 
     def sample(self, pick, sun, u, v):
         """Return the direction of a ray to a window along a lobe of sunlight."""

@@ -67,7 +67,7 @@ class Suns(Source):
         """Whether the scene has window lobes or portals of sunlit surfaces."""
         return bool(self.lobes.groups or (self.portals and self.portals.sunny))
 
-    def begin(self, pdf, sunlit):
+    def begin(self, pdf, sunlit, point):
         """Return the state and `sunlit` density of a first path segment."""
         other = self.images.outside
         return dr.select(pdf > 0, mi.UInt32(0), other), mi.Float(sunlit)
@@ -90,7 +90,7 @@ class Suns(Source):
         shown = active
         if self.images.count:
             state, _ = path.memory[self.name]
-            shown &= self.images.probability(state) == 0
+            shown &= ~self.images.known(state)
         return Emission(radiance, shown, pdf, heuristic=power_heuristic)
 
     def samples(
@@ -194,7 +194,9 @@ class Suns(Source):
     ) -> LightSample:
         """Return a sampled direction to an image, or to the given image, of a sun."""
         sun = self.distant.sample_sun(*(numbers.extra(n) for n in (4, 5, 6)))
-        image, chance, rate = self.images.choose(numbers.extra(7), numbers, image)
+        image, chance, rate = self.images.choose(
+            numbers.extra(7), numbers, vertex.point, image
+        )
         direction = self.images.image(image, sun.direction)
 
         def arriving(vertex: Vertex, active):

@@ -20,11 +20,7 @@ from clerestory.bsdf.resample import exchanged_tree
 from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.bsdf.tree_arithmetic import slot_means
 from clerestory.colorimetry import RADIANCE
-from clerestory.engine.square import (
-    cell_of_disc,
-    disc_from_square,
-    square_from_disc,
-)
+from clerestory.engine.square import cell_of_disc, disc_from_square, square_from_disc
 from clerestory.engine.upload import on_device
 from clerestory.hemisphere.shirley_chiu import cell_centres, directions_from_square
 

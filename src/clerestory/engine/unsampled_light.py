@@ -3,20 +3,24 @@
 Suns and small emitters are sampled directly and by way of flat smooth surfaces. Their
 light by way of curved smooth surfaces, perturbed normals, narrow highlights, refracting
 solids (caustics) and very many reflections is found by BSDF sampling only. Few paths
-find it, and standard errors of a run in which none did do not include it.
+find it; if none does in a run, the standard errors do not include it.
 """
 
 import warnings
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from clerestory.engine.image_compositions import Compositions
-from clerestory.engine.sampled_sources import is_sampled, is_sun
+from clerestory.engine.narrow_highlights import (
+    highlights,
+    kind_of,
+    narrow_roughness,
+    with_parts,
+)
+from clerestory.engine.sampled_sources import is_sampled, suns_of
 from clerestory.engine.smooth_faces import MOST, SmoothFaces
 from clerestory.errors import ClerestoryWarning
-from clerestory.scene.material import parts
 from clerestory.scene.model import (
     Cone,
     Dielectric,
@@ -31,8 +35,10 @@ from clerestory.scene.model import (
 )
 from clerestory.scene.tessellate import meshes
 
-# Largest dimension of a small emitter [m]; largest roughness of narrow highlights.
-_SMALL, _NARROW = 1.0, 0.05
+# Largest dimension of a small emitter [m].
+_SMALL = 1.0
+
+_NARROW = "surfaces of narrow highlights"
 
 # Largest reflectance of images by several reflections that may be missing.
 _FAINT = 0.02
@@ -40,7 +46,7 @@ _FAINT = 0.02
 
 def warn_of_unsampled_light(scene: Scene) -> None:
     """Warn if light of small sources in a scene is found by chance only."""
-    suns = any(is_sun(source) for source in scene.distant)
+    suns = bool(suns_of(scene))
     lamps = any(_is_small(each, scene) for each in scene.surfaces)
     if not (suns or lamps):
         return
@@ -62,8 +68,11 @@ def _by_chance(scene: Scene, *, suns: bool, lamps: bool) -> dict[str, list[str]]
     # Materials of the surfaces that have no sampling technique, by kind
     found: dict[str, list[str]] = {}
     flat: list[Surface] = []
+    sampled = {} if lamps else highlights(scene)
     for surface in scene.surfaces:
         kind = _kind(surface, scene.materials[surface.material])
+        if kind == _NARROW and kind_of(surface, scene) in sampled:
+            continue
         if kind is not None:
             found.setdefault(kind, []).append(surface.material)
         elif scene.materials[surface.material].mirrored > 0:
@@ -92,24 +101,14 @@ def _by_chance(scene: Scene, *, suns: bool, lamps: bool) -> dict[str, list[str]]
 
 
 def _kind(surface: Surface, material: Material) -> str | None:
-    if any(isinstance(part, Dielectric | Interface) for part in _with_parts(material)):
+    if any(isinstance(part, Dielectric | Interface) for part in with_parts(material)):
         return "refracting surfaces"
-    for part in _with_parts(material):
+    for part in with_parts(material):
         if isinstance(part, Textured) and part.base.mirrored > 0:
             return "smooth surfaces of perturbed normals"
     if material.mirrored > 0:
         return "curved smooth surfaces" if isinstance(surface, Sphere | Cone) else None
-    for part in _with_parts(material):
-        rough = np.max(getattr(part, "roughness", 1.0))
-        if rough < _NARROW and getattr(part, "specularity", 0.0) > 0:
-            return "surfaces of narrow highlights"
-    return None
-
-
-def _with_parts(material: Material) -> Iterator[Material]:
-    yield material
-    for part in parts(material):
-        yield from _with_parts(part)
+    return _NARROW if len(narrow_roughness(material)) else None
 
 
 def _is_small(surface: Surface, scene: Scene) -> bool:

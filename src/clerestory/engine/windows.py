@@ -173,9 +173,7 @@ def _elements(window: Window) -> list[_Element]:
 
 
 def _table(
-    windows: Sequence[Window],
-    elements: list[list[_Element]],
-    origin: Origin,
+    windows: Sequence[Window], elements: list[list[_Element]], origin: Origin
 ) -> WindowTable:
     flat = [element for own in elements for element in own]
     corner = np.array([e.corner for e in flat])

@@ -7,10 +7,9 @@ Reference: Khronos Group, glTF 2.0 specification, 2021.
 """
 
 import base64
-import binascii
 import struct
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, TypeVar
 
@@ -93,16 +92,6 @@ class _Node(Item):
     scale: _Three = (1.0, 1.0, 1.0)
     translation: _Three = (0.0, 0.0, 0.0)
 
-    def transform(self) -> np.ndarray:
-        """Matrix from node coordinates to parent coordinates."""
-        if self.matrix is not None:
-            return np.array(self.matrix).reshape(4, 4).T
-        require(any(self.rotation), "a rotation by four zeros; a quaternion expected")
-        place = np.eye(4)
-        place[:3, :3] = Rotation.from_quat(self.rotation).as_matrix() * self.scale
-        place[:3, 3] = self.translation
-        return place
-
 
 class _Scene(Item):
     nodes: tuple[_Size, ...] = ()
@@ -145,24 +134,35 @@ def read_gltf(
     """
     used: dict[str, Material] = {}
     surfaces: list[TriangleMesh] = []
-    turn = _TURN if up == "y" else np.eye(3)
+    turn = scale * (_TURN if up == "y" else np.eye(3))
+
+    def parts(mesh: _Mesh) -> Iterator[tuple[np.ndarray, np.ndarray, str]]:
+        # Faces, vertices and material of each primitive with triangles
+        for primitive in mesh.primitives:
+            faces, vertices = _triangles(document, buffers, primitive)
+            if len(faces):
+                material = _material(document, primitive, materials, colours)
+                yield faces, vertices, insert_material(used, material)
+
     with located(file=path):
         document, buffers = _read(Path(path))
-        for node, number, place in _nodes(document):
+        nodes, places = _nodes(document)
+        large = f"a matrix of nodes exceeds {LARGEST:.0e} m"
+        require(bool(np.abs(places).max(initial=0) <= LARGEST), large)
+        mirrored = np.linalg.det(places[:, :3, :3]) < 0
+        known: dict[int, list[tuple[np.ndarray, np.ndarray, str]]] = {}
+        for node, place, turned in zip(
+            nodes, turn @ places[:, :3], mirrored, strict=True
+        ):
+            number = node.mesh or 0
             mesh = _element(document.meshes, "meshes", number)
-            for primitive in mesh.primitives:
-                faces, vertices = _triangles(document, buffers, primitive)
-                if not len(faces):
-                    continue
-                material = _material(document, primitive, materials, colours)
-                large = f"a matrix of nodes exceeds {LARGEST:.0e} m"
-                require(bool(np.abs(place).max() <= LARGEST), large)
-                moved = vertices @ place[:3, :3].T + place[:3, 3]
-                if np.linalg.det(place[:3, :3]) < 0:
-                    faces = faces[:, ::-1]
-                key = insert_material(used, material)
-                name = _word(node.name or mesh.name)
-                surfaces.append(TriangleMesh(scale * moved @ turn.T, faces, key, name))
+            if number not in known:
+                known[number] = list(parts(mesh))
+            name = _word(node.name or mesh.name)
+            for faces, vertices, key in known[number]:
+                moved = vertices @ place[:, :3].T + place[:, 3]
+                seen = faces[:, ::-1] if turned else faces
+                surfaces.append(TriangleMesh(moved, seen, key, name))
         require(surfaces, "no triangles; a mesh expected")
     return Scene(used, tuple(surfaces))
 
@@ -201,7 +201,7 @@ def _buffer(uri: str, binary: bytes | None, path: Path) -> bytes:
     if uri.startswith("data:"):
         try:
             return base64.b64decode(uri.partition(",")[2], validate=True)
-        except binascii.Error as error:
+        except ValueError as error:
             raise InputError("a buffer is not base64") from error
     inside = uri not in ("", ".", "..") and "/" not in uri and "\\" not in uri
     shown = f'buffer file "{uri[:60]}"'
@@ -217,22 +217,42 @@ def _element(elements: Sequence[_Element], what: str, index: int | None) -> _Ele
     return elements[index or 0]
 
 
-def _nodes(document: _Document) -> list[tuple[_Node, int, np.ndarray]]:
-    # Nodes with a mesh, mesh indices, and matrices from mesh to scene coordinates
+def _nodes(document: _Document) -> tuple[list[_Node], np.ndarray]:
+    # Nodes with a mesh, and matrices from mesh to scene coordinates
     start = tuple(range(len(document.nodes)))
     if document.scenes:
         start = _element(document.scenes, "scenes", document.scene).nodes
     _require_few(document, start)
-    found: list[tuple[_Node, int, np.ndarray]] = []
+    own = _transforms(document.nodes)
+    found: list[_Node] = []
+    places: list[np.ndarray] = []
     waiting = [(number, np.eye(4)) for number in start]
     while waiting:
         number, place = waiting.pop()
         node = _element(document.nodes, "nodes", number)
-        place = place @ node.transform()
+        place = place @ own[number]
         if node.mesh is not None:
-            found.append((node, node.mesh, place))
+            found.append(node)
+            places.append(place)
         waiting += [(child, place) for child in node.children]
-    return found
+    return found, np.array(places).reshape(-1, 4, 4)
+
+
+def _transforms(nodes: tuple[_Node, ...]) -> np.ndarray:
+    # Matrices from node coordinates to parent coordinates
+    place = np.tile(np.eye(4), (len(nodes), 1, 1))
+    if not nodes:
+        return place
+    rotation = np.array([node.rotation for node in nodes])
+    nowhere = "a rotation by four zeros; a quaternion expected"
+    require(rotation.any(axis=1).all(), nowhere)
+    scale = np.array([node.scale for node in nodes])[:, None]
+    place[:, :3, :3] = Rotation.from_quat(rotation).as_matrix() * scale
+    place[:, :3, 3] = [node.translation for node in nodes]
+    for number, node in enumerate(nodes):
+        if node.matrix is not None:
+            place[number] = np.array(node.matrix).reshape(4, 4).T
+    return place
 
 
 def _require_few(document: _Document, start: tuple[int, ...]) -> None:
@@ -255,8 +275,9 @@ def _require_few(document: _Document, start: tuple[int, ...]) -> None:
         return sizes[number]
 
     total = sum(size(number) for number in start)
-    message = f"the nodes place meshes of a size of {total:.2g}; at most {_LARGEST:,}"
-    require(total <= _LARGEST, f"{message} (nodes, or tens of triangles) expected")
+    message = f"the nodes place meshes of a size of {min(total, 1e99):.2g}; at most"
+    few = f"{message} {_LARGEST:,} (nodes, or tens of triangles) expected"
+    require(total <= _LARGEST, few)
 
 
 def _size(document: _Document, mesh: _Mesh) -> int:

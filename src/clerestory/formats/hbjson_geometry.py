@@ -66,9 +66,7 @@ def unique_name(name: str, taken: Container[str]) -> str:
     return label
 
 
-def seamed(
-    loops: list[Float[np.ndarray, "_ 3"]],
-) -> Float[np.ndarray, "point 3"]:
+def seamed(loops: list[Float[np.ndarray, "_ 3"]]) -> Float[np.ndarray, "point 3"]:
     """Join an outline and its holes to one polygon, by seams from the first corner.
 
     Holes are oriented opposite to the outline, so that they reduce the signed area.

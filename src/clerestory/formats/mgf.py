@@ -52,8 +52,8 @@ _MOST_STATEMENTS = 1_000_000
 # Maximum number of open objects, whose names precede the names of surfaces
 _MOST_OBJECTS = 100
 
-# Number of statements that a torus or a prism counts as
-_PARTS = 20
+# Number of statements that a torus counts as; words that count as a further statement
+_PARTS, _WORDS = 20, 10
 
 
 def parse_mgf(
@@ -103,18 +103,19 @@ def _require_few(
     statements: list[tuple[int, list[str]]], file: str | Path | None
 ) -> None:
     # Count the statements with the repetitions by arrays; some make several surfaces
-    total, open_ = 0, [1]
+    total, open_ = 0.0, [1.0]
     for line, (keyword, *words) in statements:
-        total += open_[-1] * (_PARTS if keyword in ("torus", "prism") else 1)
+        parts = _PARTS if keyword == "torus" else 1 + len(words) // _WORDS
+        total += open_[-1] * (len(words) + 2 if keyword == "prism" else parts)
         if keyword == "xf" and words:
             after = (words[at + 1 : at + 2] for at, w in enumerate(words) if w == "-a")
             counts = (
                 int(c[0]) for c in after if c and c[0].isdecimal() and len(c[0]) < 10
             )
-            open_.append(open_[-1] * math.prod(counts))
+            open_.append(open_[-1] * math.prod(counts, start=1.0))
         elif keyword == "xf" and len(open_) > 1:
             open_.pop()
-        message = f"arrays repeat {total:.2g} statements or more"
+        message = f"{min(total, 1e99):.2g} statements or more, repeated ones included"
         few = f"{message}; at most {_MOST_STATEMENTS:,} expected"
         require(total <= _MOST_STATEMENTS, few, file=file, line=line)
 

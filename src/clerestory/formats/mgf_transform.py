@@ -6,12 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from clerestory.checks import require
-from clerestory.scene.transform import (
-    Transform,
-    Transforms,
-    array_count,
-    parse_array,
-)
+from clerestory.scene.transform import Transform, Transforms, array_count, parse_array
 
 _DEEPEST = 64
 _MOST_DIMENSIONS = 8

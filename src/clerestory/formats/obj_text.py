@@ -245,9 +245,7 @@ def _without_slashes(
     return np.where(last_slash > last_blank, np.uint8(ord(" ")), letters)
 
 
-def _convex(
-    points: Float[np.ndarray, "faces corners 3"],
-) -> Bool[np.ndarray, " faces"]:
+def _convex(points: Float[np.ndarray, "faces corners 3"]) -> Bool[np.ndarray, " faces"]:
     # Whether all corners and fan triangles turn in the same sense as the face
     edge = np.roll(points, -1, axis=1) - points
     turn = np.cross(np.roll(edge, 1, axis=1), edge)

@@ -89,7 +89,7 @@ def annual_glare(
     rules = rules or SourceRules()
     settings = IndexSettings(background, None, low_light, None, coefficients)
     results = []
-    worst: UndersampledSources | None = None
+    undersampled: dict[str, UndersampledSources] = {}
     search: SourceSearch | None = None
     for step, (picture, eye) in enumerate(_checked(luminance, view)):
         if step == 0 and check_pixels:
@@ -99,12 +99,13 @@ def annual_glare(
         _, result, poor = evaluate_luminance(picture, search, given)
         errors = {f"{key}_error": error for key, error in result.errors.items()}
         results.append(result.values() | errors)
-        if poor is not None and (worst is None or poor.share > worst.share):
-            worst = poor
+        if poor is not None:
             moment = f"picture {step}" if times is None else str(times[step])[:16]
+            undersampled[moment] = poor
         if progress is not None:
             progress(step + 1)
-    if worst is not None:
+    if undersampled:
+        moment, worst = max(undersampled.items(), key=lambda item: item[1].share)
         warnings.warn(f"{name}, {moment}: {worst.words()}", ClerestoryWarning, 2)
     for what, values in (("times", times), ("illuminances", illuminance)):
         if values is not None:

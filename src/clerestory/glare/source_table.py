@@ -107,10 +107,10 @@ class GlareSources:
         return float(self.luminance @ self.solid_angle / self.solid_angle.sum())
 
     def samples(self) -> Float[np.ndarray, " source"]:
-        """Effective number of path samples of each source: squared L over its error.
+        """Effective number of path samples of each source: (luminance / error)².
 
-        n samples of equal value among many of 0 have the relative error 1/√n.
-        Infinite if the error is 0.
+        n equal samples among many of value 0 give a relative error of 1/√n. The number
+        is infinite if the error is 0.
         """
         with np.errstate(divide="ignore"):
             return np.asarray((self.luminance / self.luminance_error) ** 2)

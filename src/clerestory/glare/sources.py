@@ -89,8 +89,8 @@ def warn_if_coarse(eye: GlareView, rules: SourceRules, *, name: str) -> None:
     if found < _FEW_PIXELS:
         warnings.warn(
             f"{name}: half the merging angle is {found:.1f} pixels at a resolution of"
-            f" {sides}; {_FEW_PIXELS:g} or more expected, as from a resolution of"
-            f" {math.ceil(sides * _FEW_PIXELS / found)}",
+            f" {sides}; {_FEW_PIXELS:g} or more expected, which takes a resolution"
+            f" of {math.ceil(sides * _FEW_PIXELS / found)}",
             ClerestoryWarning,
             stacklevel=2,
         )
@@ -107,7 +107,7 @@ def find_sources(
 def glare_pixels(
     luminance: Image, eye: GlareView, rules: SourceRules
 ) -> tuple[ImageMask, ImageMask]:
-    """Return which pixels are glare pixels, and which of them are peaks."""
+    """Return the masks of the glare pixels, and of the pixels of peaks."""
     level = threshold_luminance(luminance, eye, rules)
     mask = (luminance > level) & eye.valid
     if rules.field_of_view is not None:

@@ -1,8 +1,8 @@
 """Glare sources that rest on few path samples.
 
 A path that reaches the sun by chance, as by way of a glossy surface, gives a bright
-pixel that another seed puts elsewhere or nowhere. The glare without such sources is
-computed as well, since errors of this size do not follow from small deviations.
+pixel, which is elsewhere or missing with another seed. The glare without such sources
+is computed as well, since errors of this size do not follow from small deviations.
 """
 
 import math

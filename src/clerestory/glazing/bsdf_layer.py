@@ -112,8 +112,7 @@ class BsdfLayer(Layer):
         def table(name: Function) -> ExitIncident:
             if not self.bsdf.has(name, channel=given):
                 return np.zeros((len(partition), len(partition)))
-            part = self.bsdf.function(name, channel=given, partition=partition)
-            return part.values
+            return self.bsdf.function(name, channel=given, partition=partition).values
 
         return Optics.gather(table)
 

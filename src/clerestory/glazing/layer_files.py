@@ -45,8 +45,7 @@ def read_layer(path: str | Path) -> Layer:
             return Glass(_pane(path, product))
         if product.geometry is None:
             raise InputError("the shade has no geometry; extra_data.geometry expected")
-        material = _pane(path, product)
-        return igsdb_shade(product.geometry, path).layer(material)
+        return igsdb_shade(product.geometry, path).layer(_pane(path, product))
 
 
 def read_pane(path: str | Path) -> Pane:
@@ -55,8 +54,7 @@ def read_pane(path: str | Path) -> Pane:
 
 
 def _product(path: str | Path) -> Product | None:
-    is_json = Path(path).suffix.lower() == ".json"
-    return read_json(path, Product) if is_json else None
+    return read_json(path, Product) if Path(path).suffix.lower() == ".json" else None
 
 
 def _pane(path: str | Path, product: Product | None) -> Pane:

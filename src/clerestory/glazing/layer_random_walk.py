@@ -117,9 +117,8 @@ def walk_layers(
                 functions[channel, function] = _tree(counts, halvings)
                 diffuse[channel, function] = _diffuse(counts, halvings)
             report((part + 1) / (2 * len(channels)), f"{channel}")
-    title = name or " | ".join(layer.name for layer in layers)
     product = Product(
-        name=title,
+        name=name or " | ".join(layer.name for layer in layers),
         manufacturer="stack of layers",
         thickness=sum(layer.thickness for layer in layers),
     )

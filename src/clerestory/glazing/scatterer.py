@@ -99,8 +99,7 @@ class Scatterer:
 def scatterer(layer: Layer, standard: Standard, channel: Channel) -> Scatterer:
     """Return the sampler of a layer in one spectral band."""
     known = layer.wavelength_nm
-    cosine = np.linspace(0, 1, _TABLE)
-    clear = layer.specular(known, np.maximum(cosine, 1e-6))
+    clear = layer.specular(known, np.maximum(np.linspace(0, 1, _TABLE), 1e-6))
     if clear is not None:
         weights = standard.band(channel).weights(known)
         return Scatterer(layer, clear.map(lambda share: weights @ share), None)
@@ -109,8 +108,7 @@ def scatterer(layer: Layer, standard: Standard, channel: Channel) -> Scatterer:
         used = layer.channel(channel)
         for name in FUNCTIONS:
             if layer.bsdf.has(name, channel=used):
-                part = layer.bsdf.scattering(name, channel=used)
-                functions["visible", name] = part
+                functions["visible", name] = layer.bsdf.scattering(name, channel=used)
         return Scatterer(layer, None, Bsdf(functions))
 
     # BSDF of the layer without its openings, in the full Klems basis

@@ -15,6 +15,7 @@ from jaxtyping import Float
 
 from clerestory.array_types import Indices, Points2, Values
 from clerestory.checks import positive, require, within
+from clerestory.directions import circular_arc
 
 # Points and angles per face for view factors, and rays per opening for beams.
 _POINTS, _ANGLES, _BEAMS = 16, 128, 1024
@@ -22,7 +23,7 @@ _POINTS, _ANGLES, _BEAMS = 16, 128, 1024
 # Distance from the slat edges to the openings, as a fraction of the slat width
 _MARGIN = 1e-6
 
-# Change of direction along a segment of a curved slat, at most [rad]
+# Largest change of direction along a segment of a curved slat [rad]
 _SEGMENT_TURN = np.radians(5)
 _MOST_SEGMENTS = 100
 
@@ -51,8 +52,7 @@ class SlatGeometry:
 
     def __post_init__(self) -> None:
         positive([self.width, self.spacing], "width or spacing of the slats", unit="m")
-        tilt_deg = np.degrees(self.tilt)
-        within(tilt_deg, "tilt of the slats", least=-90, most=90, unit="°")
+        within(np.degrees(self.tilt), "tilt of the slats", least=-90, most=90, unit="°")
         radius = abs(self.curvature_radius)
         require(
             radius == 0 or radius > self.width / 2,
@@ -79,14 +79,12 @@ class SlatGeometry:
 
     def polyline(self) -> Points2:
         """Points of a slat from outdoors to indoors, relative to mid-chord [m]."""
+        count = self.segment_count
         if self.curvature_radius:
-            radius = self.curvature_radius
-            half = np.arcsin(self.width / 2 / abs(radius))
-            angle = np.linspace(-half, half, self.segment_count + 1)
-            x = abs(radius) * np.sin(angle)
-            y = radius * (np.cos(angle) - np.cos(half))
+            half = np.arcsin(self.width / 2 / abs(self.curvature_radius))
+            x, y = circular_arc(self.curvature_radius, half, count).T
         else:
-            x = np.linspace(-0.5, 0.5, self.segment_count + 1) * self.width
+            x = np.linspace(-0.5, 0.5, count + 1) * self.width
             y = np.zeros_like(x)
         cos, sin = np.cos(self.tilt), np.sin(self.tilt)
         return np.stack([x * cos - y * sin, x * sin + y * cos], axis=1)
@@ -202,8 +200,7 @@ class SlatCell:
         met = ~parallel & (distance > 0) & (place >= -slack) & (place <= 1 + slack)
         if leaving < self.sky:
             met[:, first + leaving % self.segments] = False
-        nearest = np.argmin(np.where(met, distance, np.inf), axis=1)
-        segment = nearest % self.segments
+        segment = np.argmin(np.where(met, distance, np.inf), axis=1) % self.segments
         below = np.sum(direction * self.normal[segment], axis=1) > 0
         slat = segment + self.segments * below
         opening = np.where(direction[:, 0] > 0, self.room, self.sky)

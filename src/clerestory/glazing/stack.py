@@ -139,8 +139,7 @@ def stack_layers(
             if flux.shape[-1] == 1:
                 flux = np.diagflat(flux)
             value = flux / partition.projected_solid_angles()[:, None]
-            matrix = ScatteringMatrix(value, partition, partition)
-            functions[channel, part] = matrix
+            functions[channel, part] = ScatteringMatrix(value, partition, partition)
     names = tuple(layer.name for layer in layers)
     absorptance = {
         (channel, side): absorbed

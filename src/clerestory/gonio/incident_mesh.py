@@ -119,8 +119,7 @@ def flat_weights(corners: Directions, direction: Vector) -> tuple[Vector, Vector
     """
     disc = corners[:, :2]
     sides = (disc[1:] - disc[0]).T
-    wanted = direction[:2] - disc[0]
-    share, *_ = np.linalg.lstsq(sides, wanted, rcond=_THINNEST)
+    share, *_ = np.linalg.lstsq(sides, direction[:2] - disc[0], rcond=_THINNEST)
     weights = np.zeros(3)
     weights[0], weights[1 : len(corners)] = 1 - share.sum(), share
     return weights, weights[: len(corners)] @ disc
@@ -161,5 +160,4 @@ def _on_rim(mesh: Mesh, direction: Directions) -> tuple[Indices, Values, Directi
     point = np.cos(turn)[..., None] * a + np.sin(turn)[..., None] * across
     nearest = np.einsum("dei,di->de", point, direction).argmax(axis=1)
     row = np.arange(len(direction))
-    share = turn[row, nearest] / angle[nearest]
-    return rim[nearest], share, point[row, nearest]
+    return rim[nearest], turn[row, nearest] / angle[nearest], point[row, nearest]

@@ -76,10 +76,9 @@ class Interpolant(ScatteringFunction):
 
     @cached_property
     def _flux(self) -> Flux:
-        totals = np.array([lobes.total for lobes in self.network.lobes])
         return flux_surface(
             self.network.mesh,
-            totals,
+            np.array([lobes.total for lobes in self.network.lobes]),
             symmetry=self.symmetry,
             quadrant=self.network.quadrant,
         )
@@ -107,11 +106,9 @@ class Interpolant(ScatteringFunction):
         place = locate(self.network.mesh, folded)
         total = self._flux.at(folded)
         for k, matrix in enumerate(matrices):
-            lobes = self._at(place, k, folded[k], float(total[k]))
-            yield lobes.transformed(matrix)
+            yield self._at(place, k, folded[k], float(total[k])).transformed(matrix)
 
     def evaluate(self, incident: Directions, leaving: Directions) -> Values:
-        """BSDF [1/sr] for pairs of directions."""
         incident, leaving = np.broadcast_arrays(incident, leaving)
         shape = incident.shape[:-1]
         source = incident.reshape(-1, 3)
@@ -122,7 +119,6 @@ class Interpolant(ScatteringFunction):
         return value.reshape(shape)
 
     def hemispherical(self, incident: Directions) -> Values:
-        """Directional-hemispherical transmittance or reflectance."""
         source = np.reshape(incident, (-1, 3))
         share = np.empty(len(source))
         for group, lobes in self._grouped(source):
@@ -130,7 +126,6 @@ class Interpolant(ScatteringFunction):
         return share.reshape(np.shape(incident)[:-1])
 
     def sample(self, incident: Directions, u: Points2) -> tuple[Directions, Values]:
-        """Sample exit directions; return them and their probability density [1/sr]."""
         source, u = np.reshape(incident, (-1, 3)), np.reshape(u, (-1, 2))
         leaving, density = np.empty((len(source), 3)), np.empty(len(source))
         raster = Raster.of(_GATHER)
@@ -151,7 +146,6 @@ class Interpolant(ScatteringFunction):
         return np.arange(np.prod(shape, dtype=int)).reshape(shape)
 
     def average(self, exits: RingPartition, incidents: RingPartition) -> ExitIncident:
-        """BSDF averaged over pairs of patches [1/sr]; flux is conserved."""
         into = patches_in_cells(exits, _GATHER)
         raster = Raster.of(_GATHER)
         # Stratified points: rings of equal area, with staggered azimuths
@@ -175,7 +169,6 @@ class Interpolant(ScatteringFunction):
         return 0.0, float(max(peaks))
 
     def reciprocal(self) -> ScatteringFunction:
-        """Return the function with incident and leaving directions exchanged."""
         return ReciprocalFunction(self, halvings=_HALVINGS)
 
     def tabulated(self) -> ScatteringTree:

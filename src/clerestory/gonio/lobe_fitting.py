@@ -160,8 +160,7 @@ def _fitted(points: Points, options: FitOptions, most: int) -> Lobes:
     basis = Lobes(centre, radius, prior).basis(points.direction)
     flux = _solve(basis, points, prior)
     keep = flux > 1e-9 * flux.sum()
-    scale = points.flux / flux.sum()
-    return Lobes(centre[keep], radius[keep], flux[keep] * scale)
+    return Lobes(centre[keep], radius[keep], flux[keep] * (points.flux / flux.sum()))
 
 
 def _placed(

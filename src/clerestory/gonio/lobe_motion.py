@@ -48,7 +48,7 @@ class LobeMotion:
     lobes : lobes at the incident direction
     matrix : for each lobe, matrix from the displacement of the undeviated direction to
         the displacement of the lobe
-    sure : fraction of the variance of lobe displacements that the matrix explains
+    explained : fraction of the variance of lobe displacements that the matrix explains
     """
 
     def __init__(self, network: Network, vertex: int, mean_motion: float) -> None:
@@ -85,11 +85,11 @@ class LobeMotion:
             - 2 * np.einsum("iab,iab->i", self.matrix, along)
             + np.einsum("iab,ibc,iac->i", self.matrix, square, self.matrix)
         )
-        self.sure = np.clip(1 - missed / np.maximum(moved, 1e-30), 0, 1)
+        self.explained = np.clip(1 - missed / np.maximum(moved, 1e-30), 0, 1)
 
     def expected(self, turn: Vector2) -> Points2:
-        """Expected lobe centres in the unit disc; `sure` scales the displacements."""
-        shift = self.sure[:, None] * (self.matrix @ turn)
+        """Expected lobe centres in the unit disc; displacements times `explained`."""
+        shift = self.explained[:, None] * (self.matrix @ turn)
         return np.asarray(self.lobes.centre[:, :2] + shift)
 
     def moved(self, number: Indices, turn: Vector2) -> Lobes:

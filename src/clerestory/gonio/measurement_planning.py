@@ -43,8 +43,7 @@ def recommended_directions(
         candidates, _ = fold(every, symmetry, measured_quadrant(known))
         candidates = candidates[height >= np.cos(np.radians(theta.max()))]
         factors = images(symmetry)
-    about = (known[:, None] * factors).reshape(-1, 3)
-    away = angle_between(candidates[:, None], about)
+    away = angle_between(candidates[:, None], (known[:, None] * factors).reshape(-1, 3))
     near = away.min(axis=1)
     expected = np.repeat(share, len(factors))[away.argmin(axis=1)]
     chosen: list[int] = []

@@ -55,7 +55,7 @@ IN_SERIES = Workers()
 
 @contextmanager
 def _pool(processes: int) -> Iterator[ProcessPoolExecutor]:
-    # Processes that end with the block, at once after an error or an interruption
+    # Pool of processes that end with the `with` block; errors terminate them
     others = set(multiprocessing.active_children())
     pool = ProcessPoolExecutor(
         processes, multiprocessing.get_context("spawn"), initializer=_attend

@@ -171,8 +171,7 @@ class Measurement:
     def __post_init__(self) -> None:
         require(self.scans, "no scan; one per incident direction expected")
         place = self.incidents
-        near = place @ place.T > _COS_SAME
-        pairs = np.argwhere(np.triu(near, 1))
+        pairs = np.argwhere(np.triu(place @ place.T > _COS_SAME, 1))
         if len(pairs):
             first, second = (self.scans[k] for k in pairs[0])
             raise InputError(

@@ -139,8 +139,7 @@ def fold(
 
 def measured_quadrant(incidents: Directions) -> Vector2:
     """Signs of x and y in the measured quarter or half of the hemisphere."""
-    middle = incidents[:, :2].sum(axis=0)
-    return np.where(middle < -1e-9, -1.0, 1.0)
+    return np.where(incidents[:, :2].sum(axis=0) < -1e-9, -1.0, 1.0)
 
 
 def within(

@@ -83,8 +83,7 @@ def _rank_3(interpolant: Source, halvings: int, tolerance: float) -> ScatteringT
     # The first tree coordinate, half the distance from the disc rim, is at most 1/2
     wide, raster = 1 << halvings, Raster.of(halvings)
     radius = 1 - 2 * (np.arange(wide // 2) + 0.5) / wide
-    height = np.sqrt(1 - radius**2)
-    source = np.stack([-radius, 0 * radius, height], axis=-1)
+    source = np.stack([-radius, 0 * radius, np.sqrt(1 - radius**2)], axis=-1)
     cells = [raster.cells(lobes) for lobes in interpolant.lobes_of(source)]
     values = np.zeros((wide, wide * wide))
     values[: len(cells)] = cells
@@ -124,8 +123,7 @@ def _drawn_block(
         turned = np.flip(values, tuple(np.flatnonzero([*flip, *flip])))
         split = turned.reshape(part * part, wide // part, part, wide // part, part)
         leaving = split.transpose(1, 3, 0, 2, 4).reshape((wide // part) ** 2, -1)
-        leaves = leaving[:, morton_order(4, inner)]
-        forests[place] = _grown(leaves, 4, inner, tolerance)
+        forests[place] = _grown(leaving[:, morton_order(4, inner)], 4, inner, tolerance)
     return forests
 
 

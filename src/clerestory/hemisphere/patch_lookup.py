@@ -90,5 +90,4 @@ def _on_disc(
 
 def _find(partition: RingPartition, x: Values, y: Values, z: Values) -> Indices:
     # Horizontal directions belong to the outermost ring
-    height = np.maximum(np.abs(z), 1e-300)
-    return partition.find(np.stack([x, y, height], axis=-1))
+    return partition.find(np.stack([x, y, np.maximum(np.abs(z), 1e-300)], axis=-1))

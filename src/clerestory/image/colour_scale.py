@@ -116,8 +116,7 @@ def logarithmic_scale(
     By default, the scale ends at a round value that 99.5 % of the pixels do not exceed.
     """
     require(
-        0 < decades <= 30,
-        f"scale of {decades:g} decades; above 0, at most 30 expected",
+        0 < decades <= 30, f"scale of {decades:g} decades; above 0, at most 30 expected"
     )
     if largest is None:
         largest = round_up(_covered(picture))

@@ -36,7 +36,7 @@ _LARGEST_HALF = 65504.0
 # Largest ratio of the pixels of a picture to those that are stored
 _MOST_BORDER = 1000
 
-# File descriptors of standard output and standard error, which one thread may redirect
+# File descriptors of standard output and error; one thread at a time redirects them
 _STREAMS = (1, 2)
 _SILENCE = threading.Lock()
 
@@ -122,18 +122,16 @@ def _picture(
         x = [float(number) for number in header["chromaticities"]]
         primaries = Primaries(*zip(x[::2], x[1::2], strict=True))
         if not np.allclose(x, np.ravel(_flat(RADIANCE)), atol=1e-6):
-            matrix = conversion(primaries, RADIANCE)
-            values = values @ matrix.T.astype(np.float32)
+            values = values @ conversion(primaries, RADIANCE).T.astype(np.float32)
     white = float(header.get("whiteLuminance", LUMINOUS_EFFICACY))
     positive(white, "whiteLuminance")
     if white != LUMINOUS_EFFICACY:
         values = values * np.float32(white / LUMINOUS_EFFICACY)
     view = header.get("radianceView")
-    comments = header.get("comments", "")
     return Picture(
         values,
         view=parse_view(view) if isinstance(view, str) else None,
-        header=tuple(str(comments).splitlines()),
+        header=tuple(str(header.get("comments", "")).splitlines()),
         pixel_aspect=1 / max(float(header.get("pixelAspectRatio", 1.0)), 1e-30),
         quantity="irradiance" if header.get("quantity") == "irradiance" else "radiance",
     )

@@ -119,8 +119,7 @@ def _with_extremes(
     # Black pixels are outside the camera image and are excluded from the minimum
     lit = seen & (values > 0) if (values[seen] > 0).any() else seen
     for find, away in ((np.argmin, np.inf), (np.argmax, -np.inf)):
-        place = int(find(np.where(lit, values, away)))
-        row, column = divmod(place, columns)
+        row, column = divmod(int(find(np.where(lit, values, away))), columns)
         text = value_word(float(values[row, column]))
         width, height = text_size(text, letters)
         # Place the label right of the mark if there is space, otherwise left

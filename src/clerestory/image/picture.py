@@ -64,7 +64,7 @@ class Picture:
             values.ndim == 3 and values.shape[2] == bands and values.size > 0,
             f"pixels of shape {values.shape}; (rows, columns, {bands}) expected",
         )
-        if not np.isfinite(values).all():
+        if not np.isfinite([values.min(), values.max()]).all():
             row, column, _ = np.argwhere(~np.isfinite(values))[0]
             raise InputError(
                 f"the pixel in row {row}, column {column} is not finite;"

@@ -6,12 +6,7 @@ import numpy as np
 from jaxtyping import Bool
 
 from clerestory.checks import require
-from clerestory.image.picture import (
-    Picture,
-    photometric,
-    photometric_unit,
-    same_size,
-)
+from clerestory.image.picture import Picture, photometric, photometric_unit, same_size
 
 
 @dataclass(frozen=True)

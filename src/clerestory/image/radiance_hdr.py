@@ -43,10 +43,12 @@ def read_radiance(path: str | Path) -> Picture:
         resolution = parse_resolution(resolution_line)
         rows, width = resolution.scanlines
         pixels = np.frombuffer(data, dtype=np.uint8)[start:]
-        quads = decode(pixels, rows=rows, width=width)
-    values = _physical(_floats(resolution.upright(quads)), header)
+        values, row = np.empty((rows, width, 3), np.float32), 0
+        for quads in decode(pixels, rows=rows, width=width):
+            values[row : row + len(quads)] = _physical(_floats(quads), header)
+            row += len(quads)
     return Picture(
-        values,
+        resolution.upright(values),
         view=header.view,
         header=header.lines,
         pixel_aspect=header.pixel_aspect,

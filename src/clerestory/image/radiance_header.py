@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Float, UInt8
+from jaxtyping import Float, Float32
 
 from clerestory.checks import one_of, require
 from clerestory.colorimetry import RADIANCE, Primaries
@@ -53,8 +53,8 @@ class Resolution:
         return shape[::-1] if self.by_column else shape
 
     def upright(
-        self, pixels: UInt8[np.ndarray, "lines width 4"]
-    ) -> UInt8[np.ndarray, "row column 4"]:
+        self, pixels: Float32[np.ndarray, "lines width 3"]
+    ) -> Float32[np.ndarray, "row column 3"]:
         """Pixels reordered into rows from the top and columns from the left."""
         if self.by_column:
             pixels = pixels.transpose(1, 0, 2)

@@ -7,6 +7,8 @@ In the old format, pixels of four bytes follow each other; the pixel 1 1 1 n rep
 previous pixel n times. Successive repetitions give higher bytes of the count.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 from jaxtyping import Bool, UInt8
 
@@ -19,6 +21,9 @@ SHORTEST, LONGEST = 8, 0x7FFF
 _SHORTEST_RUN, _LONGEST_RUN, _LONGEST_LITERAL = 4, 127, 128
 _RUN = 128
 
+# Number of pixels that are decoded together
+_BLOCK = 1 << 20
+
 _TRUNCATED = "damaged pixel data: the file ends within a scanline"
 _TOO_LONG = "damaged pixel data: a run exceeds its scanline"
 
@@ -27,14 +32,16 @@ _Bytes = UInt8[np.ndarray, " bytes"]
 
 def decode(
     data: _Bytes, *, rows: int, width: int
-) -> UInt8[np.ndarray, "{rows} {width} 4"]:
-    """Return the four bytes of every pixel, scanline by scanline."""
+) -> Iterator[UInt8[np.ndarray, "rows width 4"]]:
+    """Yield the four bytes of every pixel, in blocks of scanlines."""
+    together = max(_BLOCK // width, 1)
     # Uncompressed pixels have four bytes each and no repetitions
     if data.size == rows * width * 4 and not _is_new(data, 0, width):
         quads = data.reshape(rows, width, 4)
-        if not (quads[..., :3] == 1).all(axis=-1).any():
-            return quads
-    parts = []
+        blocks = [quads[first : first + together] for first in range(0, rows, together)]
+        if not any((block[..., :3] == 1).all(axis=-1).any() for block in blocks):
+            yield from blocks
+            return
     start = row = 0
     while row < rows:
         if _is_new(data, start, width):
@@ -43,12 +50,18 @@ def decode(
             found = _find_together(*arguments) or _find_in_order(*arguments)
             codes, starts, end = found
             require(end <= data.size, _TRUNCATED)
-            part = _expand(data[start:end], codes - start, starts - start, width)
+            row += len(starts)
+            borders = [*starts[::together].tolist(), end]
+            for first, stop in enumerate(borders[1:]):
+                lines = starts[first * together : (first + 1) * together]
+                low, high = np.searchsorted(codes, [start, stop])
+                own = codes[low:high] - start
+                yield _expand(data[start:stop], own, lines - start, width)
+                start = stop
         else:
-            part, end = _decode_old(data, start, width)
-        parts.append(part)
-        start, row = end, row + len(part)
-    return np.concatenate(parts)
+            part, start = _decode_old(data, start, width)
+            row += 1
+            yield part
 
 
 def _is_new(data: _Bytes, start: int, width: int) -> bool:
@@ -159,8 +172,7 @@ def _expand(
     borders = width * np.arange(1, 4 * starts.size + 1)
     at = np.searchsorted(ends, borders)
     require(at[-1] < ends.size and (ends[at] == borders).all(), _TOO_LONG)
-    plain = np.repeat(data, times).reshape(starts.size, 4, width)
-    return plain.transpose(0, 2, 1)
+    return np.repeat(data, times).reshape(starts.size, 4, width).transpose(0, 2, 1)
 
 
 def _decode_old(data: _Bytes, start: int, width: int) -> tuple[np.ndarray, int]:

@@ -34,8 +34,7 @@ def to_srgb(
     >>> to_srgb(np.array([[[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]]])).tolist()
     [[[0, 0, 0], [255, 255, 255]]]
     """
-    matrix = conversion(RADIANCE, SRGB).T.astype(display.dtype)
-    linear = np.clip(display @ matrix, 0, 1)
+    linear = np.clip(display @ conversion(RADIANCE, SRGB).T.astype(display.dtype), 0, 1)
     curved = np.where(
         linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055
     )

@@ -59,8 +59,7 @@ def filmic(picture: Picture, *, white: float | None = None) -> Display:
     curve reaches white at about five times this value. The default is `key_luminance`.
     """
     exposed = _BIAS * np.maximum(linear(picture, white=white), 0)
-    shown = _curve(exposed) / _curve(np.array(_WHITE))
-    return np.asarray(shown, dtype=np.float32)
+    return np.asarray(_curve(exposed) / _curve(np.array(_WHITE)), dtype=np.float32)
 
 
 def _curve(x: np.ndarray) -> np.ndarray:

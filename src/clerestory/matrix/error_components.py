@@ -1,14 +1,14 @@
 """Error components of hourly results, compressed to eight bytes per value.
 
-Batches of equal index, modulo eight, are added over all matrices: matrices are
-independent, so the expected variance of any sum of results is unchanged. The components
-are stored as fractions of the standard error, which keeps its full precision.
+Deviations of batches whose indices are equal modulo eight are added, over all matrices:
+matrices are independent, so the expected variance of any sum of results is unchanged.
+The components are stored as fractions of the standard error, which has full precision.
 """
 
 import numpy as np
 from jaxtyping import Float32, Int8, Int16
 
-# Number of components, and the stored value of a component of one standard error
+# Number of components, and the integer that stands for one standard error
 COUNT, UNIT = 8, 127
 
 

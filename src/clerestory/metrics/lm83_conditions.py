@@ -34,7 +34,7 @@ _LOWEST_UP = 0.999
 def departures(
     data: xr.Dataset, *, from_hour: float = FROM_HOUR, to_hour: float = TO_HOUR
 ) -> tuple[str, ...]:
-    """Return the departures of the results of one grid from LM-83, one phrase each.
+    """Return the departures from LM-83 of the results of one grid, in words.
 
     `data` are results of a run, see `Results.data`, for the sensors of one grid.
     """
@@ -57,7 +57,7 @@ def hour_departures(
 
 
 def grid_spacing(position: Float[np.ndarray, "sensor 3"]) -> float:
-    """Return the larger distance between neighbours of a grid's two directions [m].
+    """Return the larger spacing of a grid of sensors in its two directions [m].
 
     The result is the median over the sensors, and infinite for a single sensor.
 

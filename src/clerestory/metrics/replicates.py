@@ -3,9 +3,11 @@
 Each replicate is an illuminance that another run could give: the estimate plus or minus
 each of its error components, with signs from a Hadamard matrix. The standard deviation
 of a metric over the replicates is its standard error, with all correlations between
-hours and sensors. It is exact for means, and counts the hours or sensors that may cross
-a threshold. Reference: P. J. McCarthy, Review of the International Statistical
-Institute 37 (3), 1969.
+hours and sensors. It is exact for means; for metrics with a threshold, it includes the
+hours and sensors that may be on either side.
+
+Reference: P. J. McCarthy, "Pseudo-replication: half samples", Review of the
+International Statistical Institute 37 (3), 1969.
 """
 
 from collections.abc import Iterator, Sequence

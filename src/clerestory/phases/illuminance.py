@@ -11,12 +11,7 @@ from jaxtyping import Float32, Int8
 
 from clerestory.errors import MatrixError
 from clerestory.files import replace_path
-from clerestory.matrix.error_components import (
-    COUNT,
-    UNIT,
-    add_components,
-    compressed,
-)
+from clerestory.matrix.error_components import COUNT, UNIT, add_components, compressed
 from clerestory.matrix.transfer_matrix import illuminance_dataset
 from clerestory.phases.blockwise_product import Block, BlockwiseProduct
 from clerestory.phases.matrix_equation import (

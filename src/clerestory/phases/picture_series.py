@@ -61,8 +61,8 @@ def pictures_over_time(
     The rows of all matrices are the pixels of the camera. With matrices from
     `picture_matrices`, the terms `FIVE_PHASE` give the extended five-phase method.
     """
-    series = _Series(windows, terms, camera, skies, states, errors=False)
-    return (found.picture for found in series.pictures())
+    series = _Series(windows, terms, camera, skies, states, errors=False).pictures()
+    return (found.picture for found in series)
 
 
 def uncertain_pictures_over_time(
@@ -71,12 +71,15 @@ def uncertain_pictures_over_time(
     camera: Camera,
     skies: Skies,
     states: States | None = None,
+    *,
+    errors: bool = True,
 ) -> Iterator[UncertainPicture]:
     """Yield the picture of every time step with its errors; see `pictures_over_time`.
 
-    Matrices with pixels as rows have one error component each.
+    Matrices with pixels as rows have one error component each. Without `errors`, all
+    errors are zero.
     """
-    return _Series(windows, terms, camera, skies, states, errors=True).pictures()
+    return _Series(windows, terms, camera, skies, states, errors).pictures()
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,6 +21,7 @@ from clerestory.engine.radiance_jobs import (
     ExitingRadianceJob,
     estimate_radiance,
 )
+from clerestory.engine.unsampled_light import warn_of_unsampled_light
 from clerestory.engine.work_units import Goal
 from clerestory.errors import InputError
 from clerestory.phases.traced_matrices import warn_if_short
@@ -75,6 +76,7 @@ def precompute_illums(
     patches = _patches(pieces)
     whole = room + panes
     one_of(whole.bands, "bands of the scene", choices=(RGB,))
+    warn_of_unsampled_light(whole)
     job = ExitingRadianceJob(
         scene=whole,
         patches=patches,

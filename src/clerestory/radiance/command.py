@@ -38,11 +38,6 @@ class Inclusion:
     items: tuple[Primitive, ...] = ()
     build: Build | None = None
 
-    @property
-    def copies(self) -> int:
-        """Number of copies."""
-        return sum(map(len, self.placements))
-
 
 def parse_command(text: str, *, find: Callable[[str], Path]) -> Inclusion:
     """Return the content that a command, or a pipe of commands, inserts into a scene.
@@ -154,7 +149,7 @@ def _copies(
     known: OptionLines,
     reading: tuple[str, ...],
 ) -> int:
-    # Number of copies by all options -a and -f; reads the files of -f
+    # Number of copies that the options -a and -f make; the files of -f are read
     count = 1
     for at, word in enumerate(words):
         if word == "-a":
@@ -236,8 +231,8 @@ def _placed(words: list[str]) -> tuple[Placements, list[str]]:
 
 
 def _names(prefixes: list[str], counts: list[int]) -> list[str]:
-    # Name prefix of each copy. Arrays replace each of several -n by the last one, with
-    # the numbers of the copy; without -n, the prefix is a0, a1, …
+    # Name prefix of each copy, as by xform: in arrays, the last -n replaces the others
+    # and the numbers of the copy are added; without -n, the prefix is a0, a1, …
     if not counts:
         return [".".join(prefixes)]
     numbers = [

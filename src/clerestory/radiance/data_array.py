@@ -64,8 +64,7 @@ def read_data_array(path: str | Path) -> DataArray:
     except ValueError as error:
         raise InputError(f"not a data file: {error}", file=path) from error
     reader = _Reader(numbers, path)
-    count = reader.whole("number of axes", 1, _MOST_AXES)
-    axes = [_axis(reader) for _ in range(count)]
+    axes = [_axis(reader) for _ in range(reader.whole("number of axes", 1, _MOST_AXES))]
     shape = tuple(len(a) for a in axes)
     values = reader.take(math.prod(shape), "values").reshape(shape)
     with located(file=path):
@@ -125,8 +124,7 @@ def _interpolated(
         return np.asarray(values[tuple(chosen)])
     (cell, share), rest = cells[0], cells[1:]
     low = _interpolated(values, [*chosen, cell], rest)
-    high = _interpolated(values, [*chosen, cell + 1], rest)
-    return _along(low, high, share)
+    return _along(low, _interpolated(values, [*chosen, cell + 1], rest), share)
 
 
 def _along(

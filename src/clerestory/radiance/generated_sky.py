@@ -57,8 +57,7 @@ def sky_at(weather: Weather, moment: datetime) -> Scene:
         irradiance that of the time step which contains it; the year is ignored if the
         weather data lack it
     """
-    asked = np.datetime64(moment.replace(tzinfo=None), "s")
-    step = step_containing(weather, asked)
+    step = step_containing(weather, np.datetime64(moment.replace(tzinfo=None), "s"))
     if step is None:
         here = select_moment(weather, f"{moment:%m-%d %H:%M}")
     else:

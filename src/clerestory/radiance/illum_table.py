@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.array_types import Vector
 from clerestory.brief_repr import brief
 from clerestory.errors import InputError
 from clerestory.escaping import file_stem, radiance_name
@@ -46,17 +45,6 @@ class LeavingLight:
 
     __repr__ = brief
 
-    def exitance(self) -> Vector:
-        """Radiant exitance of the patch [W/m²]."""
-        weight = _ring_weights(len(self.radiance))
-        return np.asarray(weight @ self.radiance.mean(axis=1))
-
-
-def _ring_weights(rings: int) -> Float[np.ndarray, " ring"]:
-    # Projected solid angle of each ring of polar angles [sr]
-    edge = np.sin(np.linspace(0, np.pi / 2, rings + 1)) ** 2
-    return np.asarray(np.pi * np.diff(edge))
-
 
 def light_pattern(light: LeavingLight) -> FunctionPattern:
     """Return the pattern that gives an emitter of radiance 1 the radiance of a patch.
@@ -66,11 +54,10 @@ def light_pattern(light: LeavingLight) -> FunctionPattern:
     """
     grey = bool(np.ptp(light.radiance, axis=2).max() == 0)
     tables = [_table(light.radiance[..., c]) for c in range(1 if grey else 3)]
-    flat = light.frame[[2, 0, 1]].ravel()
     return FunctionPattern(
         Program(),
         tuple(Name(name) for name in (_GREY if grey else _COLOUR)),
-        tuple(float(x) for x in flat),
+        tuple(float(x) for x in light.frame[[2, 0, 1]].ravel()),
         tables=tuple(tables),
         coordinates=(parse_expression(_FROM_NORMAL), parse_expression(_AROUND)),
     )
@@ -87,7 +74,8 @@ def _table(radiance: Float[np.ndarray, "ring sector"]) -> DataArray:
     theta = np.concatenate([[0.0], middles, [90.0]])
     phi = -180 + sector * (np.arange(sectors + 2) - 0.5)
     table = DataArray((theta, phi), closed)
-    weight = _ring_weights(rings)
+    # Projected solid angle of each ring of polar angles [sr]
+    weight = np.pi * np.diff(np.sin(np.linspace(0, np.pi / 2, rings + 1)) ** 2)
     sent = float(radiance.mean(axis=1) @ weight)
     read = _exitance_of(table)
     return DataArray(table.axes, closed * (sent / read)) if read > 0 else table

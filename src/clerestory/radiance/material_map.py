@@ -63,19 +63,19 @@ class MaterialMap:
 def read_material_map(path: str | Path) -> MaterialMap:
     """Return the material map in a TOML file; relative paths begin at its folder."""
     path = Path(path)
-    told = read_toml(path, _MapFile)
-    known = read_rad(path.parent / told.file).materials if told.file else {}
+    given = read_toml(path, _MapFile)
+    known = read_rad(path.parent / given.file).materials if given.file else {}
     found: dict[str, Material] = {}
-    for name, value in told.materials.items():
+    for name, value in given.materials.items():
         if isinstance(value, str):
             if value not in known:
                 raise InputError(
-                    f'no material "{value}" in {told.file or "a file"}', file=path
+                    f'no material "{value}" in {given.file or "a file"}', file=path
                 )
             found[name] = known[value]
         else:
             found[name] = _material(name, value)
-    return MaterialMap(found, told.scale, told.up)
+    return MaterialMap(found, given.scale, given.up)
 
 
 def _material(name: str, table: _PlasticTable | _GlassTable) -> Material:

@@ -69,11 +69,10 @@ class Placements:
 
     def __iter__(self) -> Iterator[Placement]:
         for copy, prefix in enumerate(self.prefix):
-            transform = self.transform[copy]
-            yield Placement(transform, self.modifier, prefix, self.inverted)
+            yield Placement(self.transform[copy], self.modifier, prefix, self.inverted)
 
     def then(self, outer: "Placements") -> "Placements":
-        """Return each placement followed by each outer one, whose index is slower."""
+        """Return each placement followed by each of `outer`, whose index is slowest."""
         return Placements(
             self.transform.then(outer.transform),
             [_joined(o, own) for o in outer.prefix for own in self.prefix],

@@ -143,8 +143,7 @@ def _sphere(given: Arguments) -> Simple | None:
 
 
 def _cone(given: Arguments) -> Simple | None:
-    straight = given.item.kind in ("cylinder", "tube")
-    value = given.reals(7 if straight else 8)
+    value = given.reals(7 if given.item.kind in ("cylinder", "tube") else 8)
     radii, inward = value[6:], given.item.kind in ("cup", "tube")
     if np.abs(radii).max() <= _TINY or radii.min() < -_TINY < _TINY < radii.max():
         listed = ", ".join(f"{r:g}" for r in radii)

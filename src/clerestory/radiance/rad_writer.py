@@ -30,8 +30,7 @@ def format_rad(scene: Scene, *, bsdf_file: Mapping[str, str | Path]) -> str:
     for number, surface in enumerate((*scene.surfaces, *scene.distant), 1):
         name = radiance_name(surface.name or f"surface{number}")
         for shape in _shapes(surface):
-            modifier = name_of[surface.material]
-            made = primitive(modifier, shape.kind, name, shape.reals)
+            made = primitive(name_of[surface.material], shape.kind, name, shape.reals)
             writer.text.append(primitive_text(made))
     return "\n".join(writer.text)
 

@@ -1,7 +1,7 @@
-"""Items of scene files that are placed, and copies of them.
+"""Copies of surfaces by arrays and by files that are placed repeatedly.
 
 The surfaces of a file that is placed repeatedly are transformed together. This requires
-that its materials do not depend on the placement, and that no name has two meanings.
+that its materials do not depend on the placement, and that no name has two definitions.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -11,15 +11,8 @@ import numpy as np
 
 from clerestory.radiance.placement import Placement, Placements
 from clerestory.radiance.statements import Command, Directive, PolygonRun
-from clerestory.scene.model import Scene, Simple, TriangleMesh
+from clerestory.scene.model import Scene, Simple
 from clerestory.scene.primitive import Primitive
-
-# Largest number of surfaces that arrays, instances and repeated files may add
-MOST_REPEATED = 1_000_000
-
-# Cost of a surface that is placed one by one, relative to surfaces placed together, and
-# vertices or triangles that cost as much as one surface
-SLOW, _VERTICES = 10, 10
 
 # Types of materials that do not depend on the placement
 _FIXED = {"plastic", "metal", "trans", "glass", "mirror", "light", "illum", "alias"}
@@ -55,16 +48,16 @@ class Placed:
 
 @dataclass(frozen=True)
 class Materials:
-    """Definitions that do not depend on the placement, with their files; names used."""
+    """Definitions of materials, with their files, and names of all materials used."""
 
     definitions: tuple[tuple[Primitive, str], ...] = ()
     used: frozenset[str] = frozenset()
 
 
 def joined(found: Iterable[Materials | None]) -> Materials | None:
-    """Return the materials of consecutive contents, each of which is used many times.
+    """Combine the materials of contents that are placed one after another, repeatedly.
 
-    None if the materials of one are None, or if a name has two meanings.
+    None if one of them is None, or if a name is used before its definition or has two.
     """
     known: dict[str, tuple[Primitive, str]] = {}
     used: set[str] = set()
@@ -132,20 +125,3 @@ def _merged(runs: list[PolygonRun]) -> PolygonRun:
         np.concatenate([[0], *ends]),
         np.concatenate([run.vertices for run in runs]),
     )
-
-
-def own_size(items: Iterable[Item | Command]) -> int:
-    """Return the number of surfaces and definitions, without what commands insert.
-
-    Ten vertices of a polygon, or ten triangles of a mesh, count as a surface.
-    """
-    size = 0
-    for item in items:
-        match item:
-            case PolygonRun():
-                size += max(len(item.modifier), len(item.vertices) // _VERTICES)
-            case TriangleMesh():
-                size += 1 + len(item.faces) // _VERTICES
-            case _:
-                size += 1
-    return size

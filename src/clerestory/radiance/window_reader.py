@@ -45,8 +45,7 @@ def read_window(path: str | Path) -> Window:
     groups = _groups(path)
     names = list(groups)
     name = names[0] if len(names) == 1 and names[0] != "void" else Path(path).stem
-    panes = [pane for group in groups.values() for pane in group]
-    return _window(name, panes)
+    return _window(name, [pane for group in groups.values() for pane in group])
 
 
 def read_windows(*paths: str | Path) -> tuple[Window, ...]:

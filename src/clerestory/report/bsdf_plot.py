@@ -146,9 +146,7 @@ def share_figure(
     return figure
 
 
-def _disc(
-    function: Function,
-) -> tuple[Float[np.ndarray, "row column 3"], np.ndarray]:
+def _disc(function: Function) -> tuple[Float[np.ndarray, "row column 3"], np.ndarray]:
     # Exit direction of each pixel, row 0 at the bottom, and whether it is on the disc
     line = (np.arange(_PIXELS) + 0.5) / _PIXELS * 2 - 1
     x, y = np.meshgrid(line, line)

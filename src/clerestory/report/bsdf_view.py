@@ -101,8 +101,7 @@ def view_data(bsdf: Bsdf) -> dict[str, Any]:
                 left_out.append(f"{channel} {name.replace('_', ' ')}")
                 continue
             room -= len(exits) * len(incidents)
-            values = part.average(exits, incidents)
-            shown = ScatteringMatrix(values, exits, incidents)
+            shown = ScatteringMatrix(part.average(exits, incidents), exits, incidents)
             functions.append(_function_data(shown, channel, name))
     return {
         "functions": functions,
@@ -167,5 +166,4 @@ def _subtitle(bsdf: Bsdf, file: str) -> str:
         if isinstance(part, ScatteringMatrix)
         else f"tensor tree, shown on cells of {_CELL_DEG:g}°"
     )
-    words = (file, bsdf.product.manufacturer, kind)
-    return " · ".join(word for word in words if word)
+    return " · ".join(word for word in (file, bsdf.product.manufacturer, kind) if word)

@@ -146,8 +146,7 @@ def scan_figure(
     size = (1.9 * len(stamps) + 1.2, 3 * height + 1)
     figure = Figure(figsize=size, layout="constrained")
     panels = figure.subplots(3, len(stamps), squeeze=False)
-    values = np.concatenate([pairs.measured, pairs.simulated])
-    limits = np.percentile(values, [2, 98])
+    limits = np.percentile(np.concatenate([pairs.measured, pairs.simulated]), [2, 98])
     for column, stamp in enumerate(stamps):
         part = pairs.where(pairs.times.astype("datetime64[h]") == stamp)
         where = spots[part.series]
@@ -169,14 +168,13 @@ def scan_figure(
 def _map(
     panel: Axes, where: np.ndarray, values: np.ndarray, limits: tuple[float, float]
 ) -> Any:
-    signed = limits[0] < 0
     drawn = panel.scatter(
         where[:, 0],
         where[:, 1],
         c=values,
         s=42,
         marker="s",
-        cmap="RdBu_r" if signed else "viridis",
+        cmap="RdBu_r" if limits[0] < 0 else "viridis",
         vmin=limits[0],
         vmax=limits[1],
         lw=0,

@@ -32,8 +32,7 @@ def lamps_section(content: ReportContent) -> Section:
             )
         )
         drawing = maps[-1].drawing(content.grid, occupied=content.occupied)
-        text = _words(zone, content)
-        zones.append({"name": name, "text": text, "map": drawing})
+        zones.append({"name": name, "text": _words(zone, content), "map": drawing})
     return Section(render("lamps.html", zones=zones), maps=maps)
 
 

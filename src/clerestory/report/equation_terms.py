@@ -11,12 +11,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float, Int
 
-from clerestory.phases.methods import (
-    DIRECT_IN_PATCHES,
-    DIRECT_SUN,
-    METHODS,
-    MethodName,
-)
+from clerestory.phases.methods import DIRECT_IN_PATCHES, DIRECT_SUN, METHODS, MethodName
 from clerestory.report.content import ReportContent
 from clerestory.report.embedded_data import CODE_STEP, illuminance_codes, packed
 from clerestory.report.markup import Markup, drawing, element, render

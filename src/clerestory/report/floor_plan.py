@@ -87,8 +87,7 @@ def plan_frame(
     )
     frame = PlanFrame(identifier, low, high, scale, "", level, cells, points)
     inside = np.all((segments > low - 1) & (segments < high + 1), axis=2).any(axis=1)
-    walls = _paths(frame.place(_longest(segments[inside])))
-    return replace(frame, walls=walls)
+    return replace(frame, walls=_paths(frame.place(_longest(segments[inside]))))
 
 
 def plan(
@@ -178,8 +177,7 @@ def _paths(outlines: Float[np.ndarray, "outline corner 2"]) -> str:
 
 def _window(frame: PlanFrame, window: WindowSurface, *, reversed_: bool) -> Markup:
     vertices, faces = weld(window.corners)
-    edges = feature_edges(vertices, faces)
-    outline = frame.place(vertices[edges[:, :2], :2])
+    outline = frame.place(vertices[feature_edges(vertices, faces)[:, :2], :2])
     overhead = " overhead" if abs(window.normal[2]) > 0.7 else ""
     glass = element("path", d=_paths(outline), class_=f"window{overhead}")
     flat = window.normal[:2]

@@ -68,9 +68,7 @@ def fit_figure(measurement: Measurement, interpolant: Interpolant, scan: int) ->
 
 
 def between_figure(
-    interpolant: Interpolant,
-    start: Float[np.ndarray, "3"],
-    end: Float[np.ndarray, "3"],
+    interpolant: Interpolant, start: Float[np.ndarray, "3"], end: Float[np.ndarray, "3"]
 ) -> Figure:
     """Draw the BSDF at two incident directions, and interpolated half-way between them.
 

@@ -16,12 +16,7 @@ from clerestory.report.view_glare import view_glare
 
 Members = Int[np.ndarray, " member"]
 
-_TITLES = (
-    "Mean illuminance",
-    "Daylight autonomy",
-    "Useful illuminance",
-    "Too bright",
-)
+_TITLES = ("Mean illuminance", "Daylight autonomy", "Useful illuminance", "Too bright")
 _METHODS = {
     "2-phase": "Two-phase method: daylight coefficients",
     "3-phase": "Three-phase method: view, transmission, daylight and sky matrices",
@@ -34,12 +29,11 @@ _METHODS = {
 def headline(content: ReportContent) -> Markup:
     """Return the title, the key figures of the first grid, and their uncertainty."""
     maps = {metric.key: metric for metric in metric_maps(content.metrics)}
-    places = (content.place, period_words(content.times))
     return render(
         "headline.html",
         title=content.title,
         method=_METHODS.get(content.method, content.method),
-        places=" · ".join(filter(None, places)),
+        places=" · ".join(filter(None, (content.place, period_words(content.times)))),
         lead=_lead(content, maps),
         warnings=_warnings(content),
         figures=_key_figures(content, maps),

@@ -153,12 +153,11 @@ def _schedule(grid: DayHourGrid, occupied: Bool[np.ndarray, " time"]) -> Markup:
     share = grid.fill(occupied.astype(float))
     known = np.isfinite(share)
     usual = np.where(known, share, 0).sum(axis=1) > 0.5 * known.sum(axis=1)
-    edges = np.flatnonzero(np.diff(usual.astype(int))) + 1
     lines = (
         element(
             "path", d=f"M{_LEFT},{_TOP + _HEIGHT * (1 - e / grid.bins):.1f}h{_WIDTH}"
         )
-        for e in edges.tolist()
+        for e in (np.flatnonzero(np.diff(usual.astype(int))) + 1).tolist()
     )
     return element("g", *lines, class_="schedule")
 

@@ -27,7 +27,8 @@ def methods_section(content: ReportContent) -> Section:
             chosen = np.ix_(members, hours)
             found = differences(lux[chosen], illuminance[-1][chosen])
             mean = number(float(lux[chosen].mean()))
-            rows.append((name, [grid, mean, *map(_percent, found)]))
+            shares = [f"{x:.1f} %" if np.isfinite(x) else "–" for x in found]
+            rows.append((name, [grid, mean, *shares]))
     return Section(
         render(
             "methods.html",
@@ -37,7 +38,3 @@ def methods_section(content: ReportContent) -> Section:
             rows=rows,
         )
     )
-
-
-def _percent(value: float) -> str:
-    return f"{value:.1f} %" if np.isfinite(value) else "–"

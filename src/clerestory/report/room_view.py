@@ -31,8 +31,7 @@ def room_view(
     `means` is the mean illuminance of each sensor [lux], shown as colour.
     """
     chosen = largest_triangles(content.room.corners)
-    corners = content.room.corners[chosen]
-    vertices, faces = weld(corners)
+    vertices, faces = weld(content.room.corners[chosen])
     low, high = framed_box(content)
     windows = [
         {

@@ -49,8 +49,7 @@ def _lines(
 ) -> Float[np.ndarray, " line"]:
     # Coordinates of the rows or columns of a grid
     ordered = np.sort(coordinate)
-    starts = np.flatnonzero(np.diff(ordered, prepend=-np.inf) > tolerance)
-    return ordered[starts]
+    return ordered[np.flatnonzero(np.diff(ordered, prepend=-np.inf) > tolerance)]
 
 
 def _step(lines: Float[np.ndarray, " line"], spacing: float) -> float:

@@ -114,8 +114,7 @@ def year_figure(weather: Weather) -> Figure:
 
 
 def _place(weather: Weather) -> str:
-    name = weather.place.replace("_", " ").strip() or "unnamed place"
-    return figure_text(name)
+    return figure_text(weather.place.replace("_", " ").strip() or "unnamed place")
 
 
 def _altitude_axes(figure: Figure) -> PolarAxes:
@@ -133,8 +132,7 @@ def _altitude_axes(figure: Figure) -> PolarAxes:
 def _sun_path(axes: PolarAxes, weather: Weather, formula: SunFormula) -> None:
     # Sun path of the day with marks at full hours, and the sun at the time step
     day = weather.times[0].astype("datetime64[D]").astype("datetime64[s]")
-    minutes = day + 60 * np.arange(0, 24 * 60 + 1, 5)
-    azimuth, zenith = _sun(weather, minutes, formula)
+    azimuth, zenith = _sun(weather, day + 60 * np.arange(0, 24 * 60 + 1, 5), formula)
     shown = np.where(zenith > 90, np.nan, zenith)
     axes.plot(azimuth, shown, color="white", linewidth=2.6, solid_capstyle="round")
     axes.plot(azimuth, shown, color=_SUN_COLOUR, linewidth=1.2)

@@ -22,11 +22,7 @@ from clerestory.image.tone_curves import filmic, key_luminance
 from clerestory.report.colour import logarithmic_scale, value_colours
 from clerestory.report.content import ReportContent
 from clerestory.report.view_glare import glare_note, view_glare
-from clerestory.report.window_states import (
-    states_note,
-    table_name,
-    window_states,
-)
+from clerestory.report.window_states import states_note, table_name, window_states
 
 Pixels = UInt8[np.ndarray, "row column 3"]
 
@@ -129,8 +125,7 @@ def luminance_scale(pictures: Sequence[Picture]) -> ColourScale:
 
 def as_luminance(picture: Picture, scale: ColourScale) -> Pixels:
     """Return a false-colour luminance image in sRGB; white outside the view."""
-    luminance = photometric(picture).astype(float)
-    return _on_paper(value_colours(scale, luminance), picture)
+    return _on_paper(value_colours(scale, photometric(picture).astype(float)), picture)
 
 
 def _on_paper(pixels: Pixels, picture: Picture) -> Pixels:

@@ -7,11 +7,7 @@ from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product_data import Product
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.hemisphere.klems import klems
-from clerestory.report.bsdf_plot import (
-    direction_from_angles,
-    lobe_figure,
-    share_figure,
-)
+from clerestory.report.bsdf_plot import direction_from_angles, lobe_figure, share_figure
 from clerestory.report.content import ReportContent
 from clerestory.report.embedded_data import figure_png, image_address
 from clerestory.report.markup import Markup, element, render

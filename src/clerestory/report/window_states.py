@@ -36,8 +36,7 @@ class WindowStates:
     def colours(self) -> UInt8[np.ndarray, "kind 3"]:
         """Colour of each state, from light for open to dark for closed."""
         place = np.linspace(0.08, 0.92, max(len(self.names), 2))[: len(self.names)]
-        shades = colormaps["YlGnBu"](place)
-        return np.round(255 * shades[:, :3]).astype(np.uint8)
+        return np.round(255 * colormaps["YlGnBu"](place)[:, :3]).astype(np.uint8)
 
 
 def window_states(data: xr.Dataset) -> tuple[WindowStates, ...]:

@@ -1,25 +1,28 @@
-"""Overlapping coplanar surfaces, of which rays meet one or the other by rounding.
+"""Overlapping coplanar surfaces, of which rounding decides which one a ray meets.
 
-Triangles are grouped by plane; in planes with different labels, overlapping bounding
-boxes are found by a sweep and triangles tested by separating axes.
+Triangles are grouped by plane. In each plane, a sweep finds overlapping bounding boxes
+of triangles with different labels, and the separating axis test those that overlap.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from clerestory.array_types import Vector
-from clerestory.scene.model import Scene, same_material
-from clerestory.scene.proximity import first_hits
+from clerestory.scene.model import Material, Scene, Sphere, same_material
+from clerestory.scene.proximity import Triangulation, first_hits
 from clerestory.scene.surface import surface_label
-from clerestory.scene.tessellate import Mesh
 
-# Distance below which planes coincide: relative to the size of the scene, at most [m]
+# Distance below which planes coincide: fraction of the scene's size, and maximum [m]
 _SAME, _MOST_APART = 1e-6, 2e-5
 
-# Width of the classes of plane offsets [distances]: no multiple of round coordinates
+# Width of the bins of plane offsets, as a multiple of that distance; not a round
+# number, so that planes at round coordinates are not at the limit of two bins
 _CLASS = 12.345678
+
+# Number of triangles whose planes are found together
+_BLOCK = 100_000
 
 # Largest number of triangle pairs per plane that are tested; further pairs are skipped
 _MOST_PAIRS = 4_000_000
@@ -28,14 +31,18 @@ _MOST_PAIRS = 4_000_000
 _MOST_EXAMINED = 20
 
 
-def check_coplanar(scene: Scene, parts: Sequence[Mesh]) -> Iterator[str]:
+def check_coplanar(scene: Scene, triangles: Triangulation) -> Iterator[str]:
     """Yield a warning about coplanar overlapping surfaces of different materials.
 
-    `parts` are the meshes of the scene. Faces of opposite orientation that touch inside
-    a solid, such as furniture on a floor, are no overlap.
+    Faces of opposite orientation that touch inside a solid, such as furniture on a
+    floor, are no overlap. Spheres have no plane.
     """
-    corner = np.concatenate([m.vertices[m.faces] for m in parts])
-    surface = np.concatenate([m.surface for m in parts])
+    corner, surface = triangles.corner, triangles.surface
+    plane = np.array([not isinstance(each, Sphere) for each in scene.surfaces])
+    if not plane.all():
+        corner, surface = corner[plane[surface]], surface[plane[surface]]
+    if not len(corner):
+        return
     label = np.array(_material_numbers(scene))[surface]
     low, high = corner.min(axis=(0, 1)), corner.max(axis=(0, 1))
     near = min(_SAME * float((high - low).max()), _MOST_APART)
@@ -64,11 +71,20 @@ def check_coplanar(scene: Scene, parts: Sequence[Mesh]) -> Iterator[str]:
 def _material_numbers(scene: Scene) -> list[int]:
     # Number of each surface's material; equal materials have one number
     number: dict[str, int] = {}
+    known: dict[object, list[str]] = {}
     for name, material in scene.materials.items():
-        alike = (n for n in number if same_material(material, scene.materials[n]))
-        found = next(alike, None)
-        number[name] = len(number) if found is None else number[found]
+        group = known.setdefault(_figures(material), [])
+        alike = (n for n in group if same_material(material, scene.materials[n]))
+        number[name] = number.get(next(alike, ""), len(number))
+        group.append(name)
     return [number[surface.material] for surface in scene.surfaces]
+
+
+def _figures(material: Material) -> tuple[object, ...]:
+    # Kind and numbers of a material, by which few of those that differ are alike
+    values = vars(material).values()
+    numbers = (v for v in values if isinstance(v, float | int | np.ndarray))
+    return type(material), *(tuple(np.ravel(v).tolist()) for v in numbers)
 
 
 def overlapping_pairs(
@@ -81,43 +97,48 @@ def overlapping_pairs(
     Planes coincide, and edges touch, within the distance `near`.
     """
     middle = corner.reshape(-1, 3).mean(axis=0)
+    blocks = [
+        _keys(corner[first : first + _BLOCK] - middle, max(near, 1e-300))
+        for first in range(0, len(corner), _BLOCK)
+    ]
     pairs = [
         _pairs(corner[of] - middle, label[of], of, near)
-        for of in _planes(corner - middle, label, max(near, 1e-300))
+        for of in _planes(np.concatenate(blocks), label)
     ]
     return np.concatenate([np.empty((0, 2), dtype=int), *pairs])
 
 
-def _planes(
-    corner: Float[np.ndarray, "triangle 3 3"],
-    label: Int[np.ndarray, " triangle"],
-    near: float,
-) -> Iterator[Int[np.ndarray, " triangle"]]:
-    # Triangles of each plane that has more than one label
+def _keys(
+    corner: Float[np.ndarray, "triangle 3 3"], near: float
+) -> Int[np.ndarray, " triangle"]:
+    # Hash of the rounded normal and offset of each plane; 0 without area
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     length = np.linalg.norm(normal, axis=1)
-    flat = np.flatnonzero(length > 0)
-    normal = normal[flat] / length[flat, None]
+    normal /= np.where(length > 0, length, 1)[:, None]
     lead = np.argmax(np.abs(normal) > 1e-6, axis=1)
-    normal *= np.sign(normal[np.arange(len(flat)), lead])[:, None]
-    offset = np.einsum("tx,tx->t", normal, corner[flat].mean(axis=1))
-
-    # Sort by a hash of the rounded normal and offset
-    facing = np.round(normal * 1e5).astype(np.int64)
+    normal *= np.sign(normal[np.arange(len(normal)), lead])[:, None]
+    offset = np.einsum("tx,tx->t", normal, corner.mean(axis=1))
+    x, y, z = np.round(normal * 1e5).astype(np.int64).T
     height = np.round(offset / (_CLASS * near)).astype(np.int64)
-    key = ((facing[:, 0] * 1_000_003 + facing[:, 1]) * 1_000_003 + facing[:, 2]) * (
-        2_654_435_761
-    ) + height
+    key = ((x * 1_000_003 + y) * 1_000_003 + z) * 2_654_435_761 + height
+    return np.asarray(np.where(length > 0, key, 0))
+
+
+def _planes(
+    key: Int[np.ndarray, " triangle"], label: Int[np.ndarray, " triangle"]
+) -> Iterator[Int[np.ndarray, " triangle"]]:
+    # Triangles of each plane that has more than one label
     order = np.argsort(key, kind="stable")
+    order = order[key[order] != 0]
     starts = np.flatnonzero(np.diff(key[order], prepend=key[order][:1] - 1))
     if not len(starts):
         return
-    labels = label[flat[order]]
+    labels = label[order]
     least = np.minimum.reduceat(labels, starts)
     mixed = np.flatnonzero(least != np.maximum.reduceat(labels, starts))
     ends = np.append(starts[1:], len(order))
     for plane in mixed:
-        yield flat[order[starts[plane] : ends[plane]]]
+        yield order[starts[plane] : ends[plane]]
 
 
 def _in_contact(
@@ -130,7 +151,7 @@ def _in_contact(
     small = min((one, other), key=lambda n: float(np.linalg.norm(_normal(corner[n]))))
     facing = _normal(corner[small])
     facing = facing / np.linalg.norm(facing)
-    # A point that is on no diagonal of an opposite rectangle, as the centroid can be
+    # A point inside; the centroid could lie on a diagonal of the opposite rectangle
     middle = np.array([0.47, 0.31, 0.22]) @ corner[small]
     return any(
         _inside(middle + side * 30 * near * facing, side * facing, corner, near)
@@ -139,12 +160,9 @@ def _in_contact(
 
 
 def _inside(
-    point: Vector,
-    along: Vector,
-    corner: Float[np.ndarray, "triangle 3 3"],
-    near: float,
+    point: Vector, along: Vector, corner: Float[np.ndarray, "triangle 3 3"], near: float
 ) -> bool:
-    # Whether the first face that a ray meets, perhaps with another, is seen from behind
+    # Whether a ray first meets the back of a face; a coincident front does not hide it
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     leaving = normal @ along > 0
     back, front = (

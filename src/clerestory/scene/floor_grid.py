@@ -43,16 +43,14 @@ def floor_grid(
     in metres.
     """
     walls = _walls(scene, [window, *others])
-    side = room_side(scene, window)
-    start = _centre(window) + _START * side * window.frame.normal
+    start = _centre(window) + _START * room_side(scene, window) * window.frame.normal
     inside = _filled(walls, _centred(walls, start, spacing), spacing)
     drop = np.array([first_hits(p, -_UP[None], walls.corner)[0] for p in inside])
     floor = _most_frequent(inside[:, 2] - drop)
 
     # Sensors inside or below furniture are omitted
     free = inside[:, 2] - drop < floor + height - _SAME
-    below = np.isfinite(drop) & free & (inside[:, 2] > floor + height)
-    position = inside[below]
+    position = inside[np.isfinite(drop) & free & (inside[:, 2] > floor + height)]
     require(
         len(position),
         f'no free floor was found behind "{window.name}"; a sensor file expected',
@@ -113,8 +111,7 @@ def _filled(
     while waiting:
         cell = waiting.pop()
         point = start + spacing * np.array([*cell, 0.0])
-        near = walls.near(point, spacing)
-        free = first_hits(point, _SIDEWAYS, near.corner) > spacing
+        free = first_hits(point, _SIDEWAYS, walls.near(point, spacing).corner) > spacing
         for step in _SIDEWAYS[free].astype(int).tolist():
             there = (cell[0] + step[0], cell[1] + step[1])
             require(

@@ -97,7 +97,7 @@ class Emitter(Material, ABC):
 
 
 # Largest numbers of materials in a nested material, and of materials of one name
-_MOST_PARTS, _MOST_MEANINGS = 100, 200
+_MOST_PARTS, _MOST_DEFINITIONS = 100, 200
 
 Argument = str | float | Material | Pattern | Bsdf
 Parameter = float | np.ndarray | Material | Pattern | Bsdf
@@ -132,7 +132,7 @@ def with_colours(
 def require_few_parts(material: Material) -> None:
     """Raise an error if a material is composed of more than 100 materials.
 
-    A mixture of a mixture counts all its materials, as often as they occur.
+    Each occurrence of a material in nested mixtures is counted.
     """
     waiting, count = [material], 0
     while waiting:
@@ -159,11 +159,11 @@ def insert_material(materials: dict[str, Material], material: Material) -> str:
             return key
         count += 1
         key = f"{stem}#{count}"
-        if count > _MOST_MEANINGS:
+        if count > _MOST_DEFINITIONS:
             raise error_at(
                 material.source,
-                f'the material "{stem}" is defined in more than {_MOST_MEANINGS} ways;'
-                " different names expected",
+                f'the material "{stem}" has more than {_MOST_DEFINITIONS} different'
+                " definitions; different names expected",
             )
     materials[key] = material if key == material.name else altered(material, name=key)
     return key

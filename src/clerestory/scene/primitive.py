@@ -157,8 +157,8 @@ class Definition(Arguments):
     """Arguments of a material, with access to the materials and files that they name.
 
     `placed` is the transform of the scene file. The functions return a material by
-    name, the BSDF in a file, a vector (a pattern if it varies) given by the three
-    expressions from an index on, the foreground fraction of a mixture, and the specular
+    name, the BSDF in a file, the vector of three expressions from an index on (a
+    pattern if it varies), the foreground fraction of a mixture, and the specular
     reflection and transmission of a BRTDfunc.
     """
 

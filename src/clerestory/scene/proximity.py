@@ -6,7 +6,7 @@ The functions evaluate one point at a time; they check sensors and do not render
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from clerestory.array_types import RayValues, RayVectors, Vector
 
@@ -23,6 +23,13 @@ class Triangulation:
         for name, of in (("_low", np.min), ("_high", np.max)):
             box = np.ascontiguousarray(of(self.corner, axis=1).T)
             object.__setattr__(self, name, box)
+
+    def of(self, chosen: Bool[np.ndarray, " surface"]) -> "Triangulation":
+        """Return the triangles of chosen surfaces."""
+        if chosen.all():
+            return self
+        kept = chosen[self.surface]
+        return Triangulation(self.corner[kept], self.surface[kept])
 
     def near(self, point: Vector, reach: float) -> "Triangulation":
         """Return the triangles with bounding boxes within `reach` [m] of a point."""

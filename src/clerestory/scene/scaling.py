@@ -4,7 +4,7 @@ Radiance and irradiance do not depend on the unit of length. Besides coordinates
 thicknesses, radii and transmissivities per metre of materials are converted.
 """
 
-from dataclasses import fields, replace
+from dataclasses import fields, is_dataclass, replace
 from functools import lru_cache
 from typing import Literal, Protocol, TypeVar, runtime_checkable
 
@@ -41,7 +41,7 @@ class WithLengths(Protocol):
     """A value that can be scaled."""
 
     def scaled(self, factor: float) -> object:
-        """Return the value with all lengths multiplied."""
+        """Return the value with all lengths multiplied by a factor."""
 
 
 # Fields of materials that are lengths [m], and that are transmissivities [1/m]
@@ -53,7 +53,7 @@ _TRANSMISSIVITIES: dict[type[Material], tuple[str, ...]] = {
 
 
 def scaled(value: _Scaled, factor: float) -> _Scaled:
-    """Return a scene, window, sensors or a view with all lengths multiplied.
+    """Return a scene, window, sensors or a view with all lengths times a factor.
 
     Tuples are scaled item by item; values without lengths are returned unchanged.
 
@@ -122,6 +122,8 @@ def _pattern(pattern: Pattern, factor: float) -> Pattern:
     if isinstance(pattern, Product):
         return Product(tuple(_pattern(part, factor) for part in pattern.factors))
     own = getattr(pattern, "transform", None)
-    if not isinstance(own, Transform) or not pattern.needs_point:
+    if not (isinstance(own, Transform) and is_dataclass(pattern)):
         return pattern
-    return replace(pattern, transform=own.then(_transform(factor)))  # type: ignore
+    if not pattern.needs_point:
+        return pattern
+    return replace(pattern, transform=own.then(_transform(factor)))

@@ -74,16 +74,14 @@ def check_scene(
     corner = np.concatenate([m.vertices[m.faces] for m in parts])
     triangles = Triangulation(corner, np.concatenate([m.surface for m in parts]))
     box = scene.bounds()
-    findings = [*_size(box), *check_coplanar(scene, parts)]
+    findings = [*_size(box), *check_coplanar(scene, triangles)]
     for window in windows:
         findings += _window(window, scene, box, triangles, sensors)
     if sensors is not None and len(sensors):
         findings += _height(sensors.position, triangles)
         findings += _sensors(sensors, box, windows)
         opaque = np.array([scene.materials[s.material].opaque for s in scene.surfaces])
-        kept = opaque[triangles.surface]
-        solid = Triangulation(triangles.corner[kept], triangles.surface[kept])
-        findings += _surroundings(sensors, box, solid)
+        findings += _surroundings(sensors, box, triangles.of(opaque))
     return tuple(findings)
 
 
@@ -205,8 +203,7 @@ def _surroundings(
 
 def _hemisphere(direction: Vector) -> RayVectors:
     # Uniform directions over the hemisphere around a sensor's direction, on a spiral
-    helper = np.eye(3)[np.argmin(np.abs(direction))]
-    frame = Frame.from_normal_up(direction, helper)
+    frame = Frame.from_normal_up(direction, np.eye(3)[np.argmin(np.abs(direction))])
     cosine = (np.arange(_RAYS) + 0.5) / _RAYS
     angle = np.arange(_RAYS) * np.pi * (3 - np.sqrt(5))
     sine = np.sqrt(1 - cosine**2)

@@ -221,9 +221,7 @@ def area_vectors(
 ) -> Float[np.ndarray, "polygons 3"]:
     """Return the normals of polygons, with the areas [m²] as lengths."""
     length = np.diff(first)
-    origin = vertices[first[:-1]]
-    local = vertices - np.repeat(origin, length, axis=0)
+    local = vertices - np.repeat(vertices[first[:-1]], length, axis=0)
     following = np.roll(local, -1, axis=0)
     following[first[1:] - 1] = local[first[:-1]]
-    crossed = np.cross(local, following) / 2
-    return np.add.reduceat(crossed, first[:-1], axis=0)
+    return np.add.reduceat(np.cross(local, following) / 2, first[:-1], axis=0)

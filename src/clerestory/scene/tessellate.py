@@ -17,6 +17,7 @@ from jaxtyping import Bool, Float, Int
 
 from clerestory.array_types import Faces, Vector, Vertices
 from clerestory.brief_repr import brief
+from clerestory.errors import located
 from clerestory.scene.model import (
     Cone,
     Material,
@@ -102,7 +103,9 @@ def _parts(
 
 def _triangles(surface: Surface) -> Triangles:
     if isinstance(surface, Polygon):
-        return triangulate(surface.vertices)
+        place = vars(surface.source) if surface.source else {"file": None}
+        with located(**place):
+            return triangulate(surface.vertices)
     if isinstance(surface, TriangleMesh):
         return Triangles(surface.vertices, surface.faces)
     return curved_triangles(surface)

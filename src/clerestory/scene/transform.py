@@ -4,9 +4,7 @@ Points are row vectors, as in Radiance: p' = p @ matrix.
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import partial
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -80,7 +78,7 @@ class Transforms:
     def then(self, outer: "Transforms", *, slow: bool = True) -> "Transforms":
         """Return each transform followed by each of `outer`.
 
-        The index of `outer` is the slower one, or the faster one unless `slow`.
+        The index of `outer` varies slowest if `slow`, and fastest otherwise.
         """
         axes = (1, 0) if slow else (0, 1)
         with np.errstate(over="ignore", invalid="ignore"):
@@ -101,63 +99,65 @@ def single(transform: Transform) -> Transforms:
 
 
 def parse_array(words: list[str]) -> tuple[Transforms, list[int], int]:
-    """Return the transforms of all copies that the first words give.
+    """Parse the xform options at the start of a list of words, including arrays.
 
-    The options are those of `parse_transform` and `-a count`, which makes copies 0 to
-    count-1 by repeating the options up to the next `-i` or `-a`. The index of the first
-    `-a` is the slowest. The counts and the number of words taken are returned too.
+    Return the transform of each copy, the count of each array, and the number of words
+    parsed. The options are those of `parse_transform` and `-a count`, which makes
+    copies 0 to count-1 by repeating the options up to the next `-i` or `-a`. The index
+    of the first array varies slowest.
     """
     if "-a" not in words:
         transform, at = parse_transform(words)
         return single(transform), [], at
-    total, part = single(Transform()), Transform()
-    powers: Callable[[Transform], Transforms] = _once
-    counts: list[int] = []
-    at = 0
-    while at < len(words) and words[at].startswith("-"):
-        option = words[at]
-        if option in ("-a", "-i"):
-            total, part = total.then(powers(part), slow=False), Transform()
-            if option == "-a":
-                counts.append(array_count(words, at))
-                powers = partial(_powers, count=counts[-1])
-            else:
-                powers = partial(_once, count=_whole(words, at))
-            taken = 1
-        else:
-            taken = _ARGUMENTS.get(option, -1)
-            if taken < 0:
-                break
-            part = part.then(_step(option, _numbers(words, at, taken)))
-        at += 1 + taken
-    return total.then(powers(part), slow=False), counts, at
+    runs, at = _runs(words, ("-i", "-a"))
+    total = single(Transform())
+    for option, count, part in runs:
+        array = option == "-a"
+        powers = _powers(part, count) if array else single(_repeat(part, count))
+        total = total.then(powers, slow=False)
+    return total, [count for option, count, _ in runs if option == "-a"], at
 
 
 def parse_transform(words: list[str]) -> tuple[Transform, int]:
-    """Return the transform that the first words give, and the number of these words.
+    """Parse the xform options at the start of a list of words.
 
-    Options: -t x y z, -rx -ry -rz degrees, -s factor, -mx -my -mz, and -i count, which
-    repeats the options up to the next -i. Any other word ends the transform.
+    Return the transform and the number of words parsed. Options: -t x y z, -rx -ry -rz
+    degrees, -s factor, -mx -my -mz, and -i count, which repeats the options up to the
+    next -i. Any other word ends the transform.
     """
-    total, part, count = Transform(), Transform(), 1
-    at = 0
-    while at < len(words) and words[at].startswith("-"):
-        option = words[at]
-        if option == "-i":
-            total = total.then(_repeat(part, count))
-            part, count, taken = Transform(), _whole(words, at), 1
-        else:
-            taken = _ARGUMENTS.get(option, -1)
-            if taken < 0:
-                break
-            part = part.then(_step(option, _numbers(words, at, taken)))
-        at += 1 + taken
-    return total.then(_repeat(part, count)), at
+    runs, at = _runs(words, ("-i",))
+    total = Transform()
+    for _, count, part in runs:
+        total = total.then(_repeat(part, count))
+    return total, at
 
 
 _ARGUMENTS = (
     {"-t": 3, "-s": 1} | {f"-r{a}": 1 for a in _AXES} | {f"-m{a}": 0 for a in _AXES}
 )
+
+
+def _runs(
+    words: list[str], repeating: tuple[str, ...]
+) -> tuple[list[tuple[str, int, Transform]], int]:
+    # Transforms with the option and count that repeat them; number of words taken
+    runs = [("-i", 1, Transform())]
+    at = 0
+    while at < len(words) and words[at].startswith("-"):
+        option = words[at]
+        if option in repeating:
+            count = array_count(words, at) if option == "-a" else _whole(words, at)
+            runs.append((option, count, Transform()))
+            taken = 1
+        else:
+            taken = _ARGUMENTS.get(option, -1)
+            if taken < 0:
+                break
+            before, count, part = runs[-1]
+            step = _step(option, _numbers(words, at, taken))
+            runs[-1] = before, count, part.then(step)
+        at += 1 + taken
+    return runs, at
 
 
 def _step(option: str, value: list[float]) -> Transform:
@@ -197,12 +197,8 @@ def _repeat(part: Transform, count: int) -> Transform:
     return result
 
 
-def _once(part: Transform, count: int = 1) -> Transforms:
-    return single(_repeat(part, count))
-
-
 def _powers(part: Transform, count: int) -> Transforms:
-    # Powers 0 to count-1, by doubling
+    # Powers 0 to count-1 of a transform, by repeated doubling
     with np.errstate(over="ignore", invalid="ignore"):
         matrix, step = np.eye(4)[None], part.matrix
         while len(matrix) < count:
@@ -213,7 +209,7 @@ def _powers(part: Transform, count: int) -> Transforms:
 
 
 def array_count(words: list[str], at: int) -> int:
-    """Return the count after the option `-a` at an index."""
+    """Return the count of the array option `-a`, which is the word `at`."""
     count = "".join(words[at + 1 : at + 2])
     require(
         count.isascii() and count.isdecimal() and len(count) < 12 and int(count) > 0,

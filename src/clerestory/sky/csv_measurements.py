@@ -106,8 +106,7 @@ class LoggerTable(DataRows):
 
 def read_table(path: str | Path, separator: str, skip_lines: int) -> LoggerTable:
     """Return the cells of a CSV file whose header follows `skip_lines` lines."""
-    lines = read_text(path).splitlines()
-    table = csv_rows(lines, file=path, separator=separator)
+    table = csv_rows(read_text(path).splitlines(), file=path, separator=separator)
     filled = (row if any(row) else [] for row in table)
     rows = DataRows.below(skip_lines + 1, filled, file=path)
     names = [name.strip() for name in table[skip_lines]]

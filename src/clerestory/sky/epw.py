@@ -36,7 +36,7 @@ _SERIES = {
     "dew point": 7,
 }
 
-# Share of the header's period below which rows with gaps count as a selection of hours
+# Largest fraction of the header's period that counts as a deliberate selection of hours
 _SELECTION = 0.1
 
 # Dew points of this value [°C] or above are missing (code 99.9); quality control

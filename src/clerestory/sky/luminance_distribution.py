@@ -128,5 +128,4 @@ def horizontal_integral(distribution: Distribution, *, sun: Vector) -> float:
     across, along = np.outer(sine, np.sin(azimuth)), np.outer(sine, np.cos(azimuth))
     up = np.broadcast_to(np.sqrt(1 - sine**2)[:, None], across.shape)
     direction = np.stack([across, along, up], axis=-1)
-    values = distribution(direction, sun)
-    return float(np.pi / 2 * np.sum(weight * values.mean(axis=1)))
+    return float(np.pi / 2 * np.sum(weight * distribution(direction, sun).mean(axis=1)))

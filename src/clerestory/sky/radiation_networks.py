@@ -43,6 +43,9 @@ _SRML: dict[Quantity, str] = {
 }
 _SRML_HEADER = 1
 
+# Largest number of columns; pvlib's time for each grows with their number
+_MOST_COLUMNS = 1000
+
 # Exceptions that pvlib and pandas raise on damaged files
 _BROKEN = (ValueError, LookupError, TypeError, AttributeError, ArithmeticError)
 
@@ -81,8 +84,7 @@ def is_surfrad(head: list[str]) -> bool:
 
 def _surfrad_site(lines: list[str], offset: float | None) -> Site:
     fields = {"latitude": 0, "longitude": 1, "elevation": 2}
-    cells = lines[1].split()
-    latitude, longitude, elevation = numbers(cells, fields, 2)
+    latitude, longitude, elevation = numbers(lines[1].split(), fields, 2)
 
     # All stations are west of Greenwich; older files omit the minus sign of longitude
     longitude = -abs(longitude)
@@ -148,8 +150,12 @@ def read_srml(
 
 
 def _read_srml(path: str | Path) -> Any:
-    # Open the file first, since pvlib interprets the path of a missing file as a URL
-    read_text(path)
+    # Open the file first, since pvlib interprets the path of a missing file as a URL,
+    # and takes the first cells of longer lines as labels
+    cells = [line.count("\t") + 1 for line in read_text(path).splitlines()] or [0]
+    longest, most = max(cells), min(cells[0], _MOST_COLUMNS)
+    fault = f"{longest} columns; {most} or fewer expected"
+    require(longest <= most, fault, file=path, line=1 + cells.index(longest))
     iotools = importlib.import_module("pvlib.iotools")
     try:
         with warnings.catch_warnings():

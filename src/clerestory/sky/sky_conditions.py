@@ -104,9 +104,8 @@ def sky_conditions(
         direct = weather.illuminance.direct_normal / LUMINOUS_EFFICACY
         diffuse = weather.illuminance.diffuse_horizontal / LUMINOUS_EFFICACY
     elif spectrum == "visible":
-        dew_point = _dew_point(weather, dew_point_c)
         direct, diffuse = visible_irradiance(
-            direct, diffuse, state=state, dew_point_c=dew_point
+            direct, diffuse, state=state, dew_point_c=_dew_point(weather, dew_point_c)
         )
     return SkyConditions(
         sun, state, np.where(night, 0, direct), np.where(night, 0, diffuse)

@@ -115,8 +115,7 @@ def horizontal_position(
     sine = np.sin(latitude) * sin_d - np.cos(latitude) * cos_d * np.cos(hour_angle)
     south = -np.cos(latitude) * sin_d - np.sin(latitude) * cos_d * np.cos(hour_angle)
     azimuth = np.pi - np.arctan2(cos_d * np.sin(hour_angle), south)
-    altitude = np.arcsin(np.clip(sine, -1, 1))
-    return SunPosition(np.asarray(altitude), np.asarray(azimuth))
+    return SunPosition(np.asarray(np.arcsin(np.clip(sine, -1, 1))), np.asarray(azimuth))
 
 
 def standard_pressure(elevation: float) -> float:

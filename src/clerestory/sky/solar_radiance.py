@@ -98,8 +98,7 @@ def nearest_patches(
     height = np.arcsin(centres[dome.first, 2])
     altitude = np.arcsin(np.clip(directions[:, 2], -1, 1))
     own = np.abs(height[:, None] - altitude).argmin(axis=0)
-    lowest = np.clip(own - rings // 2, 0, len(height) - rings)
-    ring = lowest[:, None] + np.arange(rings)
+    ring = np.clip(own - rings // 2, 0, len(height) - rings)[:, None] + np.arange(rings)
 
     # Patches to be searched in each ring, adjacent to the azimuth; the first patch of a
     # ring is in the north

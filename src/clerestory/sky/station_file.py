@@ -67,8 +67,7 @@ class ColumnsTable(Table):
 
     def columns(self) -> Columns:
         """Return the column names for `read_measured`."""
-        named = self.model_dump(exclude={"time"})
-        return Columns(tuple(self.time), **named)
+        return Columns(tuple(self.time), **self.model_dump(exclude={"time"}))
 
 
 class MeasuredTable(Table):

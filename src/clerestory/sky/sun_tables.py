@@ -38,12 +38,11 @@ def suns_table(suns: SunMatrix, *, step_minutes: float) -> str:
     altitude = np.degrees(np.arcsin(np.clip(z, -1, 1)))
     steps = np.diff(suns.direct_normal.tocsr().indptr)
     total = np.asarray(suns.direct_normal.sum(axis=1), dtype=float).ravel()
-    energy = total * step_minutes / 60_000
     return _table(
         "altitude,azimuth clockwise from north,x,y,z,time steps,"
         "visible direct normal [kWh/m²]",
         "{:.4f},{:.4f},{:.6f},{:.6f},{:.6f},{},{:.3f}",
-        *(altitude, azimuth, x, y, z, steps, energy),
+        *(altitude, azimuth, x, y, z, steps, total * step_minutes / 60_000),
     )
 
 

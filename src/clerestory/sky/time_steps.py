@@ -38,8 +38,7 @@ def calendar_times(
     )
 
     # Dates in the year 2023 or 2024
-    leap = np.any((month == 2) & (day == 29))
-    year = TYPICAL_LEAP_YEAR if leap else TYPICAL_YEAR
+    year = TYPICAL_LEAP_YEAR if np.any((month == 2) & (day == 29)) else TYPICAL_YEAR
     first = np.datetime64(f"{year}-01", "M") + (month.astype(int) - 1)
     date = first.astype("datetime64[D]") + (day.astype(int) - 1)
 

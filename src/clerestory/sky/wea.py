@@ -60,11 +60,10 @@ def read_wea(path: str | Path) -> Weather:
         return weather_of(Measurement(site, times, typical_step(times), series, rows))
     parts = Irradiance(direct, diffuse)
     if units == _DIRECT_HORIZONTAL:
-        total = direct + diffuse
         parts = split_irradiance(
             times,
             sun_at(site, times),
-            {"global_horizontal": total, "diffuse_horizontal": diffuse},
+            {"global_horizontal": direct + diffuse, "diffuse_horizontal": diffuse},
         )
     return weather_of_components(site, times, rows, parts)
 

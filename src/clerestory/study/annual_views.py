@@ -76,14 +76,14 @@ def study_views(
             out / PICTURE_FOLDER / stems[label],
         )
         if sees_glare(view.camera.view):
-            given = view.uncertain_pictures(states, skies, seen)
+            given = view.pictures(states, skies, seen, errors=True)
             series = starmap(partial(_uncertain, finish), given)
             glare = _glare(series, view, times, seen, states, progress=show)
             found[label] = glare.reindex(time=times)
         else:
             pictures = view.pictures(states, skies, seen)
-            for done, (step, picture) in enumerate(pictures, start=1):
-                finish(step, picture)
+            for done, (step, made) in enumerate(pictures, start=1):
+                finish(step, made.picture)
                 show(done)
     if not found:
         return xr.Dataset()
@@ -129,7 +129,7 @@ def glare_function(
     times = skies.whole.times
     lit = skies.whole.diffuse.max(axis=0) > 0
 
-    def judge(
+    def largest_dgp(
         states: States, steps: Int[np.ndarray, " step"], names: Sequence[str]
     ) -> Float[np.ndarray, " step"]:
         worst = np.zeros(len(steps))
@@ -145,7 +145,7 @@ def glare_function(
             )
             if len(bright):
                 series = view.pictures(states, skies, bright)
-                pixels = (picture.luminance() for _, picture in series)
+                pixels = (given.picture.luminance() for _, given in series)
                 shown = display(f"glare in {view.table.label}")
                 report = _counted(shown, len(bright))
                 glare = _glare(pixels, view, times, bright, states, progress=report)
@@ -153,7 +153,7 @@ def glare_function(
                 worst[seen] = np.maximum(worst[seen], glare["dgp"].values)
         return worst
 
-    return judge
+    return largest_dgp
 
 
 def _glare(

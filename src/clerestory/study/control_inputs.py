@@ -31,13 +31,13 @@ GlareFunction = Callable[
 
 @dataclass(frozen=True, eq=False)
 class ControlInputs:
-    """Inputs of shade control rules; `judge` returns the largest DGP of given views."""
+    """Inputs of shade control rules; `largest_dgp` is that of given views."""
 
     study: Study
     inputs: Inputs
     matrices: StudyMatrices
     skies: Skies
-    judge: GlareFunction
+    largest_dgp: GlareFunction
     _kept: dict[tuple[str, int], np.ndarray] = field(default_factory=dict)
 
     @property

@@ -11,21 +11,17 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
-from clerestory.checks import require, within
 from clerestory.control.control_rule import Situation, apply_rule, load_rule
 from clerestory.control.profile_angle import blocking_states
-from clerestory.control.schedule import read_schedule, states_at
+from clerestory.control.schedule import states_at
 from clerestory.control.state_choice import Limit, best_states, least_closed
 from clerestory.control.threshold import staged_states, threshold_states
-from clerestory.errors import InputError, located
+from clerestory.errors import InputError
+from clerestory.glare.dgp import simplified_dgp
 from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.window_tables import ControlTable
 
 DGP_BELOW = 0.40
-
-# Simplified glare probability from vertical illuminance (J. Wienold, Building
-# Simulation 2009): DGPs = 6.22e-5 Ev + 0.184
-_DGPS_SLOPE, _DGPS_OFFSET = 6.22e-5, 0.184
 
 _StateTimes = Int[np.ndarray, " time"]
 
@@ -119,7 +115,7 @@ def by_glare(case: Case) -> _StateTimes:
     bound = case.control.dgp_below or DGP_BELOW
     if case.control.grid:
         lux = case.illuminance(case.control.grid)
-        dgp = np.stack([_DGPS_SLOPE * e.max(axis=0) + _DGPS_OFFSET for e in lux])
+        dgp = np.stack([simplified_dgp(e.max(axis=0)) for e in lux])
     else:
         dgp = _glare(case, until=bound)
     return least_closed([Limit(dgp, bound)])
@@ -143,21 +139,7 @@ def by_score(case: Case) -> _StateTimes:
 def by_schedule(case: Case) -> _StateTimes:
     """Return the shade states of a schedule file; a line applies until the next one."""
     group = case.signals.inputs.groups[case.number]
-    file = case.control.file
-    if file is None:
-        raise InputError('rule "schedule" without a file')
-    schedule = read_schedule(file)
-    require(
-        group.name in schedule.states,
-        f'no column "{group.name}"; a column for each window with this rule expected',
-        file=file,
-    )
-    states = states_at(schedule, case.signals.times)[group.name]
-    with located(file=file):
-        within(
-            states, f'the state of window "{group.name}"', least=0, most=case.count - 1
-        )
-    return states
+    return states_at(group.schedule(), case.signals.times)[group.name]
 
 
 def by_function(case: Case) -> _StateTimes:
@@ -169,9 +151,9 @@ def by_function(case: Case) -> _StateTimes:
     except InputError:
         raise
     except Exception as error:  # any exception of the user-defined function
-        told = " ".join(str(error).split())[:200]
+        reason = " ".join(str(error).split())[:200]
         raise InputError(
-            f'rule "{function}" ended with {type(error).__name__}: {told}', file=file
+            f'rule "{function}" ended with {type(error).__name__}: {reason}', file=file
         ) from error
 
 
@@ -262,7 +244,7 @@ def _glare(case: Case, *, until: float = -np.inf) -> Float[np.ndarray, "state ti
     for state in range(case.count):
         if len(steps):
             states, views = case.with_state(state), case.control.views
-            found = case.signals.judge(states, steps, views)
+            found = case.signals.largest_dgp(states, steps, views)
             glare[state, steps] = found
             steps = steps[found > until]
     return glare

@@ -7,7 +7,6 @@ from jaxtyping import Int
 
 from clerestory.brief_repr import brief
 from clerestory.checks import require
-from clerestory.control.schedule import read_schedule
 from clerestory.errors import InputError
 from clerestory.metrics.occupied_hours import occupied_hours
 from clerestory.phases.picture_matrices import Camera
@@ -70,9 +69,9 @@ def read_inputs(study: Study) -> Inputs:
             names.count(name) == 1,
             f'two window groups are named "{name}"; different names expected',
         )
-    for table in study.window:
-        if table.control is not None and table.control.file is not None:
-            read_schedule(table.control.file)
+    for group in groups:
+        if group.control is not None and group.control.file is not None:
+            group.schedule()
     return Inputs(
         scene=scaled(read_rad(*study.scene.files), metres),
         groups=tuple(groups),

@@ -48,7 +48,7 @@ def compare_methods(
     """
     found: dict[str, Results] = {}
     states: list[np.ndarray] | None = None
-    told = WarningLog()
+    warning_log = WarningLog()
     for method in reversed(study.methods):
         found[method] = run_method(
             study.with_method(method),
@@ -57,7 +57,7 @@ def compare_methods(
             executor=executor,
             display=display,
             states=states,
-            told=told,
+            warning_log=warning_log,
         )
         if states is None and "state" in found[method].data:
             states = list(found[method].data["state"].values.astype(int))

@@ -81,14 +81,14 @@ def run_method(
     display: Display,
     executor: Executor,
     states: States | None = None,
-    told: WarningLog | None = None,
+    warning_log: WarningLog | None = None,
 ) -> Results:
     """Run a study with its first method and write the results into a folder.
 
-    Without `states`, the control rules of the study choose the shade states. `told` is
-    the log of warnings of the runs with other methods.
+    Without `states`, the control rules of the study choose the shade states.
+    `warning_log` is shared by the runs with all methods.
     """
-    log = RunLog(warnings=told or WarningLog())
+    log = RunLog(warnings=warning_log or WarningLog())
     with log.phase("read"):
         inputs = read_inputs(study)
     with log.phase("check"):

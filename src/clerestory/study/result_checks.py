@@ -1,4 +1,4 @@
-"""Checks of results.nc and run.json, which may come from outside."""
+"""Checks of results.nc and run.json, which other programs may have written."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -11,7 +11,7 @@ from clerestory.checks import require
 from clerestory.documents import Item, json_value, validated
 from clerestory.errors import InputError, located
 
-# Axes of the variables of results.nc, by their kind of values in NumPy
+# Axes of the variables of results.nc; NumPy's kinds of their values
 _NUMBERS = {
     "illuminance": ("sensor", "time"),
     "standard_error": ("sensor", "time"),

@@ -84,15 +84,15 @@ class Results:
             return self
         chosen = np.arange(0, count, -(-count // most))
         note = f"{len(chosen):,} of {count:,} sensors are shown, evenly spread"
-        told = [*self.run.get("warnings", ()), note]
+        notes = [*self.run.get("warnings", ()), note]
         data = self.data.isel(sensor=chosen).load()
-        return Results(data, {**self.run, "warnings": told})
+        return Results(data, {**self.run, "warnings": notes})
 
 
 def save_results(results: Results, folder: str | Path) -> Path:
     """Write `results.nc` and `run.json` atomically; return the path of `results.nc`."""
     folder = Path(folder)
-    data = results.data.assign_attrs(format=_FORMAT)
+    data = _storable(results.data.assign_attrs(format=_FORMAT))
     hourly = [str(name) for name in data if _is_large(data[name])]
     content = data.drop_vars(hourly).to_netcdf(engine="h5netcdf")
     write_text(
@@ -103,6 +103,22 @@ def save_results(results: Results, folder: str | Path) -> Path:
         for name in hourly:
             _append_hourly(file, name, data[name])
     return folder / RESULTS_FILE
+
+
+def _storable(data: xr.Dataset) -> xr.Dataset:
+    # HDF5 stores neither NUL nor lone surrogates: they become escapes
+    def plain(text: str) -> str:
+        shown = text.replace("\0", "\\x00").encode(errors="backslashreplace")
+        return shown.decode()
+
+    texts = {}
+    for name, values in data.coords.items():
+        if values.ndim == 1 and values.dtype.kind in "OU":
+            escaped = [plain(str(text)) for text in values.values]
+            if escaped != values.values.tolist():
+                texts[name] = values.dims, np.array(escaped, object)
+    attributes = {k: plain(v) for k, v in data.attrs.items() if isinstance(v, str)}
+    return data.assign_coords(texts).assign_attrs(attributes)
 
 
 def _append_hourly(path: Path, name: str, data: xr.DataArray) -> None:

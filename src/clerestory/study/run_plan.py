@@ -5,14 +5,14 @@ instead of executing them. Matrices in the cache have no cost. The cost of the s
 after tracing is estimated in `stage_costs`.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from clerestory.cluster.cluster import executor_at
 from clerestory.engine.cost_estimate import JobCost, Plan, estimate_costs
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.matrix_store import MatrixStore, block_names
+from clerestory.phases.matrix_store import BlockMaker, Maker, MatrixStore, block_names
 from clerestory.phases.picture_series import STEPS_PER_BLOCK
 from clerestory.phases.stored_views import FEW
 from clerestory.progress import silent
@@ -133,10 +133,7 @@ class PlannedStore:
         return self.store.holds(name, fingerprint)
 
     def matrices(
-        self,
-        names: Sequence[str],
-        fingerprint: str,
-        make: Callable[[], Mapping[str, TransferMatrix]],
+        self, names: Sequence[str], fingerprint: str, make: Maker
     ) -> dict[str, TransferMatrix]:
         """Record the requested matrices; return blank matrices of their shape."""
         first = len(self.plan.planned)
@@ -148,11 +145,7 @@ class PlannedStore:
         return made
 
     def blocks(
-        self,
-        name: str,
-        fingerprint: str,
-        rows: Sequence[slice],
-        make: Callable[[slice], TransferMatrix],
+        self, name: str, fingerprint: str, rows: Sequence[slice], make: BlockMaker
     ) -> tuple[Path, ...]:
         """Record a matrix traced in blocks, and the fraction of rows in the cache."""
         first, whole = len(self.plan.planned), rows[-1].stop

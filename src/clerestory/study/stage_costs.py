@@ -43,7 +43,7 @@ _SKY, _WINDOW, _COPY, _VALUE, _METRIC, _BYTE = 5e-11, 7e-10, 3e-9, 2e-9, 4e-7, 4
 # Seconds per picture and per pixel: glare with and without errors, Radiance picture
 _GLARE_ERRORS, _GLARE, _PICTURE = (2.5e-2, 1.2e-7), (1.2e-3, 6e-9), (2e-3, 1e-7)
 
-# Seconds for the first use of the libraries of products
+# Seconds to load the libraries for matrix products at their first use
 _START = 0.5
 
 # Bytes of a Radiance picture (per pixel, header), of tables (per hourly value, time
@@ -84,7 +84,7 @@ class StageWork:
     skies: Skies
 
     def costs(self, known: Mapping[str, float]) -> dict[str, StageCost]:
-        """Return the cost of each stage; `known` has measured seconds of stages."""
+        """Return the cost of each stage; `known`: measured durations of stages [s]."""
         sensors, steps = len(self.inputs.sensors()), len(self.inputs.weather.times)
         work, hours = f"{sensors:,} sensors, {steps:,} steps", sensors * steps
         product = self._grids([term.part for term in self.matrices.terms])
@@ -184,7 +184,7 @@ def _product(
     short = found[0].factors and isinstance(found[0].receiving[0], TransferMatrix)
     short = short and all(chain.states == 1 for chain in found)
     short = bool(short and coefficients_cost_less(found, rows, steps))
-    # Pictures are computed for each combination of shade states by itself
+    # Pictures are computed separately for each combination of shade states
     combinations = 1 + sum(chain.states - 1 for chain in found)
     blocks = max(combinations, steps / STEPS_PER_BLOCK) if bands > 1 else 1
     seconds = 0.0
@@ -208,7 +208,7 @@ def _product(
                 seconds += inner * patches * channels * steps * _WINDOW
                 seconds += layers * rows * patches * channels * blocks * _COPY
         else:
-            # Direct-sun coefficients of pictures are traced for the suns that shine
+            # Direct-sun coefficients of pictures are traced for the time steps with sun
             each = layers * rows * (held.columns.size if held else steps)
             seconds += each * channels * len(chain.receiving) * _COPY
             if held and held.columns.kind == "sky":
@@ -218,7 +218,7 @@ def _product(
 
 
 def hour_bytes(study: Study) -> int:
-    """Return the size in results.nc of a sensor and time step [bytes]."""
+    """Return the size of results.nc per sensor and time step [bytes]."""
     # Illuminance, terms, sun, luminaires, and errors with their components
     variables = 2 + COUNT // 4 + bool(study.lighting)
     if needs_direct(study):

@@ -6,22 +6,16 @@ direct-sun coefficients of all states exceed the limit `keep_gb` of the study, t
 coefficients are traced for each picture and not cached.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cache, partial
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal
 
 import numpy as np
 from jaxtyping import Int
 
-from clerestory.image.picture import Picture
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.matrix_equation import (
-    MatrixChain,
-    Skies,
-    States,
-    WindowMatrices,
-)
+from clerestory.phases.matrix_equation import MatrixChain, Skies, States, WindowMatrices
 from clerestory.phases.methods import METHODS
 from clerestory.phases.picture_matrices import (
     Camera,
@@ -32,7 +26,6 @@ from clerestory.phases.picture_matrices import (
 )
 from clerestory.phases.picture_series import (
     UncertainPicture,
-    pictures_over_time,
     uncertain_pictures_over_time,
 )
 from clerestory.phases.stored_views import FEW, with_few_components
@@ -42,10 +35,6 @@ from clerestory.study.study_matrices import StudyMatrices
 
 # Bytes per pixel and sun: three half-precision values and their errors
 _PIXEL_BYTES = 12
-
-
-# Kind of the pictures of a series
-_Series = TypeVar("_Series", Picture, UncertainPicture)
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,34 +52,26 @@ class ViewMatrices:
     _suns: dict[tuple[int, int], SunPictures] = field(default_factory=dict)
 
     def pictures(
-        self, states: States, skies: Skies, steps: Int[np.ndarray, " step"]
-    ) -> Iterator[tuple[int, Picture]]:
-        """Yield the index and the picture of each selected time step.
-
-        Time steps with the same shade states follow each other, in order of time.
-        """
-        return self._series(pictures_over_time, states, skies, steps)
-
-    def uncertain_pictures(
-        self, states: States, skies: Skies, steps: Int[np.ndarray, " step"]
-    ) -> Iterator[tuple[int, UncertainPicture]]:
-        """Yield index, picture and its errors of each time step; see `pictures`."""
-        return self._series(uncertain_pictures_over_time, states, skies, steps)
-
-    def _series(
         self,
-        make: Callable[..., Iterator[_Series]],
         states: States,
         skies: Skies,
         steps: Int[np.ndarray, " step"],
-    ) -> Iterator[tuple[int, _Series]]:
+        *,
+        errors: bool = False,
+    ) -> Iterator[tuple[int, UncertainPicture]]:
+        """Yield the index and the picture of each selected time step.
+
+        Time steps with the same shade states follow each other, in order of time.
+        Without `errors`, all errors are zero.
+        """
         for alike in _combinations(states, steps):
-            series = make(
+            series = uncertain_pictures_over_time(
                 self.windows,
                 self.matrices.terms,
                 self.camera,
                 skies.select(alike),
                 [np.asarray(state)[alike] for state in states],
+                errors=errors,
             )
             yield from zip(alike.tolist(), series, strict=True)
 

@@ -9,7 +9,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.errors import ClerestoryWarning, InputError
+from clerestory.checks import require, within
+from clerestory.control.schedule import StateSchedule, read_schedule
+from clerestory.errors import ClerestoryWarning, InputError, located
 from clerestory.gonio.layer_file import read_layer
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.matrix.axis import Axis
@@ -19,11 +21,7 @@ from clerestory.radiance.window_reader import read_windows
 from clerestory.scene.model import Scene
 from clerestory.scene.scaling import scaled
 from clerestory.scene.window import Window
-from clerestory.study.window_tables import (
-    ControlTable,
-    StateChoice,
-    WindowTable,
-)
+from clerestory.study.window_tables import ControlTable, StateChoice, WindowTable
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +68,19 @@ class WindowGroup:
             states=tuple(states),
             ports=scaled(self.ports, factor),
         )
+
+    def schedule(self) -> StateSchedule:
+        """Return the schedule of the rule "schedule", checked for this group."""
+        file = None if self.control is None else self.control.file
+        if file is None:
+            raise InputError('rule "schedule" without a file')
+        schedule, what = read_schedule(file), f'the state of window "{self.name}"'
+        with located(file=file):
+            missing = f'no column "{self.name}"; a column for each window with this'
+            require(self.name in schedule.states, f"{missing} rule expected")
+            states = schedule.states[self.name]
+            within(states, what, least=0, most=len(self.states) - 1)
+        return schedule
 
     def number_of(self, choice: StateChoice) -> int:
         """Return the index of a shade state that is given by index or name."""
@@ -138,7 +149,7 @@ def _with_patches(window: Window, axis: Axis, *, file: Path) -> Window:
     if not axis.partition.matches(window.partition):
         warnings.warn(
             f'{file}: has the {len(axis.partition)} patches of "{axis.partition.name}",'
-            f' window "{window.name}" asks for the {len(window.partition)} of'
+            f' window "{window.name}" has the {len(window.partition)} of'
             f' "{window.partition.name}"; those of the BSDF are used',
             ClerestoryWarning,
             stacklevel=2,

@@ -8,12 +8,7 @@ import operator
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import (
-    BeforeValidator,
-    Field,
-    ValidationInfo,
-    model_validator,
-)
+from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
 from pydantic_core import PydanticCustomError
 
 from clerestory.control.lm83_blinds import MOST_SENSORS, SUN_LUX
@@ -94,13 +89,13 @@ def _levels(value: Any) -> Any:
 
 
 def _tilts(value: Any, info: ValidationInfo) -> Any:
-    # Tilts of which each acts: it blocks sunlight that all tilts before it let pass
+    # Tilts, each of which blocks sunlight that all tilts before it transmit
     given = value if isinstance(value, list) else [value]
     raised = int(given[:1] == ["raised"])
     slats = given[raised:]
     if not all(type(x) in (int, float) and abs(x) <= _LARGEST_TILT for x in slats):
         raise PydanticCustomError(
-            "choice", 'tilts from -90 to 90 degrees, before them "raised" if need be,'
+            "choice", 'tilts from -90 to 90 degrees, optionally after "raised",'
         )
     width, spacing = (info.data.get(key) for key in ("slat_width", "slat_spacing"))
     if slats and width and spacing:
@@ -111,8 +106,8 @@ def _tilts(value: Any, info: ValidationInfo) -> Any:
         if len(idle):
             raise PydanticCustomError(
                 "choice",
-                "slats that each block sunlight which the states before let pass (state"
-                f" {idle[0] + raised} never acts)",
+                "tilts, each of which blocks sunlight that all states before it"
+                f" transmit (state {idle[0] + raised} does not),",
             )
     return value
 
@@ -189,8 +184,7 @@ class ControlTable(Table):
     def _keys_of_the_rule(self) -> "ControlTable":
         must, may = _KEYS[self.rule]
         given = {f for f in self.model_fields_set if f not in _EVERY_RULE}
-        odd = sorted(given - {*must, *may})
-        for key in odd:
+        for key in sorted(given - {*must, *may}):
             known = ", ".join((*must, *may))
             message = f'rule "{self.rule}" has no key "{key}"; one of {known} expected'
             require_rule(False, message)

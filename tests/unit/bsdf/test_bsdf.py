@@ -41,7 +41,7 @@ def test_uniform_sky_sends_the_hemispherical_flux_through():
     assert through == pytest.approx(float(bsdf.direct_hemispherical() @ lam))
 
 
-def test_reciprocity_serves_the_side_that_is_missing():
+def test_the_missing_side_follows_from_reciprocity():
     """Light sent back along its way is attenuated alike: f(a→b) = f(b→a)."""
     bsdf = single(random_table())
     rng = np.random.default_rng(2)

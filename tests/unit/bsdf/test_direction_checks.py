@@ -1,4 +1,4 @@
-"""The checks of directions and of energy in reverse, on layers broken on purpose."""
+"""Checks of directions and of reverse energy, with deliberately faulty layers."""
 
 from dataclasses import replace
 
@@ -172,8 +172,8 @@ def test_an_opaque_cloth_is_sound():
 
     cloth = changed(bsdf, noise)
     assert names(cloth) == set()
-    told = only(cloth, "opaque")
-    assert told.size < 1e-4
+    finding = only(cloth, "opaque")
+    assert finding.size < 1e-4
 
     def one_side(name, values):
         return values if name != "transmission_back" else 0 * values

@@ -1,4 +1,4 @@
-"""The doctor finds what was broken on purpose, and is quiet about sound layers."""
+"""Quality checks find deliberate faults, and report nothing for sound layers."""
 
 from dataclasses import replace
 
@@ -185,11 +185,11 @@ def test_a_dark_back_of_a_clear_layer_is_an_error():
     assert "transmission back" in finding.where
 
 
-def test_missing_transmission_matters_and_missing_reflection_is_told():
+def test_missing_transmission_matters_and_missing_reflection_is_reported():
     even = ScatteringMatrix(np.full((145, 145), 0.1), FULL, FULL)
     assert "missing" in names(Bsdf({("visible", "reflection_back"): even}))
-    told = check(Bsdf({("visible", "transmission_front"): even}))
-    missing = [f for f in told if f.name == "missing"]
+    found = check(Bsdf({("visible", "transmission_front"): even}))
+    missing = [f for f in found if f.name == "missing"]
     assert [f.severity for f in missing] == ["info", "info"]
 
 
@@ -200,22 +200,22 @@ def test_a_solar_file_has_no_daylight():
     assert found.matters
 
 
-def test_isotropy_and_symmetry_are_told():
+def test_isotropy_and_symmetry_are_reported():
     assert only(lambertian(0.5, FULL), "isotropy").size < 1e-12
-    told = only(layer(lobes()), "symmetry")
-    assert told.severity == "info"
-    assert "symmetric left to right" in told.what
+    found = only(layer(lobes()), "symmetry")
+    assert found.severity == "info"
+    assert "symmetric left to right" in found.what
 
 
-def test_a_copied_channel_is_told():
+def test_a_copied_channel_is_reported():
     visible = lambertian(0.5, FULL)
     functions = dict(visible.functions)
     functions |= {("solar", n): part for (_, n), part in visible.functions.items()}
-    told = [f.what for f in check(Bsdf(functions)) if f.name == "copy"]
-    assert any("solar and visible are identical" in what for what in told)
+    found = [f.what for f in check(Bsdf(functions)) if f.name == "copy"]
+    assert any("solar and visible are identical" in what for what in found)
 
 
-def test_a_blind_hung_upside_down_passes_the_sun(shared_data):
+def test_a_blind_upside_down_transmits_the_sun(shared_data):
     """Slats that shade let light from below pass; turned round they let in the sun."""
     blind = read_bsdf(shared_data / "bsdf" / "pyradiance_tutorial" / "ven45.xml")
     assert names(blind) == set()

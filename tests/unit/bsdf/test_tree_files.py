@@ -164,7 +164,7 @@ def test_reciprocal_mean_is_reciprocal_and_keeps_the_mean():
 
 @pytest.mark.parametrize("rank", [3, 4])
 @pytest.mark.parametrize("percent", [0, 50, 95])
-def test_reduction_keeps_the_flux_and_tells_its_error(rank, percent):
+def test_reduction_keeps_the_flux_and_reports_its_error(rank, percent):
     whole = random_tree(3, rank)
     result = reduce_tree(whole, percent)
     assert result.cells_after <= result.cells_before == 4**rank

@@ -65,7 +65,7 @@ def test_rings_come_from_the_file_whatever_its_name(bsdf_xml, basis, write):
 
 
 @pytest.mark.parametrize(("patches", "last_ring"), [(77, 8), (73, 4)])
-def test_klems_half_is_told_by_the_count_of_its_data(
+def test_klems_half_is_recognised_by_the_number_of_values(
     bsdf_xml, write, patches, last_ring
 ):
     """WINDOW's half basis has 77 patches, that of Radiance before 2024 has 73."""
@@ -98,7 +98,7 @@ def test_text_before_the_xml_is_noted(bsdf_xml, write):
     )
 
 
-def test_byte_order_mark_is_not_worth_a_note(bsdf_xml, write):
+def test_a_byte_order_mark_needs_no_note(bsdf_xml, write):
     data = b"\xef\xbb\xbf" + bsdf_xml({"data": DATA}).encode()
     assert read_bsdf(write(data)).notes == ()
 
@@ -213,7 +213,7 @@ def test_faulty_file_is_refused_with_its_line(bsdf_xml, write, fault):
         assert caught.value.line == line
 
 
-def test_entity_bomb_is_refused_without_expanding_it(bsdf_xml, write):
+def test_nested_entities_are_refused_before_expansion(bsdf_xml, write):
     names = "abcdefghij"
     bomb = '<!ENTITY a "lol">' + "".join(
         f'<!ENTITY {new} "{f"&{old};" * 10}">' for old, new in itertools.pairwise(names)

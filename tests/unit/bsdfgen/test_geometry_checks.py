@@ -77,7 +77,7 @@ def test_a_system_in_the_room_is_refused():
         doubts(quad((0, 0, 0.1), (1, 0, 0.1), (1, 1, 0.2)))
 
 
-def test_millimetres_taken_for_metres_are_told():
+def test_millimetres_taken_for_metres_are_reported():
     scaled = quad(*(SLAT.vertices * 1000))
     assert any("millimetres" in text for text in doubts(scaled))
 

@@ -9,13 +9,7 @@ from clerestory.bsdfgen.shading_system import SampleArea
 from clerestory.bsdfgen.venetian_geometry import venetian
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.partition import RingPartition
-from clerestory.scene.model import (
-    Plastic,
-    Polygon,
-    Ring,
-    Scene,
-    Trans,
-)
+from clerestory.scene.model import Plastic, Polygon, Ring, Scene, Trans
 
 BOX = SampleArea(np.array([[0.0, 0, -0.1], [1, 2, 0]]))
 GREY = Plastic("grey", np.full(3, 0.5))

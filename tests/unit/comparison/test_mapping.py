@@ -13,44 +13,16 @@ from clerestory.comparison.mapping import (
     read_measured_series,
     write_layout_sensors,
 )
-from clerestory.comparison.series import Series, group_of, quantity_of
+from clerestory.comparison.series import group_of, quantity_of
 from clerestory.errors import InputError
 from clerestory.scene.sensors import read_sensors
-
-SCAN = """
-utc_offset_hours = -6
-
-[layout.room]
-columns = ["north", "south"]
-column_axis = "y"
-column_at = [3.0, 1.0]
-row_at = [0.5, 1.5]
-height = 0.75
-factor = 1000
-grid = "lux"
-
-[[scan]]
-file = "nine.csv"
-at = 2024-06-26T09:00:00
-layout = "room"
-row_minutes = 2
-backwards = true
-"""
+from sample_files import SCAN, four_sensors
 
 
 @pytest.fixture
 def near():
     """A study of four sensors, numbered along y first."""
-    places = [(0.5, 1, 0.75), (0.5, 3, 0.75), (1.5, 1, 0.75), (1.5, 3, 0.75)]
-    hours = np.array(["2024-06-26T08:30", "2024-06-26T09:30"], "datetime64[s]")
-    return Series(
-        tuple(f"lux.{i}" for i in range(1, 5)),
-        hours,
-        np.ones((4, 2)),
-        60.0,
-        -6.0,
-        position=np.array(places),
-    )
+    return four_sensors()
 
 
 def test_a_scan_finds_its_sensors_its_unit_and_its_minutes(tmp_path, near):
@@ -108,7 +80,7 @@ def test_a_table_of_a_run_is_read_as_it_stands(tmp_path):
     [
         (('layout = "room"', 'layout = "hall"'), r"m.toml: no table \[layout.hall\]"),
         (("[3.0, 1.0]", "[3.0]"), "one coordinate for each column"),
-        (('"y"', '"z"'), r'm.toml:6: layout.room.column_axis is "z"'),
+        (('"y"', '"z"'), r'm.toml:4: layout.room.column_axis is "z"'),
         (("3.0", "3.2"), "no sensor within 0.05 m"),
         (('"north"', '"west"'), "no column 'west'; one of north, south expected"),
         (("[0.5, 1.5]", "[0.5]"), "2 rows of readings for 1 measuring points"),
@@ -123,7 +95,7 @@ def test_what_is_wrong_is_said(tmp_path, near, change, message):
 
 @settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(text=st.text(max_size=120))
-def test_garbage_is_refused_in_words(tmp_path, near, text):
+def test_random_bytes_are_refused_with_a_message(tmp_path, near, text):
     (tmp_path / "m.toml").write_text(SCAN)
     for name in ("nine.csv", "plain.csv", "other.toml"):
         (tmp_path / name).write_text(text, encoding="utf-8")
@@ -132,6 +104,6 @@ def test_garbage_is_refused_in_words(tmp_path, near, text):
             read_measured_series(tmp_path / name, near=near)
 
 
-def test_names_tell_group_and_quantity():
+def test_names_contain_group_and_quantity():
     assert (group_of("a.b.3"), quantity_of("a.b.3")) == ("a.b", "illuminance")
     assert (group_of("eye.DGP"), quantity_of("eye.DGP")) == ("eye", "dgp")

@@ -110,7 +110,7 @@ def test_a_wrong_clock_is_found_and_not_mended():
     assert found.table()["desk", "illuminance"].variation > 0.2
 
 
-def test_a_right_clock_is_left_in_peace():
+def test_a_right_clock_is_not_shifted():
     found = compare_series([day()], day())
     assert found.offset["illuminance"].minutes == 0
     assert not found.offset["illuminance"].matters

@@ -107,13 +107,13 @@ def test_hysteresis_keeps_a_shade_still_between_its_thresholds():
     assert states.tolist() == [0, 1, 1, 1, 1, 1, 0, 0]
 
 
-def test_a_delay_waits_for_steps_in_a_row():
+def test_a_delay_counts_consecutive_steps():
     signal = np.array([300, 100, 300, 300, 300, 100, 300, 100, 100], dtype=float)
     states = threshold_states(signal, close_above=200, close_after=2, open_after=2)
     assert states.tolist() == [0, 0, 0, 1, 1, 1, 1, 1, 0]
 
 
-def test_missing_news_moves_nothing():
+def test_missing_values_do_not_move_the_shade():
     signal = np.array([300, np.nan, np.nan, 100], dtype=float)
     assert threshold_states(signal, close_above=200).tolist() == [1, 1, 1, 0]
 
@@ -232,7 +232,7 @@ def test_a_schedule_is_written_and_read_back(tmp_path):
         ("time,a\n2001-01-01T00:30,-1\n", r"s\.csv:2: .*from 0 to 10000"),
     ],
 )
-def test_a_faulty_schedule_is_told_with_its_line(tmp_path, text, words):
+def test_a_faulty_schedule_is_reported_with_its_line(tmp_path, text, words):
     path = tmp_path / "s.csv"
     path.write_text(text)
     with pytest.raises(InputError, match=words):

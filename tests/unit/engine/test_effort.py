@@ -98,7 +98,7 @@ def test_an_effort_has_one_goal():
         )
 
 
-def test_the_default_goal_holds_where_none_is_given():
+def test_the_default_goal_applies_where_none_is_given():
     default = Goal(None, 0.02)
     assert effort_of(CALLS["view"], {}, default=default).relative_error == 0.02
     assert effort_of(CALLS["view"], {"samples": 8}, default=default).goal == Goal(8)

@@ -25,7 +25,8 @@ from clerestory.scene.model import (
 from clerestory.scene.pattern import Product
 
 POLISHED = Metal("m", np.full(3, 0.9), specularity=1.0)
-BRUSHED = Metal("m", np.full(3, 0.9), specularity=1.0, roughness=0.01)
+BRUSHED = Metal("m", np.full(3, 0.9), specularity=1.0, roughness=0.02)
+FINE = replace(BRUSHED, roughness=0.005)
 BENT = Textured("m", POLISHED, Product(()))
 GLASS = Glass("m", np.full(3, 0.9))
 MATT = Plastic("m", np.full(3, 0.5))
@@ -60,7 +61,7 @@ CASES = {
     "1 curved smooth surfaces": (Sphere(UP, 0.2, False, "m"), POLISHED),
     "1 refracting surfaces": (triangle(), Dielectric("m", np.ones(3), 1.5)),
     "1 smooth surfaces of perturbed normals": (triangle(), BENT),
-    "1 surfaces of narrow highlights": (triangle(), BRUSHED),
+    "1 surfaces of narrow highlights": (triangle(), FINE),
     "1 smooth surfaces beyond the 256 largest planes": (fan(300), POLISHED),
 }
 
@@ -72,7 +73,7 @@ def test_light_without_a_technique_is_named(text):
         warn_of_unsampled_light(scene_of(surface, material, SUN))
 
 
-def test_a_mixture_is_judged_by_its_parts():
+def test_a_mixture_is_checked_by_its_parts():
     mixed = Mixture("m", MATT, BENT, 0.5)
     with pytest.warns(ClerestoryWarning, match="perturbed normals"):
         warn_of_unsampled_light(scene_of(triangle(), mixed, SUN))
@@ -88,7 +89,20 @@ def test_small_lamps_are_named():
         warn_of_unsampled_light(scene)
 
 
-@pytest.mark.parametrize("material", [POLISHED, GLASS, MATT])
+def test_narrow_highlights_of_lamps_balls_and_many_orientations_are_named():
+    lamp = Scene({"lamp": Light("lamp", np.ones(3))}, (triangle("lamp"),))
+    plate = scene_of(triangle(), BRUSHED)
+    turned = [
+        Polygon(np.array([[0, 0, 0], [1, 0, k], [0, 1, 0.1]]), "m") for k in range(5)
+    ]
+    many = replace(scene_of(turned[0], BRUSHED, SUN), surfaces=tuple(turned))
+    ball = scene_of(Sphere(UP, 0.2, False, "m"), BRUSHED, SUN)
+    for scene in (plate + lamp, many, ball):
+        with pytest.warns(ClerestoryWarning, match="by way of 1 surfaces of narrow"):
+            warn_of_unsampled_light(scene)
+
+
+@pytest.mark.parametrize("material", [POLISHED, GLASS, MATT, BRUSHED])
 def test_flat_surfaces_need_no_warning(material):
     warn_of_unsampled_light(scene_of(triangle(), material, SUN))
 

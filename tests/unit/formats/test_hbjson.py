@@ -195,7 +195,7 @@ def test_grids_and_views_have_names_and_metres(read):
     assert found.views["eye"].kind == "angular"
 
 
-def test_what_is_left_out_is_told(read):
+def test_what_is_left_out_is_reported(read):
     value = model(modifiers=[GLASS, {"type": "Mist", "identifier": "fog"}])
     assert read(value).unsupported == ('modifier "fog" of type Mist',)
 

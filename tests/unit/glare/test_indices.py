@@ -122,7 +122,7 @@ def test_veiling_luminance_follows_stiles_and_holladay():
     assert veiling_luminance(lamp)[0] == pytest.approx(expected)
 
 
-def test_without_sources_nobody_is_disturbed():
+def test_without_sources_there_is_no_glare():
     assert ugr(NOTHING, background=80) == dgi(NOTHING, background=80) == 0
     assert cgi(NOTHING, illuminance=500, direct=0) == dgr(NOTHING, average=100) == 0
     assert vcp(dgr(NOTHING, average=100)) == 100
@@ -135,7 +135,7 @@ def test_without_a_background_indices_are_not_numbers():
     assert math.isnan(experimental_ugr(TWO, average=1, background=-1))
 
 
-def test_votes_of_a_window():
+def test_pgsv_of_a_window():
     assert saturation_pgsv(1250 * math.pi) == pytest.approx(3.3 - 3.87 / 2)
     rest = (2 * math.pi * 500 - 2000 * 0.4) / (2 * math.pi - 0.4)
     size = math.log10(0.4)

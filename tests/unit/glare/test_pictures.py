@@ -67,14 +67,14 @@ def test_an_ordinary_photograph_is_refused():
         evaluate_glare(picture(flat))
 
 
-def test_a_denoised_picture_is_refused_unless_trusted():
+def test_a_denoised_picture_is_refused_without_trust():
     denoised = replace(picture(window()), header=("DENOISED= Open Image Denoise",))
     with pytest.raises(InputError, match="picture is denoised"):
         evaluate_glare(denoised)
     assert evaluate_glare(denoised, trust=True).sources.count == 1
 
 
-def test_boundless_radiance_is_refused():
+def test_unlimited_radiance_is_refused():
     """Its luminance would be infinite in the precision of pictures."""
     spoilt = picture(window())
     spoilt.radiance[3, 4, 1] = 3e36

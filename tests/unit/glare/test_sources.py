@@ -1,4 +1,4 @@
-"""Glare sources in pictures where they can be told by hand."""
+"""Glare sources in pictures for which they can be determined by hand."""
 
 import numpy as np
 import pytest

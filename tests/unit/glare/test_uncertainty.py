@@ -10,11 +10,12 @@ import warnings
 import numpy as np
 import pytest
 from glare_rooms import FISHEYE, picture
+from scipy.stats import norm
 
 from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.glare.annual_glare import annual_glare
 from clerestory.glare.evaluate import evaluate_glare
-from clerestory.glare.uncertainty import UncertainLuminance
+from clerestory.glare.uncertainty import UncertainLuminance, index_errors
 
 SIZE, BATCHES, SEEDS = 136, 8, 40
 
@@ -41,7 +42,7 @@ def noise(seed, shape):
     return random.gamma(shape, 1 / shape, (BATCHES, SIZE, SIZE)), random
 
 
-def judged(batches):
+def evaluated(batches):
     mean, error = averaged(batches)
     return evaluate_glare(picture(mean), error=picture(error))
 
@@ -49,11 +50,46 @@ def judged(batches):
 @pytest.mark.parametrize("shape", [30.0, 8.0])
 def test_errors_are_the_scatter_over_seeds(shape):
     """Pixel errors of 6 and 12 %; the rms of 40 errors against the scatter of 40."""
-    found = [judged(room() * noise(seed, shape)[0]) for seed in range(SEEDS)]
+    found = [evaluated(room() * noise(seed, shape)[0]) for seed in range(SEEDS)]
     for name in INDICES:
         scatter = np.std([each.values()[name] for each in found], ddof=1)
         error = np.sqrt(np.mean([each.errors[name] ** 2 for each in found]))
         assert 0.8 < error / scatter < 1.25, name
+
+
+def crossing(levels, *, shared):
+    """Rms ± of the number of pixels above 2000, for pixels with an error of 40."""
+    random, squares = np.random.default_rng(5), []
+    for noise in random.standard_normal((400, *levels.shape)):
+        value = levels + 40 * noise
+        error = random.uniform(39.9, 40.1, levels.shape)  # other draws for each picture
+        if shared:
+            draws = 40 * random.standard_normal((4, *levels.shape))
+            given = UncertainLuminance(value, 0 * error, draws)
+        else:
+            given = UncertainLuminance(value, error)
+        found = index_errors(
+            given, lambda pixels: {"lit": float((pixels > 2000).sum())}
+        )
+        squares.append(found["lit"] ** 2)
+    return np.sqrt(np.mean(squares))
+
+
+def test_pixels_that_cross_the_threshold_scatter_as_stated():
+    """Levels evenly across the threshold: ∑ p (1 - p) with p = Φ((level - 2000)/40)."""
+    levels = np.linspace(1800, 2200, 400).reshape(20, 20)
+    chance = norm.cdf((levels - 2000) / 40)
+    truth = np.sqrt(np.sum(chance * (1 - chance)))
+    assert crossing(levels, shared=False) == pytest.approx(truth, rel=0.05)
+
+
+def test_a_window_that_crosses_the_threshold_scatters_as_stated():
+    """One level each, with errors that all pixels share."""
+    levels = np.linspace(1800, 2200, 41)
+    chance = norm.cdf((levels - 2000) / 40)
+    truth = np.sqrt(np.mean(chance * (1 - chance)))
+    each = [crossing(np.full((1, 1), level), shared=True) for level in levels]
+    assert np.sqrt(np.mean(np.square(each))) == pytest.approx(truth, rel=0.05)
 
 
 def test_errors_shared_by_all_pixels_are_those_of_the_closed_form():
@@ -78,7 +114,7 @@ def fireflies(seed):
     return batches, exact, int(hits.sum())
 
 
-def test_a_firefly_picture_covers_the_truth_and_is_told():
+def test_the_error_of_a_picture_with_fireflies_covers_the_closed_form():
     """Single samples of 8e6 cd/m² as in the acceptance run; truth by expectation."""
     truth = evaluate_glare(picture(fireflies(0)[1])).dgp
     wrong = 0
@@ -86,7 +122,7 @@ def test_a_firefly_picture_covers_the_truth_and_is_told():
         batches, _, hits = fireflies(seed)
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
-            found = judged(batches)
+            found = evaluated(batches)
         assert bool(caught) == (hits > 0), (seed, hits)
         if hits:
             assert abs(found.dgp - truth) < 2 * found.errors["dgp"]
@@ -103,25 +139,25 @@ def test_the_warning_names_direction_share_and_error():
     mean[90, 40] = error[90, 40] = FIREFLY
     with pytest.warns(
         ClerestoryWarning, match="40° to the left of and 28° below"
-    ) as told:
+    ) as caught:
         found = evaluate_glare(picture(mean), error=picture(error))
     without = evaluate_glare(picture(np.where(error > 0, 0, mean))).dgp
     share = round(100 * (1 - without / found.dgp))
     assert f"this source causes {share} % of DGP {found.dgp:.3f} ±" in str(
-        told[0].message
+        caught[0].message
     )
     assert found.errors["dgp"] == pytest.approx(found.dgp - without)
     assert found.sources.samples().min() == pytest.approx(1)
 
 
-def test_a_year_tells_the_worst_picture_once():
+def test_the_worst_picture_of_a_year_is_reported_once():
     mean, error = room(), np.zeros((SIZE, SIZE))
     bad, noisy = mean.copy(), error.copy()
     bad[90, 40] = noisy[90, 40] = FIREFLY
     series = [UncertainLuminance(mean, error), UncertainLuminance(bad, noisy)] * 3
-    with pytest.warns(ClerestoryWarning, match="desk, picture 1: the glare") as told:
+    with pytest.warns(ClerestoryWarning, match="desk, picture 1: the glare") as caught:
         year = annual_glare(series, FISHEYE, name="desk")
-    assert len(told) == 1
+    assert len(caught) == 1
     assert year.dgp_error.values[0] == 0
     assert year.dgp_error.values[1] > 0.1
 
@@ -140,6 +176,6 @@ def test_errors_that_do_not_fit_are_refused():
 
 def test_equal_pictures_have_equal_errors():
     batches = room() * noise(1, 3.0)[0]
-    assert json.dumps(dict(judged(batches).errors)) == json.dumps(
-        dict(judged(batches).errors)
+    assert json.dumps(dict(evaluated(batches).errors)) == json.dumps(
+        dict(evaluated(batches).errors)
     )

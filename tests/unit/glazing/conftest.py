@@ -8,28 +8,7 @@ import pytest
 
 from clerestory.glazing.optics import Optics
 from clerestory.glazing.pane import Pane
-
-PRODUCT = {
-    "name": "Test glass",
-    "nfrc_id": 7,
-    "type": "glazing",
-    "subtype": "monolithic",
-    "coated_side": "Neither",
-    "manufacturer_name": "Nobody",
-    "measured_data": {
-        "thickness": 4.0,
-        "conductivity": 1.0,
-        "emissivity_front": 0.84,
-        "emissivity_back": 0.2,
-        "tir_front": 0.0,
-    },
-    "spectral_data": {
-        "spectral_data": [
-            {"T": 0.8, "Rf": 0.1, "Rb": 0.15, "wavelength": 0.3},
-            {"T": 0.6, "Rf": 0.2, "Rb": 0.25, "wavelength": 2.5},
-        ]
-    },
-}
+from sample_files import PRODUCT
 
 
 @pytest.fixture

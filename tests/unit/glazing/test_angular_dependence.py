@@ -28,7 +28,7 @@ def test_an_opaque_pane_mirrors_as_one_face():
     assert r == pytest.approx(0.0892, abs=1e-4)
 
 
-def test_nothing_stays_nothing():
+def test_a_transparent_layer_remains_transparent():
     t, r = uncoated(COSINES, transmittance=np.array(1.0), reflectance=np.array(0.0))
     assert np.allclose(t, 1)
     assert np.allclose(r, 0)

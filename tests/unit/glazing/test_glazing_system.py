@@ -63,7 +63,7 @@ def test_a_description_is_read(plan):
         ("name", "= name", "not TOML"),
     ],
 )
-def test_a_faulty_description_is_told_in_one_line(plan, old, new, words):
+def test_a_faulty_description_is_reported_in_one_line(plan, old, new, words):
     with pytest.raises(InputError, match=words) as caught:
         read_system(plan(PLAN.replace(old, new, 1)))
     assert "\n" not in str(caught.value)

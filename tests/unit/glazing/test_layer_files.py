@@ -159,7 +159,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("words", FAULTS)
-def test_a_bad_product_is_told_in_one_line(tmp_path, words):
+def test_a_bad_product_is_reported_in_one_line(tmp_path, words):
     path = tmp_path / "bad.json"
     path.write_text(FAULTS[words])
     with pytest.raises(InputError, match=words) as caught:
@@ -168,7 +168,7 @@ def test_a_bad_product_is_told_in_one_line(tmp_path, words):
     assert "\n" not in str(caught.value)
 
 
-def test_a_row_of_text_is_told_with_its_line(tmp_path):
+def test_a_row_of_text_is_reported_with_its_line(tmp_path):
     path = tmp_path / "bad.dat"
     path.write_text(OPTICS + "2600 0.5 x 0.4\n")
     with pytest.raises(InputError, match=r"bad\.dat:12: .*4 numbers expected"):
@@ -211,7 +211,7 @@ def test_a_folder_is_a_catalogue(product, write_json, tmp_path):
 )
 @given(st.one_of(st.text(), st.binary()))
 @pytest.mark.filterwarnings("ignore::clerestory.errors.ClerestoryWarning")
-def test_garbage_is_refused_and_nothing_else(tmp_path, content):
+def test_only_random_bytes_are_refused(tmp_path, content):
     for name in ("any.json", "any.dat"):
         path = tmp_path / name
         path.write_bytes(content if isinstance(content, bytes) else content.encode())

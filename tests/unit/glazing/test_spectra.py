@@ -5,11 +5,7 @@ import pytest
 
 from clerestory.errors import InputError
 from clerestory.glazing.standard import en410, nfrc, standard, trapezoidal_band
-from clerestory.spectra import (
-    Spectrum,
-    common_wavelengths,
-    interpolation_matrix,
-)
+from clerestory.spectra import Spectrum, common_wavelengths, interpolation_matrix
 
 
 @pytest.mark.parametrize("average", [nfrc(), en410()])

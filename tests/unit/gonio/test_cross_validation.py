@@ -35,12 +35,12 @@ def test_a_smooth_layer_is_predicted_well(errors):
         assert scan.misplaced < 0.1
 
 
-def test_what_stands_beyond_the_others_is_told_apart(errors):
+def test_outliers_are_marked(errors):
     beyond = [scan for scan in errors.scans if not scan.inside]
     assert [round(scan.theta_deg) for scan in beyond] == [80]
 
 
-def test_a_scan_that_does_not_belong_stands_out(pane_measurement):
+def test_a_wrong_scan_has_the_largest_error(pane_measurement):
     """One scan of twice the flux: its own error is by far the largest."""
     scans = list(pane_measurement.scans)
     odd = scans[4]
@@ -93,7 +93,7 @@ def test_gaps_and_negative_values_are_doubts():
         assert word in doubts
 
 
-def test_points_in_one_plane_are_told():
+def test_points_in_one_plane_are_reported():
     theta = np.linspace(-80, 80, 41)
     leaving = from_degrees(theta, np.full(41, 180.0))
     scan = Scan(from_degrees(30.0, 0.0), leaving, np.full(41, 0.2))
@@ -102,7 +102,7 @@ def test_points_in_one_plane_are_told():
     assert "plane of incidence" in coverage.doubts()[0]
 
 
-def test_a_layer_without_the_symmetry_of_its_directions_is_told():
+def test_a_layer_without_the_symmetry_of_its_directions_is_reported():
     """Measured on one azimuth, but light leaves towards one side."""
 
     def lopsided(incident):

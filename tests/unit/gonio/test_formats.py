@@ -1,4 +1,4 @@
-"""Readers: every format gives the same scan, and damage is told in one line."""
+"""Readers: every format gives the same scan, and damage is reported in one line."""
 
 import numpy as np
 import pytest
@@ -82,7 +82,9 @@ def test_every_format_gives_the_same_scan(tmp_path, text):
         (30, 180 - THETA, "transmission_back"),
     ],
 )
-def test_pabopto_angles_tell_the_function(tmp_path, theta_in, theta_out, function):
+def test_angles_of_pabopto_files_determine_the_function(
+    tmp_path, theta_in, theta_out, function
+):
     """The sample's normal faces the room: θ below 90° is the room."""
     text = pabopto(theta_out, head=f"#intheta {theta_in}\n#inphi 20")
     (measurement,) = read_measurement(write(tmp_path, text))
@@ -179,7 +181,7 @@ def test_tabular_files_are_given_about_the_mirrored_direction(tmp_path):
         ("", "not a goniophotometer file"),
     ],
 )
-def test_damage_is_told_in_one_line(tmp_path, text, words):
+def test_damage_is_reported_in_one_line(tmp_path, text, words):
     path = write(tmp_path, text)
     with pytest.raises(InputError) as error:
         read_measurement(path)
@@ -216,7 +218,7 @@ def test_merging_keeps_other_directions_apart(tmp_path):
     suppress_health_check=[HealthCheck.function_scoped_fixture],
 )
 @given(st.sampled_from([None, *FORMATS]), st.binary(max_size=200), st.integers(0, 6))
-def test_garbage_is_refused_not_stumbled_over(tmp_path, form, noise, start):
+def test_random_bytes_are_refused_in_one_line(tmp_path, form, noise, start):
     texts = [columns(), viavi(), fred(), astm(), pabopto(head="#incident_angle 3 4")]
     head = texts[start].encode()[:60] if start < len(texts) else b""
     path = tmp_path / "noise"

@@ -29,7 +29,7 @@ def test_triangles_are_delaunay_on_the_sphere():
     assert not inside.any()
 
 
-def test_a_triangulation_obeys_eulers_formula():
+def test_a_triangulation_satisfies_eulers_formula():
     mesh = triangulate(around())
     vertices, edges, triangles = 81, len(mesh.edges), len(mesh.triangles)
     assert vertices - edges + triangles == 1

@@ -202,7 +202,7 @@ def test_trees_of_two_ranks_do_not_fit_one_layer(pane_fit, film_fit):
         export_bsdf([pane_fit, pane_fit])
 
 
-def test_a_layer_that_makes_light_is_dimmed_to_what_it_meets():
+def test_a_layer_that_emits_more_than_it_receives_is_scaled_down():
     lobe = Lobes(np.array([[0, 0, 1.0]]), np.array([0.2]), np.array([0.7]))
     sources = from_degrees(np.array([0.0, 40.0]), np.zeros(2))
     network = connect(sources, [lobe, lobe], "isotropic")

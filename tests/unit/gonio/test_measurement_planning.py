@@ -9,7 +9,7 @@ from clerestory.gonio.measurement_planning import recommended_directions
 from goniometer import half_circle
 
 
-def told(share):
+def validation_with(share):
     """Errors of 81 scans of half a circle: a share of the light put elsewhere."""
     incidents = half_circle()
     theta = np.degrees(np.arccos(np.clip(incidents[:, 2], -1, 1)))
@@ -24,8 +24,10 @@ def told(share):
     )
 
 
-def test_directions_stand_where_scans_mislead():
-    validation = told(lambda incident: np.where(incident[:, 1] > 0.3, 0.8, 0.02))
+def test_directions_are_recommended_near_badly_predicted_scans():
+    validation = validation_with(
+        lambda incident: np.where(incident[:, 1] > 0.3, 0.8, 0.02)
+    )
     found = recommended_directions(validation, symmetry="bilateral-x", count=20)
     assert found.shape == (20, 3)
     assert np.linalg.norm(found, axis=1) == pytest.approx(1)
@@ -36,7 +38,7 @@ def test_directions_stand_where_scans_mislead():
 
 def test_no_direction_is_measured_twice():
     """Even errors: the widest gaps are filled, and none is less than a degree wide."""
-    validation = told(lambda incident: np.full(len(incident), 0.5))
+    validation = validation_with(lambda incident: np.full(len(incident), 0.5))
     found = recommended_directions(validation, symmetry="bilateral-x", count=40)
     every = np.concatenate([half_circle(), found])
     apart = angle_between(every[:, None], found) + 9 * np.eye(121)[:, 81:]

@@ -23,5 +23,5 @@ def test_the_minimum_is_that_of_lawson_and_hanson(seed, unknowns, more):
     assert found == pytest.approx(expected, abs=1e-7 * max(1, np.abs(expected).max()))
 
 
-def test_a_target_that_pulls_everything_down_leaves_nothing():
+def test_a_negative_target_gives_zero():
     assert np.all(non_negative(np.eye(3), -np.ones(3)) == 0)

@@ -66,7 +66,7 @@ def test_a_peak_that_dims_travels_as_one():
     assert angle_between(between.strongest(), middle) < np.radians(1.5)
 
 
-def test_light_that_changes_between_far_peaks_makes_no_ghost_between_them():
+def test_light_that_changes_between_far_peaks_makes_no_peak_between_them():
     """60 : 40 becomes 40 : 60; balanced transport would send a fifth across."""
     one = together(cluster(10, 0.6), cluster(70, 0.4, seed=1))
     other = together(cluster(12, 0.4, seed=2), cluster(72, 0.6, seed=3))

@@ -20,11 +20,7 @@ from clerestory.image.camera_response import (
 )
 from clerestory.image.exposure_bracket import merge_bracket
 from clerestory.image.fisheye_lens import ImageCircle, Lens, reproject
-from clerestory.image.photograph import (
-    Exposure,
-    read_exposure,
-    read_photograph,
-)
+from clerestory.image.photograph import Exposure, read_exposure, read_photograph
 from clerestory.image.photometric_calibration import (
     calibrate,
     eye_illuminance,
@@ -32,11 +28,7 @@ from clerestory.image.photometric_calibration import (
     replace_overflow,
 )
 from clerestory.image.picture import Picture
-from clerestory.image.vignetting import (
-    Vignetting,
-    correct_vignetting,
-    fit_vignetting,
-)
+from clerestory.image.vignetting import Vignetting, correct_vignetting, fit_vignetting
 from clerestory.scene.view import View, solid_angles
 
 pytest.importorskip("cv2", reason="OpenCV makes pictures of photographs")
@@ -96,7 +88,7 @@ def test_the_response_of_the_camera_is_recovered(method):
     assert spread < 1.12
 
 
-def test_what_the_shortest_exposure_cannot_hold_is_told():
+def test_what_the_shortest_exposure_cannot_hold_is_reported():
     truth = 0.3 * scene()
     truth[40:44, 60:64] = 1e6
     merged = merge_bracket(
@@ -137,7 +129,7 @@ def test_responses_are_kept_in_files(tmp_path):
         ResponseCurve(np.zeros((256, 3)))
 
 
-def test_photographs_tell_their_exposure(tmp_path):
+def test_the_exposure_of_photographs_is_read(tmp_path):
     image = Image.new("RGB", (8, 6), (10, 20, 30))
     exif = Image.Exif()
     sub = exif.get_ifd(0x8769)
@@ -272,7 +264,7 @@ def test_calibration_gives_the_measured_illuminance():
     assert result.picture.luminance()[45, 45] == pytest.approx(1020 / np.pi, rel=1e-2)
 
 
-def test_light_that_changes_is_told():
+def test_light_that_changes_is_reported():
     with pytest.warns(ClerestoryWarning, match="changed by 67% during the bracket"):
         calibrate(fisheye(3.0), before=1000, after=2000)
     with pytest.raises(InputError, match="measured illuminance is 0 lux"):

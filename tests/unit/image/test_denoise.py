@@ -35,7 +35,7 @@ def test_noise_is_smoothed_and_the_mean_kept(network):
     assert smooth.mean() == pytest.approx(noisy.mean(), rel=0.02)
 
 
-def test_the_header_tells_and_survives_a_file(network, tmp_path):
+def test_the_header_is_complete_and_read_back(network, tmp_path):
     picture = Picture(noisy_and_true()[0], view=View(), quantity="irradiance")
     made = denoise(picture)
     assert is_denoised(made)

@@ -22,7 +22,7 @@ def raw_file(path, values, **header):
     return path
 
 
-def test_everything_survives(tmp_path):
+def test_all_attributes_are_read_back(tmp_path):
     picture = random_picture(
         view=View(kind="angular", horizontal=180, vertical=170),
         header=("made by hand", "in two steps"),
@@ -96,6 +96,6 @@ def test_what_is_no_picture_is_refused(tmp_path, capfd):
         assert "\n" not in str(caught.value)
 
 
-def test_a_folder_that_is_missing_is_told(tmp_path):
+def test_a_folder_that_is_missing_is_reported(tmp_path):
     with pytest.raises(OutputError):
         write_picture(random_picture(), tmp_path / "nowhere" / "a.exr")

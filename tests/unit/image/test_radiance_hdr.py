@@ -1,6 +1,7 @@
 """Radiance pictures: headers, orientations, round trips, what is refused."""
 
 import contextlib
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -60,7 +61,7 @@ def test_the_last_view_counts_and_builds_on_those_before(tmp_path):
     assert (view.position.tolist(), view.horizontal) == ([1, 2, 3], 180)
 
 
-def test_a_view_that_cannot_be_is_told_and_left_out(tmp_path):
+def test_a_view_that_cannot_be_is_reported_and_left_out(tmp_path):
     path = picture_file(tmp_path, header="VIEW= -vtv -vh 200\n")
     with pytest.warns(
         ClerestoryWarning, match="horizontal size of the perspective view is 200"
@@ -126,7 +127,7 @@ def test_writing_twice_changes_nothing_more(tmp_path):
     assert (tmp_path / "a.hdr").read_bytes() == (tmp_path / "b.hdr").read_bytes()
 
 
-def test_the_quantity_survives(tmp_path):
+def test_the_quantity_is_read_back(tmp_path):
     for quantity in ("radiance", "irradiance"):
         picture = random_picture(quantity=quantity, header=("rpict -i a.oct",))
         write_picture(picture, tmp_path / "a.hdr")
@@ -226,7 +227,7 @@ def test_pictures_check_themselves():
         Picture(np.ones((1, 1, 3), dtype=np.float32), pixel_aspect=0)
 
 
-def test_luminance_is_told_from_illuminance():
+def test_luminance_is_distinguished_from_illuminance():
     """179 lm/W times Radiance's weights of red, green and blue."""
     values = np.array([[[1, 0, 0], [0, 1, 0], [0, 0, 1]]], dtype=np.float32)
     expected = pytest.approx([47.435, 119.93, 11.635], rel=1e-5)
@@ -237,3 +238,22 @@ def test_luminance_is_told_from_illuminance():
         irradiance.luminance()
     with pytest.raises(InputError, match="use luminance"):
         Picture(values).illuminance()
+
+
+@pytest.mark.parametrize("header", ["", "EXPOSURE=2\n"])
+@pytest.mark.parametrize("runs", [True, False])
+def test_reading_takes_little_more_memory_than_the_picture(tmp_path, header, runs):
+    """9 million pixels; 30 kB of repeated pixels can describe as many."""
+    row = bytes([100, 100, 100, 128, 1, 1, 1, 0xB7, 1, 1, 1, 0xB])
+    if runs:
+        row = b"\2\2" + (3000).to_bytes(2) + (b"\xff\x80" * 23 + b"\xcf\x80") * 4
+    path = picture_file(
+        tmp_path, header=header, size="-Y 3000 +X 3000", pixels=row * 3000
+    )
+    tracemalloc.start()
+    values = read_picture(path).radiance
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert values.shape == (3000, 3000, 3)
+    assert np.ptp(values) == 0
+    assert most < values.nbytes + 50e6

@@ -10,9 +10,14 @@ from hypothesis.extra.numpy import arrays
 
 from clerestory.errors import InputError
 from clerestory.image import run_length
-from clerestory.image.run_length import decode, encode
+from clerestory.image.run_length import encode
 
 BYTES = st.sampled_from([0, 1, 2, 127, 128, 129, 255])
+
+
+def decode(data, *, rows, width):
+    blocks = [*run_length.decode(data, rows=rows, width=width)]
+    return np.concatenate(blocks)
 
 
 def as_array(data):
@@ -114,3 +119,15 @@ def test_a_long_stretch_of_empty_codes_ends_soon():
     data = as_array([2, 2, 0, 10] + [0] * 100_000)
     with pytest.raises(InputError):
         decode(data, rows=1, width=10)
+
+
+@pytest.mark.parametrize("block", [1, 25, 1000])
+def test_scanlines_are_decoded_in_blocks(monkeypatch, block):
+    """Of the new and the old form, of bytes and of runs."""
+    rng = np.random.default_rng(4)
+    pixels = rng.integers(3, 6, (30, 12, 4)).repeat(3, axis=1).astype(np.uint8)
+    monkeypatch.setattr(run_length, "_BLOCK", block)
+    new, flat = encode(pixels), pixels.tobytes()
+    old = np.insert(pixels[:, ::3].reshape(-1, 4), range(1, 361), (1, 1, 1, 2), axis=0)
+    for data in (new, flat, old.tobytes()):
+        assert np.array_equal(decode(as_array(data), rows=30, width=36), pixels)

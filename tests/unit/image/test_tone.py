@@ -135,9 +135,9 @@ def test_a_screen_without_range_is_refused():
 
 
 def test_a_view_in_degrees():
-    """2 tan 30° over one degree; and 40° where nothing is told."""
-    told = foveal_view(grey(np.ones((300, 300)), view=View(horizontal=60)))
-    assert told.columns == round(2 * np.tan(np.radians(30)) / np.radians(1))
+    """2 tan 30° over one degree; and 40° by default."""
+    foveal = foveal_view(grey(np.ones((300, 300)), view=View(horizontal=60)))
+    assert foveal.columns == round(2 * np.tan(np.radians(30)) / np.radians(1))
     untold = foveal_view(grey(np.ones((150, 300))))
     assert untold.view.horizontal == pytest.approx(40)
 

@@ -77,7 +77,7 @@ AXES = {
 
 
 @pytest.mark.parametrize("name", AXES)
-def test_axes_survive(tmp_path, name):
+def test_axes_are_read_back(tmp_path, name):
     axis = AXES[name]
     path = tmp_path / "a.nc"
     write_netcdf(path, matrix(axis, unknown_axis(2)))
@@ -162,7 +162,7 @@ def test_sealed_files_without_matrices_are_refused(tmp_path):
         read_netcdf(path)
 
 
-def test_missing_file_and_folder_are_told_apart(tmp_path):
+def test_missing_file_and_folder_are_distinguished(tmp_path):
     with pytest.raises(InputError, match="cannot be read"):
         read_netcdf(tmp_path / "none.nc")
     with pytest.raises(OutputError):

@@ -211,7 +211,7 @@ def test_unknown_encoding_is_refused(tmp_path):
         write_matrix(tmp_path / "a.mtx", matrix(), encoding="text")
 
 
-def test_nothing_is_left_where_it_cannot_be_written(tmp_path):
+def test_nothing_is_left_in_a_folder_that_cannot_be_written(tmp_path):
     with pytest.raises(OutputError):
         write_matrix(tmp_path / "none" / "a.mtx", matrix())
     assert list(tmp_path.iterdir()) == []

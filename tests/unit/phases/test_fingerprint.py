@@ -86,6 +86,6 @@ def test_records_of_different_classes_differ():
 
 
 @pytest.mark.parametrize("value", [object(), {1, 2}, np.array([None]), Scene])
-def test_what_cannot_be_told_apart_is_refused(value):
+def test_what_cannot_be_distinguished_is_refused(value):
     with pytest.raises(TypeError, match="fingerprint"):
         fingerprint(value)

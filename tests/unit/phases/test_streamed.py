@@ -10,12 +10,7 @@ from clerestory.hemisphere.reinhart import reinhart
 from clerestory.matrix.axis import sensor_axis, sky_axis, unknown_axis, window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.illuminance import illuminance
-from clerestory.phases.matrix_equation import (
-    Skies,
-    Term,
-    WindowMatrices,
-    window_chain,
-)
+from clerestory.phases.matrix_equation import Skies, Term, WindowMatrices, window_chain
 from clerestory.phases.matrix_store import MatrixStore
 from clerestory.phases.methods import three_phase
 from clerestory.phases.stored_views import StoredColumns, StoredViews, pooled

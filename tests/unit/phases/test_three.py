@@ -132,7 +132,7 @@ def test_matrices_of_different_windows_are_refused():
         window_matrices(view("a"), transmission(1.0), daylight("b"))
 
 
-def test_a_forgotten_bsdf_is_named():
+def test_a_bsdf_that_is_not_given_is_named():
     with pytest.raises(MatrixError, match="transmission matrix of a BSDF"):
         _ = view("a") @ daylight("a")
 

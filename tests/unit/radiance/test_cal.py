@@ -86,7 +86,7 @@ def test_real_arguments_are_numbered():
     assert value("A1 + arg(2) + 10*AC + arg(0)", arguments=(3, 4))[0] == 3 + 4 + 22
 
 
-def test_rays_without_a_value_are_told():
+def test_rays_without_a_value_are_reported():
     found, valid = value("1/x + sqrt(x)", x=[4, 0, -1])
     assert found[0] == 2.25
     assert valid.tolist() == [True, False, False]

@@ -72,7 +72,7 @@ def test_geometry_comes_in_metres_and_goes_where_the_transform_says():
 
 
 def test_a_layer_with_geometry_is_enclosed_by_two_surfaces():
-    """Thickness tells how far the geometry reaches behind (+) or before (−) each."""
+    """Thickness is the depth of the geometry behind (+) or in front of (−) each."""
     scene = package(blind(), "blind")
     front, back = scene.surfaces[:2]
     assert (front.name, back.name) == ("blind_f", "blind_b")

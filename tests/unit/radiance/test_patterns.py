@@ -98,7 +98,7 @@ def test_a_file_beside_the_scene_outweighs_ours(read):
     assert own.value(UP)[0, 0] == 7
 
 
-def test_directions_without_a_value_are_told(read):
+def test_directions_without_a_value_are_reported(read):
     """Radiance leaves the pattern out there, so the factor is 1."""
     text = "void brightfunc p 2 5/Dx . 0 0\np light x 0 0 3 1 1 1"
     pattern = read(text)["x"].pattern

@@ -1,4 +1,4 @@
-"""What is wrong in a scene file is told with its place, and nothing is skipped."""
+"""Errors in a scene file are reported with their line, and nothing is skipped."""
 
 import pytest
 
@@ -110,7 +110,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("case", CASES, ids=str)
-def test_what_is_wrong_is_told_with_its_place(tmp_path, case):
+def test_what_is_wrong_is_reported_with_its_place(tmp_path, case):
     text, line, message = CASES[case]
     (tmp_path / "part.rad").write_text(FLOOR)
     file = tmp_path / "main.rad"
@@ -122,7 +122,7 @@ def test_what_is_wrong_is_told_with_its_place(tmp_path, case):
     assert "\n" not in str(caught.value)
 
 
-def test_a_fault_in_an_included_file_is_told_with_its_own_place(tmp_path):
+def test_a_fault_in_an_included_file_is_reported_with_its_own_place(tmp_path):
     (tmp_path / "part.rad").write_text("\n\nwood sphere x 0 0 4 0 0 0 1")
     (tmp_path / "main.rad").write_text("!xform part.rad")
     with pytest.raises(InputError, match=r"part\.rad:3: undefined modifier"):

@@ -117,7 +117,7 @@ def test_names_cannot_become_markup():
     assert "<script>alert" not in page
 
 
-def test_the_doctor_stands_below_the_view():
+def test_the_findings_are_below_the_view():
     sound = view_page(lambertian(0.5, QUARTER))
     assert "No fault found in energy balance, reciprocity and labels" in sound
     bright = lambertian(0.7, QUARTER)

@@ -109,7 +109,7 @@ def test_states_are_counted_in_the_occupied_hours(page):
     assert "cut-off: tilts [°] 0, 45, 90" in rule
 
 
-def test_the_page_knows_the_state_of_every_step(data, content, course):
+def test_the_page_contains_the_state_of_every_step(data, content, course):
     cells = unpacked(data["maps"]["states-0"]["cells"], np.uint8)
     assert data["maps"]["states-0"]["texts"] == list(course.STATES)
     assert np.array_equal(cells, course.state(content.times))
@@ -308,7 +308,7 @@ def test_layers_keep_what_they_pass(content):
         ] == pytest.approx(tau)
 
 
-def test_methods_are_told_against_the_last(room):
+def test_methods_are_compared_with_the_last(room):
     """Twice the reference is 100 % off, and not within 20 % of it."""
     results = room.analytic_results(times=room.year(days=5))
     lux = results.data["illuminance"].values

@@ -44,7 +44,7 @@ def test_dark_hours_are_free_of_glare():
     assert figure.axes[0].texts[0].get_text() == "0.50"
 
 
-def test_the_rosette_shares_out_the_time():
+def test_the_rosette_shows_the_fraction_of_time_in_each_class():
     dgp = np.array([[0.2, 0.2, 0.5, 0.5], [0.2, 0.2, 0.2, 0.38]])
     figure = glare_rosette_figure(dgp, np.radians([0.0, 90.0]))
     heights = [patch.get_height() for patch in figure.axes[0].patches]

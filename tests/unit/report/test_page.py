@@ -158,7 +158,7 @@ def test_a_right_window_raises_no_doubt(page):
     )
 
 
-def test_a_lone_sensor_at_a_single_step_has_a_page(room):
+def test_a_single_sensor_at_a_single_step_has_a_page(room):
     noon = np.array(["2023-06-21T12:00"], dtype="datetime64[s]")
     results = room.analytic_results(
         times=noon, points=np.array([[3.0, 2.0, 0.76]]), with_eyes=False

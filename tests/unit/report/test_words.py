@@ -50,7 +50,7 @@ def test_errors_of_the_bands_follow_from_hours_near_their_limits(room):
     assert np.allclose(exceeded.errors, 50 * near.mean(axis=1), atol=1e-4)
 
 
-def test_the_accuracy_is_told_in_one_sentence(room):
+def test_the_accuracy_is_reported_in_one_sentence(room):
     results = room.analytic_results(times=room.year(days=20))
     results.data["standard_error"].values[:] = 0.02 * results.data["illuminance"].values
     assert "half of them are below 2 %, 95 % below 2 %" in error_words(
@@ -108,7 +108,7 @@ def test_the_longest_phase_comes_first():
     assert heads == ["trace", "sky", "read", "Total"]
 
 
-def test_durations_are_told_as_people_do():
+def test_durations_are_in_readable_units():
     assert duration(7384) == "2 h 3 min"
 
 

@@ -73,7 +73,7 @@ def test_leap_days_keep_their_place():
     assert (grid.cell // grid.bins).tolist() == [0, 1, 2]
 
 
-def test_the_period_is_told_in_words(room):
+def test_the_period_is_reported_in_words(room):
     assert period_words(room.year(15, 7, "2023-06-18")) == (
         "18 June to 24 June, 672 steps of 15 minutes"
     )
@@ -94,7 +94,7 @@ def test_codes_keep_illuminance_to_two_parts_in_ten_thousand():
     assert illuminance_codes(np.zeros(1))[0] == 0
 
 
-def test_arrays_survive_packing():
+def test_packed_arrays_are_unpacked():
     values = np.arange(1000, dtype=np.uint16)
     raw = gzip.decompress(base64.b64decode(packed(values)))
     assert np.array_equal(np.frombuffer(raw, "<u2"), values)

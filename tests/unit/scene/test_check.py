@@ -76,7 +76,7 @@ def test_a_misplaced_sensor_is_named(point, message):
 
 
 def test_findings_among_some_of_the_sensors_say_so(monkeypatch):
-    """Where all would take too long; what needs no triangles is asked of each."""
+    """Where all would take too long; checks without triangles include each."""
     monkeypatch.setattr(scene_checks, "_EFFORT", 2 * 14)  # triangles of the room
     few = check_scene(room(), (), sensors((2, 2, 0), *DESKS, DESKS[0]))
     assert few[0] == "sensor 5 of 5 is given twice"

@@ -1,13 +1,17 @@
 """Coplanar surfaces of different materials are named; neighbours are no overlap."""
 
 import time
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from clerestory.scene.coplanar import check_coplanar
-from clerestory.scene.model import Glass, Plastic, Polygon, Scene, TriangleMesh
+from clerestory.scene.model import Glass, Plastic, Polygon, Scene, Sphere, TriangleMesh
+from clerestory.scene.proximity import Triangulation
+from clerestory.scene.scene_checks import check_scene
+from clerestory.scene.sensors import Sensors
 from clerestory.scene.surface import transformed
 from clerestory.scene.tessellate import meshes
 from clerestory.scene.transform import parse_transform
@@ -88,10 +92,16 @@ PLACES = {
 }
 
 
+def triangulation(scene):
+    parts = meshes(scene)
+    corner = np.concatenate([m.vertices[m.faces] for m in parts])
+    return Triangulation(corner, np.concatenate([m.surface for m in parts]))
+
+
 def found(surfaces, place):
     move, _ = parse_transform(place.split())
     scene = Scene(MATERIALS, tuple(transformed(s, move) for s in surfaces))
-    return list(check_coplanar(scene, meshes(scene)))
+    return list(check_coplanar(scene, triangulation(scene)))
 
 
 @pytest.mark.parametrize("place", PLACES.values(), ids=PLACES)
@@ -121,8 +131,38 @@ def test_a_million_faces_are_checked_in_seconds():
     place = vertices[hills.faces[1234]]
     patch = TriangleMesh(place, np.array([[0, 1, 2]]), "rug", "patch")
     scene = Scene(MATERIALS, (hills, patch))
-    parts = meshes(scene)
+    parts = triangulation(scene)
     begin = time.process_time()
     [text] = check_coplanar(scene, parts)
     assert time.process_time() - begin < 4
     assert '"patch" of "rug"' in text
+
+
+def test_a_thousand_spheres_of_as_many_materials_take_little():
+    """Spheres have 1280 triangles each; materials are compared in pairs."""
+    rng = np.random.default_rng(1)
+    grey = [Plastic(f"m{k}", x) for k, x in enumerate(rng.uniform(0.1, 0.9, (1000, 3)))]
+    place = rng.integers(0, 99, (1000, 3)).astype(float)
+    balls = [Sphere(x, 0.4, False, m.name) for x, m in zip(place, grey, strict=True)]
+    scene = Scene({m.name: m for m in grey}, tuple(balls))
+    sensors = Sensors(np.full((1, 3), 50.3), np.array([[0.0, 0, 1]]))
+    tracemalloc.start()
+    begin = time.process_time()
+    check_scene(scene, (), sensors)
+    took, most = time.process_time() - begin, tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert took < 3
+    assert most < 250 * 1280 * 1000
+
+
+def test_many_flat_surfaces_of_many_materials_are_checked_in_seconds():
+    rng = np.random.default_rng(1)
+    grey = [Plastic(f"m{k}", x) for k, x in enumerate(rng.uniform(0.1, 0.9, (4000, 3)))]
+    tile = [
+        rectangle((2 * k, 0, 0), (1, 0, 0), (0, 1, 0), m.name, f"t{k}")
+        for k, m in enumerate(grey)
+    ]
+    scene = Scene({m.name: m for m in grey}, tuple(tile))
+    begin = time.process_time()
+    assert not list(check_coplanar(scene, triangulation(scene)))
+    assert time.process_time() - begin < 2

@@ -36,7 +36,7 @@ def test_the_tutorials_sensors_are_a_grid_of_a_hundred(shared_data):
         ("", ":", "no sensors"),
     ],
 )
-def test_what_is_wrong_is_told_with_its_place(tmp_path, text, place, message):
+def test_what_is_wrong_is_reported_with_its_place(tmp_path, text, place, message):
     file = tmp_path / "bad.pts"
     file.write_text(text)
     with pytest.raises(InputError) as caught:

@@ -67,7 +67,7 @@ def test_materials_do_not_matter(write):
     assert read_window(write(text)).name == "unknown"
 
 
-def test_groups_are_told_by_modifier(write):
+def test_groups_are_distinguished_by_modifier(write):
     text = f"#@rfluxmtx h=kf u=Z\nsouth {PANE}#@rfluxmtx h=kh u=Y\nroof {SKYLIGHT}"
     other = "south polygon upper 0 0 12 0 0 3  0 0 4  3 0 4  3 0 3"
     south, roof = read_windows(write(text), write(other, "more.rad"))
@@ -112,7 +112,7 @@ def test_holes_do_not_count_as_area(write):
         ("# nothing", None, "no polygons"),
     ],
 )
-def test_what_is_wrong_is_told_with_its_place(write, text, line, message):
+def test_what_is_wrong_is_reported_with_its_place(write, text, line, message):
     file = write(text)
     with pytest.raises(InputError) as caught:
         read_window(file)

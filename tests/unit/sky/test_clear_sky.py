@@ -5,10 +5,7 @@ import pvlib
 import pytest
 
 from clerestory.errors import InputError
-from clerestory.sky.clear_sky import (
-    clear_sky_irradiance,
-    clear_sky_weather,
-)
+from clerestory.sky.clear_sky import clear_sky_irradiance, clear_sky_weather
 from clerestory.sky.sky_state import orbit_factor
 from clerestory.sky.weather import Site
 
@@ -55,6 +52,6 @@ def test_nights_are_dark_and_noons_bright():
 
 
 @pytest.mark.parametrize("wrong", [{"turbidity": 0.5}, {"step_minutes": 7}])
-def test_numbers_out_of_range_are_told(wrong):
+def test_numbers_out_of_range_are_reported(wrong):
     with pytest.raises(InputError, match="expected"):
         clear_sky_weather(INNSBRUCK, **wrong)

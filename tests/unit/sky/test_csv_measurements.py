@@ -208,7 +208,7 @@ def test_an_unknown_moment_of_the_step_is_refused(write):
 
 
 def test_five_minute_data_with_all_three_agree(shared_data):
-    """NSRDB's GHI, DHI and DNI obey the closure: computed and given DNI agree."""
+    """NSRDB's GHI, DHI and DNI satisfy the closure: computed and given DNI agree."""
     path = shared_data / "irradiance" / "test_psm3_2019_5min.csv"
     site = Site(40.5137, -108.5449, -7.0, 1830.0)
     given = Columns("", direct_normal="DNI", diffuse_horizontal="DHI")

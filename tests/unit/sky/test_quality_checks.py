@@ -1,4 +1,4 @@
-"""Wrong clocks and gaps in time are told."""
+"""Wrong clocks and gaps in time are reported."""
 
 from dataclasses import replace
 from datetime import datetime
@@ -55,7 +55,7 @@ def test_a_right_clock_is_not_doubted(latitude_deg):
 
 
 @pytest.mark.parametrize(("hours", "word"), [(1, "early"), (-1, "late")])
-def test_a_file_off_by_an_hour_is_told(hours, word):
+def test_a_file_off_by_an_hour_is_reported(hours, word):
     weather = made_year(utc_offset_hours=1.0 + hours)
     assert clock_shift(weather).whole == pytest.approx(hours, abs=0.1)
     *_, doubt = quality_problems(weather)
@@ -65,7 +65,7 @@ def test_a_file_off_by_an_hour_is_told(hours, word):
 @pytest.mark.parametrize(
     ("latitude_deg", "months"), [(50.0, range(4, 11)), (-35.0, (10, 11, 12, 1, 2, 3))]
 )
-def test_daylight_saving_time_is_told(latitude_deg, months):
+def test_daylight_saving_time_is_reported(latitude_deg, months):
     weather = in_daylight_saving(made_year(latitude_deg), list(months))
     assert clock_shift(weather).summer_less_winter == pytest.approx(-1, abs=0.25)
     assert any("daylight saving" in doubt for doubt in quality_problems(weather))
@@ -93,7 +93,7 @@ def test_missing_steps_are_counted():
     )
 
 
-def test_a_day_is_too_short_to_judge_its_clock():
+def test_one_day_is_too_short_to_assess_the_clock():
     assert clock_shift(made_year().select(slice(0, 24))) is None
 
 

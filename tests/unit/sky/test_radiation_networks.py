@@ -1,5 +1,7 @@
 """Files of measuring networks, against their raw numbers."""
 
+import time
+
 import numpy as np
 import pytest
 from pvlib import iotools
@@ -129,6 +131,19 @@ def test_a_damaged_network_file_is_an_input_error(tmp_path):
             read_srml(path, site=EUGENE)
     path.write_text(SURFRAD + rows)
     assert read_weather(path).direct_normal.tolist() == [100.0] * 3
+
+
+@pytest.mark.parametrize(("line", "header", "cells"), [(2, 6, 4006), (1, 40_000, 6)])
+def test_an_srml_file_of_too_many_columns_is_refused(tmp_path, line, header, cells):
+    """pvlib takes minutes, and takes the first cells of longer lines as labels."""
+    path = tmp_path / "a.txt"
+    rows = ["94255\t2018" + "\t1000\t0" * (header // 2 - 1)]
+    rows += ["1\t1200" + "\t300\t12" * (cells // 2 - 1)]
+    path.write_text("\n".join(rows))
+    begin = time.process_time()
+    with pytest.raises(InputError, match=f"txt:{line}: {max(header, cells)} columns"):
+        read_srml(path, site=EUGENE)
+    assert time.process_time() - begin < 2
 
 
 def test_an_address_is_not_fetched():

@@ -7,24 +7,7 @@ from clerestory.errors import InputError
 from clerestory.sky.csv_measurements import Columns, read_measured
 from clerestory.sky.weather import Site
 from clerestory.sky.weather_formats import read_weather
-
-STATION = """\
-file = "roof.csv"
-stands_for = "end"
-separator = ";"
-
-[site]
-latitude_deg = 50.0
-longitude_deg = 8.5
-utc_offset_hours = 1
-place = "roof"
-
-[columns]
-time = ["day", "clock"]
-global_horizontal = "GHI"
-diffuse_horizontal = "DHI"
-"""
-ROOF = "day;clock;GHI;DHI\n2022-06-21;12:00;700;120\n2022-06-21;12:05;710;118\n"
+from sample_files import ROOF, STATION
 
 
 @pytest.fixture

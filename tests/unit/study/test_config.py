@@ -238,7 +238,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("case", WRONG)
-def test_a_wrong_study_is_told_line_and_choices(study_file, case):
+def test_errors_of_a_study_name_line_and_choices(study_file, case):
     old, new, place, words = WRONG[case]
     change(study_file, old, new)
     error = complaint(study_file)
@@ -248,7 +248,7 @@ def test_a_wrong_study_is_told_line_and_choices(study_file, case):
         assert re.match(rf".*study\.toml:{error.line}: ", str(error))
 
 
-def test_a_truncated_study_is_told_at_its_end(study_file):
+def test_a_truncated_study_is_reported_at_its_end(study_file):
     text = study_file.read_text()
     study_file.write_text(text[: text.index("phase")])
     error = complaint(study_file)
@@ -256,17 +256,17 @@ def test_a_truncated_study_is_told_at_its_end(study_file):
     assert error.line == 2
 
 
-def test_a_missing_study_is_told():
+def test_a_missing_study_is_reported():
     with pytest.raises(InputError, match="No such file"):
         read_study("no_such_study.toml")
 
 
-def test_an_empty_study_is_told_what_it_lacks(study_file):
+def test_errors_of_an_empty_study_name_the_missing_tables(study_file):
     study_file.write_text("")
     assert "is missing" in str(complaint(study_file))
 
 
-def test_several_faults_are_told_one_by_one(study_file):
+def test_several_faults_are_reported_one_by_one(study_file):
     change(study_file, "samples = 256", "samples = 0")
     change(study_file, "subdivision = 1", "subdivision = 9")
     message = str(complaint(study_file))

@@ -44,7 +44,7 @@ def test_writing_the_demo_again_keeps_what_was_changed(tmp_path):
     assert (tmp_path / "room.rad").is_file()
 
 
-def test_a_demo_where_nothing_can_be_written_is_told(tmp_path):
+def test_a_demo_where_nothing_can_be_written_is_reported(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(OutputError):
         write_demo(tmp_path / "file" / "demo")

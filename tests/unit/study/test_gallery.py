@@ -18,7 +18,7 @@ OURS = sorted(
 )
 
 
-def test_there_are_six_and_the_day_of_the_crash_course():
+def test_there_are_six_studies_and_the_example_of_one_day():
     assert len(OURS) >= 7
 
 

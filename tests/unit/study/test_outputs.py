@@ -63,7 +63,7 @@ def test_metrics_table_has_a_line_for_every_sensor(results, tmp_path):
     assert float(rows[2]["y [m]"]) == 7
 
 
-def test_results_survive_the_disk(results, tmp_path):
+def test_results_are_read_back(results, tmp_path):
     path = save_results(results, tmp_path)
     again = read_results(path)
     xr.testing.assert_equal(again.data, results.data)
@@ -91,6 +91,6 @@ def test_another_netcdf_is_refused(tmp_path):
         read_results(path)
 
 
-def test_missing_results_are_told(tmp_path):
+def test_missing_results_are_reported(tmp_path):
     with pytest.raises(InputError, match="No such file"):
         read_results(tmp_path)

@@ -167,7 +167,7 @@ def test_part_of_the_year_can_be_chosen(study_file, engine, tmp_path):
         run_study(read_study(study_file), out=tmp_path)
 
 
-def test_a_schedule_without_a_time_step_is_told_before_tracing(study_file, engine):
+def test_a_schedule_without_a_time_step_is_reported_before_tracing(study_file, engine):
     text = study_file.read_text()
     hours = "[schedule]\nfrom_hour = 8.1\nto_hour = 8.4\n[trace]"
     study_file.write_text(text.replace("[trace]", hours))
@@ -184,7 +184,7 @@ def test_several_windows_in_one_file_get_names_of_their_own(study_file):
     assert [group.name for group in groups] == ["south.left", "south.right"]
 
 
-def test_a_bsdf_of_another_basis_decides_and_is_told(study_file):
+def test_the_basis_of_the_bsdf_takes_precedence_and_is_reported(study_file):
     path = study_file.with_name("window.rad")
     path.write_text(path.read_text().replace("h=kq", "h=kf"))
     with pytest.warns(ClerestoryWarning, match="41 patches .* 145"):
@@ -201,7 +201,7 @@ def test_doubts_about_the_scene_are_warned_of_and_noted(study_file, engine, tmp_
     assert any("desk.1" in text for text in results.run["warnings"])
 
 
-def test_a_folder_that_cannot_be_written_is_told(study_file, engine, tmp_path):
+def test_a_folder_that_cannot_be_written_is_reported(study_file, engine, tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(OutputError, match="cannot be made"):
         run_study(read_study(study_file), out=tmp_path / "file" / "out")

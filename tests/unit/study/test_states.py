@@ -9,41 +9,24 @@ import json
 import numpy as np
 import pytest
 
-from clerestory.bsdf.analytic import lambertian
-from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.control.profile_angle import profile_angle
 from clerestory.errors import InputError
-from clerestory.hemisphere.klems import klems
 from clerestory.sky.sky_conditions import sun_over
 from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.sky.weather_formats import read_weather
 from clerestory.study.config import read_study
 from clerestory.study.inputs import read_inputs
 from clerestory.study.study_run import run_study
+from sample_files import STATES, write_states
 
 TAUS = (0.6, 0.2, 0.05)
 GREY = 179 * np.array([0.265, 0.670, 0.065])
-
-STATES = """
-[[window.state]]
-name = "open"
-bsdf = "open.xml"
-[[window.state]]
-name = "half"
-bsdf = "half.xml"
-[[window.state]]
-name = "closed"
-bsdf = "closed.xml"
-"""
 
 
 @pytest.fixture
 def shaded(study_file, engine):
     """The study with three states in its window; returns a way to give it a rule."""
-    names = ("open", "half", "closed")
-    for name, tau in zip(names, TAUS, strict=True):
-        file = study_file.with_name(f"{name}.xml")
-        write_bsdf(file, lambertian(tau, klems("quarter")))
+    write_states(study_file.parent, TAUS)
     plain = study_file.read_text()
 
     def with_rule(rule, extra=""):
@@ -135,7 +118,7 @@ def test_facade_irradiance_is_that_of_the_solar_sky(shaded, tmp_path):
     np.testing.assert_allclose(data["facade_irradiance"][0], np.pi * solar, rtol=1e-4)
 
 
-def test_a_shade_waits_before_it_moves(shaded, tmp_path):
+def test_a_shade_moves_after_a_delay(shaded, tmp_path):
     """Two hours above the threshold on hourly steps: it closes at the second one."""
     rule = 'rule = "threshold"\nquantity = "diffuse horizontal"\nclose_above = 100\n'
     data = run(shaded(rule + "close_after = 120\nopen_after = 60"), tmp_path)
@@ -242,7 +225,7 @@ def test_states_of_a_run_are_a_schedule_for_the_next(shaded, tmp_path):
         ("time,south\n", "no lines after the header"),
     ],
 )
-def test_a_wrong_schedule_is_told(shaded, tmp_path, text, words):
+def test_a_wrong_schedule_is_reported(shaded, tmp_path, text, words):
     file = shaded("")
     file.with_name("copy.csv").write_text(text)
     with pytest.raises(InputError, match=words):
@@ -276,7 +259,7 @@ def test_a_function_of_ones_own_chooses(shaded, tmp_path):
         ("1 / 0", "ZeroDivisionError"),
     ],
 )
-def test_a_function_that_fails_is_told_in_one_line(shaded, tmp_path, text, words):
+def test_a_function_that_fails_is_reported_in_one_line(shaded, tmp_path, text, words):
     file = shaded('rule = "python"\nfunction = "own.py:shade"')
     file.with_name("own.py").write_text(text)
     with pytest.raises(InputError, match=words) as caught:
@@ -361,15 +344,15 @@ WRONG_RULES = {
     "raised later": (
         'rule = "cut-off"\ntilts_deg = [0, "raised", 45]\nslat_width = 1\n'
         "slat_spacing = 1",
-        'before them "raised"',
+        'optionally after "raised"',
     ),
     "raised counted as level slats": (
         'rule = "cut-off"\ntilts_deg = [0, 0, 45]\nslat_width = 1\nslat_spacing = 1',
-        "state 1 never acts) expected",
+        "state 1 does not), expected",
     ),
     "closed before open": (
         'rule = "cut-off"\ntilts_deg = [90, 0, 45]\nslat_width = 1\nslat_spacing = 0.9',
-        "state 1 never acts) expected",
+        "state 1 does not), expected",
     ),
     "angle of 400°": (
         'rule = "profile angle"\nangles_deg = [400, 40]',
@@ -404,7 +387,7 @@ WRONG_RULES = {
 
 
 @pytest.mark.parametrize("case", WRONG_RULES)
-def test_a_wrong_rule_is_told_with_its_line(shaded, case):
+def test_a_wrong_rule_is_reported_with_its_line(shaded, case):
     rule, words = WRONG_RULES[case]
     with pytest.raises(InputError) as caught:
         read_study(shaded(rule))

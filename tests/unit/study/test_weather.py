@@ -89,7 +89,7 @@ def test_five_minute_measurements_become_half_hours(study_file):
         (f"{FILE}\nmoments = ['noon']", "a list of moments"),
     ],
 )
-def test_what_is_wrong_is_told(study_file, keys, words):
+def test_what_is_wrong_is_reported(study_file, keys, words):
     with pytest.raises(InputError) as caught:
         weather(study_file, keys)
     assert words in str(caught.value)

@@ -42,8 +42,8 @@ class BsdfInfo:
 class CheckBsdf:
     """Check BSDF files: energy, reciprocity, sides, labels, duplicates, gaps.
 
-    One line per finding. Exit status: 0 no finding, 1 findings that can change results,
-    2 a file cannot be read.
+    One line per finding, and one on the programs that can read the file. Exit status: 0
+    no finding, 1 findings that can change results, 2 a file cannot be read.
     """
 
     files: BsdfFiles

@@ -39,8 +39,7 @@ ClusterAddress = Annotated[
     Option("Dask scheduler for tracing, as tcp://10.0.0.1:8786.", metavar="ADDRESS"),
 ]
 SkySubdivision = Annotated[
-    int,
-    Option("Subdivision of the sky (MF).", "--sky-subdivision", least=1, most=6),
+    int, Option("Subdivision of the sky (MF).", "--sky-subdivision", least=1, most=6)
 ]
 Quiet = Annotated[bool, Option("Print only warnings and errors.", "-q")]
 PictureOutput = Annotated[Path, Option("Picture to write: .hdr or .exr.", "-o")]
@@ -84,9 +83,14 @@ class SkyChoice:
 class EffortOptions:
     """Sampling effort, and compute device."""
 
-    samples: int | None = option(None, "Paths per row; or …", metavar="N", least=1)
+    samples: int | None = option(
+        None, "Paths per matrix row, sensor or pixel; or …", metavar="N", least=1
+    )
     relative_error: float | None = option(
-        None, "… relative standard error to reach (default 0.01).", metavar="X"
+        None,
+        "… relative standard error to reach; default: 0.01 for matrices, 0.02 for"
+        " pictures and sensors, 0.03 for illums.",
+        metavar="X",
     )
     bounces: Bounces = None
     seed: Seed = 1
@@ -98,7 +102,7 @@ class EffortOptions:
 class SunEffort:
     """Sampling effort of direct-sun coefficients, and compute device."""
 
-    samples: int = option(64, "Paths per row and sun.", metavar="N", least=1)
+    samples: int = option(64, "Paths per matrix row and sun.", metavar="N", least=1)
     seed: Seed = 1
     device: DeviceName = "auto"
     cluster: ClusterAddress = None

@@ -47,7 +47,9 @@ class ToneMap:
     white: float | None = option(
         None, "Luminance of white [cd/m²] for filmic and linear; default: automatic."
     )
-    veil: bool = option(False, "human: add veiling luminance by scattering in the eye.")
+    veil: bool = option(
+        False, "human: add the veiling luminance of light scattered in the eye."
+    )
     screen_white: float = option(100.0, "human: white of the display [cd/m²].")
     screen_contrast: float = option(100.0, "human: contrast ratio of the display.")
     quiet: common.Quiet = False

@@ -28,7 +28,7 @@ class Render:
     effort: common.EffortOptions
     error: Path | None = option(None, "Picture of the standard errors to write.")
     illuminance: bool = option(False, "Render irradiance, as rpict -i does.")
-    denoise: bool = option(False, "Denoise for display; the header says so.")
+    denoise: bool = option(False, "Denoise for display; the header records it.")
     quiet: common.Quiet = False
 
 

@@ -62,10 +62,10 @@ class SkyMatrixRequest:
     sun_formula: Annotated[
         Literal["spa", "radiance"],
         Option(
-            "spa, or radiance for the values of gendaymtx: its solar position, without"
-            " correction in steps with sunrise or sunset; the sky scaled by the cosine"
-            " at the centre of each patch, 0.55 % less at MF 1; and a dew point of"
-            " 11 °C in place of the file's."
+            "spa; or radiance, which gives the values of gendaymtx: its solar position,"
+            " not corrected in steps with sunrise or sunset; its scaling of the sky by"
+            " the cosine at the centre of each patch (0.55 % less at MF 1); and its"
+            " dew point of 11 °C instead of that of the file."
         ),
     ] = "spa"
     ground_reflectance: str = option(
@@ -101,7 +101,9 @@ class SkyVectorRequest:
         "Altitude and azimuth of the sun, clockwise from north [°].", metavar="ALT AZI"
     )
     diffuse: float | None = option(
-        None, "Diffuse horizontal irradiance, lux/179 [W/m²]; default: gensky.", least=0
+        None,
+        "Diffuse horizontal irradiance, lux/179 [W/m²]; default: as gensky.",
+        least=0,
     )
     direct: float | None = option(
         None, "Direct normal visible irradiance [W/m²]; default: as gensky.", least=0

@@ -54,7 +54,9 @@ class RunStudy:
     device: DeviceChoice = None
     seed: SeedChoice = None
     cluster: common.ClusterAddress = None
-    plan: bool = option(False, "Print matrices to trace and their cost; do not run.")
+    plan: bool = option(
+        False, "Print the matrices to trace, the stages and their cost; do not run."
+    )
     quiet: common.Quiet = False
 
 

@@ -10,11 +10,7 @@ import drjit as dr
 import mitsuba as mi
 
 from clerestory.engine.materials.properties import number
-from clerestory.engine.materials.queries import (
-    completed,
-    mirror_sample,
-    only_mirrored,
-)
+from clerestory.engine.materials.queries import completed, mirror_sample, only_mirrored
 from clerestory.engine.pattern_code import share
 from clerestory.scene.pattern import Pattern
 

@@ -58,8 +58,7 @@ def _read(path: Path, options: ReadOptions) -> Iterator[Measurement]:
     if value == "dsf":
         data[:, 4] /= np.maximum(np.cos(np.radians(data[:, 2])), 1e-6)
     default: Function = "transmission_front" if value == "btdf" else "reflection_front"
-    function = options.function or default
-    yield Measurement(scans_of(data, path), function, name=path.stem)
+    yield Measurement(scans_of(data, path), options.function or default, name=path.stem)
 
 
 FORMAT = FileFormat("columns", lambda head: head.has_line("theta_i"), _read)

@@ -113,8 +113,7 @@ def _scans(path: Path, turn: float, blank: Path | None) -> Iterator[Scan]:
             continue
         brdf = reading / (np.pi * np.cos(np.radians(receive)))
         leaving = from_degrees(receive, 90 + azimuth - turn)
-        source = from_degrees(float(incidence), 180 - turn)
-        yield Scan(source, leaving, brdf, str(path))
+        yield Scan(from_degrees(float(incidence), 180 - turn), leaving, brdf, str(path))
 
 
 FORMAT = FileFormat("rt300s", lambda head: head.data.startswith(_WORKBOOK), _read)

@@ -65,8 +65,7 @@ def _read(path: Path, options: ReadOptions) -> Iterator[Measurement]:
         if len(found.axes[0]) > 1 and rotation >= 360:
             continue
         for incidence, values in zip(found.axes[1], block, strict=True):
-            scan = _scan(float(rotation), float(incidence), values, found, path)
-            scans.append(scan)
+            scans.append(_scan(float(rotation), float(incidence), values, found, path))
     function = OF_SIDE[side][0 if found.kind == "btdf" else 1]
     claimed: Symmetry | None = "isotropic" if len(found.axes[0]) == 1 else None
     yield Measurement(tuple(scans), function, name=path.stem, claimed=claimed)
@@ -92,10 +91,9 @@ def _read_file(path: Path) -> _Table:
     ]
     require(marks, "no DataBegin line; DataBegin and a table of BSDF values expected")
     # Tristimulus files contain tables of X, Y and Z in this order
-    start = marks[1 if len(marks) == 3 else 0]
     rows = [
         line
-        for line in lines[start:]
+        for line in lines[marks[1 if len(marks) == 3 else 0] :]
         if not line[1].upper().startswith(("TIS", "DATAEND"))
     ]
     wanted = shape[0] * shape[1] * shape[2]

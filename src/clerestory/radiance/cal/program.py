@@ -14,8 +14,9 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from clerestory.array_types import RayValues
+from clerestory.radiance.cal.evaluation import SPECIAL
 from clerestory.radiance.cal.library import LIBRARY, START_FILE, Native
-from clerestory.radiance.cal.run import SPECIAL, Run
+from clerestory.radiance.cal.run import Run
 from clerestory.radiance.cal.syntax import (
     Call,
     Chain,

@@ -43,14 +43,13 @@ def blinds(words: WordReader) -> list[Primitive]:
             " a depth of at most twice the radius expected"
         )
 
-    profile = _profile(depth, angle, radius)
     return [
         primitive(
             material, "polygon", f"{name}.{slat}.{strip}", _strip(ends, width, lift)
         )
         for slat in range(1, count + 1)
         for lift in (height * (slat - 0.5) / count,)
-        for strip, ends in enumerate(pairwise(profile))
+        for strip, ends in enumerate(pairwise(_profile(depth, angle, radius)))
     ]
 
 

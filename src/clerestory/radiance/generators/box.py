@@ -71,8 +71,7 @@ def _positions(size: Vector, cut: float, *, inward: bool) -> Float[np.ndarray, "
     # Positions of the 64 possible corners
     bits = np.arange(64)[:, None] >> np.arange(3)
     margin = np.where(bits & 8, cut, 0.0)
-    far = (bits & 1 == 1) != inward
-    return np.where(far, size - margin, margin)
+    return np.where((bits & 1 == 1) != inward, size - margin, margin)
 
 
 def _rounded(*, inward: bool) -> list[tuple[str, tuple[int, ...]]]:

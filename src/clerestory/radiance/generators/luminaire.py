@@ -100,8 +100,7 @@ def _distribution(lamp: Luminaire, path: Path, factor: float, name: str) -> Prim
     else:
         share = np.pi / 4 if shape.kind == "cylinder" else 1.0
         correction, reals = "flatcorr", (factor / (share * shape.x * shape.y),)
-    place = str(path.resolve())
-    strings = (correction, place, "source.cal", *table_coordinates(lamp))
+    strings = (correction, str(path.resolve()), "source.cal", *table_coordinates(lamp))
     return primitive("void", "brightdata", f"{name}_dist", reals, strings)
 
 

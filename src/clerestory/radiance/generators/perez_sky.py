@@ -100,8 +100,7 @@ def _lit_sky(
     request: Request, air: Air, light: Light, sun: Vector, words: WordReader
 ) -> list[Primitive]:
     state = air.state(light, request)
-    perez = perez_sky(state, azimuth=np.zeros(1))
-    shape = perez.parameters[:, 0].tolist()
+    shape = perez_sky(state, azimuth=np.zeros(1)).parameters[:, 0].tolist()
     if shape[1] > 0:
         raise words.error(
             f"Perez's parameter b is {shape[1]:.3g}, for which the model is undefined;"
@@ -139,5 +138,4 @@ def _tregenza_integral(distribution: FiveParameters, sun: Vector) -> float:
     phi = np.concatenate([2 * np.pi * np.arange(n) / n for _, n in _RINGS])
     sine, cosine = np.sin(theta), np.cos(theta)
     direction = np.stack([sine * np.cos(phi), sine * np.sin(phi), cosine], axis=1)
-    value = distribution(direction, sun)
-    return float((value * cosine).sum() * 2 * np.pi / len(theta))
+    return float((distribution(direction, sun) * cosine).sum() * 2 * np.pi / len(theta))

@@ -119,8 +119,7 @@ class Moment:
 
 def read_moment(words: WordReader) -> Moment:
     """Read `month day hour` or `-ang altitude azimuth` from a command."""
-    first = words.word("a month or -ang")
-    if first == "-ang":
+    if words.word("a month or -ang") == "-ang":
         altitude = np.radians(words.real("the sun's altitude"))
         azimuth = np.radians(words.real("the sun's azimuth"))
         return Moment(altitude=float(altitude), azimuth=float(azimuth))

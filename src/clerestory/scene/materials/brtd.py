@@ -24,8 +24,8 @@ class FunctionSheet(Material):
         on the front
     front, back, diffuse_transmission : diffuse reflectance of each side, and diffuse
         transmittance
-    strings, reals : Radiance's arguments, for writing, unless a transform applies; the
-        function file is not written
+    strings, reals : Radiance's arguments, from which the material is written without
+        its function file; no strings if a transform applies
     """
 
     name: str

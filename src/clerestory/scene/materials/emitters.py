@@ -58,8 +58,7 @@ class Glow(Emitter):
     opaque, plugin = True, _black
 
     def specification(self) -> Specification:
-        reals = *self.radiance, self.radius
-        return Specification("glow", _even(self.pattern), reals)
+        return Specification("glow", _even(self.pattern), (*self.radiance, self.radius))
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,8 +127,7 @@ def _glow(given: Definition) -> Material:
 
 def _illum(given: Definition) -> Material:
     radiance = _radiance(given.reals(3, strings=True))
-    alternate = given.alternate() or Void()
-    return Illum(given.item.name, radiance, alternate, given.source)
+    return Illum(given.item.name, radiance, given.alternate() or Void(), given.source)
 
 
 def _spotlight(given: Definition) -> Material:
