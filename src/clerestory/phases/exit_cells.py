@@ -96,9 +96,10 @@ def incident_cells(
     """Return the cells of light into the room, of directions in the window's frame."""
     cells = ExitCells.of(bsdf)
     if isinstance(cells.key, RingPartition):
-        return bsdf.function("transmission_front").incidents.find(light)
+        incidents = bsdf.function("transmission_front").incidents
+        return np.asarray(incidents.find(light))
     row, column = cells_from_disc(light[:, 0], light[:, 1], halvings=cells.key)
-    return (row.astype(int) << cells.key) + column
+    return np.asarray((row.astype(int) << cells.key) + column)
 
 
 def _tree(part: ScatteringFunction) -> ScatteringTree | None:
