@@ -123,9 +123,9 @@ def annual_glare(
     if undersampled:
         moment, worst = max(undersampled.items(), key=lambda item: item[1].share)
         warnings.warn(f"{name}, {moment}: {worst.words()}", ClerestoryWarning, 2)
-    for what, values in (("times", times), ("illuminances", illuminance)):
-        if values is not None:
-            same_length(values, results, what, "pictures")
+    for what, given in (("times", times), ("illuminances", illuminance)):
+        if given is not None:
+            same_length(given, results, what, "pictures")
     require(results, "no pictures; at least one expected")
     return glare_dataset([results], times).squeeze("view", drop=True)
 
