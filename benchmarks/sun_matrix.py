@@ -84,7 +84,7 @@ def contenders(
             )  # fmt: skip
             return matrix.values[0]
 
-        return Contender(f"{samples} paths a sensor and sun{on(device)}", make)
+        return Contender(f"{samples} paths a sensor{on(device)}", make)
 
     def theirs(name: str, directions: int):
         command = RCONTRIB.format(directions=directions)

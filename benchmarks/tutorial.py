@@ -255,7 +255,7 @@ def report(
         " within 3° of the sun are left out of its error; both favour it. An error is"
         " the root mean square over all pixels and hours, divided by the mean. Ours is"
         " with"
-        f" {options.samples} paths a pixel and {options.sun_samples} a pixel and sun.",
+        f" {options.samples} paths a pixel, {options.sun_samples} to the windows.",
         "",
         "| `clerestory run` | wall seconds |",
         "|---|---|",
@@ -274,7 +274,7 @@ def main() -> None:
     parser.add_argument("--resolution", type=int, default=400)
     parser.add_argument("--small", type=int, default=64, help="to measure the error")
     parser.add_argument("--samples", type=int, default=128, help="per pixel")
-    parser.add_argument("--sun-samples", type=int, default=16, help="per pixel and sun")
+    parser.add_argument("--sun-samples", type=int, default=16, help="per pixel, to the windows")
     parser.add_argument(
         "--columns", type=int, default=32, help="of Radiance's pictures"
     )

@@ -16,13 +16,18 @@ from clerestory.glazing.glazing_system import Gap
 from clerestory.glazing.layer import Diffuser, Glass
 from clerestory.glazing.layer_files import read_layer
 from clerestory.glazing.pane import grey_pane
-from clerestory.glazing.screen import PerforatedScreen
+from clerestory.glazing.screen import PerforatedScreen, WovenShade
 from clerestory.glazing.slat_cell import SlatGeometry
 from clerestory.glazing.stack import stack_layers
 from clerestory.glazing.standard import nfrc
 from clerestory.glazing.thermal import thermal_figures
 from clerestory.glazing.venetian import VenetianBlind
-from clerestory.glazing.wincalc import engine_gap, engine_layer, hemisphere
+from clerestory.glazing.wincalc import (
+    engine_gap,
+    engine_layer,
+    equivalent_pane,
+    hemisphere,
+)
 from clerestory.hemisphere.klems import klems
 
 pytestmark = pytest.mark.filterwarnings(
@@ -384,6 +389,59 @@ def test_equivalent_panes_are_as_warm_as_scattering_layers(engine):
     assert ours.temperatures_summer.ravel() == pytest.approx(
         theirs.layer_temperatures(engine.TarcogSystemType.SHGC), abs=1e-6
     )
+
+
+SLATS = [(0, 0.0), (45, 0.03), (-45, 0.0), (80, 0.03)]
+SHADES = [
+    WovenShade(grey_pane(0.1, 0.5), 0.002, 0.003),
+    PerforatedScreen(grey_pane(0.1, 0.5), "circular", (0.02, 0.02), (0.005, 0.005)),
+    PerforatedScreen(grey_pane(0.1, 0.5), "rectangular", (0.02, 0.03), (0.005, 0.01)),
+    *(
+        VenetianBlind(
+            grey_pane(0.1, 0.5),
+            SlatGeometry(0.016, 0.012, np.radians(tilt), curvature_radius=radius),
+        )
+        for tilt, radius in SLATS
+    ),
+]
+
+
+@pytest.mark.parametrize("shade", SHADES)
+def test_equivalent_panes_have_the_air_flow_of_shades(engine, shade):
+    """U of the geometry itself, for summer, with the shade outside and inside."""
+    even = {"standard": engine.load_standard(), "reflectance": 0.2}
+    pane = equivalent_pane(engine, shade, transmittance=0.3, **even)
+    glass, geometry = (
+        engine_layer(engine, layer, QUARTER) for layer in (GREY[0], shade)
+    )
+    for turned in (1, -1):
+        theirs, ours = (
+            engine.GlazingSystem(
+                [glass, layer][::turned],
+                [engine_gap(engine, Gap(0.03))],
+                environment=engine.nfrc_shgc_environments(),
+                bsdf_hemisphere=quarter(engine),
+            )
+            for layer in (geometry, pane)
+        )
+        assert ours.u() == pytest.approx(theirs.u(), abs=1e-8)
+
+
+@pytest.mark.slow
+def test_heat_of_cloth_and_a_diffuser_equals_pywincalc(engine):
+    """pywincalc with geometry and matrices on the 145 patches takes minutes."""
+    layers = [GREY[0], SHADES[0], GREY[1]]
+    ours = thermal_figures(layers, SPACES)
+    theirs = engine.GlazingSystem(
+        [engine_layer(engine, layer, klems("full")) for layer in layers],
+        [engine_gap(engine, gap) for gap in SPACES],
+        environment=engine.nfrc_shgc_environments(),
+        bsdf_hemisphere=hemisphere(engine, "full"),
+        spectral_data_wavelength_range_method=(
+            engine.SpectalDataWavelengthRangeMethodType.CONDENSED
+        ),
+    )
+    assert ours.shgc == pytest.approx(theirs.shgc(), abs=BOUND)
 
 
 @pytest.mark.slow

@@ -62,6 +62,7 @@ def stack(request: StackLayers) -> None:
             system.layers,
             system.gaps,
             wavelengths="condensed" if scattering else "full",
+            light=stacked,
         )
         say(*_heat(figures))
 

@@ -6,7 +6,7 @@ the view alone, such as solid angles and position indices, are computed once.
 
 import importlib
 import warnings
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -123,7 +123,11 @@ def annual_glare(
     if undersampled:
         moment, worst = max(undersampled.items(), key=lambda item: item[1].share)
         warnings.warn(f"{name}, {moment}: {worst.words()}", ClerestoryWarning, 2)
-    return _dataset(results, times, illuminance)
+    for what, given in (("times", times), ("illuminances", illuminance)):
+        if given is not None:
+            same_length(given, results, what, "pictures")
+    require(results, "no pictures; at least one expected")
+    return glare_dataset([results], times).squeeze("view", drop=True)
 
 
 def _checked(
@@ -157,24 +161,22 @@ def _at(illuminance: np.ndarray | None, step: int) -> float | None:
     return float(illuminance[step])
 
 
-def _dataset(
-    results: list[dict[str, float]],
-    times: np.ndarray | None,
-    illuminance: np.ndarray | None,
+def glare_dataset(
+    results: Sequence[Sequence[Mapping[str, float]]], times: np.ndarray | None
 ) -> "xr.Dataset":
-    for name, given in (("times", times), ("illuminances", illuminance)):
-        if given is not None:
-            same_length(given, results, name, "pictures")
-    require(results, "no pictures; at least one expected")
+    """Return glare indices by name, of each step of each view, as a dataset."""
     axis = "step" if times is None else "time"
+    steps = np.arange(len(results[0])) if times is None else times
     units = _UNITS | {f"{name}_error": unit for name, unit in _UNITS.items()}
     variables = {
-        name: (axis, [result.get(name, np.nan) for result in results], {"units": unit})
+        name: (
+            ("view", axis),
+            [[step.get(name, np.nan) for step in one] for one in results],
+            {"units": unit},
+        )
         for name, unit in units.items()
-        if any(name in result for result in results)
+        if any(name in step for one in results for step in one)
     }
-    steps = np.arange(len(results)) if times is None else times
-
     # Imported here, since xarray loads slowly
     dataset: type[xr.Dataset] = importlib.import_module("xarray").Dataset
     return dataset(variables, coords={axis: steps})

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.array_types import Image, ImageMask
+from clerestory.array_types import Directions, Image, ImageMask, Values
 from clerestory.checks import require
 from clerestory.glare.field_of_view import FieldOfView, in_field
 from clerestory.glare.pixel_rays import pixel_rays, quadrilaterals
@@ -35,6 +35,17 @@ class Pitch(NamedTuple):
 
     least: Image
     most: Image
+
+
+class EyeAngles(NamedTuple):
+    """Angles of directions from the line of sight (sigma) and around it (tau) [rad].
+
+    `cosine` is that of sigma, tau is the azimuth from the upward vertical.
+    """
+
+    cosine: Values
+    sigma: Values
+    tau: Values
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,8 +175,7 @@ def _glare_view(
 
     def fill(some: slice) -> None:
         rays = pixel_rays(view, columns, rows, some)
-        cosine = np.clip(rays.direction @ view.direction, -1, 1)
-        sigma, tau = np.arccos(cosine), _tau(view, rays.direction, cosine)
+        cosine, sigma, tau = angles_from(view, rays.direction)
         counts = rays.covered & (cosine >= 0)
         omega = quadrilaterals(view, columns, rows, some)
         direction[some] = rays.direction
@@ -188,14 +198,19 @@ def _by_rows(work: Callable[[slice], None], rows: int, columns: int) -> None:
         list(pool.map(work, blocks))
 
 
-def _tau(view: View, direction: np.ndarray, cosine: np.ndarray) -> np.ndarray:
-    # Angle from the up vector; as in evalglare, the up vector of a tilted view is not
-    # projected perpendicular to the line of sight
+def angles_from(view: View, direction: Directions) -> EyeAngles:
+    """Return the angles of directions from the line of sight of a view.
+
+    As in evalglare, the up vector of a tilted view is not projected perpendicular to
+    the line of sight.
+    """
+    cosine = np.clip(direction @ view.direction, -1, 1)
     ahead = float(view.direction @ view.up)
     with np.errstate(divide="ignore", invalid="ignore"):
         across = (direction @ view.up - cosine * ahead) / np.sqrt(1 - cosine * cosine)
-        angle: np.ndarray = np.arccos(np.clip(across, -1, 1))
-    return np.where(np.isfinite(angle), angle, np.pi / 2)
+        angle = np.arccos(np.clip(across, -1, 1))
+    tau = np.where(np.isfinite(angle), angle, np.pi / 2)
+    return EyeAngles(cosine, np.arccos(cosine), tau)
 
 
 def pixel_pitch(direction: Float[np.ndarray, "row column 3"]) -> Pitch:

@@ -3,7 +3,7 @@
 To add an index, write a module with the formula and add a line here.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -85,7 +85,9 @@ class Glare(EyePhotometry):
             value *= age_correction(settings.age)
         return min(value, 1.0)
 
-    def values(self) -> dict[str, float]:
-        """Return all indices and photometric quantities by name."""
-        found = {one.name: one.formula(self) for one in REPORTED}
-        return found | {"dgp": self.dgp}
+    def values(self, names: Collection[str] | None = None) -> dict[str, float]:
+        """Return indices and photometric quantities by name; default: all."""
+        wanted = [one for one in REPORTED if names is None or one.name in names]
+        return {
+            one.name: self.dgp if one is DGP else one.formula(self) for one in wanted
+        }

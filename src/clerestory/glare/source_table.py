@@ -45,7 +45,7 @@ class GlareSources:
     __repr__ = brief
 
     def __post_init__(self) -> None:
-        lengths = {len(getattr(self, field.name)) for field in fields(self)}
+        lengths = {len(getattr(self, name)) for name in _NAMES}
         require(
             len(lengths) == 1,
             f"arrays of glare sources have lengths {sorted(lengths)}; one length"
@@ -120,8 +120,13 @@ class GlareSources:
 
         Wienold and Christoffersen (2006) ignored sources smaller than 0.002 sr.
         """
-        return self.select(self.solid_angle >= solid_angle)
+        return self.select(self.solid_angle >= solid_angle) if solid_angle else self
 
-    def select(self, keep: Bool[np.ndarray, " source"]) -> "GlareSources":
-        """Return some of the sources."""
-        return GlareSources(*(getattr(self, item.name)[keep] for item in fields(self)))
+    def select(
+        self, keep: Bool[np.ndarray, " source"] | Int[np.ndarray, " some"]
+    ) -> "GlareSources":
+        """Return some of the sources, by a mask or by their indices."""
+        return GlareSources(*[getattr(self, name)[keep] for name in _NAMES])
+
+
+_NAMES = tuple(field.name for field in fields(GlareSources))

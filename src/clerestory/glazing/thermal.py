@@ -3,10 +3,9 @@
 Optical properties are computed by this package, thermal properties by pywincalc (extra
 `thermal`), the Python binding of the WINDOW engine (ISO 15099). Systems with diffusers
 and BSDFs are passed as grey panes that absorb in the system what the layers absorb of
-solar radiation at normal incidence. Panes alone are passed as spectra; systems with
-venetian, woven or perforated shades as spectra and geometry, from which the engine
-derives the air flow through the shade. `light_and_heat` replaces the sequence of
-genBSDF and WINDOW.
+solar radiation at normal incidence. Panes alone are passed as spectra; other systems
+with venetian, woven or perforated shades as spectra and geometry. `light_and_heat`
+replaces the sequence of genBSDF and WINDOW.
 """
 
 from collections.abc import Sequence
@@ -20,14 +19,14 @@ from jaxtyping import Float
 from clerestory.brief_repr import brief
 from clerestory.checks import one_of
 from clerestory.errors import InputError
+from clerestory.glazing.air_flow import Shade
 from clerestory.glazing.bsdf_layer import BsdfLayer
 from clerestory.glazing.glazing_system import Gap, GlazingSystem, check_gaps
 from clerestory.glazing.layer import Diffuser, Glass, Layer
 from clerestory.glazing.stack import StackedLayers, stack_layers
-from clerestory.glazing.standard import Standard
+from clerestory.glazing.standard import Standard, nfrc
 from clerestory.glazing.wincalc import (
     Basis,
-    FlatLayer,
     engine_gap,
     engine_layer,
     equivalent_pane,
@@ -77,6 +76,7 @@ def thermal_figures(
     width: float = 1.0,
     height: float = 1.0,
     tilt_deg: float = 90.0,
+    light: StackedLayers | None = None,
 ) -> ThermalFigures:
     """Return U-value, SHGC and temperatures of a glazing system.
 
@@ -84,12 +84,13 @@ def thermal_figures(
     ----------
     layers : layers from outdoors to indoors
     gaps : gaps between the layers, one fewer than layers
-    basis : Klems basis for shades; BSDF files always use the full basis, the only basis
-        that pywincalc supports for them
+    basis : Klems basis for shades, in systems without diffusers and BSDF files
     wavelengths : "full" for all wavelengths of the layers; "condensed" for twenty
         wavelengths, accurate to 0.005 and several times faster for scattering layers
     width, height : dimensions of the window [m]
     tilt_deg : tilt of the window; 90 is vertical
+    light : optical properties of the layers by NFRC's averages, if known; saves time in
+        systems with diffusers and BSDF files
 
     Raises
     ------
@@ -101,12 +102,16 @@ def thermal_figures(
     one_of(basis, "Klems basis", choices=get_args(Basis))
     engine = load_engine()
     size = {"width_meters": width, "height_meters": height, "tilt_degrees": tilt_deg}
-    flat = [layer for layer in layers if isinstance(layer, FlatLayer)]
-    exact = len(flat) == len(layers) and any(_scatters(layer) for layer in flat)
-    light = stack_layers(layers) if exact else None
+    matrices = any(isinstance(layer, BsdfLayer | Diffuser) for layer in layers)
+    shaded = any(isinstance(layer, Shade) for layer in layers)
+    exact = matrices or (not shaded and any(map(_scatters, layers)))
+    if not exact:
+        light = None
+    elif light is None or light.standard != nfrc().name:
+        light = stack_layers(layers)
     try:
         if light is not None:
-            solids, optics = _equivalent_panes(engine, flat, light), {}
+            solids, optics = _equivalent_panes(engine, layers, light), {}
         else:
             solids = [engine_layer(engine, layer, klems("full")) for layer in layers]
             optics = _engine_optics(engine, layers, basis, wavelengths)
@@ -137,19 +142,16 @@ def _engine_optics(
     engine: ModuleType, layers: Sequence[Layer], basis: Basis, wavelengths: Wavelengths
 ) -> dict[str, Any]:
     # Without scattering layers, the engine uses no hemisphere
-    full = any(isinstance(layer, BsdfLayer | Diffuser) for layer in layers)
     scattering = any(_scatters(layer) for layer in layers)
     ranges = engine.SpectalDataWavelengthRangeMethodType
     return {
-        "bsdf_hemisphere": hemisphere(engine, "full" if full else basis)
-        if scattering
-        else None,
+        "bsdf_hemisphere": hemisphere(engine, basis) if scattering else None,
         "spectral_data_wavelength_range_method": getattr(ranges, wavelengths.upper()),
     }
 
 
 def _equivalent_panes(
-    engine: ModuleType, layers: Sequence[FlatLayer], light: StackedLayers
+    engine: ModuleType, layers: Sequence[Layer], light: StackedLayers
 ) -> list[Any]:
     # The first pane reflects what the system reflects, and no other pane reflects:
     # each pane absorbs a share of the flux that the panes before it leave
@@ -226,5 +228,7 @@ def light_and_heat(
         name=system.name,
         gap_thickness=sum(gap.thickness for gap in system.gaps),
     )
-    heat = thermal_figures(system.layers, system.gaps, wavelengths=wavelengths)
+    heat = thermal_figures(
+        system.layers, system.gaps, wavelengths=wavelengths, light=light
+    )
     return LightAndHeat(light, heat)

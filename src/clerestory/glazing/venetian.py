@@ -65,15 +65,12 @@ class VenetianBlind(MaterialLayer):
 
     def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
         """BSDFs [1/sr] by wavelength, exit patch and incident patch."""
-        section = self._section(partition)
         measure = partition.projected_solid_angles()
-        front = self._beams(section * [1, 1], self._cell.sky)
-        back = self._beams(section * [-1, 1], self._cell.room)
+        if partition not in self._traced:
+            self._traced[partition] = self._trace(self._section(partition))
+        front, back, leaving, returning = self._traced[partition]
         sent = [self._sent(beams.entering, wavelength_nm) for beams in (front, back)]
-
-        # By reciprocity, visible fractions equal sunlit fractions for reversed rays
-        to_room = self._beams(section * [-1, -1], self._cell.room).entering
-        to_sky = self._beams(section * [1, -1], self._cell.sky).entering
+        to_room, to_sky = leaving.entering, returning.entering
         if self.distribution == "uniform":
             # View factors from each opening to the faces
             faces, openings = to_room.shape[1], (self._cell.room, self._cell.sky)
@@ -121,6 +118,18 @@ class VenetianBlind(MaterialLayer):
         # Components of directions of travel: into the room, and up (or right)
         x, y, z = partition.centres().T
         return np.stack([z, x if self.vertical else y], axis=1)
+
+    @cached_property
+    def _traced(self) -> dict[RingPartition, tuple[_Beams, ...]]:
+        # Beams by partition, which are the same at all wavelengths
+        return {}
+
+    def _trace(self, section: Points2) -> tuple[_Beams, ...]:
+        # Beams on the front and on the back. By reciprocity, the fractions that are
+        # visible from room and sky equal the sunlit fractions for reversed rays
+        sky, room = self._cell.sky, self._cell.room
+        ways = ((1, 1), sky), ((-1, 1), room), ((-1, -1), room), ((1, -1), sky)
+        return tuple(self._beams(section * turned, opening) for turned, opening in ways)
 
     def _beams(self, direction: Points2, opening: int) -> _Beams:
         shares = self._cell.beam(direction, opening=opening)

@@ -8,6 +8,7 @@ import numpy as np
 
 from clerestory.bsdf.scattering_function import FUNCTIONS
 from clerestory.errors import ClerestoryError, InputError
+from clerestory.glazing.air_flow import Shade, air_flow
 from clerestory.glazing.bsdf_layer import BsdfLayer
 from clerestory.glazing.glazing_system import Gap
 from clerestory.glazing.layer import Diffuser, Glass, Layer
@@ -75,12 +76,9 @@ def engine_layer(engine: ModuleType, layer: Layer, partition: RingPartition) -> 
     return engine.create_perforated_screen(holes, *sheet)
 
 
-FlatLayer = Glass | Diffuser | BsdfLayer
-
-
 def equivalent_pane(
     engine: ModuleType,
-    layer: FlatLayer,
+    layer: Layer,
     *,
     standard: Any,
     transmittance: float,
@@ -98,18 +96,29 @@ def equivalent_pane(
         engine.WavelengthData(micrometres, engine.OpticalMeasurementComponent(*share))
         for micrometres in (0.3, 2.5)
     ]
+    thermal, opening = solid.thermal_data, solid.optical_data.permeability_factor
+    if isinstance(layer, Shade):
+        # pywincalc uses one number as opening and as the share of gas in the layer.
+        # Thickness and conductivity give the same conduction through gas and material
+        flow = air_flow(layer)
+        opening = flow.opening
+        gas = opening / flow.permeability if opening else 1.0
+        material = (1 - flow.permeability) / (1 - opening)
+        thermal = engine.ProductDataThermal(
+            thermal.conductivity * gas * material, flow.thickness * gas
+        )
     optical = engine.ProductDataOpticalNBand(
         engine.MaterialType.MONOLITHIC,
-        layer.thickness,
+        thermal.thickness_meters,
         rows,
         coated_side=engine.CoatedSide.NEITHER,
         ir_transmittance_front=heat.transmittance_front_diffuse_diffuse,
         ir_transmittance_back=heat.transmittance_back_diffuse_diffuse,
         emissivity_front=heat.emissivity_front_hemispheric,
         emissivity_back=heat.emissivity_back_hemispheric,
-        permeability_factor=solid.optical_data.permeability_factor,
+        permeability_factor=opening,
     )
-    return engine.ProductDataOpticalAndThermal(optical, solid.thermal_data)
+    return engine.ProductDataOpticalAndThermal(optical, thermal)
 
 
 def _optical(engine: ModuleType, pane: Pane) -> Any:

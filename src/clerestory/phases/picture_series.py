@@ -183,9 +183,11 @@ class _Series:
             if self.errors:
                 self._add_deviations(block, variance, shared)
             if block.rows.stop == pixels:
+                # One copy in the order of steps is faster than a strided copy of each
+                np.maximum(light, 0, out=light)
+                found = np.ascontiguousarray(np.moveaxis(light, -1, 0))
                 for step in range(steps):
-                    found = np.maximum(light[:, :, step], 0)
-                    yield _Step(found, variance[:, step], shared[:, :, step])
+                    yield _Step(found[step], variance[:, step], shared[:, :, step])
 
     def _add_deviations(
         self,

@@ -72,13 +72,22 @@ class SunlitReceivers:
         sun[coordinates.coords[1]] = coordinates.coords[0]
         lit = np.flatnonzero(sun >= 0)
         lit = lit[self._behind[sun[lit]]]
-        found = np.zeros((2, len(weights), pixels, steps), np.float32)
+        shape = len(weights), pixels, steps
         if len(lit) == 0 or not self.paths.traced:
-            return found[0], found[1]
+            nothing = np.broadcast_to(np.float32(0), shape)
+            return nothing, nothing
         irradiance = np.asarray(normal.sum(axis=0)).ravel()[lit]
-        one, other = self._batches(sun[lit], irradiance, weights)
-        found[0][..., lit], found[1][..., lit] = (one + other) / 2, (one - other) / 2
-        return found[0], found[1]
+        found = self._batches(sun[lit], irradiance, weights)
+        # In place, as these are the largest arrays of a picture: half of the difference
+        # is the error, and added to the second batch it gives the mean
+        one, other = found
+        one -= other
+        one /= 2
+        other += one
+        # The last column is zero: the radiance of steps without sun
+        column = np.full(steps, found.shape[-1] - 1)
+        column[lit] = np.arange(len(lit))
+        return np.take(other, column, axis=-1), np.take(one, column, axis=-1)
 
     @cached_property
     def _behind(self) -> np.ndarray:
@@ -95,7 +104,7 @@ class SunlitReceivers:
         engine: Any = devices.load(job.device, "path_product")
         cells = ExitCells.of(self.bsdf)
         product = self.paths.product(self.window, cells)
-        width = engine.padded(len(sun))
+        width = engine.padded(len(sun) + 1)
         extra = [(0, 0), (0, 0), (0, width - len(sun))]
         light = self._table.radiance(cells.directions, self.suns[sun])
         light *= irradiance.astype(np.float32)
@@ -109,9 +118,11 @@ class SunlitReceivers:
         for each in beams:
             self._beam_tracer.add(sums, weights, each, width)
         shape = len(sums), len(weights), job.receivers, width
-        return np.array([[o.numpy() for o in b] for b in sums]).reshape(shape)[
-            ..., : len(sun)
-        ]
+        found = np.empty(shape, np.float32)
+        for part, outputs in zip(found, sums, strict=True):
+            for one, output in zip(part, outputs, strict=True):
+                one[:] = output.numpy().reshape(job.receivers, width)
+        return found
 
     def _sum(
         self,
@@ -206,7 +217,8 @@ class SunlitReceivers:
         lit = np.flatnonzero(self._behind)
         for first in range(0, len(lit) * self.paths.traced, _SUNS):
             sun = lit[first : first + _SUNS]
-            found[..., sun] = self._batches(sun, np.ones(len(sun)), weights)
+            part = self._batches(sun, np.ones(len(sun)), weights)
+            found[..., sun] = part[..., : len(sun)]
         mean = found.mean(axis=0)
         found -= mean
         return mean, found / np.float32(np.sqrt(job.batches * (job.batches - 1)))

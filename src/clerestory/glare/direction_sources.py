@@ -1,0 +1,132 @@
+"""Glare sources among directions with solid angles, at each of many time steps."""
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.array_types import Values
+from clerestory.glare.detection_criteria import SourceRules
+from clerestory.glare.direction_groups import DirectionGroups
+from clerestory.glare.eye_directions import (
+    EyeDirections,
+    SunDisc,
+    directions_at,
+    seen_by,
+)
+from clerestory.glare.position_index import PositionModel
+from clerestory.glare.source_table import GlareSources
+from clerestory.glare.sphere_samples import SphereSamples
+from clerestory.scene.view import View
+
+_NONE = np.zeros(0, dtype=np.int64)
+
+# Time steps that are evaluated at once
+_STEPS = 256
+
+
+class _Parts(NamedTuple):
+    # Parts of sources in blocks: source, step, and sums of solid angle, flux, and
+    # moments of the flux
+    source: Int[np.ndarray, " part"]
+    step: Int[np.ndarray, " part"]
+    sums: Float[np.ndarray, "5 part"]
+
+
+def direction_sources(
+    samples: SphereSamples,
+    luminance: Float[np.ndarray, "direction step"],
+    view: View,
+    *,
+    sun: SunDisc,
+    threshold: Float[np.ndarray, " step"],
+    rules: SourceRules,
+    model: PositionModel = "guth",
+) -> Iterator[GlareSources]:
+    """Yield the glare sources of each time step.
+
+    `threshold` is the luminance above which directions are bright [cd/m²].
+    """
+    field, peak = rules.field_of_view, rules.peak_luminance or np.inf
+    eye = seen_by(view, samples.direction, model=model, field=field)
+    disc = seen_by(view, sun.direction, model=model, field=field)
+    visible = disc.searched & (sun.solid_angle > 0)
+    ever = luminance.max(axis=1, initial=0) > threshold.min(initial=np.inf)
+    some = np.flatnonzero(eye.searched & ever)
+    direction, omega = samples.direction[some], samples.solid_angle[some]
+    gap = rules.merge_angle / 2
+    groups = DirectionGroups(direction, omega, gap)
+    reach = np.cos(gap + np.sqrt(omega) / 2)[:, None]
+    weights = np.stack([omega, *_moments(samples.solid_angle, eye)[:, some]])
+    disc_flux = sun.luminance * sun.solid_angle
+    of_disc = np.stack([sun.solid_angle, disc_flux, *_moments(disc_flux, disc)])
+    for begin in range(0, luminance.shape[1], _STEPS):
+        steps = slice(begin, begin + _STEPS)
+        level, beam = luminance[some, steps], sun.luminance[steps]
+        shines = visible[steps] & (beam > threshold[steps])
+        bright = level > threshold[steps]
+        high = bright & (level >= peak)
+        near = shines & (direction @ sun.direction[steps].T > reach)
+
+        # Sources without their peaks, then the peaks; parts of sources in each block
+        found, first = [_Parts(_NONE, _NONE, np.zeros((5, 0)))], 0
+        for members, counted, lit in (
+            (bright, bright & ~high, shines & (beam < peak)),
+            (high, high, shines & (beam >= peak)),
+        ):
+            if counted.any() or lit.any():
+                group = first + groups.components(members, near)
+                flux = groups.totals(weights, np.where(counted, level, 0))
+                size = groups.totals(omega[None], counted)
+                sums = np.concatenate([size, flux])
+                disc_sums = (of_disc[:, steps] * lit)[:, None]
+                sums = np.concatenate([sums, disc_sums], axis=1)
+                block, step = np.nonzero(sums[0])
+                found.append(_Parts(group[block, step], step, sums[:, block, step]))
+                first = int(group.max()) + 1
+        yield from _tables(found, bright.shape[1], view, model)
+
+
+def _moments(flux: Values, eye: EyeDirections) -> Float[np.ndarray, "3 direction"]:
+    # Illuminance at the eye, and flux times the place in a fisheye picture
+    return np.asarray(flux * np.stack([eye.cosine, *eye.place.T]))
+
+
+def _tables(
+    found: Sequence[_Parts], steps: int, view: View, model: PositionModel
+) -> Iterator[GlareSources]:
+    # Table of the sources of each step
+    source, step, sums = (
+        np.concatenate(one, axis=-1) for one in zip(*found, strict=True)
+    )
+    _, first, number = np.unique(source, return_index=True, return_inverse=True)
+    omega, power, illuminance, *moments = (
+        np.bincount(number, one).astype(float) for one in sums
+    )
+
+    # As in evalglare, the centre of a source is weighted by luminance and solid angle
+    # in the coordinates of the picture
+    place = np.stack(moments, axis=-1) / power[:, None]
+    direction = directions_at(view, place)
+    centre = seen_by(view, direction, model=model)
+    right, up = place.T / np.pi
+    none = np.zeros(omega.size)
+    table = GlareSources(
+        luminance=power / omega,
+        solid_angle=omega,
+        position_index=centre.position_index,
+        sigma=centre.sigma,
+        direction=direction,
+        illuminance=illuminance,
+        pixels=none.astype(np.int64),
+        row=0.5 - up,
+        column=0.5 + right,
+        zone=none.astype(np.int64),
+        luminance_error=none,
+    )
+    of = step[first]
+    ends = np.cumsum(np.bincount(of, minlength=steps))
+    empty = table.select(np.zeros(0, dtype=np.int64))
+    for one in np.split(np.argsort(of, kind="stable"), ends[:-1]):
+        yield table.select(one) if one.size else empty

@@ -1,0 +1,208 @@
+"""Adaptive sampling of the sphere around a view point for glare.
+
+A cell is split if the luminance of the cells next to it differs so much that the DGP of
+a view would be uncertain. The standard deviation of the luminance of a cell is taken as
+the largest difference Δ to an adjacent cell divided by √12: that of a uniform
+distribution, for a gradient as for an edge anywhere in the cell. It is propagated
+through the DGP equation, to first order and for all views and time steps: by the
+vertical illuminance, with ΔL, and by the glare sources, with Δ(L²), L = 0 below the
+threshold. The sum of the variances of all cells gives the standard error of DGP.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from clerestory.array_types import Directions, Values
+from clerestory.checks import positive, require
+from clerestory.glare.eye_directions import seen_by
+from clerestory.glare.index_settings import EVALGLARE, DgpCoefficients
+from clerestory.glare.sphere_samples import FINEST, SphereSamples, regular_samples
+from clerestory.scene.view import View
+
+# Luminance [cd/m²] of directions, at each time step or for each of a few of them
+LuminanceOf = Callable[[Directions], Float[np.ndarray, "direction step"]]
+
+# Time steps that are evaluated at once
+_STEPS = 256
+
+
+@dataclass(frozen=True, kw_only=True)
+class Refinement:
+    """How finely the sphere is sampled.
+
+    Attributes
+    ----------
+    tolerance : standard error of DGP that is aimed at, in every view and time step
+    most : largest number of directions
+    rounds : number of times that cells are split
+    first, finest : level of the cells of the first round, and of the smallest cells; a
+        cell of level n has the solid angle 4π/4ⁿ
+    threshold : luminance above which directions are glare sources [cd/m²]
+    coefficients : coefficients of DGP
+    """
+
+    tolerance: float = 0.002
+    most: int = 6000
+    rounds: int = 5
+    first: int = 5
+    finest: int = 9
+    threshold: float = 2000.0
+    coefficients: DgpCoefficients = EVALGLARE
+
+    def __post_init__(self) -> None:
+        positive(self.tolerance, "tolerance of DGP")
+        positive(self.threshold, "threshold", unit="cd/m2")
+        require(
+            1 <= self.first <= self.finest <= FINEST,
+            f"levels of the cells are {self.first} to {self.finest}; growing numbers"
+            f" from 1 to {FINEST} expected",
+        )
+        require(
+            self.most >= 4**self.first,
+            f"largest number of directions is {self.most}; at least the"
+            f" {4**self.first} of level {self.first} expected",
+        )
+
+
+def sample_sphere(
+    luminance: LuminanceOf,
+    views: Sequence[View],
+    *,
+    refinement: Refinement | None = None,
+    details: Directions | None = None,
+    seed: int = 1,
+) -> SphereSamples:
+    """Return directions that sample the sphere finely where DGP depends on it.
+
+    In each round, the cells are split that have more than their share (one by the
+    number of cells) of the variance of DGP, in a view and time step whose standard
+    error is above the tolerance; at most half of the remaining number are spent before
+    the last round.
+
+    Parameters
+    ----------
+    luminance : function that returns the luminance of directions [cd/m²] at each time
+        step, without the sun's disc; called once with all new directions of a round.
+        The steps may be a selection of the year, with all its kinds of sky, position of
+        the sun and state of the shading
+    views : view directions that share the samples
+    details : directions of things that the first round could miss, such as points of
+        small windows and luminaires; their cells are split down to a level above the
+        finest before the first round
+
+    >>> eye = View(kind="angular", horizontal=180, vertical=180)
+    >>> def window(direction):
+    ...     return np.where(direction[:, 1:2] > 0.9, [5000.0, 0.0], 100.0)
+    >>> samples = sample_sphere(window, [eye])
+    >>> ahead = samples.direction[:, 1] > 0
+    >>> bool(samples.level[ahead].max() > samples.level[~ahead].max())
+    True
+    """
+    how = refinement or Refinement()
+    random = np.random.default_rng([seed, 1])
+    samples = regular_samples(how.first, seed=seed)
+    if details is not None:
+        for _ in range(how.finest - 1 - how.first):
+            which = np.zeros(samples.count, dtype=bool)
+            which[samples.containing(details)] = True
+            samples, _ = samples.split(which & (samples.level < how.finest - 1), random)
+    values = luminance(samples.direction)
+    for left in reversed(range(how.rounds)):
+        which = _to_split(samples, values, views, how, last=not left)
+        if not which.any():
+            break
+        samples, former = samples.split(which, random)
+        new = luminance(samples.direction[former.size :])
+        values = np.concatenate([values[former], new])
+    return samples
+
+
+def _to_split(
+    samples: SphereSamples,
+    luminance: Float[np.ndarray, "direction step"],
+    views: Sequence[View],
+    how: Refinement,
+    *,
+    last: bool,
+) -> Bool[np.ndarray, " cell"]:
+    coarse = samples.level < how.finest
+    share, worst = np.zeros(samples.count), np.zeros(samples.count)
+    for _, _, deviation in _deviations(samples, luminance, views, how):
+        square = deviation[coarse] ** 2
+        variance = square.sum(axis=0)
+        square = square[:, variance > how.tolerance**2]
+        if square.size:
+            variance = variance[variance > how.tolerance**2]
+            share[coarse] = np.maximum(share[coarse], (square / variance).max(axis=1))
+            worst[coarse] = np.maximum(worst[coarse], square.max(axis=1))
+    wanted = np.flatnonzero(share * samples.count > 1)
+    budget = (how.most - samples.count) // 3
+    if not last:
+        budget = (budget + 1) // 2
+    which = np.zeros(samples.count, dtype=bool)
+    which[wanted[np.argsort(-worst[wanted], kind="stable")[: max(budget, 0)]]] = True
+    return which
+
+
+def sampling_error(
+    samples: SphereSamples,
+    luminance: Float[np.ndarray, "direction step"],
+    views: Sequence[View],
+    *,
+    refinement: Refinement | None = None,
+) -> Float[np.ndarray, "view step"]:
+    """Standard error of DGP from the finite number of directions, to first order.
+
+    Small things that no direction hits are not in the error.
+    """
+    error = np.zeros((len(views), luminance.shape[1]))
+    how = refinement or Refinement()
+    for view, steps, deviation in _deviations(samples, luminance, views, how):
+        error[view, steps] = np.sqrt(np.einsum("ij,ij->j", deviation, deviation))
+    return error
+
+
+def _deviations(
+    samples: SphereSamples,
+    luminance: Float[np.ndarray, "direction step"],
+    views: Sequence[View],
+    how: Refinement,
+) -> Iterator[tuple[int, slice, Float[np.ndarray, "cell some_steps"]]]:
+    # Standard deviation of DGP by each cell (cell, step), view by view and by blocks of
+    # time steps
+    k = how.coefficients
+    eyes = [_eye_weights(samples, view, k) for view in views]
+    own, other = samples.adjacent.T
+    first = np.searchsorted(own, np.arange(samples.count))
+    spread = samples.solid_angle[:, None] / np.sqrt(12)
+    for begin in range(0, luminance.shape[1], _STEPS):
+        steps = slice(begin, begin + _STEPS)
+        level = luminance[:, steps]
+        beside = level[other]
+        most, least = (one.reduceat(beside, first) for one in (np.maximum, np.minimum))
+        glare, high, low = (
+            np.where(x > how.threshold, x, 0.0) ** k.a1 for x in (level, most, least)
+        )
+        of_level = spread * np.maximum(most - level, level - least)
+        of_glare = spread * np.maximum(high - glare, glare - low)
+        for view, (cosine, weight) in enumerate(eyes):
+            illuminance = np.maximum((samples.solid_angle * cosine) @ level, 1e-9)
+            total = (samples.solid_angle * weight) @ glare
+            # Derivatives of DGP: by G = Σ L^a1·ω/P^a4, and by Ev
+            by_glare = k.c2 / np.log(10) / (illuminance**k.a3 + total)
+            by_level = np.abs(k.c1 - by_glare * k.a3 * total / illuminance)
+            deviation = of_glare * weight[:, None] * by_glare
+            deviation += of_level * cosine[:, None] * by_level
+            yield view, steps, deviation
+
+
+def _eye_weights(
+    samples: SphereSamples, view: View, k: DgpCoefficients
+) -> tuple[Values, Values]:
+    # Cosine and P^−a4 of each direction, 0 behind the eye
+    eye = seen_by(view, samples.direction)
+    index = eye.position_index**-k.a4
+    return eye.cosine, np.where(eye.ahead, index, 0)
