@@ -81,9 +81,10 @@ def test_a_plan_after_a_run_has_the_times_of_the_run(view):
     cl.run_study(study, out="results")
     seconds = json.loads((view / "results/run.json").read_text())["seconds"]
     stages = plan_study(study, out="results").stages
-    assert {name: cost.seconds for name, cost in stages.items()} == seconds | {
-        "trace": 0
-    }
+    found = {name: cost.seconds for name, cost in stages.items()}
+    # Only the paths from pixels to the windows are traced again
+    assert 0 < found.pop("trace") < seconds.pop("trace")
+    assert found == seconds
     other = study.with_trace(seed=8)
     assert plan_study(other, out="results").stages["trace"].seconds > 0
     assert plan_study(other, out="results").stages["write"].seconds != seconds["write"]
@@ -121,7 +122,7 @@ def test_products_pictures_and_glare_take_the_planned_time(view, method, monkeyp
 
 
 def test_all_matrices_of_pictures_are_part_of_the_plan(view):
-    """All that a run traces is asked for, direct suns of pictures too."""
+    """All that a run stores is asked for; paths to the windows are not stored."""
     names = [m.file for m in plan_study(cl.read_study("study.toml"), out="r").matrices]
     kinds = {name.rpartition("-")[0] for name in names}
     assert kinds == {
@@ -131,6 +132,4 @@ def test_all_matrices_of_pictures_are_part_of_the_plan(view):
         "direct-daylight-south",
         "sun-south",
         "picture-seat-south",
-        "direct-picture-seat-south",
-        "picture-sun-seat-south",
     }

@@ -211,11 +211,16 @@ def test_errors_of_blocks_are_honest(device, kind, peak):
             suns=suns, peak=peak and kind in PEAKS, samples=4, seed=seed,
             device=device,
         )  # fmt: skip
-        score, bright = compare(found.values, found.standard_error, expected, noise)
-        scores.append(np.where(bright, score, np.nan))
+        value, truth = blocks(found.values), blocks(expected)
+        spread = np.hypot(block_errors(found.standard_error), block_errors(noise))
+        bright = truth > 0.1 * truth.mean(axis=(-3, -2), keepdims=True)
+        score = (value - truth) / np.maximum(spread, 1e-9)
+        scores.append(np.where(bright, abs(score), np.nan))
     for sun in range(len(suns)):
         each = np.stack(scores)[..., sun]
-        assert 0.7 < np.sqrt(np.nanmean(np.square(each))) < 1.4
+        # Of the normal distribution: 0.67; few blocks have rare bright paths
+        assert 0.5 < np.nanmedian(each) < 1
+        assert np.nanquantile(each, 0.95) < 3
 
 
 def floor_point(x, y, reach=3.0):

@@ -184,4 +184,4 @@ def _by_patch(
         np.bincount(place, weights[part][inside], count * patches)
         for weights in records.weights
     ]
-    return np.reshape(sums, (len(sums), count, patches))
+    return np.reshape(sums, (len(sums), count, patches)).astype(float)
