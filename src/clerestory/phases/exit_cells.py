@@ -22,7 +22,10 @@ from clerestory.scene.window_zones import DIRECTION_BITS
 _FINEST = 9
 
 # Smallest number of halvings for trees of rank 3
-_TURNED = 7
+_TURNED = 8
+
+# Number of sectors into which incident directions are divided for trees of rank 3
+_SECTORS = 128
 
 # Number of halvings of the grid on which patches are tabulated, mark of cells that
 # belong to several patches, and bits of a recorded direction
@@ -94,12 +97,18 @@ def incident_cells(
     bsdf: Bsdf, light: Float[np.ndarray, "ray 3"]
 ) -> Int[np.ndarray, " ray"]:
     """Return the cells of light into the room, of directions in the window's frame."""
-    cells = ExitCells.of(bsdf)
-    if isinstance(cells.key, RingPartition):
-        incidents = bsdf.function("transmission_front").incidents
-        return np.asarray(incidents.find(light))
-    row, column = cells_from_disc(light[:, 0], light[:, 1], halvings=cells.key)
-    return np.asarray((row.astype(int) << cells.key) + column)
+    tree = _tree(bsdf.scattering("transmission_front"))
+    if tree is None:
+        found = bsdf.function("transmission_front").incidents.find(light)
+        return np.asarray(found)
+    x, y = light[:, 0], light[:, 1]
+    if tree.rank == 4:
+        row, column = cells_from_disc(x, y, halvings=tree.depth)
+        return np.asarray((row.astype(int) << tree.depth) + column)
+    # Rings around the normal, and sectors in which the tree hardly turns
+    ring = (1 - np.hypot(x, y)) * 2.0 ** (tree.depth - 1)
+    sector = (np.arctan2(y, x) / (2 * np.pi) % 1) * _SECTORS
+    return np.asarray(ring.astype(int) * _SECTORS + sector.astype(int))
 
 
 def _tree(part: ScatteringFunction) -> ScatteringTree | None:

@@ -73,7 +73,7 @@ class SunlitReceivers:
         lit = np.flatnonzero(sun >= 0)
         lit = lit[self._behind[sun[lit]]]
         shape = len(weights), pixels, steps
-        if len(lit) == 0 or not self._traced:
+        if len(lit) == 0 or not self.paths.traced:
             nothing = np.broadcast_to(np.float32(0), shape)
             return nothing, nothing
         irradiance = np.asarray(normal.sum(axis=0)).ravel()[lit]
@@ -88,11 +88,6 @@ class SunlitReceivers:
         column = np.full(steps, found.shape[-1] - 1)
         column[lit] = np.arange(len(lit))
         return np.take(other, column, axis=-1), np.take(one, column, axis=-1)
-
-    @cached_property
-    def _traced(self) -> bool:
-        # Whether there are paths: not in a dry run
-        return any(len(each.zones) for each in self.paths.records)
 
     @cached_property
     def _behind(self) -> np.ndarray:
@@ -220,7 +215,7 @@ class SunlitReceivers:
         shape = job.batches, bands, job.receivers, len(self.suns)
         found = np.zeros(shape, np.float32)
         lit = np.flatnonzero(self._behind)
-        for first in range(0, len(lit) * self._traced, _SUNS):
+        for first in range(0, len(lit) * self.paths.traced, _SUNS):
             sun = lit[first : first + _SUNS]
             part = self._batches(sun, np.ones(len(sun)), weights)
             found[..., sun] = part[..., : len(sun)]

@@ -109,15 +109,19 @@ def _recorded(job: WindowPathsJob, effort: Effort) -> "WindowPaths":
     starts, codes = np.zeros(job.receivers + 1, int), np.zeros(0, np.uint32)
     weights = np.zeros((1, 0), np.float32)
     none = Records(starts, codes, codes.astype(np.uint16), weights)
-    return WindowPaths(job, (none,) * job.batches)
+    return WindowPaths(job, (none,) * job.batches, traced=False)
 
 
 @dataclass(frozen=True, eq=False)
 class WindowPaths:
-    """Recorded paths from pixels or sensors to windows, by batch."""
+    """Recorded paths from pixels or sensors to windows, by batch.
+
+    `traced` is false in a dry run, in which there are none.
+    """
 
     job: WindowPathsJob
     records: tuple[Records, ...]
+    traced: bool = True
     _products: dict[tuple[int, object], Any] = field(default_factory=dict)
 
     @cached_property

@@ -1,5 +1,6 @@
 """Luminance over time, and its errors, are those of pictures and perturbed matrices."""
 
+import itertools
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -95,11 +96,8 @@ def block_means(pixels):
     rows, columns = ([0, 1, 3, 5, 7], [0, 2, 4, 6, 8, 10])
     return np.array(
         [
-            [
-                pixels[a:b, c:d].mean()
-                for c, d in zip(columns, columns[1:], strict=False)
-            ]
-            for a, b in zip(rows, rows[1:], strict=False)
+            [pixels[a:b, c:d].mean() for c, d in itertools.pairwise(columns)]
+            for a, b in itertools.pairwise(rows)
         ]
     )
 
