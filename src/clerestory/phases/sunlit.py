@@ -154,7 +154,7 @@ class SunlitReceivers:
 
     @cached_property
     def _transmittance(self) -> Float32[np.ndarray, "channel zone sun"]:
-        window, job = self.paths.job.windows[self.window], self.paths.job
+        window = self.paths.job.windows[self.window]
         engine: Any = self.paths.engine("sun_tables")
         points = self.paths.zones.points(self.window, window.polygons, _ZONE_POINTS)
         normal = window.frame.normal
