@@ -96,8 +96,8 @@ def contenders(
         return Contender(f"rcontrib {name}", make, peer=True)
 
     found = [theirs("as the tutorial (-ad 256)", 256), theirs("-ad 2000", 2000)]
-    found += [ours(n, d) for d in devices() for n in (16, 64)]
-    return found, ours(4096, devices()[-1]).make(12345)
+    found += [ours(n, d) for d in devices() for n in (256, 1024)]
+    return found, ours(1 << 17, devices()[-1]).make(12345)
 
 
 def main() -> None:

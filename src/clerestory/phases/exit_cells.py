@@ -104,11 +104,11 @@ def incident_cells(
     x, y = light[:, 0], light[:, 1]
     if tree.rank == 4:
         row, column = cells_from_disc(x, y, halvings=tree.depth)
-        return (row.astype(int) << tree.depth) + column
+        return np.asarray((row.astype(int) << tree.depth) + column)
     # Rings around the normal, and sectors in which the tree hardly turns
     ring = (1 - np.hypot(x, y)) * 2.0 ** (tree.depth - 1)
     sector = (np.arctan2(y, x) / (2 * np.pi) % 1) * _SECTORS
-    return ring.astype(int) * _SECTORS + sector.astype(int)
+    return np.asarray(ring.astype(int) * _SECTORS + sector.astype(int))
 
 
 def _tree(part: ScatteringFunction) -> ScatteringTree | None:

@@ -16,7 +16,6 @@ from scipy.sparse import csc_array
 from clerestory.bands import RGB
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.checks import require
-from clerestory.engine import device as devices
 from clerestory.phases.direct_light import window_number
 from clerestory.phases.exit_cells import ExitCells, incident_cells
 from clerestory.phases.window_paths import WindowPaths
@@ -101,7 +100,7 @@ class SunlitReceivers:
         weights: Float[np.ndarray, "out band"],
     ) -> Float32[np.ndarray, "batch out pixel step"]:
         job = self.paths.job
-        engine: Any = devices.load(job.device, "path_product")
+        engine: Any = self.paths.engine("path_product")
         cells = ExitCells.of(self.bsdf)
         product = self.paths.product(self.window, cells)
         width = engine.padded(len(sun) + 1)
@@ -148,15 +147,15 @@ class SunlitReceivers:
 
     @cached_property
     def _table(self) -> Any:
-        engine: Any = devices.load(self.paths.job.device, "sun_tables")
+        engine: Any = self.paths.engine("sun_tables")
         frame = self.paths.job.windows[self.window].frame
         cells = partial(incident_cells, self.bsdf)
         return engine.SunlitBsdf(self.bsdf, frame, peak=self.peak, cells=cells)
 
     @cached_property
     def _transmittance(self) -> Float32[np.ndarray, "channel zone sun"]:
-        window, job = self.paths.job.windows[self.window], self.paths.job
-        engine: Any = devices.load(job.device, "sun_tables")
+        window = self.paths.job.windows[self.window]
+        engine: Any = self.paths.engine("sun_tables")
         points = self.paths.zones.points(self.window, window.polygons, _ZONE_POINTS)
         normal = window.frame.normal
         return np.asarray(
@@ -171,7 +170,7 @@ class SunlitReceivers:
         irradiance: Float[np.ndarray, " step"],
     ) -> tuple[Float32[np.ndarray, "channel cell step"], list[Any]]:
         # Radiance for light reflected by pixels, without narrow beams, and the beams
-        engine: Any = devices.load(self.paths.job.device, "sun_beams")
+        engine: Any = self.paths.engine("sun_beams")
         frame, found = self.paths.job.windows[self.window].frame, []
         count = self._beam_tracer.beams
         narrow = engine.narrow_cells(light, cells.sizes)
@@ -194,14 +193,14 @@ class SunlitReceivers:
 
     @cached_property
     def _unscattered(self) -> Any:
-        engine: Any = devices.load(self.paths.job.device, "sun_beams")
+        engine: Any = self.paths.engine("sun_beams")
         frame = self.paths.job.windows[self.window].frame
         return engine.UnscatteredBeams(self.bsdf, frame)
 
     @cached_property
     def _beam_tracer(self) -> Any:
         job = self.paths.job
-        engine: Any = devices.load(job.device, "beam_tracer")
+        engine: Any = self.paths.engine("beam_tracer")
         return engine.BeamTracer(replace(job, scene=self.scene), self.window)
 
     def coefficients(

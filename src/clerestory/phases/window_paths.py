@@ -124,6 +124,13 @@ class WindowPaths:
     traced: bool = True
     _products: dict[tuple[int, object], Any] = field(default_factory=dict)
 
+    def engine(self, module: str) -> Any:
+        """Return a module of the engine, on the device of this machine.
+
+        Workers of a cluster may have a GPU where this machine has none.
+        """
+        return devices.load("cpu" if self.job.device == "cpu" else "auto", module)
+
     @cached_property
     def zones(self) -> WindowZones:
         """Zones of the windows."""
@@ -158,7 +165,7 @@ class WindowPaths:
         """Return the paths to a window on the compute device, by exit cell."""
         key = number, cells.key
         if key not in self._products:
-            engine: Any = devices.load(self.job.device, "path_product")
+            engine: Any = self.engine("path_product")
             zones = self.zones.of_window(number)
             self._products[key] = engine.PathProduct(
                 self.records, zones, cells.find, len(cells.sizes)
