@@ -176,7 +176,7 @@ def measure(home: Path, resolution: int, steps: int | None) -> Run:
     cold.mkdir()
     command = [PROGRAM, "run", study, "--out", out, "--quiet"]
     start = time.perf_counter()
-    # The process is waited for by itself, as its own memory is asked for
+    # Wait for this process alone, to obtain its own peak memory
     child = subprocess.Popen(command, env={**os.environ, "HOME": str(cold)})
     _, status, used = os.wait4(child.pid, 0)
     child.returncode = os.waitstatus_to_exitcode(status)
