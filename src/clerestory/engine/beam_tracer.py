@@ -13,7 +13,7 @@ from typing import ClassVar
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Float32, Int
 
 from clerestory.engine.camera_rays import CameraRays
 from clerestory.engine.channels import GROUP, band_groups
@@ -54,6 +54,9 @@ _PATHS = 1 << 22
 
 # Least number of beams of a sun, a power of two
 _BEAMS = 256
+
+# Light by batch, output, receiver and step
+Sums = Float32[np.ndarray, "batch out row step"]
 
 # Tolerance of the test: relative to the window, and cosine of a surface turned away
 _SLACK, _FACING = 1e-3, -1e-3
@@ -131,18 +134,14 @@ class BeamTracer:
 
     def add(
         self,
-        total: list[list[mi.Float]],
+        total: Sums,
         weights: Float[np.ndarray, "out band"],
         beams: Beams,
-        width: int,
     ) -> None:
-        """Add the light of each receiver and step to sums by batch and output.
-
-        Steps are `width` elements of the sums apart from receiver to receiver.
-        """
+        """Add the light of each receiver and step to the sums."""
         for number, group in enumerate(self.groups):
             share = weights[:, GROUP * number : GROUP * (number + 1)]
-            group.add(total, share, beams, width)
+            group.add(total, share, beams)
 
 
 @dataclass
@@ -252,16 +251,16 @@ class _Group:
         if pixels:
             self.angles = solid_angles(job.view, job.columns, job.rows)
 
-    def add(self, total, share, beams: Beams, width: int) -> None:
+    def add(self, total: Sums, weights: np.ndarray, beams: Beams) -> None:
         # See `BeamTracer.add`
         for first in range(0, len(beams.steps), _BITS):
             part = beams.select(slice(first, first + _BITS))
             place, number = self._crossing(part)
             for start in range(0, len(place), _PATHS):
                 some = slice(start, start + _PATHS)
-                self._trace(total, share, part, place[some], number[some], width)
+                self._trace(total, weights, part, place[some], number[some])
         if beams.disc and isinstance(self.receivers, _Pixels):
-            self._disc(total, share, beams, width)
+            self._disc(total, weights, beams)
 
     def _places(self, place) -> _Places:
         each = dr.opaque(mi.UInt32, self.receivers.points)
@@ -288,8 +287,8 @@ class _Group:
             masks = _tested(
                 seen.point, seen.normal, seen.both, seen.valid,
                 vectors(mi.Vector3f, beams.direction.reshape(-1, 3)),
-                dr.opaque(mi.UInt32, count), self.corner, self.window.normal,
-                *self.edges, self._order(),
+                on_device(mi.UInt32, beams.key), dr.opaque(mi.UInt32, count),
+                self.corner, self.window.normal, *self.edges, self._order(),
             )  # fmt: skip
             found = masks.numpy()
         place = np.flatnonzero(found)
@@ -300,19 +299,26 @@ class _Group:
         row, number = np.nonzero(bits)
         return place[row], number
 
-    def _trace(self, total, share, beams: Beams, found, suns, width: int) -> None:
+    def _trace(
+        self,
+        total: Sums,
+        weights: np.ndarray,
+        beams: Beams,
+        found: Int[np.ndarray, " pair"],
+        suns: Int[np.ndarray, " pair"],
+    ) -> None:
         with launching():
-            place, number = on_device(mi.UInt32, found), on_device(mi.UInt32, suns)
-            places = self._places(place)
-            beam = _chosen(place, number, self._order())
+            places = self._places(on_device(mi.UInt32, found))
+            number, key = (
+                on_device(mi.UInt32, part) for part in (suns, beams.key[suns])
+            )
+            beam = _chosen(on_device(mi.UInt32, found), number, key, self._order())
             lit = _lit(self.window, beams, beam)
             tracer = PathTracer(lit.inside, (lit,), 1.0, direct_only=True)
             light = self.receivers.light(tracer, places) / self.receivers.points
-            step = dr.gather(mi.UInt32, on_device(mi.UInt32, beams.steps), number)
-            at = places.row * dr.opaque(mi.UInt32, width) + step
-            _add(total, share, light, at, places.batch)
+        _add(total, weights, light, places.row, beams.steps[suns], places.batch)
 
-    def _disc(self, total, share, beams: Beams, width: int) -> None:
+    def _disc(self, total: Sums, weights: np.ndarray, beams: Beams) -> None:
         # Points of the solar disc seen through the window, each in its pixel
         job = self.job
         where = job.view.pixel(beams.direction, columns=job.columns, rows=job.rows)
@@ -331,14 +337,25 @@ class _Group:
             eye = dr.gather(mi.Point3f, self.receivers.rays.origin, pixel)
             light = lit.value * lit.seen(eye, dr.max(lit.value) > 0)
             light *= on_device(mi.Float, job.batches / (self.beams * angle))
-            step = on_device(mi.UInt32, beams.steps[chosen // self.beams])
             batch = on_device(mi.UInt32, chosen % job.batches)
-            _add(total, share, light, pixel * dr.opaque(mi.UInt32, width) + step, batch)
+        step = beams.steps[chosen // self.beams]
+        _add(total, weights, light, pixel, step, batch)
 
 
 @dr.syntax
 def _tested(
-    points, normals, both, valid, directions, count, corner, plane, across, up, order
+    points,
+    normals,
+    both,
+    valid,
+    directions,
+    keys,
+    count,
+    corner,
+    plane,
+    across,
+    up,
+    order,
 ):
     # Bit mask of the suns for which the line from each point crosses the window
     masks, number = mi.UInt32(0), mi.UInt32(0)
@@ -346,7 +363,9 @@ def _tested(
     apart = mi.Vector3f(corner - points)
     height = dr.dot(apart, plane)
     while number < count:
-        toward = dr.gather(mi.Vector3f, directions, _chosen(place, number, order))
+        key = dr.gather(mi.UInt32, keys, number)
+        beam = _chosen(place, number, key, order)
+        toward = dr.gather(mi.Vector3f, directions, beam)
         distance = height / dr.dot(toward, plane)
         offset = toward * distance - apart
         x, y = dr.dot(offset, across), dr.dot(offset, up)
@@ -368,11 +387,11 @@ class _Order:
     apart: mi.UInt32
 
 
-def _chosen(place, number, order: _Order):
+def _chosen(place, number, key, order: _Order):
     # Index of the beam of a sample point and sun. Batches have beams of their own; the
     # points of a batch take beams that are far apart
     slot, index = place // order.points, place % order.points
-    start = mix(mix(slot, order.seed), number)
+    start = mix(mix(slot, order.seed), key)
     own = (start + index * order.apart) % order.own
     beams = order.own * order.batches
     return number * beams + own * order.batches + slot % order.batches
@@ -391,12 +410,14 @@ def _lit(window: BeamWindow, beams: Beams, beam) -> BeamWindow:
     return replace(window, direction=direction, sun=sun, value=mi.Color3f(value))
 
 
-def _add(total, share, light, place, batch) -> None:
-    # Add the weighted light to the sums by batch and output
-    for number, outputs in enumerate(total):
-        for output, weights in enumerate(share):
-            value = mi.Float(0)
-            for channel, weight in enumerate(weights.tolist()):
-                value += light[channel] * dr.opaque(mi.Float, weight)
-            dr.scatter_add(outputs[output], value, place, batch == number)
-    dr.eval(total)
+def _add(total: Sums, weights: np.ndarray, light, row, step, batch) -> None:
+    # Add the weighted light of receivers and steps, in a fixed order
+    _, outputs, rows, steps = total.shape
+    with launching():
+        dr.eval(light, row, batch)
+        found, row, batch = light.numpy(), row.numpy(), batch.numpy()
+    values = weights @ found[: weights.shape[1]]
+    place = row.astype(np.int64) * steps + step
+    for output, value in enumerate(values):
+        flat = (batch * outputs + output) * (rows * steps) + place
+        np.add.at(total.reshape(-1), flat, value.astype(np.float32))

@@ -4,13 +4,14 @@ Each sun has the same number of beams of equal probability. The estimate of what
 contributes to a point is its value times the transmittance along its direction.
 """
 
+import zlib
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float, Int, UInt32
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.constants import R2
@@ -37,12 +38,14 @@ class Beams:
     Attributes
     ----------
     steps : time step of each sun
+    key : key of the random numbers of each sun
     direction, sun : unit vectors against the beam in the room, and to the sun
     value : irradiance perpendicular to the beam, by channel
     disc : whether the sun is seen against the beams, which are not scattered
     """
 
     steps: Int[np.ndarray, " step"]
+    key: UInt32[np.ndarray, " step"]
     direction: Float[np.ndarray, "step beam 3"]
     sun: Float[np.ndarray, "step beam 3"]
     value: Float[np.ndarray, "step beam 3"]
@@ -53,6 +56,7 @@ class Beams:
         return replace(
             self,
             steps=self.steps[some],
+            key=self.key[some],
             direction=self.direction[some],
             sun=self.sun[some],
             value=self.value[some],
@@ -81,7 +85,7 @@ class UnscatteredBeams:
             )
         disc = solar_disc(suns, count).transpose(1, 0, 2)
         value = np.repeat(value[:, None], count, axis=1)
-        beams = Beams(np.arange(len(suns)), disc, disc, value, disc=True)
+        beams = Beams(np.arange(len(suns)), _keys(suns), disc, disc, value, disc=True)
         return beams.select(value.max(axis=(1, 2)) > 0)
 
 
@@ -113,13 +117,19 @@ def narrow_beams(
     """
     mean = radiance.mean(axis=0).T.astype(float)
     lit = np.flatnonzero(mean.sum(axis=1) > 0)
-    random = np.random.default_rng(seed)
+    keys = _keys(suns[lit])
+    # Random numbers of a sun do not depend on the other suns
+    own = count // batches
+    random = np.array(
+        [np.random.default_rng([seed, key]).random((batches, own + 2)) for key in keys]
+    ).reshape(len(lit), batches, own + 2)
+    jitter = random[:, :, :own].transpose(0, 2, 1)
+    shift = random[:, None, :, own : own + 2]
     # Stratified samples of the distribution of flux, one for each batch
     share = np.cumsum(mean[lit] * sizes, axis=1)
-    total, own = share[:, -1:], count // batches
-    number, shape = np.arange(own)[:, None], (len(lit), own, batches)
-    pick = ((number + random.random(shape)) / own).reshape(len(lit), -1) * total
-    u = number[..., None] * R2 + random.random((len(lit), 1, batches, 2))
+    total, number = share[:, -1:], np.arange(own)[:, None]
+    pick = ((number + jitter) / own).reshape(len(lit), -1) * total
+    u = number[..., None] * R2 + shift
     cell = np.array(
         [np.searchsorted(s, p, side="right") for s, p in zip(share, pick, strict=True)]
     ).reshape(len(lit), count)
@@ -130,5 +140,9 @@ def narrow_beams(
     value = np.broadcast_to(np.moveaxis(colour * flux, 0, -1), (*cell.shape, 3))
     axes = np.array([frame.right, frame.up, frame.normal])
     disc = solar_disc(suns[lit], count).transpose(1, 0, 2)
-    disc = disc[:, random.permutation(count)]
-    return Beams(lit, -leaving @ axes, disc, value, disc=False)
+    disc = disc[:, np.random.default_rng(seed).permutation(count)]
+    return Beams(lit, keys, -leaving @ axes, disc, value, disc=False)
+
+
+def _keys(suns: Float[np.ndarray, "sun 3"]) -> UInt32[np.ndarray, " sun"]:
+    return np.array([zlib.crc32(sun.tobytes()) for sun in suns], np.uint32)

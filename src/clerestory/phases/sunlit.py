@@ -114,13 +114,13 @@ class SunlitReceivers:
             [self._sum(product, batch, row, light, passed) for row in weights]
             for batch in range(len(product))
         ]
-        for each in beams:
-            self._beam_tracer.add(sums, weights, each, width)
         shape = len(sums), len(weights), job.receivers, width
         found = np.empty(shape, np.float32)
         for part, outputs in zip(found, sums, strict=True):
             for one, output in zip(part, outputs, strict=True):
                 one[:] = output.numpy().reshape(job.receivers, width)
+        for each in beams:
+            self._beam_tracer.add(found, weights, each)
         return found
 
     def _sum(
