@@ -153,12 +153,17 @@ def test_a_faulty_tmy3_is_named_with_its_line(write_tmy3, fault):
 
 
 @pytest.mark.parametrize(
-    "text", ["", "\n", "hello\nworld\n", "\0\1\2", "Date,a,b\n1,2,3\n"]
-)
-def test_a_file_of_another_kind_is_refused(tmp_path, text):
+    ("text", "expected"),
+    [
+        *((text, "EPW, WEA, TMY2, TMY3 or SURFRAD") for text in
+          ("", "\n", "hello\nworld\n", "Date,a,b\n1,2,3\n")),
+        ("\0\1\2", "is binary, or not UTF-8; a text file expected"),
+    ],
+)  # fmt: skip
+def test_a_file_of_another_kind_is_refused(tmp_path, text, expected):
     path = tmp_path / "thing.epw"
     path.write_text(text)
-    with pytest.raises(InputError, match="EPW, WEA, TMY2, TMY3 or SURFRAD"):
+    with pytest.raises(InputError, match=expected):
         read_weather(path)
 
 
