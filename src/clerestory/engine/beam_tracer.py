@@ -189,10 +189,10 @@ class _Sensors:
 
 
 class _Pixels:
-    # Pixels, with two sample points per batch
+    # Pixels, with a quarter of the sample points of the paths
 
     def __init__(self, job: PixelWindowPaths):
-        self.points = 2
+        self.points = max(2, _power_of_two(job.points // 4))
         self.origin = np.asarray(job.view.position, dtype=float)
         self.rays = CameraRays.of(job.view, job.columns, job.rows)
 
