@@ -1,7 +1,9 @@
 """`clerestory glare` and the making of pictures from photographs."""
 
 import json
+import math
 from pathlib import Path
+from statistics import NormalDist
 
 import numpy as np
 import pytest
@@ -134,9 +136,12 @@ def test_errors_of_pixels_become_errors_of_indices(call, desk):
     write_picture(Picture(level, view=FISHEYE), "more.hdr")
     found = call("glare", "less.hdr", "more.hdr", "--format", "json").out
     less, more = (each["illuminance"] for each in json.loads(found))
-    # The luminance less its error is not negative
-    own = float(picture.radiance[100, 80, 0])
-    expected = (more - less) * (1 + own / 50) / 2
+    # Normal distribution of the pixel, of which luminances below zero are zero
+    normal = NormalDist(float(picture.radiance[100, 80, 0]), 50.0)
+    lit, edge = 1 - normal.cdf(0), normal.variance * normal.pdf(0)
+    mean = normal.mean * lit + edge
+    square = (normal.mean**2 + normal.variance) * lit + normal.mean * edge
+    expected = (more - less) / 50 * math.sqrt(square - mean**2)
     assert record["illuminance_error"] == pytest.approx(expected, rel=0.02)
     assert 0 < record["dgp_error"] < 0.1
     text = call("glare", desk, *words, "text").out.splitlines()

@@ -39,7 +39,7 @@ def test_sunlit_points_do_not_decide_the_probabilities_in_the_shade(device):
     in the sun, ten thousand times as bright, the other. Eight of all samples beside
     thirty of its own give a part (30 + 8/2)/38 of the squares.
     """
-    sizes = load(device, "path_guiding")._root_mean_squares
+    sizes = load(device, "path_guiding").root_mean_squares
     samples = np.repeat([[1.0, 0.0], [0.0, 1e4]], 30, axis=0)
     found = sizes(samples, np.repeat([0, 1], 30), 3) ** 2
     assert found[0] == pytest.approx([34 / 38, 4 / 38])

@@ -16,6 +16,8 @@ import math
 import zlib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
+from statistics import NormalDist
 
 import numpy as np
 from jaxtyping import Float
@@ -58,15 +60,29 @@ class UncertainLuminance:
         return UncertainLuminance(self.blocks, self.error, self.shared)
 
     def pairs(self) -> Iterator[tuple[Image, Image]]:
-        """Yield the luminance plus and minus draws of its error."""
+        """Yield the luminance plus and minus draws of its error.
+
+        The draws of a pixel are stratified samples of the normal distribution, so that
+        their mean square is exactly its variance.
+        """
         # Seed from the picture, so that equal pictures have equal errors
-        seed = zlib.crc32(self.error.tobytes())
+        seed, shape = zlib.crc32(self.error.tobytes()), self.value.shape
         random = np.random.default_rng(seed)
         shared = np.zeros((DRAWS, 1, 1)) if self.shared is None else self.shared
-        for common in shared:
-            own = random.standard_normal(self.value.shape, dtype=np.float32)
-            change = own * self.error + common
+        size = _half_normal(len(shared))
+        first = random.integers(0, len(shared), shape, dtype=np.int8)
+        for number, common in enumerate(shared):
+            sign = 2 * random.integers(0, 2, shape, dtype=np.int8) - 1
+            change = sign * size[(first + number) % len(shared)] * self.error + common
             yield np.maximum(self.value + change, 0), np.maximum(self.value - change, 0)
+
+
+@cache
+def _half_normal(count: int) -> Float[np.ndarray, " draw"]:
+    # Medians of intervals of equal probability of |x|, scaled to a mean square of one
+    share = 0.5 + (np.arange(count) + 0.5) / (2 * count)
+    found = np.array([NormalDist().inv_cdf(p) for p in share])
+    return np.asarray(found / np.sqrt(np.mean(np.square(found))), np.float32)
 
 
 def luminance_error(error: Picture, like: Picture) -> Image:
