@@ -16,7 +16,10 @@ from clerestory.hemisphere.klems import klems
 from clerestory.study.config import Study, read_study
 from clerestory.study.study_run import run_study
 
-pytestmark = pytest.mark.slow
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.filterwarnings("ignore:.*merging angle"),
+]
 
 ROOM = Path(__file__).parents[1] / "cli" / "room"
 SEEDS = [6763 * (number + 1) for number in range(40)]
