@@ -24,7 +24,7 @@ from clerestory.scene.sensors import Sensors
 
 # Sheets whose mirror image of a `light` is left out by rtrace: rays that descend from
 # its ambient calculation do not count lights (m_light.c, badcomponent), as shown below
-MIRRORED = {"smooth metal", "glass", "dense glass", "BRTDfunc"}
+MIRRORED = {"smooth metal", "smooth trans", "glass", "dense glass", "BRTDfunc"}
 
 
 def highlight(name):

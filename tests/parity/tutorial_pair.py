@@ -213,7 +213,7 @@ class Pair:
             "V_d": [made.view(s, direct=True, samples=many) for s in (0, 1)],
             "D": [made.daylight(s, direct=False, samples=few) for s in (0, 1)],
             "D_d": [made.daylight(s, direct=True, samples=few) for s in (0, 1)],
-            "C": [made.sun(s, samples=1024) for s in (0, 1)],
+            "C": [made.sun(s, samples=32768) for s in (0, 1)],
         }
 
     def matrices(self, symbol: str) -> tuple[Many, Many]:

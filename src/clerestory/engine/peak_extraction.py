@@ -13,7 +13,7 @@ of view. Here it is selected for each direction of light, which conserves its fl
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Float, Int
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.scattering_function import Function, ScatteringFunction
@@ -22,7 +22,11 @@ from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.colorimetry import rgb_from_xyz
 from clerestory.engine.square import cell_of_disc
 from clerestory.engine.upload import on_device
-from clerestory.hemisphere.shirley_chiu import cell_centres, directions_from_square
+from clerestory.hemisphere.shirley_chiu import (
+    cell_centres,
+    cells_from_disc,
+    directions_from_square,
+)
 
 # Number of cells along an edge of the look-up grid of directions.
 _GRID = 128
@@ -80,6 +84,14 @@ class PeakTable:
         near = apart <= dr.gather(mi.Float, self.radius2, side)
         peak = near & (dr.sum(value) / 3 > dr.gather(mi.Float, self.limit, cell))
         return dr.select(peak, dr.gather(mi.Float, self.surround, cell), value)
+
+
+def peak_cells(
+    along: Float[np.ndarray, "ray 3"],
+) -> list[Int[np.ndarray, " ray"]]:
+    """Return row and column of the look-up grid for light that propagates `along`."""
+    halvings = _GRID.bit_length() - 1
+    return list(cells_from_disc(along[:, 0], along[:, 1], halvings=halvings))
 
 
 def _peaks(

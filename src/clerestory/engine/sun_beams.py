@@ -77,14 +77,12 @@ class UnscatteredBeams:
         count: int,
     ) -> Beams:
         """Return `count` beams of each sun of given direct normal irradiance."""
-        with launching():
-            leaving = vectors(mi.Vector3f, -suns @ self.axes.T)
-            passed = dr.select(leaving.z > 0, self.peak.transmittance(leaving), 0)
-            value = (
-                np.broadcast_to(passed.numpy(), (3, len(suns))).T * irradiance[:, None]
-            )
         disc = solar_disc(suns, count).transpose(1, 0, 2)
-        value = np.repeat(value[:, None], count, axis=1)
+        with launching():
+            leaving = vectors(mi.Vector3f, -disc.reshape(-1, 3) @ self.axes.T)
+            passed = dr.select(leaving.z > 0, self.peak.transmittance(leaving), 0)
+            value = np.broadcast_to(passed.numpy(), (3, len(suns) * count)).T
+        value = value.reshape(*disc.shape) * irradiance[:, None, None]
         beams = Beams(np.arange(len(suns)), _keys(suns), disc, disc, value, disc=True)
         return beams.select(value.max(axis=(1, 2)) > 0)
 

@@ -19,7 +19,7 @@ from clerestory.directions import Frame, unit
 from clerestory.engine.channels import band_groups
 from clerestory.engine.lower import lower
 from clerestory.engine.materials.bsdf_file import forward_table
-from clerestory.engine.peak_extraction import PeakTable
+from clerestory.engine.peak_extraction import PeakTable, peak_cells
 from clerestory.engine.unusual_lengths import scene_factor
 from clerestory.engine.upload import launching, on_device, vectors
 from clerestory.engine.visibility import ROUNDING, along, transmittance
@@ -78,9 +78,10 @@ class SunlitBsdf:
         disc = (solar_disc(suns, _FINE) @ self.axes.T).reshape(-1, 3)
         number = np.tile(np.arange(len(suns)), _FINE)
         disc, number = disc[disc[:, 2] < 0], number[disc[:, 2] < 0]
-        pairs, part = np.unique(
-            np.stack([number, self.cells(-disc)]), axis=1, return_inverse=True
-        )
+        keys = [number, self.cells(-disc)]
+        if self.peak is not None:
+            keys += peak_cells(-disc)
+        pairs, part = np.unique(np.stack(keys), axis=1, return_inverse=True)
         sums = np.stack([np.bincount(part, axis) for axis in disc.T], axis=-1)
         share = np.bincount(part) / _FINE
         first = np.searchsorted(pairs[0], pairs[0], side="left")
