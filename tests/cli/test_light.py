@@ -153,6 +153,14 @@ def test_suns_are_traced_to_sensors_and_pixels(call, room):
     assert pixels.values.shape == (3, 64, matrix.columns.size)
 
 
+def test_suns_have_enough_paths_by_default(call, room):
+    """Two per cent of the brightest coefficients, and as `sun_coefficients` has."""
+    outcome = call(*SUN[:-2], "--sensors", "desk.pts", "-o", "C.nc")
+    assert outcome.status == 0, outcome.err
+    matrix = read_netcdf("C.nc")
+    assert matrix.standard_error.max() < 0.02 * matrix.values.max()
+
+
 def test_a_study_of_five_phases_with_a_view(call, room):
     study = Path("study.toml").read_text().replace('"3-phase"', '"5-phase"')
     Path("eye.vf").write_text(f"rvu {EYE}\n")

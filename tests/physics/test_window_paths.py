@@ -544,6 +544,14 @@ def test_luminance_of_bands_is_weighted(device):
     assert not weighted[:, 1].any()
     assert weighted[:, [0, 2, 3]].mean() > 1
 
+    # The same sun at another step, and in a longer block
+    last = csc_array((np.array([500.0]), ([0], [2])), shape=(4, 3))
+    first = csc_array((np.array([500.0]), ([0], [0])), shape=(4, 5))
+    [late], [early] = (lit.received(n, RGB.weights[None])[0] for n in (last, first))
+    assert np.array_equal(late[:, 2], early[:, 0])
+    assert not late[:, :2].any()
+    assert not early[:, 1:].any()
+
 
 def test_rough_plastic_reflects_the_sun(device):
     """Rough plastic: its highlights are wider than a patch."""

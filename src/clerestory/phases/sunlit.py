@@ -56,7 +56,9 @@ class SunlitReceivers:
         `normal` is the direct normal irradiance (sun × step), of at most one sun per
         step.
         """
-        key = normal.indices.tobytes(), normal.data.tobytes(), weights.tobytes()
+        # Pixels and blocks of pixels ask for the same product, one after the other
+        parts = normal.indptr, normal.indices, normal.data, weights
+        key = tuple(part.tobytes() for part in parts)
         if key not in self._last:
             self._last.clear()
             self._last[key] = self._received(normal, weights)

@@ -41,17 +41,8 @@ from clerestory.scene.window_zones import STRAIGHT, WindowZones
 # Default numbers of paths per pixel and sensor, with three directions to the windows
 PIXEL_SAMPLES, SENSOR_SAMPLES = 16, 1024
 
-# Number of points of a zone at which the transmittance from the sun is sampled
-_ZONE_POINTS = 16
-
 # Number of batches of paths per pixel
 _BATCHES = 2
-
-# Largest number of halvings of a grid of exit cells
-_FINEST = 9
-
-# Suns per block of C_ds
-_SUNS = 64
 
 # Pixels per block of V_d: sums are in double precision
 _PIXELS = 1 << 16

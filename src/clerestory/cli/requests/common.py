@@ -102,7 +102,13 @@ class EffortOptions:
 class SunEffort:
     """Sampling effort of direct-sun coefficients, and compute device."""
 
-    samples: int = option(64, "Paths per matrix row and sun.", metavar="N", least=1)
+    samples: int | None = option(
+        None,
+        "Paths per matrix row, for all suns together; default: 1024 per sensor, 16 per"
+        " pixel.",
+        metavar="N",
+        least=1,
+    )
     seed: Seed = 1
     device: DeviceName = "auto"
     cluster: ClusterAddress = None
