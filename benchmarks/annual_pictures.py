@@ -39,7 +39,7 @@ from clerestory.engine.effort import Effort
 from clerestory.glare.annual_glare import annual_glare
 from clerestory.matrix.axis import pixel_axis, sun_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.camera import Camera
+from clerestory.image.camera import Camera
 from clerestory.phases.direct_light import blackened
 from clerestory.phases.matrix_equation import (
     MatrixChain,
