@@ -71,7 +71,7 @@ def pictures_over_time(
     """
     bands = equation_bands(windows, skies)
     weights = np.eye(len(bands))
-    series = _Series(windows, terms, skies, states, weights, len(camera))
+    series = PixelSeries(windows, terms, skies, states, weights, len(camera))
     steps = series.steps(max(1, _steps(len(camera)) // len(bands)))
     for moment, found in zip(skies.times, steps, strict=True):
         stamp = np.datetime_as_string(moment, unit="m")
@@ -87,7 +87,7 @@ def luminance_over_time(
 ) -> Iterator[Float32[np.ndarray, "row column"]]:
     """Yield the luminance of every time step [cd/m²]; see `pictures_over_time`."""
     weights = equation_bands(windows, skies).weights[None]
-    series = _Series(windows, terms, skies, states, weights, len(camera))
+    series = PixelSeries(windows, terms, skies, states, weights, len(camera))
     for found in series.steps(_steps(len(camera))):
         yield found.light.reshape(camera.rows, camera.columns)
 
@@ -107,12 +107,14 @@ def uncertain_luminance_over_time(
     blocks, most = PixelBlocks.of(camera.rows, camera.columns), _steps(len(camera))
     rest = terms, skies, states, weights
     few = windows if blocks.single else [blocks.of_window(each) for each in windows]
-    uncertain = _Series(few, *rest, math.prod(blocks.shape), errors=True).steps(most)
+    uncertain = PixelSeries(few, *rest, math.prod(blocks.shape), errors=True).steps(
+        most
+    )
     if blocks.single:
         for each in uncertain:
             yield each.pixels(each.light, (camera.rows, camera.columns), blocks.shape)
         return
-    certain = _Series(windows, *rest, len(camera)).steps(most)
+    certain = PixelSeries(windows, *rest, len(camera)).steps(most)
     for fine, each in zip(certain, uncertain, strict=True):
         yield each.pixels(fine.light, (camera.rows, camera.columns), blocks.shape)
 
@@ -150,7 +152,28 @@ class _Step:
 
 
 @dataclass(frozen=True, eq=False)
-class _Series:
+class SeriesBlock:
+    """Radiance or luminance of all pixels in a block of time steps.
+
+    Attributes
+    ----------
+    variance : of each pixel, independent of the other pixels; empty without errors
+    shared : deviations that pixels have in common; see `UncertainPixels`
+    """
+
+    times: slice
+    light: Float32[np.ndarray, "out pixel step"]
+    variance: Float32[np.ndarray, "uncertain step"]
+    shared: Float32[np.ndarray, "draw uncertain step"]
+
+
+@dataclass(frozen=True, eq=False)
+class PixelSeries:
+    """Radiance or luminance of pixels, or of cells of the sphere, over time.
+
+    `weights` are those of the bands in each output; see `BlockwiseProduct`.
+    """
+
     windows: Sequence[WindowMatrices]
     terms: Sequence[Term]
     skies: Skies
@@ -160,6 +183,15 @@ class _Series:
     errors: bool = False
 
     def steps(self, most: int) -> Iterator[_Step]:
+        """Yield the time steps, computed in blocks of at most `most` steps."""
+        for block in self.blocks(most):
+            # One copy in the order of steps is faster than a strided copy of each
+            found = np.ascontiguousarray(np.moveaxis(block.light, -1, 0))
+            for step, each in enumerate(found):
+                yield _Step(each, block.variance[:, step], block.shared[:, :, step])
+
+    def blocks(self, most: int) -> Iterator[SeriesBlock]:
+        """Yield blocks of at most `most` time steps."""
         draws, pixels = FEW if self.errors else 0, self.pixels
         product = BlockwiseProduct(
             self.windows,
@@ -183,11 +215,8 @@ class _Series:
             if self.errors:
                 self._add_deviations(block, variance, shared)
             if block.rows.stop == pixels:
-                # One copy in the order of steps is faster than a strided copy of each
                 np.maximum(light, 0, out=light)
-                found = np.ascontiguousarray(np.moveaxis(light, -1, 0))
-                for step in range(steps):
-                    yield _Step(found[step], variance[:, step], shared[:, :, step])
+                yield SeriesBlock(block.times, light, variance, shared)
 
     def _add_deviations(
         self,

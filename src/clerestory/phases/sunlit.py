@@ -205,6 +205,27 @@ class SunlitReceivers:
         engine: Any = self.paths.engine("beam_tracer")
         return engine.BeamTracer(replace(job, scene=self.scene), self.window)
 
+    def disc(
+        self, weights: Float[np.ndarray, "out band"]
+    ) -> tuple[Float[np.ndarray, "out sun"], Float[np.ndarray, " sun"]]:
+        """Return the irradiance from the discs of the suns, seen at a point.
+
+        The point is that of cells of the sphere. The irradiance perpendicular to the
+        light, weighted by band, is per direct normal irradiance; the second value is
+        the visible share of each disc.
+        """
+        shape = len(weights), len(self.suns)
+        flux, share = np.zeros(shape), np.zeros(len(self.suns))
+        lit = np.flatnonzero(self._behind)
+        if not (self.peak and self.paths.traced and len(lit)):
+            return flux, share
+        count = self._beam_tracer.beams
+        beams = self._unscattered.of(self.suns[lit], np.ones(len(lit)), count)
+        if len(beams.steps):
+            some = lit[beams.steps]
+            flux[:, some], share[some] = self._beam_tracer.disc(weights, beams)
+        return flux, share
+
     def coefficients(
         self, bands: int
     ) -> tuple[
