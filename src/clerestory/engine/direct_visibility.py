@@ -1,4 +1,4 @@
-"""Direct transmittance from distant sources, and first surfaces, through clear glass."""
+"""Direct transmittance from distant sources, and first surfaces, through glass."""
 
 import drjit as dr
 import mitsuba as mi
@@ -44,7 +44,7 @@ def first_surfaces(
     origins: Float[np.ndarray, "ray 3"],
     directions: Float[np.ndarray, "ray 3"],
 ) -> tuple[Float[np.ndarray, " ray"], Float[np.ndarray, "ray 3"]]:
-    """Return distance, inf if none, and unit normal of the first surface of each ray."""
+    """Return distance, inf if none, and normal of the first surface of each ray."""
     factor = scene_factor(scene)
     scene, origins = scaled(scene, factor), origins * factor
     origin = origins.mean(axis=0)
