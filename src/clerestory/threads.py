@@ -3,7 +3,7 @@
 import functools
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import AbstractContextManager
+from contextlib import contextmanager
 from contextvars import copy_context
 from queue import Full, Queue
 from typing import TypeVar
@@ -17,12 +17,14 @@ _Result = TypeVar("_Result")
 _WAIT = 0.5
 
 
-def linear_algebra_in_one_thread() -> AbstractContextManager[object]:
-    """Return a context in which the linear algebra libraries use one thread.
+@contextmanager
+def linear_algebra_in_one_thread() -> Iterator[None]:
+    """Limit the linear algebra libraries to one thread.
 
     This is faster where other threads or processes occupy the processor.
     """
-    return _libraries().limit(limits=1)
+    with _libraries().limit(limits=1):
+        yield
 
 
 @functools.cache
