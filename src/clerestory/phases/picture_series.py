@@ -13,9 +13,9 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float32
 
+from clerestory.image.camera import Camera
 from clerestory.image.picture import Picture
 from clerestory.phases.blockwise_product import Block, BlockwiseProduct
-from clerestory.phases.camera import Camera
 from clerestory.phases.column_light import Weights
 from clerestory.phases.matrix_equation import (
     Skies,
@@ -35,8 +35,8 @@ _RESULT, _STEPS = 1 << 29, 128
 # Layers of a block of luminance: estimate, its copy, sunlight and its error
 _LAYERS = 4
 
-# Pixels per block: the memory for coefficients converted from half precision to float32
-_PIXELS = 1 << 15
+# Pixels per block: few enough that the block remains in the cache of the processor
+_PIXELS = 1 << 12
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,41 +176,40 @@ class _Series:
         for block in product.blocks():
             steps = block.times.stop - block.times.start
             if block.rows.start == 0:
-                light = np.zeros((len(self.weights), pixels, steps), np.float32)
-                variance = np.zeros((pixels * self.errors, steps), np.float32)
-                shared = np.zeros((draws, len(variance), steps), np.float32)
-            light[:, block.rows, block.steps] = block.terms.sum(axis=0)
+                light = np.zeros((steps, len(self.weights), pixels), np.float32)
+                variance = np.zeros((steps, pixels * self.errors), np.float32)
+                shared = np.zeros((steps, draws, variance.shape[1]), np.float32)
+            # Transposed while the block is in the cache of the processor
+            found = np.maximum(block.terms.sum(axis=0), 0)
+            light[block.steps, :, block.rows] = np.moveaxis(found, -1, 0)
             if self.errors:
-                self._add_deviations(block, variance, shared)
+                own, drawn = self._deviations(block)
+                variance[block.steps, block.rows] = own.T
+                shared[block.steps, :, block.rows] = np.moveaxis(drawn, -1, 0)
             if block.rows.stop == pixels:
-                # One copy in the order of steps is faster than a strided copy of each
-                np.maximum(light, 0, out=light)
-                found = np.ascontiguousarray(np.moveaxis(light, -1, 0))
-                for step in range(steps):
-                    yield _Step(found[step], variance[:, step], shared[:, :, step])
+                yield from map(_Step, light, variance, shared)
 
-    def _add_deviations(
-        self,
-        block: Block,
-        variance: Float32[np.ndarray, "pixel step"],
-        shared: Float32[np.ndarray, "draw pixel step"],
-    ) -> None:
-        # Add the variance that is independent in each pixel, and shared draws. The
-        # first component of a matrix of pixels is independent, all others are shared.
-        # V_d and C_ds come from the same paths: their deviations are summed first
-        paired = np.zeros((block.rows.stop - block.rows.start, variance.shape[1]), "f4")
+    def _deviations(
+        self, block: Block
+    ) -> tuple[
+        Float32[np.ndarray, "pixel step"], Float32[np.ndarray, "draw pixel step"]
+    ]:
+        # The variance that is independent in each pixel, and shared draws. The first
+        # component of a matrix of pixels is independent, all others are shared. V_d
+        # and C_ds come from the same paths: their deviations are summed first
+        shape = block.terms.shape[-2:]
+        variance, paired = np.zeros((2, *shape), np.float32)
+        shared = np.zeros((FEW, *shape), np.float32)
         for part in block.components:
             term, _, group = part.source
             deviations, own = part.values[:, 0], int(group == 0 and self._errs[term])
-            steps = block.steps[part.steps]
             if own and self.terms[term].part == "whole":
-                variance[block.rows, steps] += np.square(deviations[0])
+                variance[:, part.steps] += np.square(deviations[0])
             elif own:
-                paired[:, steps] += deviations[0]
+                paired[:, part.steps] += deviations[0]
             for number, deviation in enumerate(deviations[own:]):
-                drawn = shared[number % FEW, block.rows]
-                drawn[:, steps] += math.sqrt(FEW) * deviation
-        variance[block.rows] += np.square(paired)
+                shared[number % FEW][:, part.steps] += deviation
+        return variance + np.square(paired), math.sqrt(FEW) * shared
 
     @cached_property
     def _errs(self) -> list[bool]:
