@@ -167,9 +167,9 @@ class ViewPoint:
         light = np.zeros((self.samples.count, len(steps)), np.float32)
         variance = np.zeros((len(self.views), len(steps)))
         series = self._series(states, steps, errors=True)
-        for block in series.blocks(_STEPS):
-            own = block.times
-            light[:, own] = block.light[0]
+        for block in series.blocks(_STEPS, rows=self.samples.count):
+            own = block.times.start + block.steps
+            light[block.rows, own] = block.light[0]
             disc = SunDisc(sun.direction[own], sun.luminance[own], sun.solid_angle[own])
             variance[:, own] = dgp_variance(
                 model, block.light[0], block.variance, block.shared, disc
@@ -180,8 +180,10 @@ class ViewPoint:
         self, states: States, steps: Int[np.ndarray, " step"]
     ) -> Float[np.ndarray, "cell step"]:
         """Return the luminance of the cells, in states at the given time steps."""
-        blocks = self._series(states, steps, errors=False).blocks(_STEPS)
-        return np.concatenate([block.light[0] for block in blocks], axis=1)
+        light = np.zeros((self.samples.count, len(steps)), np.float32)
+        for block in self._series(states, steps, errors=False).blocks(_STEPS):
+            light[block.rows, block.times.start + block.steps] = block.light[0]
+        return light
 
     def _series(
         self, states: States, steps: Int[np.ndarray, " step"], *, errors: bool

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Float32
+from jaxtyping import Float32, Int
 
 from clerestory.image.camera import Camera
 from clerestory.image.picture import Picture
@@ -35,8 +35,8 @@ _RESULT, _STEPS = 1 << 29, 128
 # Layers of a block of luminance: estimate, its copy, sunlight and its error
 _LAYERS = 4
 
-# Pixels per block: the memory for coefficients converted from half precision to float32
-_PIXELS = 1 << 15
+# Pixels per block: few enough that the block remains in the cache of the processor
+_PIXELS = 1 << 12
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,18 +153,21 @@ class _Step:
 
 @dataclass(frozen=True, eq=False)
 class SeriesBlock:
-    """Radiance or luminance of all pixels in a block of time steps.
+    """Radiance or luminance of some pixels in a block of time steps.
 
     Attributes
     ----------
+    times, steps : see `Block`; the values are those of `steps`
     variance : of each pixel, independent of the other pixels; empty without errors
     shared : deviations that pixels have in common; see `UncertainPixels`
     """
 
+    rows: slice
     times: slice
+    steps: Int[np.ndarray, " step"]
     light: Float32[np.ndarray, "out pixel step"]
-    variance: Float32[np.ndarray, "uncertain step"]
-    shared: Float32[np.ndarray, "draw uncertain step"]
+    variance: Float32[np.ndarray, "uncertain lit"]
+    shared: Float32[np.ndarray, "draw uncertain lit"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,62 +187,63 @@ class PixelSeries:
 
     def steps(self, most: int) -> Iterator[_Step]:
         """Yield the time steps, computed in blocks of at most `most` steps."""
-        for block in self.blocks(most):
-            # One copy in the order of steps is faster than a strided copy of each
-            found = np.ascontiguousarray(np.moveaxis(block.light, -1, 0))
-            for step, each in enumerate(found):
-                yield _Step(each, block.variance[:, step], block.shared[:, :, step])
-
-    def blocks(self, most: int) -> Iterator[SeriesBlock]:
-        """Yield blocks of at most `most` time steps."""
         draws, pixels = FEW if self.errors else 0, self.pixels
+        light = variance = shared = np.zeros((0, 0, 0), np.float32)
+        for block in self.blocks(most):
+            steps = block.times.stop - block.times.start
+            if block.rows.start == 0:
+                light = np.zeros((steps, len(self.weights), pixels), np.float32)
+                variance = np.zeros((steps, pixels * self.errors), np.float32)
+                shared = np.zeros((steps, draws, variance.shape[1]), np.float32)
+            # Transposed while the block is in the cache of the processor
+            light[block.steps, :, block.rows] = np.moveaxis(block.light, -1, 0)
+            if self.errors:
+                variance[block.steps, block.rows] = block.variance.T
+                drawn = np.moveaxis(block.shared, -1, 0)
+                shared[block.steps, :, block.rows] = drawn
+            if block.rows.stop == pixels:
+                yield from map(_Step, light, variance, shared)
+
+    def blocks(self, most: int, *, rows: int = _PIXELS) -> Iterator[SeriesBlock]:
+        """Yield blocks of at most `rows` pixels × `most` time steps."""
         product = BlockwiseProduct(
             self.windows,
             self.terms,
             self.skies,
             self.states,
             self.weights,
-            pixels,
+            self.pixels,
             errors=self.errors,
-            most_receivers=_PIXELS,
+            most_receivers=rows,
             most_steps=most,
         )
-        light = variance = shared = np.zeros((0, 0, 0), np.float32)
+        nothing = np.zeros((0, 0), np.float32), np.zeros((0, 0, 0), np.float32)
         for block in product.blocks():
-            steps = block.times.stop - block.times.start
-            if block.rows.start == 0:
-                light = np.zeros((len(self.weights), pixels, steps), np.float32)
-                variance = np.zeros((pixels * self.errors, steps), np.float32)
-                shared = np.zeros((draws, len(variance), steps), np.float32)
-            light[:, block.rows, block.steps] = block.terms.sum(axis=0)
-            if self.errors:
-                self._add_deviations(block, variance, shared)
-            if block.rows.stop == pixels:
-                np.maximum(light, 0, out=light)
-                yield SeriesBlock(block.times, light, variance, shared)
+            light = np.maximum(block.terms.sum(axis=0), 0)
+            errors = self._deviations(block) if self.errors else nothing
+            yield SeriesBlock(block.rows, block.times, block.steps, light, *errors)
 
-    def _add_deviations(
-        self,
-        block: Block,
-        variance: Float32[np.ndarray, "pixel step"],
-        shared: Float32[np.ndarray, "draw pixel step"],
-    ) -> None:
-        # Add the variance that is independent in each pixel, and shared draws. The
-        # first component of a matrix of pixels is independent, all others are shared.
-        # V_d and C_ds come from the same paths: their deviations are summed first
-        paired = np.zeros((block.rows.stop - block.rows.start, variance.shape[1]), "f4")
+    def _deviations(
+        self, block: Block
+    ) -> tuple[
+        Float32[np.ndarray, "pixel step"], Float32[np.ndarray, "draw pixel step"]
+    ]:
+        # The variance that is independent in each pixel, and shared draws. The first
+        # component of a matrix of pixels is independent, all others are shared. V_d
+        # and C_ds come from the same paths: their deviations are summed first
+        shape = block.terms.shape[-2:]
+        variance, paired = np.zeros((2, *shape), np.float32)
+        shared = np.zeros((FEW, *shape), np.float32)
         for part in block.components:
             term, _, group = part.source
             deviations, own = part.values[:, 0], int(group == 0 and self._errs[term])
-            steps = block.steps[part.steps]
             if own and self.terms[term].part == "whole":
-                variance[block.rows, steps] += np.square(deviations[0])
+                variance[:, part.steps] += np.square(deviations[0])
             elif own:
-                paired[:, steps] += deviations[0]
+                paired[:, part.steps] += deviations[0]
             for number, deviation in enumerate(deviations[own:]):
-                drawn = shared[number % FEW, block.rows]
-                drawn[:, steps] += math.sqrt(FEW) * deviation
-        variance[block.rows] += np.square(paired)
+                shared[number % FEW][:, part.steps] += deviation
+        return variance + np.square(paired), math.sqrt(FEW) * shared
 
     @cached_property
     def _errs(self) -> list[bool]:
