@@ -13,7 +13,7 @@ from jaxtyping import Float
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.matrix.transfer_matrix import TransferMatrix, require_matrix
-from clerestory.phases.matrix_equation import MatrixChain, WindowMatrices
+from clerestory.phases.matrix_equation import MatrixChain, Receiving, WindowMatrices
 from clerestory.phases.stored_views import FEW, with_few_components
 from clerestory.phases.sunlit import SunlitReceivers, in_sunlight
 from clerestory.phases.window_paths import WindowPaths
@@ -56,12 +56,14 @@ def receiving_matrices(
     suns: Float[np.ndarray, "sun 3"] | None,
     *,
     kind: type[np.floating] = np.float32,
+    like: Sequence[WindowMatrices] | None = None,
 ) -> tuple[WindowMatrices, ...]:
     """Return the matrices of pixels or cells with given V, by window name.
 
     With `paths`, they include those of the direct correction under the suns; V_d is of
     floating-point numbers of a `kind`. T, F and D have the few error components that
-    suffice for glare.
+    suffice for glare. `like` are matrices of other receivers of the same windows under
+    the same suns, whose tables of sunlight are used again.
     """
 
     @cache
@@ -77,13 +79,18 @@ def receiving_matrices(
 
     direct = {} if paths is None else paths.view_matrices(kind)
     found = []
-    for shaded in windows:
+    for number, shaded in enumerate(windows):
         name, states = shaded.window.name, shaded.states
         whole = chain(views[name], (state.whole for state in states))
         if paths is None:
             found.append(WindowMatrices(whole))
             continue
-        sun = MatrixChain(tuple(_sunlit(paths, name, each, suns) for each in states))
+        known = like[number].sun if like else None
+        sun = MatrixChain(
+            tuple(_sunlit(paths, name, each, suns) for each in states)
+            if known is None
+            else tuple(_again(each, paths) for each in known.receiving)
+        )
         dark = chain(direct[name], (state.direct for state in states))
         found.append(WindowMatrices(whole, dark, sun))
     return tuple(found)
@@ -110,3 +117,8 @@ def _sunlit(
         peak=state.peak,
         scene=None if state.shade is None else room + state.shade,
     )
+
+
+def _again(matrix: Receiving, paths: WindowPaths) -> SunlitReceivers:
+    assert isinstance(matrix, SunlitReceivers)
+    return matrix.of(paths)
