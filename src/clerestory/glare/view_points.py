@@ -43,6 +43,7 @@ from clerestory.phases.sunlit import SunlitReceivers
 from clerestory.phases.window_paths import picture_window_paths
 from clerestory.scene.model import Scene
 from clerestory.scene.view import View
+from clerestory.threads import linear_algebra_in_one_thread
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -102,21 +103,22 @@ class ViewPoint:
         asked = np.arange(len(times)) if steps is None else steps
         lit = asked[self.skies.whole.diffuse[:, asked].max(axis=0) > 0]
         own = [np.asarray(state)[lit] for state in given]
-        sun = self.sun_disc(own, lit)
-        luminance, variance = self._luminance(own, lit, sun)
-        found = point_glare(
-            self.samples,
-            luminance,
-            self.views,
-            sun=sun,
-            times=times[lit],
-            quantities=quantities,
-        )
-        if "dgp" in quantities:
-            how, cells = self.refinement, self.samples
-            sampled = sampling_error(cells, luminance, self.views, refinement=how)
-            error = np.sqrt(variance + np.square(sampled))
-            found["dgp_error"] = ("view", "time"), error, {"units": "1"}
+        with linear_algebra_in_one_thread():
+            sun = self.sun_disc(own, lit)
+            luminance, variance = self._luminance(own, lit, sun)
+            found = point_glare(
+                self.samples,
+                luminance,
+                self.views,
+                sun=sun,
+                times=times[lit],
+                quantities=quantities,
+            )
+            if "dgp" in quantities:
+                how, cells = self.refinement, self.samples
+                sampled = sampling_error(cells, luminance, self.views, refinement=how)
+                error = np.sqrt(variance + np.square(sampled))
+                found["dgp_error"] = ("view", "time"), error, {"units": "1"}
         return found.reindex(time=times[asked])
 
     def sun_disc(self, states: States, steps: Int[np.ndarray, " step"]) -> SunDisc:
@@ -318,13 +320,14 @@ class ViewPointTracer:
             own = replace(trial, seed=(effort.seed + 1 + next(rounds)) % 2**32)
             return self._traced(blank, samples, own, _TRIAL).luminance(states, steps)
 
-        samples = sample_sphere(
-            luminance,
-            views,
-            refinement=refinement,
-            details=_middles(self.windows, position),
-            seed=effort.seed,
-        )
+        with linear_algebra_in_one_thread():
+            samples = sample_sphere(
+                luminance,
+                views,
+                refinement=refinement,
+                details=_middles(self.windows, position),
+                seed=effort.seed,
+            )
         return self._traced(blank, samples.centred(), effort, sun_samples)
 
     @cached_property
