@@ -18,7 +18,7 @@ from clerestory.array_types import Vector
 from clerestory.checks import distinct, has_shape, require
 from clerestory.engine.effort import Effort, EffortKeywords, effort_of
 from clerestory.engine.work_units import Goal
-from clerestory.glare.dgp_error import DgpModel, statistical_variance
+from clerestory.glare.dgp_error import DgpModel, limited, statistical_variance
 from clerestory.glare.eye_directions import SUN_SOLID_ANGLE, SunDisc
 from clerestory.glare.point_glare import point_glare, views_around
 from clerestory.glare.sphere_refinement import (
@@ -105,7 +105,7 @@ class ViewPoint:
         own = [np.asarray(state)[lit] for state in given]
         with linear_algebra_in_one_thread():
             sun = self.sun_disc(own, lit)
-            luminance, variance = self._luminance(own, lit, sun)
+            luminance, variance, value = self._luminance(own, lit, sun)
             found = point_glare(
                 self.samples,
                 luminance,
@@ -115,9 +115,15 @@ class ViewPoint:
                 quantities=quantities,
             )
             if "dgp" in quantities:
-                how, cells = self.refinement, self.samples
-                sampled = sampling_error(cells, luminance, self.views, refinement=how)
-                error = np.sqrt(variance + np.square(sampled))
+                sampled = sampling_error(
+                    self.samples,
+                    luminance,
+                    self.views,
+                    refinement=self.refinement,
+                    sun=sun,
+                    means=True,
+                )
+                error = limited(np.sqrt(variance + np.square(sampled)), value)
                 found["dgp_error"] = ("view", "time"), error, {"units": "1"}
         return found.reindex(time=times[asked])
 
@@ -162,21 +168,25 @@ class ViewPoint:
 
     def _luminance(
         self, states: States, steps: Int[np.ndarray, " step"], sun: SunDisc
-    ) -> tuple[Float[np.ndarray, "cell step"], Float[np.ndarray, "view step"]]:
-        # Luminance of the cells, and statistical variance of DGP
+    ) -> tuple[
+        Float[np.ndarray, "cell step"],
+        Float[np.ndarray, "view step"],
+        Float[np.ndarray, "view step"],
+    ]:
+        # Luminance of the cells, statistical variance of DGP, and DGP without a limit
         how = self.refinement
         model = DgpModel(self.samples, self.views, how.threshold, how.coefficients)
         light = np.zeros((self.samples.count, len(steps)), np.float32)
-        variance = np.zeros((len(self.views), len(steps)))
+        variance, value = np.zeros((2, len(self.views), len(steps)))
         series = self._series(states, steps, errors=True)
         for block in series.blocks(_STEPS, rows=self.samples.count):
-            own = block.times.start + block.steps
-            light[block.rows, own] = block.light[0]
-            disc = SunDisc(sun.direction[own], sun.luminance[own], sun.solid_angle[own])
-            variance[:, own] = statistical_variance(
-                model, block.light[0], block.variance, block.shared, disc
-            )
-        return light, variance
+            own, level = block.times.start + block.steps, block.light[0]
+            light[:, own] = level
+            terms = model.terms(level, sun.select(own))
+            rest = block.variance, block.shared
+            variance[:, own] = statistical_variance(model, terms, level, *rest)
+            value[:, own] = terms.value
+        return light, variance, value
 
     def luminance(
         self, states: States, steps: Int[np.ndarray, " step"]
