@@ -29,7 +29,7 @@ from clerestory.phases.traced_matrices import (
     require_distinct,
     warn_if_short,
 )
-from clerestory.scene.model import Scene
+from clerestory.scene.model import BsdfSurface, Scene
 from clerestory.scene.window import Window
 
 # Number of batches of paths per pixel; two, to save memory: half of their difference is
@@ -72,7 +72,24 @@ def reflected_view_matrices(
     thus cancels in V T D S - V_d T D_d S_ds.
     """
     effort = matrix_effort(reflected_view_matrices, keywords)
-    return _traced(scene, windows, camera, "reflected", effort)
+    if not _has_proxies(scene):
+        return _traced(scene, windows, camera, "reflected", effort)
+    # A proxy transmits direct light by its geometry, other light by its BSDF
+    whole = _traced(scene, windows, camera, "all", effort)
+    direct = _traced(scene, windows, camera, "direct", effort)
+    return {name: _difference(whole[name], direct[name]) for name in whole}
+
+
+def _has_proxies(scene: Scene) -> bool:
+    materials = scene.materials.values()
+    return any(isinstance(m, BsdfSurface) and m.thickness for m in materials)
+
+
+def _difference(whole: TransferMatrix, direct: TransferMatrix) -> TransferMatrix:
+    assert whole.components is not None
+    assert direct.components is not None
+    components = whole.components - direct.components
+    return replace(whole, values=whole.values - direct.values, components=components)
 
 
 def _traced(

@@ -5,7 +5,7 @@ share them, each with view matrices and paths to the windows of its own.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
@@ -55,25 +55,41 @@ def receiving_matrices(
     *,
     kind: type[np.floating] = np.float32,
 ) -> tuple[WindowMatrices, ...]:
-    """Return the matrices of pixels or cells with given V, by window name.
+    """Return the matrices of pixels or cells, by window name.
 
-    With `paths`, they include those of the direct correction under the suns; V_d is of
-    floating-point numbers of a `kind`.
+    `views` are V. With `paths`, they are V - V_d, and the matrices include those of the
+    direct correction under the suns; V_d is of floating-point numbers of a `kind`.
     """
     direct = {} if paths is None else paths.view_matrices(kind)
     found = []
     for shaded in windows:
         name, states = shaded.window.name, shaded.states
-        whole = MatrixChain((views[name],), tuple(state.whole for state in states))
+        factors = tuple(state.whole for state in states)
         if paths is None:
-            found.append(WindowMatrices(whole))
+            found.append(WindowMatrices(MatrixChain((views[name],), factors)))
             continue
+        whole = MatrixChain((_sum(views[name], direct[name]),), factors)
         dark = MatrixChain((direct[name],), tuple(state.direct for state in states))
         sun = MatrixChain(
             tuple(_sunlit(paths, name, state, suns) for state in shaded.states)
         )
         found.append(WindowMatrices(whole, dark, sun))
     return tuple(found)
+
+
+def _sum(reflected: TransferMatrix, direct: TransferMatrix) -> TransferMatrix:
+    # V of the same paths as V_d, so that its error cancels in V T D S - V_d T D_d S_ds
+    values, error = reflected.values, reflected.components
+    assert error is not None
+    assert direct.components is not None
+    # Grey rooms: one channel
+    if len(direct.values) == 1:
+        values, error = values[:1], error[:, :1]
+    return replace(
+        reflected,
+        values=values + direct.values,
+        components=error + direct.components,
+    )
 
 
 def _sunlit(
