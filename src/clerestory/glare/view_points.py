@@ -18,7 +18,7 @@ from clerestory.array_types import Vector
 from clerestory.checks import distinct, has_shape, require
 from clerestory.engine.effort import Effort, EffortKeywords, effort_of
 from clerestory.engine.work_units import Goal
-from clerestory.glare.dgp_error import DgpModel, dgp_variance
+from clerestory.glare.dgp_error import DgpModel, statistical_variance
 from clerestory.glare.eye_directions import SUN_SOLID_ANGLE, SunDisc
 from clerestory.glare.point_glare import point_glare, views_around
 from clerestory.glare.sphere_refinement import (
@@ -26,7 +26,7 @@ from clerestory.glare.sphere_refinement import (
     sample_sphere,
     sampling_error,
 )
-from clerestory.glare.sphere_samples import SphereSamples
+from clerestory.glare.sphere_samples import SphereSamples, regular_samples
 from clerestory.phases.matrix_equation import (
     Skies,
     States,
@@ -174,7 +174,7 @@ class ViewPoint:
             own = block.times.start + block.steps
             light[block.rows, own] = block.light[0]
             disc = SunDisc(sun.direction[own], sun.luminance[own], sun.solid_angle[own])
-            variance[:, own] = dgp_variance(
+            variance[:, own] = statistical_variance(
                 model, block.light[0], block.variance, block.shared, disc
             )
         return light, variance
@@ -275,43 +275,70 @@ def trace_view_point(
     distinct((each.window.name for each in windows), "windows")
     looks = tuple(views_around(8, position=point) if views is None else views)
     require(looks, "no views; at least one expected")
-    how = refinement or Refinement()
-    steps = representative_steps(skies)
-    counts = [len(each.states) for each in windows]
-    states = [np.arange(len(steps)) % count for count in counts]
-    task = _Task(scene, tuple(windows), point, looks, tuple(terms), skies, how)
-    trial = replace(effort, samples=_TRIAL, relative_error=None)
-    rounds = iter(range(1 << 10))
-
-    def luminance(samples: SphereSamples) -> Float[np.ndarray, "cell step"]:
-        own = replace(trial, seed=(effort.seed + 1 + next(rounds)) % 2**32)
-        return task.traced(samples, own, _TRIAL).luminance(states, steps)
-
-    samples = sample_sphere(
-        luminance,
+    tracer = ViewPointTracer(scene, tuple(windows), skies, tuple(terms))
+    return tracer.point(
+        point,
         looks,
-        refinement=how,
-        details=_small_windows(windows, point),
-        seed=effort.seed,
+        refinement=refinement or Refinement(),
+        effort=effort,
+        sun_samples=sun_samples,
     )
-    return task.traced(samples.centred(), effort, sun_samples)
 
 
 @dataclass(frozen=True, eq=False)
-class _Task:
+class ViewPointTracer:
+    """A room with its windows and skies, in which view points are traced.
+
+    What does not depend on the point is computed once: see `trace_view_point`.
+    """
+
     scene: Scene
     windows: tuple[ShadedWindow, ...]
-    position: Vector
-    views: tuple[View, ...]
-    terms: tuple[Term, ...]
     skies: Skies
-    refinement: Refinement
+    terms: tuple[Term, ...]
+    _known: list[tuple[WindowMatrices, ...]] = field(default_factory=list)
 
-    def traced(
-        self, samples: SphereSamples, effort: Effort, sun_samples: int
+    def point(
+        self,
+        position: Vector,
+        views: Sequence[View],
+        *,
+        refinement: Refinement,
+        effort: Effort,
+        sun_samples: int = _SUN_SAMPLES,
     ) -> ViewPoint:
-        """Return the view point with the given cells."""
-        room, cells = self.scene, samples.cells(self.position)
+        """Choose the cells of a view point, and trace its matrices."""
+        steps = self._steps
+        states = [np.arange(len(steps)) % len(each.states) for each in self.windows]
+        trial = replace(effort, samples=_TRIAL, relative_error=None)
+        rounds = iter(range(1 << 10))
+        blank = ViewPoint(
+            position, tuple(views), regular_samples(0), (), self.terms, self.skies,
+            refinement,
+        )  # fmt: skip
+
+        def luminance(samples: SphereSamples) -> Float[np.ndarray, "cell step"]:
+            own = replace(trial, seed=(effort.seed + 1 + next(rounds)) % 2**32)
+            return self._traced(blank, samples, own, _TRIAL).luminance(states, steps)
+
+        samples = sample_sphere(
+            luminance,
+            views,
+            refinement=refinement,
+            details=_middles(self.windows, position),
+            seed=effort.seed,
+        )
+        return self._traced(blank, samples.centred(), effort, sun_samples)
+
+    @cached_property
+    def _steps(self) -> Int[np.ndarray, " step"]:
+        return representative_steps(self.skies)
+
+    def _traced(
+        self, point: ViewPoint, samples: SphereSamples, effort: Effort, sun_samples: int
+    ) -> ViewPoint:
+        # The view point with given cells
+        room, cells = self.scene, samples.cells(point.position)
         inner = [each.window for each in self.windows]
         sunlit = any(term.part == "sun" for term in self.terms)
         trace = reflected_view_matrices if sunlit else picture_view_matrices
@@ -327,15 +354,10 @@ class _Task:
             )
             paths = picture_window_paths(room, inner, cells, effort=own)
         suns = None if self.skies.suns is None else self.skies.suns.directions
-        return ViewPoint(
-            self.position,
-            self.views,
-            samples,
-            receiving_matrices(self.windows, V, paths, suns),
-            self.terms,
-            self.skies,
-            self.refinement,
-        )
+        like = self._known[0] if self._known else None
+        found = receiving_matrices(self.windows, V, paths, suns, like=like)
+        self._known[:] = [found]
+        return replace(point, samples=samples, windows=found)
 
 
 def representative_steps(
@@ -377,7 +399,7 @@ def _apart(skies: Skies, count: int) -> Int[np.ndarray, " step"]:
     return np.asarray(step[chosen])
 
 
-def _small_windows(
+def _middles(
     windows: Sequence[ShadedWindow], point: Vector
 ) -> Float[np.ndarray, "window 3"]:
     # Directions to the middle of each polygon of the windows
