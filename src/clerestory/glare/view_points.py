@@ -36,7 +36,10 @@ from clerestory.phases.matrix_equation import (
     equation_bands,
 )
 from clerestory.phases.methods import FIVE_PHASE
-from clerestory.phases.picture_matrices import picture_view_matrices
+from clerestory.phases.picture_matrices import (
+    picture_view_matrices,
+    reflected_view_matrices,
+)
 from clerestory.phases.picture_series import PixelSeries
 from clerestory.phases.shaded_windows import ShadedWindow, receiving_matrices
 from clerestory.phases.sunlit import SunlitReceivers
@@ -350,9 +353,11 @@ class ViewPointTracer:
         # The view point with given cells
         room, cells = self.scene, samples.cells(point.position)
         inner = [each.window for each in self.windows]
-        V = picture_view_matrices(room, inner, cells, effort=effort)
+        sunlit = any(term.part == "sun" for term in self.terms)
+        trace = reflected_view_matrices if sunlit else picture_view_matrices
+        V = trace(room, inner, cells, effort=effort)
         paths = None
-        if any(term.part == "sun" for term in self.terms):
+        if sunlit:
             own = replace(
                 effort,
                 samples=sun_samples,

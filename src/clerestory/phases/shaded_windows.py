@@ -5,7 +5,7 @@ share them, each with view matrices and paths to the windows of its own.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -58,12 +58,13 @@ def receiving_matrices(
     kind: type[np.floating] = np.float32,
     like: Sequence[WindowMatrices] | None = None,
 ) -> tuple[WindowMatrices, ...]:
-    """Return the matrices of pixels or cells with given V, by window name.
+    """Return the matrices of pixels or cells, by window name.
 
-    With `paths`, they include those of the direct correction under the suns; V_d is of
-    floating-point numbers of a `kind`. T, F and D have the few error components that
-    suffice for glare. `like` are matrices of other receivers of the same windows under
-    the same suns, whose tables of sunlight are used again.
+    `views` are V. With `paths`, they are V - V_d, and the matrices include those of the
+    direct correction under the suns; V_d is of floating-point numbers of a `kind`. T, F
+    and D have the few error components that suffice for glare. `like` are matrices of
+    other receivers of the same windows under the same suns, whose tables of sunlight
+    are used again.
     """
 
     @cache
@@ -81,10 +82,11 @@ def receiving_matrices(
     found = []
     for number, shaded in enumerate(windows):
         name, states = shaded.window.name, shaded.states
-        whole = chain(views[name], (state.whole for state in states))
+        factors = [state.whole for state in states]
         if paths is None:
-            found.append(WindowMatrices(whole))
+            found.append(WindowMatrices(chain(views[name], factors)))
             continue
+        whole = chain(_sum(views[name], direct[name]), factors)
         known = like[number].sun if like else None
         sun = MatrixChain(
             tuple(_sunlit(paths, name, each, suns) for each in states)
@@ -94,6 +96,21 @@ def receiving_matrices(
         dark = chain(direct[name], (state.direct for state in states))
         found.append(WindowMatrices(whole, dark, sun))
     return tuple(found)
+
+
+def _sum(reflected: TransferMatrix, direct: TransferMatrix) -> TransferMatrix:
+    # V of the same paths as V_d, so that its error cancels in V T D S - V_d T D_d S_ds
+    values, error = reflected.values, reflected.components
+    assert error is not None
+    assert direct.components is not None
+    # Grey rooms: one channel
+    if len(direct.values) == 1:
+        values, error = values[:1], error[:, :1]
+    return replace(
+        reflected,
+        values=values + direct.values,
+        components=error + direct.components,
+    )
 
 
 def _sunlit(
