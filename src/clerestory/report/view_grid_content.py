@@ -1,6 +1,7 @@
 """Annual glare of the view grids in the results of a run, by position and direction."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -21,6 +22,16 @@ _LEAST = 5e-4
 _COMPASS = ("north", "east", "south", "west")
 
 
+class Worst(NamedTuple):
+    """Moment of the highest DGP: index of the step, azimuth [°], place in words."""
+
+    dgp: float
+    error: float
+    step: int
+    azimuth: float
+    place: str
+
+
 @dataclass(frozen=True, eq=False)
 class GridYear:
     """A year of glare at the positions of a view grid.
@@ -35,8 +46,9 @@ class GridYear:
     exceeded, exceeded_error : DGP exceeded in 5 % of the occupied time
     share, share_error : shares of the occupied time with DGP above 0.35, 0.40 and 0.45
     by_state : DGP exceeded in 5 % of the occupied time in each shade state
-    views, positions : shares of all views and positions of the grid with disturbing
-        glare in more than 5 % of the occupied time
+    disturbed : shares of all views, and of positions, of the grid with disturbing glare
+        in more than 5 % of the occupied time
+    worst_moment : moment of the highest DGP in the occupied time; None in the dark
     total : number of positions of the grid, of which a page shows some
     """
 
@@ -51,8 +63,8 @@ class GridYear:
     share: Float[np.ndarray, "position direction limit"]
     share_error: Float[np.ndarray, "position direction limit"]
     by_state: Float[np.ndarray, "state position direction"]
-    views: Uncertain
-    positions: Uncertain
+    disturbed: tuple[Uncertain, ...]
+    worst_moment: "Worst | None"
     total: int
 
     __repr__ = brief
@@ -84,8 +96,7 @@ class GridYear:
 
     def place_words(self, position: int) -> str:
         """Return number and coordinates of a position."""
-        x, y, z = self.position[position].tolist()
-        return f"{self.number[position]} (x {x:.2f}, y {y:.2f}, z {z:.2f} m)"
+        return _place(int(self.number[position]), self.position[position])
 
 
 def uncertain_dgp(value: float, error: float) -> str:
@@ -143,16 +154,18 @@ def _year(data: xr.Dataset, name: str) -> GridYear:
     directions = len(own) // count
     chosen = np.array(evenly(count, max(1, _MOST_VIEWS // directions)))
 
+    views = (chosen[:, None] * directions + np.arange(directions)).ravel()
+    part = part.isel(grid_view=views)
+
     def values(variable: str) -> np.ndarray:
         axes = ("grid_view", *(a for a in data[variable].dims if a != "grid_view"))
         found = part[variable].transpose(*axes).values
-        found = found.reshape(count, directions, *found.shape[1:])[chosen]
-        return np.asarray(found, dtype=float if found.dtype.kind == "f" else None)
+        return np.asarray(found.reshape(len(chosen), directions, *found.shape[1:]))
 
     every = "grid_view_exceeded_dgp_by_state"
     none = np.zeros((0, len(chosen), directions))
     row = data.isel(view_grid_name=data["view_grid_name"].values.tolist().index(name))
-    views, positions = (
+    shares = (
         Uncertain(float(row[f"disturbed_{of}"]), float(row[f"disturbed_{of}_error"]))
         for of in ("views", "positions")
     )
@@ -168,7 +181,26 @@ def _year(data: xr.Dataset, name: str) -> GridYear:
         share=values("grid_view_glare_share"),
         share_error=values("grid_view_glare_share_error"),
         by_state=np.moveaxis(values(every), -1, 0) if every in data else none,
-        views=views,
-        positions=positions,
+        disturbed=tuple(shares),
+        worst_moment=_worst(data, row),
         total=count,
     )
+
+
+def _worst(data: xr.Dataset, row: xr.Dataset) -> Worst | None:
+    view, step = int(row["worst_view"]), int(row["worst_step"])
+    if not (0 <= view < data.sizes["grid_view"] and 0 <= step < data.sizes["time"]):
+        return None
+    number = int(data["grid_view_number"][view]) + 1
+    return Worst(
+        float(row["worst_dgp"]),
+        float(row["worst_dgp_error"]),
+        step,
+        float(data["grid_view_azimuth"][view]),
+        _place(number, data["grid_view_position"].values[view]),
+    )
+
+
+def _place(number: int, position: Float[np.ndarray, "3"]) -> str:
+    x, y, z = position.tolist()
+    return f"{number} (x {x:.2f}, y {y:.2f}, z {z:.2f} m)"

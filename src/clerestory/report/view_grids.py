@@ -1,7 +1,6 @@
 """Section on view grids: plans of rosettes, the year of a view, the worst moment."""
 
 import json
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +31,7 @@ from clerestory.report.view_grid_content import (
 )
 from clerestory.report.view_pictures import Moment, ViewPictures
 from clerestory.report.window_states import table_name
-from clerestory.study.view_grid_results import picture_stems, worst_moment
+from clerestory.study.view_grid_results import picture_stems
 
 # Levels of the scale of shares, the highest of which is above most values [%]
 _SCALES = ((0.0, 1.0, 2.0, 5.0), (0.0, 5.0, 10.0, 20.0), (0.0, 10.0, 25.0, 50.0))
@@ -105,7 +104,7 @@ def _words(content: ReportContent, year: GridYear) -> dict[str, Any]:
         "directions": looks,
         "chosen": (at, towards),
         "view": f"Position {place}, {looks[towards]}: {year.words(at, towards)}",
-        "worst": _worst_moment(content, year, looks),
+        "worst": _worst_moment(content, year),
     }
 
 
@@ -169,7 +168,7 @@ def _share_scale(share: Float[np.ndarray, "position direction"]) -> ColourScale:
 
 
 def _grid_words(year: GridYear) -> str:
-    views, positions = year.views, year.positions
+    views, positions = year.disturbed
     return (
         f"Glare is disturbing (DGP above {LIMITS[1]:.2f}) in more than 5 % of the"
         f" occupied hours in {percent(*views)} of the views, and in at least one view"
@@ -222,25 +221,22 @@ def _state_names(data: xr.Dataset, count: int) -> list[str]:
     ]
 
 
-def _worst_moment(
-    content: ReportContent, year: GridYear, looks: Sequence[str]
-) -> dict[str, object]:
+def _worst_moment(content: ReportContent, year: GridYear) -> dict[str, object]:
     # The worst moment in the occupied time: in words, and its picture if there is one
-    found = worst_moment(year.dgp, content.occupied)
-    if found is None:
-        return {"text": "", "figures": (), "bar": ""}
-    at, towards, step = found
-    value, error = year.dgp[found], year.error[found]
-    text = (
-        f"The highest DGP in occupied hours, {uncertain_dgp(value, error)}, occurs on"
-        f" {moment_words(content.times[step])} at position {year.place_words(at)},"
-        f" {looks[towards]}."
+    words: dict[str, object] = {"text": "", "figures": (), "bar": ""}
+    worst = year.worst_moment
+    if worst is None:
+        return words
+    moment = content.times[worst.step]
+    looks = direction_words(worst.azimuth, north=content.north)
+    words["text"] = (
+        f"The highest DGP in occupied hours, {uncertain_dgp(worst.dgp, worst.error)},"
+        f" occurs on {moment_words(moment)} at position {worst.place}, {looks}."
     )
-    words: dict[str, object] = {"text": text, "figures": (), "bar": ""}
-    file = _picture_file(content, year.name, content.times[step])
+    file = _picture_file(content, year.name, moment)
     if file is None:
         return words
-    view = ViewPictures(year.name, (Moment(step, file),))
+    view = ViewPictures(year.name, (Moment(worst.step, file),))
     return words | picture_figures(view, 1, content.times, lambda _view, _step: "")
 
 

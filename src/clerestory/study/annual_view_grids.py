@@ -25,9 +25,11 @@ from clerestory.study.results import VIEWS
 from clerestory.study.view_grid_positions import ViewGrid
 from clerestory.study.view_grid_results import (
     GridFigures,
+    WorstMoment,
     disturbed_shares,
     grid_labels,
     grid_rows,
+    worst_moments,
 )
 
 # File of hourly values in the temporary folder
@@ -88,8 +90,9 @@ def study_view_grids(
     cases = [states, *every_state] if any(g.table.by_state for g in grids) else [states]
     rows = grid_rows(grids)
     figures = GridFigures.blank(len(cases), rows[-1].stop)
+    worst = [WorstMoment()] * len(grids)
     with _hourly_file(folder / _FILE, rows[-1].stop, len(hours.times)) as variables:
-        for grid, own in zip(grids, rows, strict=True):
+        for place, (grid, own) in enumerate(zip(grids, rows, strict=True)):
             report, count = display(f"view grid {grid.name}"), grid.table.directions
             for number in range(len(grid)):
                 first = own.start + number * count
@@ -101,13 +104,22 @@ def study_view_grids(
                     figures.put(case, views, _figures(found, hours))
                     if case == 0:
                         _write(variables, views, found, hours)
+                        worst[place] = _worse(worst[place], found, first, hours)
                 report((number + 1) / len(grid), f"{number + 1} of {len(grid)}")
     data = xr.open_dataset(folder / _FILE, engine="h5netcdf", cache=False)
     return (
         data.assign_coords(grid_labels(grids) | {"time": hours.times})
         .assign(figures.variables())
-        .assign(disturbed_shares(grids, figures))
+        .assign(disturbed_shares(grids, figures) | worst_moments(worst))
     )
+
+
+def _worse(
+    worst: WorstMoment, found: xr.Dataset, first: int, hours: Hours
+) -> WorstMoment:
+    used = hours.occupied[hours.lit]
+    dgp, error = (found[name].values[:, used] for name in ("dgp", "dgp_error"))
+    return worst.among(dgp, error, first=first, steps=hours.lit[used])
 
 
 @contextmanager

@@ -17,6 +17,11 @@ from clerestory.escaping import csv_line, file_stems, table_cell
 from clerestory.files import replace_file, write_text
 from clerestory.study.config import Study
 from clerestory.study.results import Results
+from clerestory.study.view_grid_outputs import (
+    view_grids,
+    write_grid_dgp,
+    write_grid_views,
+)
 
 # Number of time steps that are read at a time
 _BLOCK = 730
@@ -48,6 +53,9 @@ def write_tables(study: Study, results: Results, out: Path) -> None:
             write_states(results, out / "states.csv")
         if "dimming" in results.data:
             write_lighting(results, out / "lighting.csv")
+        for grid, stem in file_stems(view_grids(results)).items():
+            write_grid_views(results, out / f"glare_{stem}.csv", grid=grid)
+            write_grid_dgp(results, out / f"dgp_{stem}.csv", grid=grid)
     for grid, stem in file_stems(results.grids()).items():
         if study.output.csv:
             write_hourly(results, out / f"illuminance_{stem}.csv", grid=grid)

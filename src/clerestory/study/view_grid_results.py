@@ -7,11 +7,11 @@ are on one axis: by grid, position and azimuth.
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
-from jaxtyping import Bool, Float
+from jaxtyping import Float, Int
 
 from clerestory.brief_repr import brief
 from clerestory.escaping import file_stems
@@ -106,15 +106,45 @@ def picture_stems(views: Sequence[str], grids: Sequence[str]) -> dict[str, str]:
     return dict(zip(grids, stems[len(stems) - len(grids) :], strict=True))
 
 
-def worst_moment(
-    dgp: Float[np.ndarray, "position direction time"],
-    occupied: Bool[np.ndarray, " time"],
-) -> tuple[int, int, int] | None:
-    """Return position, direction and time step of the highest DGP; None in the dark."""
-    rated = np.where(occupied & np.isfinite(dgp), dgp, -1)
-    found = np.unravel_index(int(np.argmax(rated)), rated.shape)
-    position, direction, step = map(int, found)
-    return (position, direction, step) if rated[found] >= 0 else None
+class WorstMoment(NamedTuple):
+    """Moment of the highest DGP of a view grid in the occupied time.
+
+    `view` is the index of the view on the axis of all views, `step` that of the time
+    step; both are -1 if all occupied steps are dark.
+    """
+
+    dgp: float = 0.0
+    error: float = 0.0
+    view: int = -1
+    step: int = -1
+
+    def among(
+        self,
+        dgp: Float[np.ndarray, "view step"],
+        error: Float[np.ndarray, "view step"],
+        *,
+        first: int,
+        steps: Int[np.ndarray, " step"],
+    ) -> "WorstMoment":
+        """Return this moment or a worse one of more views, the first of them `first`.
+
+        `steps` are the indices of the time steps of the values.
+        """
+        if not dgp.size or float(dgp.max()) <= self.dgp:
+            return self
+        view, step = divmod(int(dgp.argmax()), dgp.shape[1])
+        own = float(dgp[view, step]), float(error[view, step])
+        return WorstMoment(*own, first + view, int(steps[step]))
+
+
+def worst_moments(moments: Sequence[WorstMoment]) -> dict[str, xr.DataArray]:
+    """Return the worst moment of each grid as variables of results.nc."""
+    names = ("worst_dgp", "worst_dgp_error", "worst_view", "worst_step")
+    columns = zip(*moments, strict=True)
+    return {
+        name: xr.DataArray(np.array(column), dims="view_grid_name")
+        for name, column in zip(names, columns, strict=True)
+    }
 
 
 def disturbed_shares(

@@ -8,8 +8,11 @@ from clerestory.study.results import Results
 from clerestory.study.view_grid_positions import ViewGrid
 from clerestory.study.view_grid_results import (
     GridFigures,
+    WorstMoment,
     disturbed_shares,
     grid_labels,
+    grid_rows,
+    worst_moments,
 )
 from clerestory.study.view_grid_tables import ViewGridTable
 
@@ -56,4 +59,13 @@ def with_view_grids(results, *grids, states=0):
         coords=grid_labels(grids) | {"time": times},
     )
     more = more.assign(figures.variables()).assign(disturbed_shares(grids, figures))
+    rows = grid_rows(grids)
+    lit = np.flatnonzero(occupied & np.isfinite(hourly[0]))
+    worst = [
+        WorstMoment().among(
+            hourly[own][:, lit], error[own][:, lit], first=own.start, steps=lit
+        )
+        for own in rows
+    ]
+    more = more.assign(worst_moments(worst))
     return Results(data.merge(more), results.run)
