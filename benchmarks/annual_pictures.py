@@ -37,9 +37,9 @@ from clerestory.bsdfgen.venetian_geometry import venetian
 from clerestory.engine.direct_sun_jobs import PixelSunJob, trace_pixel_sun
 from clerestory.engine.effort import Effort
 from clerestory.glare.annual_glare import annual_glare
+from clerestory.image.camera import Camera
 from clerestory.matrix.axis import pixel_axis, sun_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.camera import Camera
 from clerestory.phases.direct_light import blackened
 from clerestory.phases.matrix_equation import (
     MatrixChain,

@@ -11,7 +11,7 @@ from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.errors import InputError, MatrixError
 from clerestory.hemisphere.klems import klems
-from clerestory.phases.camera import Camera
+from clerestory.image.camera import Camera
 from clerestory.phases.direct_light import blackened
 from clerestory.phases.facade_matrices import facade_daylight, facade_matrices
 from clerestory.phases.matrix_equation import (

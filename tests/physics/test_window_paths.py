@@ -26,7 +26,7 @@ from clerestory.bsdfgen.venetian_geometry import venetian
 from clerestory.colorimetry import wavelength_bands
 from clerestory.engine import window_path_jobs
 from clerestory.hemisphere.klems import klems
-from clerestory.phases.camera import Camera
+from clerestory.image.camera import Camera
 from clerestory.phases.picture_matrices import picture_view_matrices
 from clerestory.phases.sun_coefficients import picture_sun_coefficients
 from clerestory.phases.sunlit import in_sunlight

@@ -22,8 +22,8 @@ from clerestory.engine.controller import EstimatedJob
 from clerestory.engine.sums import Sums, variance
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.reinhart import SkyPartition
+from clerestory.image.camera import PixelsOrCells
 from clerestory.scene.sensors import Sensors
-from clerestory.scene.view import View
 from clerestory.scene.window import Window
 
 # Rows with a sum below this fraction of the mean sum need not reach the target error
@@ -138,7 +138,7 @@ class FacadeJob(_WindowJob):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PixelViewJob(MatrixJob):
-    """View matrix V of a picture: pixels (columns × rows) × patches of all windows.
+    """View matrix V of pixels, or cells of the sphere: × patches of all windows.
 
     If `direct`, paths end at the first surface.
     """
@@ -147,15 +147,13 @@ class PixelViewJob(MatrixJob):
     together: ClassVar[bool] = False
 
     windows: tuple[Window, ...]
-    view: View
-    columns: int
-    rows: int
+    camera: PixelsOrCells
     direct: bool
 
     @property
     def size(self) -> tuple[int, int]:
         """Numbers of pixels and patches."""
-        return self.columns * self.rows, patches_of(self.windows)
+        return len(self.camera), patches_of(self.windows)
 
     def error(self, sums: Sums) -> float:
         """RMS error of pixels for windows of equal radiance, relative to the mean."""

@@ -12,7 +12,7 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import UInt64
 
-from clerestory.engine.camera_rays import CameraRays
+from clerestory.engine.camera_rays import camera_rays
 from clerestory.engine.controller import EstimatedJob
 from clerestory.engine.lower import LoweredScene, lower
 from clerestory.engine.matrix_jobs import (
@@ -86,10 +86,10 @@ def prepare_pixel_view(job: PixelViewJob) -> Tracer:
     If the job is `direct`, only light straight from windows to the eye, or after one
     reflection (diffuse or specular) at the first surface, is included.
     """
-    origin = np.asarray(job.view.position, dtype=float)
+    origin = np.asarray(job.camera.position, dtype=float)
     model = lower(job.scene, origin=origin, receivers=job.windows)
     tracer = _to_windows(model, direct_only=job.direct)
-    rays = CameraRays.of(job.view, job.columns, job.rows)
+    rays = camera_rays(job.camera)
     limit = segments_of(job.bounces)
 
     def launch(sink: MatrixSink, paths: Lanes, _: Unit) -> None:

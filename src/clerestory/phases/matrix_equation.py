@@ -54,7 +54,7 @@ class Sunlit(Protocol):
     ) -> tuple[
         Float32[np.ndarray, "out row step"], Float32[np.ndarray, "out row step"]
     ]:
-        """Return C_ds S_sun, weighted by band, and its error component.
+        """Return C_ds S_sun, summed over bands with weights, and its error component.
 
         `normal` is the direct normal irradiance (sun × step).
         """

@@ -19,9 +19,9 @@ from clerestory.bands import Bands
 from clerestory.engine.controller import estimate
 from clerestory.engine.effort import EffortKeywords
 from clerestory.engine.matrix_jobs import PixelViewJob
+from clerestory.image.camera import PixelsOrCells
 from clerestory.matrix.axis import pixel_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.camera import Camera
 from clerestory.phases.traced_matrices import (
     matrix_effort,
     patch_axes,
@@ -39,7 +39,7 @@ _BATCHES = 2
 def picture_view_matrices(
     scene: Scene,
     windows: Sequence[Window],
-    camera: Camera,
+    camera: PixelsOrCells,
     *,
     direct: bool = False,
     **keywords: Unpack[EffortKeywords],
@@ -60,9 +60,7 @@ def picture_view_matrices(
     job = PixelViewJob(
         scene=scene,
         windows=tuple(windows),
-        view=camera.view,
-        columns=camera.columns,
-        rows=camera.rows,
+        camera=camera,
         direct=direct,
         **effort.job_options(_BATCHES),
     )

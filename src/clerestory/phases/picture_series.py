@@ -13,9 +13,9 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float32
 
+from clerestory.image.camera import Camera
 from clerestory.image.picture import Picture
 from clerestory.phases.blockwise_product import Block, BlockwiseProduct
-from clerestory.phases.camera import Camera
 from clerestory.phases.column_light import Weights
 from clerestory.phases.matrix_equation import (
     Skies,

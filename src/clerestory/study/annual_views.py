@@ -23,9 +23,9 @@ from clerestory.glare.detection_criteria import SourceRules
 from clerestory.glare.glare_view import glare_view
 from clerestory.glare.sources import warn_if_coarse
 from clerestory.glare.uncertainty import UncertainLuminance
+from clerestory.image.camera import Camera
 from clerestory.image.picture import Picture
 from clerestory.image.picture_files import write_picture
-from clerestory.phases.camera import Camera
 from clerestory.phases.matrix_equation import Skies, States
 from clerestory.phases.picture_series import UncertainPixels
 from clerestory.phases.pixel_blocks import PixelBlocks

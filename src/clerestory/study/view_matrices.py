@@ -13,9 +13,9 @@ from typing import Any, Literal, TypeVar
 import numpy as np
 from jaxtyping import Int
 
+from clerestory.image.camera import Camera
 from clerestory.image.picture import Picture
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.camera import Camera
 from clerestory.phases.matrix_equation import MatrixChain, Skies, States, WindowMatrices
 from clerestory.phases.methods import METHODS
 from clerestory.phases.picture_matrices import picture_view_matrices

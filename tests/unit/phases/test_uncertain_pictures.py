@@ -8,9 +8,9 @@ import pytest
 from scipy.sparse import csc_array
 
 from clerestory.bands import RGB
+from clerestory.image.camera import Camera
 from clerestory.matrix.axis import pixel_axis
 from clerestory.phases import picture_series, pixel_blocks
-from clerestory.phases.camera import Camera
 from clerestory.phases.matrix_equation import MatrixChain, Skies, WindowMatrices
 from clerestory.phases.methods import FIVE_PHASE, THREE_PHASE
 from clerestory.phases.picture_series import (
