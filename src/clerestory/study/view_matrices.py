@@ -127,14 +127,15 @@ def _combinations(
 def trace_views(job: Job, matrices: StudyMatrices) -> tuple[ViewMatrices, ...]:
     """Return the pixel matrices of all views, from the cache if possible."""
     return tuple(
-        _view(job, matrices, table, camera)
+        trace_view(job, matrices, table, camera)
         for table, camera in zip(job.study.view, job.inputs.cameras, strict=True)
     )
 
 
-def _view(
+def trace_view(
     job: Job, matrices: StudyMatrices, table: ViewTable, camera: Camera
 ) -> ViewMatrices:
+    """Return the pixel matrices of a view, from the cache if possible."""
     parts = {term.part for term in matrices.terms}
     none: list[MatrixChain | None] = [None] * len(matrices.windows)
     direct = sun = none
