@@ -49,7 +49,7 @@ class PointGlare(Protocol):
     def __call__(
         self,
         grid: ViewGrid,
-        position: int,
+        number: int,
         states: States,
         steps: Int[np.ndarray, " step"],
     ) -> xr.Dataset:

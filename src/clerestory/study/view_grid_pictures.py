@@ -1,4 +1,4 @@
-"""Picture of the worst moment of each view grid: the view and hour of the highest DGP."""
+"""Picture of the worst moment of each view grid: view and hour of the highest DGP."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -38,7 +38,9 @@ def write_worst_pictures(
         if camera is None:
             continue
         step = int(found["worst_step"][number])
-        table = ViewTable.model_construct(name=file, samples=_SAMPLES, pictures=[])
+        table = ViewTable.model_construct(
+            None, file=Path(), name=file, samples=_SAMPLES
+        )
         view = trace_view(job, matrices, table, camera)
         for _, picture in view.pictures(states, skies, np.array([step])):
             stamp = str(skies.times[step].astype("datetime64[m]"))[5:].replace(":", "")

@@ -95,7 +95,8 @@ class ViewMatrices:
         return np.concatenate(_combinations(states, steps))
 
 
-def _half_views(traced: dict[str, TransferMatrix]) -> dict[str, TransferMatrix]:
+def half_views(traced: dict[str, TransferMatrix]) -> dict[str, TransferMatrix]:
+    """Return view matrices in half precision, with one channel if all are equal."""
     return {name: _half(matrix) for name, matrix in traced.items()}
 
 
@@ -140,11 +141,7 @@ def trace_view(
     none: list[MatrixChain | None] = [None] * len(matrices.windows)
     direct = sun = none
 
-    @cache
-    def few(matrix: TransferMatrix) -> TransferMatrix:
-        # Few error components suffice for glare; equal matrices remain one object
-        batches = 0 if matrix.components is None else len(matrix.components)
-        return matrix if batches % FEW else with_few_components(matrix)
+    few = cache(few_components)
 
     def chains(
         views: dict[str, TransferMatrix], part: Literal["whole", "direct"]
@@ -153,6 +150,7 @@ def trace_view(
         for group, window in zip(job.inputs.groups, matrices.windows, strict=True):
             chain = window.direct if part == "direct" else window.whole
             factors = chain.factors if chain else ()
+            # Equal matrices remain one object
             own = tuple(tuple(map(few, factor)) for factor in factors)
             found.append(MatrixChain((views[group.name],), own))
         return found
@@ -164,6 +162,12 @@ def trace_view(
         sun = [_sunlit(job, matrices, group, paths) for group in job.inputs.groups]
     windows = tuple(map(WindowMatrices, whole, direct, sun))
     return ViewMatrices(job, table, camera, matrices, windows)
+
+
+def few_components(matrix: TransferMatrix) -> TransferMatrix:
+    """Return a matrix with the few error components that suffice for glare."""
+    batches = 0 if matrix.components is None else len(matrix.components)
+    return matrix if batches % FEW else with_few_components(matrix)
 
 
 def _view_matrices(
@@ -180,7 +184,7 @@ def _view_matrices(
 
 
 def _traced_views(*where: Any, **how: Any) -> dict[str, TransferMatrix]:
-    return _half_views(picture_view_matrices(*where, **how))
+    return half_views(picture_view_matrices(*where, **how))
 
 
 def _paths(job: Job, table: ViewTable, camera: Camera) -> WindowPaths:

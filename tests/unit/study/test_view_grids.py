@@ -28,9 +28,9 @@ def grid(name, positions, *, directions=4, by_state=False):
     return ViewGrid(table, np.arange(3.0 * positions).reshape(positions, 3))
 
 
-def glare(grid, position, states, steps):
+def glare(grid, number, states, steps):
     """DGP that grows with position, direction and hour, and falls with the state."""
-    base = 0.3 + 0.1 * position + 0.025 * np.arange(grid.table.directions)[:, None]
+    base = 0.3 + 0.1 * number + 0.025 * np.arange(grid.table.directions)[:, None]
     dgp = base + 0.001 * (steps % 24) - 0.1 * np.asarray(states[0])[steps]
     return xr.Dataset(
         {
