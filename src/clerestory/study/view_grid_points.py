@@ -7,7 +7,7 @@ second, and files of them are large.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cache, cached_property, partial
+from functools import cached_property, partial
 
 import numpy as np
 import xarray as xr
@@ -21,14 +21,13 @@ from clerestory.matrix.axis import pixel_axis, unknown_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.fingerprint import fingerprint
 from clerestory.phases.matrix_equation import Skies, States
-from clerestory.phases.methods import METHODS
-from clerestory.phases.shaded_windows import ShadedWindow, ShadeState
+from clerestory.phases.shaded_windows import ShadedWindow
 from clerestory.progress import Progress
 from clerestory.study.control_inputs import GridGlareFunction
 from clerestory.study.job import VIEW_GRIDS, Display, Job
 from clerestory.study.study_matrices import StudyMatrices
 from clerestory.study.view_grid_positions import ViewGrid
-from clerestory.study.view_matrices import few_components, half_views
+from clerestory.study.view_matrices import half_views, shaded_windows
 
 # Difference of the seeds of consecutive positions, more than those that one uses
 _SEEDS = 7919
@@ -114,30 +113,7 @@ class GridPoints:
 
     @cached_property
     def _windows(self) -> tuple[ShadedWindow, ...]:
-        # Window groups with T and D (or F D) of each shade state
-        few, found = cache(few_components), []
-        facade = METHODS[self.job.study.method].facade
-        groups = self.job.inputs.groups
-        for group, window in zip(groups, self.matrices.windows, strict=True):
-            whole, direct = (
-                [
-                    tuple(map(few, factors))
-                    for factors in (chain.factors if chain else ())
-                ]
-                for chain in (window.whole, window.direct)
-            )
-            states = tuple(
-                ShadeState(
-                    whole=whole[number],
-                    direct=direct[number] if direct else (),
-                    bsdf=state.fine,
-                    peak=state.peak,
-                    shade=state.shade if facade else None,
-                )
-                for number, state in enumerate(group.states)
-            )
-            found.append(ShadedWindow(group.inner, states))
-        return tuple(found)
+        return shaded_windows(self.job, self.matrices)
 
     @cached_property
     def _light(self) -> str:
