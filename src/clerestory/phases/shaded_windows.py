@@ -4,8 +4,9 @@ T, D and BSDFs do not depend on the receivers: pictures and view points of one s
 share them, each with view matrices and paths to the windows of its own.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from jaxtyping import Float
@@ -13,6 +14,7 @@ from jaxtyping import Float
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.matrix.transfer_matrix import TransferMatrix, require_matrix
 from clerestory.phases.matrix_equation import MatrixChain, WindowMatrices
+from clerestory.phases.stored_views import FEW, with_few_components
 from clerestory.phases.sunlit import SunlitReceivers, in_sunlight
 from clerestory.phases.window_paths import WindowPaths
 from clerestory.scene.model import Scene
@@ -58,20 +60,31 @@ def receiving_matrices(
     """Return the matrices of pixels or cells with given V, by window name.
 
     With `paths`, they include those of the direct correction under the suns; V_d is of
-    floating-point numbers of a `kind`.
+    floating-point numbers of a `kind`. T, F and D have the few error components that
+    suffice for glare.
     """
+
+    @cache
+    def few(matrix: TransferMatrix) -> TransferMatrix:
+        # Equal matrices remain one object
+        batches = 0 if matrix.components is None else len(matrix.components)
+        return matrix if batches % FEW else with_few_components(matrix)
+
+    def chain(
+        view: TransferMatrix, factors: Iterable[tuple[TransferMatrix, ...]]
+    ) -> MatrixChain:
+        return MatrixChain((view,), tuple(tuple(map(few, each)) for each in factors))
+
     direct = {} if paths is None else paths.view_matrices(kind)
     found = []
     for shaded in windows:
         name, states = shaded.window.name, shaded.states
-        whole = MatrixChain((views[name],), tuple(state.whole for state in states))
+        whole = chain(views[name], (state.whole for state in states))
         if paths is None:
             found.append(WindowMatrices(whole))
             continue
-        dark = MatrixChain((direct[name],), tuple(state.direct for state in states))
-        sun = MatrixChain(
-            tuple(_sunlit(paths, name, state, suns) for state in shaded.states)
-        )
+        sun = MatrixChain(tuple(_sunlit(paths, name, each, suns) for each in states))
+        dark = chain(direct[name], (state.direct for state in states))
         found.append(WindowMatrices(whole, dark, sun))
     return tuple(found)
 

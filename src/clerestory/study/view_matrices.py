@@ -7,7 +7,7 @@ computed, are traced in each run: this takes seconds, and files of them are larg
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -30,7 +30,6 @@ from clerestory.phases.shaded_windows import (
     ShadeState,
     receiving_matrices,
 )
-from clerestory.phases.stored_views import FEW, with_few_components
 from clerestory.phases.window_paths import WindowPaths, picture_window_paths
 from clerestory.study.config_tables import ViewTable
 from clerestory.study.job import DIRECT, Job
@@ -153,20 +152,11 @@ def trace_view(
 
 
 def shaded_windows(job: Job, matrices: StudyMatrices) -> tuple[ShadedWindow, ...]:
-    """Return the window groups with the matrices of their shade states.
-
-    Matrices have the few error components that suffice for glare.
-    """
+    """Return the window groups with the matrices of their shade states."""
     facade = METHODS[job.study.method].facade
 
-    @cache
-    def few(matrix: TransferMatrix) -> TransferMatrix:
-        # Equal matrices remain one object
-        batches = 0 if matrix.components is None else len(matrix.components)
-        return matrix if batches % FEW else with_few_components(matrix)
-
     def factors(chain: MatrixChain | None, at: int) -> tuple[TransferMatrix, ...]:
-        return tuple(map(few, chain.factors[at])) if chain else ()
+        return chain.factors[at] if chain else ()
 
     return tuple(
         ShadedWindow(
