@@ -84,6 +84,7 @@ class ViewPoint:
         *,
         steps: Int[np.ndarray, " some"] | None = None,
         quantities: Collection[str] = ("dgp", "illuminance"),
+        errors: bool = True,
     ) -> "xr.Dataset":
         """Return glare indices of all views in given shade states.
 
@@ -92,11 +93,13 @@ class ViewPoint:
         states : index of the shade state at each time step, per window group; default 0
         steps : indices of the time steps that are evaluated; default: all
         quantities : names of indices and quantities, as of `point_glare`
+        errors : whether the standard error of DGP is computed
 
         Returns
         -------
         dataset over (view, time), NaN in dark time steps; with "dgp", also its
-        standard error "dgp_error", due to paths and to the finite number of cells
+        standard error "dgp_error", due to paths and to the finite number of cells,
+        unless without errors
         """
         times = self.skies.times
         given = checked_states(self.windows, states, len(times))
@@ -104,7 +107,10 @@ class ViewPoint:
         lit = asked[self.skies.whole.diffuse[:, asked].max(axis=0) > 0]
         own = [np.asarray(state)[lit] for state in given]
         sun = self.sun_disc(own, lit)
-        luminance, variance = self._luminance(own, lit, sun)
+        known = errors and "dgp" in quantities
+        luminance, variance = (
+            self._luminance(own, lit, sun) if known else (self.luminance(own, lit), 0)
+        )
         found = point_glare(
             self.samples,
             luminance,
@@ -113,7 +119,7 @@ class ViewPoint:
             times=times[lit],
             quantities=quantities,
         )
-        if "dgp" in quantities:
+        if known:
             how, cells = self.refinement, self.samples
             sampled = sampling_error(cells, luminance, self.views, refinement=how)
             error = np.sqrt(variance + np.square(sampled))

@@ -5,7 +5,7 @@ share them, each with view matrices and paths to the windows of its own.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 
 import numpy as np
@@ -15,7 +15,7 @@ from clerestory.bsdf.bsdf import Bsdf
 from clerestory.matrix.transfer_matrix import TransferMatrix, require_matrix
 from clerestory.phases.matrix_equation import MatrixChain, WindowMatrices
 from clerestory.phases.stored_views import FEW, with_few_components
-from clerestory.phases.sunlit import SunlitReceivers, in_sunlight
+from clerestory.phases.sunlit import SunlitReceivers, SunlitTables, in_sunlight
 from clerestory.phases.window_paths import WindowPaths
 from clerestory.scene.model import Scene
 from clerestory.scene.window import Window
@@ -32,6 +32,7 @@ class ShadeState:
     bsdf : BSDF at full resolution, for the direct correction; `peak` tells whether its
         direct transmission is extracted
     shade : exterior shade of this state
+    tables : tables that view points of one study share, for one set of suns
     """
 
     whole: tuple[TransferMatrix, ...]
@@ -39,14 +40,19 @@ class ShadeState:
     bsdf: Bsdf | None = None
     peak: bool = False
     shade: Scene | None = None
+    tables: SunlitTables = field(default_factory=SunlitTables)
 
 
 @dataclass(frozen=True, eq=False)
 class ShadedWindow:
-    """Window group and its shade states, the most open first."""
+    """Window group and its shade states, the most open first.
+
+    `tables` are those of all states without an exterior shade.
+    """
 
     window: Window
     states: tuple[ShadeState, ...]
+    tables: SunlitTables = field(default_factory=SunlitTables)
 
 
 def receiving_matrices(
@@ -83,7 +89,7 @@ def receiving_matrices(
         if paths is None:
             found.append(WindowMatrices(whole))
             continue
-        sun = MatrixChain(tuple(_sunlit(paths, name, each, suns) for each in states))
+        sun = MatrixChain(tuple(_sunlit(paths, shaded, each, suns) for each in states))
         dark = chain(direct[name], (state.direct for state in states))
         found.append(WindowMatrices(whole, dark, sun))
     return tuple(found)
@@ -91,10 +97,11 @@ def receiving_matrices(
 
 def _sunlit(
     paths: WindowPaths,
-    window: str,
+    shaded: ShadedWindow,
     state: ShadeState,
     suns: Float[np.ndarray, "sun 3"] | None,
 ) -> SunlitReceivers:
+    window, outside = shaded.window.name, (state if state.shade else shaded).tables
     require_matrix(
         state.bsdf is not None and state.direct,
         f'a state of window "{window}" has no BSDF or no direct matrices; both expected'
@@ -109,4 +116,5 @@ def _sunlit(
         suns=np.zeros((0, 3)) if suns is None else suns,
         peak=state.peak,
         scene=None if state.shade is None else room + state.shade,
+        tables=SunlitTables(outside.outside, state.tables.state),
     )

@@ -30,6 +30,18 @@ _SUNS = 64
 
 
 @dataclass(frozen=True, eq=False)
+class SunlitTables:
+    """Tables of a window in sunlight that do not depend on the receivers.
+
+    Receivers of the same window, scene and suns share `outside`, those in the same
+    shade state also `state`. The tables are made when they are first needed.
+    """
+
+    outside: dict[str, Any] = field(default_factory=dict)
+    state: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
 class SunlitReceivers:
     """Pixels or sensors in sunlight transmitted by one window in one shade state.
 
@@ -43,6 +55,7 @@ class SunlitReceivers:
     suns: Float[np.ndarray, "sun 3"]
     peak: bool
     scene: Scene
+    tables: SunlitTables = field(default_factory=SunlitTables)
     _last: dict[tuple[bytes, ...], ReceivedSunlight] = field(default_factory=dict)
 
     def received(
@@ -130,22 +143,29 @@ class SunlitReceivers:
                 total = product.received(share, radiance, zones) + total
         return total
 
-    @cached_property
+    @property
     def _table(self) -> Any:
-        engine: Any = self.paths.engine("sun_tables")
-        frame = self.paths.job.windows[self.window].frame
-        cells = partial(incident_cells, self.bsdf)
-        return engine.SunlitBsdf(self.bsdf, frame, peak=self.peak, cells=cells)
+        known, frame = self.tables.state, self.paths.job.windows[self.window].frame
+        if "bsdf" not in known:
+            engine: Any = self.paths.engine("sun_tables")
+            cells = partial(incident_cells, self.bsdf)
+            known["bsdf"] = engine.SunlitBsdf(
+                self.bsdf, frame, peak=self.peak, cells=cells
+            )
+        return known["bsdf"]
 
-    @cached_property
+    @property
     def _transmittance(self) -> Float32[np.ndarray, "channel zone sun"]:
-        window = self.paths.job.windows[self.window]
-        engine: Any = self.paths.engine("sun_tables")
-        points = self.paths.zones.points(self.window, window.polygons, _ZONE_POINTS)
-        normal = window.frame.normal
-        return np.asarray(
-            engine.sun_transmittance(self.scene, points, normal, self.suns)
-        )
+        known, window = self.tables.outside, self.paths.job.windows[self.window]
+        if "transmittance" not in known:
+            engine: Any = self.paths.engine("sun_tables")
+            points = self.paths.zones.points(self.window, window.polygons, _ZONE_POINTS)
+            known["transmittance"] = np.asarray(
+                engine.sun_transmittance(
+                    self.scene, points, window.frame.normal, self.suns
+                )
+            )
+        return np.asarray(known["transmittance"])
 
     def _beams(
         self,
@@ -176,11 +196,13 @@ class SunlitReceivers:
             found.append(self._unscattered.of(suns, irradiance, count))
         return light, found
 
-    @cached_property
+    @property
     def _unscattered(self) -> Any:
-        engine: Any = self.paths.engine("sun_beams")
-        frame = self.paths.job.windows[self.window].frame
-        return engine.UnscatteredBeams(self.bsdf, frame)
+        known, frame = self.tables.state, self.paths.job.windows[self.window].frame
+        if "unscattered" not in known:
+            engine: Any = self.paths.engine("sun_beams")
+            known["unscattered"] = engine.UnscatteredBeams(self.bsdf, frame)
+        return known["unscattered"]
 
     @cached_property
     def _beam_tracer(self) -> Any:
@@ -237,10 +259,12 @@ def in_sunlight(
     suns: Float[np.ndarray, "sun 3"],
     peak: bool = False,
     scene: Scene | None = None,
+    tables: SunlitTables | None = None,
 ) -> SunlitReceivers:
     """Return the pixels or sensors in sunlight from one window, in one shade state.
 
     `scene`, by default that of the paths, contains what shades the window outside.
+    `tables` are those of other receivers of this window.
     """
     number = window_number(paths.job.windows, window, bsdf, suns)
     bands = paths.job.scene.bands
@@ -250,4 +274,5 @@ def in_sunlight(
         " all bands expected",
         file=bsdf.source,
     )
-    return SunlitReceivers(paths, number, bsdf, suns, peak, scene or paths.job.scene)
+    room, shared = scene or paths.job.scene, tables or SunlitTables()
+    return SunlitReceivers(paths, number, bsdf, suns, peak, room, shared)

@@ -144,7 +144,10 @@ def grid_glare_function(points: GridPoints, *, display: Display) -> GridGlareFun
             for number in range(len(grid)):
                 open_ = np.flatnonzero(lit[steps] & (worst <= enough))
                 if len(open_):
-                    dgp = points.glare(grid, number, states, steps[open_])["dgp"]
+                    point = points.point(grid, number)
+                    dgp = point.glare(
+                        states, steps=steps[open_], quantities=["dgp"], errors=False
+                    )["dgp"]
                     worst[open_] = np.maximum(worst[open_], dgp.max("view").values)
                 report((number + 1) / len(grid), f"{number + 1} of {len(grid)}")
         return worst
