@@ -5,8 +5,8 @@ to the windows are traced again whenever a position is loaded: this takes about 
 second, and files of them are large.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
 import numpy as np
@@ -15,7 +15,7 @@ from jaxtyping import Float, Int
 
 from clerestory.engine.effort import Effort
 from clerestory.glare.sphere_refinement import Refinement
-from clerestory.glare.sphere_samples import SphereSamples
+from clerestory.glare.sphere_samples import SphereSamples, regular_samples
 from clerestory.glare.view_points import PointTracer, ViewPoint
 from clerestory.matrix.axis import pixel_axis, unknown_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
@@ -28,6 +28,12 @@ from clerestory.study.job import VIEW_GRIDS, Display, Job
 from clerestory.study.study_matrices import StudyMatrices
 from clerestory.study.view_grid_positions import ViewGrid
 from clerestory.study.view_matrices import half_views, shaded_windows
+
+# Function that chooses the cells of a view point
+ChooseCells = Callable[[PointTracer, Effort], SphereSamples]
+
+# Level of cells whose number is usual, and rounds and paths per cell of their choice
+USUAL_LEVEL, _ROUNDS, _TRIAL = 6, 3, 64
 
 # Difference of the seeds of consecutive positions, more than those that one uses
 _SEEDS = 7919
@@ -73,17 +79,20 @@ class GridPoints:
         key = grid.name, number
         if key in self._kept:
             return self._kept[key]
-        found = self._loaded(grid, number)
+        found = self._loaded(grid, number, PointTracer.cells)
         used = sum(map(_bytes, self._kept.values()))
         if used + _bytes(found) < _SHARE * 1e9 * self.job.study.trace.memory_gb:
             self._kept[key] = found
         return found
 
-    def _loaded(self, grid: ViewGrid, number: int) -> ViewPoint:
+    def plan(self, grid: ViewGrid) -> None:
+        """Record the tracing of one position of a grid, with a usual cell count."""
+        self._loaded(grid, 0, _usual_cells)
+
+    def _loaded(self, grid: ViewGrid, number: int, choose: ChooseCells) -> ViewPoint:
         job, table = self.job, grid.table
         first = sum(len(each) for each in _before(job.inputs.view_grids, grid))
         effort = job.pixel_effort(table.samples, VIEW_GRIDS + _SEEDS * (first + number))
-        refinement = Refinement(tolerance=table.tolerance, most=table.most_directions)
         tracer = PointTracer(
             job.scene,
             self._windows,
@@ -91,15 +100,14 @@ class GridPoints:
             tuple(grid.views(number)),
             self.matrices.terms,
             self.skies,
-            refinement,
+            Refinement(tolerance=table.tolerance, most=table.most_directions),
         )
-        key = fingerprint(
-            self._light, tracer.position, tracer.views, refinement, effort
-        )
+        parts = tracer.position, tracer.views, tracer.refinement, effort
+        key = fingerprint(self._light, *parts)
         label = f"view-grid-{grid.name}-{number + 1:04d}"
 
         def chosen(_key: str, *, effort: Effort, progress: Progress) -> TransferMatrix:
-            return _as_matrix(tracer.cells(effort))
+            return _as_matrix(choose(tracer, effort))
 
         def views(
             _key: str, *, effort: Effort, progress: Progress
@@ -153,6 +161,15 @@ def grid_glare_function(points: GridPoints, *, display: Display) -> GridGlareFun
         return worst
 
     return largest
+
+
+def _usual_cells(tracer: PointTracer, effort: Effort) -> SphereSamples:
+    # Cells in a dry run, which records the tracing that chooses the cells
+    samples, trial = regular_samples(USUAL_LEVEL), replace(effort, samples=_TRIAL)
+    for _ in range(_ROUNDS):
+        V = tracer.view_matrices(samples, trial)
+        tracer.point(samples, V, trial, sun_samples=_TRIAL)
+    return samples.centred()
 
 
 def _before(grids: Sequence[ViewGrid], grid: ViewGrid) -> Sequence[ViewGrid]:
