@@ -21,6 +21,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -30,6 +31,7 @@ import xarray as xr
 from duel import stamp
 
 import clerestory as cl
+from clerestory.bands import RGB
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.bsdfgen.generate import generate_bsdf
@@ -257,44 +259,78 @@ def compare(home: Path, count: int) -> list[str]:
         scene, [window], camera, direct=True, samples=4 * SAMPLES, seed=6
     )
     pairs = pairwise(scene, window, layer, suns.directions, camera)
-    skies, found = Skies(sky, sun, suns), []
+    skies, pictures = Skies(sky, sun, suns), []
     for direct, last in ((paths.view_matrices(), lit), (V_d, pairs)):
         chain = window_chain(direct[window.name], T, D_d)
         parts = WindowMatrices(whole, chain, MatrixChain((last,)))
         series = luminance_over_time([parts], FIVE_PHASE, camera, skies)
-        found.append(np.stack(list(series)))
-    return _table(*found, weather)
+        pictures.append(np.stack(list(series)))
+
+    # Direct light alone, and its error components
+    received = lit.received(suns.direct_normal, RGB.weights[None])
+    ours, ours_error = np.zeros((2, len(camera), len(suns.times)), np.float32)
+    ours[:, received.steps] = received.mean(slice(None))[0]
+    ours_error[:, received.steps] = received.error(slice(None))[0]
+    theirs, theirs_error = (
+        np.einsum("b,bps->ps", RGB.weights, each) @ suns.direct_normal.toarray()
+        for each in (pairs.values, pairs.components[0])
+    )
+    light = (ours, theirs, ours_error, theirs_error)
+    return _table(pictures, [each.T for each in light], weather)
 
 
-def _table(ours: np.ndarray, theirs: np.ndarray, weather: Weather) -> list[str]:
+def blocks(pixels: np.ndarray) -> np.ndarray:
+    """Return the means of blocks of pixels of several pictures."""
     edge = COMPARED // BLOCKS
+    return pixels.reshape(-1, BLOCKS, edge, BLOCKS, edge).mean(axis=(2, 4))
 
-    def blocks(pixels: np.ndarray) -> np.ndarray:
-        return pixels.reshape(-1, BLOCKS, edge, BLOCKS, edge).mean(axis=(2, 4))
 
+def differences(ours: np.ndarray, theirs: np.ndarray) -> list[tuple[str, np.ndarray]]:
+    """Return relative differences of blocks, and of whole pictures."""
     one, other = blocks(ours), blocks(theirs)
     # Blocks inside the circle that are not dark
-    known = other > 0.02 * other.mean(axis=(1, 2), keepdims=True)
-    off = abs(one / np.where(known, other, 1) - 1)[known]
-    mean = abs(one.mean(axis=(1, 2)) / other.mean(axis=(1, 2)) - 1)
-    dgp = [annual_glare(pixels, EYE).dgp.values for pixels in (ours, theirs)]
-    apart = abs(dgp[0] - dgp[1])
+    whole = other.mean(axis=(1, 2))
+    lit = whole > 0
+    known = other > 0.02 * whole[:, None, None]
+    return [
+        ("blocks", abs(one / np.where(known, other, 1) - 1)[known]),
+        ("whole pictures", abs(one.mean(axis=(1, 2)) / whole - 1)[lit]),
+    ]
+
+
+def _table(
+    pictures: Sequence[np.ndarray], light: Sequence[np.ndarray], weather: Weather
+) -> list[str]:
+    edge = COMPARED // BLOCKS
+    dgp = [annual_glare(pixels, EYE).dgp.values for pixels in pictures]
+    rows = [
+        *((f"luminance of {n}", v) for n, v in differences(*pictures)),
+        *((f"direct light alone of {n}", v) for n, v in differences(*light[:2])),
+        ("DGP (absolute)", abs(dgp[0] - dgp[1])),
+    ]
+    # Deviation of direct light in units of its error, pooled over the suns of a block,
+    # since two batches alone tell little of the error
+    ours, theirs, *errors = map(blocks, light)
+    pooled = np.sqrt(sum(np.square(each).mean(axis=0) for each in errors))
+    z = (ours - theirs)[:, pooled > 0] / pooled[pooled > 0]
     return [
         f"Against pairs of {COMPARED}² pixels and {len(weather.times)} suns ({PAIRS}"
         f" paths each), half of them close to the cut-off angle ({cut_off_deg():.1f}°);"
-        f" blocks of {edge} × {edge} pixels, noise of both included:",
+        f" blocks of {edge} × {edge} pixels, relative differences, noise of both"
+        " included:",
         "",
         "| quantity | mean | median | 95 % within | at most |",
         "|---|---|---|---|---|",
         *(
             f"| {name} | {v.mean():.4f} | {np.median(v):.4f} |"
             f" {np.quantile(v, 0.95):.4f} | {v.max():.4f} |"
-            for name, v in (
-                ("luminance of blocks, relative", off),
-                ("mean luminance of pictures, relative", mean),
-                ("DGP", apart),
-            )
+            for name, v in rows
         ),
+        "",
+        "Direct light of blocks in units of the standard error of the difference, which"
+        " is known from the batches of both: root mean square"
+        f" {np.sqrt((z**2).mean()):.2f} (1 expected), mean {z.mean():.2f},"
+        f" {(abs(z) > 3).mean():.2%} beyond 3.",
     ]
 
 

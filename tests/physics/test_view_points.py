@@ -25,7 +25,7 @@ from clerestory.image.camera import Camera
 from clerestory.phases.direct_light import blackened
 from clerestory.phases.matrix_equation import Skies, WindowMatrices
 from clerestory.phases.methods import FIVE_PHASE, THREE_PHASE
-from clerestory.phases.picture_matrices import picture_view_matrices
+from clerestory.phases.picture_matrices import reflected_view_matrices
 from clerestory.phases.picture_series import luminance_over_time
 from clerestory.phases.shaded_windows import (
     ShadedWindow,
@@ -211,7 +211,7 @@ def test_dgp_is_that_of_pictures(lit_room, lit_point, state):
     for number in (1, 2):
         view = lit_point.views[number]
         camera, given = Camera(view, 200, 200), (scene, [room.window])
-        V = picture_view_matrices(*given, camera, samples=32, seed=7, device="cpu")
+        V = reflected_view_matrices(*given, camera, samples=32, seed=7, device="cpu")
         paths = picture_window_paths(*given, camera, samples=8, seed=8, device="cpu")
         matrices = receiving_matrices([room], V, paths, sky.suns.directions)
         series = luminance_over_time(matrices, FIVE_PHASE, camera, sky, states)

@@ -62,6 +62,8 @@ class PathTracer:
     roulette : fraction of the initial throughput below which Russian roulette applies
     direct_only : whether paths end at the first surface, where sources are sampled by
         next-event estimation only
+    without_direct : whether light is left out that comes straight from a source or by
+        one reflection, other than in a mirror, at the first surface
     bounce_to_source : whether the segment to a source is counted as a bounce, as for
         the windows of a matrix
     """
@@ -71,6 +73,7 @@ class PathTracer:
     roulette: float
     portals: Portals | None = None
     direct_only: bool = False
+    without_direct: bool = False
     bounce_to_source: bool = False
     split_lobes: bool = False
 
@@ -112,9 +115,10 @@ class PathTracer:
         numbers: PathNumbers,
         throughput: mi.Color3f,
         path: Path | None = None,
+        counted: mi.Bool | bool = True,
     ) -> mi.Color3f | None:
         """Add the contributions of next-event estimation at a vertex."""
-        active = vertex.active
+        active = vertex.active & counted
         if self.bounce_to_source:
             active = active & vertex.continues
         for source in self.sources:
@@ -146,13 +150,15 @@ class PathTracer:
         strongest = dr.maximum(dr.max(path.throughput), 1e-20)
         depth = mi.UInt32(1)  # 1 + number of diffuse reflections so far
         number = mi.UInt32(1)  # number of vertices, including the start
+        # Order of the light that the path meets: 0 straight, 1 reflected once, 2 other
+        order = mi.UInt32(0) if self.without_direct else mi.UInt32(2)
 
         while active:
             hit = scene.ray_intersect_preliminary(path.ray, active=active)
             met = active & hit.is_valid()
             for source in self.sources:
                 found = source.escaped(path, active & ~met)
-                total = _collect(sink, total, path, found)
+                total = _collect(sink, total, path, found, order > 1)
 
             si = interaction(hit, path.ray, met)
             shape = dr.reinterpret_array(mi.UInt32, si.shape)
@@ -160,7 +166,7 @@ class PathTracer:
             for source in self.sources:
                 surface = source.met(path, si, shape, met)
                 if dr.hint(surface is not None, mode="scalar"):
-                    total = _collect(sink, total, path, surface[0])
+                    total = _collect(sink, total, path, surface[0], order > 1)
                     active &= ~surface[1]
 
             # Sample the sources at the vertex; camera rays see the proxied geometry
@@ -176,7 +182,7 @@ class PathTracer:
                 model, self.portals, si, shape, works, depth < segments, thickness
             )
             total = self.sample_sources(
-                sink, total, vertex, numbers, path.throughput, path
+                sink, total, vertex, numbers, path.throughput, path, order > 0
             )
 
             if dr.hint(self.direct_only and not model.panes, mode="scalar"):
@@ -197,6 +203,9 @@ class PathTracer:
                 active &= (strength > 0) & (depth <= segments)
                 if dr.hint(self.direct_only, mode="scalar"):
                     active &= after.null
+                if dr.hint(self.without_direct, mode="scalar"):
+                    other = (order > 0) | after.delta
+                    order = dr.select(after.null, order, dr.select(other, 2, 1))
 
                 # Russian roulette
                 survive = dr.minimum(strength / (strongest * self.roulette), 1)
@@ -230,9 +239,9 @@ class PathTracer:
         )
 
 
-def _collect(sink: Sink, total, path: Path, found: Emission | None):
+def _collect(sink: Sink, total, path: Path, found: Emission | None, counted):
     # Add the radiance of a source hit by the path
     if found is None:
         return total
     value = path.throughput * found.value * found.share(path)
-    return sink.add(total, found.column, value, found.active)
+    return sink.add(total, found.column, value, found.active & counted)

@@ -18,7 +18,7 @@ from clerestory.array_types import Vector
 from clerestory.checks import distinct, has_shape, require
 from clerestory.engine.effort import Effort, EffortKeywords, effort_of
 from clerestory.engine.work_units import Goal
-from clerestory.glare.dgp_error import DgpModel, dgp_variance
+from clerestory.glare.dgp_error import DgpModel, statistical_variance
 from clerestory.glare.eye_directions import SUN_SOLID_ANGLE, SunDisc
 from clerestory.glare.point_glare import point_glare, views_around
 from clerestory.glare.sphere_refinement import (
@@ -26,7 +26,7 @@ from clerestory.glare.sphere_refinement import (
     sample_sphere,
     sampling_error,
 )
-from clerestory.glare.sphere_samples import SphereSamples
+from clerestory.glare.sphere_samples import SphereSamples, regular_samples
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.matrix_equation import (
     Skies,
@@ -37,7 +37,10 @@ from clerestory.phases.matrix_equation import (
     equation_bands,
 )
 from clerestory.phases.methods import FIVE_PHASE
-from clerestory.phases.picture_matrices import picture_view_matrices
+from clerestory.phases.picture_matrices import (
+    picture_view_matrices,
+    reflected_view_matrices,
+)
 from clerestory.phases.picture_series import PixelSeries
 from clerestory.phases.shaded_windows import ShadedWindow, receiving_matrices
 from clerestory.phases.sunlit import SunlitReceivers
@@ -178,7 +181,7 @@ class ViewPoint:
             own = block.times.start + block.steps
             light[block.rows, own] = block.light[0]
             disc = SunDisc(sun.direction[own], sun.luminance[own], sun.solid_angle[own])
-            variance[:, own] = dgp_variance(
+            variance[:, own] = statistical_variance(
                 model, block.light[0], block.variance, block.shared, disc
             )
         return light, variance
@@ -279,61 +282,94 @@ def trace_view_point(
     distinct((each.window.name for each in windows), "windows")
     looks = tuple(views_around(8, position=point) if views is None else views)
     require(looks, "no views; at least one expected")
-    how = refinement or Refinement()
-    tracer = PointTracer(scene, tuple(windows), point, looks, tuple(terms), skies, how)
-    samples = tracer.cells(effort)
-    views_of = tracer.view_matrices(samples, effort)
-    return tracer.point(samples, views_of, effort, sun_samples=sun_samples)
+    tracer = ViewPointTracer(scene, tuple(windows), skies, tuple(terms))
+    return tracer.point(
+        point,
+        looks,
+        refinement=refinement or Refinement(),
+        effort=effort,
+        sun_samples=sun_samples,
+    )
 
 
 @dataclass(frozen=True, eq=False)
-class PointTracer:
-    """Tracing of the matrices of one view point, in parts that can be stored.
+class ViewPointTracer:
+    """A room with its windows and skies, in which view points are traced.
 
-    See `trace_view_point` for the attributes.
+    What does not depend on the point is computed once: see `trace_view_point`.
     """
 
     scene: Scene
     windows: tuple[ShadedWindow, ...]
-    position: Vector
-    views: tuple[View, ...]
-    terms: tuple[Term, ...]
     skies: Skies
-    refinement: Refinement
+    terms: tuple[Term, ...]
+    _known: list[tuple[WindowMatrices, ...]] = field(default_factory=list)
 
-    def cells(self, effort: Effort) -> SphereSamples:
+    def point(
+        self,
+        position: Vector,
+        views: Sequence[View],
+        *,
+        refinement: Refinement,
+        effort: Effort,
+        sun_samples: int = _SUN_SAMPLES,
+    ) -> ViewPoint:
+        """Choose the cells of a view point, and trace its matrices."""
+        blank = self.blank(position, views, refinement)
+        samples = self.cells(blank, effort)
+        V = self.view_matrices(blank, samples, effort)
+        return self.traced(blank, samples, V, effort, sun_samples=sun_samples)
+
+    def blank(
+        self, position: Vector, views: Sequence[View], refinement: Refinement
+    ) -> ViewPoint:
+        """Return a view point without matrices."""
+        none = regular_samples(0)
+        rest = self.terms, self.skies, refinement
+        return ViewPoint(position, tuple(views), none, (), *rest)
+
+    def cells(self, point: ViewPoint, effort: Effort) -> SphereSamples:
         """Return the cells of the sphere, fine where DGP depends on it."""
-        steps = representative_steps(self.skies)
-        counts = [len(each.states) for each in self.windows]
-        states = [np.arange(len(steps)) % count for count in counts]
+        steps = self._steps
+        states = [np.arange(len(steps)) % len(each.states) for each in self.windows]
         trial = replace(effort, samples=_TRIAL, relative_error=None)
         rounds = iter(range(1 << 10))
 
         def luminance(samples: SphereSamples) -> Float[np.ndarray, "cell step"]:
             own = replace(trial, seed=(effort.seed + 1 + next(rounds)) % 2**32)
-            V = self.view_matrices(samples, own)
-            point = self.point(samples, V, own, sun_samples=_TRIAL)
-            return point.luminance(states, steps)
+            V = self.view_matrices(point, samples, own)
+            found = self.traced(point, samples, V, own, sun_samples=_TRIAL)
+            return found.luminance(states, steps)
 
         samples = sample_sphere(
             luminance,
-            self.views,
-            refinement=self.refinement,
-            details=_small_windows(self.windows, self.position),
+            point.views,
+            refinement=point.refinement,
+            details=_middles(self.windows, point.position),
             seed=effort.seed,
         )
         return samples.centred()
 
-    def view_matrices(
-        self, samples: SphereSamples, effort: Effort
-    ) -> dict[str, TransferMatrix]:
-        """Return V of the cells, by window name."""
-        inner = [each.window for each in self.windows]
-        cells = samples.cells(self.position)
-        return picture_view_matrices(self.scene, inner, cells, effort=effort)
+    @cached_property
+    def _steps(self) -> Int[np.ndarray, " step"]:
+        return representative_steps(self.skies)
 
-    def point(
+    @property
+    def _sunlit(self) -> bool:
+        return any(term.part == "sun" for term in self.terms)
+
+    def view_matrices(
+        self, point: ViewPoint, samples: SphereSamples, effort: Effort
+    ) -> dict[str, TransferMatrix]:
+        """Return V by window name; of reflected light alone if the sun is direct."""
+        cells = samples.cells(point.position)
+        inner = [each.window for each in self.windows]
+        trace = reflected_view_matrices if self._sunlit else picture_view_matrices
+        return trace(self.scene, inner, cells, effort=effort)
+
+    def traced(
         self,
+        point: ViewPoint,
         samples: SphereSamples,
         views: Mapping[str, TransferMatrix],
         effort: Effort,
@@ -342,7 +378,7 @@ class PointTracer:
     ) -> ViewPoint:
         """Return the view point with given V; trace the paths to the windows."""
         paths = None
-        if any(term.part == "sun" for term in self.terms):
+        if self._sunlit:
             own = replace(
                 effort,
                 samples=sun_samples,
@@ -350,19 +386,14 @@ class PointTracer:
                 bounces=None,
                 seed=(effort.seed + _PATHS) % 2**32,
             )
+            cells = samples.cells(point.position)
             inner = [each.window for each in self.windows]
-            cells = samples.cells(self.position)
             paths = picture_window_paths(self.scene, inner, cells, effort=own)
         suns = None if self.skies.suns is None else self.skies.suns.directions
-        return ViewPoint(
-            self.position,
-            self.views,
-            samples,
-            receiving_matrices(self.windows, views, paths, suns),
-            self.terms,
-            self.skies,
-            self.refinement,
-        )
+        like = self._known[0] if self._known else None
+        found = receiving_matrices(self.windows, views, paths, suns, like=like)
+        self._known[:] = [found]
+        return replace(point, samples=samples, windows=found)
 
 
 def representative_steps(
@@ -404,7 +435,7 @@ def _apart(skies: Skies, count: int) -> Int[np.ndarray, " step"]:
     return np.asarray(step[chosen])
 
 
-def _small_windows(
+def _middles(
     windows: Sequence[ShadedWindow], point: Vector
 ) -> Float[np.ndarray, "window 3"]:
     # Directions to the middle of each polygon of the windows

@@ -5,7 +5,7 @@ share them, each with view matrices and paths to the windows of its own.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -13,9 +13,9 @@ from jaxtyping import Float
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.matrix.transfer_matrix import TransferMatrix, require_matrix
-from clerestory.phases.matrix_equation import MatrixChain, WindowMatrices
+from clerestory.phases.matrix_equation import MatrixChain, Receiving, WindowMatrices
 from clerestory.phases.stored_views import FEW, with_few_components
-from clerestory.phases.sunlit import SunlitReceivers, SunlitTables, in_sunlight
+from clerestory.phases.sunlit import SunlitReceivers, in_sunlight
 from clerestory.phases.window_paths import WindowPaths
 from clerestory.scene.model import Scene
 from clerestory.scene.window import Window
@@ -32,7 +32,6 @@ class ShadeState:
     bsdf : BSDF at full resolution, for the direct correction; `peak` tells whether its
         direct transmission is extracted
     shade : exterior shade of this state
-    tables : tables that view points of one study share, for one set of suns
     """
 
     whole: tuple[TransferMatrix, ...]
@@ -40,19 +39,14 @@ class ShadeState:
     bsdf: Bsdf | None = None
     peak: bool = False
     shade: Scene | None = None
-    tables: SunlitTables = field(default_factory=SunlitTables)
 
 
 @dataclass(frozen=True, eq=False)
 class ShadedWindow:
-    """Window group and its shade states, the most open first.
-
-    `tables` are those of all states without an exterior shade.
-    """
+    """Window group and its shade states, the most open first."""
 
     window: Window
     states: tuple[ShadeState, ...]
-    tables: SunlitTables = field(default_factory=SunlitTables)
 
 
 def receiving_matrices(
@@ -62,12 +56,15 @@ def receiving_matrices(
     suns: Float[np.ndarray, "sun 3"] | None,
     *,
     kind: type[np.floating] = np.float32,
+    like: Sequence[WindowMatrices] | None = None,
 ) -> tuple[WindowMatrices, ...]:
-    """Return the matrices of pixels or cells with given V, by window name.
+    """Return the matrices of pixels or cells, by window name.
 
-    With `paths`, they include those of the direct correction under the suns; V_d is of
-    floating-point numbers of a `kind`. T, F and D have the few error components that
-    suffice for glare.
+    `views` are V. With `paths`, they are V - V_d, and the matrices include those of the
+    direct correction under the suns; V_d is of floating-point numbers of a `kind`. T, F
+    and D have the few error components that suffice for glare. `like` are matrices of
+    other receivers of the same windows under the same suns, whose tables of sunlight
+    are used again.
     """
 
     @cache
@@ -83,25 +80,45 @@ def receiving_matrices(
 
     direct = {} if paths is None else paths.view_matrices(kind)
     found = []
-    for shaded in windows:
+    for number, shaded in enumerate(windows):
         name, states = shaded.window.name, shaded.states
-        whole = chain(views[name], (state.whole for state in states))
+        factors = [state.whole for state in states]
         if paths is None:
-            found.append(WindowMatrices(whole))
+            found.append(WindowMatrices(chain(views[name], factors)))
             continue
-        sun = MatrixChain(tuple(_sunlit(paths, shaded, each, suns) for each in states))
+        whole = chain(_sum(views[name], direct[name]), factors)
+        known = like[number].sun if like else None
+        sun = MatrixChain(
+            tuple(_sunlit(paths, name, each, suns) for each in states)
+            if known is None
+            else tuple(_again(each, paths) for each in known.receiving)
+        )
         dark = chain(direct[name], (state.direct for state in states))
         found.append(WindowMatrices(whole, dark, sun))
     return tuple(found)
 
 
+def _sum(reflected: TransferMatrix, direct: TransferMatrix) -> TransferMatrix:
+    # V of the same paths as V_d, so that its error cancels in V T D S - V_d T D_d S_ds
+    values, error = reflected.values, reflected.components
+    assert error is not None
+    assert direct.components is not None
+    # Grey rooms: one channel
+    if len(direct.values) == 1:
+        values, error = values[:1], error[:, :1]
+    return replace(
+        reflected,
+        values=values + direct.values,
+        components=error + direct.components,
+    )
+
+
 def _sunlit(
     paths: WindowPaths,
-    shaded: ShadedWindow,
+    window: str,
     state: ShadeState,
     suns: Float[np.ndarray, "sun 3"] | None,
 ) -> SunlitReceivers:
-    window, outside = shaded.window.name, (state if state.shade else shaded).tables
     require_matrix(
         state.bsdf is not None and state.direct,
         f'a state of window "{window}" has no BSDF or no direct matrices; both expected'
@@ -116,5 +133,9 @@ def _sunlit(
         suns=np.zeros((0, 3)) if suns is None else suns,
         peak=state.peak,
         scene=None if state.shade is None else room + state.shade,
-        tables=SunlitTables(outside.outside, state.tables.state),
     )
+
+
+def _again(matrix: Receiving, paths: WindowPaths) -> SunlitReceivers:
+    assert isinstance(matrix, SunlitReceivers)
+    return matrix.of(paths)

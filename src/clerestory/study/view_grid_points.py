@@ -16,12 +16,11 @@ from jaxtyping import Float, Int
 from clerestory.engine.effort import Effort
 from clerestory.glare.sphere_refinement import Refinement
 from clerestory.glare.sphere_samples import SphereSamples, regular_samples
-from clerestory.glare.view_points import PointTracer, ViewPoint
+from clerestory.glare.view_points import ViewPoint, ViewPointTracer
 from clerestory.matrix.axis import pixel_axis, unknown_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.fingerprint import fingerprint
 from clerestory.phases.matrix_equation import Skies, States
-from clerestory.phases.shaded_windows import ShadedWindow
 from clerestory.progress import Progress
 from clerestory.study.control_inputs import GridGlareFunction
 from clerestory.study.job import VIEW_GRIDS, Display, Job
@@ -30,7 +29,7 @@ from clerestory.study.view_grid_positions import ViewGrid
 from clerestory.study.view_matrices import half_views, shaded_windows
 
 # Function that chooses the cells of a view point
-ChooseCells = Callable[[PointTracer, Effort], SphereSamples]
+ChooseCells = Callable[[ViewPointTracer, ViewPoint, Effort], SphereSamples]
 
 # Level of cells whose number is usual, and rounds and paths per cell of their choice
 USUAL_LEVEL, _ROUNDS, _TRIAL = 6, 3, 64
@@ -79,7 +78,7 @@ class GridPoints:
         key = grid.name, number
         if key in self._kept:
             return self._kept[key]
-        found = self._loaded(grid, number, PointTracer.cells)
+        found = self._loaded(grid, number, ViewPointTracer.cells)
         used = sum(map(_bytes, self._kept.values()))
         if used + _bytes(found) < _SHARE * 1e9 * self.job.study.trace.memory_gb:
             self._kept[key] = found
@@ -93,41 +92,40 @@ class GridPoints:
         job, table = self.job, grid.table
         first = sum(len(each) for each in _before(job.inputs.view_grids, grid))
         effort = job.pixel_effort(table.samples, VIEW_GRIDS + _SEEDS * (first + number))
-        tracer = PointTracer(
-            job.scene,
-            self._windows,
+        tracer = self._tracer
+        blank = tracer.blank(
             grid.position[number],
-            tuple(grid.views(number)),
-            self.matrices.terms,
-            self.skies,
+            grid.views(number),
             Refinement(tolerance=table.tolerance, most=table.most_directions),
         )
-        parts = tracer.position, tracer.views, tracer.refinement, effort
+        parts = blank.position, blank.views, blank.refinement, effort
         key = fingerprint(self._light, *parts)
         label = f"view-grid-{grid.name}-{number + 1:04d}"
 
         def chosen(_key: str, *, effort: Effort, progress: Progress) -> TransferMatrix:
-            return _as_matrix(choose(tracer, effort))
+            return _as_matrix(choose(tracer, blank, effort))
 
         def views(
             _key: str, *, effort: Effort, progress: Progress
         ) -> dict[str, TransferMatrix]:
-            return half_views(tracer.view_matrices(samples, effort))
+            return half_views(tracer.view_matrices(blank, samples, effort))
 
         samples = _as_cells(job.matrix(f"{label}-cells", partial(chosen, key), effort))
-        inner = [each.window for each in self._windows]
+        inner = [each.window for each in tracer.windows]
         V = job.matrices(label, inner, partial(views, key), effort, shown=label)
-        return tracer.point(samples, V, effort, sun_samples=table.sun_samples)
+        return tracer.traced(blank, samples, V, effort, sun_samples=table.sun_samples)
 
     @cached_property
-    def _windows(self) -> tuple[ShadedWindow, ...]:
-        return shaded_windows(self.job, self.matrices)
+    def _tracer(self) -> ViewPointTracer:
+        windows = shaded_windows(self.job, self.matrices)
+        terms = tuple(self.matrices.terms)
+        return ViewPointTracer(self.job.scene, windows, self.skies, terms)
 
     @cached_property
     def _light(self) -> str:
         # Fingerprint of everything that all positions have in common
         matrices = [
-            (each.whole, each.direct) for w in self._windows for each in w.states
+            (each.whole, each.direct) for w in self._tracer.windows for each in w.states
         ]
         skies = [self.skies.whole.diffuse, self.skies.whole.times.astype(np.int64)]
         return fingerprint(self.job.scene_key, matrices, skies)
@@ -163,12 +161,14 @@ def grid_glare_function(points: GridPoints, *, display: Display) -> GridGlareFun
     return largest
 
 
-def _usual_cells(tracer: PointTracer, effort: Effort) -> SphereSamples:
+def _usual_cells(
+    tracer: ViewPointTracer, point: ViewPoint, effort: Effort
+) -> SphereSamples:
     # Cells in a dry run, which records the tracing that chooses the cells
     samples, trial = regular_samples(USUAL_LEVEL), replace(effort, samples=_TRIAL)
     for _ in range(_ROUNDS):
-        V = tracer.view_matrices(samples, trial)
-        tracer.point(samples, V, trial, sun_samples=_TRIAL)
+        V = tracer.view_matrices(point, samples, trial)
+        tracer.traced(point, samples, V, trial, sun_samples=_TRIAL)
     return samples.centred()
 
 

@@ -18,7 +18,10 @@ from clerestory.image.picture import Picture
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.matrix_equation import MatrixChain, Skies, States, WindowMatrices
 from clerestory.phases.methods import METHODS
-from clerestory.phases.picture_matrices import picture_view_matrices
+from clerestory.phases.picture_matrices import (
+    picture_view_matrices,
+    reflected_view_matrices,
+)
 from clerestory.phases.picture_series import (
     UncertainPixels,
     luminance_over_time,
@@ -139,8 +142,8 @@ def trace_view(
     job: Job, matrices: StudyMatrices, table: ViewTable, camera: Camera
 ) -> ViewMatrices:
     """Return the pixel matrices of a view, from the cache if possible."""
-    views = _view_matrices(job, table, camera)
     sunlit = any(term.part == "sun" for term in matrices.terms)
+    views = _view_matrices(job, table, camera, reflected=sunlit)
     windows = receiving_matrices(
         shaded_windows(job, matrices),
         views,
@@ -177,13 +180,15 @@ def shaded_windows(job: Job, matrices: StudyMatrices) -> tuple[ShadedWindow, ...
 
 
 def _view_matrices(
-    job: Job, table: ViewTable, camera: Camera
+    job: Job, table: ViewTable, camera: Camera, *, reflected: bool
 ) -> dict[str, TransferMatrix]:
+    # V, or V - V_d
     windows = [group.inner for group in job.inputs.groups]
+    traced = _traced_reflected if reflected else _traced_views
     return job.matrices(
-        f"picture-{table.label}",
+        f"picture-{table.label}{'-reflected' * reflected}",
         windows,
-        partial(_traced_views, job.scene, windows, camera),
+        partial(traced, job.scene, windows, camera),
         job.pixel_effort(table.samples),
         shown=f"picture matrices of {table.label}",
     )
@@ -191,6 +196,10 @@ def _view_matrices(
 
 def _traced_views(*where: Any, **how: Any) -> dict[str, TransferMatrix]:
     return half_views(picture_view_matrices(*where, **how))
+
+
+def _traced_reflected(*where: Any, **how: Any) -> dict[str, TransferMatrix]:
+    return half_views(reflected_view_matrices(*where, **how))
 
 
 def _paths(job: Job, table: ViewTable, camera: Camera) -> WindowPaths:
