@@ -129,9 +129,9 @@ def report(small: int, large: int, folder: Path, *, whole: bool) -> str:
     total = (start + GOAL * each) / 60
     lines += [
         "",
-        f"Each position: {each:.1f} s of processor time. {GOAL} positions, extrapolated:"
-        f" {total:.0f} min of processor time, {total / 2:.0f} min on two cores if both"
-        " are always busy.",
+        f"Each position: {each:.1f} s of processor time. {GOAL} positions,"
+        f" extrapolated: {total:.0f} min of processor time, {total / 2:.0f} min on two"
+        " cores if both are always busy.",
     ]
     return "\n".join(lines)
 
