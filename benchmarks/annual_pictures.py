@@ -36,8 +36,6 @@ from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.bsdfgen.generate import generate_bsdf
 from clerestory.bsdfgen.venetian_geometry import venetian
-from clerestory.engine.direct_sun_jobs import PixelSunJob, trace_pixel_sun
-from clerestory.engine.effort import Effort
 from clerestory.glare.annual_glare import annual_glare
 from clerestory.image.camera import Camera
 from clerestory.matrix.axis import pixel_axis, sun_axis
@@ -70,6 +68,9 @@ from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.sky.sun_matrix import sun_matrix
 from clerestory.sky.weather import Weather
 from clerestory.study.new_study import write_demo
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "physics"))
+from pairwise_sun import pairwise_sun
 
 # Beside the interpreter, whatever the PATH
 PROGRAM = Path(sys.executable).parent / "clerestory"
@@ -226,18 +227,14 @@ def pairwise(
     scene: Scene, window: Window, layer: Bsdf, suns: np.ndarray, camera: Camera
 ) -> TransferMatrix:
     """Return C_ds by paths of their own for every pixel and sun."""
-    effort = Effort(samples=PAIRS, seed=77, device="cpu")
-    job = PixelSunJob(
-        scene=scene, windows=(window,), number=0, bsdf=layer, suns=suns, peak=True,
-        view=camera.view, columns=camera.columns, rows=camera.rows, samples=PAIRS,
-        **effort.job_options(2),
-    )  # fmt: skip
-    shape = len(scene.bands), len(camera), len(suns)
-    values, error = np.zeros(shape, np.float32), np.zeros(shape, np.float32)
-    for first in range(0, len(suns), TOGETHER):
-        some = np.arange(first, min(first + TOGETHER, len(suns)))
-        one, other = trace_pixel_sun(job, some, effort)
-        values[..., some], error[..., some] = (one + other) / 2, (one - other) / 2
+    parts = [
+        pairwise_sun(
+            scene, [window], layer, camera, suns[first : first + TOGETHER], peak=True,
+            samples=PAIRS, seed=77 + first,
+        )
+        for first in range(0, len(suns), TOGETHER)
+    ]  # fmt: skip
+    values, error = (np.concatenate(each, axis=-1) for each in zip(*parts, strict=True))
     axes = pixel_axis(len(camera)), sun_axis(len(suns))
     return TransferMatrix(values, *axes, error[None], scene.bands)
 
