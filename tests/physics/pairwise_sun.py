@@ -23,7 +23,7 @@ _LANES = 1 << 21
 class PixelSunJob(Job):
     """Radiance of columns × rows pixels per direct normal irradiance of suns [1/sr].
 
-    Sunlight passes the window of index `number`. Each pixel and sun has `samples` paths.
+    Sunlight passes the window of index `number`; pairs have `samples` paths each.
     """
 
     windows: tuple[Window, ...]
