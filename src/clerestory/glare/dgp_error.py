@@ -26,8 +26,10 @@ class DgpTerms(NamedTuple):
     """Derivatives of DGP in each view at each time step.
 
     `by_level` is that by the vertical illuminance, `by_glare` by the sum over sources.
+    `value` is DGP if every cell were a source of its own, without its limit of 1.
     """
 
+    value: Float[np.ndarray, "view step"]
     by_level: Float[np.ndarray, "view step"]
     by_glare: Float[np.ndarray, "view step"]
 
@@ -71,7 +73,10 @@ class DgpModel:
             total += sun.luminance**k.a1 * sun.solid_angle * high
         illuminance = np.maximum(illuminance, 1e-9)
         by_glare = k.c2 / np.log(10) / (illuminance**k.a3 + total)
-        return DgpTerms(k.c1 - by_glare * k.a3 * total / illuminance, by_glare)
+        value = k.c1 * illuminance + k.c3
+        value += k.c2 * np.log10(1 + total / illuminance**k.a3)
+        by_level = k.c1 - by_glare * k.a3 * total / illuminance
+        return DgpTerms(value, by_level, by_glare)
 
     def _weights(self, view: View, direction: np.ndarray) -> tuple[Values, Values]:
         # Cosine and P^−a4 of each direction, 0 behind the eye
@@ -93,19 +98,34 @@ class DgpModel:
         return np.asarray(np.maximum(square + 2 * both, 0))
 
 
+def limited(
+    error: Float[np.ndarray, "view step"], value: Float[np.ndarray, "view step"]
+) -> Float[np.ndarray, "view step"]:
+    """Return the standard error of DGP with its limit of 1, for normal errors.
+
+    `value` is DGP without the limit.
+
+    >>> limited(np.full((1, 2), 0.02), np.array([[0.5, 1.2]])).tolist()
+    [[0.02, 0.0]]
+    """
+    share = (1 - value) / np.maximum(error, 1e-9)
+    below = np.clip(0.5 + share / 4, 0, 1)
+    return np.asarray(error * below)
+
+
 def statistical_variance(
     model: DgpModel,
+    terms: DgpTerms,
     luminance: Light,
     variance: Light,
     shared: Float[np.ndarray, "draw cell step"],
-    sun: SunDisc,
 ) -> Float[np.ndarray, "view step"]:
     """Return the variance of DGP by the statistical errors of the luminance.
 
     `variance` is independent by cell; the mean of the squares of `shared` deviations is
     the variance that cells have in common.
     """
-    terms, own = model.terms(luminance, sun), np.sqrt(variance)
+    own = np.sqrt(variance)
     found = model.variance(terms, own, _half(model, luminance, own))
     level, high = model.weights
     for change in shared:

@@ -18,6 +18,7 @@ from jaxtyping import Bool, Float
 from clerestory.array_types import Directions
 from clerestory.checks import positive, require
 from clerestory.glare.dgp_error import DgpModel, DgpTerms, Light
+from clerestory.glare.eye_directions import SunDisc
 from clerestory.glare.index_settings import EVALGLARE, DgpCoefficients
 from clerestory.glare.sphere_samples import FINEST, SphereSamples, regular_samples
 from clerestory.scene.view import View
@@ -162,22 +163,29 @@ def sampling_error(
     views: Sequence[View],
     *,
     refinement: Refinement | None = None,
+    sun: SunDisc | None = None,
+    means: bool = False,
 ) -> Float[np.ndarray, "view step"]:
     """Standard error of DGP from the finite number of directions, to first order.
 
-    Small things that no direction hits are not in the error.
+    Small things that no direction hits are not in the error. `sun` is the sun's disc at
+    each step. If the luminances are `means` over the cells, the illuminance has no
+    error, and only the size of glare sources is uncertain.
     """
     error = np.zeros((len(views), luminance.shape[1]))
     how = refinement or Refinement()
     model = DgpModel(samples, views, how.threshold, how.coefficients)
-    for steps, of_level, of_glare, terms in _deviations(model, luminance):
-        terms = terms._replace(by_level=np.abs(terms.by_level))
+    for steps, of_level, of_glare, terms in _deviations(model, luminance, sun):
+        by_level = 0 * terms.by_level if means else np.abs(terms.by_level)
+        terms = terms._replace(by_level=by_level)
         error[:, steps] = np.sqrt(model.variance(terms, of_level, of_glare))
     return error
 
 
 def _deviations(
-    model: DgpModel, luminance: Float[np.ndarray, "direction step"]
+    model: DgpModel,
+    luminance: Float[np.ndarray, "direction step"],
+    sun: SunDisc | None = None,
 ) -> Iterator[tuple[slice, Light, Light, DgpTerms]]:
     # Standard deviations of the luminance of each cell, and of its power in the sum
     # over sources, by blocks of time steps
@@ -192,4 +200,5 @@ def _deviations(
         glare, high, low = (model.glare(x) for x in (level, most, least))
         of_level = spread * np.maximum(most - level, level - least)
         of_glare = spread * np.maximum(high - glare, glare - low)
-        yield steps, of_level, of_glare, model.terms(level)
+        disc = None if sun is None else sun.select(steps)
+        yield steps, of_level, of_glare, model.terms(level, disc)

@@ -18,7 +18,7 @@ from clerestory.array_types import Vector
 from clerestory.checks import distinct, has_shape, require
 from clerestory.engine.effort import Effort, EffortKeywords, effort_of
 from clerestory.engine.work_units import Goal
-from clerestory.glare.dgp_error import DgpModel, statistical_variance
+from clerestory.glare.dgp_error import DgpModel, limited, statistical_variance
 from clerestory.glare.eye_directions import SUN_SOLID_ANGLE, SunDisc
 from clerestory.glare.point_glare import point_glare, views_around
 from clerestory.glare.sphere_refinement import (
@@ -46,6 +46,7 @@ from clerestory.phases.sunlit import SunlitReceivers
 from clerestory.phases.window_paths import picture_window_paths
 from clerestory.scene.model import Scene
 from clerestory.scene.view import View
+from clerestory.threads import linear_algebra_in_one_thread
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -105,21 +106,28 @@ class ViewPoint:
         asked = np.arange(len(times)) if steps is None else steps
         lit = asked[self.skies.whole.diffuse[:, asked].max(axis=0) > 0]
         own = [np.asarray(state)[lit] for state in given]
-        sun = self.sun_disc(own, lit)
-        luminance, variance = self._luminance(own, lit, sun)
-        found = point_glare(
-            self.samples,
-            luminance,
-            self.views,
-            sun=sun,
-            times=times[lit],
-            quantities=quantities,
-        )
-        if "dgp" in quantities:
-            how, cells = self.refinement, self.samples
-            sampled = sampling_error(cells, luminance, self.views, refinement=how)
-            error = np.sqrt(variance + np.square(sampled))
-            found["dgp_error"] = ("view", "time"), error, {"units": "1"}
+        with linear_algebra_in_one_thread():
+            sun = self.sun_disc(own, lit)
+            luminance, variance, value = self._luminance(own, lit, sun)
+            found = point_glare(
+                self.samples,
+                luminance,
+                self.views,
+                sun=sun,
+                times=times[lit],
+                quantities=quantities,
+            )
+            if "dgp" in quantities:
+                sampled = sampling_error(
+                    self.samples,
+                    luminance,
+                    self.views,
+                    refinement=self.refinement,
+                    sun=sun,
+                    means=True,
+                )
+                error = limited(np.sqrt(variance + np.square(sampled)), value)
+                found["dgp_error"] = ("view", "time"), error, {"units": "1"}
         return found.reindex(time=times[asked])
 
     def sun_disc(self, states: States, steps: Int[np.ndarray, " step"]) -> SunDisc:
@@ -163,21 +171,25 @@ class ViewPoint:
 
     def _luminance(
         self, states: States, steps: Int[np.ndarray, " step"], sun: SunDisc
-    ) -> tuple[Float[np.ndarray, "cell step"], Float[np.ndarray, "view step"]]:
-        # Luminance of the cells, and statistical variance of DGP
+    ) -> tuple[
+        Float[np.ndarray, "cell step"],
+        Float[np.ndarray, "view step"],
+        Float[np.ndarray, "view step"],
+    ]:
+        # Luminance of the cells, statistical variance of DGP, and DGP without a limit
         how = self.refinement
         model = DgpModel(self.samples, self.views, how.threshold, how.coefficients)
         light = np.zeros((self.samples.count, len(steps)), np.float32)
-        variance = np.zeros((len(self.views), len(steps)))
+        variance, value = np.zeros((2, len(self.views), len(steps)))
         series = self._series(states, steps, errors=True)
         for block in series.blocks(_STEPS, rows=self.samples.count):
-            own = block.times.start + block.steps
-            light[block.rows, own] = block.light[0]
-            disc = SunDisc(sun.direction[own], sun.luminance[own], sun.solid_angle[own])
-            variance[:, own] = statistical_variance(
-                model, block.light[0], block.variance, block.shared, disc
-            )
-        return light, variance
+            own, level = block.times.start + block.steps, block.light[0]
+            light[:, own] = level
+            terms = model.terms(level, sun.select(own))
+            rest = block.variance, block.shared
+            variance[:, own] = statistical_variance(model, terms, level, *rest)
+            value[:, own] = terms.value
+        return light, variance, value
 
     def luminance(
         self, states: States, steps: Int[np.ndarray, " step"]
@@ -321,13 +333,14 @@ class ViewPointTracer:
             own = replace(trial, seed=(effort.seed + 1 + next(rounds)) % 2**32)
             return self._traced(blank, samples, own, _TRIAL).luminance(states, steps)
 
-        samples = sample_sphere(
-            luminance,
-            views,
-            refinement=refinement,
-            details=_middles(self.windows, position),
-            seed=effort.seed,
-        )
+        with linear_algebra_in_one_thread():
+            samples = sample_sphere(
+                luminance,
+                views,
+                refinement=refinement,
+                details=_middles(self.windows, position),
+                seed=effort.seed,
+            )
         return self._traced(blank, samples.centred(), effort, sun_samples)
 
     @cached_property
