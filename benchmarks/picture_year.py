@@ -18,9 +18,9 @@ from duel import stamp
 
 import clerestory as cl
 from clerestory.hemisphere.klems import klems
+from clerestory.image.camera import Camera
 from clerestory.matrix.axis import pixel_axis, sky_axis, window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.camera import Camera
 from clerestory.phases.matrix_equation import Skies, WindowMatrices, window_chain
 from clerestory.phases.methods import THREE_PHASE
 from clerestory.phases.picture_series import pictures_over_time

@@ -28,7 +28,7 @@ from clerestory.engine.distant_emitters import DistantEmitters
 from clerestory.engine.lower import LoweredScene, lower
 from clerestory.engine.upload import vectors
 from clerestory.engine.visibility import offset
-from clerestory.phases.camera import Camera
+from clerestory.image.camera import Camera
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
 from truth.beams import MOST, Beams, beams, random_numbers

@@ -6,8 +6,8 @@ import numpy as np
 
 import clerestory as cl
 from clerestory.bsdf.bsdf import Bsdf
+from clerestory.image.camera import Camera
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.camera import Camera
 from clerestory.phases.direct_light import blackened
 from clerestory.phases.matrix_equation import (
     MatrixChain,

@@ -10,7 +10,7 @@ from clerestory.bsdfgen.extrusion import extruded
 from clerestory.bsdfgen.film_geometry import prismatic
 from clerestory.bsdfgen.shading_system import System
 from clerestory.bsdfgen.venetian_geometry import microlouvre, venetian
-from clerestory.phases.camera import Camera
+from clerestory.image.camera import Camera
 from clerestory.scene.model import Dielectric, Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View

@@ -10,12 +10,12 @@ from radiance import run
 from clerestory.cli.main import main
 
 ROOM = Path(__file__).parents[1] / "cli" / "room"
-RUNS = 16
+RUNS = 64
 COLOURED = "void plastic grey 0 0 5 .6 .4 .2 0 0"
 
 
 def test_sensors_of_a_room_receive_what_rtrace_says(tmp_path, capsys):
-    """Overcast sky, one reflection; rtrace without interpolation, sixteen times."""
+    """Overcast sky, one reflection; rtrace without interpolation, 64 times."""
     text = (ROOM / "room.rad").read_text()
     text = text.replace("void plastic grey\n0\n0\n5 0.5 0.5 0.5 0 0", COLOURED)
     assert COLOURED in text
@@ -26,7 +26,7 @@ def test_sensors_of_a_room_receive_what_rtrace_says(tmp_path, capsys):
     )
     points = (ROOM / "desk.pts").read_text()
     run("oconv room.rad sky.rad > room.oct", folder=tmp_path)
-    options = "-h -I -u+ -ab 2 -ad 2048 -lw 1e-7 -aa 0 -as 0 -dt 0"
+    options = "-h -I -u+ -ab 2 -ad 512 -lw 1e-7 -aa 0 -as 0 -dt 0"
     output = run(f"rtrace {options} room.oct", folder=tmp_path, stdin=points * RUNS)
     theirs = np.loadtxt(io.StringIO(output)).reshape(RUNS, -1, 3)
     status = main(

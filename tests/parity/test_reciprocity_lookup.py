@@ -17,7 +17,7 @@ from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.directions import Frame
 from clerestory.hemisphere.klems import klems
-from clerestory.phases.camera import Camera
+from clerestory.image.camera import Camera
 from clerestory.phases.sun_coefficients import (
     picture_sun_coefficients,
     sun_coefficients,

@@ -13,7 +13,7 @@ from tutorial import SUN_SR, Tutorial
 import clerestory as cl
 from clerestory.bands import RGB
 from clerestory.bsdf.xml_writer import write_bsdf
-from clerestory.phases.camera import Camera
+from clerestory.image.camera import Camera
 from clerestory.phases.direct_light import blackened
 from clerestory.phases.matrix_equation import (
     MatrixChain,

@@ -12,7 +12,7 @@ from clerestory.bsdf.analytic import lambertian
 from clerestory.bsdfgen.panes_and_fabrics import diffuse_pane
 from clerestory.colorimetry import wavelength_bands
 from clerestory.errors import InputError, MatrixError
-from clerestory.phases.camera import Camera
+from clerestory.image.camera import Camera
 from clerestory.phases.picture_matrices import picture_view_matrices
 from clerestory.phases.rendering import irradiance, render
 from clerestory.scene.model import DistantSource, Glow, Plastic, Scene

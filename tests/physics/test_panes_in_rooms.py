@@ -8,7 +8,7 @@ import clerestory as cl
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.hemisphere.klems import klems
-from clerestory.phases.camera import Camera
+from clerestory.image.camera import Camera
 from clerestory.phases.picture_matrices import picture_view_matrices
 from clerestory.phases.sun_coefficients import picture_sun_coefficients
 from clerestory.scene.model import Glass

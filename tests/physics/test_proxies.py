@@ -14,7 +14,7 @@ import clerestory as cl
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.hemisphere.klems import klems
-from clerestory.phases.camera import Camera
+from clerestory.image.camera import Camera
 from clerestory.phases.picture_matrices import picture_view_matrices
 from clerestory.phases.rendering import irradiance
 from clerestory.scene.model import BsdfSurface, DistantSource, Light, Plastic, Scene

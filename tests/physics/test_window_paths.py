@@ -26,12 +26,15 @@ from clerestory.bsdfgen.venetian_geometry import venetian
 from clerestory.colorimetry import wavelength_bands
 from clerestory.engine import window_path_jobs
 from clerestory.hemisphere.klems import klems
-from clerestory.phases.camera import Camera
-from clerestory.phases.picture_matrices import picture_view_matrices
+from clerestory.image.camera import Camera
+from clerestory.phases.picture_matrices import (
+    picture_view_matrices,
+    reflected_view_matrices,
+)
 from clerestory.phases.sun_coefficients import picture_sun_coefficients
 from clerestory.phases.sunlit import in_sunlight
 from clerestory.phases.window_paths import picture_window_paths
-from clerestory.scene.model import Plastic, Scene
+from clerestory.scene.model import Glass, Plastic, Scene
 from clerestory.scene.view import View, solid_angles
 
 KLEMS = klems("full")
@@ -177,6 +180,37 @@ def test_direct_view_matrix_is_that_of_the_path_tracer(device, reflectance):
         assert abs(score).max() < 6
         every = (v.sum(axis=-1, keepdims=True) for v in (value, error, other.values))
         compare(*every, noise.sum(axis=-1, keepdims=True), bias=0.002)
+
+
+@pytest.mark.parametrize("kind", ["diffuse", "glossy", "mirrors", "pane"])
+def test_direct_and_reflected_light_are_the_whole_light(device, kind):
+    """V is the sum of V_d and V - V_d, which are traced by different paths."""
+    scene, south = box(4, 5, 3, 0.5)
+    if kind in ("glossy", "mirrors"):
+        roughness = 0.2 if kind == "glossy" else 0.0
+        wall = replace(grey(0.4), specularity=0.3, roughness=roughness)
+        scene = Scene({"wall": wall}, scene.surfaces)
+    if kind == "pane":
+        pane = quad((0, 1, 0), (0, 1, 3), (4, 1, 3), (4, 1, 0), material="clear")
+        materials = scene.materials | {"clear": Glass("clear", np.full(3, 0.8))}
+        scene = Scene(materials, (*scene.surfaces, pane))
+    given, shared = (scene, [south], camera()), {"samples": 64, "device": device}
+    whole = picture_view_matrices(*given, seed=1, **shared)["south"]
+    direct = picture_window_paths(*given, seed=2, **shared).view_matrices()["south"]
+    reflected = reflected_view_matrices(*given, seed=3, **shared)["south"]
+    assert reflected.values.sum() > 0.1 * whole.values.sum()
+    sums = [
+        (each.values.sum(axis=-1, keepdims=True), each.components[0].sum(axis=-1))
+        for each in (whole, direct, reflected)
+    ]
+    noise = np.hypot(sums[1][1], sums[2][1])[..., None]
+    compare(
+        np.broadcast_to(sums[1][0] + sums[2][0], sums[0][0].shape),
+        np.broadcast_to(noise, sums[0][0].shape),
+        sums[0][0],
+        abs(sums[0][1])[..., None],
+        bias=0.002,
+    )
 
 
 @pytest.mark.parametrize("kind", BSDFS)
@@ -536,21 +570,20 @@ def test_luminance_of_bands_is_weighted(device):
 
     # One sun at each step; the second is dark
     normal = csc_array(np.diag([500.0, 0, 800.0, 300.0]))
-    by_band, error = lit.received(normal, np.eye(3))
-    [weighted], [weighted_error] = lit.received(normal, RGB.weights[None])
-    for one, other in ((by_band, weighted), (error, weighted_error)):
-        expected = np.einsum("b,bps->ps", RGB.weights, one)
-        np.testing.assert_allclose(other, expected, rtol=1e-3, atol=1e-3)
-    assert not weighted[:, 1].any()
-    assert weighted[:, [0, 2, 3]].mean() > 1
+    by_band = lit.received(normal, np.eye(3))
+    weighted = lit.received(normal, RGB.weights[None])
+    expected = np.einsum("b,tbps->tps", RGB.weights, by_band.batches)
+    np.testing.assert_allclose(weighted.batches[:, 0], expected, rtol=1e-3, atol=1e-3)
+    assert weighted.steps.tolist() == by_band.steps.tolist() == [0, 2, 3]
+    assert weighted.mean(slice(None)).mean() > 1
 
     # The same sun at another step, and in a longer block
     last = csc_array((np.array([500.0]), ([0], [2])), shape=(4, 3))
     first = csc_array((np.array([500.0]), ([0], [0])), shape=(4, 5))
-    [late], [early] = (lit.received(n, RGB.weights[None])[0] for n in (last, first))
-    assert np.array_equal(late[:, 2], early[:, 0])
-    assert not late[:, :2].any()
-    assert not early[:, 1:].any()
+    late, early = (lit.received(n, RGB.weights[None]) for n in (last, first))
+    assert np.array_equal(late.batches, early.batches)
+    assert late.steps.tolist() == [2]
+    assert early.steps.tolist() == [0]
 
 
 def test_rough_plastic_reflects_the_sun(device):

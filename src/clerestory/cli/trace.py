@@ -18,11 +18,11 @@ from clerestory.engine.effort import Effort
 from clerestory.errors import InputError
 from clerestory.escaping import file_stems
 from clerestory.gonio.layer_file import read_layer
+from clerestory.image.camera import Camera
 from clerestory.image.picture_files import write_picture
 from clerestory.image.picture_sets import numbered
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases import traced_matrices
-from clerestory.phases.camera import Camera
 from clerestory.phases.direct_light import blackened
 from clerestory.phases.facade_matrices import facade_matrices
 from clerestory.phases.picture_matrices import picture_view_matrices

@@ -1,8 +1,8 @@
 """Lengths of batches that reach a target error, predicted from shorter batches.
 
-The errors of shorter batches predict the length at which a row of a matrix is complete.
-Stopping at the first error below the target would select errors that are small by
-chance: the reported errors would be 5 to 12 % too small.
+The number of samples that a row of a matrix needs is predicted from the errors of
+shorter batches. Stopping at the first error below the target would select errors that
+are small by chance: the reported errors would be 5 to 12 % too small.
 
 Reference: C. Stein, Annals of Mathematical Statistics 16 (3), 1945 (two-stage samples).
 """

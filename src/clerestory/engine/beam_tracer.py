@@ -15,7 +15,7 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float, Float32, Int
 
-from clerestory.engine.camera_rays import CameraRays
+from clerestory.engine.camera_rays import camera_rays
 from clerestory.engine.channels import GROUP, band_groups
 from clerestory.engine.lower import LoweredScene, lower
 from clerestory.engine.next_event_estimation import (
@@ -45,6 +45,7 @@ from clerestory.engine.window_path_jobs import (
     SensorWindowPaths,
     WindowPathsJob,
 )
+from clerestory.image.camera import Camera
 from clerestory.scene.view import solid_angles
 from clerestory.scene.window_zones import WindowZones
 
@@ -132,6 +133,24 @@ class BeamTracer:
         """Number of beams of a sun that the tracer expects."""
         return self.groups[0].beams
 
+    def disc(
+        self, weights: Float[np.ndarray, "out band"], beams: Beams
+    ) -> tuple[Float[np.ndarray, "out step"], Float[np.ndarray, " step"]]:
+        """Return what the solar disc contributes at the point of the cells of a sphere.
+
+        The first value is the irradiance perpendicular to the beams, weighted by band,
+        the second the share of the disc that is visible.
+        """
+        found = np.zeros((len(weights), len(beams.steps)))
+        share = np.zeros(len(beams.steps))
+        for number, group in enumerate(self.groups):
+            light = group.disc(beams)
+            own = weights[:, GROUP * number : GROUP * (number + 1)]
+            mean = light.mean(axis=-1)[: own.shape[1]]
+            found += own @ mean
+            share = np.maximum(share, (light.max(axis=0) > 0).mean(axis=-1))
+        return found, share
+
     def add(
         self,
         total: Sums,
@@ -193,8 +212,8 @@ class _Pixels:
 
     def __init__(self, job: PixelWindowPaths):
         self.points = max(2, _power_of_two(job.points // 4))
-        self.origin = np.asarray(job.view.position, dtype=float)
-        self.rays = CameraRays.of(job.view, job.columns, job.rows)
+        self.origin = np.asarray(job.camera.position, dtype=float)
+        self.rays = camera_rays(job.camera)
 
     def visible(self, model: LoweredScene, places: _Places) -> _Visible:
         """Return the points of surfaces that are seen in the pixels."""
@@ -248,8 +267,7 @@ class _Group:
             places = self._places(dr.arange(mi.UInt32, count))
             self.visible = self.receivers.visible(self.window.inside, places)
             dr.eval(self.visible)
-        if pixels:
-            self.angles = solid_angles(job.view, job.columns, job.rows)
+        self.angles = _pixel_angles(job)
 
     def add(self, total: Sums, weights: np.ndarray, beams: Beams) -> None:
         # See `BeamTracer.add`
@@ -259,8 +277,16 @@ class _Group:
             for start in range(0, len(place), _PATHS):
                 some = slice(start, start + _PATHS)
                 self._trace(total, weights, part, place[some], number[some])
-        if beams.disc and isinstance(self.receivers, _Pixels):
-            self._disc(total, weights, beams)
+        if beams.disc and self.angles is not None:
+            self._disc(total, weights, beams, self.angles)
+
+    def disc(self, beams: Beams) -> Float32[np.ndarray, "channel step beam"]:
+        # Irradiance by the points of the solar disc at the point of the cells
+        with launching():
+            count = beams.value.shape[0] * beams.value.shape[1]
+            light = self._seen(beams, dr.arange(mi.UInt32, count), mi.Point3f(0))
+            dr.eval(light)
+            return light.numpy().reshape(3, *beams.value.shape[:2])
 
     def _places(self, place) -> _Places:
         each = dr.opaque(mi.UInt32, self.receivers.points)
@@ -318,28 +344,36 @@ class _Group:
             light = self.receivers.light(tracer, places) / self.receivers.points
         _add(total, weights, light, places.row, beams.steps[suns], places.batch)
 
-    def _disc(self, total: Sums, weights: np.ndarray, beams: Beams) -> None:
+    def _disc(
+        self, total: Sums, weights: np.ndarray, beams: Beams, angles: np.ndarray
+    ) -> None:
         # Points of the solar disc seen through the window, each in its pixel
-        job = self.job
-        where = job.view.pixel(beams.direction, columns=job.columns, rows=job.rows)
+        job, (rows, columns) = self.job, angles.shape
+        assert isinstance(job, PixelWindowPaths)
+        assert isinstance(job.camera, Camera)
+        camera = job.camera
+        where = camera.view.pixel(beams.direction, columns=columns, rows=rows)
         place = np.floor(np.nan_to_num(where, nan=-1)).astype(int).reshape(-1, 2)
         row, column = place.T
-        seen = (row >= 0) & (row < job.rows) & (column >= 0) & (column < job.columns)
+        seen = (row >= 0) & (row < rows) & (column >= 0) & (column < columns)
         chosen = np.flatnonzero(seen)
-        angle = self.angles[row[chosen], column[chosen]]
+        angle = angles[row[chosen], column[chosen]]
         chosen, angle = chosen[angle > 0], angle[angle > 0]
         if not len(chosen):
             return
         with launching():
-            pixel = on_device(mi.UInt32, (row * job.columns + column)[chosen])
-            beam = on_device(mi.UInt32, chosen)
-            lit = _lit(self.window, beams, beam)
+            pixel = on_device(mi.UInt32, (row * columns + column)[chosen])
             eye = dr.gather(mi.Point3f, self.receivers.rays.origin, pixel)
-            light = lit.value * lit.seen(eye, dr.max(lit.value) > 0)
+            light = self._seen(beams, on_device(mi.UInt32, chosen), eye)
             light *= on_device(mi.Float, job.batches / (self.beams * angle))
             batch = on_device(mi.UInt32, chosen % job.batches)
         step = beams.steps[chosen // self.beams]
         _add(total, weights, light, pixel, step, batch)
+
+    def _seen(self, beams: Beams, beam, eye: mi.Point3f) -> mi.Color3f:
+        # Light against beams that arrives at a point straight from the sun
+        lit = _lit(self.window, beams, beam)
+        return lit.value * lit.seen(eye, dr.max(lit.value) > 0)
 
 
 @dr.syntax
@@ -395,6 +429,13 @@ def _chosen(place, number, key, order: _Order):
     own = (start + index * order.apart) % order.own
     beams = order.own * order.batches
     return number * beams + own * order.batches + slot % order.batches
+
+
+def _pixel_angles(job: WindowPathsJob) -> Float[np.ndarray, "row column"] | None:
+    # Solid angles of the pixels of a picture
+    if isinstance(job, PixelWindowPaths) and isinstance(job.camera, Camera):
+        return solid_angles(job.camera.view, job.camera.columns, job.camera.rows)
+    return None
 
 
 def _power_of_two(count: int) -> int:

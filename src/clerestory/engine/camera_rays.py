@@ -1,7 +1,8 @@
-"""Camera rays through the pixels of a view.
+"""Camera rays through the pixels of a view, or the cells of a sphere.
 
 A ray through a point of a pixel is computed from the ray through the pixel centre and
-the derivatives of that ray across the pixel, for all view types alike.
+the derivatives of that ray across the pixel, for all view types alike. A ray through a
+point of a cell is computed by the equal-area map of `hemisphere.sphere_square`.
 """
 
 from dataclasses import dataclass
@@ -11,6 +12,8 @@ import mitsuba as mi
 import numpy as np
 
 from clerestory.engine.upload import on_device, vectors
+from clerestory.image.camera import Camera, PixelsOrCells
+from clerestory.scene.sphere_cells import SphereCells
 from clerestory.scene.view import View
 
 
@@ -67,3 +70,51 @@ class CameraRays:
             origin += dr.gather(mi.Vector3f, self.origin_upwards, pixel) * y
         valid = dr.gather(mi.Bool, self.valid, pixel)
         return mi.Ray3f(origin, dr.normalize(direction)), valid
+
+
+@dataclass
+class CellRays:
+    """Rays from a point through cells of the sphere: corner and size in the map.
+
+    The point is the origin of translated coordinates.
+    """
+
+    corner: mi.Point2f
+    size: mi.Float
+
+    @classmethod
+    def of(cls, cells: SphereCells) -> "CellRays":
+        """Return the rays of the cells."""
+        size = 0.5**cells.level
+        corner = (on_device(mi.Float, part * size) for part in cells.place.T)
+        return cls(mi.Point2f(*corner), on_device(mi.Float, size))
+
+    def through(self, cell, x, y):
+        """Return the ray through a point of a cell."""
+        size = dr.gather(mi.Float, self.size, cell)
+        corner = dr.gather(mi.Point2f, self.corner, cell)
+        direction = _from_square(corner + mi.Point2f(x, y) * size)
+        return mi.Ray3f(mi.Point3f(0), direction), dr.full(
+            mi.Bool, True, dr.width(direction)
+        )
+
+
+def camera_rays(camera: PixelsOrCells) -> CameraRays | CellRays:
+    """Return the rays through pixels or cells."""
+    if isinstance(camera, Camera):
+        return CameraRays.of(camera.view, camera.columns, camera.rows)
+    return CellRays.of(camera)
+
+
+def _from_square(point: mi.Point2f) -> mi.Vector3f:
+    # See `hemisphere.sphere_square.sphere_from_square`
+    place = 2 * point - 1
+    wide, tall = dr.abs(place.x), dr.abs(place.y)
+    height = 1 - (wide + tall)
+    radius = 1 - dr.abs(height)
+    turn = dr.select(radius > 0, (tall - wide) / dr.maximum(radius, 1e-12), 0)
+    sine, cosine = dr.sincos((turn + 1) * (dr.pi / 4))
+    flat = radius * dr.safe_sqrt(2 - radius * radius)
+    x, y = dr.copysign(flat * cosine, place.x), dr.copysign(flat * sine, place.y)
+    up = dr.copysign(1 - radius * radius, height)
+    return dr.normalize(mi.Vector3f(x, y, up))

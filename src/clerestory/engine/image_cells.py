@@ -1,9 +1,9 @@
 """Visibility of the mirror images of light sources from the cells of a room.
 
-Light by way of an image arrives along the line to the image, and only where this line
-meets a surface that reflects first. For a cell and the bounding box of the surfaces of
-a plane, a separating axis proves that no line does. No visible image is excluded by
-this test, and few images remain for each cell.
+Light that a mirror reflects arrives along the line to the image of its source, if the
+first surface that this line meets is the mirror. For a cell and the bounding box of the
+surfaces of a plane, a separating axis proves that no line does. No visible image is
+excluded by this test, and few images remain for each cell.
 
 Reference: S. Gottschalk, M. Lin, D. Manocha, "OBBTree: a hierarchical structure for
 rapid interference detection", SIGGRAPH 1996 (separating axes of boxes).
@@ -155,7 +155,7 @@ class ImageReach:
         image: Float[np.ndarray, "pair 3"],
         radius: float,
     ) -> Bool[np.ndarray, "cell pair"]:
-        # Whether a line from a cell to an image may meet the box of a plane
+        # Whether a line from a cell to an image may meet the bounding box of a plane
         axes, width = self.boxes.axes[self.plane], self.boxes.half[self.plane]
         apart = self.boxes.centre[self.plane] - start[:, None]
         towards = image[None] if self.distant else image - start[:, None]

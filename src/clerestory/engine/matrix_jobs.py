@@ -12,7 +12,7 @@ Jobs are plain data and need no compute device; `matrix_tracers` traces them.
 from abc import abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -22,8 +22,8 @@ from clerestory.engine.controller import EstimatedJob
 from clerestory.engine.sums import Sums, variance
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.reinhart import SkyPartition
+from clerestory.image.camera import PixelsOrCells
 from clerestory.scene.sensors import Sensors
-from clerestory.scene.view import View
 from clerestory.scene.window import Window
 
 # Rows with a sum below this fraction of the mean sum need not reach the target error
@@ -138,24 +138,23 @@ class FacadeJob(_WindowJob):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PixelViewJob(MatrixJob):
-    """View matrix V of a picture: pixels (columns × rows) × patches of all windows.
+    """View matrix V of pixels, or cells of the sphere: × patches of all windows.
 
-    If `direct`, paths end at the first surface.
+    `light` is "direct" for light that comes straight from the windows or after one
+    reflection at the first surface, "reflected" for all other light.
     """
 
     tracer: ClassVar[tuple[str, str]] = ("matrix_tracers", "prepare_pixel_view")
     together: ClassVar[bool] = False
 
     windows: tuple[Window, ...]
-    view: View
-    columns: int
-    rows: int
-    direct: bool
+    camera: PixelsOrCells
+    light: Literal["all", "direct", "reflected"] = "all"
 
     @property
     def size(self) -> tuple[int, int]:
         """Numbers of pixels and patches."""
-        return self.columns * self.rows, patches_of(self.windows)
+        return len(self.camera), patches_of(self.windows)
 
     def error(self, sums: Sums) -> float:
         """RMS error of pixels for windows of equal radiance, relative to the mean."""

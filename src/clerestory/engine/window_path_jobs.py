@@ -16,8 +16,8 @@ from clerestory.engine.channels import channels_of
 from clerestory.engine.controller import traced_units
 from clerestory.engine.effort import Effort
 from clerestory.engine.work_units import Job, Unit, evenly_spaced
+from clerestory.image.camera import PixelsOrCells
 from clerestory.scene.sensors import Sensors
-from clerestory.scene.view import View
 from clerestory.scene.window import Window
 
 # Paths of a work unit: their records are transferred between processes
@@ -44,23 +44,16 @@ class WindowPathsJob(Job):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PixelWindowPaths(WindowPathsJob):
-    """Paths from the pixels (columns × rows) of a view, by at most one reflection."""
+    """Paths from pixels, or cells of the sphere, by at most one reflection."""
 
     tracer: ClassVar[tuple[str, str]] = ("window_paths", "prepare_pixels")
 
-    view: View
-    columns: int
-    rows: int
-
-    @property
-    def pixels(self) -> int:
-        """Number of pixels."""
-        return self.columns * self.rows
+    camera: PixelsOrCells
 
     @property
     def shape(self) -> tuple[int, int, int, int]:
         """Numbers of pixels, batches, columns (one, as they are recorded), channels."""
-        return self.pixels, self.batches, 1, channels_of(self.scene)
+        return len(self.camera), self.batches, 1, channels_of(self.scene)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

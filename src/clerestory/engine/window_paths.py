@@ -12,7 +12,7 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.engine.camera_rays import CameraRays
+from clerestory.engine.camera_rays import camera_rays
 from clerestory.engine.channels import channels_of
 from clerestory.engine.lower import lower
 from clerestory.engine.origin import Origin
@@ -39,8 +39,8 @@ Launch = Callable[[RecordSink, Lanes], mi.UInt32]
 
 def prepare_pixels(job: PixelWindowPaths) -> Tracer:
     """Return the tracer of paths from pixels to windows."""
-    tracer = _tracer(job, np.asarray(job.view.position, dtype=float))
-    rays = CameraRays.of(job.view, job.columns, job.rows)
+    tracer = _tracer(job, np.asarray(job.camera.position, dtype=float))
+    rays = camera_rays(job.camera)
     limit = segments_of(None)
 
     def launch(sink: RecordSink, paths: Lanes) -> mi.UInt32:

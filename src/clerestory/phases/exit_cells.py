@@ -18,10 +18,10 @@ from clerestory.hemisphere.shirley_chiu import (
 )
 from clerestory.scene.window_zones import DIRECTION_BITS
 
-# Largest number of halvings of a grid of exit cells
+# Finest grid of exit cells: 2ⁿ × 2ⁿ
 _FINEST = 9
 
-# Smallest number of halvings for trees of rank 3
+# Coarsest grid for trees of rank 3
 _TURNED = 8
 
 # Number of sectors into which incident directions are divided for trees of rank 3
@@ -121,7 +121,7 @@ def _tree(part: ScatteringFunction) -> ScatteringTree | None:
 
 @lru_cache(maxsize=4)
 def _patches(partition: RingPartition) -> UInt32[np.ndarray, " cell"]:
-    # Patch of each cell of a square grid, or _BORDER if a cell belongs to several
+    # Patch that contains each cell of a square grid, or _BORDER if several overlap it
     edge = 1 << _HALVINGS
     corner = np.arange(edge + 1) / edge
     x, y = np.meshgrid(corner, corner, indexing="ij")

@@ -16,9 +16,9 @@ from jaxtyping import Float
 from clerestory.bands import RGB
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.engine.effort import EffortKeywords
+from clerestory.image.camera import Camera
 from clerestory.matrix.axis import pixel_axis, sun_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.camera import Camera
 from clerestory.phases.direct_light import blackened, sun_effort
 from clerestory.phases.sunlit import in_sunlight
 from clerestory.phases.traced_matrices import sensors_axis

@@ -16,9 +16,9 @@ from clerestory.constants import R2, SUN_DIAMETER
 from clerestory.engine import device as devices
 from clerestory.engine.controller import estimate
 from clerestory.engine.device import Device
-from clerestory.engine.direct_sun_jobs import UnscatteredJob
 from clerestory.engine.effort import Effort, EffortKeywords
 from clerestory.engine.sums import BATCHES
+from clerestory.engine.unscattered_jobs import UnscatteredJob
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.reinhart import reinhart
 from clerestory.matrix.axis import sky_axis, sun_axis
@@ -91,6 +91,25 @@ def sun_visible(
         return np.zeros((len(points), len(suns)), dtype=bool)
     tracer: Any = devices.load(device, "direct_visibility")
     return np.asarray(tracer.direct_transmittance(scene, points, suns) > 0)
+
+
+def first_surfaces(
+    scene: Scene,
+    origins: Float[np.ndarray, "ray 3"],
+    directions: Float[np.ndarray, "ray 3"],
+    *,
+    device: Device = "auto",
+) -> tuple[Float[np.ndarray, " ray"], Float[np.ndarray, "ray 3"]]:
+    """Return distance [m] and unit normal of the first surface along each ray.
+
+    The distance is infinite if there is none. Clear glass and proxied geometry of a
+    BSDF are passed. `directions` are unit vectors.
+    """
+    if not (len(origins) and scene.surfaces):
+        return np.full(len(origins), np.inf), np.zeros((len(origins), 3))
+    tracer: Any = devices.load(device, "direct_visibility")
+    distance, normal = tracer.first_surfaces(scene, origins, directions)
+    return np.asarray(distance), np.asarray(normal)
 
 
 def _traced(

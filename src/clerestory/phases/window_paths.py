@@ -27,9 +27,9 @@ from clerestory.engine.window_path_jobs import (
     WindowPathsJob,
     record_window_paths,
 )
+from clerestory.image.camera import PixelsOrCells
 from clerestory.matrix.axis import pixel_axis, window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.camera import Camera
 from clerestory.phases.direct_light import sun_effort
 from clerestory.phases.exit_cells import ExitCells
 from clerestory.phases.traced_matrices import require_distinct
@@ -51,7 +51,7 @@ _PIXELS = 1 << 16
 def picture_window_paths(
     scene: Scene,
     windows: Sequence[Window],
-    camera: Camera,
+    camera: PixelsOrCells,
     **keywords: Unpack[EffortKeywords],
 ) -> "WindowPaths":
     """Trace the paths from the pixels of a picture to all windows.
@@ -63,9 +63,7 @@ def picture_window_paths(
     job = PixelWindowPaths(
         scene=scene,
         windows=tuple(windows),
-        view=camera.view,
-        columns=camera.columns,
-        rows=camera.rows,
+        camera=camera,
         samples=effort.samples or PIXEL_SAMPLES,
         **effort.job_options(_BATCHES),
     )

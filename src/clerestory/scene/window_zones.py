@@ -68,7 +68,7 @@ class WindowZones:
     def points(
         self, window: int, polygons: Sequence[Polygon], each: int
     ) -> Float[np.ndarray, "zone point 3"]:
-        """Return points of the polygons of a window in each of its zones.
+        """Return sample points in each zone of a window.
 
         They are repeated in zones with less than `each` points; a zone without any has
         those of the next.

@@ -8,8 +8,8 @@ from jaxtyping import Int
 from clerestory.brief_repr import brief
 from clerestory.checks import require
 from clerestory.errors import InputError
+from clerestory.image.camera import Camera
 from clerestory.metrics.occupied_hours import occupied_hours
-from clerestory.phases.camera import Camera
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.view_text import read_view
 from clerestory.scene.model import Scene

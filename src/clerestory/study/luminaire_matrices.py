@@ -13,9 +13,9 @@ from jaxtyping import Float
 from clerestory.checks import require
 from clerestory.formats.photometry.luminaire_scene import luminaire_scene
 from clerestory.formats.photometry.read import read_luminaire
+from clerestory.image.camera import Camera
 from clerestory.matrix.axis import pixel_axis, sensor_axis, unknown_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.phases.camera import Camera
 from clerestory.phases.rendering import irradiance, render
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.scene.material import altered

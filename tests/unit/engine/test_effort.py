@@ -13,7 +13,7 @@ from clerestory.engine.effort import Effort, EffortKeywords, effort_of
 from clerestory.engine.work_units import Goal
 from clerestory.errors import InputError
 from clerestory.hemisphere.klems import klems
-from clerestory.phases.camera import Camera
+from clerestory.image.camera import Camera
 from clerestory.phases.facade_matrices import facade_matrix
 from clerestory.phases.picture_matrices import picture_view_matrices
 from clerestory.phases.sun_coefficients import (

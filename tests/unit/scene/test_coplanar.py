@@ -1,6 +1,5 @@
 """Coplanar surfaces of different materials are named; neighbours are no overlap."""
 
-import time
 import tracemalloc
 from dataclasses import replace
 
@@ -15,6 +14,7 @@ from clerestory.scene.sensors import Sensors
 from clerestory.scene.surface import transformed
 from clerestory.scene.tessellate import meshes
 from clerestory.scene.transform import parse_transform
+from processor_time import least_processor_time
 
 MATERIALS = {
     "wall": Plastic("wall", np.full(3, 0.5)),
@@ -132,10 +132,9 @@ def test_a_million_faces_are_checked_in_seconds():
     patch = TriangleMesh(place, np.array([[0, 1, 2]]), "rug", "patch")
     scene = Scene(MATERIALS, (hills, patch))
     parts = triangulation(scene)
-    begin = time.process_time()
     [text] = check_coplanar(scene, parts)
-    assert time.process_time() - begin < 4
     assert '"patch" of "rug"' in text
+    assert least_processor_time(lambda: list(check_coplanar(scene, parts))) < 4
 
 
 def test_a_thousand_spheres_of_as_many_materials_take_little():
@@ -147,11 +146,10 @@ def test_a_thousand_spheres_of_as_many_materials_take_little():
     scene = Scene({m.name: m for m in grey}, tuple(balls))
     sensors = Sensors(np.full((1, 3), 50.3), np.array([[0.0, 0, 1]]))
     tracemalloc.start()
-    begin = time.process_time()
     check_scene(scene, (), sensors)
-    took, most = time.process_time() - begin, tracemalloc.get_traced_memory()[1]
+    most = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
-    assert took < 3
+    assert least_processor_time(lambda: check_scene(scene, (), sensors)) < 3
     assert most < 250 * 1280 * 1000
 
 
@@ -163,6 +161,8 @@ def test_many_flat_surfaces_of_many_materials_are_checked_in_seconds():
         for k, m in enumerate(grey)
     ]
     scene = Scene({m.name: m for m in grey}, tuple(tile))
-    begin = time.process_time()
-    assert not list(check_coplanar(scene, triangulation(scene)))
-    assert time.process_time() - begin < 2
+
+    def check():
+        assert not list(check_coplanar(scene, triangulation(scene)))
+
+    assert least_processor_time(check) < 2

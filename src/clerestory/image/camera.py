@@ -1,13 +1,16 @@
-"""Camera: view and size of a picture."""
+"""Cameras: view and size of a picture, or cells of the sphere around a point."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.array_types import Vector
 from clerestory.bands import RGB, Bands
 from clerestory.checks import require
 from clerestory.image.picture import Picture
+from clerestory.scene.scaling import scaled
+from clerestory.scene.sphere_cells import SphereCells
 from clerestory.scene.view import View
 
 
@@ -28,6 +31,15 @@ class Camera:
     def __len__(self) -> int:
         return self.columns * self.rows
 
+    @property
+    def position(self) -> Vector:
+        """Viewpoint [m]."""
+        return self.view.position
+
+    def scaled(self, factor: float) -> "Camera":
+        """Return the camera with all lengths multiplied."""
+        return replace(self, view=scaled(self.view, factor))
+
     def picture(
         self,
         radiance: Float[np.ndarray, "band pixel"],
@@ -38,3 +50,7 @@ class Camera:
         pixels = np.moveaxis(radiance, 0, -1).reshape(self.rows, self.columns, -1)
         values = pixels.astype(np.float32)
         return Picture(values, view=self.view, header=header, bands=bands)
+
+
+# What radiance is traced for: the pixels of a picture, or cells of the sphere
+PixelsOrCells = Camera | SphereCells
