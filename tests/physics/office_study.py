@@ -73,7 +73,8 @@ def write_office(folder, weather, *, samples=256, spacing=0.5, views=True):
         text += f'[window.control]\nrule = "LM-83"\ngrid = "room {name}"\n'
         if views:
             towards = "1 0 0" if name == "c" else "0 -1 0"
-            view = f"rvu -vta -vp {start + 2} 2 1.2 -vd {towards} -vu 0 0 1 -vh 180 -vv 180"
+            view = f"rvu -vta -vp {start + 2} 2 1.2 -vd {towards} -vu 0 0 1"
+            view += " -vh 180 -vv 180"
             (folder / f"{name}.vf").write_text(f"{view}\n")
             text += f'\n[[view]]\nfile = "{name}.vf"\nname = "desk {name}"\n'
             text += "resolution = 32\nsamples = 16\n"

@@ -30,6 +30,10 @@ from clerestory.study.sunlight_exposure import openings, sunlight
 # Diffuse horizontal irradiance of the overcast sky of daylight factors [W/m²]
 _OVERCAST = 100.0
 
+# Greatest distance to furniture and thickness of a table top below a sensor, and
+# greatest height of a sensor above the floor [m]
+_FURNITURE, _SKIN, _HIGHEST = 0.3, 0.06, 2.0
+
 _DOWN = np.array([0.0, 0.0, -1.0])
 
 
@@ -57,16 +61,26 @@ def compliance_inputs(
 
 
 def _heights(inputs: Inputs, device: Device) -> Float[np.ndarray, " sensor"]:
-    # Height above the surface below each sensor, as median of its grid [m]
+    # Height above the floor, as median of the grid [m]
     points = inputs.sensors().position
-    down = np.broadcast_to(_DOWN, points.shape)
-    reach, _ = first_surfaces(inputs.scene, points, down, device=device)
+    reach = _below(inputs, points, device)
+
+    # Surfaces just below the sensors are furniture, if there is a floor below them
+    near = reach < _FURNITURE
+    under = points - [0.0, 0.0, 1.0] * (np.where(near, reach, 0.0) + _SKIN)[:, None]
+    deeper = reach + _SKIN + _below(inputs, under, device)
+    reach = np.where(near & (deeper < _HIGHEST), deeper, reach)
     heights = np.zeros(len(points))
     for grid in inputs.grids:
         rows = inputs.rows(grid)
         known = reach[rows][np.isfinite(reach[rows])]
         heights[rows] = np.median(known) if len(known) else np.inf
     return heights
+
+
+def _below(inputs: Inputs, points: np.ndarray, device: Device) -> np.ndarray:
+    down = np.broadcast_to(_DOWN, points.shape)
+    return first_surfaces(inputs.scene, points, down, device=device)[0]
 
 
 def _views(
@@ -89,7 +103,14 @@ def _views(
     layers = np.zeros(count, dtype=np.int8)
     for name in dict.fromkeys(owner.tolist()):
         rows = np.flatnonzero(owner == name)
-        own = [o for o, space in zip(every, of_opening, strict=True) if space == name]
+        if not name:
+            continue
+        # Without tables [[space]], several grids may share a room
+        own = [
+            opening
+            for opening, space in zip(every, of_opening, strict=True)
+            if space == name or not study.space
+        ]
         width[rows], distance[rows], layers[rows] = view_out(eyes[rows], own, cast)
     return xr.Dataset(
         {

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from clerestory.documents import Positive, Table
+from clerestory.documents import Number, Positive, Table
 from clerestory.metrics.standards import ALIASES, STANDARDS
 from clerestory.metrics.view_out import EYE_HEIGHT
 from clerestory.study.config_tables import Named, require_one_of
@@ -29,7 +29,7 @@ class SpaceTable(Named):
         description="letters, digits, spaces, dots and dashes",
     )
     grids: list[str] = Field([], description="a list of names of [[sensors]]")
-    corners: list[tuple[float, float]] = Field(
+    corners: list[Annotated[list[Number], Field(min_length=2, max_length=2)]] = Field(
         [], description="a list of three or more corners [x, y]"
     )
     area: Positive | None = None

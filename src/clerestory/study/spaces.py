@@ -1,8 +1,8 @@
 """Spaces of a study: the sensors, windows, openings and views that belong to each.
 
-Without tables [[space]] every grid is a space. Windows and openings belong to the space
-of the nearest sensor in front of them, views to that of the nearest sensor unless the
-table names them.
+Without tables [[space]] every grid that faces up is a space. Windows and openings
+belong to the space of the nearest sensor in front of them, views to that of the nearest
+sensor unless the table names them.
 """
 
 import numpy as np
@@ -13,9 +13,13 @@ from scipy.spatial import cKDTree
 from clerestory.checks import require
 from clerestory.metrics.procedure import cell_area
 from clerestory.scene.inside import inside_polygon
+from clerestory.scene.sensors import Sensors
 from clerestory.scene.surface import Polygon
 from clerestory.study.config import Study
 from clerestory.study.inputs import Inputs
+
+# Least upward component of the direction of sensors that face up
+_UP = 0.7
 
 
 def label_spaces(study: Study, inputs: Inputs, openings: xr.Dataset) -> xr.Dataset:
@@ -56,7 +60,9 @@ def sensor_spaces(study: Study, inputs: Inputs) -> np.ndarray:
     """Return the name of the space of every sensor; "" outside all spaces."""
     grid = np.repeat(list(inputs.grids), [len(s) for s in inputs.grids.values()])
     if not study.space:
-        return grid.astype(object)
+        level = {name: _faces_up(grid) for name, grid in inputs.grids.items()}
+        chosen = {name for name in level if level[name] or not any(level.values())}
+        return np.array([n if n in chosen else "" for n in grid], dtype=object)
     flat = inputs.sensors().position[:, :2]
     owner = np.full(len(grid), "", dtype=object)
     for table in study.space:
@@ -75,6 +81,10 @@ def sensor_spaces(study: Study, inputs: Inputs) -> np.ndarray:
         )
         owner[member] = table.name
     return owner
+
+
+def _faces_up(grid: Sensors) -> bool:
+    return bool(np.median(grid.direction[:, 2]) > _UP)
 
 
 class _Nearest:
