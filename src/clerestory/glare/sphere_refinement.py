@@ -15,15 +15,16 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
-from clerestory.array_types import Directions, Values
+from clerestory.array_types import Directions
 from clerestory.checks import positive, require
-from clerestory.glare.eye_directions import seen_by
+from clerestory.glare.dgp_error import DgpModel, DgpTerms, Light
+from clerestory.glare.eye_directions import SunDisc
 from clerestory.glare.index_settings import EVALGLARE, DgpCoefficients
 from clerestory.glare.sphere_samples import FINEST, SphereSamples, regular_samples
 from clerestory.scene.view import View
 
-# Luminance [cd/m²] of directions, at each time step or for each of a few of them
-LuminanceOf = Callable[[Directions], Float[np.ndarray, "direction step"]]
+# Luminance [cd/m²] of samples, at each time step or for each of a few of them
+LuminanceOf = Callable[[SphereSamples], Float[np.ndarray, "direction step"]]
 
 # Time steps that are evaluated at once
 _STEPS = 256
@@ -84,18 +85,19 @@ def sample_sphere(
 
     Parameters
     ----------
-    luminance : function that returns the luminance of directions [cd/m²] at each time
-        step, without the sun's disc; called once with all new directions of a round.
-        The steps may be a selection of the year, with all its kinds of sky, position of
-        the sun and state of the shading
+    luminance : function that returns the luminance of samples [cd/m²] at each time
+        step, without the sun's disc: that of their directions, or the means over their
+        cells; called once with all new samples of a round. The steps may be a selection
+        of the year, with all its kinds of sky, position of the sun and state of the
+        shading
     views : view directions that share the samples
     details : directions of things that the first round could miss, such as points of
-        small windows and luminaires; their cells are split down to a level above the
-        finest before the first round
+        small windows and luminaires; their cells are split down to the finest level
+        before the first round
 
     >>> eye = View(kind="angular", horizontal=180, vertical=180)
-    >>> def window(direction):
-    ...     return np.where(direction[:, 1:2] > 0.9, [5000.0, 0.0], 100.0)
+    >>> def window(samples):
+    ...     return np.where(samples.direction[:, 1:2] > 0.9, [5000.0, 0.0], 100.0)
     >>> samples = sample_sphere(window, [eye])
     >>> ahead = samples.direction[:, 1] > 0
     >>> bool(samples.level[ahead].max() > samples.level[~ahead].max())
@@ -105,18 +107,18 @@ def sample_sphere(
     random = np.random.default_rng([seed, 1])
     samples = regular_samples(how.first, seed=seed)
     if details is not None:
-        for _ in range(how.finest - 1 - how.first):
+        for _ in range(how.finest - how.first):
             which = np.zeros(samples.count, dtype=bool)
             which[samples.containing(details)] = True
-            samples, _ = samples.split(which & (samples.level < how.finest - 1), random)
-    values = luminance(samples.direction)
+            samples = samples.split(which & (samples.level < how.finest), random)
+    values = luminance(samples)
     for left in reversed(range(how.rounds)):
         which = _to_split(samples, values, views, how, last=not left)
         if not which.any():
             break
-        samples, former = samples.split(which, random)
-        new = luminance(samples.direction[former.size :])
-        values = np.concatenate([values[former], new])
+        samples = samples.split(which, random)
+        new = samples.select(slice(np.count_nonzero(~which), None))
+        values = np.concatenate([values[~which], luminance(new)])
     return samples
 
 
@@ -130,14 +132,22 @@ def _to_split(
 ) -> Bool[np.ndarray, " cell"]:
     coarse = samples.level < how.finest
     share, worst = np.zeros(samples.count), np.zeros(samples.count)
-    for _, _, deviation in _deviations(samples, luminance, views, how):
-        square = deviation[coarse] ** 2
-        variance = square.sum(axis=0)
-        square = square[:, variance > how.tolerance**2]
-        if square.size:
-            variance = variance[variance > how.tolerance**2]
-            share[coarse] = np.maximum(share[coarse], (square / variance).max(axis=1))
-            worst[coarse] = np.maximum(worst[coarse], square.max(axis=1))
+    model = DgpModel(samples, views, how.threshold, how.coefficients)
+    one, other = (weight[:, coarse, None] for weight in model.weights)
+    for _, of_level, of_glare, terms in _deviations(model, luminance):
+        level, glare = of_level[coarse], of_glare[coarse]
+        for view in range(len(views)):
+            square = np.square(
+                terms.by_glare[view] * other[view] * glare
+                + np.abs(terms.by_level[view]) * one[view] * level
+            )
+            variance = square.sum(axis=0)
+            square = square[:, variance > how.tolerance**2]
+            if square.size:
+                variance = variance[variance > how.tolerance**2]
+                part = (square / variance).max(axis=1)
+                share[coarse] = np.maximum(share[coarse], part)
+                worst[coarse] = np.maximum(worst[coarse], square.max(axis=1))
     wanted = np.flatnonzero(share * samples.count > 1)
     budget = (how.most - samples.count) // 3
     if not last:
@@ -153,56 +163,42 @@ def sampling_error(
     views: Sequence[View],
     *,
     refinement: Refinement | None = None,
+    sun: SunDisc | None = None,
+    means: bool = False,
 ) -> Float[np.ndarray, "view step"]:
     """Standard error of DGP from the finite number of directions, to first order.
 
-    Small things that no direction hits are not in the error.
+    Small things that no direction hits are not in the error. `sun` is the sun's disc at
+    each step. If the luminances are `means` over the cells, the illuminance has no
+    error, and only the size of glare sources is uncertain.
     """
     error = np.zeros((len(views), luminance.shape[1]))
     how = refinement or Refinement()
-    for view, steps, deviation in _deviations(samples, luminance, views, how):
-        error[view, steps] = np.sqrt(np.einsum("ij,ij->j", deviation, deviation))
+    model = DgpModel(samples, views, how.threshold, how.coefficients)
+    for steps, of_level, of_glare, terms in _deviations(model, luminance, sun):
+        by_level = 0 * terms.by_level if means else np.abs(terms.by_level)
+        terms = terms._replace(by_level=by_level)
+        error[:, steps] = np.sqrt(model.variance(terms, of_level, of_glare))
     return error
 
 
 def _deviations(
-    samples: SphereSamples,
+    model: DgpModel,
     luminance: Float[np.ndarray, "direction step"],
-    views: Sequence[View],
-    how: Refinement,
-) -> Iterator[tuple[int, slice, Float[np.ndarray, "cell some_steps"]]]:
-    # Standard deviation of DGP by each cell (cell, step), view by view and by blocks of
-    # time steps
-    k = how.coefficients
-    eyes = [_eye_weights(samples, view, k) for view in views]
-    own, other = samples.adjacent.T
-    first = np.searchsorted(own, np.arange(samples.count))
-    spread = samples.solid_angle[:, None] / np.sqrt(12)
+    sun: SunDisc | None = None,
+) -> Iterator[tuple[slice, Light, Light, DgpTerms]]:
+    # Standard deviations of the luminance of each cell, and of its power in the sum
+    # over sources, by blocks of time steps
+    own, other = model.samples.adjacent.T
+    first = np.searchsorted(own, np.arange(model.samples.count))
+    spread = np.float32(1 / np.sqrt(12))
     for begin in range(0, luminance.shape[1], _STEPS):
         steps = slice(begin, begin + _STEPS)
         level = luminance[:, steps]
         beside = level[other]
         most, least = (one.reduceat(beside, first) for one in (np.maximum, np.minimum))
-        glare, high, low = (
-            np.where(x > how.threshold, x, 0.0) ** k.a1 for x in (level, most, least)
-        )
+        glare, high, low = (model.glare(x) for x in (level, most, least))
         of_level = spread * np.maximum(most - level, level - least)
         of_glare = spread * np.maximum(high - glare, glare - low)
-        for view, (cosine, weight) in enumerate(eyes):
-            illuminance = np.maximum((samples.solid_angle * cosine) @ level, 1e-9)
-            total = (samples.solid_angle * weight) @ glare
-            # Derivatives of DGP: by G = Σ L^a1·ω/P^a4, and by Ev
-            by_glare = k.c2 / np.log(10) / (illuminance**k.a3 + total)
-            by_level = np.abs(k.c1 - by_glare * k.a3 * total / illuminance)
-            deviation = of_glare * weight[:, None] * by_glare
-            deviation += of_level * cosine[:, None] * by_level
-            yield view, steps, deviation
-
-
-def _eye_weights(
-    samples: SphereSamples, view: View, k: DgpCoefficients
-) -> tuple[Values, Values]:
-    # Cosine and P^−a4 of each direction, 0 behind the eye
-    eye = seen_by(view, samples.direction)
-    index = eye.position_index**-k.a4
-    return eye.cosine, np.where(eye.ahead, index, 0)
+        disc = None if sun is None else sun.select(steps)
+        yield steps, of_level, of_glare, model.terms(level, disc)

@@ -7,8 +7,8 @@ computed, are traced in each run: this takes seconds, and files of them are larg
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import cache, partial
-from typing import Any, Literal, TypeVar
+from functools import partial
+from typing import Any, TypeVar
 
 import numpy as np
 from jaxtyping import Int
@@ -18,20 +18,25 @@ from clerestory.image.picture import Picture
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.matrix_equation import MatrixChain, Skies, States, WindowMatrices
 from clerestory.phases.methods import METHODS
-from clerestory.phases.picture_matrices import picture_view_matrices
+from clerestory.phases.picture_matrices import (
+    picture_view_matrices,
+    reflected_view_matrices,
+)
 from clerestory.phases.picture_series import (
     UncertainPixels,
     luminance_over_time,
     pictures_over_time,
     uncertain_luminance_over_time,
 )
-from clerestory.phases.stored_views import FEW, with_few_components
-from clerestory.phases.sunlit import in_sunlight
+from clerestory.phases.shaded_windows import (
+    ShadedWindow,
+    ShadeState,
+    receiving_matrices,
+)
 from clerestory.phases.window_paths import WindowPaths, picture_window_paths
 from clerestory.study.config_tables import ViewTable
 from clerestory.study.job import DIRECT, Job
 from clerestory.study.study_matrices import StudyMatrices
-from clerestory.study.window_groups import WindowGroup
 
 # Kind of the pictures of a series
 _Series = TypeVar("_Series", Picture, np.ndarray, UncertainPixels)
@@ -135,44 +140,53 @@ def trace_views(job: Job, matrices: StudyMatrices) -> tuple[ViewMatrices, ...]:
 def _view(
     job: Job, matrices: StudyMatrices, table: ViewTable, camera: Camera
 ) -> ViewMatrices:
-    parts = {term.part for term in matrices.terms}
-    none: list[MatrixChain | None] = [None] * len(matrices.windows)
-    direct = sun = none
-
-    @cache
-    def few(matrix: TransferMatrix) -> TransferMatrix:
-        # Few error components suffice for glare; equal matrices remain one object
-        batches = 0 if matrix.components is None else len(matrix.components)
-        return matrix if batches % FEW else with_few_components(matrix)
-
-    def chains(
-        views: dict[str, TransferMatrix], part: Literal["whole", "direct"]
-    ) -> list[MatrixChain | None]:
-        found: list[MatrixChain | None] = []
-        for group, window in zip(job.inputs.groups, matrices.windows, strict=True):
-            chain = window.direct if part == "direct" else window.whole
-            factors = chain.factors if chain else ()
-            own = tuple(tuple(map(few, factor)) for factor in factors)
-            found.append(MatrixChain((views[group.name],), own))
-        return found
-
-    whole = chains(_view_matrices(job, table, camera), "whole")
-    if "sun" in parts:
-        paths = _paths(job, table, camera)
-        direct = chains(paths.view_matrices(np.float16), "direct")
-        sun = [_sunlit(job, matrices, group, paths) for group in job.inputs.groups]
-    windows = tuple(map(WindowMatrices, whole, direct, sun))
+    sunlit = any(term.part == "sun" for term in matrices.terms)
+    views = _view_matrices(job, table, camera, reflected=sunlit)
+    windows = receiving_matrices(
+        shaded_windows(job, matrices),
+        views,
+        _paths(job, table, camera) if sunlit else None,
+        None if matrices.suns is None else matrices.suns.directions,
+        kind=np.float16,
+    )
     return ViewMatrices(job, table, camera, matrices, windows)
 
 
+def shaded_windows(job: Job, matrices: StudyMatrices) -> tuple[ShadedWindow, ...]:
+    """Return the window groups with the matrices of their shade states."""
+    facade = METHODS[job.study.method].facade
+
+    def factors(chain: MatrixChain | None, at: int) -> tuple[TransferMatrix, ...]:
+        return chain.factors[at] if chain else ()
+
+    return tuple(
+        ShadedWindow(
+            group.inner,
+            tuple(
+                ShadeState(
+                    whole=factors(window.whole, at),
+                    direct=factors(window.direct, at),
+                    bsdf=state.fine,
+                    peak=state.peak,
+                    shade=state.shade if facade else None,
+                )
+                for at, state in enumerate(group.states)
+            ),
+        )
+        for group, window in zip(job.inputs.groups, matrices.windows, strict=True)
+    )
+
+
 def _view_matrices(
-    job: Job, table: ViewTable, camera: Camera
+    job: Job, table: ViewTable, camera: Camera, *, reflected: bool
 ) -> dict[str, TransferMatrix]:
+    # V, or V - V_d
     windows = [group.inner for group in job.inputs.groups]
+    traced = _traced_reflected if reflected else _traced_views
     return job.matrices(
-        f"picture-{table.label}",
+        f"picture-{table.label}{'-reflected' * reflected}",
         windows,
-        partial(_traced_views, job.scene, windows, camera),
+        partial(traced, job.scene, windows, camera),
         job.pixel_effort(table.samples),
         shown=f"picture matrices of {table.label}",
     )
@@ -180,6 +194,10 @@ def _view_matrices(
 
 def _traced_views(*where: Any, **how: Any) -> dict[str, TransferMatrix]:
     return _half_views(picture_view_matrices(*where, **how))
+
+
+def _traced_reflected(*where: Any, **how: Any) -> dict[str, TransferMatrix]:
+    return _half_views(reflected_view_matrices(*where, **how))
 
 
 def _paths(job: Job, table: ViewTable, camera: Camera) -> WindowPaths:
@@ -191,26 +209,4 @@ def _paths(job: Job, table: ViewTable, camera: Camera) -> WindowPaths:
         camera,
         effort=effort,
         progress=job.display(f"direct light in {table.label}"),
-    )
-
-
-def _sunlit(
-    job: Job, matrices: StudyMatrices, group: WindowGroup, paths: WindowPaths
-) -> MatrixChain:
-    # C_ds of each shade state
-    suns = matrices.suns
-    directions = np.zeros((0, 3)) if suns is None else suns.directions
-    facade = METHODS[job.study.method].facade
-    return MatrixChain(
-        tuple(
-            in_sunlight(
-                paths,
-                group.name,
-                state.fine,
-                suns=directions,
-                peak=state.peak,
-                scene=job.scene + state.shade if facade else None,
-            )
-            for state in group.states
-        )
     )

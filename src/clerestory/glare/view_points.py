@@ -1,0 +1,425 @@
+"""Annual glare at a view point by the matrix methods, without pictures.
+
+The sphere around the point is cut into cells, fine where DGP depends on it. V, and the
+paths to the windows, are traced for the cells as for pixels: the luminance of a cell is
+the mean over its directions. The cells are chosen by the luminance at a few hundred
+time steps with all kinds of sky, positions of the sun and shade states.
+"""
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Unpack
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.array_types import Vector
+from clerestory.checks import distinct, has_shape, require
+from clerestory.engine.effort import Effort, EffortKeywords, effort_of
+from clerestory.engine.work_units import Goal
+from clerestory.glare.dgp_error import DgpModel, limited, statistical_variance
+from clerestory.glare.eye_directions import SUN_SOLID_ANGLE, SunDisc
+from clerestory.glare.point_glare import point_glare, views_around
+from clerestory.glare.sphere_refinement import (
+    Refinement,
+    sample_sphere,
+    sampling_error,
+)
+from clerestory.glare.sphere_samples import SphereSamples, regular_samples
+from clerestory.phases.matrix_equation import (
+    Skies,
+    States,
+    Term,
+    WindowMatrices,
+    checked_states,
+    equation_bands,
+)
+from clerestory.phases.methods import FIVE_PHASE
+from clerestory.phases.picture_matrices import (
+    picture_view_matrices,
+    reflected_view_matrices,
+)
+from clerestory.phases.picture_series import PixelSeries
+from clerestory.phases.shaded_windows import ShadedWindow, receiving_matrices
+from clerestory.phases.sunlit import SunlitReceivers
+from clerestory.phases.window_paths import picture_window_paths
+from clerestory.scene.model import Scene
+from clerestory.scene.view import View
+from clerestory.threads import linear_algebra_in_one_thread
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# Default number of paths per cell, and of each kind while the cells are chosen
+_SAMPLES, _SUN_SAMPLES, _TRIAL = 256, 128, 64
+
+# Number of time steps for which the cells are chosen, and of a block of the product
+_CHOSEN, _STEPS = 256, 256
+
+# Seed offset of the paths to windows
+_PATHS = 0x10000
+
+
+@dataclass(frozen=True, eq=False)
+class ViewPoint:
+    """Matrices of a view point, for any states of the shades.
+
+    Attributes
+    ----------
+    position : the view point [m]
+    views : views, of which line of sight and up vector define the eye
+    samples : cells of the sphere, of which the rows of the matrices are
+    windows : matrices by window group, with the cells as receivers
+    """
+
+    position: Vector
+    views: tuple[View, ...]
+    samples: SphereSamples
+    windows: tuple[WindowMatrices, ...]
+    terms: tuple[Term, ...]
+    skies: Skies
+    refinement: Refinement = field(default_factory=Refinement)
+
+    def glare(
+        self,
+        states: States | None = None,
+        *,
+        steps: Int[np.ndarray, " some"] | None = None,
+        quantities: Collection[str] = ("dgp", "illuminance"),
+    ) -> "xr.Dataset":
+        """Return glare indices of all views in given shade states.
+
+        Parameters
+        ----------
+        states : index of the shade state at each time step, per window group; default 0
+        steps : indices of the time steps that are evaluated; default: all
+        quantities : names of indices and quantities, as of `point_glare`
+
+        Returns
+        -------
+        dataset over (view, time), NaN in dark time steps; with "dgp", also its
+        standard error "dgp_error", due to paths and to the finite number of cells
+        """
+        times = self.skies.times
+        given = checked_states(self.windows, states, len(times))
+        asked = np.arange(len(times)) if steps is None else steps
+        lit = asked[self.skies.whole.diffuse[:, asked].max(axis=0) > 0]
+        own = [np.asarray(state)[lit] for state in given]
+        with linear_algebra_in_one_thread():
+            sun = self.sun_disc(own, lit)
+            luminance, variance, value = self._luminance(own, lit, sun)
+            found = point_glare(
+                self.samples,
+                luminance,
+                self.views,
+                sun=sun,
+                times=times[lit],
+                quantities=quantities,
+            )
+            if "dgp" in quantities:
+                sampled = sampling_error(
+                    self.samples,
+                    luminance,
+                    self.views,
+                    refinement=self.refinement,
+                    sun=sun,
+                    means=True,
+                )
+                error = limited(np.sqrt(variance + np.square(sampled)), value)
+                found["dgp_error"] = ("view", "time"), error, {"units": "1"}
+        return found.reindex(time=times[asked])
+
+    def sun_disc(self, states: States, steps: Int[np.ndarray, " step"]) -> SunDisc:
+        """Return the sun's disc as seen from the point through unscattering windows.
+
+        `states` are those at the given time steps.
+        """
+        direction = np.tile([0.0, 0.0, 1.0], (len(steps), 1))
+        flux, share = np.zeros(len(steps)), np.zeros(len(steps))
+        suns = self.skies.suns
+        if suns is not None and any(window.sun for window in self.windows):
+            normal = suns.direct_normal[:, steps].tocoo()
+            sun, step = normal.coords
+            direction[step] = suns.directions[sun]
+            for discs, state in zip(self._discs, states, strict=True):
+                passed, visible = (
+                    np.stack(part)[state[step], sun]
+                    for part in zip(*discs, strict=True)
+                )
+                flux[step] += normal.data * passed
+                share[step] += visible
+        angle = SUN_SOLID_ANGLE * np.minimum(share, 1)
+        level = np.divide(flux, angle, out=np.zeros_like(flux), where=angle > 0)
+        return SunDisc(direction, level, angle)
+
+    @cached_property
+    def _discs(self) -> list[list[tuple[np.ndarray, np.ndarray]]]:
+        # Illuminance per direct normal irradiance, and visible share, of each sun, by
+        # window group and shade state
+        weights = equation_bands(self.windows, self.skies).weights[None]
+        found = []
+        for window in self.windows:
+            assert window.sun is not None
+            discs = []
+            for state in window.sun.receiving:
+                assert isinstance(state, SunlitReceivers)
+                flux, share = state.disc(weights)
+                discs.append((flux[0], share))
+            found.append(discs)
+        return found
+
+    def _luminance(
+        self, states: States, steps: Int[np.ndarray, " step"], sun: SunDisc
+    ) -> tuple[
+        Float[np.ndarray, "cell step"],
+        Float[np.ndarray, "view step"],
+        Float[np.ndarray, "view step"],
+    ]:
+        # Luminance of the cells, statistical variance of DGP, and DGP without a limit
+        how = self.refinement
+        model = DgpModel(self.samples, self.views, how.threshold, how.coefficients)
+        light = np.zeros((self.samples.count, len(steps)), np.float32)
+        variance, value = np.zeros((2, len(self.views), len(steps)))
+        series = self._series(states, steps, errors=True)
+        for block in series.blocks(_STEPS, rows=self.samples.count):
+            own, level = block.times.start + block.steps, block.light[0]
+            light[:, own] = level
+            terms = model.terms(level, sun.select(own))
+            rest = block.variance, block.shared
+            variance[:, own] = statistical_variance(model, terms, level, *rest)
+            value[:, own] = terms.value
+        return light, variance, value
+
+    def luminance(
+        self, states: States, steps: Int[np.ndarray, " step"]
+    ) -> Float[np.ndarray, "cell step"]:
+        """Return the luminance of the cells, in states at the given time steps."""
+        light = np.zeros((self.samples.count, len(steps)), np.float32)
+        for block in self._series(states, steps, errors=False).blocks(_STEPS):
+            light[block.rows, block.times.start + block.steps] = block.light[0]
+        return light
+
+    def _series(
+        self, states: States, steps: Int[np.ndarray, " step"], *, errors: bool
+    ) -> PixelSeries:
+        return PixelSeries(
+            self.windows,
+            self.terms,
+            self.skies.select(steps),
+            states,
+            equation_bands(self.windows, self.skies).weights[None],
+            self.samples.count,
+            errors=errors,
+        )
+
+
+def trace_view_point(
+    scene: Scene,
+    windows: Sequence[ShadedWindow],
+    position: Vector,
+    *,
+    skies: Skies,
+    terms: Sequence[Term] = FIVE_PHASE,
+    views: Sequence[View] | None = None,
+    refinement: Refinement | None = None,
+    sun_samples: int = _SUN_SAMPLES,
+    **keywords: Unpack[EffortKeywords],
+) -> ViewPoint:
+    """Trace the matrices of a view point for annual glare in several directions.
+
+    Parameters
+    ----------
+    scene : room surfaces, without the windows
+    windows : window groups and their shade states
+    position : the view point [m]
+    skies : S, and for the direct correction S_ds and S_sun
+    terms : terms of the method, such as `THREE_PHASE`; F D in place of D gives the
+        four- and six-phase methods
+    views : views from the point; default: eight horizontal directions, from north
+    refinement : how finely the sphere is sampled
+    samples : number of paths per cell for V
+    sun_samples : number of paths per cell to the windows, for the direct correction
+
+    The other parameters are those of `view_matrix`.
+
+    Raises
+    ------
+    InputError : the position is not a point, a view is from another position, a window
+        has no states, or a number is out of range
+
+    Examples
+    --------
+    >>> import clerestory as cl
+    >>> from clerestory.bsdf.analytic import lambertian
+    >>> from clerestory.directions import Frame
+    >>> from clerestory.phases.methods import THREE_PHASE
+    >>> from clerestory.phases.shaded_windows import ShadedWindow, ShadeState
+    >>> from clerestory.scene.model import Polygon
+    >>> room, edges = cl.Scene(), [[0, 0, 0], [0, 0, 2], [3, 0, 2], [3, 0, 0]]
+    >>> front = Frame.from_normal_up(np.eye(3)[1], np.eye(3)[2])
+    >>> opening = (Polygon(np.array(edges, dtype=float), "", "opening"),)
+    >>> south = cl.Window("south", opening, front, cl.klems("quarter"))
+    >>> D = cl.daylight_matrix(room, south, subdivision=1, samples=16)
+    >>> T = [lambertian(t, cl.klems("quarter")).transmission_matrix() for t in (0.6, 0)]
+    >>> states = tuple(ShadeState(whole=(matrix, D)) for matrix in T)
+    >>> weather = cl.Weather(
+    ...     place="Oakland", latitude_deg=37.7, longitude_deg=-122.2, elevation=0.0,
+    ...     utc_offset_hours=-8.0, times=np.array(["2023-03-21T12:30"], "M8[m]"),
+    ...     step_minutes=60.0, direct_normal=np.array([600.0]),
+    ...     diffuse_horizontal=np.array([150.0]), source="an example"
+    ... )
+    >>> point = cl.trace_view_point(
+    ...     room, [ShadedWindow(south, states)], np.array([1.5, 1, 1]),
+    ...     skies=Skies(cl.sky_matrix(weather, subdivision=1)), terms=THREE_PHASE,
+    ...     samples=16, device="cpu"
+    ... )
+    >>> for state in (0, 1):
+    ...     print(point.glare([np.array([state])]).dgp.max().round(1).item())
+    1.0
+    0.2
+    """
+    effort = effort_of(trace_view_point, keywords, default=Goal(_SAMPLES))
+    point = np.asarray(position, dtype=float)
+    has_shape(point, (3,), "view point")
+    require(np.isfinite(point).all(), f"view point is {point}; finite numbers expected")
+    require(windows, "no window given; at least one expected")
+    distinct((each.window.name for each in windows), "windows")
+    looks = tuple(views_around(8, position=point) if views is None else views)
+    require(looks, "no views; at least one expected")
+    tracer = ViewPointTracer(scene, tuple(windows), skies, tuple(terms))
+    return tracer.point(
+        point,
+        looks,
+        refinement=refinement or Refinement(),
+        effort=effort,
+        sun_samples=sun_samples,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class ViewPointTracer:
+    """A room with its windows and skies, in which view points are traced.
+
+    What does not depend on the point is computed once: see `trace_view_point`.
+    """
+
+    scene: Scene
+    windows: tuple[ShadedWindow, ...]
+    skies: Skies
+    terms: tuple[Term, ...]
+    _known: list[tuple[WindowMatrices, ...]] = field(default_factory=list)
+
+    def point(
+        self,
+        position: Vector,
+        views: Sequence[View],
+        *,
+        refinement: Refinement,
+        effort: Effort,
+        sun_samples: int = _SUN_SAMPLES,
+    ) -> ViewPoint:
+        """Choose the cells of a view point, and trace its matrices."""
+        steps = self._steps
+        states = [np.arange(len(steps)) % len(each.states) for each in self.windows]
+        trial = replace(effort, samples=_TRIAL, relative_error=None)
+        rounds = iter(range(1 << 10))
+        blank = ViewPoint(
+            position, tuple(views), regular_samples(0), (), self.terms, self.skies,
+            refinement,
+        )  # fmt: skip
+
+        def luminance(samples: SphereSamples) -> Float[np.ndarray, "cell step"]:
+            own = replace(trial, seed=(effort.seed + 1 + next(rounds)) % 2**32)
+            return self._traced(blank, samples, own, _TRIAL).luminance(states, steps)
+
+        with linear_algebra_in_one_thread():
+            samples = sample_sphere(
+                luminance,
+                views,
+                refinement=refinement,
+                details=_middles(self.windows, position),
+                seed=effort.seed,
+            )
+        return self._traced(blank, samples.centred(), effort, sun_samples)
+
+    @cached_property
+    def _steps(self) -> Int[np.ndarray, " step"]:
+        return representative_steps(self.skies)
+
+    def _traced(
+        self, point: ViewPoint, samples: SphereSamples, effort: Effort, sun_samples: int
+    ) -> ViewPoint:
+        # The view point with given cells
+        room, cells = self.scene, samples.cells(point.position)
+        inner = [each.window for each in self.windows]
+        sunlit = any(term.part == "sun" for term in self.terms)
+        trace = reflected_view_matrices if sunlit else picture_view_matrices
+        V = trace(room, inner, cells, effort=effort)
+        paths = None
+        if sunlit:
+            own = replace(
+                effort,
+                samples=sun_samples,
+                relative_error=None,
+                bounces=None,
+                seed=(effort.seed + _PATHS) % 2**32,
+            )
+            paths = picture_window_paths(room, inner, cells, effort=own)
+        suns = None if self.skies.suns is None else self.skies.suns.directions
+        like = self._known[0] if self._known else None
+        found = receiving_matrices(self.windows, V, paths, suns, like=like)
+        self._known[:] = [found]
+        return replace(point, samples=samples, windows=found)
+
+
+def representative_steps(
+    skies: Skies, count: int = _CHOSEN
+) -> Int[np.ndarray, " step"]:
+    """Return time steps with all kinds of sky and positions of the sun, in order.
+
+    Half of them are those of suns far apart from each other, by direction; the others
+    are evenly distributed over the daylit steps, ordered by the radiance of the sky.
+    """
+    diffuse = skies.whole.diffuse
+    lit = np.flatnonzero(diffuse.max(axis=0) > 0)
+    if len(lit) <= count:
+        return lit
+    total = diffuse[:, lit].mean(axis=0)
+    order = lit[np.argsort(total, kind="stable")]
+    found = np.empty(0, int)
+    if skies.suns is not None and skies.suns.direct_normal.nnz:
+        found = _apart(skies, count // 2)
+    rest = count - len(found)
+    even = order[((np.arange(rest) + 0.5) * len(order) / rest).astype(int)]
+    return np.unique(np.concatenate([found, even]))
+
+
+def _apart(skies: Skies, count: int) -> Int[np.ndarray, " step"]:
+    # Steps of suns that are farthest from those chosen before, the strongest first
+    assert skies.suns is not None
+    normal = skies.suns.direct_normal.tocoo()
+    sun, step = normal.coords
+    bright = normal.data > 0.1 * normal.data.max()
+    sun, step, power = sun[bright], step[bright], normal.data[bright]
+    direction = skies.suns.directions[sun]
+    chosen = [int(power.argmax())]
+    nearest = np.full(len(step), np.inf)
+    while len(chosen) < min(count, len(step)):
+        away = np.square(direction - direction[chosen[-1]]).sum(axis=1)
+        nearest = np.minimum(nearest, away)
+        chosen.append(int(nearest.argmax()))
+    return np.asarray(step[chosen])
+
+
+def _middles(
+    windows: Sequence[ShadedWindow], point: Vector
+) -> Float[np.ndarray, "window 3"]:
+    # Directions to the middle of each polygon of the windows
+    middles = [
+        polygon.vertices.mean(axis=0)
+        for shaded in windows
+        for polygon in shaded.window.polygons
+    ]
+    away = np.array(middles) - point
+    return np.asarray(away / np.linalg.norm(away, axis=1, keepdims=True))
