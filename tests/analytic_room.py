@@ -47,6 +47,10 @@ class AnalyticRoom:
         seen = np.where(slat[:, None], slats, GLASS * sky)
         return np.where(window[:, None], seen, inside)
 
+    def of_samples(self, samples):
+        """Luminance of the directions of samples; see `luminance`."""
+        return self.luminance(samples.direction)
+
     def disc(self):
         """The sun's disc, whole where the line to its centre is free."""
         glass = 1.0 if self.kind == "sky" else GLASS

@@ -19,6 +19,7 @@ STACK = (
         "constants",
         "options",
         "progress",
+        "threads",
         "warning_log",
     ),
     ("checks", "escaping"),

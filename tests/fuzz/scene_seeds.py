@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 from reader import Reader, Use
 
+from honeybee_models import honeybee_model, office
+
 ROOM = """# A room with everything
 void plastic grey 0 0 5 .5 .5 .5 0 0
 void brightfunc spots 4 spot x.cal -s 2 0 1 .5
@@ -108,39 +110,8 @@ def _gltf(_: Path) -> list[bytes]:
     return [json.dumps(model).encode(), json.dumps(model, indent=1).encode(), glb]
 
 
-def _face(name: str, points: list[list[float]], **more: object) -> dict[str, object]:
-    return {
-        "type": "Face",
-        "identifier": name,
-        "face_type": "Wall",
-        "geometry": {"type": "Face3D", "boundary": points},
-        "boundary_condition": {"type": "Outdoors"},
-        "properties": {"radiance": {}},
-    } | more
-
-
 def _hbjson(_: Path) -> list[bytes]:
-    aperture = {
-        "type": "Aperture",
-        "identifier": "south_window",
-        "geometry": {"boundary": [[1, 0, 1], [3, 0, 1], [3, 0, 2], [1, 0, 2]]},
-        "boundary_condition": {"type": "Outdoors"},
-        "properties": {"radiance": {"modifier": "pane"}},
-    }
-    south = [[0, 0, 0], [4, 0, 0], [4, 0, 3], [0, 0, 3]]
-    floor = [[0, 0, 0], [0, 5, 0], [4, 5, 0], [4, 0, 0]]
-    faces = [
-        _face("floor", floor, face_type="Floor"),
-        _face("south", south, apertures=[aperture]),
-    ]
-    pane = {
-        "type": "Glass",
-        "identifier": "pane",
-        "r_transmissivity": 0.8,
-        "g_transmissivity": 0.9,
-        "b_transmissivity": 0.7,
-        "refraction_index": None,
-    }
+    room = office("room")
     grid = {
         "type": "SensorGrid",
         "identifier": "grid",
@@ -155,14 +126,7 @@ def _hbjson(_: Path) -> list[bytes]:
         "h_size": 180,
         "v_size": 180,
     }
-    radiance = {"modifiers": [pane], "modifier_sets": [], "sensor_grids": [grid]}
-    model = {
-        "type": "Model",
-        "identifier": "room",
-        "units": "Meters",
-        "rooms": [{"identifier": "room", "faces": faces, "properties": {}}],
-        "properties": {"radiance": radiance | {"views": [view]}},
-    }
+    model = honeybee_model(room, sensor_grids=[grid], views=[view])
     return [json.dumps(model).encode(), json.dumps(model, indent=1).encode()]
 
 

@@ -17,11 +17,11 @@ from clerestory.bsdf.analytic import lambertian
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.hemisphere.klems import klems
 from clerestory.metrics.replicates import error_of_group_mean, errors_of
+from clerestory.metrics.space import direct_sun
 from clerestory.metrics.spatial_metrics import spatial_autonomy, sunlight_exposure
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View
 from clerestory.study.config import Study, read_study
-from clerestory.study.results import Results
 from clerestory.study.study_run import run_study
 
 pytestmark = pytest.mark.slow
@@ -104,7 +104,7 @@ def figures(data: xr.Dataset) -> dict[str, tuple[np.ndarray, np.ndarray]]:
             values.mean(),
             np.array(error_of_group_mean(components)),
         )
-    occupied, sun = data["occupied"].values, Results.of_direct_sun(data)
+    occupied, sun = data["occupied"].values, direct_sun(data)
     reached = [
         spatial_autonomy(lux, occupied, target_lux=target, **errors_of(data))
         for target in np.linspace(250, 900, 14)

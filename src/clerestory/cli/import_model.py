@@ -31,8 +31,17 @@ def import_model(request: ImportModel) -> None:
             "does not exist; a weather file expected",
             file=weather,
         )
-        _tell(write_honeybee_model(read, request.output, weather=weather), quiet)
-        say(*(f"left out: {each}" for each in read.unsupported), quiet=quiet)
+        with located(file=model):
+            written = write_honeybee_model(
+                read,
+                request.output,
+                weather=weather,
+                spacing=request.spacing,
+                height=request.height,
+                north_deg=request.north,
+            )
+        _tell(written, quiet)
+        _tell_of_study(written, weather, quiet)
     else:
         _tell(write_scene(_mesh_scene(model, request.materials), request.output), quiet)
 
@@ -50,6 +59,16 @@ def _mesh_scene(model: Path, materials: Path | None) -> Scene:
         read = read_obj
     colours = materials is None
     return read(model, materials=given.materials, colours=colours, scale=given.scale)
+
+
+def _tell_of_study(written: Written, weather: Path | None, quiet: bool) -> None:
+    say(*(f"left out: {each}" for each in written.omitted), quiet=quiet)
+    if written.generated:
+        count = len(written.generated)
+        say(f"grids above the floors of rooms without sensors: {count}", quiet=quiet)
+    if written.study is None:
+        missing = "--weather FILE" if weather is None else "sensors or rooms"
+        say(f"no study was written: {missing} expected", quiet=quiet)
 
 
 def _tell(written: Written, quiet: bool) -> None:

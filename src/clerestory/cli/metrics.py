@@ -17,7 +17,7 @@ from clerestory.files import write_text
 from clerestory.metrics import climate_based_metrics as climate
 from clerestory.metrics import en17037, honeybee
 from clerestory.metrics.leed import Version, points_error, simulated_daylight
-from clerestory.metrics.lm83_conditions import departures, hour_departures
+from clerestory.metrics.lm83_conditions import departures
 from clerestory.metrics.occupied_hours import occupied_hours
 from clerestory.metrics.replicates import (
     error_of_group_mean,
@@ -26,6 +26,7 @@ from clerestory.metrics.replicates import (
     metric_error,
 )
 from clerestory.metrics.sensor_metrics import sensor_metrics
+from clerestory.metrics.space import direct_sun
 from clerestory.metrics.spatial_metrics import (
     RoomShare,
     hours_above,
@@ -34,7 +35,7 @@ from clerestory.metrics.spatial_metrics import (
 )
 from clerestory.report.uncertain_value import Figure
 from clerestory.sky.weather_formats import read_weather
-from clerestory.study.results import Results, read_results
+from clerestory.study.results import read_results
 
 _HOURS_A_YEAR = 8760
 
@@ -110,8 +111,8 @@ def _grids(request: Metrics) -> Iterator[_Grid]:
             lux = folder.illuminance(name, states=chosen)
             direct = folder.illuminance(name, light="direct")
             hourly, sun = (xr.Dataset({"illuminance": x}) for x in (lux, direct))
-            odd = hour_departures(
-                lux["time"].values, 1.0, request.from_hour, request.to_hour
+            odd = departures(
+                hourly, from_hour=request.from_hour, to_hour=request.to_hour
             )
             fixed = folder.dynamic_paths(name) and not operate
             shades = ["shades that do not follow LM-83; --lm83 expected"]
@@ -128,7 +129,7 @@ def _grids(request: Metrics) -> Iterator[_Grid]:
     for name in found.grids():
         part = found.data.isel(sensor=np.flatnonzero(found.data["grid"] == name))
         # ASE requires the sun at its exact position, not spread over patches
-        exposed = Results.of_direct_sun(part) if "sun_hours" in part else None
+        exposed = direct_sun(part) if "sun_hours" in part else None
         step = float(found.data.attrs.get("step_minutes", 60)) / 60
         departed = departures(
             part, from_hour=request.from_hour, to_hour=request.to_hour

@@ -1,4 +1,4 @@
-"""Direct transmittance from distant sources to points, through air or glass."""
+"""Direct transmittance from distant sources, and first surfaces, through glass."""
 
 import drjit as dr
 import mitsuba as mi
@@ -9,7 +9,12 @@ from clerestory.engine.direct_sun_jobs import UnscatteredJob
 from clerestory.engine.lower import lower
 from clerestory.engine.unusual_lengths import scene_factor
 from clerestory.engine.upload import launching, vectors
-from clerestory.engine.visibility import along, transmittance
+from clerestory.engine.visibility import (
+    along,
+    first_opaque,
+    interaction,
+    transmittance,
+)
 from clerestory.engine.work_units import Tracer, Unit
 from clerestory.scene.model import Scene
 from clerestory.scene.scaling import scaled
@@ -32,6 +37,27 @@ def direct_transmittance(
         share = transmittance(model, start, along(towards), mi.Bool(True))
         found = np.asarray(dr.mean(share))
     return np.broadcast_to(found, len(points) * count).reshape(-1, count).astype(float)
+
+
+def first_surfaces(
+    scene: Scene,
+    origins: Float[np.ndarray, "ray 3"],
+    directions: Float[np.ndarray, "ray 3"],
+) -> tuple[Float[np.ndarray, " ray"], Float[np.ndarray, "ray 3"]]:
+    """Return distance, inf if none, and normal of the first surface of each ray."""
+    factor = scene_factor(scene)
+    scene, origins = scaled(scene, factor), origins * factor
+    origin = origins.mean(axis=0)
+    with launching():
+        model = lower(scene, origin=origin)
+        start = vectors(mi.Point3f, origins - origin)
+        towards = vectors(mi.Vector3f, directions)
+        _, ray, hit = first_opaque(model, start, along(towards), mi.Bool(True))
+        met = hit.is_valid()
+        surface = interaction(hit, ray, met)
+        reach = dr.select(met, dr.norm(surface.p - start), dr.inf)
+        distance, normal = np.asarray(reach), np.asarray(surface.n).T
+    return distance.astype(float) / factor, normal.astype(float)
 
 
 def prepare_unscattered(job: UnscatteredJob) -> Tracer:

@@ -46,35 +46,39 @@ class PathProduct:
         cell_of: CellOf,
         cells: int,
     ):
-        self.rows = len(records[0].starts) - 1
-        self._batches = [_of_window(each, zones, cell_of, cells) for each in records]
-        self._weights: dict[tuple[int, bytes], mi.Float] = {}
-
-    def __len__(self) -> int:
-        return len(self._batches)
+        parts = [_of_window(each, zones, cell_of, cells) for each in records]
+        starts, codes, weights = zip(*parts, strict=True)
+        # The receivers of all batches follow each other
+        counts = np.concatenate([np.diff(each) for each in starts])
+        edges = np.concatenate([[0], np.cumsum(counts)])
+        self.rows = len(counts)
+        self._starts = on_device(mi.UInt32, edges)
+        self._codes = on_device(mi.UInt32, np.concatenate(codes))
+        self._weights = np.concatenate(weights, axis=1)
+        self._shares: dict[bytes, mi.Float] = {}
 
     def received(
         self,
-        batch: int,
         share: Float[np.ndarray, " channel"],
         radiance: Float32[np.ndarray, "twice step"],
         transmittance: Float32[np.ndarray, "zone step"],
     ) -> mi.Float:
-        """Return Σ share × weight × radiance × transmittance by receiver and step.
+        """Return Σ share × weight × radiance × transmittance.
+
+        The sums are those of each batch, receiver and step.
 
         `radiance` has the cells for reflected light, then those for light that is seen
         directly. `share` weights the channels of the paths. The number of steps is a
         multiple of four; the result is on the compute device.
         """
-        starts, codes, weights = self._batches[batch]
-        key = batch, share.tobytes()
-        if key not in self._weights:
-            self._weights[key] = on_device(mi.Float, share.astype("f4") @ weights)
+        key = share.tobytes()
+        if key not in self._shares:
+            self._shares[key] = on_device(mi.Float, share.astype("f4") @ self._weights)
         steps = radiance.shape[1] // _TOGETHER
         with launching():
             found = _sums(
-                self.rows * steps, dr.opaque(mi.UInt32, steps), starts, codes,
-                self._weights[key], on_device(mi.Float, radiance),
+                self.rows * steps, dr.opaque(mi.UInt32, steps), self._starts,
+                self._codes, self._shares[key], on_device(mi.Float, radiance),
                 on_device(mi.Float, transmittance),
             )  # fmt: skip
             result = dr.ravel(found)
@@ -107,7 +111,7 @@ def _sums(lanes, steps, starts, codes, weights, radiance, transmittance):
 
 def _of_window(
     records: Records, zones: slice, cell_of: CellOf, cells: int
-) -> tuple[mi.UInt32, mi.UInt32, np.ndarray]:
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     # Contributions of one window: first of each receiver, zone and cell, and weights
     zone = records.zones & np.uint16(STRAIGHT - 1)
     own = (zone >= zones.start) & (zone < zones.stop)
@@ -123,4 +127,4 @@ def _of_window(
         directions, weights = directions[own], weights[:, own]
     place = cell_of(directions) + np.uint32(cells) * straight
     code = (zone.astype(np.uint32) - np.uint32(zones.start)) << np.uint32(_CELL_BITS)
-    return on_device(mi.UInt32, starts), on_device(mi.UInt32, code | place), weights
+    return starts, code | place, weights

@@ -20,15 +20,20 @@ from clerestory.brief_repr import brief
 from clerestory.checks import require
 from clerestory.documents import read_json
 from clerestory.errors import ClerestoryWarning, located
+from clerestory.formats.hbjson_checks import check_model
 from clerestory.formats.hbjson_geometry import (
+    GridLabel,
+    RoomFloor,
     plane_of,
     read_grids,
     read_views,
+    room_floor,
     seamed,
     unique_name,
 )
 from clerestory.formats.hbjson_modifiers import BsdfModifier, Modifier, read_modifiers
 from clerestory.formats.hbjson_schema import Model, Part, Room, ShadeMesh
+from clerestory.scene.materials.mixture import Void
 from clerestory.scene.model import Material, Polygon, Scene, Surface, insert_material
 from clerestory.scene.scaling import METRES
 from clerestory.scene.sensors import Sensors
@@ -41,6 +46,7 @@ _METRES = {
     "Feet": METRES["feet"],
     "Inches": METRES["inches"],
 }
+_HORIZONTAL = ("RoofCeiling", "Floor")
 _SETS = {"Wall": "wall_set", "Floor": "floor_set", "RoofCeiling": "roof_ceiling_set"}
 
 
@@ -67,13 +73,19 @@ class ApertureGroup:
 class HoneybeeModel:
     """A honeybee model: scene without windows, window groups, sensors and views.
 
-    `unsupported` describes the content of the file that is ignored.
+    Attributes
+    ----------
+    grids, labels : sensors and identifiers of each sensor grid, by name
+    rooms : floors of the rooms
+    unsupported : descriptions of the content of the file that is ignored
     """
 
     name: str
     scene: Scene
     windows: tuple[ApertureGroup, ...]
     grids: dict[str, Sensors]
+    labels: dict[str, GridLabel]
+    rooms: tuple[RoomFloor, ...]
     views: dict[str, View]
     unsupported: tuple[str, ...]
 
@@ -87,23 +99,44 @@ def read_hbjson(path: str | Path) -> HoneybeeModel:
 
     Raises
     ------
-    InputError : the file is not JSON, or not a honeybee model
+    InputError : the file is not JSON or not a honeybee model, or the model cannot be
+        simulated, such as with an open room
     """
     root = read_json(path, Model)
     with located(file=path):
+        scale = _METRES[root.units]
+        check_model(root, metres=scale)
         reading = _Reading(root, path, all_windows=False)
         if reading.groups:
             reading = _Reading(root, path, all_windows=True)
         scene = Scene(reading.materials, tuple(reading.surfaces))
         _warn_of_size(scene, root.units, path)
+        grids, labels = read_grids(root.radiance, scale)
+        ignored = (*reading.modifiers.unsupported, *_ignored(root))
         return HoneybeeModel(
-            root.display_name or root.identifier,
-            scene,
-            tuple(_windows(list(reading.groups.values()))),
-            read_grids(root.radiance, reading.scale),
-            read_views(root.radiance, reading.scale),
-            tuple(dict.fromkeys(reading.modifiers.unsupported)),
+            name=root.display_name or root.identifier,
+            scene=scene,
+            windows=tuple(_windows(list(reading.groups.values()))),
+            grids=grids,
+            labels=labels,
+            rooms=tuple(room_floor(room, scale) for room in root.rooms),
+            views=read_views(root.radiance, scale),
+            unsupported=tuple(dict.fromkeys(ignored)),
         )
+
+
+def _ignored(root: Model) -> Iterator[str]:
+    # Members of the model that are not read
+    for name in root.extensions:
+        if name not in ("radiance", "type"):
+            yield f"the {name} properties of the model"
+    for room in root.rooms:
+        if room.multiplier != 1:
+            named = f'the multiplier {room.multiplier:g} of room "{room.identifier}"'
+            yield f"{named}: it is modelled once"
+    for grid in root.radiance.sensor_grids:
+        if not grid.sensors:
+            yield f'sensor grid "{grid.identifier}": it has no sensors'
 
 
 def _warn_of_size(scene: Scene, units: str, path: str | Path) -> None:
@@ -143,7 +176,7 @@ class _Reading:
         for door in root.orphaned_doors:
             self.door(door, "")
         for shade in root.orphaned_shades:
-            self.shade(shade, "", "context_modifier")
+            self.shade(shade, "", _shade_place(shade))
         for mesh in root.shade_meshes:
             self.shade_mesh(mesh)
 
@@ -152,18 +185,16 @@ class _Reading:
         if self.is_twin(face):
             return
         for aperture in face.apertures:
-            roof = face.face_type == "RoofCeiling"
-            self.aperture(
-                aperture, room_set, outdoors=face.exposure == "Outdoors", roof=roof
-            )
+            roof, outdoors = face.face_type in _HORIZONTAL, face.exposure == "Outdoors"
+            self.aperture(aperture, room_set, outdoors=outdoors, roof=roof)
         for door in face.doors:
-            self.door(door, room_set)
+            self.door(door, room_set, overhead=face.face_type in _HORIZONTAL)
         self.shades(face, room_set)
         if face.face_type == "AirBoundary":
             return
         side = "exterior" if face.exposure == "Outdoors" else "interior"
         place = f"{_SETS[face.face_type]}.{side}_modifier"
-        modifier = self.modifiers.of(face.modifier, place, room_set)
+        modifier = self.of(face, place, room_set)
         openings = (*face.apertures, *face.doors)
         holes = [opening.loops()[0] for opening in openings]
         outline = seamed([*face.loops(), *holes]) * self.scale
@@ -178,8 +209,7 @@ class _Reading:
         self.shades(aperture, room_set)
         key = ("skylight" if roof else "window") if outdoors else "interior"
         key = "operable" if outdoors and aperture.is_operable else key
-        own, place = aperture.modifier, f"aperture_set.{key}_modifier"
-        modifier = self.modifiers.of(own, place, room_set)
+        modifier = self.of(aperture, f"aperture_set.{key}_modifier", room_set)
         states = self.states(aperture)
         plain = not (states or self.all_windows or isinstance(modifier, BsdfModifier))
         if outdoors and not plain:
@@ -203,16 +233,21 @@ class _Reading:
         if any(state.shades for state in states):
             text = f'the shades of states of "{part.identifier}"'
             self.modifiers.unsupported.append(text)
-        return [self.modifiers.of(s.modifier, "") for s in states if s.modifier]
+        if any(state.vmtx_geometry or state.dmtx_geometry for state in states):
+            text = f'the matrix geometry of states of "{part.identifier}"'
+            self.modifiers.unsupported.append(text)
+        owner, named = part.identifier, [s.modifier for s in states if s.modifier]
+        return [self.modifiers.of(name, "", owner=owner) for name in named]
 
-    def door(self, door: Part, room_set: str) -> None:
+    def door(self, door: Part, room_set: str, *, overhead: bool = False) -> None:
         """Add a door to the scene or to a window group."""
         if self.is_twin(door):
             return
         self.shades(door, room_set)
         side = "exterior" if door.exposure == "Outdoors" else "interior"
-        place = f"door_set.{side}{'_glass' if door.is_glass else ''}_modifier"
-        modifier = self.modifiers.of(door.modifier, place, room_set)
+        key = f"{side}_glass" if door.is_glass else side
+        key = "overhead" if overhead and key == "exterior" else key
+        modifier = self.of(door, f"door_set.{key}_modifier", room_set)
         if door.exposure == "Outdoors" and door.is_glass and self.all_windows:
             self.window(door, [modifier])
         else:
@@ -227,7 +262,7 @@ class _Reading:
 
     def shade(self, shade: Part, room_set: str, place: str) -> None:
         """Add a shade, in the first of its dynamic states."""
-        modifier = self.modifiers.of(shade.modifier, place, room_set)
+        modifier = self.of(shade, place, room_set)
         states, name = self.states(shade), shade.identifier
         if states:
             text = f'the states of shade "{name}": the first is used'
@@ -237,11 +272,15 @@ class _Reading:
     def shade_mesh(self, mesh: ShadeMesh) -> None:
         """Add the faces of a mesh."""
         vertices, count = np.array(mesh.vertices) * self.scale, len(mesh.vertices)
-        modifier = self.modifiers.of(mesh.modifier, "context_modifier")
+        modifier = self.of(mesh, _shade_place(mesh))
         for face in mesh.faces:
             message = f'a face of mesh "{mesh.identifier}" refers to vertex {max(face)}'
             require(max(face) < count, f"{message}; an index below {count} expected")
             self.put(vertices[list(face)], modifier, mesh.identifier)
+
+    def of(self, part: Part | ShadeMesh, place: str, room_set: str = "") -> Modifier:
+        """Return the modifier of an object; see `Modifiers.of`."""
+        return self.modifiers.of(part.modifier, place, room_set, owner=part.identifier)
 
     def outline(self, part: Part) -> np.ndarray:
         """Return the outline of a face, opening or shade, joined with its holes [m]."""
@@ -255,6 +294,10 @@ class _Reading:
                 " BSDF; the surface is omitted"
             )
             return
+        if isinstance(modifier, Void):
+            text = f'surface "{name}": its modifier "{modifier.name}" is void'
+            self.modifiers.unsupported.append(text)
+            return
         key = insert_material(self.materials, modifier)
         self.surfaces.append(Polygon(vertices, key, name))
 
@@ -264,6 +307,11 @@ class _Reading:
             return False
         self.seen.add(part.identifier)
         return bool(part.twins and part.twins[0] in self.seen)
+
+
+def _shade_place(shade: Part | ShadeMesh) -> str:
+    # Default modifier of shades without a parent: context, if they are detached
+    return "context_modifier" if shade.is_detached else "shade_set.exterior_modifier"
 
 
 def _windows(groups: Sequence[_Group]) -> Iterator[ApertureGroup]:

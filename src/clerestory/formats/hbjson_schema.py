@@ -29,6 +29,8 @@ class State(Item):
 
     modifier: str = ""
     shades: tuple[object, ...] = ()
+    vmtx_geometry: object = None
+    dmtx_geometry: object = None
 
 
 class Part(Item):
@@ -48,6 +50,7 @@ class Part(Item):
     indoor_shades: "tuple[Part, ...]" = ()
     is_operable: bool = False
     is_glass: bool = False
+    is_detached: bool = False
     face_type: Literal["Wall", "Floor", "RoofCeiling", "AirBoundary"] = "Wall"
     apertures: "tuple[Part, ...]" = ()
     doors: "tuple[Part, ...]" = ()
@@ -64,11 +67,15 @@ class ShadeMesh(Item):
     vertices: _Loop = _at("geometry.vertices")
     faces: tuple[_Polygon, ...] = _at("geometry.faces")
     modifier: str | None = _at("properties.radiance.modifier", None)
+    is_detached: bool = True
 
 
 class Room(Item):
     """A room with its faces."""
 
+    identifier: str = ""
+    display_name: str = ""
+    multiplier: Number = 1.0
     faces: tuple[Part, ...] = ()
     modifier_set: str | None = _at("properties.radiance.modifier_set", None)
     outdoor_shades: tuple[Part, ...] = ()
@@ -123,10 +130,12 @@ class Sensor(Item):
 
 
 class Grid(Item):
-    """A sensor grid."""
+    """A sensor grid; files of results are named after its group and identifier."""
 
     identifier: str
     display_name: str = ""
+    room_identifier: str = ""
+    group_identifier: str = ""
     sensors: tuple[Sensor, ...] = ()
 
 
@@ -143,6 +152,8 @@ class ViewItem(Item):
     v_size: Number = 60.0
     shift: Number = 0.0
     lift: Number = 0.0
+    fore_clip: _Positive = 0.0
+    aft_clip: _Positive = 0.0
 
 
 class Radiance(Item):
@@ -161,6 +172,8 @@ class Model(Item):
     type: Literal["Model"] = "Model"
     identifier: str = "model"
     display_name: str = ""
+    tolerance: _Positive = 0.01
+    extensions: dict[str, object] = Field({}, validation_alias="properties")
     units: Literal["Meters", "Millimeters", "Centimeters", "Feet", "Inches"] = "Meters"
     radiance: Radiance = _at("properties.radiance", Radiance())
     rooms: tuple[Room, ...] = ()

@@ -15,15 +15,15 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
-from clerestory.array_types import Directions, Values
+from clerestory.array_types import Directions
 from clerestory.checks import positive, require
-from clerestory.glare.eye_directions import seen_by
+from clerestory.glare.dgp_error import DgpModel
 from clerestory.glare.index_settings import EVALGLARE, DgpCoefficients
 from clerestory.glare.sphere_samples import FINEST, SphereSamples, regular_samples
 from clerestory.scene.view import View
 
-# Luminance [cd/m²] of directions, at each time step or for each of a few of them
-LuminanceOf = Callable[[Directions], Float[np.ndarray, "direction step"]]
+# Luminance [cd/m²] of samples, at each time step or for each of a few of them
+LuminanceOf = Callable[[SphereSamples], Float[np.ndarray, "direction step"]]
 
 # Time steps that are evaluated at once
 _STEPS = 256
@@ -84,18 +84,19 @@ def sample_sphere(
 
     Parameters
     ----------
-    luminance : function that returns the luminance of directions [cd/m²] at each time
-        step, without the sun's disc; called once with all new directions of a round.
-        The steps may be a selection of the year, with all its kinds of sky, position of
-        the sun and state of the shading
+    luminance : function that returns the luminance of samples [cd/m²] at each time
+        step, without the sun's disc: that of their directions, or the means over their
+        cells; called once with all new samples of a round. The steps may be a selection
+        of the year, with all its kinds of sky, position of the sun and state of the
+        shading
     views : view directions that share the samples
     details : directions of things that the first round could miss, such as points of
-        small windows and luminaires; their cells are split down to a level above the
-        finest before the first round
+        small windows and luminaires; their cells are split down to the finest level
+        before the first round
 
     >>> eye = View(kind="angular", horizontal=180, vertical=180)
-    >>> def window(direction):
-    ...     return np.where(direction[:, 1:2] > 0.9, [5000.0, 0.0], 100.0)
+    >>> def window(samples):
+    ...     return np.where(samples.direction[:, 1:2] > 0.9, [5000.0, 0.0], 100.0)
     >>> samples = sample_sphere(window, [eye])
     >>> ahead = samples.direction[:, 1] > 0
     >>> bool(samples.level[ahead].max() > samples.level[~ahead].max())
@@ -105,18 +106,18 @@ def sample_sphere(
     random = np.random.default_rng([seed, 1])
     samples = regular_samples(how.first, seed=seed)
     if details is not None:
-        for _ in range(how.finest - 1 - how.first):
+        for _ in range(how.finest - how.first):
             which = np.zeros(samples.count, dtype=bool)
             which[samples.containing(details)] = True
-            samples, _ = samples.split(which & (samples.level < how.finest - 1), random)
-    values = luminance(samples.direction)
+            samples = samples.split(which & (samples.level < how.finest), random)
+    values = luminance(samples)
     for left in reversed(range(how.rounds)):
         which = _to_split(samples, values, views, how, last=not left)
         if not which.any():
             break
-        samples, former = samples.split(which, random)
-        new = luminance(samples.direction[former.size :])
-        values = np.concatenate([values[former], new])
+        samples = samples.split(which, random)
+        new = samples.select(slice(np.count_nonzero(~which), None))
+        values = np.concatenate([values[~which], luminance(new)])
     return samples
 
 
@@ -173,8 +174,7 @@ def _deviations(
 ) -> Iterator[tuple[int, slice, Float[np.ndarray, "cell some_steps"]]]:
     # Standard deviation of DGP by each cell (cell, step), view by view and by blocks of
     # time steps
-    k = how.coefficients
-    eyes = [_eye_weights(samples, view, k) for view in views]
+    model = DgpModel(samples, views, how.threshold, how.coefficients)
     own, other = samples.adjacent.T
     first = np.searchsorted(own, np.arange(samples.count))
     spread = samples.solid_angle[:, None] / np.sqrt(12)
@@ -183,26 +183,10 @@ def _deviations(
         level = luminance[:, steps]
         beside = level[other]
         most, least = (one.reduceat(beside, first) for one in (np.maximum, np.minimum))
-        glare, high, low = (
-            np.where(x > how.threshold, x, 0.0) ** k.a1 for x in (level, most, least)
-        )
+        glare, high, low = (model.glare(x) for x in (level, most, least))
         of_level = spread * np.maximum(most - level, level - least)
         of_glare = spread * np.maximum(high - glare, glare - low)
-        for view, (cosine, weight) in enumerate(eyes):
-            illuminance = np.maximum((samples.solid_angle * cosine) @ level, 1e-9)
-            total = (samples.solid_angle * weight) @ glare
-            # Derivatives of DGP: by G = Σ L^a1·ω/P^a4, and by Ev
-            by_glare = k.c2 / np.log(10) / (illuminance**k.a3 + total)
-            by_level = np.abs(k.c1 - by_glare * k.a3 * total / illuminance)
-            deviation = of_glare * weight[:, None] * by_glare
-            deviation += of_level * cosine[:, None] * by_level
+        for view, each in enumerate(model.terms(level)):
+            deviation = of_glare * each.weight[:, None] * each.by_glare
+            deviation += of_level * each.cosine[:, None] * np.abs(each.by_illuminance)
             yield view, steps, deviation
-
-
-def _eye_weights(
-    samples: SphereSamples, view: View, k: DgpCoefficients
-) -> tuple[Values, Values]:
-    # Cosine and P^−a4 of each direction, 0 behind the eye
-    eye = seen_by(view, samples.direction)
-    index = eye.position_index**-k.a4
-    return eye.cosine, np.where(eye.ahead, index, 0)

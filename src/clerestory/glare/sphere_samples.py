@@ -1,17 +1,17 @@
 """Directions that sample the sphere around a view point, one in each quadtree cell.
 
 Every cell has one direction, at a random place of the cell (stratified sampling), and
-represents its solid angle. A cell that is split keeps its direction for one of its four
-parts, so that no luminance is computed in vain.
+represents its solid angle. The luminance of a cell is that of its direction, or better
+the mean over the cell.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from clerestory.array_types import Directions, Values
+from clerestory.array_types import Directions, Values, Vector
 from clerestory.brief_repr import brief
 from clerestory.checks import require
 from clerestory.hemisphere.sphere_square import (
@@ -19,6 +19,7 @@ from clerestory.hemisphere.sphere_square import (
     sphere_from_square,
     square_from_sphere,
 )
+from clerestory.scene.sphere_cells import SphereCells
 
 # Finest level of the quadtree: cells of 0.1°
 FINEST = 11
@@ -76,30 +77,28 @@ class SphereSamples:
 
     def split(
         self, which: Bool[np.ndarray, " cell"], random: np.random.Generator
-    ) -> tuple["SphereSamples", Int[np.ndarray, " old"]]:
-        """Split cells in four; return all samples, and the former indices of the first.
+    ) -> "SphereSamples":
+        """Split cells in four; the cells that are not split come first."""
+        level = np.repeat(self.level[which] + 1, 4)
+        place = (2 * self.place[which, None] + _QUARTERS).reshape(-1, 2)
+        rest = self.select(~which)
+        return SphereSamples(
+            np.concatenate([rest.level, level]),
+            np.concatenate([rest.place, place]),
+            np.concatenate([rest.point, _points(level, place, random)]),
+        )
 
-        The samples that existed before come first; then the new ones.
-        """
-        parents, same = np.flatnonzero(which), np.flatnonzero(~which)
-        level = np.repeat(self.level[parents] + 1, 4)
-        place = (2 * self.place[parents, None] + _QUARTERS).reshape(-1, 2)
-        point = _points(level, place, random)
+    def select(self, which: slice | Bool[np.ndarray, " cell"]) -> "SphereSamples":
+        """Return some of the samples."""
+        return SphereSamples(self.level[which], self.place[which], self.point[which])
 
-        # The part that contains the direction of the parent keeps it
-        scaled = (self.point[parents] * 2.0 ** level[::4, None]).astype(np.int64)
-        kept = 4 * np.arange(parents.size) + (scaled - place[::4]).clip(0, 1) @ [2, 1]
-        point[kept] = self.point[parents]
-        new = np.delete(np.arange(level.size), kept)
-        arrays = [
-            np.concatenate([before[same], after[kept], after[new]])
-            for before, after in (
-                (self.level, level),
-                (self.place, place),
-                (self.point, point),
-            )
-        ]
-        return SphereSamples(*arrays), np.concatenate([same, parents])
+    def centred(self) -> "SphereSamples":
+        """Return the samples with the directions in the middle of their cells."""
+        return replace(self, point=(self.place + 0.5) / 2.0 ** self.level[:, None])
+
+    def cells(self, position: Vector) -> SphereCells:
+        """Return the cells, around a point [m], as receivers of radiance."""
+        return SphereCells(position, self.level, self.place)
 
     def _owners(self) -> Int[np.ndarray, "side side"]:
         # Index of the cell of this value in which each cell of the finest level lies

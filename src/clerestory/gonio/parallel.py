@@ -14,9 +14,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TypeVar
 
-from threadpoolctl import ThreadpoolController
-
 from clerestory.progress import Progress
+from clerestory.threads import linear_algebra_in_one_thread
 
 _FEWEST = 16  # smallest number of values for which parallel processes are started
 
@@ -94,11 +93,5 @@ def _reported(
 
 
 def _alone(function: Callable[..., _Result], values: tuple[object, ...]) -> _Result:
-    with _libraries().limit(limits=1):
+    with linear_algebra_in_one_thread():
         return function(*values)
-
-
-@functools.cache
-def _libraries() -> ThreadpoolController:
-    # Controller of the number of threads of the linear algebra libraries
-    return ThreadpoolController()

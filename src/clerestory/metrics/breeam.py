@@ -15,7 +15,11 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float
 
-from clerestory.metrics.daylight_factor import room_factors
+from clerestory.metrics.daylight_factor import DaylightFactors, room_factors
+
+# Limits for offices: illuminance [lux] and hours a year; daylight factors
+MEAN_LUX, WORST_LUX, HOURS = 300.0, 90.0, 2000.0
+MEAN_FACTOR, UNIFORMITY = 0.02, 0.3
 
 
 class IlluminanceCriterion(NamedTuple):
@@ -29,9 +33,9 @@ class IlluminanceCriterion(NamedTuple):
 def illuminance_criterion(
     illuminance: xr.DataArray,
     *,
-    mean_lux: float = 300.0,
-    worst_lux: float = 90.0,
-    hours: float = 2000.0,
+    mean_lux: float = MEAN_LUX,
+    worst_lux: float = WORST_LUX,
+    hours: float = HOURS,
     step_hours: float = 1.0,
 ) -> IlluminanceCriterion:
     """Return the result of the illuminance criterion for one room.
@@ -55,8 +59,8 @@ def illuminance_criterion(
 def factor_criterion(
     factor: Float[np.ndarray, " sensor"],
     *,
-    mean: float = 0.02,
-    uniformity: float = 0.3,
+    mean: float = MEAN_FACTOR,
+    uniformity: float = UNIFORMITY,
     minimum: float | None = None,
 ) -> bool:
     """Return whether a room meets the daylight factor criterion.
@@ -67,7 +71,19 @@ def factor_criterion(
     >>> factor_criterion(np.array([0.01, 0.03, 0.05]))
     True
     """
-    room = room_factors(factor)
+    return factors_pass(
+        room_factors(factor), mean=mean, uniformity=uniformity, minimum=minimum
+    )
+
+
+def factors_pass(
+    room: DaylightFactors,
+    *,
+    mean: float = MEAN_FACTOR,
+    uniformity: float = UNIFORMITY,
+    minimum: float | None = None,
+) -> bool:
+    """Return whether daylight factors meet the criterion; see `factor_criterion`."""
     least = uniformity * mean if minimum is None else minimum
     even = room.uniformity >= uniformity or room.minimum >= least
     return room.mean >= mean and even

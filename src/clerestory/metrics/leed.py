@@ -32,6 +32,9 @@ _OPTION_2: _Limits = {
     "v4.1": ((0.55, 1), (0.75, 2), (0.90, 3)),
 }
 
+# Autonomy of every space for one more point in v4.1, or exemplary performance
+EACH_SPACE = 0.55
+
 
 class Credit(NamedTuple):
     """LEED points, fraction of the area that meets the criterion, and a remark."""
@@ -47,13 +50,16 @@ def simulated_daylight(
     *,
     version: Version = "v4.1",
     departures: Sequence[str] = (),
+    lowest: float = 0.0,
 ) -> Credit:
     """Return the LEED points of option 1, by annual simulation.
 
-    `autonomy` and `exposure` are sDA and ASE of the regularly occupied floor area. If
-    ASE is above 10 %, v4 gives no points and v4.1 requires a statement on glare. The
-    remark names the departures of the simulation from LM-83, which the credit requires;
-    see `lm83_conditions.departures`.
+    `autonomy` and `exposure` are sDA and ASE of the regularly occupied floor area,
+    `lowest` is the lowest sDA of its spaces: v4.1 gives one more point if it is 55 % or
+    more; a fourth point stands for exemplary performance. If ASE is above 10 %, v4
+    gives no points and v4.1 requires a statement on glare. The remark names the
+    departures of the simulation from LM-83, which the credit requires; see
+    `lm83_conditions.departures`.
 
     >>> simulated_daylight(0.60, 0.05).points
     2
@@ -61,6 +67,8 @@ def simulated_daylight(
     0
     """
     points = _points(autonomy, _OPTION_1, version)
+    if version == "v4.1" and lowest >= EACH_SPACE - 1e-12:
+        points += 1
     notes = []
     if departures:
         notes.append(f"not by LM-83: {'; '.join(departures)}")

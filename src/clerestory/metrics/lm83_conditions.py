@@ -1,34 +1,41 @@
-"""Departures of a simulation from the conditions of IES LM-83.
+"""Requirements of IES LM-83 that a simulation fulfils or does not fulfil.
 
 sDA, ASE and the LEED points that follow from them are defined for a horizontal grid of
-sensors at most 2 ft apart, for 8 to 18 h on every day of a year in steps of an hour or
-less, and for blinds that close whenever more than 2 % of the sensors receive 1000 lux
-or more of direct sunlight.
+sensors at most 2 ft apart, 30 in above the floor, for 8 to 18 h on every day of a year
+in steps of an hour or less, and for blinds that close whenever more than 2 % of the
+sensors of a space receive 1000 lux or more of direct sunlight.
 
 Reference: IES LM-83-12, Approved Method: spatial daylight autonomy and
 annual sunlight exposure; USGBC, LEED v4 and v4.1, EQ credit Daylight.
 """
 
-import json
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from jaxtyping import Float
-from scipy.spatial import cKDTree
 
+from clerestory.metrics.compliance import Check, Requirement
 from clerestory.metrics.occupied_hours import occupied_hours
+from clerestory.metrics.procedure import (
+    confirmed_by_hand,
+    grid_facing_up,
+    grid_height,
+    grid_spacing_limit,
+    requirement,
+    typical_weather,
+    whole_year,
+)
+from clerestory.metrics.space import Space
 from clerestory.metrics.spatial_metrics import SUN_LUX
 
 FROM_HOUR, TO_HOUR = 8.0, 18.0
 MOST_SENSORS = 0.02
 
-# Largest spacing, 2 ft, with a tolerance for rounded coordinates [m]
+# Height [m] of the grid, 30 in; largest spacing [m], 2 ft with a tolerance for rounding
+HEIGHT = 0.76
 LARGEST_SPACING = 0.61
-
-_HOURS_A_YEAR = 8760
-_LOWEST_UP = 0.999
 
 
 def departures(
@@ -38,98 +45,161 @@ def departures(
 
     `data` are results of a run, see `Results.data`, for the sensors of one grid.
     """
-    found = [*hour_departures(data["time"].values, _step(data), from_hour, to_hour)]
-    found += _grid(data)
-    found += _shades(data, occupied_hours(data["time"].values))
-    return tuple(found)
+    equal = np.ones(data.sizes.get("sensor", 0))
+    space = Space("", data, equal, from_hour, to_hour)
+    found = [line for check in _MEASURED for line in check(space)]
+    return tuple(line.departure for line in found if line.status == "not fulfilled")
 
 
-def hour_departures(
-    times: np.ndarray, step_hours: float, from_hour: float, to_hour: float
-) -> Iterator[str]:
-    """Return the departures of the evaluated hours from LM-83."""
-    if (from_hour, to_hour) != (FROM_HOUR, TO_HOUR):
-        yield f"hours from {from_hour:g} to {to_hour:g}; 8 to 18 expected"
-    if len(times) * step_hours < _HOURS_A_YEAR - 24:
-        yield f"{len(times) * step_hours / 24:.0f} days; a whole year expected"
-    if step_hours > 1:
-        yield f"time steps of {step_hours:g} h; 1 h or less expected"
-
-
-def grid_spacing(position: Float[np.ndarray, "sensor 3"]) -> float:
-    """Return the larger spacing of a grid of sensors in its two directions [m].
-
-    The result is the median over the sensors, and infinite for a single sensor.
-
-    >>> x, y = np.meshgrid(np.arange(4) * 0.5, np.arange(3) * 1.2)
-    >>> float(grid_spacing(np.stack([x, y, 0 * x], axis=-1).reshape(-1, 3)))
-    1.2
-    """
-    places = np.unique(position.round(4), axis=0)
-    if len(places) < 2:
-        return np.inf
-    near = cKDTree(places).query(places, k=range(2, min(len(places), 26) + 1))[1]
-    across = places[near] - places[:, None]
-    length = np.linalg.norm(across, axis=2)
-    nearest = across[:, 0] / length[:, :1]
-    beside = np.linalg.norm(np.cross(across, nearest[:, None]), axis=2)
-
-    # Neighbours in the other direction deviate from the nearest one's by 30° or more
-    beside = np.where(beside >= 0.5 * length, beside, np.inf).min(axis=1)
-    beside = np.where(np.isfinite(beside), beside, length[:, 0])
-    return float(np.median(np.maximum(length[:, 0], beside)))
-
-
-def _step(data: xr.Dataset) -> float:
-    return float(data.attrs.get("step_minutes", 60)) / 60
-
-
-def _grid(data: xr.Dataset) -> Iterator[str]:
-    if "position" in data:
-        spacing = grid_spacing(data["position"].values)
-        if spacing > LARGEST_SPACING:
-            wide = f"a spacing of {spacing:.2f} m" if spacing < np.inf else "one sensor"
-            yield f"{wide}; a grid of at most 0.6 m (2 ft) expected"
-    if "direction" in data and data["direction"].values[:, 2].min() < _LOWEST_UP:
-        yield "sensors that do not face up; a horizontal grid expected"
-
-
-def _shades(data: xr.Dataset, hours: np.ndarray) -> Iterator[str]:
-    rules = (
-        dict.fromkeys(data["window"].values.tolist(), "") if "window" in data else {}
+def schedule(space: Space) -> Iterator[Requirement]:
+    """Check that the evaluated hours are those of LM-83."""
+    start, end = space.from_hour, space.to_hour
+    yield requirement(
+        "Hours of the day",
+        (start, end) == (FROM_HOUR, TO_HOUR),
+        f"hours from {start:g} to {end:g}",
+        expected="8 to 18",
+        change="evaluate the hours from 8 to 18",
     )
-    if "control" in data:
-        several = (data["state_name"].values != "").sum(axis=1) > 1
-        names = np.where(several, data["control"].values, "")
-        rules = dict(zip(data["window"].values.tolist(), names.tolist(), strict=True))
-    for window, rule in rules.items():
-        if rule not in ("", "LM-83"):
-            yield f'shades of window "{window}" by rule "{rule}"; rule "LM-83" expected'
-    tables = _control_tables(data)
+
+
+def blinds_of_lm83(space: Space) -> Iterator[Requirement]:
+    """Check that blinds are operated by direct sunlight on the sensors of the space."""
+    data, rules = space.data, _rules(space.data)
+    change = 'give [window.control] rule = "LM-83", without when_empty and own limits'
+    wrong = {
+        window: rule for window, rule in rules.items() if rule not in ("", "LM-83")
+    }
+    for window, rule in wrong.items():
+        yield requirement(
+            "Operation of the blinds",
+            False,
+            f'shades of window "{window}" by rule "{rule}"',
+            expected='rule "LM-83"',
+            change=change,
+        )
+    if rules and not wrong and any(rules.values()):
+        yield requirement(
+            "Operation of the blinds",
+            True,
+            'shades by rule "LM-83"',
+            expected='rule "LM-83"',
+            change=change,
+        )
+    tables = _control_tables(space)
     for table in tables:
         limit = table.get("sun_lux", SUN_LUX), table.get("most_sensors", MOST_SENSORS)
         if limit != (SUN_LUX, MOST_SENSORS):
-            yield (
+            yield requirement(
+                "Limits of the blinds",
+                False,
                 f"blinds that close for more than {limit[1]:.3g} of the sensors above"
-                f" {limit[0]:g} lux; 0.02 above 1000 lux expected"
+                f" {limit[0]:g} lux",
+                expected="0.02 above 1000 lux",
+                change="remove sun_lux and most_sensors from [window.control]",
             )
     if any(table.get("when_empty") is not None for table in tables):
-        empty = hours & ~data["occupied"].values
-        if empty.any():
-            yield f'{empty.sum()} of the hours with "when_empty"; none expected'
-
-    # Without shades, no more than 2 % of the sensors may ever be in direct sunlight
-    if rules and not any(rules.values()) and "direct_open" in data:
-        sunny = (data["direct_open"].values >= SUN_LUX).mean(axis=0) > MOST_SENSORS
-        if np.any(sunny & hours):
-            yield (
-                f"no shades in {np.sum(sunny & hours)} hours with more than 2 % of the"
-                " sensors in direct sunlight; blinds expected"
+        empty = int((space.hours & ~data["occupied"].values).sum())
+        if empty:
+            yield requirement(
+                "Hours of the blinds",
+                False,
+                f'{empty} of the hours with "when_empty"',
+                expected="none",
+                change="remove when_empty from [window.control], or widen [schedule]",
             )
+    yield from _own_sensors(space, tables)
+    yield from _without_shades(space, rules)
 
 
-def _control_tables(data: xr.Dataset) -> list[dict[str, Any]]:
-    # Tables [window.control] of rule "LM-83" in the study
-    study = json.loads(data.attrs.get("study", "{}"))
-    tables = [window.get("control") or {} for window in study.get("window", ())]
-    return [table for table in tables if table.get("rule") == "LM-83"]
+def _own_sensors(space: Space, tables: list[dict[str, Any]]) -> Iterator[Requirement]:
+    # Blinds of a space must be operated by the sensors of this space
+    if "space" not in space.data or not tables:
+        return
+    own = set(space.data["grid"].values.astype(str))
+    several = len(space.study.get("sensors", ())) > 1
+    foreign = [t.get("grid") or "all" for t in tables]
+    wrong = [grid for grid in foreign if several and {grid} != own]
+    yield requirement(
+        "Sensors of the blinds",
+        not wrong,
+        f"blinds by the sensors of {' and '.join(sorted(set(foreign)))}",
+        expected=f"those of {' and '.join(sorted(own))}",
+        change=f'name the grid of the space in [window.control]: grid = "{min(own)}"',
+    )
+
+
+def _without_shades(space: Space, rules: dict[str, str]) -> Iterator[Requirement]:
+    # Without shades, no more than 2 % of the sensors may ever be in direct sunlight
+    data = space.data
+    if rules and not any(rules.values()) and "direct_open" in data:
+        hours = occupied_hours(data["time"].values)
+        sunny = (data["direct_open"].values >= SUN_LUX).mean(axis=0) > MOST_SENSORS
+        count = int(np.sum(sunny & hours))
+        yield requirement(
+            "Blinds",
+            not count,
+            f"no shades in {count} hours with more than 2 % of the sensors in direct"
+            " sunlight",
+            expected="blinds",
+            change="give the windows states of a blind, and [window.control] rule ="
+            ' "LM-83"',
+        )
+
+
+def exact_sun(space: Space) -> Iterator[Requirement]:
+    """Check that direct sunlight is known from exact positions of the sun."""
+    known = space.sun is not None
+    yield requirement(
+        "Direct sunlight",
+        known,
+        "the sun at its position" if known else "no direct sun, or in sky patches",
+        expected="the sun at its position",
+        change='use method = "5-phase" or "6-phase", or "2-phase" with the exact sun',
+    )
+
+
+def _rules(data: xr.Dataset) -> dict[str, str]:
+    # Control rule of each window with several states; "" without shades
+    if "window" not in data:
+        return {}
+    names = data["window"].values.astype(str).tolist()
+    if "control" not in data:
+        return dict.fromkeys(names, "")
+    several = (data["state_name"].values != "").sum(axis=1) > 1
+    rules = np.where(several, data["control"].values, "").tolist()
+    return dict(zip(names, map(str, rules), strict=True))
+
+
+def _control_tables(space: Space) -> list[dict[str, Any]]:
+    # Tables [window.control] of rule "LM-83" in the study, for windows of the space
+    names = (
+        set(space.data["window"].values.astype(str)) if "window" in space.data else ()
+    )
+    tables = []
+    for window in space.study.get("window", ()):
+        table = window.get("control") or {}
+        owner = str(window.get("name") or Path(str(window.get("file", ""))).stem)
+        known = any(n == owner or n.startswith(f"{owner}.") for n in names)
+        if table.get("rule") == "LM-83" and (known or not owner):
+            tables.append(table)
+    return tables
+
+
+_MEASURED: tuple[Check, ...] = (
+    schedule,
+    whole_year,
+    grid_spacing_limit(LARGEST_SPACING, "0.6 m (2 ft)"),
+    grid_facing_up,
+    blinds_of_lm83,
+)
+
+CHECKS: tuple[Check, ...] = (
+    *_MEASURED,
+    grid_height(HEIGHT),
+    exact_sun,
+    typical_weather,
+    confirmed_by_hand(
+        "Furniture", expected="furniture and partitions in the model of the room"
+    ),
+)

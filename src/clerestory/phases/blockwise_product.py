@@ -28,6 +28,7 @@ from clerestory.phases.column_light import (
 from clerestory.phases.matrix_equation import (
     MatrixChain,
     Readable,
+    ReceivedSunlight,
     Skies,
     States,
     Sunlit,
@@ -91,9 +92,8 @@ class _Factor:
     light: Light
     steps: Int[np.ndarray, " step"]
 
-    def received(
-        self, rows: slice, *, errors: bool
-    ) -> tuple[np.ndarray, list[Components]]:
+    def add(self, total: np.ndarray, rows: slice, *, errors: bool) -> list[Components]:
+        """Add the light of some receivers, and return its error components."""
         layers = side_by_side(self.matrices, rows, errors=errors)
         found = self.light.received(layers)
         groups = [found[1:]]
@@ -107,24 +107,28 @@ class _Factor:
             for number, values in enumerate(groups)
             if len(values)
         ]
-        return found[0], parts
+        if len(self.steps) == total.shape[-1]:
+            total += found[0]
+        else:
+            total[..., self.steps] += found[0]
+        return parts
 
 
 @dataclass(frozen=True, eq=False)
 class _Sunlight:
-    # C_ds S_sun of all receivers and its error component, in a block of time steps
+    # C_ds S_sun of all receivers in a block of time steps, in steps with sunlight
     source: tuple[int, int]
     sign: int
-    values: Float32[np.ndarray, "out row step"]
-    error: Float32[np.ndarray, "out row step"]
+    light: ReceivedSunlight
     steps: Int[np.ndarray, " step"]
 
-    def received(
-        self, rows: slice, *, errors: bool
-    ) -> tuple[np.ndarray, list[Components]]:
-        values, error = (self.sign * v[:, rows] for v in (self.values, self.error))
-        part = Components((*self.source, 0), self.steps, error[None])
-        return values, [part] * errors
+    def add(self, total: np.ndarray, rows: slice, *, errors: bool) -> list[Components]:
+        """Add the light of some receivers, and return its error component."""
+        total[..., self.steps] += self.sign * self.light.mean(rows)
+        if not errors:
+            return []
+        error = self.sign * self.light.error(rows)
+        return [Components((*self.source, 0), self.steps, error[None])]
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,7 +228,8 @@ class BlockwiseProduct:
                     assert skies.suns is not None
                     normal = skies.suns.direct_normal[:, steps]
                     product = matrix.received(normal, self.weights)
-                    yield _Sunlight(source, term.sign, *product, steps)
+                    lit = steps[product.steps]
+                    yield _Sunlight(source, term.sign, product, lit)
                 elif len(steps) and not isinstance(matrix, Sunlit):
                     columns, light = self._direct(term, matrix, skies, steps)
                     yield _Factor(source, term.sign, [columns], light, steps)
@@ -254,12 +259,8 @@ class BlockwiseProduct:
         shape = len(self.terms), len(self.weights), rows.stop - rows.start, len(steps)
         total, components = np.zeros(shape, np.float32), []
         for factor in factors:
-            values, parts = factor.received(rows, errors=self.errors)
-            if len(factor.steps) == len(steps):
-                total[factor.source[0]] += values
-            else:
-                total[factor.source[0]][..., factor.steps] += values
-            components += parts
+            term = total[factor.source[0]]
+            components += factor.add(term, rows, errors=self.errors)
         return Block(rows, times, steps, total, components)
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Float32
+from jaxtyping import Float32, Int
 
 from clerestory.image.camera import Camera
 from clerestory.image.picture import Picture
@@ -35,8 +35,8 @@ _RESULT, _STEPS = 1 << 29, 128
 # Layers of a block of luminance: estimate, its copy, sunlight and its error
 _LAYERS = 4
 
-# Pixels per block: the memory for coefficients converted from half precision to float32
-_PIXELS = 1 << 15
+# Pixels per block: few enough that the block remains in the cache of the processor
+_PIXELS = 1 << 12
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +71,7 @@ def pictures_over_time(
     """
     bands = equation_bands(windows, skies)
     weights = np.eye(len(bands))
-    series = _Series(windows, terms, skies, states, weights, len(camera))
+    series = PixelSeries(windows, terms, skies, states, weights, len(camera))
     steps = series.steps(max(1, _steps(len(camera)) // len(bands)))
     for moment, found in zip(skies.times, steps, strict=True):
         stamp = np.datetime_as_string(moment, unit="m")
@@ -87,7 +87,7 @@ def luminance_over_time(
 ) -> Iterator[Float32[np.ndarray, "row column"]]:
     """Yield the luminance of every time step [cd/m²]; see `pictures_over_time`."""
     weights = equation_bands(windows, skies).weights[None]
-    series = _Series(windows, terms, skies, states, weights, len(camera))
+    series = PixelSeries(windows, terms, skies, states, weights, len(camera))
     for found in series.steps(_steps(len(camera))):
         yield found.light.reshape(camera.rows, camera.columns)
 
@@ -107,12 +107,14 @@ def uncertain_luminance_over_time(
     blocks, most = PixelBlocks.of(camera.rows, camera.columns), _steps(len(camera))
     rest = terms, skies, states, weights
     few = windows if blocks.single else [blocks.of_window(each) for each in windows]
-    uncertain = _Series(few, *rest, math.prod(blocks.shape), errors=True).steps(most)
+    uncertain = PixelSeries(few, *rest, math.prod(blocks.shape), errors=True).steps(
+        most
+    )
     if blocks.single:
         for each in uncertain:
             yield each.pixels(each.light, (camera.rows, camera.columns), blocks.shape)
         return
-    certain = _Series(windows, *rest, len(camera)).steps(most)
+    certain = PixelSeries(windows, *rest, len(camera)).steps(most)
     for fine, each in zip(certain, uncertain, strict=True):
         yield each.pixels(fine.light, (camera.rows, camera.columns), blocks.shape)
 
@@ -150,7 +152,31 @@ class _Step:
 
 
 @dataclass(frozen=True, eq=False)
-class _Series:
+class SeriesBlock:
+    """Radiance or luminance of some pixels in a block of time steps.
+
+    Attributes
+    ----------
+    times, steps : see `Block`; the values are those of `steps`
+    variance : of each pixel, independent of the other pixels; empty without errors
+    shared : deviations that pixels have in common; see `UncertainPixels`
+    """
+
+    rows: slice
+    times: slice
+    steps: Int[np.ndarray, " step"]
+    light: Float32[np.ndarray, "out pixel step"]
+    variance: Float32[np.ndarray, "uncertain lit"]
+    shared: Float32[np.ndarray, "draw uncertain lit"]
+
+
+@dataclass(frozen=True, eq=False)
+class PixelSeries:
+    """Radiance or luminance of pixels, or of cells of the sphere, over time.
+
+    `weights` are those of the bands in each output; see `BlockwiseProduct`.
+    """
+
     windows: Sequence[WindowMatrices]
     terms: Sequence[Term]
     skies: Skies
@@ -160,57 +186,64 @@ class _Series:
     errors: bool = False
 
     def steps(self, most: int) -> Iterator[_Step]:
+        """Yield the time steps, computed in blocks of at most `most` steps."""
         draws, pixels = FEW if self.errors else 0, self.pixels
+        light = variance = shared = np.zeros((0, 0, 0), np.float32)
+        for block in self.blocks(most):
+            steps = block.times.stop - block.times.start
+            if block.rows.start == 0:
+                light = np.zeros((steps, len(self.weights), pixels), np.float32)
+                variance = np.zeros((steps, pixels * self.errors), np.float32)
+                shared = np.zeros((steps, draws, variance.shape[1]), np.float32)
+            # Transposed while the block is in the cache of the processor
+            light[block.steps, :, block.rows] = np.moveaxis(block.light, -1, 0)
+            if self.errors:
+                variance[block.steps, block.rows] = block.variance.T
+                drawn = np.moveaxis(block.shared, -1, 0)
+                shared[block.steps, :, block.rows] = drawn
+            if block.rows.stop == pixels:
+                yield from map(_Step, light, variance, shared)
+
+    def blocks(self, most: int, *, rows: int = _PIXELS) -> Iterator[SeriesBlock]:
+        """Yield blocks of at most `rows` pixels × `most` time steps."""
         product = BlockwiseProduct(
             self.windows,
             self.terms,
             self.skies,
             self.states,
             self.weights,
-            pixels,
+            self.pixels,
             errors=self.errors,
-            most_receivers=_PIXELS,
+            most_receivers=rows,
             most_steps=most,
         )
-        light = variance = shared = np.zeros((0, 0, 0), np.float32)
+        nothing = np.zeros((0, 0), np.float32), np.zeros((0, 0, 0), np.float32)
         for block in product.blocks():
-            steps = block.times.stop - block.times.start
-            if block.rows.start == 0:
-                light = np.zeros((len(self.weights), pixels, steps), np.float32)
-                variance = np.zeros((pixels * self.errors, steps), np.float32)
-                shared = np.zeros((draws, len(variance), steps), np.float32)
-            light[:, block.rows, block.steps] = block.terms.sum(axis=0)
-            if self.errors:
-                self._add_deviations(block, variance, shared)
-            if block.rows.stop == pixels:
-                # One copy in the order of steps is faster than a strided copy of each
-                np.maximum(light, 0, out=light)
-                found = np.ascontiguousarray(np.moveaxis(light, -1, 0))
-                for step in range(steps):
-                    yield _Step(found[step], variance[:, step], shared[:, :, step])
+            light = np.maximum(block.terms.sum(axis=0), 0)
+            errors = self._deviations(block) if self.errors else nothing
+            yield SeriesBlock(block.rows, block.times, block.steps, light, *errors)
 
-    def _add_deviations(
-        self,
-        block: Block,
-        variance: Float32[np.ndarray, "pixel step"],
-        shared: Float32[np.ndarray, "draw pixel step"],
-    ) -> None:
-        # Add the variance that is independent in each pixel, and shared draws. The
-        # first component of a matrix of pixels is independent, all others are shared.
-        # V_d and C_ds come from the same paths: their deviations are summed first
-        paired = np.zeros((block.rows.stop - block.rows.start, variance.shape[1]), "f4")
+    def _deviations(
+        self, block: Block
+    ) -> tuple[
+        Float32[np.ndarray, "pixel step"], Float32[np.ndarray, "draw pixel step"]
+    ]:
+        # The variance that is independent in each pixel, and shared draws. The first
+        # component of a matrix of pixels is independent, all others are shared. V_d
+        # and C_ds come from the same paths: their deviations are summed first
+        shape = block.terms.shape[-2:]
+        variance, paired = np.zeros((2, *shape), np.float32)
+        shared = np.zeros((FEW, *shape), np.float32)
         for part in block.components:
             term, _, group = part.source
             deviations, own = part.values[:, 0], int(group == 0 and self._errs[term])
-            steps = block.steps[part.steps]
             if own and self.terms[term].part == "whole":
-                variance[block.rows, steps] += np.square(deviations[0])
+                variance[:, part.steps] += np.square(deviations[0])
             elif own:
-                paired[:, steps] += deviations[0]
+                paired[:, part.steps] += deviations[0]
             for number, deviation in enumerate(deviations[own:]):
-                drawn = shared[number % FEW, block.rows]
-                drawn[:, steps] += math.sqrt(FEW) * deviation
-        variance[block.rows] += np.square(paired)
+                shared[number % FEW][:, part.steps] += deviation
+        return variance + np.square(paired), math.sqrt(FEW) * shared
 
     @cached_property
     def _errs(self) -> list[bool]:

@@ -4,16 +4,19 @@ Errors are needed for glare indices, that is for sums over many pixels. They are
 computed for blocks of pixels, which are as few in a picture of any size.
 """
 
+import itertools
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float, Float32, Int
-from scipy.sparse import csc_array
+from scipy.sparse import coo_array, csc_array, csr_array
 
 from clerestory.matrix.axis import pixel_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.matrix_equation import (
     MatrixChain,
+    ReceivedSunlight,
     Receiving,
     Sunlit,
     WindowMatrices,
@@ -57,17 +60,36 @@ class PixelBlocks:
         self, values: Float[np.ndarray, "*batch pixel column"]
     ) -> Float32[np.ndarray, "*batch block column"]:
         """Return the means over the pixels of each block."""
-        *batch, _, each = values.shape
-        wide = values.reshape(-1, self.rows[-1], self.columns[-1], each)
+        *batch, pixels, each = values.shape
+        wide = values.reshape(-1, pixels, each)
         found = np.zeros((len(wide), *self.shape, each), np.float32)
-        sizes = np.diff(self.columns)[:, None]
-        for number, (first, last) in enumerate(
-            zip(self.rows[:-1], self.rows[1:], strict=True)
-        ):
-            strip = wide[:, first:last].astype(np.float32).sum(axis=1)
-            sums = np.add.reduceat(strip, self.columns[:-1], axis=1)
-            found[:, number] = sums / (sizes * (last - first))
+        width = self.columns[-1]
+        for number, (first, last) in enumerate(itertools.pairwise(self.rows.tolist())):
+            average, strip = (
+                self._averages[last - first],
+                slice(first * width, last * width),
+            )
+            for blocks, one in zip(found, wide, strict=True):
+                blocks[number] = average @ one[strip].astype(np.float32, copy=False)
         return found.reshape(*batch, -1, each)
+
+    @cached_property
+    def _averages(self) -> dict[int, csr_array]:
+        # Matrix that averages over the blocks of a strip, by the height of the strip
+        sizes, width = np.diff(self.columns), self.columns[-1]
+        own = np.repeat(np.arange(len(sizes)), sizes)
+        share = np.repeat(1 / sizes, sizes)
+        return {
+            height: csr_array(
+                coo_array(
+                    (
+                        np.tile(share / height, height).astype(np.float32),
+                        (np.tile(own, height), np.arange(width * height)),
+                    )
+                )
+            )
+            for height in np.unique(np.diff(self.rows)).tolist()
+        }
 
     def of_window(self, window: WindowMatrices) -> WindowMatrices:
         """Return the matrices of a window for the blocks of pixels."""
@@ -97,6 +119,6 @@ class _SunlitBlocks:
 
     def received(
         self, normal: csc_array, weights: Float[np.ndarray, "out band"]
-    ) -> tuple[np.ndarray, np.ndarray]:
-        values, error = self.pixels.received(normal, weights)
-        return self.blocks.means(values), self.blocks.means(error)
+    ) -> ReceivedSunlight:
+        found = self.pixels.received(normal, weights)
+        return replace(found, batches=self.blocks.means(found.batches))

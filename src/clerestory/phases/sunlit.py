@@ -18,6 +18,7 @@ from clerestory.bsdf.bsdf import Bsdf
 from clerestory.checks import require
 from clerestory.phases.direct_light import window_number
 from clerestory.phases.exit_cells import ExitCells, incident_cells
+from clerestory.phases.matrix_equation import ReceivedSunlight
 from clerestory.phases.window_paths import WindowPaths
 from clerestory.scene.model import Scene
 
@@ -42,16 +43,12 @@ class SunlitReceivers:
     suns: Float[np.ndarray, "sun 3"]
     peak: bool
     scene: Scene
-    _last: dict[tuple[bytes, ...], tuple[np.ndarray, np.ndarray]] = field(
-        default_factory=dict
-    )
+    _last: dict[tuple[bytes, ...], ReceivedSunlight] = field(default_factory=dict)
 
     def received(
         self, normal: csc_array, weights: Float[np.ndarray, "out band"]
-    ) -> tuple[
-        Float32[np.ndarray, "out pixel step"], Float32[np.ndarray, "out pixel step"]
-    ]:
-        """Return the radiance under suns, weighted by band, and its error component.
+    ) -> ReceivedSunlight:
+        """Return the radiance under suns, weighted by band.
 
         `normal` is the direct normal irradiance (sun × step), of at most one sun per
         step.
@@ -66,29 +63,19 @@ class SunlitReceivers:
 
     def _received(
         self, normal: csc_array, weights: Float[np.ndarray, "out band"]
-    ) -> tuple[np.ndarray, np.ndarray]:
+    ) -> ReceivedSunlight:
         steps, pixels = normal.shape[1], self.paths.job.receivers
         sun = np.full(steps, -1)
         coordinates = normal.tocoo()
         sun[coordinates.coords[1]] = coordinates.coords[0]
         lit = np.flatnonzero(sun >= 0)
         lit = lit[self._behind[sun[lit]]]
-        shape = len(weights), pixels, steps
         if len(lit) == 0 or not self.paths.traced:
-            nothing = np.broadcast_to(np.float32(0), shape)
-            return nothing, nothing
+            none = np.zeros((2, len(weights), pixels, 0), np.float32)
+            return ReceivedSunlight(lit[:0], none)
         irradiance = np.asarray(normal.sum(axis=0)).ravel()[lit]
         found = self._batches(sun[lit], irradiance, weights)
-        # In place, as these are the largest arrays of a picture: half of the difference
-        # is the error, and added to the second batch it gives the mean
-        one, other = found
-        one -= other
-        one /= 2
-        other += one
-        # The last column is zero: the radiance of steps without sun
-        column = np.full(steps, found.shape[-1] - 1)
-        column[lit] = np.arange(len(lit))
-        return np.take(other, column, axis=-1), np.take(one, column, axis=-1)
+        return ReceivedSunlight(lit, found[..., : len(lit)])
 
     @cached_property
     def _behind(self) -> np.ndarray:
@@ -105,22 +92,19 @@ class SunlitReceivers:
         engine: Any = self.paths.engine("path_product")
         cells = ExitCells.of(self.bsdf)
         product = self.paths.product(self.window, cells)
-        width = engine.padded(len(sun) + 1)
+        width = engine.padded(len(sun))
         extra = [(0, 0), (0, 0), (0, width - len(sun))]
         light = self._table.radiance(cells.directions, self.suns[sun])
         light *= irradiance.astype(np.float32)
         spread, beams = self._beams(cells, light, self.suns[sun], irradiance)
         light = np.pad(np.concatenate([spread, light], axis=1), extra)
         passed = np.pad(self._transmittance[..., sun], extra)
+        shape = job.batches, job.receivers, width
         sums = [
-            [self._sum(product, batch, row, light, passed) for row in weights]
-            for batch in range(len(product))
+            self._sum(product, row, light, passed).numpy().reshape(shape)
+            for row in weights
         ]
-        shape = len(sums), len(weights), job.receivers, width
-        found = np.empty(shape, np.float32)
-        for part, outputs in zip(found, sums, strict=True):
-            for one, output in zip(part, outputs, strict=True):
-                one[:] = output.numpy().reshape(job.receivers, width)
+        found = np.stack(sums, axis=1) if len(sums) > 1 else sums[0][:, None]
         for each in beams:
             self._beam_tracer.add(found, weights, each)
         return found
@@ -128,23 +112,22 @@ class SunlitReceivers:
     def _sum(
         self,
         product: Any,
-        batch: int,
         weights: Float[np.ndarray, " band"],
         light: Float32[np.ndarray, "channel cell step"],
         passed: Float32[np.ndarray, "channel zone step"],
     ) -> Any:
-        # Scattered sunlight by pixel and step, on the compute device
-        channels = len(self.paths.records[batch].weights)
+        # Scattered sunlight by batch, pixel and step, on the compute device
+        channels = len(self.paths.records[0].weights)
         if len(light) == len(passed) == 1:
             share = weights if channels > 1 else weights.sum(keepdims=True)
-            return product.received(batch, share, light[0], passed[0])
+            return product.received(share, light[0], passed[0])
         total = 0.0
         for band, weight in enumerate(weights):
             if weight:
                 share = np.zeros(channels)
                 share[band % channels] = weight
                 radiance, zones = light[band % len(light)], passed[band % len(passed)]
-                total = product.received(batch, share, radiance, zones) + total
+                total = product.received(share, radiance, zones) + total
         return total
 
     @cached_property
@@ -204,6 +187,27 @@ class SunlitReceivers:
         job = self.paths.job
         engine: Any = self.paths.engine("beam_tracer")
         return engine.BeamTracer(replace(job, scene=self.scene), self.window)
+
+    def disc(
+        self, weights: Float[np.ndarray, "out band"]
+    ) -> tuple[Float[np.ndarray, "out sun"], Float[np.ndarray, " sun"]]:
+        """Return the irradiance from the discs of the suns, seen at a point.
+
+        The point is that of cells of the sphere. The irradiance perpendicular to the
+        light, weighted by band, is per direct normal irradiance; the second value is
+        the visible share of each disc.
+        """
+        shape = len(weights), len(self.suns)
+        flux, share = np.zeros(shape), np.zeros(len(self.suns))
+        lit = np.flatnonzero(self._behind)
+        if not (self.peak and self.paths.traced and len(lit)):
+            return flux, share
+        count = self._beam_tracer.beams
+        beams = self._unscattered.of(self.suns[lit], np.ones(len(lit)), count)
+        if len(beams.steps):
+            some = lit[beams.steps]
+            flux[:, some], share[some] = self._beam_tracer.disc(weights, beams)
+        return flux, share
 
     def coefficients(
         self, bands: int

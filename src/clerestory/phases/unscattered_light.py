@@ -93,6 +93,25 @@ def sun_visible(
     return np.asarray(tracer.direct_transmittance(scene, points, suns) > 0)
 
 
+def first_surfaces(
+    scene: Scene,
+    origins: Float[np.ndarray, "ray 3"],
+    directions: Float[np.ndarray, "ray 3"],
+    *,
+    device: Device = "auto",
+) -> tuple[Float[np.ndarray, " ray"], Float[np.ndarray, "ray 3"]]:
+    """Return distance [m] and unit normal of the first surface along each ray.
+
+    The distance is infinite if there is none. Clear glass and proxied geometry of a
+    BSDF are passed. `directions` are unit vectors.
+    """
+    if not (len(origins) and scene.surfaces):
+        return np.full(len(origins), np.inf), np.zeros((len(origins), 3))
+    tracer: Any = devices.load(device, "direct_visibility")
+    distance, normal = tracer.first_surfaces(scene, origins, directions)
+    return np.asarray(distance), np.asarray(normal)
+
+
 def _traced(
     scene: Scene,
     sensors: Sensors,

@@ -36,11 +36,15 @@ from clerestory.study.control_inputs import GlareFunction
 from clerestory.study.job import Display
 from clerestory.study.luminaire_matrices import Lamps
 from clerestory.study.view_matrices import ViewMatrices
+from clerestory.threads import evaluated_meanwhile, linear_algebra_in_one_thread
 
 PICTURE_FOLDER = "pictures"
 
 # Minimum view angle for glare evaluation [°]: 180° less a tolerance of 1°
 _EYE_DEG = 179.0
+
+# Most pictures that wait for the evaluation of glare
+_WAITING = 64
 
 
 def study_views(
@@ -155,7 +159,7 @@ def glare_function(
 
 
 def _glare(
-    series: Iterator[np.ndarray] | Iterator[UncertainLuminance],
+    series: Iterator[np.ndarray | UncertainLuminance],
     view: ViewMatrices,
     times: np.ndarray,
     steps: np.ndarray,
@@ -165,14 +169,20 @@ def _glare(
 ) -> xr.Dataset:
     # Images are grouped by combination of shade states, not in order of time
     order = view.order(states, steps)
-    found = annual_glare(
-        series,
-        view.camera.view,
-        times=times[order],
-        name=f'[[view]] "{view.table.label}"',
-        check_pixels=False,
-        progress=progress,
-    )
+
+    def evaluate(pictures: Iterator[np.ndarray | UncertainLuminance]) -> xr.Dataset:
+        return annual_glare(
+            pictures,
+            view.camera.view,
+            times=times[order],
+            name=f'[[view]] "{view.table.label}"',
+            check_pixels=False,
+            progress=progress,
+        )
+
+    # Pictures are evaluated while the next block of them is computed
+    with linear_algebra_in_one_thread():
+        found = evaluated_meanwhile(evaluate, series, most=_WAITING)
     return found.sortby("time")
 
 

@@ -7,11 +7,12 @@ import xarray as xr
 from jaxtyping import Bool
 
 from clerestory.metrics.sensor_metrics import sensor_metrics
+from clerestory.metrics.space import DIRECT
 from clerestory.metrics.spatial_metrics import hours_above
 from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.drawing import layer_drawing, room_drawing, window_drawing
 from clerestory.study.inputs import Inputs
-from clerestory.study.results import DIRECT, sensor_names
+from clerestory.study.results import sensor_names
 from clerestory.study.shade_operation import ShadeOperation
 
 # Sensors per block in the computation of metrics: replicates of 8760 hours of a block

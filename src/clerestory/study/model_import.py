@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, final
 
 import numpy as np
@@ -14,61 +15,101 @@ from clerestory.bsdfgen.generate import generate_bsdf
 from clerestory.bsdfgen.shading_system import SampleArea, System
 from clerestory.errors import InputError
 from clerestory.escaping import file_stems, printable
-from clerestory.files import make_folder, write_text
+from clerestory.files import make_folder, read_text, write_text
 from clerestory.formats.hbjson import ApertureGroup, HoneybeeModel
 from clerestory.formats.hbjson_geometry import unique_name
 from clerestory.formats.hbjson_modifiers import BsdfModifier, Modifier
+from clerestory.formats.hbjson_rooms import floor_grids
 from clerestory.radiance.rad_writer import format_rad
 from clerestory.radiance.view_text import format_view
 from clerestory.scene.model import Material, Polygon, Scene
+from clerestory.sky.weather_formats import read_weather
 from clerestory.study import study_files
 
 _SAMPLES = 2048
 _BASES = {145: "kf", 77: "kh", 73: "kh", 41: "kq"}
 
+# File with everything in the model that was not converted
+OMITTED_FILE = "left_out.txt"
+
 
 @final
 @dataclass(frozen=True)
 class Written:
-    """Files written by an import; `study` is None without weather or sensors."""
+    """Files written by an import; `study` is None without weather or sensors.
+
+    `omitted` describes what was not converted; `generated` are the names of the grids
+    above floors.
+    """
 
     study: Path | None
     files: tuple[Path, ...]
+    omitted: tuple[str, ...] = ()
+    generated: tuple[str, ...] = ()
 
 
 def write_honeybee_model(
-    model: HoneybeeModel, folder: str | Path, *, weather: str | Path | None = None
+    model: HoneybeeModel,
+    folder: str | Path,
+    *,
+    weather: str | Path | None = None,
+    spacing: float = 0.5,
+    height: float = 0.76,
+    north_deg: float = 0.0,
 ) -> Written:
     """Write a Honeybee model as Radiance and BSDF files and, with weather, as a study.
 
-    BSDFs of glass and other sheet materials are computed by ray tracing.
+    BSDFs of glass and other sheet materials are computed by ray tracing. Rooms without
+    sensors get a grid above their floor.
+
+    Parameters
+    ----------
+    spacing, height : spacing of generated grids, and height above the floor [m]
+    north_deg : angle from +y of the model to north, counter-clockwise [deg]
     """
+    # Read and compute everything before the first file is written
+    if weather is not None:
+        read_weather(weather)
+    floors = floor_grids(model, spacing=spacing, height=height)
+    sensors = {**model.grids, **floors.grids}
+    omitted = (*model.unsupported, *floors.omitted)
+    bsdfs = _bsdf_texts(model)
+
     folder = make_folder(folder)
     scene = _put(folder / "scene.rad", format_rad(model.scene, bsdf_file={}))
-    bsdfs = _bsdfs(model, folder)
+    layers = _paths(bsdfs, folder, ".xml")
+    for name, path in layers.items():
+        _put(path, bsdfs[name][0])
     files = _paths([group.name for group in model.windows], folder, ".rad")
-    windows = [_window_table(each, bsdfs, files[each.name]) for each in model.windows]
-    grids = _paths(model.grids, folder, ".pts")
+    windows = [
+        _window_table(each, layers, files[each.name], bsdfs[each.states[0][0]][1])
+        for each in model.windows
+    ]
+    grids = _paths(sensors, folder, ".pts")
     for name, path in grids.items():
-        study_files.write_sensors(path, model.grids[name])
+        study_files.write_sensors(path, sensors[name])
     views = _paths(model.views, folder, ".vf")
     for name, path in views.items():
         write_text(path, f"rvu {format_view(model.views[name])}\n")
+    lines = "".join(f"{printable(text)}\n" for text in omitted)
+    listed = _put(folder / OMITTED_FILE, lines or "nothing\n")
     placed = (*files.values(), *grids.values(), *views.values())
-    written = (scene, *bsdfs.values(), *placed)
-    if weather is None or not grids:
-        return Written(None, written)
-    tables = {
-        "title": printable(model.name),
-        "method": "3-phase" if windows else "2-phase",
-        "scene": {"files": [scene.name]},
-        "window": windows,
-        "sensors": _named(grids),
-        "view": _named(views) if windows else [],
-        "weather": {"file": study_files.relative_path(weather, folder)},
-    }
-    study = _put(folder / "study.toml", study_files.study_text(tables))
-    return Written(study, (*written, study))
+    written = (scene, *layers.values(), *placed, listed)
+    study = None
+    if weather is not None and grids:
+        tables = {
+            "title": printable(model.name),
+            "method": "3-phase" if windows else "2-phase",
+            "scene": {"files": [scene.name]},
+            "window": windows,
+            "sensors": _named(grids),
+            "view": _named(views) if windows else [],
+            "weather": {"file": study_files.relative_path(weather, folder)},
+            **({"sky": {"rotation_deg": north_deg}} if north_deg else {}),
+        }
+        study = _put(folder / "study.toml", study_files.study_text(tables))
+        written = (*written, study)
+    return Written(study, written, omitted, tuple(floors.grids))
 
 
 def write_scene(scene: Scene, folder: str | Path) -> Written:
@@ -88,25 +129,26 @@ def _paths(names: Iterable[str], folder: Path, suffix: str) -> dict[str, Path]:
     return {name: folder / f"{stem}{suffix}" for name, stem in stems.items()}
 
 
-def _bsdfs(model: HoneybeeModel, folder: Path) -> dict[str, Path]:
-    # One BSDF file per window modifier
+def _bsdf_texts(model: HoneybeeModel) -> dict[str, tuple[str, str]]:
+    # XML text and basis of each window modifier
     modifiers = dict(state for group in model.windows for state in group.states)
-    found = _paths(modifiers, folder, ".xml")
-    for name, path in found.items():
-        _write_modifier(modifiers[name], path)
-    return found
+    with TemporaryDirectory() as name:
+        path = Path(name) / "bsdf.xml"
+        return {name: _bsdf_text(modifiers[name], path) for name in modifiers}
 
 
-def _write_modifier(modifier: Modifier, path: Path) -> None:
+def _bsdf_text(modifier: Modifier, path: Path) -> tuple[str, str]:
+    named = f'the BSDF of modifier "{modifier.name}"'
     if isinstance(modifier, BsdfModifier):
         write_text(path, modifier.xml)
-        try:
-            read_bsdf(path)
-        except InputError as error:
-            message = f'the BSDF of modifier "{modifier.name}": {error.message}'
-            raise InputError(message, file=error.file, line=error.line) from error
     else:
         write_bsdf(path, sheet_bsdf(modifier), digits=5)
+    try:
+        matrix = read_bsdf(path).transmission_matrix()
+    except InputError as error:
+        place = "" if error.line is None else f"line {error.line}: "
+        raise InputError(f"{named}: {place}{error.message}") from error
+    return read_text(path), _BASES.get(matrix.values.shape[1], "kf")
 
 
 def sheet_bsdf(modifier: Material) -> Bsdf:
@@ -126,12 +168,10 @@ def sheet_bsdf(modifier: Material) -> Bsdf:
 
 
 def _window_table(
-    group: ApertureGroup, bsdfs: Mapping[str, Path], path: Path
+    group: ApertureGroup, bsdfs: Mapping[str, Path], path: Path, basis: str
 ) -> dict[str, Any]:
     # Study-file table of a window group; the polygons are written to a file
     files = [bsdfs[name] for name, _ in group.states]
-    matrix = read_bsdf(files[0]).transmission_matrix()
-    basis = _BASES.get(matrix.values.shape[1], "kf")
     text = study_files.window_text(path.stem, group.polygons, basis=basis, up=group.up)
     layers: dict[str, Any] = {"bsdf": files[0].name}
     if len(files) > 1:

@@ -34,13 +34,6 @@ _LARGE = 500_000_000
 # Sensors per block in writing: 8760 hours of a block take 36 MB
 _SENSORS = 1024
 
-# Names of the direct sun illuminance and its errors
-DIRECT = {
-    "illuminance": "direct_open",
-    "standard_error": "direct_open_error",
-    "error_components": "direct_open_components",
-}
-
 
 @dataclass(frozen=True, eq=False)
 class Results:
@@ -62,12 +55,6 @@ class Results:
     def grids(self) -> list[str]:
         """Names of the sensor grids, in the order of the study."""
         return list(dict.fromkeys(str(name) for name in self.data["grid"].values))
-
-    @staticmethod
-    def of_direct_sun(data: xr.Dataset) -> xr.Dataset:
-        """Direct sun illuminance and its errors, under the names of the illuminance."""
-        known = {name: own for own, name in DIRECT.items() if name in data}
-        return data[list(known)].rename(known)
 
     def thinned(self, most: int) -> "Results":
         """Return the results of at most `most` evenly spaced sensors, in memory.

@@ -8,7 +8,7 @@ computed, are traced in each run: this takes seconds, and files of them are larg
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cache, partial
-from typing import Any, Literal, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from jaxtyping import Int
@@ -25,13 +25,16 @@ from clerestory.phases.picture_series import (
     pictures_over_time,
     uncertain_luminance_over_time,
 )
+from clerestory.phases.shaded_windows import (
+    ShadedWindow,
+    ShadeState,
+    receiving_matrices,
+)
 from clerestory.phases.stored_views import FEW, with_few_components
-from clerestory.phases.sunlit import in_sunlight
 from clerestory.phases.window_paths import WindowPaths, picture_window_paths
 from clerestory.study.config_tables import ViewTable
 from clerestory.study.job import DIRECT, Job
 from clerestory.study.study_matrices import StudyMatrices
-from clerestory.study.window_groups import WindowGroup
 
 # Kind of the pictures of a series
 _Series = TypeVar("_Series", Picture, np.ndarray, UncertainPixels)
@@ -135,34 +138,50 @@ def trace_views(job: Job, matrices: StudyMatrices) -> tuple[ViewMatrices, ...]:
 def _view(
     job: Job, matrices: StudyMatrices, table: ViewTable, camera: Camera
 ) -> ViewMatrices:
-    parts = {term.part for term in matrices.terms}
-    none: list[MatrixChain | None] = [None] * len(matrices.windows)
-    direct = sun = none
+    views = _view_matrices(job, table, camera)
+    sunlit = any(term.part == "sun" for term in matrices.terms)
+    windows = receiving_matrices(
+        shaded_windows(job, matrices),
+        views,
+        _paths(job, table, camera) if sunlit else None,
+        None if matrices.suns is None else matrices.suns.directions,
+        kind=np.float16,
+    )
+    return ViewMatrices(job, table, camera, matrices, windows)
+
+
+def shaded_windows(job: Job, matrices: StudyMatrices) -> tuple[ShadedWindow, ...]:
+    """Return the window groups with the matrices of their shade states.
+
+    Matrices have the few error components that suffice for glare.
+    """
+    facade = METHODS[job.study.method].facade
 
     @cache
     def few(matrix: TransferMatrix) -> TransferMatrix:
-        # Few error components suffice for glare; equal matrices remain one object
+        # Equal matrices remain one object
         batches = 0 if matrix.components is None else len(matrix.components)
         return matrix if batches % FEW else with_few_components(matrix)
 
-    def chains(
-        views: dict[str, TransferMatrix], part: Literal["whole", "direct"]
-    ) -> list[MatrixChain | None]:
-        found: list[MatrixChain | None] = []
-        for group, window in zip(job.inputs.groups, matrices.windows, strict=True):
-            chain = window.direct if part == "direct" else window.whole
-            factors = chain.factors if chain else ()
-            own = tuple(tuple(map(few, factor)) for factor in factors)
-            found.append(MatrixChain((views[group.name],), own))
-        return found
+    def factors(chain: MatrixChain | None, at: int) -> tuple[TransferMatrix, ...]:
+        return tuple(map(few, chain.factors[at])) if chain else ()
 
-    whole = chains(_view_matrices(job, table, camera), "whole")
-    if "sun" in parts:
-        paths = _paths(job, table, camera)
-        direct = chains(paths.view_matrices(np.float16), "direct")
-        sun = [_sunlit(job, matrices, group, paths) for group in job.inputs.groups]
-    windows = tuple(map(WindowMatrices, whole, direct, sun))
-    return ViewMatrices(job, table, camera, matrices, windows)
+    return tuple(
+        ShadedWindow(
+            group.inner,
+            tuple(
+                ShadeState(
+                    whole=factors(window.whole, at),
+                    direct=factors(window.direct, at),
+                    bsdf=state.fine,
+                    peak=state.peak,
+                    shade=state.shade if facade else None,
+                )
+                for at, state in enumerate(group.states)
+            ),
+        )
+        for group, window in zip(job.inputs.groups, matrices.windows, strict=True)
+    )
 
 
 def _view_matrices(
@@ -191,26 +210,4 @@ def _paths(job: Job, table: ViewTable, camera: Camera) -> WindowPaths:
         camera,
         effort=effort,
         progress=job.display(f"direct light in {table.label}"),
-    )
-
-
-def _sunlit(
-    job: Job, matrices: StudyMatrices, group: WindowGroup, paths: WindowPaths
-) -> MatrixChain:
-    # C_ds of each shade state
-    suns = matrices.suns
-    directions = np.zeros((0, 3)) if suns is None else suns.directions
-    facade = METHODS[job.study.method].facade
-    return MatrixChain(
-        tuple(
-            in_sunlight(
-                paths,
-                group.name,
-                state.fine,
-                suns=directions,
-                peak=state.peak,
-                scene=job.scene + state.shade if facade else None,
-            )
-            for state in group.states
-        )
     )

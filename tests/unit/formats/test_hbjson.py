@@ -13,59 +13,23 @@ from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.formats.hbjson import read_hbjson
 from clerestory.scene.model import Glass, Plastic, Trans
 from clerestory.scene.surface import area_vectors
-
-GLASS = {
-    "type": "Glass",
-    "identifier": "pane",
-    "r_transmissivity": 0.8,
-    "g_transmissivity": 0.9,
-    "b_transmissivity": 0.7,
-    "refraction_index": None,
-}
-TINT = GLASS | {"identifier": "tint", "g_transmissivity": 0.1}
-
-
-def face(name, points, kind="Wall", **more):
-    return {
-        "type": "Face",
-        "identifier": name,
-        "face_type": kind,
-        "geometry": {"type": "Face3D", "boundary": points},
-        "boundary_condition": {"type": "Outdoors"},
-        "properties": {"radiance": {}},
-    } | more
+from honeybee_models import GLASS, aperture, box, honeybee_model
 
 
 def window(**radiance):
     """An aperture in the south wall, its outer side seen counter-clockwise."""
-    return {
-        "type": "Aperture",
-        "identifier": "south_window",
-        "geometry": {"boundary": [[1, 0, 1], [3, 0, 1], [3, 0, 2], [1, 0, 2]]},
-        "boundary_condition": {"type": "Outdoors"},
-        "properties": {"radiance": radiance},
-    }
+    points = [[1, 0, 1], [3, 0, 1], [3, 0, 2], [1, 0, 2]]
+    return aperture("south_window", points, **radiance)
 
 
 def model(units="Meters", **radiance):
     """A room of 4 m × 5 m × 3 m with a window of 2 m² to the south."""
-    south = [[0, 0, 0], [4, 0, 0], [4, 0, 3], [0, 0, 3]]
-    faces = [
-        face("floor", [[0, 0, 0], [0, 5, 0], [4, 5, 0], [4, 0, 0]], "Floor"),
-        face("roof", [[0, 0, 3], [4, 0, 3], [4, 5, 3], [0, 5, 3]], "RoofCeiling"),
-        face("south", south, apertures=[window(modifier="pane")]),
-        face("north", [[4, 5, 0], [0, 5, 0], [0, 5, 3], [4, 5, 3]]),
-        face("west", [[0, 5, 0], [0, 0, 0], [0, 0, 3], [0, 5, 3]]),
-        face("east", [[4, 0, 0], [4, 5, 0], [4, 5, 3], [4, 0, 3]]),
-    ]
-    properties = {"modifiers": [GLASS, TINT], "modifier_sets": []} | radiance
-    return {
-        "type": "Model",
-        "identifier": "room",
-        "units": units,
-        "rooms": [{"identifier": "room", "faces": faces, "properties": {}}],
-        "properties": {"radiance": properties},
-    }
+    room = box(
+        "room", (0, 0, 0), (4, 5, 3), south={"apertures": [window(modifier="pane")]}
+    )
+    for face in room["faces"]:
+        face["identifier"] = face["identifier"].removeprefix("room_")
+    return honeybee_model(room, units=units, **radiance)
 
 
 @pytest.fixture
@@ -135,6 +99,7 @@ def test_one_window_of_states_makes_all_glass_outdoors_windows(read):
 def test_a_wall_between_rooms_stands_once(read):
     value = model()
     other = copy.deepcopy(value["rooms"][0])
+    other["identifier"] = "other"
     for item in other["faces"]:
         item["identifier"] += "_2"
     east, west = value["rooms"][0]["faces"][5], other["faces"][4]

@@ -228,7 +228,7 @@ def test_places_in_a_fisheye_and_directions_are_inverse():
 def differences_from_pictures(room, views, size, **how):
     """DGP of adaptive samples less that of pictures, in all views and steps."""
     steps = len(room.sun)
-    samples = sample_sphere(room.luminance, views, **how)
+    samples = sample_sphere(room.of_samples, views, **how)
     light = room.luminance(samples.direction)
     found = point_glare(samples, light, views, sun=room.disc()).dgp.values
     for number, view in enumerate(views):
@@ -268,26 +268,26 @@ def test_dgp_of_eight_views_is_that_of_full_pictures(kind):
 # --- refinement ---------------------------------------------------------------------
 
 
-def test_directions_are_asked_for_in_a_few_batches_and_each_once():
+def test_cells_are_asked_for_in_a_few_batches_and_each_once():
     room, views = analytic_room("slats", steps=8), views_around(8)
     asked = []
 
-    def luminance(direction):
-        asked.append(direction)
-        return room.luminance(direction)
+    def luminance(samples):
+        asked.append(samples.direction)
+        return room.of_samples(samples)
 
     samples = sample_sphere(luminance, views, refinement=Refinement(most=3000))
     assert len(asked) <= 6
     assert samples.count <= 3000
-    every = np.concatenate(asked)
-    assert len(every) == samples.count
-    assert {tuple(d) for d in every} == {tuple(d) for d in samples.direction}
+    every = [tuple(d) for d in np.concatenate(asked)]
+    assert len(every) == len(set(every))
+    assert {tuple(d) for d in samples.direction} <= set(every)
     assert samples.solid_angle.sum() == pytest.approx(4 * np.pi)
 
 
 def test_every_direction_is_in_its_own_cell():
     room, views = analytic_room("window", steps=3), views_around(4)
-    samples = sample_sphere(room.luminance, views, seed=4)
+    samples = sample_sphere(room.of_samples, views, seed=4)
     assert len(set(samples.level.tolist())) > 1
     np.testing.assert_array_equal(
         samples.containing(samples.direction), np.arange(samples.count)
@@ -295,7 +295,7 @@ def test_every_direction_is_in_its_own_cell():
 
 
 def test_smooth_light_is_not_refined():
-    samples = sample_sphere(lambda d: 500 + 100 * d[:, :1], [FISHEYE])
+    samples = sample_sphere(lambda s: 500 + 100 * s.direction[:, :1], [FISHEYE])
     assert set(samples.level.tolist()) == {5}
 
 
@@ -305,7 +305,7 @@ def test_standard_error_is_the_scatter_over_seeds(kind):
     room, views = analytic_room(kind, steps=8), views_around(3)
     values, errors = [], []
     for seed in range(12):
-        samples = sample_sphere(room.luminance, views, seed=seed)
+        samples = sample_sphere(room.of_samples, views, seed=seed)
         light = room.luminance(samples.direction)
         found = point_glare(samples, light, views, quantities=["dgp"])
         values.append(found.dgp.values)
@@ -317,11 +317,12 @@ def test_standard_error_is_the_scatter_over_seeds(kind):
 def test_a_small_lamp_is_found_where_details_are_named():
     lamp = unit(np.array([0.3, 1.0, 0.5]))
 
-    def luminance(direction):
-        return np.where(direction @ lamp > np.cos(0.012), 40_000.0, 50.0)[:, None]
+    def luminance(samples):
+        shines = samples.direction @ lamp > np.cos(0.012)
+        return np.where(shines, 40_000.0, 50.0)[:, None]
 
     samples = sample_sphere(luminance, [FISHEYE], details=lamp[None])
-    found = point_glare(samples, luminance(samples.direction), [FISHEYE])
+    found = point_glare(samples, luminance(samples), [FISHEYE])
     omega = 2 * np.pi * (1 - np.cos(0.012))
     assert one(found, "source_solid_angle") == pytest.approx(omega, rel=0.25)
 

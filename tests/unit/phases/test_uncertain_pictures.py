@@ -11,7 +11,12 @@ from clerestory.bands import RGB
 from clerestory.image.camera import Camera
 from clerestory.matrix.axis import pixel_axis
 from clerestory.phases import picture_series, pixel_blocks
-from clerestory.phases.matrix_equation import MatrixChain, Skies, WindowMatrices
+from clerestory.phases.matrix_equation import (
+    MatrixChain,
+    ReceivedSunlight,
+    Skies,
+    WindowMatrices,
+)
 from clerestory.phases.methods import FIVE_PHASE, THREE_PHASE
 from clerestory.phases.picture_series import (
     luminance_over_time,
@@ -48,10 +53,10 @@ class Sunlight:
     error: np.ndarray
 
     def received(self, normal, weights):
-        return tuple(
-            np.float32(np.einsum("ob,bps->ops", weights, each) @ normal.toarray())
-            for each in (self.values, self.error)
-        )
+        lit = np.flatnonzero(normal.sum(axis=0))
+        batches = [self.values + self.error, self.values - self.error]
+        found = np.einsum("ob,tbps->tops", weights, batches) @ normal.toarray()
+        return ReceivedSunlight(lit, np.float32(found[..., lit]))
 
 
 def matrices(seed=1, share=1.0):

@@ -136,12 +136,25 @@ class ImportModel:
     """Convert a honeybee model to a study, or an OBJ or glTF file to a scene.
 
     A honeybee model is converted to scene, windows, BSDFs, sensors, views and, with
-    --weather, a study. Objects that cannot be converted are listed.
+    --weather, a study. Rooms without sensors get a grid above their floor. Objects that
+    cannot be converted are listed, also in left_out.txt.
     """
 
     model: Path = argument("Model file: .hbjson, .obj, .gltf or .glb.", "MODEL")
     output: Path = required("Folder for the files.", "-o")
     weather: Path | None = option(None, "Weather file for the study (honeybee).")
+    spacing: float = option(
+        0.5, "Spacing of grids above floors [m] (honeybee).", least=0.05
+    )
+    height: float = option(
+        0.76, "Height of grids above floors [m] (honeybee).", least=0
+    )
+    north: float = option(
+        0.0,
+        "Angle from +y to north, counter-clockwise [deg] (honeybee).",
+        least=-360,
+        most=360,
+    )
     materials: Path | None = option(None, "Material map (.toml) for OBJ or glTF.")
     quiet: common.Quiet = False
 

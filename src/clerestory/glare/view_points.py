@@ -1,0 +1,385 @@
+"""Annual glare at a view point by the matrix methods, without pictures.
+
+The sphere around the point is cut into cells, fine where DGP depends on it. V, and the
+paths to the windows, are traced for the cells as for pixels: the luminance of a cell is
+the mean over its directions. The cells are chosen by the luminance at a few hundred
+time steps with all kinds of sky, positions of the sun and shade states.
+"""
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Unpack
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from clerestory.array_types import Vector
+from clerestory.checks import distinct, has_shape, require
+from clerestory.engine.effort import Effort, EffortKeywords, effort_of
+from clerestory.engine.work_units import Goal
+from clerestory.glare.dgp_error import DgpModel, dgp_variance
+from clerestory.glare.eye_directions import SUN_SOLID_ANGLE, SunDisc
+from clerestory.glare.point_glare import point_glare, views_around
+from clerestory.glare.sphere_refinement import (
+    Refinement,
+    sample_sphere,
+    sampling_error,
+)
+from clerestory.glare.sphere_samples import SphereSamples
+from clerestory.phases.matrix_equation import (
+    Skies,
+    States,
+    Term,
+    WindowMatrices,
+    checked_states,
+    equation_bands,
+)
+from clerestory.phases.methods import FIVE_PHASE
+from clerestory.phases.picture_matrices import picture_view_matrices
+from clerestory.phases.picture_series import PixelSeries
+from clerestory.phases.shaded_windows import ShadedWindow, receiving_matrices
+from clerestory.phases.sunlit import SunlitReceivers
+from clerestory.phases.window_paths import picture_window_paths
+from clerestory.scene.model import Scene
+from clerestory.scene.view import View
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# Default number of paths per cell, and of each kind while the cells are chosen
+_SAMPLES, _SUN_SAMPLES, _TRIAL = 256, 128, 64
+
+# Number of time steps for which the cells are chosen, and of a block of the product
+_CHOSEN, _STEPS = 256, 256
+
+# Seed offset of the paths to windows
+_PATHS = 0x10000
+
+
+@dataclass(frozen=True, eq=False)
+class ViewPoint:
+    """Matrices of a view point, for any states of the shades.
+
+    Attributes
+    ----------
+    position : the view point [m]
+    views : views, of which line of sight and up vector define the eye
+    samples : cells of the sphere, of which the rows of the matrices are
+    windows : matrices by window group, with the cells as receivers
+    """
+
+    position: Vector
+    views: tuple[View, ...]
+    samples: SphereSamples
+    windows: tuple[WindowMatrices, ...]
+    terms: tuple[Term, ...]
+    skies: Skies
+    refinement: Refinement = field(default_factory=Refinement)
+
+    def glare(
+        self,
+        states: States | None = None,
+        *,
+        steps: Int[np.ndarray, " some"] | None = None,
+        quantities: Collection[str] = ("dgp", "illuminance"),
+    ) -> "xr.Dataset":
+        """Return glare indices of all views in given shade states.
+
+        Parameters
+        ----------
+        states : index of the shade state at each time step, per window group; default 0
+        steps : indices of the time steps that are evaluated; default: all
+        quantities : names of indices and quantities, as of `point_glare`
+
+        Returns
+        -------
+        dataset over (view, time), NaN in dark time steps; with "dgp", also its
+        standard error "dgp_error", due to paths and to the finite number of cells
+        """
+        times = self.skies.times
+        given = checked_states(self.windows, states, len(times))
+        asked = np.arange(len(times)) if steps is None else steps
+        lit = asked[self.skies.whole.diffuse[:, asked].max(axis=0) > 0]
+        own = [np.asarray(state)[lit] for state in given]
+        sun = self.sun_disc(own, lit)
+        luminance, variance = self._luminance(own, lit, sun)
+        found = point_glare(
+            self.samples,
+            luminance,
+            self.views,
+            sun=sun,
+            times=times[lit],
+            quantities=quantities,
+        )
+        if "dgp" in quantities:
+            how, cells = self.refinement, self.samples
+            sampled = sampling_error(cells, luminance, self.views, refinement=how)
+            error = np.sqrt(variance + np.square(sampled))
+            found["dgp_error"] = ("view", "time"), error, {"units": "1"}
+        return found.reindex(time=times[asked])
+
+    def sun_disc(self, states: States, steps: Int[np.ndarray, " step"]) -> SunDisc:
+        """Return the sun's disc as seen from the point through unscattering windows.
+
+        `states` are those at the given time steps.
+        """
+        direction = np.tile([0.0, 0.0, 1.0], (len(steps), 1))
+        flux, share = np.zeros(len(steps)), np.zeros(len(steps))
+        suns = self.skies.suns
+        if suns is not None and any(window.sun for window in self.windows):
+            normal = suns.direct_normal[:, steps].tocoo()
+            sun, step = normal.coords
+            direction[step] = suns.directions[sun]
+            for discs, state in zip(self._discs, states, strict=True):
+                passed, visible = (
+                    np.stack(part)[state[step], sun]
+                    for part in zip(*discs, strict=True)
+                )
+                flux[step] += normal.data * passed
+                share[step] += visible
+        angle = SUN_SOLID_ANGLE * np.minimum(share, 1)
+        level = np.divide(flux, angle, out=np.zeros_like(flux), where=angle > 0)
+        return SunDisc(direction, level, angle)
+
+    @cached_property
+    def _discs(self) -> list[list[tuple[np.ndarray, np.ndarray]]]:
+        # Illuminance per direct normal irradiance, and visible share, of each sun, by
+        # window group and shade state
+        weights = equation_bands(self.windows, self.skies).weights[None]
+        found = []
+        for window in self.windows:
+            assert window.sun is not None
+            discs = []
+            for state in window.sun.receiving:
+                assert isinstance(state, SunlitReceivers)
+                flux, share = state.disc(weights)
+                discs.append((flux[0], share))
+            found.append(discs)
+        return found
+
+    def _luminance(
+        self, states: States, steps: Int[np.ndarray, " step"], sun: SunDisc
+    ) -> tuple[Float[np.ndarray, "cell step"], Float[np.ndarray, "view step"]]:
+        # Luminance of the cells, and statistical variance of DGP
+        how = self.refinement
+        model = DgpModel(self.samples, self.views, how.threshold, how.coefficients)
+        light = np.zeros((self.samples.count, len(steps)), np.float32)
+        variance = np.zeros((len(self.views), len(steps)))
+        series = self._series(states, steps, errors=True)
+        for block in series.blocks(_STEPS, rows=self.samples.count):
+            own = block.times.start + block.steps
+            light[block.rows, own] = block.light[0]
+            disc = SunDisc(sun.direction[own], sun.luminance[own], sun.solid_angle[own])
+            variance[:, own] = dgp_variance(
+                model, block.light[0], block.variance, block.shared, disc
+            )
+        return light, variance
+
+    def luminance(
+        self, states: States, steps: Int[np.ndarray, " step"]
+    ) -> Float[np.ndarray, "cell step"]:
+        """Return the luminance of the cells, in states at the given time steps."""
+        light = np.zeros((self.samples.count, len(steps)), np.float32)
+        for block in self._series(states, steps, errors=False).blocks(_STEPS):
+            light[block.rows, block.times.start + block.steps] = block.light[0]
+        return light
+
+    def _series(
+        self, states: States, steps: Int[np.ndarray, " step"], *, errors: bool
+    ) -> PixelSeries:
+        return PixelSeries(
+            self.windows,
+            self.terms,
+            self.skies.select(steps),
+            states,
+            equation_bands(self.windows, self.skies).weights[None],
+            self.samples.count,
+            errors=errors,
+        )
+
+
+def trace_view_point(
+    scene: Scene,
+    windows: Sequence[ShadedWindow],
+    position: Vector,
+    *,
+    skies: Skies,
+    terms: Sequence[Term] = FIVE_PHASE,
+    views: Sequence[View] | None = None,
+    refinement: Refinement | None = None,
+    sun_samples: int = _SUN_SAMPLES,
+    **keywords: Unpack[EffortKeywords],
+) -> ViewPoint:
+    """Trace the matrices of a view point for annual glare in several directions.
+
+    Parameters
+    ----------
+    scene : room surfaces, without the windows
+    windows : window groups and their shade states
+    position : the view point [m]
+    skies : S, and for the direct correction S_ds and S_sun
+    terms : terms of the method, such as `THREE_PHASE`; F D in place of D gives the
+        four- and six-phase methods
+    views : views from the point; default: eight horizontal directions, from north
+    refinement : how finely the sphere is sampled
+    samples : number of paths per cell for V
+    sun_samples : number of paths per cell to the windows, for the direct correction
+
+    The other parameters are those of `view_matrix`.
+
+    Raises
+    ------
+    InputError : the position is not a point, a view is from another position, a window
+        has no states, or a number is out of range
+
+    Examples
+    --------
+    >>> import clerestory as cl
+    >>> from clerestory.bsdf.analytic import lambertian
+    >>> from clerestory.directions import Frame
+    >>> from clerestory.phases.methods import THREE_PHASE
+    >>> from clerestory.phases.shaded_windows import ShadedWindow, ShadeState
+    >>> from clerestory.scene.model import Polygon
+    >>> room, edges = cl.Scene(), [[0, 0, 0], [0, 0, 2], [3, 0, 2], [3, 0, 0]]
+    >>> front = Frame.from_normal_up(np.eye(3)[1], np.eye(3)[2])
+    >>> opening = (Polygon(np.array(edges, dtype=float), "", "opening"),)
+    >>> south = cl.Window("south", opening, front, cl.klems("quarter"))
+    >>> D = cl.daylight_matrix(room, south, subdivision=1, samples=16)
+    >>> T = [lambertian(t, cl.klems("quarter")).transmission_matrix() for t in (0.6, 0)]
+    >>> states = tuple(ShadeState(whole=(matrix, D)) for matrix in T)
+    >>> weather = cl.Weather(
+    ...     place="Oakland", latitude_deg=37.7, longitude_deg=-122.2, elevation=0.0,
+    ...     utc_offset_hours=-8.0, times=np.array(["2023-03-21T12:30"], "M8[m]"),
+    ...     step_minutes=60.0, direct_normal=np.array([600.0]),
+    ...     diffuse_horizontal=np.array([150.0]), source="an example"
+    ... )
+    >>> point = cl.trace_view_point(
+    ...     room, [ShadedWindow(south, states)], np.array([1.5, 1, 1]),
+    ...     skies=Skies(cl.sky_matrix(weather, subdivision=1)), terms=THREE_PHASE,
+    ...     samples=16, device="cpu"
+    ... )
+    >>> for state in (0, 1):
+    ...     print(point.glare([np.array([state])]).dgp.max().round(1).item())
+    1.0
+    0.2
+    """
+    effort = effort_of(trace_view_point, keywords, default=Goal(_SAMPLES))
+    point = np.asarray(position, dtype=float)
+    has_shape(point, (3,), "view point")
+    require(np.isfinite(point).all(), f"view point is {point}; finite numbers expected")
+    require(windows, "no window given; at least one expected")
+    distinct((each.window.name for each in windows), "windows")
+    looks = tuple(views_around(8, position=point) if views is None else views)
+    require(looks, "no views; at least one expected")
+    how = refinement or Refinement()
+    steps = representative_steps(skies)
+    counts = [len(each.states) for each in windows]
+    states = [np.arange(len(steps)) % count for count in counts]
+    task = _Task(scene, tuple(windows), point, looks, tuple(terms), skies, how)
+    trial = replace(effort, samples=_TRIAL, relative_error=None)
+    rounds = iter(range(1 << 10))
+
+    def luminance(samples: SphereSamples) -> Float[np.ndarray, "cell step"]:
+        own = replace(trial, seed=(effort.seed + 1 + next(rounds)) % 2**32)
+        return task.traced(samples, own, _TRIAL).luminance(states, steps)
+
+    samples = sample_sphere(
+        luminance,
+        looks,
+        refinement=how,
+        details=_small_windows(windows, point),
+        seed=effort.seed,
+    )
+    return task.traced(samples.centred(), effort, sun_samples)
+
+
+@dataclass(frozen=True, eq=False)
+class _Task:
+    scene: Scene
+    windows: tuple[ShadedWindow, ...]
+    position: Vector
+    views: tuple[View, ...]
+    terms: tuple[Term, ...]
+    skies: Skies
+    refinement: Refinement
+
+    def traced(
+        self, samples: SphereSamples, effort: Effort, sun_samples: int
+    ) -> ViewPoint:
+        """Return the view point with the given cells."""
+        room, cells = self.scene, samples.cells(self.position)
+        inner = [each.window for each in self.windows]
+        V = picture_view_matrices(room, inner, cells, effort=effort)
+        paths = None
+        if any(term.part == "sun" for term in self.terms):
+            own = replace(
+                effort,
+                samples=sun_samples,
+                relative_error=None,
+                bounces=None,
+                seed=(effort.seed + _PATHS) % 2**32,
+            )
+            paths = picture_window_paths(room, inner, cells, effort=own)
+        suns = None if self.skies.suns is None else self.skies.suns.directions
+        return ViewPoint(
+            self.position,
+            self.views,
+            samples,
+            receiving_matrices(self.windows, V, paths, suns),
+            self.terms,
+            self.skies,
+            self.refinement,
+        )
+
+
+def representative_steps(
+    skies: Skies, count: int = _CHOSEN
+) -> Int[np.ndarray, " step"]:
+    """Return time steps with all kinds of sky and positions of the sun, in order.
+
+    Half of them are those of suns far apart from each other, by direction; the others
+    are evenly distributed over the daylit steps, ordered by the radiance of the sky.
+    """
+    diffuse = skies.whole.diffuse
+    lit = np.flatnonzero(diffuse.max(axis=0) > 0)
+    if len(lit) <= count:
+        return lit
+    total = diffuse[:, lit].mean(axis=0)
+    order = lit[np.argsort(total, kind="stable")]
+    found = np.empty(0, int)
+    if skies.suns is not None and skies.suns.direct_normal.nnz:
+        found = _apart(skies, count // 2)
+    rest = count - len(found)
+    even = order[((np.arange(rest) + 0.5) * len(order) / rest).astype(int)]
+    return np.unique(np.concatenate([found, even]))
+
+
+def _apart(skies: Skies, count: int) -> Int[np.ndarray, " step"]:
+    # Steps of suns that are farthest from those chosen before, the strongest first
+    assert skies.suns is not None
+    normal = skies.suns.direct_normal.tocoo()
+    sun, step = normal.coords
+    bright = normal.data > 0.1 * normal.data.max()
+    sun, step, power = sun[bright], step[bright], normal.data[bright]
+    direction = skies.suns.directions[sun]
+    chosen = [int(power.argmax())]
+    nearest = np.full(len(step), np.inf)
+    while len(chosen) < min(count, len(step)):
+        away = np.square(direction - direction[chosen[-1]]).sum(axis=1)
+        nearest = np.minimum(nearest, away)
+        chosen.append(int(nearest.argmax()))
+    return np.asarray(step[chosen])
+
+
+def _small_windows(
+    windows: Sequence[ShadedWindow], point: Vector
+) -> Float[np.ndarray, "window 3"]:
+    # Directions to the middle of each polygon of the windows
+    middles = [
+        polygon.vertices.mean(axis=0)
+        for shaded in windows
+        for polygon in shaded.window.polygons
+    ]
+    away = np.array(middles) - point
+    return np.asarray(away / np.linalg.norm(away, axis=1, keepdims=True))

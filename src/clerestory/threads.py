@@ -1,0 +1,72 @@
+"""Threads: linear algebra in one thread, and evaluation during computation."""
+
+import functools
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
+from contextvars import copy_context
+from queue import Full, Queue
+from typing import TypeVar
+
+from threadpoolctl import ThreadpoolController
+
+_Item = TypeVar("_Item")
+_Result = TypeVar("_Result")
+
+# Interval at which a full queue is checked for the end of the evaluation [s]
+_WAIT = 0.5
+
+
+@contextmanager
+def linear_algebra_in_one_thread() -> Iterator[None]:
+    """Limit the linear algebra libraries to one thread.
+
+    This is faster where other threads or processes occupy the processor.
+    """
+    with _libraries().limit(limits=1):
+        yield
+
+
+@functools.cache
+def _libraries() -> ThreadpoolController:
+    # Controller of the number of threads of the linear algebra libraries
+    return ThreadpoolController()
+
+
+def evaluated_meanwhile(
+    evaluate: Callable[[Iterator[_Item]], _Result], items: Iterable[_Item], *, most: int
+) -> _Result:
+    """Return `evaluate(items)`, evaluated in a second thread as items are computed.
+
+    `most` is the largest number of items that wait for their evaluation.
+
+    >>> evaluated_meanwhile(sum, (n * n for n in range(4)), most=2)
+    14
+    """
+    # Each item in a tuple; an empty tuple is the end
+    waiting: Queue[tuple[_Item, ...]] = Queue(most)
+
+    def computed() -> Iterator[_Item]:
+        while found := waiting.get():
+            yield from found
+
+    with ThreadPoolExecutor(1) as pool:
+        future = pool.submit(copy_context().run, evaluate, computed())
+        try:
+            for item in items:
+                if not _put(waiting, (item,), future):
+                    break
+        finally:
+            _put(waiting, (), future)
+        return future.result()
+
+
+def _put(queue: "Queue[_Item]", item: _Item, future: "Future[_Result]") -> bool:
+    # Wait until there is room; false if the evaluation has ended
+    while not future.done():
+        try:
+            queue.put(item, timeout=_WAIT)
+        except Full:
+            continue
+        return True
+    return False

@@ -1,0 +1,173 @@
+"""`clerestory import`: from a honeybee model to a study that runs."""
+
+import importlib.resources
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from clerestory.radiance.rad_reader import read_rad
+from clerestory.study.config import read_study
+from honeybee_models import GLASS, building, honeybee_model, office
+
+WEATHER = importlib.resources.files("pvlib") / "data" / "723170TYA.CSV"
+
+
+@pytest.fixture
+def convert(call, tmp_path):
+    """Import a model beside the weather of the demo; return folder and outcome."""
+
+    def run(model, *options, weather=True):
+        path, out = tmp_path / "model.hbjson", tmp_path / "study"
+        path.write_text(json.dumps(model))
+        words = ["--weather", WEATHER] if weather else []
+        return out, call("import", path, "-o", out, *words, *options)
+
+    return run
+
+
+def one_noon(study):
+    """Restrict a study to one hour and few samples."""
+    text = study.read_text().replace(
+        "[weather]", '[weather]\nmoments = ["06-21T11:30"]'
+    )
+    study.write_text(f"{text}\n[trace]\nsamples = 64\nbounces = 2\n")
+
+
+def test_a_building_of_a_hundred_rooms_gives_a_study(convert):
+    out, outcome = convert(building(), "--spacing", "1.5")
+    assert outcome.status == 0, outcome.err
+    assert "grids above the floors of rooms without sensors: 100" in outcome.out
+    study = read_study(out / "study.toml")
+    assert len(study.sensors) == 100
+    assert study.methods == ["2-phase"]
+
+
+@pytest.mark.slow
+def test_the_study_of_a_hundred_rooms_runs(convert, call, tmp_path):
+    out, _ = convert(building(), "--spacing", "1.5")
+    one_noon(out / "study.toml")
+    outcome = call("run", out / "study.toml", "--out", tmp_path / "results", "--quiet")
+    assert outcome.status == 0, outcome.err
+    assert (tmp_path / "results" / "report.html").stat().st_size > 0
+    with xr.open_dataset(tmp_path / "results" / "results.nc") as found:
+        lux = found["illuminance"].load()
+    assert lux.sizes["sensor"] == 100 * 2 * 3
+    # The window is 2 m² of glass in 12 m² of wall: every room receives light
+    assert float(lux.groupby("grid").mean().min()) > 0
+
+
+def test_height_and_north_reach_the_study(convert):
+    out, _ = convert(honeybee_model(office()), "--height", "0.85", "--north", "30")
+    rows = np.loadtxt(out / "office.pts")
+    assert np.all(rows[:, 2] == 0.85)
+    assert read_study(out / "study.toml").sky.rotation_deg == 30
+
+
+def test_without_weather_the_missing_study_is_announced(convert):
+    out, outcome = convert(honeybee_model(office()), weather=False)
+    assert outcome.status == 0
+    assert "no study was written: --weather FILE expected" in outcome.out
+    assert (out / "office.pts").is_file()
+    assert not (out / "study.toml").exists()
+
+
+def test_what_is_left_out_is_in_one_file(convert):
+    model = honeybee_model(office())
+    model["properties"]["energy"] = {}
+    out, outcome = convert(model)
+    assert (out / "left_out.txt").read_text() == "the energy properties of the model\n"
+    assert "left out: the energy properties of the model" in outcome.out
+
+
+@pytest.mark.parametrize("fault", ["open", "bsdf", "weather"])
+def test_nothing_is_written_for_a_bad_model(convert, tmp_path, fault):
+    model, options = honeybee_model(office()), []
+    if fault == "open":
+        model["rooms"][0]["faces"].pop()
+    elif fault == "weather":
+        (tmp_path / "bad.epw").write_text("no weather")
+        options = ["--weather", tmp_path / "bad.epw"]
+    else:
+        bsdf = {"type": "BSDF", "identifier": "pane", "bsdf_data": "<x/>"}
+        model["properties"]["radiance"]["modifiers"] = [bsdf]
+    out, outcome = convert(model, *options, weather=False)
+    assert outcome.status == 2
+    assert len(outcome.err.strip().splitlines()) == 1
+    assert not out.exists()
+
+
+def test_inner_glass_stays_between_two_rooms(convert):
+    """The opening of the twin face is not added a second time."""
+    one, two = office("a"), office("b", x=4)
+    points = [[4, 1, 1], [4, 2, 1], [4, 2, 2], [4, 1, 2]]
+    for room, side, other, outline in (
+        (one, 5, "b", points),
+        (two, 4, "a", points[::-1]),
+    ):
+        own = room["identifier"]
+        side_of = {"a": "east", "b": "west"}
+        room["faces"][side]["boundary_condition"] = {
+            "type": "Surface",
+            "boundary_condition_objects": [f"{other}_{side_of[other]}", other],
+        }
+        room["faces"][side]["apertures"] = [
+            {
+                "identifier": f"{own}_inner",
+                "geometry": {"boundary": outline},
+                "boundary_condition": {
+                    "type": "Surface",
+                    "boundary_condition_objects": [f"{other}_inner", other],
+                },
+            }
+        ]
+    out, outcome = convert(honeybee_model(one, two))
+    assert outcome.status == 0, outcome.err
+    names = [s.name for s in read_rad(out / "scene.rad").surfaces]
+    assert "a_inner" in names
+    assert "b_inner" not in names
+    assert read_study(out / "study.toml").methods == ["2-phase"]
+
+
+def test_a_skylight_with_states_becomes_a_window_group(convert):
+    points = [[1, 1, 3], [2, 1, 3], [2, 2, 3], [1, 2, 3]]
+    tint = GLASS | {"identifier": "tint", "g_transmissivity": 0.1}
+    states = [{"modifier": "pane"}, {"modifier": "tint"}]
+    sky = {
+        "identifier": "sky",
+        "geometry": {"boundary": points},
+        "properties": {
+            "radiance": {"dynamic_group_identifier": "roof", "states": states}
+        },
+    }
+    room = office(roof={"apertures": [sky]})
+    out, outcome = convert(honeybee_model(room, modifiers=[GLASS, tint]))
+    assert outcome.status == 0, outcome.err
+    study = read_study(out / "study.toml")
+    tables = {table.name: table for table in study.window}
+    assert [state.name for state in tables["roof"].state] == ["pane", "tint"]
+    assert set(tables) == {"roof", "pane"}
+
+
+MODELS = (
+    "complex",
+    "hb_sample_model_grid",
+    "large_light_path_model",
+    "model_radiance_dynamic_states",
+    "room_w_dynamic_skylight",
+    "two_rooms",
+)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", MODELS)
+def test_models_of_honeybee_give_a_study_that_runs(call, shared_data, tmp_path, name):
+    model = shared_data / "models" / "hbjson_honeybee-radiance" / f"{name}.hbjson"
+    out, results = tmp_path / "study", tmp_path / "results"
+    outcome = call("import", model, "-o", out, "--weather", WEATHER)
+    assert outcome.status == 0, outcome.err
+    one_noon(out / "study.toml")
+    outcome = call("run", out / "study.toml", "--out", results, "--quiet")
+    assert outcome.status == 0, outcome.err
+    assert (results / "report.html").stat().st_size > 0

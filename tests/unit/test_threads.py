@@ -1,0 +1,62 @@
+"""Items are evaluated in a second thread while they are computed."""
+
+import threading
+
+import pytest
+from threadpoolctl import threadpool_info
+
+from clerestory.threads import evaluated_meanwhile, linear_algebra_in_one_thread
+
+
+def test_items_are_evaluated_in_order_while_they_are_computed():
+    together = threading.Barrier(2, timeout=20)
+
+    def computed():
+        yield 0
+        # Passed only if the first item is evaluated before the second is computed
+        together.wait()
+        yield from range(1, 50)
+
+    def evaluate(items):
+        found = [next(items)]
+        together.wait()
+        return found + list(items)
+
+    assert evaluated_meanwhile(evaluate, computed(), most=3) == list(range(50))
+
+
+def test_errors_of_the_evaluation_end_the_computation():
+    made = []
+
+    def computed():
+        for number in range(1000):
+            made.append(number)
+            yield number
+
+    def evaluate(items):
+        next(items)
+        raise ValueError("dark")
+
+    with pytest.raises(ValueError, match="dark"):
+        evaluated_meanwhile(evaluate, computed(), most=2)
+    assert len(made) < 10
+
+
+def test_errors_of_the_computation_end_the_evaluation():
+    def computed():
+        yield 1
+        raise ValueError("no light")
+
+    before = threading.active_count()
+    with pytest.raises(ValueError, match="no light"):
+        evaluated_meanwhile(list, computed(), most=2)
+    assert threading.active_count() == before
+
+
+def test_no_items_are_an_empty_sequence():
+    assert evaluated_meanwhile(list, iter(()), most=1) == []
+
+
+def test_linear_algebra_is_limited_to_one_thread():
+    with linear_algebra_in_one_thread():
+        assert all(each["num_threads"] == 1 for each in threadpool_info())
