@@ -25,8 +25,8 @@ from clerestory.engine.next_event_estimation import (
     Source,
     Vertex,
 )
-from clerestory.engine.path_tracer import PathTracer, segments_of
 from clerestory.engine.patches import SkyTable
+from clerestory.engine.path_tracer import PathTracer, segments_of
 from clerestory.engine.portals import Portals, window_rectangles
 from clerestory.engine.primary_rays import Lanes
 from clerestory.engine.sampler import (

@@ -79,11 +79,12 @@ def sky_view_matrices(
         for own in (slice(None, len(sky)), slice(len(sky), None))
     )
     axes = pixel_axis(len(camera)), sky_axis(sky)
-    all_light = (one + two for one, two in zip(direct, other, strict=True))
-    return tuple(
+    total = [one + two for one, two in zip(direct, other, strict=True)]
+    C, C_d = (
         TransferMatrix(values, *axes, error, scene.bands)
-        for values, error in (all_light, direct)
+        for values, error in (total, direct)
     )
+    return C, C_d
 
 
 def sun_view_coefficients(
@@ -110,7 +111,9 @@ def sun_view_coefficients(
     )
     one, other = trace_sun_view(job, effort)
     axes = pixel_axis(len(camera)), sun_axis(len(suns))
-    return TransferMatrix((one + other) / 2, *axes, (one - other)[None] / 2, scene.bands)
+    return TransferMatrix(
+        (one + other) / 2, *axes, (one - other)[None] / 2, scene.bands
+    )
 
 
 def sun_disc(
