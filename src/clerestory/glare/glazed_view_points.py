@@ -16,7 +16,7 @@ from jaxtyping import Float, Int
 from clerestory.checks import require, within
 from clerestory.engine.effort import Effort, EffortKeywords, effort_of
 from clerestory.engine.work_units import Goal
-from clerestory.glare.dgp_error import DgpModel, dgp_variance
+from clerestory.glare.dgp_error import DgpModel, limited, statistical_variance
 from clerestory.glare.eye_directions import SUN_SOLID_ANGLE, SunDisc
 from clerestory.glare.index_settings import EVALGLARE
 from clerestory.glare.point_glare import point_glare
@@ -168,7 +168,7 @@ class _GlazedPoint:
         times = self.skies.times
         lit = np.flatnonzero(self.skies.whole.diffuse.max(axis=0) > 0)
         sun = self._disc(matrices, lit, effort)
-        light, variance = self._luminance(matrices, lit, sun)
+        light, error = self._luminance(matrices, lit, sun)
         found = point_glare(
             self.cells,
             light,
@@ -178,8 +178,7 @@ class _GlazedPoint:
             quantities=quantities,
         )
         if "dgp" in quantities:
-            error = ("view", "time"), np.sqrt(variance), {"units": "1"}
-            found["dgp_error"] = error
+            found["dgp_error"] = ("view", "time"), error, {"units": "1"}
         return found.reindex(time=times)
 
     def _disc(
@@ -203,10 +202,10 @@ class _GlazedPoint:
     def _luminance(
         self, matrices: WindowMatrices, steps: Int[np.ndarray, " step"], sun: SunDisc
     ) -> tuple[Float[np.ndarray, "cell step"], Float[np.ndarray, "view step"]]:
-        # Luminance of the cells, and variance of DGP due to the random paths
+        # Luminance of the cells, and standard error of DGP due to the random paths
         model = DgpModel(self.cells, self.views, Refinement().threshold, EVALGLARE)
         light = np.zeros((self.cells.count, len(steps)), np.float32)
-        variance = np.zeros((len(self.views), len(steps)))
+        variance, value = np.zeros((2, len(self.views), len(steps)))
         series = PixelSeries(
             [matrices],
             METHODS["2-phase"].terms(corrected=True),
@@ -217,10 +216,10 @@ class _GlazedPoint:
             errors=True,
         )
         for block in series.blocks(_STEPS, rows=self.cells.count):
-            own = block.times.start + block.steps
-            light[block.rows, own] = block.light[0]
-            disc = SunDisc(sun.direction[own], sun.luminance[own], sun.solid_angle[own])
-            variance[:, own] = dgp_variance(
-                model, block.light[0], block.variance, block.shared, disc
-            )
-        return light, variance
+            own, level = block.times.start + block.steps, block.light[0]
+            light[:, own] = level
+            terms = model.terms(level, sun.select(own))
+            rest = block.variance, block.shared
+            variance[:, own] = statistical_variance(model, terms, level, *rest)
+            value[:, own] = terms.value
+        return light, limited(np.sqrt(variance), value)
