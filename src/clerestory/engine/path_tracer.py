@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import drjit as dr
 import mitsuba as mi
 
+from clerestory.engine.caustic_lobes import Caustics
 from clerestory.engine.lower import LoweredScene
 from clerestory.engine.next_event_estimation import (
     Emission,
@@ -40,6 +41,9 @@ _MOST_VERTICES = 1000
 # Density of a first path segment whose contribution is left to next-event estimation.
 SAMPLED_AT_START = 1e-20
 
+# Density of directions along narrow cones of sunlight [1/sr].
+_NARROW = 10.0
+
 # Limit of segments that represents unlimited bounces.
 _UNLIMITED = 1 << 30
 
@@ -60,6 +64,7 @@ class PathTracer:
     Attributes
     ----------
     roulette : fraction of the initial throughput below which Russian roulette applies
+    caustics : cones of focused sunlight; None if no surface focuses any
     direct_only : whether paths end at the first surface, where sources are sampled by
         next-event estimation only
     without_direct : whether light is left out that comes straight from a source or by
@@ -72,6 +77,7 @@ class PathTracer:
     sources: tuple[Source, ...]
     roulette: float
     portals: Portals | None = None
+    caustics: Caustics | None = None
     direct_only: bool = False
     without_direct: bool = False
     bounce_to_source: bool = False
@@ -98,7 +104,8 @@ class PathTracer:
         normal: mi.Vector3f,
     ) -> tuple[mi.Color3f | None, Path]:
         """Sample the sources at sensors; return the irradiance and continued paths."""
-        vertex = sensor_vertex(self.portals, position, normal)
+        caustics = self.caustics and self.caustics.sensors
+        vertex = sensor_vertex(self.portals, position, normal, caustics)
         one = mi.Color3f(1)
         total = self.sample_sources(sink, sink.begin(), vertex, numbers, one)
         direction, weight, pdf = continue_from_sensor(
@@ -179,8 +186,9 @@ class PathTracer:
                 works = active & ~passed
             numbers = start.at(number)
             vertex = surface_vertex(
-                model, self.portals, si, shape, works, depth < segments, thickness
-            )
+                model, self.portals, si, shape, works, depth < segments, thickness,
+                self.caustics and self.caustics.surfaces,
+            )  # fmt: skip
             total = self.sample_sources(
                 sink, total, vertex, numbers, path.throughput, path, order > 0
             )
@@ -207,7 +215,11 @@ class PathTracer:
                     other = (order > 0) | after.delta
                     order = dr.select(after.null, order, dr.select(other, 2, 1))
 
-                # Russian roulette
+                # Russian roulette; paths along a cone of sunlight carry little until
+                # they find the sun
+                if dr.hint(self.caustics is not None, mode="scalar"):
+                    narrow = (after.densities.path > _NARROW) & (strength > 0)
+                    strongest = dr.select(narrow, strength, strongest)
                 survive = dr.minimum(strength / (strongest * self.roulette), 1)
                 active &= start.hashed(number + 0x10000) < survive
                 path.throughput /= survive

@@ -10,6 +10,7 @@ from typing import Any
 
 from clerestory.files import write_text
 from clerestory.report.animation import film_section
+from clerestory.report.compliance_section import compliance_sections
 from clerestory.report.content import ReportContent
 from clerestory.report.content_from_results import from_results
 from clerestory.report.electric_lighting import lamps_section
@@ -29,6 +30,7 @@ from clerestory.report.plan_section import plans_section
 from clerestory.report.section import Section
 from clerestory.report.sunlight import sunlight_section
 from clerestory.report.view_glare import glare_section
+from clerestory.report.view_grids import view_grids_section
 from clerestory.report.window_layers import layers_section
 from clerestory.report.window_states import states_section
 from clerestory.report.year_section import year_section
@@ -43,6 +45,7 @@ _SCRIPTS = (
     "plan.js",
     "year.js",
     "maps.js",
+    "rosettes.js",
     "film.js",
     "terms.js",
     "view.js",
@@ -74,6 +77,7 @@ _SECTIONS: tuple[tuple[str, str, Callable[[ReportContent], Section]], ...] = (
     ("film", "A day in pictures", film_section),
     ("pictures", "Pictures", pictures_section),
     ("glare", "Glare", glare_section),
+    ("view-grids", "Glare at every position", view_grids_section),
     ("sunlight", "Sunlight", sunlight_section),
     ("lamps", "Electric light", lamps_section),
     ("equation", "Direct correction", equation_section),
@@ -88,7 +92,10 @@ _SECTIONS: tuple[tuple[str, str, Callable[[ReportContent], Section]], ...] = (
 
 def report_page(content: ReportContent) -> str:
     """Return the report as HTML."""
-    made = [(name, title, make(content)) for name, title, make in _SECTIONS]
+    made = [
+        *compliance_sections(content),
+        *((name, title, make(content)) for name, title, make in _SECTIONS),
+    ]
     links = (
         element("a", title, href=f"#{name}") for name, title, one in made if one.body
     )
