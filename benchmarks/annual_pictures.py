@@ -21,7 +21,8 @@ import subprocess
 import sys
 import tempfile
 import time
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -30,12 +31,11 @@ import xarray as xr
 from duel import stamp
 
 import clerestory as cl
+from clerestory.bands import RGB
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.bsdfgen.generate import generate_bsdf
 from clerestory.bsdfgen.venetian_geometry import venetian
-from clerestory.engine.direct_sun_jobs import PixelSunJob, trace_pixel_sun
-from clerestory.engine.effort import Effort
 from clerestory.glare.annual_glare import annual_glare
 from clerestory.image.camera import Camera
 from clerestory.matrix.axis import pixel_axis, sun_axis
@@ -48,8 +48,16 @@ from clerestory.phases.matrix_equation import (
     window_chain,
 )
 from clerestory.phases.methods import FIVE_PHASE
-from clerestory.phases.picture_matrices import picture_view_matrices
+from clerestory.phases.picture_matrices import (
+    picture_view_matrices,
+    reflected_view_matrices,
+)
 from clerestory.phases.picture_series import luminance_over_time
+from clerestory.phases.shaded_windows import (
+    ShadedWindow,
+    ShadeState,
+    receiving_matrices,
+)
 from clerestory.phases.sunlit import in_sunlight
 from clerestory.phases.traced_matrices import daylight_matrix
 from clerestory.phases.window_paths import picture_window_paths
@@ -60,6 +68,9 @@ from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.sky.sun_matrix import sun_matrix
 from clerestory.sky.weather import Weather
 from clerestory.study.new_study import write_demo
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "physics"))
+from pairwise_sun import pairwise_sun
 
 # Beside the interpreter, whatever the PATH
 PROGRAM = Path(sys.executable).parent / "clerestory"
@@ -216,18 +227,14 @@ def pairwise(
     scene: Scene, window: Window, layer: Bsdf, suns: np.ndarray, camera: Camera
 ) -> TransferMatrix:
     """Return C_ds by paths of their own for every pixel and sun."""
-    effort = Effort(samples=PAIRS, seed=77, device="cpu")
-    job = PixelSunJob(
-        scene=scene, windows=(window,), number=0, bsdf=layer, suns=suns, peak=True,
-        view=camera.view, columns=camera.columns, rows=camera.rows, samples=PAIRS,
-        **effort.job_options(2),
-    )  # fmt: skip
-    shape = len(scene.bands), len(camera), len(suns)
-    values, error = np.zeros(shape, np.float32), np.zeros(shape, np.float32)
-    for first in range(0, len(suns), TOGETHER):
-        some = np.arange(first, min(first + TOGETHER, len(suns)))
-        one, other = trace_pixel_sun(job, some, effort)
-        values[..., some], error[..., some] = (one + other) / 2, (one - other) / 2
+    parts = [
+        pairwise_sun(
+            scene, [window], layer, camera, suns[first : first + TOGETHER], peak=True,
+            samples=PAIRS, seed=77 + first,
+        )
+        for first in range(0, len(suns), TOGETHER)
+    ]  # fmt: skip
+    values, error = (np.concatenate(each, axis=-1) for each in zip(*parts, strict=True))
     axes = pixel_axis(len(camera)), sun_axis(len(suns))
     return TransferMatrix(values, *axes, error[None], scene.bands)
 
@@ -247,8 +254,7 @@ def compare(home: Path, count: int) -> list[str]:
     D = daylight_matrix(scene, window, subdivision=4, samples=4096, seed=2)
     black = blackened(scene)
     D_d = daylight_matrix(black, window, subdivision=4, bounces=0, samples=4096, seed=3)
-    V = picture_view_matrices(scene, [window], camera, samples=SAMPLES, seed=4)
-    whole = window_chain(V[window.name], T, D)
+    V = reflected_view_matrices(scene, [window], camera, samples=SAMPLES, seed=4)
 
     # Ours: V_d and C_ds from the same paths; theirs: independent estimates of both
     paths = picture_window_paths(scene, [window], camera, samples=16, seed=5)
@@ -257,44 +263,88 @@ def compare(home: Path, count: int) -> list[str]:
         scene, [window], camera, direct=True, samples=4 * SAMPLES, seed=6
     )
     pairs = pairwise(scene, window, layer, suns.directions, camera)
-    skies, found = Skies(sky, sun, suns), []
-    for direct, last in ((paths.view_matrices(), lit), (V_d, pairs)):
-        chain = window_chain(direct[window.name], T, D_d)
-        parts = WindowMatrices(whole, chain, MatrixChain((last,)))
-        series = luminance_over_time([parts], FIVE_PHASE, camera, skies)
-        found.append(np.stack(list(series)))
-    return _table(*found, weather)
+    state = ShadeState(whole=(T, D), direct=(T, D_d), bsdf=layer, peak=True)
+    shaded, skies = [ShadedWindow(window, (state,))], Skies(sky, sun, suns)
+    [own] = receiving_matrices(shaded, V, paths, suns.directions)
+    reflected, direct = V[window.name], V_d[window.name]
+    whole = replace(reflected, values=reflected.values + direct.values)
+    chains = (window_chain(whole, T, D), window_chain(direct, T, D_d))
+    pictures = [
+        np.stack(list(luminance_over_time([parts], FIVE_PHASE, camera, skies)))
+        for parts in (own, WindowMatrices(*chains, MatrixChain((pairs,))))
+    ]
+
+    # Direct light alone, and its error components
+    received = lit.received(suns.direct_normal, RGB.weights[None])
+    ours, ours_error = np.zeros((2, len(camera), len(suns.times)), np.float32)
+    ours[:, received.steps] = received.mean(slice(None))[0]
+    ours_error[:, received.steps] = received.error(slice(None))[0]
+    theirs, theirs_error = (
+        np.einsum("b,bps->ps", RGB.weights, each) @ suns.direct_normal.toarray()
+        for each in (pairs.values, pairs.components[0])
+    )
+    light = [each.T for each in (ours, theirs, ours_error, theirs_error)]
+    # Rows of V_d sum to one where a window is seen
+    window_seen = direct.values[0].sum(axis=-1) > 0.9
+    return _table(pictures, light, blocks(window_seen[None])[0], weather)
 
 
-def _table(ours: np.ndarray, theirs: np.ndarray, weather: Weather) -> list[str]:
+def blocks(pixels: np.ndarray) -> np.ndarray:
+    """Return the means of blocks of pixels of several pictures."""
     edge = COMPARED // BLOCKS
+    return pixels.reshape(-1, BLOCKS, edge, BLOCKS, edge).mean(axis=(2, 4))
 
-    def blocks(pixels: np.ndarray) -> np.ndarray:
-        return pixels.reshape(-1, BLOCKS, edge, BLOCKS, edge).mean(axis=(2, 4))
 
+def differences(ours: np.ndarray, theirs: np.ndarray) -> list[tuple[str, np.ndarray]]:
+    """Return relative differences of blocks, and of whole pictures."""
     one, other = blocks(ours), blocks(theirs)
     # Blocks inside the circle that are not dark
-    known = other > 0.02 * other.mean(axis=(1, 2), keepdims=True)
-    off = abs(one / np.where(known, other, 1) - 1)[known]
-    mean = abs(one.mean(axis=(1, 2)) / other.mean(axis=(1, 2)) - 1)
-    dgp = [annual_glare(pixels, EYE).dgp.values for pixels in (ours, theirs)]
-    apart = abs(dgp[0] - dgp[1])
+    whole = other.mean(axis=(1, 2))
+    lit = whole > 0
+    known = other > 0.02 * whole[:, None, None]
+    return [
+        ("blocks", abs(one / np.where(known, other, 1) - 1)[known]),
+        ("whole pictures", abs(one.mean(axis=(1, 2)) / whole - 1)[lit]),
+    ]
+
+
+def _table(
+    pictures: Sequence[np.ndarray],
+    light: Sequence[np.ndarray],
+    window_share: np.ndarray,
+    weather: Weather,
+) -> list[str]:
+    edge = COMPARED // BLOCKS
+    dgp = [annual_glare(pixels, EYE).dgp.values for pixels in pictures]
+    rows = [
+        *((f"luminance of {n}", v) for n, v in differences(*pictures)),
+        *((f"direct light alone of {n}", v) for n, v in differences(*light[:2])),
+        ("DGP (absolute)", abs(dgp[0] - dgp[1])),
+    ]
+    # Deviation of direct light in units of its error, pooled over the suns of a block,
+    # since two batches alone tell little of the error
+    ours, theirs, *errors = map(blocks, light)
+    pooled = np.sqrt(sum(np.square(each).mean(axis=0) for each in errors))
+    inside = (pooled > 0) & (window_share == 0)
+    z = (ours - theirs)[:, inside] / pooled[inside]
     return [
         f"Against pairs of {COMPARED}² pixels and {len(weather.times)} suns ({PAIRS}"
         f" paths each), half of them close to the cut-off angle ({cut_off_deg():.1f}°);"
-        f" blocks of {edge} × {edge} pixels, noise of both included:",
+        f" blocks of {edge} × {edge} pixels, relative differences, noise of both"
+        " included:",
         "",
         "| quantity | mean | median | 95 % within | at most |",
         "|---|---|---|---|---|",
         *(
             f"| {name} | {v.mean():.4f} | {np.median(v):.4f} |"
             f" {np.quantile(v, 0.95):.4f} | {v.max():.4f} |"
-            for name, v in (
-                ("luminance of blocks, relative", off),
-                ("mean luminance of pictures, relative", mean),
-                ("DGP", apart),
-            )
+            for name, v in rows
         ),
+        "",
+        "Direct light of blocks of the room's surfaces in units of the standard error"
+        " of the difference, known from the batches of both: root mean square"
+        f" {np.sqrt((z**2).mean()):.2f} (1 expected), mean {z.mean():.2f},"
+        f" {(abs(z) > 3).mean():.2%} beyond 3.",
     ]
 
 

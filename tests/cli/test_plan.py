@@ -131,5 +131,5 @@ def test_all_matrices_of_pictures_are_part_of_the_plan(view):
         "direct-view-south",
         "direct-daylight-south",
         "sun-south",
-        "picture-seat-south",
+        "picture-seat-reflected-south",
     }

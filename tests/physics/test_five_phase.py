@@ -21,9 +21,17 @@ from clerestory.phases.matrix_equation import (
     window_chain,
 )
 from clerestory.phases.methods import FIVE_PHASE, THREE_PHASE, five_phase
-from clerestory.phases.picture_matrices import picture_view_matrices
-from clerestory.phases.picture_series import pictures_over_time
+from clerestory.phases.picture_matrices import (
+    picture_view_matrices,
+    reflected_view_matrices,
+)
+from clerestory.phases.picture_series import luminance_over_time, pictures_over_time
 from clerestory.phases.rendering import irradiance, render
+from clerestory.phases.shaded_windows import (
+    ShadedWindow,
+    ShadeState,
+    receiving_matrices,
+)
 from clerestory.phases.sun_coefficients import (
     picture_sun_coefficients,
     sun_coefficients,
@@ -33,6 +41,7 @@ from clerestory.phases.traced_matrices import (
     daylight_matrix,
     view_matrix,
 )
+from clerestory.phases.window_paths import picture_window_paths
 from clerestory.scene.model import BsdfSurface, DistantSource, Light, Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View
@@ -389,3 +398,41 @@ def test_picture_shows_the_sun_patch_and_the_sun(device):
     assert wrong.max() < 0.12
     assert before.max() > 0.5
     assert five.luminance().mean() == pytest.approx(expected.mean(), rel=0.03)
+
+
+def test_pixels_are_brighter_than_their_reflected_light(device):
+    """V, V_d and C_ds share paths: few paths leave no pixel beside a sun patch black.
+
+    The sky is the sun alone and nothing reflects outside, so D is D_d, and
+    V T D S - V_d T D_d S_ds is (V - V_d) T D S.
+    """
+    scene, south = box(4, 5, 3, 0.2)
+    weather = weather_at("2023-12-21T12:30")
+    suns = sun_matrix(weather)
+    view = View(
+        kind="angular", horizontal=180, vertical=180,
+        position=np.array([2, 4, 1.2]), direction=np.array([0, -1, -0.3]),
+    )  # fmt: skip
+    camera, patches = Camera(view, 48, 48), klems("full")
+    clear = clear_air().functions["visible", "transmission_front"].values
+    glass = Bsdf(
+        {("visible", "transmission_front"): ScatteringMatrix(clear, patches, patches)}
+    )
+    T = glass.transmission_matrix(window="south")
+    D = daylight_matrix(scene, south, subdivision=4, samples=256, device=device)
+    state = ShadeState(whole=(T, D), direct=(T, D), bsdf=glass, peak=True)
+    shared = {"samples": 8, "device": device}
+    V = reflected_view_matrices(scene, [south], camera, seed=1, **shared)
+    paths = picture_window_paths(scene, [south], camera, seed=2, **shared)
+    sky = sky_matrix(weather, subdivision=4, include="sun")
+    windows = receiving_matrices(
+        [ShadedWindow(south, (state,))], V, paths, suns.directions
+    )
+    skies = Skies(sky, sky, suns)
+    [found] = luminance_over_time(windows, FIVE_PHASE, camera, skies)
+    chain = window_chain(V["south"], T, D)
+    [reflected] = luminance_over_time(
+        [WindowMatrices(chain)], THREE_PHASE, camera, skies
+    )
+    assert found.mean() > 2 * reflected.mean() > 0
+    assert np.all(found >= 0.98 * reflected)

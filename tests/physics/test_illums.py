@@ -1,5 +1,7 @@
 """Rooms lit by precomputed window emitters equal those lit through the windows."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -165,9 +167,11 @@ def test_what_cannot_be_a_lamp_is_refused(device):
 
 
 def test_light_that_is_found_by_chance_is_named():
-    """A polished ball before the window sends sunlight that few paths find."""
+    """A polished ball before the window sends light of a lamp that few paths find."""
     ball = Sphere(np.array([1.5, -3, 1]), 0.5, False, "ball")
+    lamp = Sphere(np.array([1.5, -4, 3]), 0.1, False, "sun")
     polished = Metal("ball", np.full(3, 0.9), specularity=1.0)
-    garden = room(sun=True) + Scene({"ball": polished}, (ball,))
+    garden = room() + Scene({"ball": polished}, (ball,))
+    garden = replace(garden, surfaces=(*garden.surfaces, lamp))
     with pytest.warns(ClerestoryWarning, match="1 curved smooth .* by chance"):
         precompute_illums(garden, pane("glass"), rings=2, samples=1, device="cpu")

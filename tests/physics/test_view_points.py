@@ -25,7 +25,7 @@ from clerestory.image.camera import Camera
 from clerestory.phases.direct_light import blackened
 from clerestory.phases.matrix_equation import Skies, WindowMatrices
 from clerestory.phases.methods import FIVE_PHASE, THREE_PHASE
-from clerestory.phases.picture_matrices import picture_view_matrices
+from clerestory.phases.picture_matrices import reflected_view_matrices
 from clerestory.phases.picture_series import luminance_over_time
 from clerestory.phases.shaded_windows import (
     ShadedWindow,
@@ -203,7 +203,7 @@ def lit_point(lit_room):
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("state", [1])
+@pytest.mark.parametrize("state", [0, 1])
 def test_dgp_is_that_of_pictures(lit_room, lit_point, state):
     scene, room, sky = lit_room
     states = [np.full(len(sky.times), state)]
@@ -211,8 +211,8 @@ def test_dgp_is_that_of_pictures(lit_room, lit_point, state):
     for number in (1, 2):
         view = lit_point.views[number]
         camera, given = Camera(view, 200, 200), (scene, [room.window])
-        V = picture_view_matrices(*given, camera, samples=32, seed=7, device="cpu")
-        paths = picture_window_paths(*given, camera, samples=8, seed=8, device="cpu")
+        V = reflected_view_matrices(*given, camera, samples=32, seed=7, device="cpu")
+        paths = picture_window_paths(*given, camera, samples=64, seed=8, device="cpu")
         matrices = receiving_matrices([room], V, paths, sky.suns.directions)
         series = luminance_over_time(matrices, FIVE_PHASE, camera, sky, states)
         expected = annual_glare(np.stack(list(series)), view)
@@ -231,7 +231,7 @@ def test_steps_may_be_asked_for_by_themselves(lit_point):
     part = lit_point.glare(states, steps=some)
     for name in ("dgp", "illuminance", "dgp_error"):
         np.testing.assert_allclose(part[name], whole[name][:, some], rtol=1e-4)
-    assert np.all(whole.dgp_error > 0)
+    assert np.all((whole.dgp_error > 0) | (whole.dgp == 1))
 
 
 def test_the_cells_cover_the_sphere_and_are_few(lit_point):

@@ -27,11 +27,14 @@ from clerestory.colorimetry import wavelength_bands
 from clerestory.engine import window_path_jobs
 from clerestory.hemisphere.klems import klems
 from clerestory.image.camera import Camera
-from clerestory.phases.picture_matrices import picture_view_matrices
+from clerestory.phases.picture_matrices import (
+    picture_view_matrices,
+    reflected_view_matrices,
+)
 from clerestory.phases.sun_coefficients import picture_sun_coefficients
 from clerestory.phases.sunlit import in_sunlight
 from clerestory.phases.window_paths import picture_window_paths
-from clerestory.scene.model import Plastic, Scene
+from clerestory.scene.model import Glass, Plastic, Scene
 from clerestory.scene.view import View, solid_angles
 
 KLEMS = klems("full")
@@ -177,6 +180,37 @@ def test_direct_view_matrix_is_that_of_the_path_tracer(device, reflectance):
         assert abs(score).max() < 6
         every = (v.sum(axis=-1, keepdims=True) for v in (value, error, other.values))
         compare(*every, noise.sum(axis=-1, keepdims=True), bias=0.002)
+
+
+@pytest.mark.parametrize("kind", ["diffuse", "glossy", "mirrors", "pane"])
+def test_direct_and_reflected_light_are_the_whole_light(device, kind):
+    """V is the sum of V_d and V - V_d, which are traced by different paths."""
+    scene, south = box(4, 5, 3, 0.5)
+    if kind in ("glossy", "mirrors"):
+        roughness = 0.2 if kind == "glossy" else 0.0
+        wall = replace(grey(0.4), specularity=0.3, roughness=roughness)
+        scene = Scene({"wall": wall}, scene.surfaces)
+    if kind == "pane":
+        pane = quad((0, 1, 0), (0, 1, 3), (4, 1, 3), (4, 1, 0), material="clear")
+        materials = scene.materials | {"clear": Glass("clear", np.full(3, 0.8))}
+        scene = Scene(materials, (*scene.surfaces, pane))
+    given, shared = (scene, [south], camera()), {"samples": 64, "device": device}
+    whole = picture_view_matrices(*given, seed=1, **shared)["south"]
+    direct = picture_window_paths(*given, seed=2, **shared).view_matrices()["south"]
+    reflected = reflected_view_matrices(*given, seed=3, **shared)["south"]
+    assert reflected.values.sum() > 0.1 * whole.values.sum()
+    sums = [
+        (each.values.sum(axis=-1, keepdims=True), each.components[0].sum(axis=-1))
+        for each in (whole, direct, reflected)
+    ]
+    noise = np.hypot(sums[1][1], sums[2][1])[..., None]
+    compare(
+        np.broadcast_to(sums[1][0] + sums[2][0], sums[0][0].shape),
+        np.broadcast_to(noise, sums[0][0].shape),
+        sums[0][0],
+        abs(sums[0][1])[..., None],
+        bias=0.002,
+    )
 
 
 @pytest.mark.parametrize("kind", BSDFS)

@@ -16,6 +16,7 @@ from clerestory.escaping import csv_line
 from clerestory.files import write_text
 from clerestory.metrics import climate_based_metrics as climate
 from clerestory.metrics import en17037, honeybee, honeybee_writer
+from clerestory.metrics.compliance import assess
 from clerestory.metrics.leed import Version, points_error, simulated_daylight
 from clerestory.metrics.lm83_conditions import departures
 from clerestory.metrics.occupied_hours import occupied_hours
@@ -33,8 +34,11 @@ from clerestory.metrics.spatial_metrics import (
     spatial_autonomy,
     sunlight_exposure,
 )
+from clerestory.metrics.standards import standards_named
+from clerestory.report.compliance_words import assessment_lines
 from clerestory.report.uncertain_value import Figure
 from clerestory.sky.weather_formats import read_weather
+from clerestory.study.compliance_table import assessments_of
 from clerestory.study.results import read_results
 
 _HOURS_A_YEAR = 8760
@@ -74,6 +78,7 @@ def metrics(request: Metrics) -> None:
         say(*(f"  {line}" for line in _room(grid, hours, half, request)), quiet=quiet)
         rows += _sensors(grid, hours, request.target)
     say(*_room_and_views(request), quiet=quiet)
+    say(*_standards(request, grids), quiet=quiet)
     if request.output is not None:
         write_text(request.output, "\n".join([_HEAD, *rows]) + "\n")
     if request.honeybee is not None:
@@ -161,6 +166,35 @@ def _room_and_views(request: Metrics) -> Iterator[str]:
         top = float(np.quantile(dgp[valid], 1 - en17037.GLARE_SHARE))
         yield f"{view}: view"
         yield f"  {'EN 17037 glare':28}{level} (DGP {top:.2f} in 5 % of the hours)"
+
+
+def _standards(request: Metrics, grids: list[_Grid]) -> Iterator[str]:
+    # Assessments of the chosen standards, by default those of the run
+    standards = standards_named(request.standard or [])
+    path = request.results
+    if path.is_dir() and (path / "grids_info.json").is_file():
+        data = _as_results(grids)
+        yield from assessment_lines(assess(data, standards))
+        return
+    data = read_results(path).data
+    found = assess(data, standards) if standards else assessments_of(data)
+    yield from assessment_lines(found)
+
+
+def _as_results(grids: list[_Grid]) -> xr.Dataset:
+    # Grids of a honeybee folder as results of a run
+    total = [grid.hourly["illuminance"] for grid in grids]
+    sun = [grid.sun["illuminance"] for grid in grids if grid.sun is not None]
+    names = np.repeat([g.name for g in grids], [len(lux) for lux in total])
+    lux = xr.concat(total, "sensor").drop_vars("sensor", errors="ignore")
+    data = xr.Dataset({"illuminance": lux, "grid": ("sensor", names)})
+    hours = occupied_hours(data["time"].values)
+    data = data.assign(occupied=("time", hours)).set_coords("grid")
+    if len(sun) == len(total):
+        direct = xr.concat(sun, "sensor").drop_vars("sensor", errors="ignore")
+        above = hours_above(direct, hours)
+        data = data.assign(direct_open=direct, sun_hours=above)
+    return data
 
 
 def _scheduled(path: Path | None) -> dict[str, np.ndarray]:

@@ -1,5 +1,6 @@
 """`clerestory new`, `run`, `demo` and `report`: studies and their reports."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import xarray as xr
@@ -9,8 +10,10 @@ from rich.table import Table
 from clerestory.cli.progress import progress_display, say
 from clerestory.cli.requests import study as requests
 from clerestory.metrics.replicates import error_of_group_mean
+from clerestory.report.compliance_words import verdict_words
 from clerestory.report.page import REPORT_FILE, picture_folder, write_report
 from clerestory.report.uncertain_value import Figure
+from clerestory.study.compliance_table import assessments_of
 from clerestory.study.config import Study, read_study
 from clerestory.study.new_study import begin_study, write_demo
 from clerestory.study.results import Results, read_results
@@ -76,6 +79,8 @@ def _run(study: Study, folder: Path, *, quiet: bool) -> None:
     write_report(results, page, pictures=picture_folder(folder, results))
     if not quiet:
         Console().print(_summary(results))
+        for name, words in _verdicts(results):
+            say(f"{name}: {words}")
         say(f"results: {folder}", f"report:  {page.resolve().as_uri()}")
 
 
@@ -97,6 +102,19 @@ def _summary(results: Results) -> Table:
             _mean(part, "useful", 100, "%"),
         )
     return table
+
+
+def _verdicts(results: Results) -> Iterator[tuple[str, str]]:
+    # Verdicts of each standard on all spaces together, and requirements not fulfilled
+    found = assessments_of(results.data)
+    for name in dict.fromkeys(one.standard for one in found):
+        own = [one for one in found if one.standard == name]
+        for verdict in own[-1].verdicts:
+            yield name, f"{verdict.criterion}: {verdict_words(verdict)}"
+        lines = {line for one in own for line in one.requirements}
+        count = sum(line.status == "not fulfilled" for line in lines)
+        if count:
+            yield name, f"requirements not fulfilled: {count}, listed in the report"
 
 
 def _mean(part: xr.Dataset, name: str, factor: float, unit: str) -> str:

@@ -5,8 +5,8 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.engine.direct_sun_jobs import UnscatteredJob
 from clerestory.engine.lower import lower
+from clerestory.engine.unscattered_jobs import UnscatteredJob
 from clerestory.engine.unusual_lengths import scene_factor
 from clerestory.engine.upload import launching, vectors
 from clerestory.engine.visibility import (

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
+from clerestory.engine.caustic_lobes import Caustics
 from clerestory.engine.distant_emitters import DistantEmitters
 from clerestory.engine.emitter_sampling import SurfaceEmitters
 from clerestory.engine.lower import LoweredScene, lower
@@ -58,12 +59,16 @@ class Illumination:
         return Suns(self.model, self.distant, self.images_of_suns, self.lobes, portals)
 
     def tracer(
-        self, portals: Portals | None = None, *, split_lobes: bool = False
+        self,
+        portals: Portals | None = None,
+        caustics: Caustics | None = None,
+        *,
+        split_lobes: bool = False,
     ) -> PathTracer:
         """Return the path tracer of radiance; see `PathTracer`."""
         suns = (self.suns(portals),) if self.distant.suns else ()
         emitters = SurfaceEmitters(self.model, self.images_of_emitters)
         sources = (Environment(self.distant), *suns, emitters)
         return PathTracer(
-            self.model, sources, _ROULETTE, portals, split_lobes=split_lobes
+            self.model, sources, _ROULETTE, portals, caustics, split_lobes=split_lobes
         )

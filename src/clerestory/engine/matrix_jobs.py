@@ -12,7 +12,7 @@ Jobs are plain data and need no compute device; `matrix_tracers` traces them.
 from abc import abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -140,7 +140,8 @@ class FacadeJob(_WindowJob):
 class PixelViewJob(MatrixJob):
     """View matrix V of pixels, or cells of the sphere: × patches of all windows.
 
-    If `direct`, paths end at the first surface.
+    `light` is "direct" for light that comes straight from the windows or after one
+    reflection at the first surface, "reflected" for all other light.
     """
 
     tracer: ClassVar[tuple[str, str]] = ("matrix_tracers", "prepare_pixel_view")
@@ -148,7 +149,7 @@ class PixelViewJob(MatrixJob):
 
     windows: tuple[Window, ...]
     camera: PixelsOrCells
-    direct: bool
+    light: Literal["all", "direct", "reflected"] = "all"
 
     @property
     def size(self) -> tuple[int, int]:

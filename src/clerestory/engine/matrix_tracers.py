@@ -83,12 +83,12 @@ def prepare_facade(job: FacadeJob) -> Tracer:
 def prepare_pixel_view(job: PixelViewJob) -> Tracer:
     """Return the tracer of view matrices from pixels to windows.
 
-    If the job is `direct`, only light straight from windows to the eye, or after one
-    reflection (diffuse or specular) at the first surface, is included.
+    Direct light comes straight from windows to the eye, or after one reflection
+    (diffuse or glossy) at the first surface.
     """
     origin = np.asarray(job.camera.position, dtype=float)
     model = lower(job.scene, origin=origin, receivers=job.windows)
-    tracer = _to_windows(model, direct_only=job.direct)
+    tracer = _to_windows(model, light=job.light)
     rays = camera_rays(job.camera)
     limit = segments_of(job.bounces)
 
@@ -98,15 +98,15 @@ def prepare_pixel_view(job: PixelViewJob) -> Tracer:
         ray, valid = rays.through(paths.number, x, y)
         tracer.trace(sink, tracer.camera_path(ray), numbers, limit, valid)
 
-    stream = _PIXELS_DIRECT if job.direct else _PIXELS
+    stream = _PIXELS_DIRECT if job.light == "direct" else _PIXELS
     return matrix_tracer(job, launch, stream=stream)
 
 
-def _to_windows(model: LoweredScene, *, direct_only: bool = False) -> PathTracer:
-    windows = WindowPatches(model, direct=direct_only)
+def _to_windows(model: LoweredScene, *, light: str = "all") -> PathTracer:
+    windows = WindowPatches(model, direct=light == "direct")
     return PathTracer(
-        model, (windows,), _ROULETTE_TO_WINDOWS,
-        direct_only=direct_only, bounce_to_source=True,
+        model, (windows,), _ROULETTE_TO_WINDOWS, bounce_to_source=True,
+        direct_only=light == "direct", without_direct=light == "reflected",
     )  # fmt: skip
 
 

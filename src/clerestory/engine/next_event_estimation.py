@@ -17,6 +17,7 @@ from typing import ClassVar
 import drjit as dr
 import mitsuba as mi
 
+from clerestory.engine.caustic_lobes import Cones
 from clerestory.engine.sampler import PathNumbers
 
 Heuristic = Callable[[mi.Float, mi.Float], mi.Float]
@@ -68,6 +69,7 @@ class Vertex:
     active : mask of vertices at which sources are sampled
     shape, flags : Mitsuba's shape index (None for a sensor), and BSDF flags
     cell, chance : guiding cell, and probability that a path continues towards a portal
+    cones : cones in which focused sunlight arrives; None: no such light in the scene
     opaque : whether the material only reflects
     continues : whether the path may continue after the vertex
     """
@@ -83,6 +85,7 @@ class Vertex:
     chance: mi.Float
     opaque: mi.Bool
     continues: mi.Bool
+    cones: Cones | None = None
 
 
 @dataclass

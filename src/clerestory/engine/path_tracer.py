@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import drjit as dr
 import mitsuba as mi
 
+from clerestory.engine.caustic_lobes import Caustics
 from clerestory.engine.lower import LoweredScene
 from clerestory.engine.next_event_estimation import (
     Emission,
@@ -40,6 +41,9 @@ _MOST_VERTICES = 1000
 # Density of a first path segment whose contribution is left to next-event estimation.
 SAMPLED_AT_START = 1e-20
 
+# Density of directions along narrow cones of sunlight [1/sr].
+_NARROW = 10.0
+
 # Limit of segments that represents unlimited bounces.
 _UNLIMITED = 1 << 30
 
@@ -62,6 +66,8 @@ class PathTracer:
     roulette : fraction of the initial throughput below which Russian roulette applies
     direct_only : whether paths end at the first surface, where sources are sampled by
         next-event estimation only
+    without_direct : whether light is left out that comes straight from a source or by
+        one reflection, other than in a mirror, at the first surface
     bounce_to_source : whether the segment to a source is counted as a bounce, as for
         the windows of a matrix
     """
@@ -70,7 +76,9 @@ class PathTracer:
     sources: tuple[Source, ...]
     roulette: float
     portals: Portals | None = None
+    caustics: Caustics | None = None
     direct_only: bool = False
+    without_direct: bool = False
     bounce_to_source: bool = False
     split_lobes: bool = False
 
@@ -95,7 +103,8 @@ class PathTracer:
         normal: mi.Vector3f,
     ) -> tuple[mi.Color3f | None, Path]:
         """Sample the sources at sensors; return the irradiance and continued paths."""
-        vertex = sensor_vertex(self.portals, position, normal)
+        caustics = self.caustics and self.caustics.sensors
+        vertex = sensor_vertex(self.portals, position, normal, caustics)
         one = mi.Color3f(1)
         total = self.sample_sources(sink, sink.begin(), vertex, numbers, one)
         direction, weight, pdf = continue_from_sensor(
@@ -112,9 +121,10 @@ class PathTracer:
         numbers: PathNumbers,
         throughput: mi.Color3f,
         path: Path | None = None,
+        counted: mi.Bool | bool = True,
     ) -> mi.Color3f | None:
         """Add the contributions of next-event estimation at a vertex."""
-        active = vertex.active
+        active = vertex.active & counted
         if self.bounce_to_source:
             active = active & vertex.continues
         for source in self.sources:
@@ -146,13 +156,15 @@ class PathTracer:
         strongest = dr.maximum(dr.max(path.throughput), 1e-20)
         depth = mi.UInt32(1)  # 1 + number of diffuse reflections so far
         number = mi.UInt32(1)  # number of vertices, including the start
+        # Order of the light that the path meets: 0 straight, 1 reflected once, 2 other
+        order = mi.UInt32(0) if self.without_direct else mi.UInt32(2)
 
         while active:
             hit = scene.ray_intersect_preliminary(path.ray, active=active)
             met = active & hit.is_valid()
             for source in self.sources:
                 found = source.escaped(path, active & ~met)
-                total = _collect(sink, total, path, found)
+                total = _collect(sink, total, path, found, order > 1)
 
             si = interaction(hit, path.ray, met)
             shape = dr.reinterpret_array(mi.UInt32, si.shape)
@@ -160,7 +172,7 @@ class PathTracer:
             for source in self.sources:
                 surface = source.met(path, si, shape, met)
                 if dr.hint(surface is not None, mode="scalar"):
-                    total = _collect(sink, total, path, surface[0])
+                    total = _collect(sink, total, path, surface[0], order > 1)
                     active &= ~surface[1]
 
             # Sample the sources at the vertex; camera rays see the proxied geometry
@@ -173,10 +185,11 @@ class PathTracer:
                 works = active & ~passed
             numbers = start.at(number)
             vertex = surface_vertex(
-                model, self.portals, si, shape, works, depth < segments, thickness
-            )
+                model, self.portals, si, shape, works, depth < segments, thickness,
+                self.caustics and self.caustics.surfaces,
+            )  # fmt: skip
             total = self.sample_sources(
-                sink, total, vertex, numbers, path.throughput, path
+                sink, total, vertex, numbers, path.throughput, path, order > 0
             )
 
             if dr.hint(self.direct_only and not model.panes, mode="scalar"):
@@ -197,8 +210,15 @@ class PathTracer:
                 active &= (strength > 0) & (depth <= segments)
                 if dr.hint(self.direct_only, mode="scalar"):
                     active &= after.null
+                if dr.hint(self.without_direct, mode="scalar"):
+                    other = (order > 0) | after.delta
+                    order = dr.select(after.null, order, dr.select(other, 2, 1))
 
-                # Russian roulette
+                # Russian roulette; paths along a cone of sunlight carry little until
+                # they find the sun
+                if dr.hint(self.caustics is not None, mode="scalar"):
+                    narrow = (after.densities.path > _NARROW) & (strength > 0)
+                    strongest = dr.select(narrow, strength, strongest)
                 survive = dr.minimum(strength / (strongest * self.roulette), 1)
                 active &= start.hashed(number + 0x10000) < survive
                 path.throughput /= survive
@@ -230,9 +250,9 @@ class PathTracer:
         )
 
 
-def _collect(sink: Sink, total, path: Path, found: Emission | None):
+def _collect(sink: Sink, total, path: Path, found: Emission | None, counted):
     # Add the radiance of a source hit by the path
     if found is None:
         return total
     value = path.throughput * found.value * found.share(path)
-    return sink.add(total, found.column, value, found.active)
+    return sink.add(total, found.column, value, found.active & counted)

@@ -11,6 +11,7 @@ from jaxtyping import Float
 from clerestory.engine.camera_rays import CameraRays
 from clerestory.engine.illumination import Illumination
 from clerestory.engine.image_probabilities import with_learned_images
+from clerestory.engine.learned_caustics import learned_caustics
 from clerestory.engine.origin import Origin
 from clerestory.engine.path_guiding import learned_portals
 from clerestory.engine.path_tracer import SAMPLED_AT_START, PathTracer, segments_of
@@ -99,7 +100,9 @@ def prepare_outgoing(job: ExitingRadianceJob) -> Tracer:
     patches = job.patches
     origin = patches.corner.reshape(-1, 3).mean(axis=0)
     portals = Portals.uniform(window_rectangles(job.scene, origin))
-    tracer = Illumination.of(job.scene, origin).tracer(portals)
+    illuminated = Illumination.of(job.scene, origin)
+    caustics = learned_caustics(job.scene, illuminated, origin)
+    tracer = illuminated.tracer(portals, caustics)
     limit = segments_of(job.bounces)
     corner, b, c = np.moveaxis(patches.corner, 1, 0)
     triangles = Parallelograms.of(corner - origin, b - corner, c - corner)
@@ -165,7 +168,9 @@ def radiance_tracer(
     illuminated = with_learned_images(illuminated, places, sensors)
     patches = sun_patches(illuminated, places)
     portals = learned_portals(illuminated, windows, patches, places)
-    return illuminated.tracer(portals, split_lobes=_splits_lobes(scene, bounces))
+    caustics = learned_caustics(scene, illuminated, origin, sensors)
+    splits = _splits_lobes(scene, bounces)
+    return illuminated.tracer(portals, caustics, split_lobes=splits)
 
 
 def _splits_lobes(scene: Scene, bounces: int | None) -> bool:

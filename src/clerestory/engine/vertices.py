@@ -11,6 +11,7 @@ import drjit as dr
 import mitsuba as mi
 
 from clerestory.engine import materials
+from clerestory.engine.caustic_lobes import CausticLobes, Cones
 from clerestory.engine.lower import LoweredScene
 from clerestory.engine.next_event_estimation import Densities, Scattering, Vertex
 from clerestory.engine.portals import Portals
@@ -22,7 +23,10 @@ _GLOSSY = 0.4
 
 
 def sensor_vertex(
-    portals: Portals | None, point: mi.Point3f, normal: mi.Vector3f
+    portals: Portals | None,
+    point: mi.Point3f,
+    normal: mi.Vector3f,
+    caustics: CausticLobes | None = None,
 ) -> Vertex:
     """Return the vertex of an irradiance sensor, with cosine-weighted response."""
 
@@ -31,11 +35,12 @@ def sensor_vertex(
         return mi.Color3f(cosine), cosine * dr.inv_pi
 
     always = mi.Bool(True)
-    cell, chance, densities = _guiding(portals, point, normal, mi.Float(1))
+    cones = None if caustics is None else caustics.at(point, normal, always)
+    cell, chance, densities = _guiding(portals, cones, point, normal, mi.Float(1))
     return Vertex(
         point, lambda direction, active: point, scatter, densities, active=always,
         shape=None, flags=mi.UInt32(0), cell=cell, chance=chance,
-        opaque=always, continues=always,
+        opaque=always, continues=always, cones=cones,
     )  # fmt: skip
 
 
@@ -47,6 +52,7 @@ def surface_vertex(
     active: mi.Bool,
     continues: mi.Bool,
     thickness: mi.Float | None = None,
+    caustics: CausticLobes | None = None,
 ) -> Vertex:
     """Return a path vertex on a surface; see `Vertex`.
 
@@ -62,7 +68,8 @@ def surface_vertex(
     share = dr.select(diffuse, mi.Float(1), _GLOSSY)
     share = dr.select(active & smooth & opaque, share, 0)
     facing = dr.mulsign(si.n, si.wi.z)
-    cell, chance, densities = _guiding(portals, si.p, facing, share)
+    cones = None if caustics is None else caustics.at(si.p, facing, share > 0)
+    cell, chance, densities = _guiding(portals, cones, si.p, facing, share)
 
     def leave(direction, lit):
         moved = offset(model, si, direction, lit)
@@ -77,23 +84,55 @@ def surface_vertex(
 
     return Vertex(
         si.p, leave, scatter, densities, active=active, shape=shape, flags=flags,
-        cell=cell, chance=chance, opaque=opaque, continues=continues,
+        cell=cell, chance=chance, opaque=opaque, continues=continues, cones=cones,
     )  # fmt: skip
 
 
-def _guiding(portals: Portals | None, point, normal, share):
+def _guiding(portals: Portals | None, cones: Cones | None, point, normal, share):
     # Guiding cell, guiding probability, and density function of a vertex
-    if portals is None:
-        zero = mi.Float(0)
-        return mi.UInt32(0), zero, lambda _, own, active: Densities(own, mi.Float(0))
-    cell, guided = portals.cells.number(point, normal), share > 0
-    chance = share * dr.gather(mi.Float, portals.chance, cell, guided)
+    cell, chance = mi.UInt32(0), mi.Float(0)
+    if portals is not None:
+        cell, guided = portals.cells.number(point, normal), share > 0
+        chance = share * dr.gather(mi.Float, portals.chance, cell, guided)
 
     def densities(direction, own, active) -> Densities:
-        onward, sunlit = portals.pdf(point, cell, direction, active & guided)
-        return Densities(chance * onward + (1 - chance) * own, sunlit)
+        both, sunlit = own, mi.Float(0)
+        if portals is not None:
+            onward, sunlit = portals.pdf(point, cell, direction, active & guided)
+            both = chance * onward + (1 - chance) * own
+        if cones is not None:
+            focused = cones.pdf(direction, active)
+            both = cones.chance * focused + (1 - cones.chance) * both
+        return Densities(both, sunlit)
 
     return cell, chance, densities
+
+
+def _chance(vertex: Vertex):
+    # Probability that a direction is not sampled from the BSDF
+    if vertex.cones is None:
+        return vertex.chance
+    return 1 - (1 - vertex.cones.chance) * (1 - vertex.chance)
+
+
+def _goal(portals: Portals | None, vertex: Vertex, lobe, u, v):
+    # Choose a portal or a cone of focused sunlight by `lobe`; return `lobe` rescaled
+    # for the BSDF, whether one was chosen, and the direction
+    guided, goal = mi.Bool(False), mi.Vector3f(0, 0, 1)
+    cones = vertex.cones
+    if cones is not None:
+        guided = lobe < cones.chance
+        focused = cones.sample(dr.clip(lobe / cones.chance, 0, 0.9999999), u, v)
+        lobe = (lobe - cones.chance) / (1 - cones.chance)
+    if portals is not None:
+        here = lobe < vertex.chance
+        goal, _ = portals.sample(portals.share, vertex.point, vertex.cell, u, v)
+        lobe = (lobe - vertex.chance) / (1 - vertex.chance)
+        if cones is None:
+            return dr.clip(lobe, 0, 0.9999999), here, goal
+        goal = dr.select(guided, focused, goal)
+        return dr.clip(lobe, 0, 0.9999999), guided | here, goal
+    return dr.clip(lobe, 0, 0.9999999), guided, focused
 
 
 def continue_from_sensor(
@@ -103,9 +142,8 @@ def continue_from_sensor(
     u, v = numbers.sobol(DIRECTION_U), numbers.sobol(DIRECTION_V)
     local = mi.warp.square_to_cosine_hemisphere(mi.Point2f(u, v))
     direction = mi.Frame3f(normal).to_world(local)
-    if portals is not None:
-        guided = numbers.sobol(LOBE) < vertex.chance
-        goal, _ = portals.sample(portals.share, vertex.point, vertex.cell, u, v)
+    if portals is not None or vertex.cones is not None:
+        _, guided, goal = _goal(portals, vertex, numbers.sobol(LOBE), u, v)
         direction = dr.select(guided, goal, direction)
     value, own = vertex.scatter(direction)
     densities = vertex.densities(direction, own, mi.Bool(True))
@@ -131,7 +169,7 @@ def continue_from_surface(
     context, bsdf = mi.BSDFContext(), si.bsdf()
     lobe, u, v = (numbers.sobol(n) for n in (LOBE, DIRECTION_U, DIRECTION_V))
     place = mi.Point2f(u, v)
-    if portals is None:
+    if portals is None and vertex.cones is None:
         sample, factor = bsdf.sample(context, si, lobe, place, active)
         direction, kind = si.to_world(sample.wo), sample.sampled_type
         return Scattering(
@@ -139,10 +177,7 @@ def continue_from_surface(
             mi.has_flag(kind, mi.BSDFFlags.Null), mi.has_flag(kind, mi.BSDFFlags.Delta),
         )  # fmt: skip
 
-    chance = vertex.chance
-    guided = lobe < chance
-    rest = dr.clip((lobe - chance) / (1 - chance), 0, 0.9999999)
-    goal, _ = portals.sample(portals.share, si.p, vertex.cell, u, v)
+    rest, guided, goal = _goal(portals, vertex, lobe, u, v)
     value, own, sample, factor = bsdf.eval_pdf_sample(
         context, si, si.to_local(goal), rest, place, active
     )
@@ -154,6 +189,7 @@ def continue_from_surface(
     delta = ~guided & mi.has_flag(kind, mi.BSDFFlags.Delta) & ~null
     densities = vertex.densities(direction, own, active)
     both = dr.select(densities.path > 0, value / densities.path, 0)
+    chance = _chance(vertex)
     mixed = chance > 0
     factor = dr.select(mixed & ~delta, both, factor / (1 - chance))
     densities.path = dr.select(mixed, densities.path, sample.pdf)

@@ -168,6 +168,7 @@ def glare_dataset(
     axis = "step" if times is None else "time"
     steps = np.arange(len(results[0])) if times is None else times
     units = _UNITS | {f"{name}_error": unit for name, unit in _UNITS.items()}
+    known = set().union(*(step for one in results for step in one))
     variables = {
         name: (
             ("view", axis),
@@ -175,7 +176,7 @@ def glare_dataset(
             {"units": unit},
         )
         for name, unit in units.items()
-        if any(name in step for one in results for step in one)
+        if name in known
     }
     # Imported here, since xarray loads slowly
     dataset: type[xr.Dataset] = importlib.import_module("xarray").Dataset

@@ -5,8 +5,9 @@ by the glare sources, Σ L^a1 ω/P^a4, with L = 0 below the threshold of sources
 derivatives by both sums are those of the DGP equation at the time step.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -22,15 +23,15 @@ Light = Float[np.ndarray, "cell step"]
 
 
 class DgpTerms(NamedTuple):
-    """Derivatives of DGP in one view at each time step, and weights of the cells.
+    """Derivatives of DGP in each view at each time step.
 
-    `cosine` is that of each cell, 0 behind the eye; `weight` is P^−a4.
+    `by_level` is that by the vertical illuminance, `by_glare` by the sum over sources.
+    `value` is DGP if every cell were a source of its own, without its limit of 1.
     """
 
-    by_illuminance: Float[np.ndarray, " step"]
-    by_glare: Float[np.ndarray, " step"]
-    cosine: Values
-    weight: Values
+    value: Float[np.ndarray, "view step"]
+    by_level: Float[np.ndarray, "view step"]
+    by_glare: Float[np.ndarray, "view step"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,56 +51,87 @@ class DgpModel:
         bright = np.where(luminance > self.threshold, luminance, 0)
         return np.asarray(bright**self.coefficients.a1)
 
-    def terms(self, luminance: Light, sun: SunDisc | None = None) -> Iterator[DgpTerms]:
-        """Yield the derivatives in each view."""
-        k, omega = self.coefficients, self.samples.solid_angle
-        glare = self.glare(luminance)
-        for view in self.views:
-            cosine, weight = self._weights(view, self.samples.direction)
-            illuminance, total = (omega * cosine) @ luminance, (omega * weight) @ glare
-            if sun is not None:
-                beside, high = self._weights(view, sun.direction)
-                illuminance += sun.luminance * sun.solid_angle * beside
-                total += sun.luminance**k.a1 * sun.solid_angle * high
-            illuminance = np.maximum(illuminance, 1e-9)
-            by_glare = k.c2 / np.log(10) / (illuminance**k.a3 + total)
-            by_level = k.c1 - by_glare * k.a3 * total / illuminance
-            yield DgpTerms(by_level, by_glare, cosine, weight)
+    @cached_property
+    def weights(
+        self,
+    ) -> tuple[Float[np.ndarray, "view cell"], Float[np.ndarray, "view cell"]]:
+        """Weights of L and of L^a1 in both sums, ω cos θ and ω/P^a4."""
+        found = [self._weights(view, self.samples.direction) for view in self.views]
+        cosine, index = (np.array(part) for part in zip(*found, strict=True))
+        omega = self.samples.solid_angle
+        return (cosine * omega).astype("f4"), (index * omega).astype("f4")
+
+    def terms(self, luminance: Light, sun: SunDisc | None = None) -> DgpTerms:
+        """Return the derivatives."""
+        k, (of_level, of_glare) = self.coefficients, self.weights
+        illuminance = (of_level @ luminance).astype(float)
+        total = (of_glare @ self.glare(luminance)).astype(float)
+        if sun is not None:
+            found = [self._weights(view, sun.direction) for view in self.views]
+            beside, high = (np.array(part) for part in zip(*found, strict=True))
+            illuminance += sun.luminance * sun.solid_angle * beside
+            total += sun.luminance**k.a1 * sun.solid_angle * high
+        illuminance = np.maximum(illuminance, 1e-9)
+        by_glare = k.c2 / np.log(10) / (illuminance**k.a3 + total)
+        value = k.c1 * illuminance + k.c3
+        value += k.c2 * np.log10(1 + total / illuminance**k.a3)
+        by_level = k.c1 - by_glare * k.a3 * total / illuminance
+        return DgpTerms(value, by_level, by_glare)
 
     def _weights(self, view: View, direction: np.ndarray) -> tuple[Values, Values]:
+        # Cosine and P^−a4 of each direction, 0 behind the eye
         eye = seen_by(view, direction)
         index = eye.position_index**-self.coefficients.a4
         return eye.cosine, np.where(eye.ahead, index, 0)
 
+    def variance(
+        self, terms: DgpTerms, of_level: Light, of_glare: Light
+    ) -> Float[np.ndarray, "view step"]:
+        """Variance of DGP by independent deviations of L and L^a1 of each cell.
 
-def dgp_variance(
+        Both deviations of a cell are fully correlated.
+        """
+        one, other = self.weights
+        square = np.square(terms.by_level) * (one**2 @ np.square(of_level))
+        square += np.square(terms.by_glare) * (other**2 @ np.square(of_glare))
+        both = terms.by_level * terms.by_glare * ((one * other) @ (of_level * of_glare))
+        return np.asarray(np.maximum(square + 2 * both, 0))
+
+
+def limited(
+    error: Float[np.ndarray, "view step"], value: Float[np.ndarray, "view step"]
+) -> Float[np.ndarray, "view step"]:
+    """Return the standard error of DGP with its limit of 1, for normal errors.
+
+    `value` is DGP without the limit.
+
+    >>> limited(np.full((1, 2), 0.02), np.array([[0.5, 1.2]])).tolist()
+    [[0.02, 0.0]]
+    """
+    share = (1 - value) / np.maximum(error, 1e-9)
+    below = np.clip(0.5 + share / 4, 0, 1)
+    return np.asarray(error * below)
+
+
+def statistical_variance(
     model: DgpModel,
+    terms: DgpTerms,
     luminance: Light,
     variance: Light,
     shared: Float[np.ndarray, "draw cell step"],
-    sun: SunDisc,
 ) -> Float[np.ndarray, "view step"]:
     """Return the variance of DGP by the statistical errors of the luminance.
 
     `variance` is independent by cell; the mean of the squares of `shared` deviations is
     the variance that cells have in common.
     """
-    omega = model.samples.solid_angle
-    found = np.zeros((len(model.views), luminance.shape[1]))
-    changes = [
-        (change, _half(model, luminance, change))
-        for change in (np.sqrt(variance), *shared)
-    ]
-    for number, each in enumerate(model.terms(luminance, sun)):
-        level, high = omega * each.cosine, omega * each.weight
-        own, common = changes[0], changes[1:]
-        part = each.by_illuminance * own[0] * level[:, None]
-        part += each.by_glare * own[1] * high[:, None]
-        found[number] = np.einsum("ij,ij->j", part, part)
-        for one, other in common:
-            change = each.by_illuminance * (level @ one)
-            change += each.by_glare * (high @ other)
-            found[number] += change**2 / len(common)
+    own = np.sqrt(variance)
+    found = model.variance(terms, own, _half(model, luminance, own))
+    level, high = model.weights
+    for change in shared:
+        both = terms.by_level * (level @ change)
+        both += terms.by_glare * (high @ _half(model, luminance, change))
+        found += np.square(both) / len(shared)
     return found
 
 

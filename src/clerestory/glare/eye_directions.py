@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from clerestory.array_types import Directions, Mask, Values
 from clerestory.brief_repr import brief
@@ -42,6 +42,12 @@ class SunDisc:
         same_length(self.solid_angle, self.luminance, "solid angles", "luminances")
         not_negative(self.luminance, "luminance of the sun", unit="cd/m2")
         not_negative(self.solid_angle, "solid angle of the sun", unit="sr")
+
+    def select(self, steps: slice | Int[np.ndarray, " some"]) -> "SunDisc":
+        """Return the disc at some time steps."""
+        return SunDisc(
+            self.direction[steps], self.luminance[steps], self.solid_angle[steps]
+        )
 
 
 class EyeDirections(NamedTuple):

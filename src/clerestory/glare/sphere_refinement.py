@@ -17,7 +17,8 @@ from jaxtyping import Bool, Float
 
 from clerestory.array_types import Directions
 from clerestory.checks import positive, require
-from clerestory.glare.dgp_error import DgpModel
+from clerestory.glare.dgp_error import DgpModel, DgpTerms, Light
+from clerestory.glare.eye_directions import SunDisc
 from clerestory.glare.index_settings import EVALGLARE, DgpCoefficients
 from clerestory.glare.sphere_samples import FINEST, SphereSamples, regular_samples
 from clerestory.scene.view import View
@@ -131,14 +132,22 @@ def _to_split(
 ) -> Bool[np.ndarray, " cell"]:
     coarse = samples.level < how.finest
     share, worst = np.zeros(samples.count), np.zeros(samples.count)
-    for _, _, deviation in _deviations(samples, luminance, views, how):
-        square = deviation[coarse] ** 2
-        variance = square.sum(axis=0)
-        square = square[:, variance > how.tolerance**2]
-        if square.size:
-            variance = variance[variance > how.tolerance**2]
-            share[coarse] = np.maximum(share[coarse], (square / variance).max(axis=1))
-            worst[coarse] = np.maximum(worst[coarse], square.max(axis=1))
+    model = DgpModel(samples, views, how.threshold, how.coefficients)
+    one, other = (weight[:, coarse, None] for weight in model.weights)
+    for _, of_level, of_glare, terms in _deviations(model, luminance):
+        level, glare = of_level[coarse], of_glare[coarse]
+        for view in range(len(views)):
+            square = np.square(
+                terms.by_glare[view] * other[view] * glare
+                + np.abs(terms.by_level[view]) * one[view] * level
+            )
+            variance = square.sum(axis=0)
+            square = square[:, variance > how.tolerance**2]
+            if square.size:
+                variance = variance[variance > how.tolerance**2]
+                part = (square / variance).max(axis=1)
+                share[coarse] = np.maximum(share[coarse], part)
+                worst[coarse] = np.maximum(worst[coarse], square.max(axis=1))
     wanted = np.flatnonzero(share * samples.count > 1)
     budget = (how.most - samples.count) // 3
     if not last:
@@ -154,30 +163,35 @@ def sampling_error(
     views: Sequence[View],
     *,
     refinement: Refinement | None = None,
+    sun: SunDisc | None = None,
+    means: bool = False,
 ) -> Float[np.ndarray, "view step"]:
     """Standard error of DGP from the finite number of directions, to first order.
 
-    Small things that no direction hits are not in the error.
+    Small things that no direction hits are not in the error. `sun` is the sun's disc at
+    each step. If the luminances are `means` over the cells, the illuminance has no
+    error, and only the size of glare sources is uncertain.
     """
     error = np.zeros((len(views), luminance.shape[1]))
     how = refinement or Refinement()
-    for view, steps, deviation in _deviations(samples, luminance, views, how):
-        error[view, steps] = np.sqrt(np.einsum("ij,ij->j", deviation, deviation))
+    model = DgpModel(samples, views, how.threshold, how.coefficients)
+    for steps, of_level, of_glare, terms in _deviations(model, luminance, sun):
+        by_level = 0 * terms.by_level if means else np.abs(terms.by_level)
+        terms = terms._replace(by_level=by_level)
+        error[:, steps] = np.sqrt(model.variance(terms, of_level, of_glare))
     return error
 
 
 def _deviations(
-    samples: SphereSamples,
+    model: DgpModel,
     luminance: Float[np.ndarray, "direction step"],
-    views: Sequence[View],
-    how: Refinement,
-) -> Iterator[tuple[int, slice, Float[np.ndarray, "cell some_steps"]]]:
-    # Standard deviation of DGP by each cell (cell, step), view by view and by blocks of
-    # time steps
-    model = DgpModel(samples, views, how.threshold, how.coefficients)
-    own, other = samples.adjacent.T
-    first = np.searchsorted(own, np.arange(samples.count))
-    spread = samples.solid_angle[:, None] / np.sqrt(12)
+    sun: SunDisc | None = None,
+) -> Iterator[tuple[slice, Light, Light, DgpTerms]]:
+    # Standard deviations of the luminance of each cell, and of its power in the sum
+    # over sources, by blocks of time steps
+    own, other = model.samples.adjacent.T
+    first = np.searchsorted(own, np.arange(model.samples.count))
+    spread = np.float32(1 / np.sqrt(12))
     for begin in range(0, luminance.shape[1], _STEPS):
         steps = slice(begin, begin + _STEPS)
         level = luminance[:, steps]
@@ -186,7 +200,5 @@ def _deviations(
         glare, high, low = (model.glare(x) for x in (level, most, least))
         of_level = spread * np.maximum(most - level, level - least)
         of_glare = spread * np.maximum(high - glare, glare - low)
-        for view, each in enumerate(model.terms(level)):
-            deviation = of_glare * each.weight[:, None] * each.by_glare
-            deviation += of_level * each.cosine[:, None] * np.abs(each.by_illuminance)
-            yield view, steps, deviation
+        disc = None if sun is None else sun.select(steps)
+        yield steps, of_level, of_glare, model.terms(level, disc)

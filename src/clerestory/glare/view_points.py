@@ -18,7 +18,7 @@ from clerestory.array_types import Vector
 from clerestory.checks import distinct, has_shape, require
 from clerestory.engine.effort import Effort, EffortKeywords, effort_of
 from clerestory.engine.work_units import Goal
-from clerestory.glare.dgp_error import DgpModel, dgp_variance
+from clerestory.glare.dgp_error import DgpModel, limited, statistical_variance
 from clerestory.glare.eye_directions import SUN_SOLID_ANGLE, SunDisc
 from clerestory.glare.point_glare import point_glare, views_around
 from clerestory.glare.sphere_refinement import (
@@ -26,7 +26,7 @@ from clerestory.glare.sphere_refinement import (
     sample_sphere,
     sampling_error,
 )
-from clerestory.glare.sphere_samples import SphereSamples
+from clerestory.glare.sphere_samples import SphereSamples, regular_samples
 from clerestory.phases.matrix_equation import (
     Skies,
     States,
@@ -36,13 +36,17 @@ from clerestory.phases.matrix_equation import (
     equation_bands,
 )
 from clerestory.phases.methods import FIVE_PHASE
-from clerestory.phases.picture_matrices import picture_view_matrices
+from clerestory.phases.picture_matrices import (
+    picture_view_matrices,
+    reflected_view_matrices,
+)
 from clerestory.phases.picture_series import PixelSeries
 from clerestory.phases.shaded_windows import ShadedWindow, receiving_matrices
 from clerestory.phases.sunlit import SunlitReceivers
 from clerestory.phases.window_paths import picture_window_paths
 from clerestory.scene.model import Scene
 from clerestory.scene.view import View
+from clerestory.threads import linear_algebra_in_one_thread
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -102,21 +106,28 @@ class ViewPoint:
         asked = np.arange(len(times)) if steps is None else steps
         lit = asked[self.skies.whole.diffuse[:, asked].max(axis=0) > 0]
         own = [np.asarray(state)[lit] for state in given]
-        sun = self.sun_disc(own, lit)
-        luminance, variance = self._luminance(own, lit, sun)
-        found = point_glare(
-            self.samples,
-            luminance,
-            self.views,
-            sun=sun,
-            times=times[lit],
-            quantities=quantities,
-        )
-        if "dgp" in quantities:
-            how, cells = self.refinement, self.samples
-            sampled = sampling_error(cells, luminance, self.views, refinement=how)
-            error = np.sqrt(variance + np.square(sampled))
-            found["dgp_error"] = ("view", "time"), error, {"units": "1"}
+        with linear_algebra_in_one_thread():
+            sun = self.sun_disc(own, lit)
+            luminance, variance, value = self._luminance(own, lit, sun)
+            found = point_glare(
+                self.samples,
+                luminance,
+                self.views,
+                sun=sun,
+                times=times[lit],
+                quantities=quantities,
+            )
+            if "dgp" in quantities:
+                sampled = sampling_error(
+                    self.samples,
+                    luminance,
+                    self.views,
+                    refinement=self.refinement,
+                    sun=sun,
+                    means=True,
+                )
+                error = limited(np.sqrt(variance + np.square(sampled)), value)
+                found["dgp_error"] = ("view", "time"), error, {"units": "1"}
         return found.reindex(time=times[asked])
 
     def sun_disc(self, states: States, steps: Int[np.ndarray, " step"]) -> SunDisc:
@@ -160,21 +171,25 @@ class ViewPoint:
 
     def _luminance(
         self, states: States, steps: Int[np.ndarray, " step"], sun: SunDisc
-    ) -> tuple[Float[np.ndarray, "cell step"], Float[np.ndarray, "view step"]]:
-        # Luminance of the cells, and statistical variance of DGP
+    ) -> tuple[
+        Float[np.ndarray, "cell step"],
+        Float[np.ndarray, "view step"],
+        Float[np.ndarray, "view step"],
+    ]:
+        # Luminance of the cells, statistical variance of DGP, and DGP without a limit
         how = self.refinement
         model = DgpModel(self.samples, self.views, how.threshold, how.coefficients)
         light = np.zeros((self.samples.count, len(steps)), np.float32)
-        variance = np.zeros((len(self.views), len(steps)))
+        variance, value = np.zeros((2, len(self.views), len(steps)))
         series = self._series(states, steps, errors=True)
         for block in series.blocks(_STEPS, rows=self.samples.count):
-            own = block.times.start + block.steps
-            light[block.rows, own] = block.light[0]
-            disc = SunDisc(sun.direction[own], sun.luminance[own], sun.solid_angle[own])
-            variance[:, own] = dgp_variance(
-                model, block.light[0], block.variance, block.shared, disc
-            )
-        return light, variance
+            own, level = block.times.start + block.steps, block.light[0]
+            light[:, own] = level
+            terms = model.terms(level, sun.select(own))
+            rest = block.variance, block.shared
+            variance[:, own] = statistical_variance(model, terms, level, *rest)
+            value[:, own] = terms.value
+        return light, variance, value
 
     def luminance(
         self, states: States, steps: Int[np.ndarray, " step"]
@@ -272,47 +287,77 @@ def trace_view_point(
     distinct((each.window.name for each in windows), "windows")
     looks = tuple(views_around(8, position=point) if views is None else views)
     require(looks, "no views; at least one expected")
-    how = refinement or Refinement()
-    steps = representative_steps(skies)
-    counts = [len(each.states) for each in windows]
-    states = [np.arange(len(steps)) % count for count in counts]
-    task = _Task(scene, tuple(windows), point, looks, tuple(terms), skies, how)
-    trial = replace(effort, samples=_TRIAL, relative_error=None)
-    rounds = iter(range(1 << 10))
-
-    def luminance(samples: SphereSamples) -> Float[np.ndarray, "cell step"]:
-        own = replace(trial, seed=(effort.seed + 1 + next(rounds)) % 2**32)
-        return task.traced(samples, own, _TRIAL).luminance(states, steps)
-
-    samples = sample_sphere(
-        luminance,
+    tracer = ViewPointTracer(scene, tuple(windows), skies, tuple(terms))
+    return tracer.point(
+        point,
         looks,
-        refinement=how,
-        details=_small_windows(windows, point),
-        seed=effort.seed,
+        refinement=refinement or Refinement(),
+        effort=effort,
+        sun_samples=sun_samples,
     )
-    return task.traced(samples.centred(), effort, sun_samples)
 
 
 @dataclass(frozen=True, eq=False)
-class _Task:
+class ViewPointTracer:
+    """A room with its windows and skies, in which view points are traced.
+
+    What does not depend on the point is computed once: see `trace_view_point`.
+    """
+
     scene: Scene
     windows: tuple[ShadedWindow, ...]
-    position: Vector
-    views: tuple[View, ...]
-    terms: tuple[Term, ...]
     skies: Skies
-    refinement: Refinement
+    terms: tuple[Term, ...]
+    _known: list[tuple[WindowMatrices, ...]] = field(default_factory=list)
 
-    def traced(
-        self, samples: SphereSamples, effort: Effort, sun_samples: int
+    def point(
+        self,
+        position: Vector,
+        views: Sequence[View],
+        *,
+        refinement: Refinement,
+        effort: Effort,
+        sun_samples: int = _SUN_SAMPLES,
     ) -> ViewPoint:
-        """Return the view point with the given cells."""
-        room, cells = self.scene, samples.cells(self.position)
+        """Choose the cells of a view point, and trace its matrices."""
+        steps = self._steps
+        states = [np.arange(len(steps)) % len(each.states) for each in self.windows]
+        trial = replace(effort, samples=_TRIAL, relative_error=None)
+        rounds = iter(range(1 << 10))
+        blank = ViewPoint(
+            position, tuple(views), regular_samples(0), (), self.terms, self.skies,
+            refinement,
+        )  # fmt: skip
+
+        def luminance(samples: SphereSamples) -> Float[np.ndarray, "cell step"]:
+            own = replace(trial, seed=(effort.seed + 1 + next(rounds)) % 2**32)
+            return self._traced(blank, samples, own, _TRIAL).luminance(states, steps)
+
+        with linear_algebra_in_one_thread():
+            samples = sample_sphere(
+                luminance,
+                views,
+                refinement=refinement,
+                details=_middles(self.windows, position),
+                seed=effort.seed,
+            )
+        return self._traced(blank, samples.centred(), effort, sun_samples)
+
+    @cached_property
+    def _steps(self) -> Int[np.ndarray, " step"]:
+        return representative_steps(self.skies)
+
+    def _traced(
+        self, point: ViewPoint, samples: SphereSamples, effort: Effort, sun_samples: int
+    ) -> ViewPoint:
+        # The view point with given cells
+        room, cells = self.scene, samples.cells(point.position)
         inner = [each.window for each in self.windows]
-        V = picture_view_matrices(room, inner, cells, effort=effort)
+        sunlit = any(term.part == "sun" for term in self.terms)
+        trace = reflected_view_matrices if sunlit else picture_view_matrices
+        V = trace(room, inner, cells, effort=effort)
         paths = None
-        if any(term.part == "sun" for term in self.terms):
+        if sunlit:
             own = replace(
                 effort,
                 samples=sun_samples,
@@ -322,15 +367,10 @@ class _Task:
             )
             paths = picture_window_paths(room, inner, cells, effort=own)
         suns = None if self.skies.suns is None else self.skies.suns.directions
-        return ViewPoint(
-            self.position,
-            self.views,
-            samples,
-            receiving_matrices(self.windows, V, paths, suns),
-            self.terms,
-            self.skies,
-            self.refinement,
-        )
+        like = self._known[0] if self._known else None
+        found = receiving_matrices(self.windows, V, paths, suns, like=like)
+        self._known[:] = [found]
+        return replace(point, samples=samples, windows=found)
 
 
 def representative_steps(
@@ -372,7 +412,7 @@ def _apart(skies: Skies, count: int) -> Int[np.ndarray, " step"]:
     return np.asarray(step[chosen])
 
 
-def _small_windows(
+def _middles(
     windows: Sequence[ShadedWindow], point: Vector
 ) -> Float[np.ndarray, "window 3"]:
     # Directions to the middle of each polygon of the windows

@@ -1,7 +1,8 @@
 """View matrices of the pixels of a picture.
 
-    V      pixels × interior patches   picture_view_matrices
-    V_d    pixels × interior patches   picture_view_matrices(direct=True)
+    V         pixels × interior patches   picture_view_matrices
+    V_d       pixels × interior patches   picture_view_matrices(direct=True)
+    V - V_d   pixels × interior patches   reflected_view_matrices
 
 V is pixel radiance per patch radiance. V_d includes light straight from the window and
 light reflected once in the room. In the notation of the extended five-phase method, it
@@ -11,13 +12,13 @@ includes the surface reflectances (both material maps).
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Unpack
+from typing import Literal, Unpack
 
 import numpy as np
 
 from clerestory.bands import Bands
 from clerestory.engine.controller import estimate
-from clerestory.engine.effort import EffortKeywords
+from clerestory.engine.effort import Effort, EffortKeywords
 from clerestory.engine.matrix_jobs import PixelViewJob
 from clerestory.image.camera import PixelsOrCells
 from clerestory.matrix.axis import pixel_axis
@@ -28,7 +29,7 @@ from clerestory.phases.traced_matrices import (
     require_distinct,
     warn_if_short,
 )
-from clerestory.scene.model import Scene
+from clerestory.scene.model import BsdfSurface, Scene
 from clerestory.scene.window import Window
 
 # Number of batches of paths per pixel; two, to save memory: half of their difference is
@@ -55,13 +56,55 @@ def picture_view_matrices(
 
     The other parameters are those of `view_matrix`.
     """
-    require_distinct(windows)
     effort = matrix_effort(picture_view_matrices, keywords)
+    return _traced(scene, windows, camera, "direct" if direct else "all", effort)
+
+
+def reflected_view_matrices(
+    scene: Scene,
+    windows: Sequence[Window],
+    camera: PixelsOrCells,
+    **keywords: Unpack[EffortKeywords],
+) -> dict[str, TransferMatrix]:
+    """View matrices of light that is not direct, V - V_d; see `picture_view_matrices`.
+
+    V as the sum of this matrix and of V_d has the same random error as V_d, which
+    thus cancels in V T D S - V_d T D_d S_ds.
+    """
+    effort = matrix_effort(reflected_view_matrices, keywords)
+    if not _has_proxies(scene):
+        return _traced(scene, windows, camera, "reflected", effort)
+    # A proxy transmits direct light by its geometry, other light by its BSDF
+    whole = _traced(scene, windows, camera, "all", effort)
+    direct = _traced(scene, windows, camera, "direct", effort)
+    return {name: _difference(whole[name], direct[name]) for name in whole}
+
+
+def _has_proxies(scene: Scene) -> bool:
+    materials = scene.materials.values()
+    return any(isinstance(m, BsdfSurface) and m.thickness for m in materials)
+
+
+def _difference(whole: TransferMatrix, direct: TransferMatrix) -> TransferMatrix:
+    assert whole.components is not None
+    assert direct.components is not None
+    components = whole.components - direct.components
+    return replace(whole, values=whole.values - direct.values, components=components)
+
+
+def _traced(
+    scene: Scene,
+    windows: Sequence[Window],
+    camera: PixelsOrCells,
+    light: Literal["all", "direct", "reflected"],
+    effort: Effort,
+) -> dict[str, TransferMatrix]:
+    require_distinct(windows)
     job = PixelViewJob(
         scene=scene,
         windows=tuple(windows),
         camera=camera,
-        direct=direct,
+        light=light,
         **effort.job_options(_BATCHES),
     )
     estimated = estimate(job, replace(effort, components=True))

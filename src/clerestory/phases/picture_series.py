@@ -229,21 +229,19 @@ class PixelSeries:
         Float32[np.ndarray, "pixel step"], Float32[np.ndarray, "draw pixel step"]
     ]:
         # The variance that is independent in each pixel, and shared draws. The first
-        # component of a matrix of pixels is independent, all others are shared. V_d
-        # and C_ds come from the same paths: their deviations are summed first
+        # component of a matrix of pixels is independent, all others are shared. V, V_d
+        # and C_ds have paths in common: their deviations are summed first
         shape = block.terms.shape[-2:]
-        variance, paired = np.zeros((2, *shape), np.float32)
+        deviation = np.zeros(shape, np.float32)
         shared = np.zeros((FEW, *shape), np.float32)
         for part in block.components:
             term, _, group = part.source
             deviations, own = part.values[:, 0], int(group == 0 and self._errs[term])
-            if own and self.terms[term].part == "whole":
-                variance[:, part.steps] += np.square(deviations[0])
-            elif own:
-                paired[:, part.steps] += deviations[0]
-            for number, deviation in enumerate(deviations[own:]):
-                shared[number % FEW][:, part.steps] += deviation
-        return variance + np.square(paired), math.sqrt(FEW) * shared
+            if own:
+                deviation[:, part.steps] += deviations[0]
+            for number, other in enumerate(deviations[own:]):
+                shared[number % FEW][:, part.steps] += other
+        return np.square(deviation), math.sqrt(FEW) * shared
 
     @cached_property
     def _errs(self) -> list[bool]:

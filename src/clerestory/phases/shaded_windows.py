@@ -4,15 +4,17 @@ T, D and BSDFs do not depend on the receivers: pictures and view points of one s
 share them, each with view matrices and paths to the windows of its own.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 from jaxtyping import Float
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.matrix.transfer_matrix import TransferMatrix, require_matrix
-from clerestory.phases.matrix_equation import MatrixChain, WindowMatrices
+from clerestory.phases.matrix_equation import MatrixChain, Receiving, WindowMatrices
+from clerestory.phases.stored_views import FEW, with_few_components
 from clerestory.phases.sunlit import SunlitReceivers, in_sunlight
 from clerestory.phases.window_paths import WindowPaths
 from clerestory.scene.model import Scene
@@ -54,26 +56,61 @@ def receiving_matrices(
     suns: Float[np.ndarray, "sun 3"] | None,
     *,
     kind: type[np.floating] = np.float32,
+    like: Sequence[WindowMatrices] | None = None,
 ) -> tuple[WindowMatrices, ...]:
-    """Return the matrices of pixels or cells with given V, by window name.
+    """Return the matrices of pixels or cells, by window name.
 
-    With `paths`, they include those of the direct correction under the suns; V_d is of
-    floating-point numbers of a `kind`.
+    `views` are V. With `paths`, they are V - V_d, and the matrices include those of the
+    direct correction under the suns; V_d is of floating-point numbers of a `kind`. T, F
+    and D have the few error components that suffice for glare. `like` are matrices of
+    other receivers of the same windows under the same suns, whose tables of sunlight
+    are used again.
     """
+
+    @cache
+    def few(matrix: TransferMatrix) -> TransferMatrix:
+        # Equal matrices remain one object
+        batches = 0 if matrix.components is None else len(matrix.components)
+        return matrix if batches % FEW else with_few_components(matrix)
+
+    def chain(
+        view: TransferMatrix, factors: Iterable[tuple[TransferMatrix, ...]]
+    ) -> MatrixChain:
+        return MatrixChain((view,), tuple(tuple(map(few, each)) for each in factors))
+
     direct = {} if paths is None else paths.view_matrices(kind)
     found = []
-    for shaded in windows:
+    for number, shaded in enumerate(windows):
         name, states = shaded.window.name, shaded.states
-        whole = MatrixChain((views[name],), tuple(state.whole for state in states))
+        factors = [state.whole for state in states]
         if paths is None:
-            found.append(WindowMatrices(whole))
+            found.append(WindowMatrices(chain(views[name], factors)))
             continue
-        dark = MatrixChain((direct[name],), tuple(state.direct for state in states))
+        whole = chain(_sum(views[name], direct[name]), factors)
+        known = like[number].sun if like else None
         sun = MatrixChain(
-            tuple(_sunlit(paths, name, state, suns) for state in shaded.states)
+            tuple(_sunlit(paths, name, each, suns) for each in states)
+            if known is None
+            else tuple(_again(each, paths) for each in known.receiving)
         )
+        dark = chain(direct[name], (state.direct for state in states))
         found.append(WindowMatrices(whole, dark, sun))
     return tuple(found)
+
+
+def _sum(reflected: TransferMatrix, direct: TransferMatrix) -> TransferMatrix:
+    # V of the same paths as V_d, so that its error cancels in V T D S - V_d T D_d S_ds
+    values, error = reflected.values, reflected.components
+    assert error is not None
+    assert direct.components is not None
+    # Grey rooms: one channel
+    if len(direct.values) == 1:
+        values, error = values[:1], error[:, :1]
+    return replace(
+        reflected,
+        values=values + direct.values,
+        components=error + direct.components,
+    )
 
 
 def _sunlit(
@@ -97,3 +134,8 @@ def _sunlit(
         peak=state.peak,
         scene=None if state.shade is None else room + state.shade,
     )
+
+
+def _again(matrix: Receiving, paths: WindowPaths) -> SunlitReceivers:
+    assert isinstance(matrix, SunlitReceivers)
+    return matrix.of(paths)

@@ -6,7 +6,7 @@ miss, are traced for the suns in question.
 """
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -16,14 +16,13 @@ from scipy.sparse import csc_array
 from clerestory.bands import RGB
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.checks import require
+from clerestory.engine.device import Device
 from clerestory.phases.direct_light import window_number
-from clerestory.phases.exit_cells import ExitCells, incident_cells
+from clerestory.phases.exit_cells import ExitCells
 from clerestory.phases.matrix_equation import ReceivedSunlight
+from clerestory.phases.sunlit_window import SunlitWindow
 from clerestory.phases.window_paths import WindowPaths
 from clerestory.scene.model import Scene
-
-# Number of points of a zone at which the transmittance from the sun is sampled
-_ZONE_POINTS = 16
 
 # Suns per block of C_ds
 _SUNS = 64
@@ -38,12 +37,12 @@ class SunlitReceivers:
     """
 
     paths: WindowPaths
-    window: int
-    bsdf: Bsdf
-    suns: Float[np.ndarray, "sun 3"]
-    peak: bool
-    scene: Scene
+    window: SunlitWindow
     _last: dict[tuple[bytes, ...], ReceivedSunlight] = field(default_factory=dict)
+
+    def of(self, paths: WindowPaths) -> "SunlitReceivers":
+        """Return other receivers in the light of the same window."""
+        return SunlitReceivers(paths, self.window)
 
     def received(
         self, normal: csc_array, weights: Float[np.ndarray, "out band"]
@@ -69,18 +68,13 @@ class SunlitReceivers:
         coordinates = normal.tocoo()
         sun[coordinates.coords[1]] = coordinates.coords[0]
         lit = np.flatnonzero(sun >= 0)
-        lit = lit[self._behind[sun[lit]]]
+        lit = lit[self.window.behind[sun[lit]]]
         if len(lit) == 0 or not self.paths.traced:
             none = np.zeros((2, len(weights), pixels, 0), np.float32)
             return ReceivedSunlight(lit[:0], none)
         irradiance = np.asarray(normal.sum(axis=0)).ravel()[lit]
         found = self._batches(sun[lit], irradiance, weights)
         return ReceivedSunlight(lit, found[..., : len(lit)])
-
-    @cached_property
-    def _behind(self) -> np.ndarray:
-        frame = self.paths.job.windows[self.window].frame
-        return np.asarray(self.suns @ frame.normal < 0)
 
     def _batches(
         self,
@@ -90,15 +84,14 @@ class SunlitReceivers:
     ) -> Float32[np.ndarray, "batch out pixel step"]:
         job = self.paths.job
         engine: Any = self.paths.engine("path_product")
-        cells = ExitCells.of(self.bsdf)
-        product = self.paths.product(self.window, cells)
+        window, cells = self.window, self.window.cells
+        product = self.paths.product(window.number, cells)
         width = engine.padded(len(sun))
         extra = [(0, 0), (0, 0), (0, width - len(sun))]
-        light = self._table.radiance(cells.directions, self.suns[sun])
-        light *= irradiance.astype(np.float32)
-        spread, beams = self._beams(cells, light, self.suns[sun], irradiance)
+        light = window.radiance(sun, irradiance)
+        spread, beams = self._beams(cells, light, window.suns[sun], irradiance)
         light = np.pad(np.concatenate([spread, light], axis=1), extra)
-        passed = np.pad(self._transmittance[..., sun], extra)
+        passed = np.pad(window.transmittance[..., sun], extra)
         shape = job.batches, job.receivers, width
         sums = [
             self._sum(product, row, light, passed).numpy().reshape(shape)
@@ -130,23 +123,6 @@ class SunlitReceivers:
                 total = product.received(share, radiance, zones) + total
         return total
 
-    @cached_property
-    def _table(self) -> Any:
-        engine: Any = self.paths.engine("sun_tables")
-        frame = self.paths.job.windows[self.window].frame
-        cells = partial(incident_cells, self.bsdf)
-        return engine.SunlitBsdf(self.bsdf, frame, peak=self.peak, cells=cells)
-
-    @cached_property
-    def _transmittance(self) -> Float32[np.ndarray, "channel zone sun"]:
-        window = self.paths.job.windows[self.window]
-        engine: Any = self.paths.engine("sun_tables")
-        points = self.paths.zones.points(self.window, window.polygons, _ZONE_POINTS)
-        normal = window.frame.normal
-        return np.asarray(
-            engine.sun_transmittance(self.scene, points, normal, self.suns)
-        )
-
     def _beams(
         self,
         cells: ExitCells,
@@ -156,7 +132,7 @@ class SunlitReceivers:
     ) -> tuple[Float32[np.ndarray, "channel cell step"], list[Any]]:
         # Radiance for light reflected by pixels, without narrow beams, and the beams
         engine: Any = self.paths.engine("sun_beams")
-        frame, found = self.paths.job.windows[self.window].frame, []
+        frame, found = self.window.frame, []
         count = self._beam_tracer.beams
         narrow = engine.narrow_cells(light, cells.sizes)
         if narrow.any():
@@ -172,21 +148,17 @@ class SunlitReceivers:
                 )
             )
             light = light - bright
-        if self.peak:
-            found.append(self._unscattered.of(suns, irradiance, count))
+        if self.window.peak:
+            found.append(self.window.unscattered.of(suns, irradiance, count))
         return light, found
-
-    @cached_property
-    def _unscattered(self) -> Any:
-        engine: Any = self.paths.engine("sun_beams")
-        frame = self.paths.job.windows[self.window].frame
-        return engine.UnscatteredBeams(self.bsdf, frame)
 
     @cached_property
     def _beam_tracer(self) -> Any:
         job = self.paths.job
         engine: Any = self.paths.engine("beam_tracer")
-        return engine.BeamTracer(replace(job, scene=self.scene), self.window)
+        return engine.BeamTracer(
+            replace(job, scene=self.window.scene), self.window.number
+        )
 
     def disc(
         self, weights: Float[np.ndarray, "out band"]
@@ -197,13 +169,13 @@ class SunlitReceivers:
         light, weighted by band, is per direct normal irradiance; the second value is
         the visible share of each disc.
         """
-        shape = len(weights), len(self.suns)
-        flux, share = np.zeros(shape), np.zeros(len(self.suns))
-        lit = np.flatnonzero(self._behind)
-        if not (self.peak and self.paths.traced and len(lit)):
+        window, suns = self.window, self.window.suns
+        flux, share = np.zeros((len(weights), len(suns))), np.zeros(len(suns))
+        lit = np.flatnonzero(self.window.behind)
+        if not (window.peak and self.paths.traced and len(lit)):
             return flux, share
         count = self._beam_tracer.beams
-        beams = self._unscattered.of(self.suns[lit], np.ones(len(lit)), count)
+        beams = window.unscattered.of(suns[lit], np.ones(len(lit)), count)
         if len(beams.steps):
             some = lit[beams.steps]
             flux[:, some], share[some] = self._beam_tracer.disc(weights, beams)
@@ -217,9 +189,9 @@ class SunlitReceivers:
     ]:
         """Return C_ds and its error components, in one band or in all of the scene."""
         job, weights = self.paths.job, np.eye(bands)
-        shape = job.batches, bands, job.receivers, len(self.suns)
+        shape = job.batches, bands, job.receivers, len(self.window.suns)
         found = np.zeros(shape, np.float32)
-        lit = np.flatnonzero(self._behind)
+        lit = np.flatnonzero(self.window.behind)
         for first in range(0, len(lit) * self.paths.traced, _SUNS):
             sun = lit[first : first + _SUNS]
             part = self._batches(sun, np.ones(len(sun)), weights)
@@ -250,4 +222,9 @@ def in_sunlight(
         " all bands expected",
         file=bsdf.source,
     )
-    return SunlitReceivers(paths, number, bsdf, suns, peak, scene or paths.job.scene)
+    job = paths.job
+    device: Device = "cpu" if job.device == "cpu" else "auto"
+    lit = SunlitWindow(
+        job.windows, number, bsdf, suns, peak, scene or job.scene, device
+    )
+    return SunlitReceivers(paths, lit)

@@ -16,9 +16,9 @@ from clerestory.constants import R2, SUN_DIAMETER
 from clerestory.engine import device as devices
 from clerestory.engine.controller import estimate
 from clerestory.engine.device import Device
-from clerestory.engine.direct_sun_jobs import UnscatteredJob
 from clerestory.engine.effort import Effort, EffortKeywords
 from clerestory.engine.sums import BATCHES
+from clerestory.engine.unscattered_jobs import UnscatteredJob
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.reinhart import reinhart
 from clerestory.matrix.axis import sky_axis, sun_axis

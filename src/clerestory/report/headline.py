@@ -5,6 +5,7 @@ from jaxtyping import Int
 
 from clerestory.glare.comfort_classes import glare_autonomy
 from clerestory.metrics.climate_based_metrics import USEFUL_LIMITS_LUX
+from clerestory.report.compliance_section import verdict_rows
 from clerestory.report.content import ReportContent
 from clerestory.report.markup import Markup, render
 from clerestory.report.metric_maps import MetricMap, metric_maps, useful_share
@@ -39,6 +40,7 @@ def headline(content: ReportContent) -> Markup:
         figures=_key_figures(content, maps),
         errors=error_words(content),
         titles=_TITLES,
+        standards=verdict_rows(content),
         grids=[
             (name, (f"{len(members):,}", *_grid_figures(content, maps, members)))
             for name, members in content.sensors.by_grid().items()

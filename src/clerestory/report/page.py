@@ -10,6 +10,7 @@ from typing import Any
 
 from clerestory.files import write_text
 from clerestory.report.animation import film_section
+from clerestory.report.compliance_section import compliance_sections
 from clerestory.report.content import ReportContent
 from clerestory.report.content_from_results import from_results
 from clerestory.report.electric_lighting import lamps_section
@@ -88,7 +89,10 @@ _SECTIONS: tuple[tuple[str, str, Callable[[ReportContent], Section]], ...] = (
 
 def report_page(content: ReportContent) -> str:
     """Return the report as HTML."""
-    made = [(name, title, make(content)) for name, title, make in _SECTIONS]
+    made = [
+        *compliance_sections(content),
+        *((name, title, make(content)) for name, title, make in _SECTIONS),
+    ]
     links = (
         element("a", title, href=f"#{name}") for name, title, one in made if one.body
     )

@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Int
 
 from clerestory.report.colour import colour_bar, illuminance_scale, percent_scale
+from clerestory.report.compliance_maps import compliance_maps
 from clerestory.report.content import ReportContent
 from clerestory.report.floor_plan import PlanFrame, plan, plan_frame, walls_definition
 from clerestory.report.markup import Markup, render
@@ -25,6 +26,7 @@ def plans_section(content: ReportContent) -> Section:
         frame = plan_frame(content, members, identifier=f"plan-{number}")
         grids.append(_plans(content, name, frame, members))
         frames[frame.identifier] = _grid_data(frame, members)
+    maps = (*metric_maps(content.metrics), *compliance_maps(content).values())
     metrics = {
         metric.key: {
             "texts": [
@@ -32,7 +34,7 @@ def plans_section(content: ReportContent) -> Section:
                 for v, e in zip(metric.values, metric.errors, strict=True)
             ]
         }
-        for metric in metric_maps(content.metrics)
+        for metric in maps
     }
     return Section(
         render("plans.html", grids=grids, sensor_table=_sensor_table(content)),

@@ -17,6 +17,7 @@ from clerestory.escaping import printable
 from clerestory.phases.matrix_equation import Term
 from clerestory.phases.methods import METHODS, MethodName
 from clerestory.study import config_tables as tables
+from clerestory.study.compliance_tables import ComplianceTable, SpaceTable
 from clerestory.study.config_tables import Distinct, require_rule
 from clerestory.study.lighting_tables import LightingTable, LuminaireTable
 from clerestory.study.window_tables import WindowTable
@@ -64,6 +65,8 @@ class Study(Table):
     sunlight: tables.SunlightTable | None = Field(
         None, description="a table [sunlight]"
     )
+    space: Annotated[list[SpaceTable], Distinct] = Field([])
+    compliance: ComplianceTable | None = Field(None, description="a table [compliance]")
     output: tables.OutputTable = tables.OutputTable()
 
     @model_validator(mode="after")
@@ -121,6 +124,9 @@ class Study(Table):
                 _require(rule, "grid", [window.control.grid], grids)
                 _require(rule, "view", window.control.views, views)
                 self._require_views(window)
+        for space in self.space:
+            _require(f'space "{space.name}"', "grid", space.grids, grids)
+            _require(f'space "{space.name}"', "view", space.views, views)
         zones = [table.label for table in self.lighting]
         for zone in self.lighting:
             _require(f'lighting "{zone.label}"', "grid", [zone.grid], grids)
@@ -168,6 +174,10 @@ class Study(Table):
     def folder(self) -> Path:
         """Folder of the study file."""
         return self._folder
+
+    def assesses(self, standard: str) -> bool:
+        """Whether a page on a standard is requested."""
+        return self.compliance is not None and standard in self.compliance.standards
 
     def with_method(self, method: MethodName) -> "Study":
         """Return a copy of the study with one phase method; "2-phase" has no views."""

@@ -196,7 +196,7 @@ class ViewTable(NamedFile):
 
     file: InputFile = Field(description="a Radiance view file")
     resolution: int = Field(200, ge=8, le=4096)
-    samples: int = Field(256, ge=1, le=1 << 20)
+    samples: int = Field(64, ge=1, le=1 << 20)
     pictures: Annotated[
         list[Annotated[str, Field(pattern=f"^{EVERY}$|{_MOMENT}")]],
         BeforeValidator(_pictures),

@@ -22,10 +22,14 @@ from clerestory import __version__
 from clerestory.engine.work_units import Executor
 from clerestory.errors import ClerestoryWarning
 from clerestory.files import make_folder
+from clerestory.metrics.compliance import assess
+from clerestory.metrics.standards import standards_named
 from clerestory.phases.matrix_equation import Skies, States
 from clerestory.phases.matrix_store import MatrixStore
 from clerestory.scene.scene_checks import warn_of_scene
 from clerestory.study.annual_views import glare_function, study_views, warn_of_views
+from clerestory.study.compliance_inputs import compliance_inputs
+from clerestory.study.compliance_table import compliance_table
 from clerestory.study.config import Study
 from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.electric_lighting import lighting
@@ -37,7 +41,6 @@ from clerestory.study.outputs import write_tables
 from clerestory.study.results import Results, read_results, save_results
 from clerestory.study.shade_operation import ShadeOperation, operate
 from clerestory.study.study_tracing import study_skies, trace_study
-from clerestory.study.sunlight_exposure import sunlight
 from clerestory.study.view_matrices import trace_views
 from clerestory.warning_log import WarningLog
 
@@ -147,8 +150,13 @@ def _simulate(job: Job, log: RunLog, states: States | None, *, out: Path) -> xr.
             display=display,
         )
     with log.phase("metrics"):
-        parts = [electric, glare, sunlight(study, inputs)]
-        return label_results(hourly, parts, signals, acts)
+        parts = [electric, glare, compliance_inputs(study, inputs, matrices)]
+        data = label_results(hourly, parts, signals, acts)
+    if study.compliance is None:
+        return data
+    with log.phase("compliance"):
+        standards = standards_named(study.compliance.standards)
+        return data.merge(compliance_table(assess(data, standards)))
 
 
 @contextmanager

@@ -15,6 +15,8 @@ import xarray as xr
 from clerestory.control.schedule import StateSchedule, write_schedule
 from clerestory.escaping import csv_line, file_stems, table_cell
 from clerestory.files import replace_file, write_text
+from clerestory.metrics.compliance import Quantity
+from clerestory.study.compliance_table import assessments_of
 from clerestory.study.config import Study
 from clerestory.study.results import Results
 
@@ -22,6 +24,9 @@ from clerestory.study.results import Results
 _BLOCK = 730
 
 _LABELS = ("sensor", "grid")
+
+# Quantity in the line of a verdict that has none
+_NOTHING = Quantity("", np.nan, "", "")
 
 # Columns of metrics.csv: result variable, heading, conversion factor to the unit
 _METRICS = (
@@ -39,6 +44,17 @@ _METRICS = (
     ("useful_error", "useful illuminance, standard error [%]", 100),
 )
 
+# Columns of metrics.csv for standards
+_OF_STANDARDS = {
+    "space": "space",
+    "floor_area": "floor area [m2]",
+    "sun_hours": "direct sun [h]",
+    "daylight_factor": "daylight factor",
+    "daylight_factor_error": "daylight factor, standard error",
+    "view_width": "width of the view [deg]",
+    "view_distance": "distance of the view [m]",
+}
+
 
 def write_tables(study: Study, results: Results, out: Path) -> None:
     """Write the tables selected in the study file into a folder."""
@@ -46,6 +62,9 @@ def write_tables(study: Study, results: Results, out: Path) -> None:
         write_metrics(results, out / "metrics.csv")
         if "state" in results.data:
             write_states(results, out / "states.csv")
+        if "verdict_standard" in results.data:
+            write_compliance(results, out / "compliance.csv")
+            write_requirements(results, out / "requirements.csv")
         if "dimming" in results.data:
             write_lighting(results, out / "lighting.csv")
     for grid, stem in file_stems(results.grids()).items():
@@ -87,10 +106,44 @@ def write_metrics(results: Results, path: str | Path) -> None:
     table[["dx", "dy", "dz"]] = data["direction"]
     for name, heading, factor in _METRICS:
         table[heading] = factor * data[name]
+    for name, heading in _OF_STANDARDS.items():
+        if name in data and data[name].dims == ("sensor",):
+            values = data[name].values
+            words = values.dtype.kind in "OU"
+            table[heading] = [table_cell(str(x)) for x in values] if words else values
     for band in data["useful_bands"]:
         table[f"{band['band'].item()} [%]"] = 100 * band
     text = table.to_csv(index=False, float_format="%.6g", lineterminator="\n")
     write_text(path, text)
+
+
+def write_compliance(results: Results, path: str | Path) -> None:
+    """Write verdicts and quantities of standards, a line per quantity."""
+    rows = [
+        [
+            *(one.standard, one.space, f"{one.area:.6g}", verdict.criterion),
+            *(verdict.words, str(verdict.level), f"{verdict.error:.3g}"),
+            *(quantity.name, f"{quantity.value:.6g}", f"{quantity.error:.3g}"),
+            *(quantity.unit, quantity.limits),
+        ]
+        for one in assessments_of(results.data)
+        for verdict in one.verdicts
+        for quantity in verdict.quantities or (_NOTHING,)
+    ]
+    head = "standard,space,area [m2],criterion,verdict,level,level standard error"
+    head += ",quantity,value,standard error,unit,limits"
+    _write_lines(path, [head, *(csv_line(row) for row in rows)])
+
+
+def write_requirements(results: Results, path: str | Path) -> None:
+    """Write the requirements of standards, a line for each space and requirement."""
+    rows = [
+        [one.standard, one.space, *line]
+        for one in assessments_of(results.data)
+        for line in one.requirements
+    ]
+    head = "standard,space,requirement,status,found,expected,to do"
+    _write_lines(path, [head, *(csv_line(row) for row in rows)])
 
 
 def write_hourly(results: Results, path: str | Path, *, grid: str) -> None:

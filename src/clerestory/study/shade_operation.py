@@ -1,7 +1,8 @@
 """Shade operation: the state of every window group at every time step.
 
-Rules based on exterior quantities are evaluated first, then the rule "LM-83" for all
-its groups together, then rules on interior illuminance or glare, group by group.
+Rules based on exterior quantities are evaluated first, then the rule "LM-83" for the
+groups of each grid together, then rules on interior illuminance or glare, group by
+group.
 """
 
 from dataclasses import dataclass
@@ -9,11 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Int
 
-from clerestory.control.lm83_blinds import operate_by_direct_sun
+from clerestory.control.lm83_blinds import Operation, operate_by_direct_sun
 from clerestory.control.state_choice import when_occupied
 from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.control_rules import INSIDE, OUTSIDE, Case
 from clerestory.study.window_groups import WindowGroup
+from clerestory.study.window_tables import ControlTable
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,16 +71,27 @@ def _decide(signals: ControlInputs, number: int, states: list[np.ndarray]) -> No
 def _by_direct_sun(
     signals: ControlInputs, states: list[np.ndarray]
 ) -> np.ndarray | None:
-    # Rule "LM-83" for all its groups together; the states of other groups are fixed
-    groups = signals.inputs.groups
+    # Rule "LM-83": groups with the same grid together, one grid after the other
     governed = {
         n: group.control
-        for n, group in enumerate(groups)
+        for n, group in enumerate(signals.inputs.groups)
         if group.control and group.control.rule == "LM-83" and len(group.states) > 1
     }
-    if not governed:
-        return None
-    chosen, control = list(governed), next(iter(governed.values()))
+    kept = None
+    for grid in dict.fromkeys(control.grid for control in governed.values()):
+        chosen = {n: c for n, c in governed.items() if c.grid == grid}
+        found = _of_grid(signals, states, chosen)
+        kept = found.kept if kept is None else kept & found.kept
+        for n in chosen:
+            states[n] = _unless_empty(signals, n, found.states[str(n)])
+    return kept
+
+
+def _of_grid(
+    signals: ControlInputs, states: list[np.ndarray], chosen: dict[int, ControlTable]
+) -> Operation:
+    # Blinds operated by one grid; the states of all other groups are fixed
+    groups, control = signals.inputs.groups, next(iter(chosen.values()))
     steps = len(signals.times)
     direct = {
         str(n): np.stack(
@@ -91,15 +104,12 @@ def _by_direct_sun(
     }
     rest = [n for n in range(len(groups)) if n not in chosen]
     static = [signals.direct(n, [states[n]], control.grid) for n in rest]
-    found = operate_by_direct_sun(
+    return operate_by_direct_sun(
         direct,
         static=np.sum(static, axis=0) if static else None,
         sun_lux=control.sun_lux,
         most_sensors=control.most_sensors,
     )
-    for n in chosen:
-        states[n] = _unless_empty(signals, n, found.states[str(n)])
-    return found.kept
 
 
 def _unless_empty(signals: ControlInputs, number: int, state: np.ndarray) -> np.ndarray:

@@ -17,13 +17,15 @@ _STEP_MINUTES = 1
 
 
 def sunlight(study: Study, inputs: Inputs) -> xr.Dataset:
-    """Return the hours of sunlight of each opening; empty without table [sunlight]."""
-    table = study.sunlight
-    if table is None:
+    """Return the hours of sunlight of each opening.
+
+    The dataset is empty without table [sunlight], unless EN 17037 is assessed.
+    """
+    table, windows = study.sunlight, openings(study, inputs)
+    if table is None and study.assesses("EN 17037"):
+        table = SunlightTable()
+    if table is None or not windows:
         return xr.Dataset()
-    windows = tuple(group.inner for group in inputs.groups)
-    if table.file is not None:
-        windows = scaled(tuple(read_windows(table.file)), study.scene.metres)
     names, points = _openings(table, windows)
     moments, sun = _day(study, table, inputs)
     lowest = {"lowest_sun_deg": table.lowest_sun_deg}
@@ -40,11 +42,20 @@ def sunlight(study: Study, inputs: Inputs) -> xr.Dataset:
         {
             "sun_reaches": (("opening", "moment"), reached, lowest),
             "sun_point": (("opening", "xyz"), points, {"units": "m"}),
+            "opening_normal": (("opening", "xyz"), inwards),
             "hours_of_sun": ("opening", each, {"units": "h"}),
             "room_hours_of_sun": ((), room, {"units": "h"}),
         },
         coords={"opening": names, "moment": moments},
     )
+
+
+def openings(study: Study, inputs: Inputs) -> tuple[Window, ...]:
+    """Return the openings of a study: its windows, or those of a file of [sunlight]."""
+    table = study.sunlight
+    if table is not None and table.file is not None:
+        return scaled(tuple(read_windows(table.file)), study.scene.metres)
+    return tuple(group.inner for group in inputs.groups)
 
 
 def _openings(

@@ -7,7 +7,7 @@ computed, are traced in each run: this takes seconds, and files of them are larg
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -18,7 +18,10 @@ from clerestory.image.picture import Picture
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.matrix_equation import MatrixChain, Skies, States, WindowMatrices
 from clerestory.phases.methods import METHODS
-from clerestory.phases.picture_matrices import picture_view_matrices
+from clerestory.phases.picture_matrices import (
+    picture_view_matrices,
+    reflected_view_matrices,
+)
 from clerestory.phases.picture_series import (
     UncertainPixels,
     luminance_over_time,
@@ -30,7 +33,6 @@ from clerestory.phases.shaded_windows import (
     ShadeState,
     receiving_matrices,
 )
-from clerestory.phases.stored_views import FEW, with_few_components
 from clerestory.phases.window_paths import WindowPaths, picture_window_paths
 from clerestory.study.config_tables import ViewTable
 from clerestory.study.job import DIRECT, Job
@@ -138,8 +140,8 @@ def trace_views(job: Job, matrices: StudyMatrices) -> tuple[ViewMatrices, ...]:
 def _view(
     job: Job, matrices: StudyMatrices, table: ViewTable, camera: Camera
 ) -> ViewMatrices:
-    views = _view_matrices(job, table, camera)
     sunlit = any(term.part == "sun" for term in matrices.terms)
+    views = _view_matrices(job, table, camera, reflected=sunlit)
     windows = receiving_matrices(
         shaded_windows(job, matrices),
         views,
@@ -151,20 +153,11 @@ def _view(
 
 
 def shaded_windows(job: Job, matrices: StudyMatrices) -> tuple[ShadedWindow, ...]:
-    """Return the window groups with the matrices of their shade states.
-
-    Matrices have the few error components that suffice for glare.
-    """
+    """Return the window groups with the matrices of their shade states."""
     facade = METHODS[job.study.method].facade
 
-    @cache
-    def few(matrix: TransferMatrix) -> TransferMatrix:
-        # Equal matrices remain one object
-        batches = 0 if matrix.components is None else len(matrix.components)
-        return matrix if batches % FEW else with_few_components(matrix)
-
     def factors(chain: MatrixChain | None, at: int) -> tuple[TransferMatrix, ...]:
-        return tuple(map(few, chain.factors[at])) if chain else ()
+        return chain.factors[at] if chain else ()
 
     return tuple(
         ShadedWindow(
@@ -185,13 +178,15 @@ def shaded_windows(job: Job, matrices: StudyMatrices) -> tuple[ShadedWindow, ...
 
 
 def _view_matrices(
-    job: Job, table: ViewTable, camera: Camera
+    job: Job, table: ViewTable, camera: Camera, *, reflected: bool
 ) -> dict[str, TransferMatrix]:
+    # V, or V - V_d
     windows = [group.inner for group in job.inputs.groups]
+    traced = _traced_reflected if reflected else _traced_views
     return job.matrices(
-        f"picture-{table.label}",
+        f"picture-{table.label}{'-reflected' * reflected}",
         windows,
-        partial(_traced_views, job.scene, windows, camera),
+        partial(traced, job.scene, windows, camera),
         job.pixel_effort(table.samples),
         shown=f"picture matrices of {table.label}",
     )
@@ -199,6 +194,10 @@ def _view_matrices(
 
 def _traced_views(*where: Any, **how: Any) -> dict[str, TransferMatrix]:
     return _half_views(picture_view_matrices(*where, **how))
+
+
+def _traced_reflected(*where: Any, **how: Any) -> dict[str, TransferMatrix]:
+    return _half_views(reflected_view_matrices(*where, **how))
 
 
 def _paths(job: Job, table: ViewTable, camera: Camera) -> WindowPaths:

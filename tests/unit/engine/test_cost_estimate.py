@@ -6,13 +6,12 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
-from clerestory.bsdf.analytic import lambertian
 from clerestory.directions import Frame
 from clerestory.engine import cost_estimate
 from clerestory.engine.cost_estimate import Plan, estimate_costs
-from clerestory.engine.direct_sun_jobs import SunJob
 from clerestory.engine.effort import Effort
 from clerestory.engine.matrix_jobs import DaylightJob, ViewJob
+from clerestory.engine.unscattered_jobs import UnscatteredJob
 from clerestory.engine.work_units import Goal, Local
 from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.reinhart import reinhart
@@ -75,15 +74,11 @@ def test_a_trial_takes_as_many_paths_a_row_as_the_run(place):
 def test_a_trial_of_the_sun_is_as_long_as_others(sensors):
     """A trial of few suns and sensors measures only the start of a kernel."""
     few = Sensors(SENSORS.position[:sensors], SENSORS.direction[:sensors])
-    job = SunJob(
+    job = UnscatteredJob(
         scene=Scene(),
-        windows=(WINDOW,),
-        number=0,
-        bsdf=lambertian(0.5, klems("full")),
         sensors=few,
-        suns=np.tile([0.0, -1, 0], (10_000, 1)),
+        directions=np.tile([0.0, -1, 0], (10_000, 64, 1)),
         samples=64,
-        peak=False,
         **WALK,
     )
     unit = job.pilot_unit(cost_estimate._PILOT_PATHS)

@@ -100,6 +100,9 @@ class Metrics:
     states: Path | None = option(None, "CSV file of annual shading states (honeybee).")
     operate: bool = option(False, "Operate blinds by LM-83 (honeybee).", "--lm83")
     leed: Literal["v4", "v4.1"] = option("v4.1", "Version of LEED.")
+    standard: list[str] | None = option(
+        None, "Standard to assess; repeatable. Default: those of the study."
+    )
     output: Path | None = option(None, "CSV file to write, one line per sensor.", "-o")
     honeybee: Path | None = option(None, "Results folder to write for honeybee.")
     quiet: common.Quiet = False

@@ -14,7 +14,6 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from clerestory.engine.direct_sun_jobs import SunlightJob
 from clerestory.engine.lower import LoweredScene, lower
 from clerestory.engine.materials.bsdf_file import forward_table
 from clerestory.engine.next_event_estimation import (
@@ -73,7 +72,7 @@ class SunlitWindow(Source):
     sun: mi.Vector3f | None = None
 
     @classmethod
-    def of(cls, job: SunlightJob, origin: Origin) -> "SunlitWindow":
+    def of(cls, job, origin: Origin) -> "SunlitWindow":
         """Return the window of a job, not yet lit by a sun (see `lit_by`)."""
         own, _ = window_shapes((job.windows[job.number],), origin)
         frame = mi.Frame3f(own.right, own.up, own.normal)
