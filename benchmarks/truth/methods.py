@@ -64,14 +64,21 @@ def illuminances(
 
 
 def pictures(
-    kind: Kind, coarse: Bsdf, fine: Bsdf, *, rows: int, samples: int
+    kind: Kind,
+    coarse: Bsdf,
+    fine: Bsdf,
+    *,
+    rows: int,
+    samples: int,
+    hours: cl.Weather | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Pictures by three and by five phases (eye, step, pixel, channel)."""
+    shown = hours or pictured()
     scene, window, _, _ = demo()
     T = coarse.transmission_matrix(window=window.name)
     D, D_d = _daylight(rows)
-    suns = sun_matrix(pictured(), sun_formula="radiance")
-    S, S_ds = _skies(pictured())
+    suns = sun_matrix(shown, sun_formula="radiance")
+    S, S_ds = _skies(shown)
     three, five = [], []
     for number, camera in enumerate(cameras()):
         V, V_d = (
@@ -84,11 +91,11 @@ def pictures(
             scene, [window], window.name, fine, camera,
             suns=suns.directions, peak=kind.peak, samples=32, seed=10 + number,
         )  # fmt: skip
-        window = WindowMatrices(
+        matrices = WindowMatrices(
             window_chain(V, T, D), window_chain(V_d, T, D_d), MatrixChain((C_ds,))
         )
         for terms, found in ((THREE_PHASE, three), (FIVE_PHASE, five)):
-            made = pictures_over_time([window], terms, camera, Skies(S, S_ds, suns))
+            made = pictures_over_time([matrices], terms, camera, Skies(S, S_ds, suns))
             found.append(_shown(camera, made))
     return np.array(three), np.array(five)
 

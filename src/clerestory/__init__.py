@@ -77,6 +77,7 @@ _HOME = {
     "evaluate_glare": "glare.evaluate",
     "annual_glare": "glare.annual_glare",
     "trace_view_point": "glare.view_points",
+    "glazed_view_glare": "glare.glazed_view_points",
     "compare_series": "comparison.series_comparison",
     "simulated_series": "comparison.series",
     "read_measured_series": "comparison.mapping",

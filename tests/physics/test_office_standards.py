@@ -9,7 +9,6 @@ import os
 import subprocess
 
 import pytest
-from office_study import write_office
 
 from clerestory.metrics.en17037 import daylight_provision
 from clerestory.metrics.honeybee import write_honeybee
@@ -18,6 +17,7 @@ from clerestory.metrics.space import spaces_of
 from clerestory.study.compliance_table import assessments_of
 from clerestory.study.config import read_study
 from clerestory.study.study_run import run_study
+from office_study import write_office
 
 SCRIPT = """
 import json, sys

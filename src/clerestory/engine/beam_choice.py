@@ -1,0 +1,76 @@
+"""Choice of a beam of sunlight for each sample point, and test against the window."""
+
+from dataclasses import dataclass
+
+import drjit as dr
+import mitsuba as mi
+
+from clerestory.engine.sampler import mix
+
+# Tolerance of the test: relative to the window, and cosine of a surface turned away
+_SLACK, _FACING = 1e-3, -1e-3
+
+
+@dataclass
+class BeamOrder:
+    """Numbers from which the beam of a sample point and sun follows.
+
+    Seed, points per batch, batches, beams per batch, and beams from point to point.
+    """
+
+    seed: mi.UInt32
+    points: mi.UInt32
+    batches: mi.UInt32
+    own: mi.UInt32
+    apart: mi.UInt32
+
+
+def chosen_beam(place, number, key, order: BeamOrder):
+    """Return the index of the beam of a sample point and sun.
+
+    Batches have beams of their own; points of a batch take beams that are far apart.
+    """
+    slot, index = place // order.points, place % order.points
+    start = mix(mix(slot, order.seed), key)
+    own = (start + index * order.apart) % order.own
+    beams = order.own * order.batches
+    return number * beams + own * order.batches + slot % order.batches
+
+
+@dr.syntax
+def crossed(
+    points,
+    normals,
+    both,
+    valid,
+    directions,
+    keys,
+    count,
+    corner,
+    plane,
+    across,
+    up,
+    order,
+):
+    """Return a bit mask of the suns for which the line from each point crosses.
+
+    The line runs against the beam that is chosen for the point and the sun, and crosses
+    the rectangle of the window.
+    """
+    masks, number = mi.UInt32(0), mi.UInt32(0)
+    place = dr.arange(mi.UInt32, dr.width(valid))
+    apart = mi.Vector3f(corner - points)
+    height = dr.dot(apart, plane)
+    while number < count:
+        key = dr.gather(mi.UInt32, keys, number)
+        beam = chosen_beam(place, number, key, order)
+        toward = dr.gather(mi.Vector3f, directions, beam)
+        distance = height / dr.dot(toward, plane)
+        offset = toward * distance - apart
+        x, y = dr.dot(offset, across), dr.dot(offset, up)
+        crosses = (distance > 0) & (dr.dot(toward, plane) < 0)
+        crosses &= (x > -_SLACK) & (x < 1 + _SLACK) & (y > -_SLACK) & (y < 1 + _SLACK)
+        crosses &= dr.dot(normals, toward) > _FACING
+        masks |= dr.select(crosses | both, mi.UInt32(1) << number, 0)
+        number += 1
+    return dr.select(valid, masks, 0)

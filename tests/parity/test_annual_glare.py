@@ -1,0 +1,56 @@
+"""Annual glare of an office with three façades against full Radiance renderings.
+
+The data set is raytraverse's (see `benchmarks/annual_glare_reference.py`): clear glass,
+translucent glass above, and glossy metal opposite; three views each. Radiance's
+vertical illuminance is itself up to 1.5 % below that of converged path tracing.
+"""
+
+import numpy as np
+import pytest
+from annual_glare_office import (
+    FACADES,
+    ours,
+    reference,
+    scene_of,
+    skies_of,
+    views_of,
+    weather_of,
+)
+
+
+@pytest.fixture(scope="module")
+def office(shared_data):
+    folder = shared_data / "annual_glare"
+    if not folder.is_dir():
+        pytest.skip(f"reference data are not here: {folder} is missing")
+    return folder
+
+
+def compared(office, facade, views, every):
+    """Errors of illuminance and DGP in some views and in every so many hours."""
+    lux, dgp = [], []
+    hours = reference(office, facade, 0)["ann_hour"].astype(int)[::every]
+    scene, skies = scene_of(office, facade), skies_of(weather_of(office, hours))
+    every_view = views_of(office, facade)
+    for number in views:
+        truth = reference(office, facade, number)[::every]
+        found = ours(scene, every_view[number], skies)
+        lux.append(abs(found.lux / truth["illum"] - 1).mean())
+        dgp.append(abs(found.dgp - truth["dgp"]).mean())
+    return np.mean(lux), np.mean(dgp)
+
+
+def test_office_with_translucent_glass(office):
+    """One view of the façade that scatters the sun, in 60 hours."""
+    lux, dgp = compared(office, FACADES[1], [2], 34)
+    assert lux < 0.03
+    assert dgp < 0.0075
+
+
+@pytest.mark.slow
+def test_all_facades_and_views(office):
+    """Mean absolute errors over façades and views, in 200 hours."""
+    found = [compared(office, facade, range(3), 10) for facade in FACADES]
+    lux, dgp = np.mean(found, axis=0)
+    assert lux < 0.03
+    assert dgp < 0.0075
