@@ -2,7 +2,7 @@
 
 The data set is raytraverse's (see `benchmarks/annual_glare_reference.py`): clear glass,
 translucent glass above, and glossy metal opposite; three views each. Radiance's
-vertical illuminance is itself up to 1.5 % below that of converged path tracing.
+vertical illuminance is within 1.2 % of converged path tracing, in ten hours.
 """
 
 import numpy as np
