@@ -38,7 +38,7 @@ STACK = (
     ("bsdfgen", "phases"),
     ("glare", "control", "metrics"),
     ("study",),
-    ("comparison",),
+    ("comparison", "recipes"),
     ("report",),
     ("cli",),
 )

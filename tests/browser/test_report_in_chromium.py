@@ -1,6 +1,8 @@
 """The report as people see it: scripts run, pictures are painted, nothing cut off."""
 
+import importlib.util
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -190,3 +192,50 @@ def test_the_report_prints(browse, report, tmp_path):
     content = file.read_bytes()
     assert content.startswith(b"%PDF")
     assert 2 <= len(re.findall(rb"/Type\s*/Page\b", content)) <= 12
+
+
+@pytest.fixture(scope="module")
+def grid_report(room, tmp_path_factory):
+    """Report of a year with a view grid of 6 positions and 8 directions."""
+    file = Path(__file__).parents[1] / "unit" / "report" / "view_grids.py"
+    spec = importlib.util.spec_from_file_location("view_grids", file)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    results = module.with_view_grids(room.analytic_results(), module.grid(2, 3))
+    page = tmp_path_factory.mktemp("grids") / "report.html"
+    write_report(results, page)
+    return page
+
+
+def test_a_sector_of_a_rosette_shows_the_year_of_its_view(browse, grid_report):
+    """The sector towards the window, at the position farthest from it."""
+    answer = ask(
+        browse,
+        grid_report,
+        "const data = JSON.parse(document.getElementById('data').textContent);"
+        "const level = data.rosettes.grids[0].levels[0];"
+        "const plan = document.querySelector('svg.rosettes'), k = 4;"
+        "const at = new DOMPoint(level.x[k], level.y[k] + level.radius / 2)"
+        ".matrixTransform(plan.getScreenCTM());"
+        "plan.dispatchEvent(new MouseEvent('click',"
+        " {clientX: at.x, clientY: at.y, bubbles: true}));"
+        "return document.querySelector('.chosen-view').textContent;",
+    )
+    assert answer.startswith("Position 5 (x 0.60, y 8.30, z 1.20 m), south, 180°: DGP")
+    assert "high protection" in answer
+
+
+def test_views_of_a_grid_can_be_chosen_by_keyboard(browse, grid_report):
+    """The lists of positions and directions change text and image of the year."""
+    answer = ask(
+        browse,
+        grid_report,
+        "const year = document.querySelector('#view-grid-0-year image');"
+        "const before = year.getAttribute('href');"
+        "const list = document.getElementById('view-grid-0-direction');"
+        "list.value = 0; list.dispatchEvent(new Event('change'));"
+        "return [before !== year.getAttribute('href'),"
+        " document.querySelector('.chosen-view').textContent].join('|');",
+    )
+    assert answer.startswith("true|Position")
+    assert "north, 0°" in answer

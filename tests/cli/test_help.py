@@ -20,6 +20,7 @@ COMMANDS = [
     "metrics",
     "compare",
     "import",
+    "recipe",
     "multiply",
     "irradiance",
     "glare",

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from clerestory.metrics.honeybee import write_honeybee
+from clerestory.metrics.honeybee_writer import write_honeybee
 from clerestory.study.results import Results, save_results
 
 

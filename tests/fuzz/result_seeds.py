@@ -117,7 +117,7 @@ def _tables(function: Callable[..., object], path: Path) -> object:
 
 # ------------------------------------ Honeybee ------------------------------------
 def _honeybee(folder: Path, name: str) -> list[bytes]:
-    honeybee = importlib.import_module("clerestory.metrics.honeybee")
+    honeybee = importlib.import_module("clerestory.metrics.honeybee_writer")
     times = np.datetime64("2023-01-01T00:30", "s") + np.arange(24) * 3600
     lux = {"desks": np.tile(100.0 + np.arange(24), (3, 1))}
     honeybee.write_honeybee(folder, lux, times, direct=lux)

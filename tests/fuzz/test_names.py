@@ -47,11 +47,16 @@ from clerestory.matrix.axis import Axis, unknown_axis
 from clerestory.matrix.netcdf import read_netcdf, write_netcdf
 from clerestory.matrix.radiance_format import read_matrix, write_matrix
 from clerestory.matrix.transfer_matrix import TransferMatrix
-from clerestory.metrics.honeybee import read_honeybee, write_honeybee
+from clerestory.metrics.honeybee import STATIC, read_honeybee
+from clerestory.metrics.honeybee_writer import write_honeybee
 from clerestory.phases.matrix_store import MatrixStore
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.rad_writer import format_rad
 from clerestory.radiance.window_reader import read_windows
+from clerestory.recipes import grid_summary
+from clerestory.recipes.annual import AnnualLight
+from clerestory.recipes.model import read_model
+from clerestory.recipes.outputs import _write_hourly
 from clerestory.report.bsdf_plot import share_figure
 from clerestory.report.embedded_data import figure_png
 from clerestory.report.markup import element, embedded_json, render
@@ -488,6 +493,34 @@ def test_honeybee_results_hold_any_name(folder):
     assert [g["name"] for g in json.loads((folder / "out/grids_info.json").read_text())]
 
 
+def test_recipe_results_hold_any_name(folder):
+    path = hostile_model(folder, ALL)
+    model = json.loads(path.read_text())
+    for grid in model["properties"]["radiance"]["sensor_grids"]:
+        grid["group_identifier"] = grid["identifier"]
+    path.write_text(json.dumps(model))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        grids = read_model(path.rename(folder / "m.hbjson")).grids
+    out = folder / "out" / "recipe"
+    values = {g.full_id: np.full(g.count, float(k)) for k, g in enumerate(grids)}
+    grid_summary.write_metrics(out, grids, {"da": values})
+    grid_summary.write_summary(out / "summary.csv", grids, {"da": values})
+    light = {g.full_id: np.full((g.count, 1), 1.0) for g in grids}
+    arrays = {"total": light, "direct": light}
+    times = np.array(["2023-01-01T12:30"], "datetime64[s]")
+    annual = AnnualLight(grids, times, 1, {STATIC: {"default": arrays}})
+    _write_hourly(out / "hourly", annual, "total")
+    info = json.loads((out / "da" / "grids_info.json").read_text())
+    assert len(info) == len(ALL)
+    for k, grid in enumerate(info):
+        assert float((out / "da" / f"{grid['full_id']}.da").read_text()) == k
+        assert (out / "hourly" / f"{grid['full_id']}.ill").is_file()
+    assert {f.name for f in folder.iterdir()} <= {"m.hbjson", "out", "a.epw"}
+    rows = list(csv.reader((out / "summary.csv").read_text().splitlines()))
+    assert not [cell for row in rows[1:] for cell in row if cell.startswith("=")]
+
+
 def test_mgf_holds_any_name(folder):
     scene = scene_of([name for name in ALL if name])
     text = mgf_text(
@@ -525,10 +558,15 @@ WRITERS = {
     "image.srgb_display.write_display": "pixels",
     "matrix.netcdf.write_netcdf": test_netcdf_holds_any_name,
     "matrix.radiance_format.write_rows": test_headers_of_matrices_stay_headers,
-    "metrics.honeybee.write_honeybee": test_honeybee_results_hold_any_name,
+    "metrics.honeybee_writer.write_grids_info": test_recipe_results_hold_any_name,
+    "metrics.honeybee_writer.write_states": test_honeybee_results_hold_any_name,
     "phases.illuminance.illuminance": "numbers",
     "radiance.generated_sky.sky_scene": "read by Clerestory alone, one line",
     "radiance.illum_table.write_illums": test_names_within_materials_are_escaped,
+    "recipes.grid_summary.write_metrics": test_recipe_results_hold_any_name,
+    "recipes.grid_summary.write_summary": test_recipe_results_hold_any_name,
+    "recipes.grid_summary.write_values": test_recipe_results_hold_any_name,
+    "recipes.outputs._write_hourly": test_recipe_results_hold_any_name,
     "report.bsdf_view.write_view": test_pages_hold_any_text,
     "report.comparison_page.write_comparison": test_pages_hold_any_text,
     "report.figure_file.write_figure": "pixels",

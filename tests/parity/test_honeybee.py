@@ -14,7 +14,8 @@ from clerestory.metrics.climate_based_metrics import (
     light_exposure,
     useful_illuminance,
 )
-from clerestory.metrics.honeybee import read_honeybee, write_honeybee
+from clerestory.metrics.honeybee import read_honeybee
+from clerestory.metrics.honeybee_writer import write_honeybee
 from clerestory.metrics.occupied_hours import occupied_hours
 from clerestory.metrics.spatial_metrics import (
     hours_above,

@@ -15,7 +15,7 @@ from clerestory.control.schedule import read_schedule
 from clerestory.escaping import csv_line
 from clerestory.files import write_text
 from clerestory.metrics import climate_based_metrics as climate
-from clerestory.metrics import en17037, honeybee
+from clerestory.metrics import en17037, honeybee, honeybee_writer
 from clerestory.metrics.compliance import assess
 from clerestory.metrics.leed import Version, points_error, simulated_daylight
 from clerestory.metrics.lm83_conditions import departures
@@ -85,7 +85,7 @@ def metrics(request: Metrics) -> None:
         direct = {
             g.name: g.sun["illuminance"].values for g in grids if g.sun is not None
         }
-        honeybee.write_honeybee(
+        honeybee_writer.write_honeybee(
             request.honeybee,
             {g.name: g.lux.values.astype(float) for g in grids},
             times,

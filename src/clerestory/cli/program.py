@@ -22,6 +22,7 @@ _TOP = {
     "metrics": "study",
     "compare": "study",
     "import": "study",
+    "recipe": "study",
     "doctor": "study",
     "multiply": "render",
 }

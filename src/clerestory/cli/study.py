@@ -13,12 +13,14 @@ from clerestory.metrics.replicates import error_of_group_mean
 from clerestory.report.compliance_words import verdict_words
 from clerestory.report.page import REPORT_FILE, picture_folder, write_report
 from clerestory.report.uncertain_value import Figure
+from clerestory.report.view_grid_content import percent, uncertain_dgp
 from clerestory.study.compliance_table import assessments_of
 from clerestory.study.config import Study, read_study
 from clerestory.study.new_study import begin_study, write_demo
 from clerestory.study.results import Results, read_results
 from clerestory.study.run_plan import PlannedMatrix, StudyPlan, plan_study
 from clerestory.study.study_run import run_study
+from clerestory.study.view_grid_outputs import view_grid_part, view_grids
 
 
 def new(request: requests.NewStudy) -> None:
@@ -79,6 +81,8 @@ def _run(study: Study, folder: Path, *, quiet: bool) -> None:
     write_report(results, page, pictures=picture_folder(folder, results))
     if not quiet:
         Console().print(_summary(results))
+        if view_grids(results):
+            Console().print(_glare_summary(results))
         for name, words in _verdicts(results):
             say(f"{name}: {words}")
         say(f"results: {folder}", f"report:  {page.resolve().as_uri()}")
@@ -101,6 +105,34 @@ def _summary(results: Results) -> Table:
             _mean(part, "daylight_autonomy", 100, "%"),
             _mean(part, "useful", 100, "%"),
         )
+    return table
+
+
+def _glare_summary(results: Results) -> Table:
+    # Table of the annual glare of each view grid, with standard errors
+    data = results.data
+    table = Table(title="Glare of view grids", title_justify="left")
+    table.add_column("view grid")
+    headings = ("views", "disturbed views", "disturbed positions", "DGP of worst view")
+    for heading in headings:
+        table.add_column(heading, justify="right")
+    for number, grid in enumerate(view_grids(results)):
+        part = view_grid_part(data, grid)
+        exceeded = part["grid_view_exceeded_dgp"].values
+        worst = int(exceeded.argmax())
+        error = float(part["grid_view_exceeded_dgp_error"][worst])
+        row = data.isel(view_grid_name=number)
+        shares = (
+            percent(float(row[name]), float(row[f"{name}_error"]))
+            for name in ("disturbed_views", "disturbed_positions")
+        )
+        dgp = uncertain_dgp(float(exceeded[worst]), error)
+        table.add_row(grid, str(len(exceeded)), *shares, dgp)
+    table.caption = (
+        "disturbed: DGP above 0.40 in more than 5 % of the occupied hours; worst view:"
+        " DGP exceeded in 5 % of them"
+    )
+    table.caption_justify = "left"
     return table
 
 

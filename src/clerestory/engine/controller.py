@@ -84,18 +84,21 @@ def estimate(job: EstimatedJob, effort: Effort) -> Estimate:
     """Estimate a matrix, one block of rows after another."""
     if not effort.executor.accepts(job, effort.goal):
         return _blank(job, effort)
-    whole, blocks = job.shape[0], []
-    for rows in row_blocks(job):
-        first, share = rows.start / whole, (rows.stop - rows.start) / whole
-        part = share_of_progress(effort.progress, first, share)
-        blocks.append(estimate_rows(job, rows, replace(effort, progress=part)))
-    kept = [b.components for b in blocks if b.components is not None]
-    return Estimate(
-        np.concatenate([block.values for block in blocks], axis=1),
-        np.concatenate(kept, axis=2) if kept else None,
-        sum(block.paths for block in blocks),
-        all(block.reached for block in blocks),
-    )
+    rows, batches, columns, channels = job.shape
+    # Blocks are copied one by one, so that the matrix is not held twice
+    values = np.empty((channels, rows, columns))
+    shape = batches, channels, rows, columns
+    components = np.empty(shape, np.float32) if effort.components else None
+    paths, reached = 0, True
+    for part in row_blocks(job):
+        first, share = part.start / rows, (part.stop - part.start) / rows
+        progress = share_of_progress(effort.progress, first, share)
+        block = estimate_rows(job, part, replace(effort, progress=progress))
+        values[:, part] = block.values
+        if components is not None:
+            components[:, :, part] = block.components
+        paths, reached = paths + block.paths, reached and block.reached
+    return Estimate(values, components, paths, reached)
 
 
 def row_blocks(job: EstimatedJob) -> list[slice]:

@@ -77,6 +77,13 @@ def resolve(device: Device) -> Processor:
     return "cpu"
 
 
+def limit_threads(count: int | None) -> None:
+    """Set the number of threads of Dr.Jit, unless `count` is None."""
+    if count is not None:
+        resolve("auto")
+        importlib.import_module("drjit").set_thread_count(count)
+
+
 def free_memory() -> int | None:
     """Return the free memory of the GPU [bytes]; None if unknown.
 

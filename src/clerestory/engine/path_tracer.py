@@ -64,6 +64,7 @@ class PathTracer:
     Attributes
     ----------
     roulette : fraction of the initial throughput below which Russian roulette applies
+    caustics : cones of focused sunlight; None if no surface focuses any
     direct_only : whether paths end at the first surface, where sources are sampled by
         next-event estimation only
     without_direct : whether light is left out that comes straight from a source or by

@@ -1,7 +1,7 @@
 """Path vertices on surfaces and irradiance sensors, and continuation of paths.
 
-The next direction is sampled at random either from the BSDF or towards a portal
-(one-sample model of multiple importance sampling).
+The next direction is sampled at random from the BSDF, towards a portal, or along a cone
+of focused sunlight (one-sample model of multiple importance sampling).
 
 Reference: E. Veach, Robust Monte Carlo Methods for Light Transport Simulation, 1997,
 section 9.2.4.

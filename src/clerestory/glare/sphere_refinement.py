@@ -170,7 +170,8 @@ def sampling_error(
 
     Small things that no direction hits are not in the error. `sun` is the sun's disc at
     each step. If the luminances are `means` over the cells, the illuminance has no
-    error, and only the size of glare sources is uncertain.
+    error. The square of a mean is less than the mean of the squares, by the variance in
+    the cell: at the edges of glare sources, such differences add up over all cells.
     """
     error = np.zeros((len(views), luminance.shape[1]))
     how = refinement or Refinement()
@@ -178,7 +179,12 @@ def sampling_error(
     for steps, of_level, of_glare, terms in _deviations(model, luminance, sun):
         by_level = 0 * terms.by_level if means else np.abs(terms.by_level)
         terms = terms._replace(by_level=by_level)
-        error[:, steps] = np.sqrt(model.variance(terms, of_level, of_glare))
+        variance = model.variance(terms, of_level, of_glare)
+        if means:
+            # An edge of height Δ anywhere in a cell: Δ²/6, twice the square of Δ/√12
+            lost = np.where(of_glare > 0, 2 * np.square(of_level), 0)
+            variance += np.square(terms.by_glare * (model.weights[1] @ lost))
+        error[:, steps] = np.sqrt(variance)
     return error
 
 

@@ -6,7 +6,7 @@ the mean over its directions. The cells are chosen by the luminance at a few hun
 time steps with all kinds of sky, positions of the sun and shade states.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Unpack
@@ -27,6 +27,7 @@ from clerestory.glare.sphere_refinement import (
     sampling_error,
 )
 from clerestory.glare.sphere_samples import SphereSamples, regular_samples
+from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.matrix_equation import (
     Skies,
     States,
@@ -87,6 +88,7 @@ class ViewPoint:
         *,
         steps: Int[np.ndarray, " some"] | None = None,
         quantities: Collection[str] = ("dgp", "illuminance"),
+        errors: bool = True,
     ) -> "xr.Dataset":
         """Return glare indices of all views in given shade states.
 
@@ -95,20 +97,26 @@ class ViewPoint:
         states : index of the shade state at each time step, per window group; default 0
         steps : indices of the time steps that are evaluated; default: all
         quantities : names of indices and quantities, as of `point_glare`
+        errors : whether the standard error of DGP is computed
 
         Returns
         -------
         dataset over (view, time), NaN in dark time steps; with "dgp", also its
-        standard error "dgp_error", due to paths and to the finite number of cells
+        standard error "dgp_error", due to paths and to the finite number of cells,
+        unless without errors
         """
         times = self.skies.times
         given = checked_states(self.windows, states, len(times))
         asked = np.arange(len(times)) if steps is None else steps
         lit = asked[self.skies.whole.diffuse[:, asked].max(axis=0) > 0]
         own = [np.asarray(state)[lit] for state in given]
+        known = errors and "dgp" in quantities
         with linear_algebra_in_one_thread():
             sun = self.sun_disc(own, lit)
-            luminance, variance, value = self._luminance(own, lit, sun)
+            if known:
+                luminance, variance, value = self._luminance(own, lit, sun)
+            else:
+                luminance = self.luminance(own, lit)
             found = point_glare(
                 self.samples,
                 luminance,
@@ -117,7 +125,7 @@ class ViewPoint:
                 times=times[lit],
                 quantities=quantities,
             )
-            if "dgp" in quantities:
+            if known:
                 sampled = sampling_error(
                     self.samples,
                     luminance,
@@ -320,44 +328,71 @@ class ViewPointTracer:
         sun_samples: int = _SUN_SAMPLES,
     ) -> ViewPoint:
         """Choose the cells of a view point, and trace its matrices."""
+        blank = self.blank(position, views, refinement)
+        samples = self.cells(blank, effort)
+        V = self.view_matrices(blank, samples, effort)
+        return self.traced(blank, samples, V, effort, sun_samples=sun_samples)
+
+    def blank(
+        self, position: Vector, views: Sequence[View], refinement: Refinement
+    ) -> ViewPoint:
+        """Return a view point without matrices."""
+        none = regular_samples(0)
+        rest = self.terms, self.skies, refinement
+        return ViewPoint(position, tuple(views), none, (), *rest)
+
+    def cells(self, point: ViewPoint, effort: Effort) -> SphereSamples:
+        """Return the cells of the sphere, fine where DGP depends on it."""
         steps = self._steps
         states = [np.arange(len(steps)) % len(each.states) for each in self.windows]
         trial = replace(effort, samples=_TRIAL, relative_error=None)
         rounds = iter(range(1 << 10))
-        blank = ViewPoint(
-            position, tuple(views), regular_samples(0), (), self.terms, self.skies,
-            refinement,
-        )  # fmt: skip
 
         def luminance(samples: SphereSamples) -> Float[np.ndarray, "cell step"]:
             own = replace(trial, seed=(effort.seed + 1 + next(rounds)) % 2**32)
-            return self._traced(blank, samples, own, _TRIAL).luminance(states, steps)
+            V = self.view_matrices(point, samples, own)
+            found = self.traced(point, samples, V, own, sun_samples=_TRIAL)
+            return found.luminance(states, steps)
 
         with linear_algebra_in_one_thread():
             samples = sample_sphere(
                 luminance,
-                views,
-                refinement=refinement,
-                details=_middles(self.windows, position),
+                point.views,
+                refinement=point.refinement,
+                details=_middles(self.windows, point.position),
                 seed=effort.seed,
             )
-        return self._traced(blank, samples.centred(), effort, sun_samples)
+        return samples.centred()
 
     @cached_property
     def _steps(self) -> Int[np.ndarray, " step"]:
         return representative_steps(self.skies)
 
-    def _traced(
-        self, point: ViewPoint, samples: SphereSamples, effort: Effort, sun_samples: int
-    ) -> ViewPoint:
-        # The view point with given cells
-        room, cells = self.scene, samples.cells(point.position)
+    @property
+    def _sunlit(self) -> bool:
+        return any(term.part == "sun" for term in self.terms)
+
+    def view_matrices(
+        self, point: ViewPoint, samples: SphereSamples, effort: Effort
+    ) -> dict[str, TransferMatrix]:
+        """Return V by window name; of reflected light alone if the sun is direct."""
+        cells = samples.cells(point.position)
         inner = [each.window for each in self.windows]
-        sunlit = any(term.part == "sun" for term in self.terms)
-        trace = reflected_view_matrices if sunlit else picture_view_matrices
-        V = trace(room, inner, cells, effort=effort)
+        trace = reflected_view_matrices if self._sunlit else picture_view_matrices
+        return trace(self.scene, inner, cells, effort=effort)
+
+    def traced(
+        self,
+        point: ViewPoint,
+        samples: SphereSamples,
+        views: Mapping[str, TransferMatrix],
+        effort: Effort,
+        *,
+        sun_samples: int,
+    ) -> ViewPoint:
+        """Return the view point with given V; trace the paths to the windows."""
         paths = None
-        if sunlit:
+        if self._sunlit:
             own = replace(
                 effort,
                 samples=sun_samples,
@@ -365,10 +400,12 @@ class ViewPointTracer:
                 bounces=None,
                 seed=(effort.seed + _PATHS) % 2**32,
             )
-            paths = picture_window_paths(room, inner, cells, effort=own)
+            cells = samples.cells(point.position)
+            inner = [each.window for each in self.windows]
+            paths = picture_window_paths(self.scene, inner, cells, effort=own)
         suns = None if self.skies.suns is None else self.skies.suns.directions
         like = self._known[0] if self._known else None
-        found = receiving_matrices(self.windows, V, paths, suns, like=like)
+        found = receiving_matrices(self.windows, views, paths, suns, like=like)
         self._known[:] = [found]
         return replace(point, samples=samples, windows=found)
 

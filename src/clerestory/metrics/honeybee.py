@@ -1,4 +1,4 @@
-"""Reading and writing of results folders of honeybee-radiance-postprocess.
+"""Reading of results folders of honeybee-radiance-postprocess.
 
 A folder contains `grids_info.json` (sensor grids and their light paths),
 `sun-up-hours.txt` (hours of the year with the sun above the horizon),
@@ -8,7 +8,6 @@ hour).
 """
 
 import io
-import json
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -23,14 +22,7 @@ from jaxtyping import Float, Int
 from clerestory.checks import has_shape, one_of, require, within
 from clerestory.documents import json_value
 from clerestory.errors import InputError, located
-from clerestory.escaping import file_stems
-from clerestory.files import (
-    make_folder,
-    read_bytes,
-    read_text,
-    replace_file,
-    write_text,
-)
+from clerestory.files import read_bytes, read_text
 
 STATIC = "__static_apertures__"
 Light = Literal["total", "direct"]
@@ -170,46 +162,6 @@ def _expecting(what: str, file: Path) -> Iterator[None]:
         yield
     except (AttributeError, KeyError, TypeError, ValueError, OverflowError) as error:
         raise InputError(f"{what} expected", file=file) from error
-
-
-def write_honeybee(
-    folder: str | Path,
-    total: Mapping[str, Float[np.ndarray, "sensor time"]],
-    times: np.ndarray,
-    *,
-    direct: Mapping[str, Float[np.ndarray, "sensor time"]] | None = None,
-) -> None:
-    """Write the illuminance of grids in the format of honeybee-radiance-postprocess.
-
-    `total` illuminance and `direct` illuminance from the sun alone are in lux; `times`
-    are centres of hourly steps. Hours in which all grids have 0 lux are omitted.
-    """
-    moments = times.astype("datetime64[s]")
-    hours = (moments - moments.astype("datetime64[Y]")) / np.timedelta64(3600, "s")
-    hourly = len(np.unique(hours.astype(int))) == len(hours)
-    message = "times are not hours of one 365-day year; one time per hour expected"
-    require(hourly and np.all(hours < _HOURS_A_YEAR), message)
-    for name, lux in total.items():
-        has_shape(lux, (len(lux), len(times)), f"illuminance of grid {name!r}")
-    lit = np.any([lux.max(axis=0) > 0 for lux in total.values()], axis=0)
-    folder = make_folder(folder)
-    stems = file_stems(total)
-    info = [
-        {"name": name, **dict.fromkeys(("identifier", "full_id"), stems[name])}
-        | {"group": "", "count": len(lux), "light_path": [[STATIC]]}
-        for name, lux in total.items()
-    ]
-    write_text(folder / "grids_info.json", json.dumps(info, indent=2))
-    write_text(folder / "grid_states.json", "{}")
-    write_text(folder / "sun-up-hours.txt", "\n".join(f"{h:g}" for h in hours[lit]))
-    study = {"timestep": 1, "study_hours": [float(h) for h in hours]}
-    write_text(folder / "study_info.json", json.dumps(study))
-    for light, grids in (("total", total), ("direct", direct or {})):
-        place = make_folder(folder / STATIC / "default" / light)
-        for name, lux in total.items():
-            values = grids.get(name, np.zeros_like(lux))[:, lit]
-            with replace_file(place / f"{stems[name]}.npy") as stream:
-                np.save(stream, values.astype(np.float32), allow_pickle=False)
 
 
 def _json(path: Path) -> Any:

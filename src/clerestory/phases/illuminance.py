@@ -147,9 +147,15 @@ def _errors(
 
 
 def hourly_variable(
-    file: h5netcdf.File, name: str, axes: Sequence[str], kind: str = "f4"
+    file: h5netcdf.File,
+    name: str,
+    axes: Sequence[str],
+    kind: str = "f4",
+    *,
+    compress: bool = False,
 ) -> h5netcdf.Variable:
     """Create and return a NetCDF variable over (sensor, time) and axes between them."""
+    how = {"compression": "gzip", "shuffle": True} if compress else {}
     sizes = [file.dimensions[axis].size for axis in axes]
     chunks = (min(_CHUNK[0], sizes[0]), *sizes[1:-1], min(_CHUNK[1], sizes[-1]))
-    return file.create_variable(name, tuple(axes), kind, chunks=chunks)
+    return file.create_variable(name, tuple(axes), kind, chunks=chunks, **how)

@@ -63,7 +63,20 @@ def plan_frame(
     content: ReportContent, members: Int[np.ndarray, " member"], *, identifier: str
 ) -> PlanFrame:
     """Return the frame of a plan showing the room visible from the given sensors."""
-    position = content.sensors.position[members]
+    position, direction = content.sensors.position, content.sensors.direction
+    return frame_around(
+        content, position[members], direction[members], identifier=identifier
+    )
+
+
+def frame_around(
+    content: ReportContent,
+    position: Float[np.ndarray, "point 3"],
+    direction: Float[np.ndarray, "point 3"],
+    *,
+    identifier: str,
+) -> PlanFrame:
+    """Return the frame of a plan showing the room visible from sensors or eyes."""
     points = position[:, :2]
     height = float(np.median(position[:, 2]))
     segments = horizontal_section(content.room.corners, height=height)
@@ -79,11 +92,11 @@ def plan_frame(
     low, high = low - lack, high + lack
     scale = float(np.min((_WIDTH, _HEIGHT) / (high - low)))
 
-    level = bool(np.median(np.abs(content.sensors.direction[members, 2])) > 0.7)
+    level = bool(np.median(np.abs(direction[:, 2])) > 0.7)
     cells = (
         sensor_cells(points)
         if level
-        else _arrows(points, content.sensors.direction[members, :2], size=36 / scale)
+        else _arrows(points, direction[:, :2], size=36 / scale)
     )
     frame = PlanFrame(identifier, low, high, scale, "", level, cells, points)
     inside = np.all((segments > low - 1) & (segments < high + 1), axis=2).any(axis=1)
@@ -100,7 +113,6 @@ def plan(
     label: str,
 ) -> Markup:
     """Return the false-colour plan of one metric at the given sensors."""
-    width, height = frame.size
     colours = hexadecimal(value_colours(scale, metric.values[members]))
     cells = frame.place(frame.cells)
 
@@ -114,24 +126,42 @@ def plan(
         )
         for colour in dict.fromkeys(colours)
     ]
-    return drawing(
+    return plan_drawing(
+        frame,
+        content,
         label,
         element("g", *painted, class_="cells"),
+        data_arrows=None if frame.level else 1,
+        data_metric=metric.key,
+        data_grid=frame.identifier,
+    )
+
+
+def plan_drawing(
+    frame: PlanFrame,
+    content: ReportContent,
+    label: str,
+    painted: Markup,
+    *marks: Markup,
+    **attributes: object,
+) -> Markup:
+    """Return a plan: `painted`, walls and windows, `marks`, scale bar and north."""
+    width, height = frame.size
+    return drawing(
+        label,
+        painted,
         element("use", href=f"#{frame.identifier}", class_="halo"),
         element("use", href=f"#{frame.identifier}", class_="walls"),
         *(
             _window(frame, window, reversed_=bool(orientation(window, content).problem))
             for window in content.windows
         ),
-        element("circle", class_="chosen", r=5, cx=-99, cy=-99),
+        *(marks or [element("circle", class_="chosen", r=5, cx=-99, cy=-99)]),
         _scale_bar(frame),
         _north_arrow(frame, content.north),
         width=width,
         height=height,
-        class_="plan",
-        data_arrows=None if frame.level else 1,
-        data_metric=metric.key,
-        data_grid=frame.identifier,
+        **{"class_": "plan", **attributes},
     )
 
 

@@ -30,6 +30,7 @@ from clerestory.report.plan_section import plans_section
 from clerestory.report.section import Section
 from clerestory.report.sunlight import sunlight_section
 from clerestory.report.view_glare import glare_section
+from clerestory.report.view_grids import view_grids_section
 from clerestory.report.window_layers import layers_section
 from clerestory.report.window_states import states_section
 from clerestory.report.year_section import year_section
@@ -44,6 +45,7 @@ _SCRIPTS = (
     "plan.js",
     "year.js",
     "maps.js",
+    "rosettes.js",
     "film.js",
     "terms.js",
     "view.js",
@@ -75,6 +77,7 @@ _SECTIONS: tuple[tuple[str, str, Callable[[ReportContent], Section]], ...] = (
     ("film", "A day in pictures", film_section),
     ("pictures", "Pictures", pictures_section),
     ("glare", "Glare", glare_section),
+    ("view-grids", "Glare at every position", view_grids_section),
     ("sunlight", "Sunlight", sunlight_section),
     ("lamps", "Electric light", lamps_section),
     ("equation", "Direct correction", equation_section),

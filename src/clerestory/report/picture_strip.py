@@ -34,14 +34,14 @@ def pictures_section(content: ReportContent) -> Section:
         return Section()
     most = _MOST if len(views) < 3 else _MOST_OF_MANY
     note = moment_notes(content)
-    strips = [_strip(view, most, content.times, note) for view in views]
+    strips = [picture_figures(view, most, content.times, note) for view in views]
     return Section(render("pictures.html", views=strips))
 
 
-def _strip(
+def picture_figures(
     view: ViewPictures, most: int, times: np.ndarray, note: Callable[[str, int], str]
 ) -> dict[str, object]:
-    # Up to `most` pictures of a view, tone-mapped and in false colour, with notes
+    """Return up to `most` pictures of a view, tone-mapped and in false colour."""
     name, total = view.view, len(view.moments)
     moments = [view.moments[k] for k in evenly(total, most)]
     pictures = [read_small(moment.file, width=_WIDTH) for moment in moments]

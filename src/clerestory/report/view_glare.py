@@ -96,7 +96,7 @@ def glare_maps(views: Sequence[ViewGlare]) -> list[DayMap]:
         DayMap(
             f"glare-{number}",
             f"Glare at {glare.view} by day and hour",
-            _steps(glare.dgp),
+            dgp_steps(glare.dgp),
             texts,
             shades(level),
         )
@@ -113,8 +113,8 @@ def shades(dgp: Float[np.ndarray, " level"]) -> UInt8[np.ndarray, "level 3"]:
     return np.asarray(np.round(colours), dtype=np.uint8)
 
 
-def _steps(dgp: Float[np.ndarray, " time"]) -> Int[np.ndarray, " time"]:
-    # DGP × 100, rounded to integers of the same glare category; -1 for NaN
+def dgp_steps(dgp: Float[np.ndarray, " time"]) -> Int[np.ndarray, " time"]:
+    """Return DGP × 100, rounded to integers of the same category; -1 for NaN."""
     exact = np.nan_to_num(dgp)
     steps = np.round(np.clip(exact, 0, 1) / _STEP).astype(int)
     moved = DGP.category(exact) - DGP.category(steps * _STEP)

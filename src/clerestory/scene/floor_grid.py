@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from jaxtyping import Float
+from matplotlib.path import Path
 
 from clerestory.array_types import Vector
 from clerestory.checks import require
@@ -23,6 +24,10 @@ _START, _LARGEST = 0.3, 60.0
 
 # Difference of heights up to which surfaces belong to the same floor [m]
 _SAME = 0.02
+
+# Number of surfaces below a point that may be the floor; share of the points that have
+# the floor below them
+_LEVELS, _COMMON = 6, 0.9
 
 _UP = np.array([0.0, 0.0, 1.0])
 _SIDEWAYS = np.array([[1.0, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]])
@@ -58,6 +63,69 @@ def floor_grid(
     position[:, 2] = floor + height
     order = np.lexsort((position[:, 0], position[:, 1]))
     return Sensors(position[order], np.tile(_UP, (len(position), 1)))
+
+
+def floor_level(scene: Scene, position: Float[np.ndarray, "point 3"]) -> float:
+    """Return the height of the floor below points [m].
+
+    This is the highest level at which surfaces are below nearly all points; furniture
+    is below some of them.
+    """
+    solid, levels = _walls(scene, []), []
+    for point in position:
+        start, corner = point.copy(), solid.beneath(point).corner
+        for _ in range(_LEVELS):
+            drop = first_hits(start, -_UP[None], corner)[0]
+            if np.isinf(drop):
+                break
+            levels.append(start[2] - drop)
+            start[2] = levels[-1] - 1e-4
+    known = np.round(np.array(levels) / _SAME)
+    values, count = np.unique(known, return_counts=True)
+    common = values[count >= _COMMON * len(position)]
+    require(
+        len(common),
+        "no surface is below all positions; positions above a floor expected",
+    )
+    return float(np.median([x for x in levels if abs(x / _SAME - common[-1]) <= 1]))
+
+
+def polygon_grid(
+    corners: Float[np.ndarray, "corner 3"], *, spacing: float, most: int
+) -> Float[np.ndarray, "point 3"]:
+    """Return a regular grid of points in a level polygon [m], by rows from below.
+
+    The grid is centred in the bounding rectangle of the polygon.
+
+    >>> square = np.array([[0.0, 0, 0], [2, 0, 0], [2, 1, 0], [0, 1, 0]])
+    >>> polygon_grid(square, spacing=1.0, most=9).tolist()
+    [[0.5, 0.5, 0.0], [1.5, 0.5, 0.0]]
+    """
+    require(
+        np.ptp(corners[:, 2]) < _SAME,
+        f"corners of the floor differ in height by {np.ptp(corners[:, 2]):.3g} m; the"
+        " same height expected",
+    )
+    low, size = corners[:, :2].min(axis=0), np.ptp(corners[:, :2], axis=0)
+    count = np.maximum(np.floor(size / spacing + 1e-6), 1)
+    require(
+        count.prod() <= most,
+        f"{count.prod():,.0f} positions at a spacing of {spacing:g} m; at most"
+        f" {most:,} expected",
+    )
+    margin = (size - (count - 1) * spacing) / 2
+    x, y = (
+        low[axis] + margin[axis] + spacing * np.arange(count[axis]) for axis in (0, 1)
+    )
+    points = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+    inside = Path(corners[:, :2]).contains_points(points)
+    require(
+        inside.any(),
+        f"no position at a spacing of {spacing:g} m is on the floor; a smaller spacing"
+        " expected",
+    )
+    level = np.full((np.count_nonzero(inside), 1), corners[:, 2].mean())
+    return np.concatenate([points[inside], level], axis=1)
 
 
 def room_side(scene: Scene, window: Window) -> int:

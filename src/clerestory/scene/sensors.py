@@ -1,5 +1,6 @@
 """Illuminance sensors and their .pts files."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -70,18 +71,48 @@ def read_sensors(path: str | Path) -> Sensors:
 
 def parse_sensors(content: str, path: str | Path) -> Sensors:
     """Return sensors from the text of a sensor file; `path` is for messages."""
-    rows = []
-    for i, text in enumerate(content.split("\n"), start=1):
-        words = text.partition("#")[0].replace(",", " ").split()
-        if words:
-            with located(file=path, line=i):
-                rows.append(_row(words))
+    rows = _rows(content, path, _sensor)
     require(rows, "no sensors; lines of x y z dx dy dz expected", file=path)
     table = np.array(rows)
     return Sensors(table[:, :3], table[:, 3:])
 
 
-def _row(words: list[str]) -> list[float]:
+def read_positions(path: str | Path) -> Float[np.ndarray, "position 3"]:
+    """Read positions [m] from a file with x y z on each line, as `read_sensors`.
+
+    Lines may have directions, as those of sensors; these are ignored.
+    """
+    rows = _rows(read_text(path), path, _position)
+    require(rows, "no positions; lines of x y z expected", file=path)
+    return np.array(rows)
+
+
+def _rows(
+    content: str, path: str | Path, row: Callable[[list[str]], list[float]]
+) -> list[list[float]]:
+    rows = []
+    for i, text in enumerate(content.split("\n"), start=1):
+        words = text.partition("#")[0].replace(",", " ").split()
+        if words:
+            with located(file=path, line=i):
+                rows.append(row(words))
+    return rows
+
+
+def _sensor(words: list[str]) -> list[float]:
+    values = _numbers(words)
+    require(len(values) == 6, f"{len(values)} numbers; six (x y z dx dy dz) expected")
+    unit(np.array(values[3:]))
+    return values
+
+
+def _position(words: list[str]) -> list[float]:
+    values = _numbers(words)
+    require(len(values) in (3, 6), f"{len(values)} numbers; three (x y z) expected")
+    return values[:3]
+
+
+def _numbers(words: list[str]) -> list[float]:
     values = []
     for word in words:
         value = number(word)
@@ -90,6 +121,4 @@ def _row(words: list[str]) -> list[float]:
         if abs(value) > LARGEST:
             raise InputError(f"a number exceeds {LARGEST:.0e}; a smaller one expected")
         values.append(value)
-    require(len(values) == 6, f"{len(values)} numbers; six (x y z dx dy dz) expected")
-    unit(np.array(values[3:]))
     return values

@@ -20,6 +20,7 @@ from clerestory.study import config_tables as tables
 from clerestory.study.compliance_tables import ComplianceTable, SpaceTable
 from clerestory.study.config_tables import Distinct, require_rule
 from clerestory.study.lighting_tables import LightingTable, LuminaireTable
+from clerestory.study.view_grid_tables import ViewGridTable
 from clerestory.study.window_tables import WindowTable
 
 _METHODS = " or".join(", ".join(f'"{name}"' for name in METHODS).rsplit(",", 1))
@@ -52,6 +53,7 @@ class Study(Table):
         min_length=1, description="at least one table [[sensors]]"
     )
     view: Annotated[list[tables.ViewTable], Distinct] = Field([])
+    view_grid: Annotated[list[ViewGridTable], Distinct] = Field([])
     luminaire: Annotated[list[LuminaireTable], Distinct] = Field([])
     lighting: Annotated[list[LightingTable], Distinct] = Field([])
     weather: tables.WeatherTable = Field(description="a table [weather]")
@@ -77,8 +79,9 @@ class Study(Table):
                 f'method "{method}" without a window; a table [[window]] expected',
             )
         require_rule(
-            self.methods != ["2-phase"] or not self.view,
-            'method "2-phase" computes no images; no table [[view]] expected',
+            self.methods != ["2-phase"] or not (self.view or self.view_grid),
+            'method "2-phase" computes no images; no table [[view]] expected'
+            " and no [[view_grid]]",
         )
         return self
 
@@ -115,15 +118,19 @@ class Study(Table):
 
     @model_validator(mode="after")
     def _names_that_exist(self) -> "Study":
-        # Control rules, lighting zones and luminaires must name tables that exist
+        # Control rules, lighting zones, view grids and luminaires name other tables
         grids = [table.label for table in self.sensors]
         views = [table.label for table in self.view]
+        view_grids = [table.label for table in self.view_grid]
         for window in self.window:
             if window.control is not None:
                 rule = f'rule "{window.control.rule}" of window "{window.label}"'
                 _require(rule, "grid", [window.control.grid], grids)
                 _require(rule, "view", window.control.views, views)
+                _require(rule, "view grid", window.control.view_grids, view_grids)
                 self._require_views(window)
+        for table in self.view_grid:
+            _require(f'view grid "{table.label}"', "grid", [table.grid], grids)
         for space in self.space:
             _require(f'space "{space.name}"', "grid", space.grids, grids)
             _require(f'space "{space.name}"', "view", space.views, views)
@@ -149,9 +156,9 @@ class Study(Table):
             return
         glare = control.rule == "glare" or "glare" in control.needs
         require_rule(
-            self.view or not (glare or control.dgp_below is not None),
+            self.view or self.view_grid or not (glare or control.dgp_below is not None),
             f'rule "{control.rule}" of window "{window.label}" depends on glare, but'
-            " there is no view; a table [[view]] expected",
+            " there is no view; a table [[view]] or [[view_grid]] expected",
         )
 
     @property
@@ -181,8 +188,10 @@ class Study(Table):
 
     def with_method(self, method: MethodName) -> "Study":
         """Return a copy of the study with one phase method; "2-phase" has no views."""
-        views = [] if method == "2-phase" else self.view
-        return self.model_copy(update={"methods": [method], "view": views})
+        seen = {"view": self.view, "view_grid": self.view_grid}
+        if method == "2-phase":
+            seen = {"view": [], "view_grid": []}
+        return self.model_copy(update={"methods": [method], **seen})
 
     def model_post_init(self, context: Any) -> None:
         """Store the folder of the study file."""

@@ -6,6 +6,7 @@ Inputs are computed on demand.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -22,6 +23,7 @@ from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.study.config import Study
 from clerestory.study.inputs import Inputs
 from clerestory.study.study_matrices import StudyMatrices
+from clerestory.study.window_tables import ControlTable
 
 # Function of shade states, time steps and view names: largest DGP among these views
 GlareFunction = Callable[
@@ -29,15 +31,33 @@ GlareFunction = Callable[
 ]
 
 
+class GridGlareFunction(Protocol):
+    """Function that returns the largest DGP among all views of view grids."""
+
+    def __call__(
+        self,
+        states: States,
+        steps: Int[np.ndarray, " step"],
+        names: Sequence[str],
+        *,
+        enough: float,
+    ) -> Float[np.ndarray, " step"]:
+        """Return DGP at time steps; where above `enough`, a lower limit of it."""
+
+
 @dataclass(frozen=True, eq=False)
 class ControlInputs:
-    """Inputs of shade control rules; `largest_dgp` is that of given views."""
+    """Inputs of shade control rules.
+
+    `largest_dgp` is that of given views, `largest_grid_dgp` that of view grids.
+    """
 
     study: Study
     inputs: Inputs
     matrices: StudyMatrices
     skies: Skies
     largest_dgp: GlareFunction
+    largest_grid_dgp: GridGlareFunction
     _kept: dict[tuple[str, int], np.ndarray] = field(default_factory=dict)
 
     @property
@@ -132,6 +152,32 @@ class ControlInputs:
         part = self.matrices.reduced(everything, self.inputs.rows(grid))
         found = part.illuminance(self.skies, states)
         return np.asarray(found["illuminance"].values)
+
+    def dgp(
+        self,
+        states: States,
+        steps: Int[np.ndarray, " step"],
+        control: ControlTable,
+        *,
+        enough: float = np.inf,
+    ) -> Float[np.ndarray, " step"]:
+        """Return the largest DGP among the views and view grids of a control rule.
+
+        Without names these are all views, or all view grids if there are no views.
+        Where DGP is above `enough`, a lower limit of it may be returned.
+        """
+        worst = np.zeros(len(steps))
+        if control.views or (self.study.view and not control.view_grids):
+            worst = self.largest_dgp(states, steps, control.views)
+        if self.looks_at_grids(control):
+            grids = control.view_grids
+            found = self.largest_grid_dgp(states, steps, grids, enough=enough)
+            worst = np.maximum(worst, found)
+        return worst
+
+    def looks_at_grids(self, control: ControlTable) -> bool:
+        """Whether a control rule evaluates the glare of view grids."""
+        return bool(control.view_grids) or not (control.views or self.study.view)
 
     def direct(
         self, group: int, state: States, grid: str

@@ -239,12 +239,20 @@ def _quantity(case: Case) -> Float[np.ndarray, " time"]:
 
 def _glare(case: Case, *, until: float = -np.inf) -> Float[np.ndarray, "state time"]:
     # DGP of each shade state; infinite if a more open state has DGP ≤ `until`
-    steps = np.arange(len(case.signals.times))
+    steps, enough = np.arange(len(case.signals.times)), max(until, 0) or np.inf
     glare = np.full((case.count, len(steps)), np.inf)
+
+    def dgp(state: int, enough: float) -> np.ndarray:
+        states, control = case.with_state(state), case.control
+        return case.signals.dgp(states, steps, control, enough=enough)
+
     for state in range(case.count):
         if len(steps):
-            states, views = case.with_state(state), case.control.views
-            found = case.signals.largest_dgp(states, steps, views)
-            glare[state, steps] = found
+            found = glare[state, steps] = dgp(state, enough)
             steps = steps[found > until]
+    # Where no state has DGP ≤ `until`, the lowest counts, not a lower limit of it
+    limited = np.isfinite(enough) and case.signals.looks_at_grids(case.control)
+    if limited and len(steps):
+        for state in range(case.count):
+            glare[state, steps] = dgp(state, np.inf)
     return glare

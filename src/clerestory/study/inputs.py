@@ -1,6 +1,7 @@
 """Content of the input files of a study."""
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from jaxtyping import Int
@@ -23,6 +24,7 @@ from clerestory.sky.weather_formats import read_weather
 from clerestory.sky.weather_selection import select_days
 from clerestory.study.config import Study
 from clerestory.study.config_tables import ViewTable, WeatherTable
+from clerestory.study.view_grid_positions import ViewGrid, read_view_grid
 from clerestory.study.window_groups import WindowGroup, read_window_groups
 
 
@@ -30,7 +32,8 @@ from clerestory.study.window_groups import WindowGroup, read_window_groups
 class Inputs:
     """Content of the input files of a study; `scene` is the room without its windows.
 
-    `grids` has sensors by grid name, `cameras` the views as ordered in the study.
+    `grids` has sensors by grid name; `cameras` and `view_grids` have the order of the
+    study.
     """
 
     scene: Scene
@@ -38,6 +41,7 @@ class Inputs:
     grids: dict[str, Sensors]
     cameras: tuple[Camera, ...]
     weather: Weather
+    view_grids: tuple[ViewGrid, ...] = ()
 
     __repr__ = brief
 
@@ -72,15 +76,19 @@ def read_inputs(study: Study) -> Inputs:
     for group in groups:
         if group.control is not None and group.control.file is not None:
             group.schedule()
+    scene = scaled(read_rad(*study.scene.files), metres)
+    grids = {
+        table.label: scaled(read_sensors(table.file), metres) for table in study.sensors
+    }
+    windows = [group.inner for group in groups]
+    place = partial(read_view_grid, scene=scene, windows=windows, grids=grids)
     return Inputs(
-        scene=scaled(read_rad(*study.scene.files), metres),
+        scene=scene,
         groups=tuple(groups),
-        grids={
-            table.label: scaled(read_sensors(table.file), metres)
-            for table in study.sensors
-        },
+        grids=grids,
         cameras=tuple(_camera(table, metres) for table in study.view),
         weather=study_weather(study),
+        view_grids=tuple(place(table, metres=metres) for table in study.view_grid),
     )
 
 

@@ -26,8 +26,15 @@ from clerestory.metrics.compliance import assess
 from clerestory.metrics.standards import standards_named
 from clerestory.phases.matrix_equation import Skies, States
 from clerestory.phases.matrix_store import MatrixStore
+from clerestory.progress import silent
 from clerestory.scene.scene_checks import warn_of_scene
-from clerestory.study.annual_views import glare_function, study_views, warn_of_views
+from clerestory.study.annual_view_grids import Hours, study_view_grids
+from clerestory.study.annual_views import (
+    PICTURE_FOLDER,
+    glare_function,
+    study_views,
+    warn_of_views,
+)
 from clerestory.study.compliance_inputs import compliance_inputs
 from clerestory.study.compliance_table import compliance_table
 from clerestory.study.config import Study
@@ -41,6 +48,8 @@ from clerestory.study.outputs import write_tables
 from clerestory.study.results import Results, read_results, save_results
 from clerestory.study.shade_operation import ShadeOperation, operate
 from clerestory.study.study_tracing import study_skies, trace_study
+from clerestory.study.view_grid_pictures import write_worst_pictures
+from clerestory.study.view_grid_points import GridPoints, grid_glare_function
 from clerestory.study.view_matrices import trace_views
 from clerestory.warning_log import WarningLog
 
@@ -67,7 +76,8 @@ class RunLog:
                 warnings.simplefilter("always", ClerestoryWarning)
                 yield
         finally:
-            self.seconds[name] = round(perf_counter() - start, 3)
+            spent = self.seconds.get(name, 0.0) + perf_counter() - start
+            self.seconds[name] = round(spent, 3)
             for item in caught:
                 ours = issubclass(item.category, ClerestoryWarning)
                 if not ours or self.warnings.add(str(item.message)):
@@ -126,9 +136,15 @@ def _simulate(job: Job, log: RunLog, states: States | None, *, out: Path) -> xr.
         lamps = trace_lamps(job)
     with log.phase("sky"):
         skies = study_skies(study, inputs, matrices.suns)
+    points = GridPoints(replace(job, display=silent), matrices, skies)
+    with log.phase("view grids"):
+        points.trace(display)
     with log.phase("control"):
-        glare_of = glare_function(views, skies, display=display)
-        signals = ControlInputs(study, inputs, matrices, skies, glare_of)
+        largest_dgp = (
+            glare_function(views, skies, display=display),
+            grid_glare_function(points, display=display),
+        )
+        signals = ControlInputs(study, inputs, matrices, skies, *largest_dgp)
         acts = operate(signals) if states is None else ShadeOperation(list(states))
     with log.phase("multiply"):
         hourly = matrices.illuminance(skies, acts.states, progress=display("multiply"))
@@ -149,14 +165,52 @@ def _simulate(job: Job, log: RunLog, states: States | None, *, out: Path) -> xr.
             out=out,
             display=display,
         )
+    with log.phase("view grids"):
+        grids = _view_grids(points, signals, acts.states, out=out, display=display)
     with log.phase("metrics"):
-        parts = [electric, glare, compliance_inputs(study, inputs, matrices)]
+        parts = [electric, glare, grids, compliance_inputs(study, inputs, matrices)]
         data = label_results(hourly, parts, signals, acts)
     if study.compliance is None:
         return data
     with log.phase("compliance"):
         standards = standards_named(study.compliance.standards)
         return data.merge(compliance_table(assess(data, standards)))
+
+
+def _view_grids(
+    points: GridPoints,
+    signals: ControlInputs,
+    states: States,
+    *,
+    out: Path,
+    display: Display,
+) -> xr.Dataset:
+    # Annual glare of the view grids, and pictures of their worst moments
+    job, skies = points.job, signals.skies
+    if not job.inputs.view_grids:
+        return xr.Dataset()
+    counts = [len(group.states) for group in job.inputs.groups]
+    steps = len(signals.times)
+    found = study_view_grids(
+        job.inputs.view_grids,
+        points.glare,
+        states,
+        every_state=[
+            [np.full(steps, min(state, count - 1)) for count in counts]
+            for state in range(max(counts))
+        ],
+        hours=Hours(
+            signals.times,
+            np.flatnonzero(skies.whole.diffuse.max(axis=0) > 0),
+            signals.occupied,
+        ),
+        folder=job.scratch,
+        display=display,
+    )
+    write_worst_pictures(
+        job, signals.matrices, skies, states, found=found, folder=out / PICTURE_FOLDER
+    )
+    return found
 
 
 @contextmanager

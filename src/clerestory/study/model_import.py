@@ -22,7 +22,14 @@ from clerestory.formats.hbjson_modifiers import BsdfModifier, Modifier
 from clerestory.formats.hbjson_rooms import floor_grids
 from clerestory.radiance.rad_writer import format_rad
 from clerestory.radiance.view_text import format_view
-from clerestory.scene.model import Material, Polygon, Scene
+from clerestory.scene.model import (
+    BsdfSurface,
+    Glass,
+    Material,
+    Polygon,
+    Scene,
+    insert_material,
+)
 from clerestory.sky.weather_formats import read_weather
 from clerestory.study import study_files
 
@@ -56,6 +63,7 @@ def write_honeybee_model(
     spacing: float = 0.5,
     height: float = 0.76,
     north_deg: float = 0.0,
+    settings: Mapping[str, Any] | None = None,
 ) -> Written:
     """Write a Honeybee model as Radiance and BSDF files and, with weather, as a study.
 
@@ -66,6 +74,7 @@ def write_honeybee_model(
     ----------
     spacing, height : spacing of generated grids, and height above the floor [m]
     north_deg : angle from +y of the model to north, counter-clockwise [deg]
+    settings : further tables and keys of the study file
     """
     # Read and compute everything before the first file is written
     if weather is not None:
@@ -106,6 +115,7 @@ def write_honeybee_model(
             "view": _named(views) if windows else [],
             "weather": {"file": study_files.relative_path(weather, folder)},
             **({"sky": {"rotation_deg": north_deg}} if north_deg else {}),
+            **(settings or {}),
         }
         study = _put(folder / "study.toml", study_files.study_text(tables))
         written = (*written, study)
@@ -167,19 +177,45 @@ def sheet_bsdf(modifier: Material) -> Bsdf:
     return Bsdf({("visible", "transmission_front"): part}, traced.product)
 
 
+def window_panes(model: HoneybeeModel) -> Scene:
+    """Return the panes of all windows in their first state, as surfaces of a scene."""
+    materials: dict[str, Material] = {}
+    surfaces: list[Polygon] = []
+    with TemporaryDirectory() as folder:
+        for group in model.windows:
+            name, modifier = group.states[0]
+            if isinstance(modifier, BsdfModifier):
+                path = Path(folder) / "bsdf.xml"
+                _bsdf_text(modifier, path)
+                layer = read_bsdf(path)
+                modifier = BsdfSurface(name, layer, 0.0, modifier.up)
+            key = insert_material(materials, modifier)
+            surfaces += [Polygon(each, key, group.name) for each in group.polygons]
+    return Scene(materials, tuple(surfaces))
+
+
 def _window_table(
     group: ApertureGroup, bsdfs: Mapping[str, Path], path: Path, basis: str
 ) -> dict[str, Any]:
     # Study-file table of a window group; the polygons are written to a file
     files = [bsdfs[name] for name, _ in group.states]
     text = study_files.window_text(path.stem, group.polygons, basis=basis, up=group.up)
-    layers: dict[str, Any] = {"bsdf": files[0].name}
+    # View through glass is clear: sunlight is not scattered
+    tables: list[dict[str, Any]] = [
+        {"bsdf": file.name, **({"peak": True} if isinstance(modifier, Glass) else {})}
+        for file, (_, modifier) in zip(files, group.states, strict=True)
+    ]
+    layers: dict[str, Any] = tables[0]
     if len(files) > 1:
         names: list[str] = []
         for name, _ in group.states:
             names.append(unique_name(name, names))
-        states = zip(names, files, strict=True)
-        layers = {"state": [{"name": n, "bsdf": file.name} for n, file in states]}
+        layers = {
+            "state": [
+                {"name": name, **table}
+                for name, table in zip(names, tables, strict=True)
+            ]
+        }
     return {"name": group.name, "file": _put(path, text).name, **layers}
 
 

@@ -19,6 +19,11 @@ from clerestory.metrics.compliance import Quantity
 from clerestory.study.compliance_table import assessments_of
 from clerestory.study.config import Study
 from clerestory.study.results import Results
+from clerestory.study.view_grid_outputs import (
+    view_grids,
+    write_grid_dgp,
+    write_grid_views,
+)
 
 # Number of time steps that are read at a time
 _BLOCK = 730
@@ -67,6 +72,9 @@ def write_tables(study: Study, results: Results, out: Path) -> None:
             write_requirements(results, out / "requirements.csv")
         if "dimming" in results.data:
             write_lighting(results, out / "lighting.csv")
+        for grid, stem in file_stems(view_grids(results)).items():
+            write_grid_views(results, out / f"glare_{stem}.csv", grid=grid)
+            write_grid_dgp(results, out / f"dgp_{stem}.csv", grid=grid)
     for grid, stem in file_stems(results.grids()).items():
         if study.output.csv:
             write_hourly(results, out / f"illuminance_{stem}.csv", grid=grid)

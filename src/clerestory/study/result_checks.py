@@ -30,6 +30,29 @@ _NUMBERS = {
     "electric_illuminance": ("sensor", "time"),
     "sun_reaches": ("opening", "moment"),
     "room_hours_of_sun": (),
+    **dict.fromkeys(
+        ("grid_view_dgp", "grid_view_dgp_error", "grid_view_illuminance"),
+        ("grid_view", "time"),
+    ),
+    **dict.fromkeys(
+        ("grid_view_exceeded_dgp", "grid_view_exceeded_dgp_error"), ("grid_view",)
+    ),
+    **dict.fromkeys(("grid_view_azimuth", "grid_view_number"), ("grid_view",)),
+    **dict.fromkeys(
+        ("grid_view_glare_share", "grid_view_glare_share_error"),
+        ("grid_view", "dgp_limit"),
+    ),
+    "grid_view_position": ("grid_view", "xyz"),
+    **dict.fromkeys(
+        ("worst_dgp", "worst_dgp_error", "worst_view", "worst_step"),
+        ("view_grid_name",),
+    ),
+    **dict.fromkeys(("disturbed_views", "disturbed_views_error"), ("view_grid_name",)),
+    **dict.fromkeys(
+        ("disturbed_positions", "disturbed_positions_error"), ("view_grid_name",)
+    ),
+    "grid_view_exceeded_dgp_by_state": ("shade_state", "grid_view"),
+    "dgp_limit": ("dgp_limit",),
 }
 _NAMES = {
     "sensor": ("sensor",),
@@ -41,6 +64,9 @@ _NAMES = {
     "zone": ("zone",),
     "opening": ("opening",),
     "method": ("method",),
+    "grid_view": ("grid_view",),
+    "view_grid": ("grid_view",),
+    "view_grid_name": ("view_grid_name",),
 }
 _TIMES = {"time": ("time",), "moment": ("moment",)}
 _KINDS: Mapping[str, Mapping[str, tuple[str, ...]]] = {

@@ -31,8 +31,11 @@ _FORMAT = "clerestory results 1"
 # Hourly arrays above this size [bytes] are read and written in blocks of sensors
 _LARGE = 500_000_000
 
-# Sensors per block in writing: 8760 hours of a block take 36 MB
-_SENSORS = 1024
+# Sensors or views per block in writing: 8760 hours of a block take 36 MB
+_ROWS = 1024
+
+# Axis of the views of view grids
+VIEWS = "grid_view"
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,23 +112,25 @@ def _storable(data: xr.Dataset) -> xr.Dataset:
 
 
 def _append_hourly(path: Path, name: str, data: xr.DataArray) -> None:
-    # Copy in blocks of sensors, as the hourly values may be in another file
-    sensors, axes = len(data), [str(axis) for axis in data.dims]
+    # Copy in blocks of rows, as the hourly values may be in another file
+    count, axes = len(data), [str(axis) for axis in data.dims]
     with h5netcdf.File(path, "a") as file:
         for axis in axes:
             if axis not in file.dimensions:
                 file.dimensions[axis] = data.sizes[axis]
-        variable = hourly_variable(file, name, axes, data.dtype.str[1:])
+        kind, compress = data.dtype.str[1:], axes[0] == VIEWS
+        variable = hourly_variable(file, name, axes, kind, compress=compress)
         for key, value in data.attrs.items():
             variable.attrs[key] = value
-        for first in range(0, sensors, _SENSORS):
-            rows = slice(first, min(first + _SENSORS, sensors))
+        for first in range(0, count, _ROWS):
+            rows = slice(first, min(first + _ROWS, count))
             variable[rows] = data[rows].values
 
 
 def _is_large(data: xr.DataArray) -> bool:
-    hourly = data.ndim > 1 and (data.dims[0], data.dims[-1]) == ("sensor", "time")
-    return hourly and data.nbytes > _LARGE
+    axes = (data.dims[0], data.dims[-1]) if data.ndim > 1 else ()
+    large = axes == ("sensor", "time") and data.nbytes > _LARGE
+    return large or axes == (VIEWS, "time")
 
 
 def read_results(path: str | Path) -> Results:

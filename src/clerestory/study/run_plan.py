@@ -12,6 +12,7 @@ from pathlib import Path
 from clerestory.cluster.cluster import executor_at
 from clerestory.engine.cost_estimate import JobCost, Plan, estimate_costs
 from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.matrix_equation import Skies
 from clerestory.phases.matrix_store import BlockMaker, Maker, MatrixStore, block_names
 from clerestory.phases.picture_series import block_bytes
 from clerestory.phases.stored_views import FEW
@@ -24,8 +25,10 @@ from clerestory.study.luminaire_matrices import trace_lamps
 from clerestory.study.method_run import RunLog, warn_of_inputs
 from clerestory.study.results import recorded_seconds
 from clerestory.study.stage_costs import STAGES, StageCost, StageWork, hour_bytes
+from clerestory.study.study_matrices import StudyMatrices
 from clerestory.study.study_run import MATRIX_FOLDER
 from clerestory.study.study_tracing import study_skies, trace_study
+from clerestory.study.view_grid_points import GridPoints
 from clerestory.study.view_matrices import trace_views
 
 # Memory besides that of matrices [bytes]: libraries and compiled kernels; largest
@@ -118,11 +121,15 @@ class _Entry:
 
 @dataclass(frozen=True, eq=False)
 class PlannedStore:
-    """Cache for dry runs: records requests, without reading or writing matrices."""
+    """Cache for dry runs: records requests, without reading or writing matrices.
+
+    `repeated` tells how often recorded jobs are traced, by their indices.
+    """
 
     store: MatrixStore
     plan: Plan
     entries: list[_Entry] = field(default_factory=list)
+    repeated: dict[range, int] = field(default_factory=dict)
 
     def path(self, name: str, fingerprint: str) -> Path:
         """Return the path of a matrix file."""
@@ -205,13 +212,29 @@ def _walk_through(
     trace_lamps(job)
     with log.phase("sky"):
         skies = study_skies(study, inputs, matrices.suns)
+    _plan_view_grids(job, matrices, skies, store)
     return StageWork(study, inputs, matrices, views, skies)
+
+
+def _plan_view_grids(
+    job: Job, matrices: StudyMatrices, skies: Skies, store: PlannedStore
+) -> None:
+    # One position of each view grid stands for all; its jobs count as often
+    points, planned = GridPoints(job, matrices, skies), store.plan.planned
+    for grid in job.inputs.view_grids:
+        first = len(planned)
+        points.plan(grid)
+        store.repeated[range(first, len(planned))] = len(grid)
 
 
 def _planned(
     work: StageWork, store: PlannedStore, foreseen: Sequence[JobCost]
 ) -> StudyPlan:
-    found, place = [], store.plan.place
+    found, place, foreseen = [], store.plan.place, list(foreseen)
+    for jobs, count in store.repeated.items():
+        for number in jobs:
+            cost = foreseen[number]
+            foreseen[number] = JobCost(cost.paths * count, cost.seconds * count)
     for entry in store.entries:
         cost = _together([foreseen[number] for number in entry.jobs])
         left = 1 - entry.kept

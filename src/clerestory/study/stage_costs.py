@@ -32,12 +32,14 @@ from clerestory.study.config import Study
 from clerestory.study.inputs import Inputs
 from clerestory.study.study_matrices import StudyMatrices
 from clerestory.study.study_tracing import needs_direct
+from clerestory.study.view_grid_points import USUAL_LEVEL
 from clerestory.study.view_matrices import ViewMatrices
+from clerestory.study.window_tables import ControlTable
 
 # Stages of a run, in order: the keys of `seconds` in run.json
 STAGES = (
     *("read", "check", "trace", "sky", "control", "multiply", "pictures"),
-    *("metrics", "write"),
+    *("view grids", "metrics", "write"),
 )
 
 # Seconds per multiply-add with sky matrices and with window matrices, per matrix value
@@ -51,8 +53,15 @@ _PATH = 2e-9
 # Time steps of pictures that are computed together
 _TOGETHER = 32
 
+# Usual number of cells of a view point
+USUAL_CELLS = 4**USUAL_LEVEL
+
 # Seconds per picture and per pixel: glare with and without errors, Radiance picture
 _GLARE_ERRORS, _GLARE, _PICTURE = (2.5e-2, 1.2e-7), (1.2e-3, 6e-9), (2e-3, 1e-7)
+
+# Seconds per cell of a view point and time step: DGP in eight directions without and
+# with errors
+_CELL = 8e-7, 2e-6
 
 # Seconds for the first use of the libraries of products
 _START = 0.5
@@ -105,6 +114,7 @@ class StageWork:
             "control": StageCost(seconds=self._control(product, direct)),
             "multiply": StageCost(work, _START + product),
             "pictures": self._pictures(),
+            "view grids": self._view_grids(),
             "metrics": StageCost(work, _START / 3 + _METRIC * hours + direct),
             "write": self._tables(sensors, steps),
         }
@@ -175,10 +185,32 @@ class StageWork:
                 seconds += states * product
             glare = rule.rule == "glare" and not rule.grid
             if glare or rule.dgp_below is not None or "glare" in rule.needs:
-                steps = len(self._lit)
-                views = (self._view(v, steps, errors=False) for v in self.views)
-                seconds += states * sum(views)
+                seconds += states * self._rated(rule)
         return seconds
+
+    def _rated(self, rule: ControlTable) -> float:
+        # Seconds for the glare of one shade state in all views and view grids of a rule
+        seconds, steps = 0.0, len(self._lit)
+        if rule.views or (self.views and not rule.view_grids):
+            seconds += sum(self._view(v, steps, errors=False) for v in self.views)
+        if rule.view_grids or not (rule.views or self.views):
+            grids = self.inputs.view_grids
+            named = [g for g in grids if g.name in (rule.view_grids or [g.name])]
+            seconds += sum(map(len, named)) * steps * USUAL_CELLS * _CELL[0]
+        return seconds
+
+    def _view_grids(self) -> StageCost:
+        # Glare of all view grids, as operated and by state; V of their cells in files
+        grids, steps = self.inputs.view_grids, len(self._lit)
+        most = max((len(group.states) for group in self.inputs.groups), default=1)
+        patches = sum(len(group.inner.partition) for group in self.inputs.groups)
+        evaluations = sum(len(g) * (1 + most * g.table.by_state) for g in grids)
+        count = sum(map(len, grids))
+        views = sum(len(grid) * grid.table.directions for grid in grids)
+        work = f"{count:,} positions, {views:,} views" if grids else ""
+        size = count * USUAL_CELLS * patches * 4 + 12 * views * len(self.skies.times)
+        seconds = evaluations * steps * USUAL_CELLS * _CELL[1]
+        return StageCost(work, seconds, 2 * len(grids), size)
 
     def _tables(self, sensors: int, steps: int) -> StageCost:
         # Tables of hours, metrics, shade states and luminaires; results.nc, run.json

@@ -32,6 +32,7 @@ from clerestory.phases.traced_matrices import (
     daylight_matrix,
     view_matrices,
 )
+from clerestory.sky.sky_conditions import Spectrum
 from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.sky.sun_matrix import SunMatrix, patch_suns, sun_matrix
 from clerestory.sky.weather import Weather
@@ -47,7 +48,13 @@ from clerestory.study.window_groups import WindowGroup, state_label
 FACADE, PORTS = 0x100000, 0x200000
 
 
-def study_skies(study: Study, inputs: Inputs, suns: SunMatrix | None) -> Skies:
+def study_skies(
+    study: Study,
+    inputs: Inputs,
+    suns: SunMatrix | None,
+    *,
+    spectrum: Spectrum = "visible",
+) -> Skies:
     """Return sky matrices S and, if required, S_ds and S_sun, in the scene's bands."""
     make = partial(
         sky_matrix,
@@ -56,6 +63,7 @@ def study_skies(study: Study, inputs: Inputs, suns: SunMatrix | None) -> Skies:
         ground_reflectance=study.sky.ground_reflectance,
         rotation_deg=study.sky.rotation_deg,
         bands=inputs.scene.bands,
+        spectrum=spectrum,
     )
     return Skies(make(), make(include="sun") if needs_direct(study) else None, suns)
 
@@ -67,18 +75,28 @@ def needs_direct(study: Study) -> bool:
     return named or (METHODS[study.method].windows and "LM-83" in rules)
 
 
-def study_suns(study: Study, weather: Weather) -> SunMatrix | None:
+def study_suns(
+    study: Study, weather: Weather, *, spectrum: Spectrum = "visible"
+) -> SunMatrix | None:
     """Return the sun positions of the direct-sun correction; None if not corrected."""
     table, rotation = study.sun, study.sky.rotation_deg
     if not study.corrected:
         return None
     if table.places == "patches":
-        return patch_suns(weather, rotation_deg=rotation)
-    return sun_matrix(weather, tolerance_deg=table.tolerance_deg, rotation_deg=rotation)
+        return patch_suns(weather, rotation_deg=rotation, spectrum=spectrum)
+    return sun_matrix(
+        weather,
+        tolerance_deg=table.tolerance_deg,
+        rotation_deg=rotation,
+        spectrum=spectrum,
+    )
 
 
-def trace_study(job: Job) -> StudyMatrices:
-    """Return the sensor matrices of a study, from the cache if possible."""
+def trace_study(job: Job, *, spectrum: Spectrum = "visible") -> StudyMatrices:
+    """Return the sensor matrices of a study, from the cache if possible.
+
+    `spectrum` is that of the irradiance of the suns.
+    """
     study, direct = job.study, needs_direct(job.study)
     method, stored = METHODS[study.method], is_stored(study, job.inputs, direct=direct)
     rules = [window.control.rule for window in study.window if window.control]
@@ -87,7 +105,7 @@ def trace_study(job: Job) -> StudyMatrices:
             f'rule "LM-83" with the {study.method} method requires direct light;'
             ' [sun] places = "exact" expected'
         )
-    suns = study_suns(study, job.inputs.weather)
+    suns = study_suns(study, job.inputs.weather, spectrum=spectrum)
     black = job
     if job.inputs.groups:
         # Direct light is scattered by windows only: all other surfaces are black

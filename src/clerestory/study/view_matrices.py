@@ -100,7 +100,8 @@ class ViewMatrices:
         return np.concatenate(_combinations(states, steps))
 
 
-def _half_views(traced: dict[str, TransferMatrix]) -> dict[str, TransferMatrix]:
+def half_views(traced: dict[str, TransferMatrix]) -> dict[str, TransferMatrix]:
+    """Return view matrices in half precision, with one channel if all are equal."""
     return {name: _half(matrix) for name, matrix in traced.items()}
 
 
@@ -132,14 +133,15 @@ def _combinations(
 def trace_views(job: Job, matrices: StudyMatrices) -> tuple[ViewMatrices, ...]:
     """Return the pixel matrices of all views, from the cache if possible."""
     return tuple(
-        _view(job, matrices, table, camera)
+        trace_view(job, matrices, table, camera)
         for table, camera in zip(job.study.view, job.inputs.cameras, strict=True)
     )
 
 
-def _view(
+def trace_view(
     job: Job, matrices: StudyMatrices, table: ViewTable, camera: Camera
 ) -> ViewMatrices:
+    """Return the pixel matrices of a view, from the cache if possible."""
     sunlit = any(term.part == "sun" for term in matrices.terms)
     views = _view_matrices(job, table, camera, reflected=sunlit)
     windows = receiving_matrices(
@@ -193,11 +195,11 @@ def _view_matrices(
 
 
 def _traced_views(*where: Any, **how: Any) -> dict[str, TransferMatrix]:
-    return _half_views(picture_view_matrices(*where, **how))
+    return half_views(picture_view_matrices(*where, **how))
 
 
 def _traced_reflected(*where: Any, **how: Any) -> dict[str, TransferMatrix]:
-    return _half_views(reflected_view_matrices(*where, **how))
+    return half_views(reflected_view_matrices(*where, **how))
 
 
 def _paths(job: Job, table: ViewTable, camera: Camera) -> WindowPaths:

@@ -58,11 +58,14 @@ _KEYS: dict[RuleName, tuple[tuple[str, ...], tuple[str, ...]]] = {
         ("close_above",),
         ("quantity", "open_below", "close_after", "open_after", "grid"),
     ),
-    "glare": ((), ("dgp_below", "views", "grid")),
-    "best": (("grid",), ("target_lux", "lux_below", "dgp_below", "views")),
+    "glare": ((), ("dgp_below", "views", "view_grids", "grid")),
+    "best": (
+        ("grid",),
+        ("target_lux", "lux_below", "dgp_below", "views", "view_grids"),
+    ),
     "LM-83": ((), ("grid", "sun_lux", "most_sensors")),
     "schedule": (("file",), ()),
-    "python": (("function",), ("needs", "views")),
+    "python": (("function",), ("needs", "views", "view_grids")),
 }
 _EVERY_RULE = ("rule", "when_empty")
 
@@ -165,6 +168,9 @@ class ControlTable(Table):
     open_after: float = Field(0.0, ge=0, description="minutes")
     grid: str = ""
     views: list[str] = Field(default_factory=list, description="a list of views")
+    view_grids: list[str] = Field(
+        default_factory=list, description="a list of view grids"
+    )
     dgp_below: float | None = Field(None, gt=0, le=1)
     target_lux: float | None = Field(None, gt=0)
     lux_below: float | None = Field(None, gt=0)

@@ -162,6 +162,25 @@ class ImportModel:
     quiet: common.Quiet = False
 
 
+@command("recipe:recipe", "annual-daylight inputs.json --folder project --workers 4")
+class RunRecipe:
+    """Run a recipe of Ladybug Tools: same inputs, same result folders.
+
+    NAME is annual-daylight, annual-daylight-enhanced, annual-irradiance,
+    cumulative-radiation, direct-sun-hours, daylight-factor or sky-view.
+    """
+
+    name: str = argument("Name of the recipe.", "NAME")
+    inputs: Path = argument("JSON file with the inputs of the recipe.", "INPUTS.json")
+    folder: Path = option(
+        Path(), "Project folder; results are in a folder NAME in it.", "-p"
+    )
+    workers: int | None = option(
+        None, "Number of threads; default: all processors.", "-w", least=1
+    )
+    quiet: common.Quiet = False
+
+
 @command("doctor:doctor")
 class Doctor:
     """Check the compute devices and libraries; exit status 1 if one is broken."""

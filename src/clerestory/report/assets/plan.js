@@ -25,7 +25,7 @@ function nearestSensor(grid, point) {
 }
 
 function markChosen(data, sensor) {
-  for (const svg of document.querySelectorAll("svg.plan")) {
+  for (const svg of document.querySelectorAll("svg.plan[data-grid]")) {
     const grid = data.grids[svg.dataset.grid], k = grid.sensors.indexOf(sensor);
     const ring = svg.querySelector(".chosen");
     ring.setAttribute("cx", k < 0 ? -99 : grid.x[k]);
@@ -34,7 +34,7 @@ function markChosen(data, sensor) {
 }
 
 function startPlans(data, choose) {
-  for (const svg of document.querySelectorAll("svg.plan")) {
+  for (const svg of document.querySelectorAll("svg.plan[data-grid]")) {
     const grid = data.grids[svg.dataset.grid], metric = data.metrics[svg.dataset.metric];
     const find = event => {
       const k = nearestSensor(grid, svgPoint(svg, event));

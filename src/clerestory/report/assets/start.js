@@ -8,6 +8,7 @@ async function start() {
   startPlans(data, sensor => choose(sensor));
   choose = await startYear(data, sensor => markChosen(data, sensor));
   await startMaps(data);
+  await startRosettes(data);
   startFilm(data.film);
   await startTerms(data.terms);
   await startView(data.view);

@@ -1,0 +1,1 @@
+"""Recipes: simulations with the inputs and result folders of Ladybug Tools."""

@@ -1,0 +1,202 @@
+"""Annual illuminance and irradiance of the grids of a recipe, by the route of studies.
+
+Models of plain glass are simulated by the two-phase method, others by the five-phase
+method, both with the sun at its exact position. Window groups with states are separate
+light paths: their light is stored for each state.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, final
+
+import numpy as np
+from jaxtyping import Float
+
+from clerestory.checks import require
+from clerestory.cluster.cluster import executor_at
+from clerestory.errors import located
+from clerestory.escaping import file_stem
+from clerestory.file_lock import locked
+from clerestory.files import make_folder
+from clerestory.metrics.honeybee import STATIC, Light
+from clerestory.metrics.honeybee_writer import Arrays, GridRecord, hours_of_year
+from clerestory.phases.matrix_equation import Skies
+from clerestory.phases.matrix_store import MatrixStore
+from clerestory.phases.unscattered_light import unscattered_sun
+from clerestory.recipes.inputs import traced_effort
+from clerestory.recipes.model import RecipeModel
+from clerestory.sky.sky_conditions import Spectrum, sun_over
+from clerestory.sky.weather_formats import read_weather
+from clerestory.study.config import read_study
+from clerestory.study.inputs import read_inputs
+from clerestory.study.job import Display, Job
+from clerestory.study.method_run import warn_of_inputs
+from clerestory.study.model_import import write_honeybee_model
+from clerestory.study.study_matrices import StudyMatrices
+from clerestory.study.study_tracing import study_skies, trace_study
+
+# Rays per sensor and sun, over the solar disc
+_SUN_RAYS = 16
+
+_Lux = Float[np.ndarray, "sensor time"]
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class AnnualLight:
+    """Illuminance of grids over the time steps of a weather file [lux].
+
+    Attributes
+    ----------
+    times : centres of the time steps, `timestep` an hour
+    paths : for each light path and state, arrays by grid
+    """
+
+    grids: tuple[GridRecord, ...]
+    times: np.ndarray
+    timestep: int
+    paths: Mapping[str, Mapping[str, Arrays]]
+
+    @property
+    def hours(self) -> Float[np.ndarray, " time"]:
+        """Centres of the time steps, in hours of the year."""
+        return hours_of_year(self.times)
+
+    def total(self, grid: GridRecord, *, light: Light = "total") -> _Lux:
+        """Return the light of all light paths, each in its first state."""
+        first = [next(iter(states.values())) for states in self.paths.values()]
+        found = np.sum([arrays[light][grid.full_id] for arrays in first], axis=0)
+        return np.asarray(found)
+
+
+def check_timestep(weather: Path, timestep: int) -> None:
+    """Require that a weather file has a number of time steps an hour."""
+    minutes = read_weather(weather).step_minutes
+    message = f'input "timestep" is {timestep}, but a step of the weather file is'
+    require(
+        abs(minutes * timestep - 60) < 1e-6,
+        f"{message} {minutes:g} min; {60 / minutes:g} expected",
+    )
+
+
+def annual_light(
+    chosen: RecipeModel,
+    values: Mapping[str, Any],
+    *,
+    folder: Path,
+    display: Display,
+    spectrum: Spectrum = "visible",
+) -> AnnualLight:
+    """Trace a model and return the light of its grids at every time step.
+
+    `values` are the inputs of a recipe. Matrices are stored in `folder`, so that an
+    interrupted recipe can be resumed.
+    """
+    weather: Path = values["wea"]
+    check_timestep(weather, values["timestep"])
+    windows = bool(chosen.model.windows)
+    sky = {"rotation_deg": float(values["north"])}
+    if "sky-density" in values:
+        sky["subdivision"] = values["sky-density"]
+    settings: dict[str, Any] = {
+        "method": "5-phase" if windows else "2-phase",
+        "view": [],
+        "sky": sky,
+        "trace": traced_effort(values["radiance-parameters"]),
+    }
+    make_folder(folder)
+    with locked(folder, lock=folder / "run.lock"), executor_at(None) as executor:
+        written = write_honeybee_model(
+            chosen.model, folder / "study", weather=weather, settings=settings
+        )
+        study = read_study(folder / "study" / "study.toml")
+        inputs = read_inputs(study)
+        require(written.study, "no sensor grid; grids or rooms with floors expected")
+        warn_of_inputs(study, inputs)
+        store = MatrixStore(folder / "matrices")
+        scratch = make_folder(folder / "unfinished")
+        job = Job(study, inputs, store, display, executor=executor, scratch=scratch)
+        matrices = trace_study(job, spectrum=spectrum)
+        skies = study_skies(study, inputs, matrices.suns, spectrum=spectrum)
+        paths = _paths(job, matrices, skies, chosen)
+    grids = tuple(replace(record, light_paths=tuple(paths)) for record in chosen.grids)
+    return AnnualLight(grids, inputs.weather.times, values["timestep"], paths)
+
+
+def _paths(
+    job: Job, matrices: StudyMatrices, skies: Skies, chosen: RecipeModel
+) -> dict[str, dict[str, Arrays]]:
+    # Light by path and state; groups of one state are added to the static path
+    steps = len(skies.whole.times)
+    found: dict[str, dict[str, Arrays]] = {}
+    if not job.inputs.groups:
+        return {STATIC: {"default": _arrays(job, matrices, skies, [], chosen)}}
+    rows = job.inputs.rows("")
+    for number, group in enumerate(job.inputs.groups):
+        own = matrices.reduced([number], rows)
+        for at, state in enumerate(group.states):
+            states = [np.full(steps, at)]
+            arrays = _arrays(job, own, skies, states, chosen)
+            path = file_stem(group.name)
+            if len(group.states) == 1:
+                known = found.setdefault(STATIC, {})
+                known["default"] = _added(known.get("default"), arrays)
+            else:
+                name = file_stem(f"{at}_{state.name or group.name}")
+                found.setdefault(path, {})[name] = arrays
+    return found
+
+
+def _arrays(
+    job: Job, matrices: StudyMatrices, skies: Skies, states: Any, chosen: RecipeModel
+) -> Arrays:
+    states = states or [np.zeros(len(skies.whole.times), dtype=int)]
+    total = matrices.illuminance(skies, states)["illuminance"].values
+    direct = matrices.direct_illuminance(skies, states)["illuminance"].values
+    rows = {record.full_id: job.inputs.rows(n) for n, record in chosen.records.items()}
+    return {
+        "total": {name: total[which] for name, which in rows.items()},
+        "direct": {name: direct[which] for name, which in rows.items()},
+    }
+
+
+def _added(one: Arrays | None, other: Arrays) -> Arrays:
+    if one is None:
+        return other
+    return {
+        light: {name: lux + one[light][name] for name, lux in found.items()}
+        for light, found in other.items()
+    }
+
+
+def sunlit_hours(
+    chosen: RecipeModel, values: Mapping[str, Any], *, display: Display
+) -> AnnualLight:
+    """Return 1 for each sensor and time step at which the sun is visible, otherwise 0.
+
+    All steps of the weather file with the sun above the horizon count, whatever its
+    irradiance. The sun is visible through plain glass and window groups; a sensor that
+    sees a part of its disc is in the sun, one that faces away from it is not.
+    """
+    check_timestep(values["wea"], values["timestep"])
+    with located(file=values["wea"]):
+        weather = read_weather(values["wea"])
+        sun = sun_over(weather, rotation_deg=float(values["north"]))
+    up = np.flatnonzero(sun.altitude > 0)
+    towards = sun.directions()[up]
+    found: dict[str, _Lux] = {}
+    for name, record in chosen.records.items():
+        seen = unscattered_sun(
+            chosen.model.scene,
+            sensors=chosen.model.grids[name],
+            suns=towards,
+            samples=_SUN_RAYS,
+            progress=display(f"direct sun of {record.name}"),
+        )
+        lit = np.zeros((record.count, len(weather)), dtype=np.float32)
+        lit[:, up] = seen.values.sum(axis=0) > 0
+        found[record.full_id] = lit
+    arrays: Arrays = {"total": found, "direct": found}
+    paths = {STATIC: {"default": arrays}}
+    return AnnualLight(chosen.grids, weather.times, values["timestep"], paths)

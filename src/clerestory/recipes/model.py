@@ -1,0 +1,79 @@
+"""Model of a recipe: its selected sensor grids, and their records for results."""
+
+from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import final
+
+from clerestory.checks import one_of, require
+from clerestory.errors import located
+from clerestory.escaping import file_stem
+from clerestory.formats.hbjson import HoneybeeModel, read_hbjson
+from clerestory.formats.hbjson_rooms import floor_grids
+from clerestory.metrics.honeybee_writer import GridRecord
+
+# Spacing and height of the grids of models without grids [m]
+_SPACING, _HEIGHT = 0.5, 0.76
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class RecipeModel:
+    """A model whose grids are those to simulate, with a record for each grid."""
+
+    model: HoneybeeModel
+    records: dict[str, GridRecord]
+
+    @property
+    def grids(self) -> tuple[GridRecord, ...]:
+        """Records of the grids, in the order of the model."""
+        return tuple(self.records.values())
+
+
+def read_model(path: Path, *, grid_filter: str = "*") -> RecipeModel:
+    """Read a model, and select the grids whose identifier matches a pattern.
+
+    The pattern applies to the identifier alone, or after its group and a slash. A model
+    without grids has grids above the floors of its rooms.
+
+    Raises
+    ------
+    InputError : the file is no HBJSON file, or no grid matches
+    """
+    with located(file=path):
+        kinds = ".hbjson", ".json"
+        one_of(path.suffix.lower(), "type of the model", choices=kinds)
+        model = read_hbjson(path)
+        if not model.grids:
+            made = floor_grids(model, spacing=_SPACING, height=_HEIGHT)
+            omitted = (*model.unsupported, *made.omitted)
+            model = replace(
+                model, grids=made.grids, labels=made.labels, unsupported=omitted
+            )
+        records = _records(model)
+        chosen = {
+            name: record
+            for name, record in records.items()
+            if fnmatchcase(record.identifier, grid_filter)
+            or fnmatchcase(record.full_id, grid_filter)
+        }
+        known = ", ".join(record.full_id for record in records.values()) or "none"
+        message = f"no sensor grid matches {grid_filter!r}; one of {known} expected"
+        require(chosen, message)
+    grids = {name: model.grids[name] for name in chosen}
+    labels = {name: model.labels[name] for name in chosen}
+    return RecipeModel(replace(model, grids=grids, labels=labels, rooms=()), chosen)
+
+
+def _records(model: HoneybeeModel) -> dict[str, GridRecord]:
+    # Repeated identifiers are replaced by the names, which are unique
+    found: dict[str, GridRecord] = {}
+    taken: set[tuple[str, str]] = set()
+    for name, label in model.labels.items():
+        group = file_stem(label.group) if label.group else ""
+        stem = file_stem(label.identifier)
+        if (group, stem.casefold()) in taken:
+            stem = f"{file_stem(name)}~{len(found)}"
+        taken.add((group, stem.casefold()))
+        found[name] = GridRecord(name, stem, len(model.grids[name]), group)
+    return found

@@ -1,0 +1,210 @@
+"""`clerestory recipe`: closed forms outdoors, and the package that reads results."""
+
+import importlib.resources
+import json
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from clerestory.metrics.honeybee import read_honeybee
+from clerestory.sky.sky_conditions import sky_conditions
+from clerestory.sky.weather_formats import read_weather
+from honeybee_models import GLASS, TINT, honeybee_model, office
+
+WEATHER = Path(str(importlib.resources.files("pvlib"))) / "data" / "723170TYA.CSV"
+UP, SOUTH = [0, 0, 1], [0, -1, 0]
+
+
+@pytest.fixture
+def recipe(call, tmp_path):
+    """Run a recipe; return the folder of its results."""
+
+    def run(name, model, **inputs):
+        (tmp_path / "model.hbjson").write_text(json.dumps(model))
+        file = tmp_path / "inputs.json"
+        file.write_text(json.dumps({"model": "model.hbjson", **inputs}))
+        outcome = call("recipe", name, file, "--folder", tmp_path, "--workers", 2)
+        assert outcome.status == 0, outcome.err
+        return tmp_path / name.replace("-", "_")
+
+    return run
+
+
+def field(*directions):
+    """Sensors in an open field; a small distant shade is the only surface."""
+    sensors = [{"pos": [0, 0, 1], "dir": d} for d in directions]
+    model = honeybee_model(sensor_grids=[{"identifier": "g", "sensors": sensors}])
+    far = [[500, 500, 0], [500, 501, 0], [500, 501, 1]]
+    shade = {"identifier": "far", "geometry": {"boundary": far}}
+    return model | {"orphaned_shades": [shade]}
+
+
+def test_sky_views_of_an_open_field(recipe):
+    """On a wall: half of the uniform sky, (3/7)(1/2 + 4/(3π)) of the overcast sky."""
+    for kind, wall in (("uniform", 50.0), ("cloudy", 39.6)):
+        folder = recipe(
+            "sky-view",
+            field(UP, SOUTH),
+            **{"cloudy-sky": kind, "radiance-parameters": "-ad 65536"},
+        )
+        found = np.loadtxt(folder / "results" / "sky_view" / "g.res")
+        assert found == pytest.approx([100, wall], abs=0.5)
+
+
+def test_daylight_factors_of_an_open_field(recipe):
+    """On a wall: 39.6 % from the sky, and ground of reflectance 0.2: 10 % more."""
+    folder = recipe(
+        "daylight-factor", field(UP, SOUTH), radiance_parameters="-ab 2 -ad 65536"
+    )
+    found = np.loadtxt(folder / "results" / "g.res")
+    assert found == pytest.approx([100, 49.6], abs=0.5)
+    summary = (folder / "grid_summary.csv").read_text().splitlines()
+    assert summary[0].startswith("Sensor Grid,Sensor Grid ID,DAYLIGHT-FACTOR-Mean")
+
+
+def test_sun_hours_of_an_open_field(recipe):
+    """Steps with the sun above the horizon, and those with the sun in the south."""
+    folder = recipe("direct-sun-hours", field(UP, SOUTH), wea=str(WEATHER), north=90)
+    found = np.loadtxt(folder / "results" / "cumulative" / "g.res")
+    sun = sky_conditions(read_weather(WEATHER)).sun
+    up = sun.altitude > 0
+    # North is at -x of the model, so that its -y axis points west
+    west = up & (np.sin(sun.azimuth) < 0)
+    assert found[0] == up.sum()
+    assert abs(found[1] - west.sum()) <= 12  # the sun crosses the plane of the wall
+    hourly = np.loadtxt(folder / "results" / "direct_sun_hours" / "g.ill")
+    hours = np.loadtxt(folder / "results" / "direct_sun_hours" / "sun-up-hours.txt")
+    assert hourly.shape == (2, len(hours))
+    assert hourly.sum(axis=1).tolist() == found.tolist()
+
+
+@pytest.mark.parametrize("kind", ["annual-irradiance", "cumulative-radiation"])
+def test_radiation_on_a_horizontal_plane_is_that_of_the_weather(recipe, kind):
+    """DNI sin(altitude) + DHI, summed over the year."""
+    folder = recipe(
+        kind, field(UP), wea=str(WEATHER), radiance_parameters="-ab 1 -ad 200000"
+    )
+    conditions = sky_conditions(read_weather(WEATHER), spectrum="solar")
+    watts = conditions.direct_horizontal() + conditions.diffuse_horizontal
+    place = "metrics" if kind == "annual-irradiance" else "results"
+    total = np.loadtxt(folder / place / "cumulative_radiation" / "g.res")
+    mean = np.loadtxt(folder / place / "average_irradiance" / "g.res")
+    assert float(total) == pytest.approx(watts.sum() / 1000, rel=0.01)
+    assert float(mean) == pytest.approx(watts.mean(), rel=0.01)
+    if kind == "annual-irradiance":
+        peak = np.loadtxt(folder / "metrics" / "peak_irradiance" / "g.res")
+        assert float(peak) == pytest.approx(watts.max(), rel=0.02)
+        hours = np.loadtxt(folder / "results" / "total" / "sun-up-hours.txt")
+        hourly = np.loadtxt(folder / "results" / "total" / "g.ill")
+        # Of 200,000 paths, those that meet the patch of the sun, weighted by the cosine
+        steps = hours.astype(int)
+        paths = 200_000 * 2 * np.sin(conditions.sun.altitude[steps]) / 2304
+        error = conditions.direct_horizontal()[steps] / np.sqrt(np.maximum(paths, 1))
+        assert np.all(
+            np.abs(hourly - watts[steps]) < 4 * error + 0.02 * watts[steps] + 2
+        )
+
+
+def grid(identifier="desk", **more):
+    places = [[2, 1, 0.8], [2, 3, 0.8]]
+    return {
+        "identifier": identifier,
+        "sensors": [{"pos": p, "dir": UP} for p in places],
+        **more,
+    }
+
+
+def test_grids_are_filtered_and_have_groups(recipe):
+    grids = [grid("a1", group_identifier="east"), grid("a2"), grid("b1")]
+    model = honeybee_model(office(), sensor_grids=grids)
+    folder = recipe(
+        "daylight-factor", model, grid_filter="a*", radiance_par="-ab 2 -ad 512"
+    )
+    info = json.loads((folder / "results" / "grids_info.json").read_text())
+    assert [each["full_id"] for each in info] == ["east/a1", "a2"]
+    assert np.loadtxt(folder / "results" / "east" / "a1.res").shape == (2,)
+    assert not (folder / "results" / "b1.res").exists()
+
+
+@pytest.fixture
+def dynamic():
+    """An office whose window is clear or tinted."""
+    room = office()
+    states = [{"modifier": "pane"}, {"modifier": "tint"}]
+    radiance = {"dynamic_group_identifier": "south", "states": states}
+    room["faces"][2]["apertures"][0]["properties"] = {"radiance": radiance}
+    tint = TINT | {"r_transmissivity": 0.1, "b_transmissivity": 0.1}
+    return honeybee_model(room, modifiers=[GLASS, tint], sensor_grids=[grid()])
+
+
+@pytest.mark.slow
+def test_states_of_dynamic_groups_are_light_paths(recipe, dynamic):
+    """Light in each state is that of a static model with the glass of the state."""
+    effort = {"wea": str(WEATHER), "radiance_parameters": "-ab 2 -ad 20000"}
+    found = read_honeybee(recipe("annual-daylight", dynamic, **effort) / "results")
+    ((path, states),) = found.states.items()
+    assert states == ("0_pane", "1_tint")
+    for number, glass in enumerate(("pane", "tint")):
+        room = office()
+        room["faces"][2]["apertures"][0]["properties"] = {
+            "radiance": {"modifier": glass}
+        }
+        model = {**dynamic, "rooms": [room]}
+        static = read_honeybee(recipe("annual-daylight", model, **effort) / "results")
+        expected = static.illuminance("desk").mean("time")
+        lux = found.illuminance("desk", states={path: number}).mean("time")
+        assert lux.values == pytest.approx(expected.values, rel=0.05)
+
+
+@pytest.mark.slow
+def test_the_postprocessing_package_finds_the_same_metrics(recipe, tmp_path):
+    program = shutil.which("honeybee-radiance-postprocess")
+    if program is None:
+        pytest.skip("honeybee-radiance-postprocess is not installed")
+    model = honeybee_model(office(), sensor_grids=[grid()])
+    folder = recipe(
+        "annual-daylight",
+        model,
+        wea=str(WEATHER),
+        radiance_parameters="-ab 2 -ad 500",
+        thresholds="-t 500 -lt 200 -ut 2000",
+    )
+    options = ["-t", "500", "-lt", "200", "-ut", "2000", "-sf", "theirs"]
+    words = [program, "post-process", "annual-daylight", "results", *options]
+    subprocess.run(words, cwd=folder, check=True, env={**os.environ}, timeout=300)
+    for metric in ("da", "cda", "udi", "udi_lower", "udi_upper"):
+        suffix = metric.partition("_")[0]
+        ours, theirs = (
+            np.loadtxt(folder / name / metric / f"desk.{suffix}")
+            for name in ("metrics", "theirs")
+        )
+        assert ours == pytest.approx(theirs, abs=0.011)
+
+
+def test_faults_are_one_line(call, tmp_path):
+    (tmp_path / "model.hbjson").write_text(json.dumps(honeybee_model(office())))
+    file = tmp_path / "inputs.json"
+    for name, inputs, message in (
+        ("spam", {}, "recipe is 'spam'; one of annual-daylight"),
+        ("sky-view", {}, 'input "model" is missing'),
+        (
+            "sky-view",
+            {"model": "model.hbjson", "grid-filter": "x*"},
+            "no sensor grid matches 'x*'; one of office expected",
+        ),
+        (
+            "annual-daylight",
+            {"model": "model.hbjson", "wea": str(WEATHER), "timestep": 2},
+            'input "timestep" is 2, but a step of the weather file is 60 min; 1',
+        ),
+    ):
+        file.write_text(json.dumps(inputs))
+        outcome = call("recipe", name, file, "--folder", tmp_path / "out")
+        assert outcome.status == 2
+        assert message in outcome.err
+        assert len(outcome.err.strip().splitlines()) == 1
+        assert not (tmp_path / "out").exists()
