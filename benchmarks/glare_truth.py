@@ -103,8 +103,8 @@ def main() -> None:
         "# Five-phase glare against path tracing of slats",
         "",
         f"{stamp()}. Made by `benchmarks/glare_truth.py`: twelve sunny hours, four"
-        f" eyes, pictures of {EDGE} × {EDGE} pixels, {options.pixel} paths a pixel for the"
-        f" truth; hours in which its standard error of DGP is at most {LARGEST}.",
+        f" eyes, pictures of {EDGE} × {EDGE} pixels, {options.pixel} paths a pixel for"
+        f" the truth; hours in which its standard error of DGP is at most {LARGEST}.",
         "",
         "| system | phases | hours × eyes | DGP | standard error of the truth | mean"
         " absolute deviation | bias | 95 % within | most | within 0.01 |",
