@@ -113,10 +113,10 @@ def _traced(
     found, first, pixels = {}, 0, pixel_axis(len(camera))
     for name, columns in patch_axes(windows, "interior").items():
         own = slice(first, first + columns.size)
-        parts = estimated.values[..., own], estimated.components[..., own]
-        values, components = (_in_bands(part, scene.bands) for part in parts)
         # The two components are opposite; one of them is the error
-        error = components[:1] * np.float32(math.sqrt(2))
+        one = estimated.components[:1, ..., own] * np.float32(math.sqrt(2))
+        parts = estimated.values[..., own], one
+        values, error = (_in_bands(part, scene.bands) for part in parts)
         found[name] = TransferMatrix(values, pixels, columns, error, scene.bands)
         first = own.stop
     return found

@@ -10,6 +10,7 @@ from pydantic import Field
 from clerestory.checks import require
 from clerestory.documents import Item, json_value, validated
 from clerestory.errors import InputError, located
+from clerestory.metrics.compliance import Requirement
 
 # Axes of the variables of results.nc; NumPy's kinds of their values
 _NUMBERS = {
@@ -30,6 +31,19 @@ _NUMBERS = {
     "electric_illuminance": ("sensor", "time"),
     "sun_reaches": ("opening", "moment"),
     "room_hours_of_sun": (),
+    "floor_area": ("sensor",),
+    "height_above_floor": ("sensor",),
+    "view_width": ("sensor",),
+    "view_distance": ("sensor",),
+    "view_layers": ("sensor",),
+    "daylight_factor": ("sensor",),
+    "daylight_factor_error": ("sensor",),
+    "daylight_hours": ("time",),
+    "verdict_area": ("verdict",),
+    "verdict_level": ("verdict",),
+    "verdict_replicates": ("verdict", "varied"),
+    "quantity_value": ("quantity",),
+    "quantity_replicates": ("quantity", "varied"),
     **dict.fromkeys(
         ("grid_view_dgp", "grid_view_dgp_error", "grid_view_illuminance"),
         ("grid_view", "time"),
@@ -54,6 +68,9 @@ _NUMBERS = {
     "grid_view_exceeded_dgp_by_state": ("shade_state", "grid_view"),
     "dgp_limit": ("dgp_limit",),
 }
+_OF_VERDICTS = ("standard", "space", "criterion", "words", "levels")
+_OF_QUANTITIES = ("standard", "space", "criterion", "name", "unit", "limits")
+_OF_REQUIREMENTS = ("standard", "space", *Requirement._fields)
 _NAMES = {
     "sensor": ("sensor",),
     "grid": ("sensor",),
@@ -64,6 +81,13 @@ _NAMES = {
     "zone": ("zone",),
     "opening": ("opening",),
     "method": ("method",),
+    "space": ("sensor",),
+    "view_space": ("view",),
+    "window_space": ("window",),
+    "opening_space": ("opening",),
+    **{f"verdict_{name}": ("verdict",) for name in _OF_VERDICTS},
+    **{f"quantity_{name}": ("quantity",) for name in _OF_QUANTITIES},
+    **{f"requirement_{name}": ("requirement",) for name in _OF_REQUIREMENTS},
     "grid_view": ("grid_view",),
     "view_grid": ("grid_view",),
     "view_grid_name": ("view_grid_name",),
@@ -79,6 +103,9 @@ _REQUIRED = (
     *("sensor", "grid", "time"),
 )
 _SPATIAL = 3
+
+# Variables that are required together
+_TABLES = ("verdict_", "quantity_", "requirement_")
 
 _TEXTS = ("title", "method", "place", "study")
 _FIGURES = (
@@ -106,6 +133,10 @@ def check_results(data: xr.Dataset, file: Path) -> None:
     with located(file=file):
         missing = [name for name in _REQUIRED if name not in data.variables]
         require(not missing, f"{', '.join(missing)} missing; results of a run expected")
+        if any(str(name).startswith(_TABLES) for name in data.variables):
+            of_tables = {n for n in (*_NUMBERS, *_NAMES) if n.startswith(_TABLES)}
+            missing = sorted(of_tables - set(map(str, data.variables)))
+            require(not missing, f"{', '.join(missing)} missing; verdicts expected")
         for kinds, axes in _KINDS.items():
             for name in axes.keys() & set(data.variables):
                 _check_variable(data[name], axes[name], kinds)

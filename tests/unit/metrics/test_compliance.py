@@ -1,8 +1,5 @@
 """Verdicts and requirements of standards, on results that can be counted by hand."""
 
-import importlib.util
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -10,23 +7,8 @@ from clerestory.errors import InputError
 from clerestory.metrics.compliance import assess
 from clerestory.metrics.space import WHOLE, spaces_of
 from clerestory.metrics.standards import STANDARDS, standards_named
+from office_results import DAY, HOURS, SHAPES, office
 
-
-def _offices():
-    file = Path(__file__).with_name("offices.py")
-    spec = importlib.util.spec_from_file_location("offices", file)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-offices = _offices()
-office, HOURS, DAY, SHAPES = (
-    offices.office,
-    offices.HOURS,
-    offices.DAY,
-    offices.SHAPES,
-)
 COUNT = sum(a * b for a, b in SHAPES.values())
 
 

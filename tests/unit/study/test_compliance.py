@@ -11,7 +11,7 @@ from clerestory.metrics.compliance import assess
 from clerestory.metrics.standards import standards_named
 from clerestory.study.compliance_table import assessments_of, compliance_table
 from clerestory.study.config import read_study
-from clerestory.study.results import read_results
+from clerestory.study.results import Results, read_results, save_results
 from clerestory.study.study_run import run_study
 
 ALL = (
@@ -151,3 +151,10 @@ def test_a_space_without_sensors_or_with_those_of_another_is_an_error(
     )
     with pytest.raises(InputError, match='in space "b" and in another one'):
         run_study(edited(study_file, twice), out=tmp_path / "out")
+
+
+def test_results_without_a_part_of_the_verdicts_are_refused(office, tmp_path):
+    part = Results(office.data.drop_vars("quantity_value"), office.run)
+    file = save_results(part, tmp_path)
+    with pytest.raises(InputError, match="quantity_value missing"):
+        read_results(file)
