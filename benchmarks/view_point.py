@@ -32,7 +32,7 @@ from clerestory.engine.effort import Effort
 from clerestory.glare.annual_glare import annual_glare
 from clerestory.glare.point_glare import views_around
 from clerestory.glare.sphere_refinement import Refinement
-from clerestory.glare.view_points import ViewPointTracer, trace_view_point
+from clerestory.glare.view_point_tracer import ViewPointTracer, trace_view_point
 from clerestory.image.camera import Camera
 from clerestory.phases.direct_light import blackened
 from clerestory.phases.matrix_equation import Skies

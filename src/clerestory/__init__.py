@@ -76,7 +76,7 @@ _HOME = {
     "sky_scene": "radiance.generated_sky",
     "evaluate_glare": "glare.evaluate",
     "annual_glare": "glare.annual_glare",
-    "trace_view_point": "glare.view_points",
+    "trace_view_point": "glare.view_point_tracer",
     "glazed_view_glare": "glare.glazed_view_points",
     "compare_series": "comparison.series_comparison",
     "simulated_series": "comparison.series",

@@ -17,9 +17,10 @@ from clerestory.glare.dgp import dgp
 from clerestory.glare.eye_directions import SUN_SOLID_ANGLE
 from clerestory.glare.point_glare import views_around
 from clerestory.glare.position_index import position_index
+from clerestory.glare.representative_steps import representative_steps
 from clerestory.glare.source_table import GlareSources
 from clerestory.glare.sphere_refinement import Refinement
-from clerestory.glare.view_points import representative_steps, trace_view_point
+from clerestory.glare.view_point_tracer import trace_view_point
 from clerestory.hemisphere.klems import klems
 from clerestory.image.camera import Camera
 from clerestory.phases.direct_light import blackened

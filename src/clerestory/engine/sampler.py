@@ -75,7 +75,9 @@ def random_number(seed, index, dimension):
 
 def random_numbers(seed: int, index, count: int) -> list[mi.Float]:
     """Return several hashed random numbers in [0, 1)."""
-    return [random_number(mi.UInt32(seed), index, mi.UInt32(n)) for n in range(count)]
+    # Small seeds that are not hashed would only permute the indices
+    key = mix(mi.UInt32(seed), mi.UInt32(0x5BD1E995))
+    return [random_number(key, index, mi.UInt32(n)) for n in range(count)]
 
 
 @dataclass

@@ -16,7 +16,8 @@ from jaxtyping import Float, Int
 from clerestory.engine.effort import Effort
 from clerestory.glare.sphere_refinement import Refinement
 from clerestory.glare.sphere_samples import SphereSamples, regular_samples
-from clerestory.glare.view_points import ViewPoint, ViewPointTracer
+from clerestory.glare.view_point_tracer import ViewPointTracer
+from clerestory.glare.view_points import ViewPoint
 from clerestory.matrix.axis import pixel_axis, unknown_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.fingerprint import fingerprint
