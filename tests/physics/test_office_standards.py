@@ -11,7 +11,7 @@ import subprocess
 import pytest
 
 from clerestory.metrics.en17037 import daylight_provision
-from clerestory.metrics.honeybee import write_honeybee
+from clerestory.metrics.honeybee_writer import write_honeybee
 from clerestory.metrics.replicates import errors_of
 from clerestory.metrics.space import spaces_of
 from clerestory.study.compliance_table import assessments_of
