@@ -28,16 +28,15 @@ from clerestory.phases.column_light import (
 from clerestory.phases.matrix_equation import (
     MatrixChain,
     Readable,
-    ReceivedSunlight,
     Skies,
     States,
-    Sunlit,
     Term,
     WindowMatrices,
     chains,
     checked_states,
     require_columns,
 )
+from clerestory.phases.received_sunlight import ReceivedSunlight, Sunlit
 from clerestory.phases.receivers import (
     SkyCoefficients,
     chain_components,

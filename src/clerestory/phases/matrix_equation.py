@@ -16,8 +16,7 @@ from dataclasses import dataclass, replace
 from typing import Literal, Protocol, runtime_checkable
 
 import numpy as np
-from jaxtyping import Float, Float32, Int
-from scipy.sparse import csc_array
+from jaxtyping import Int
 
 from clerestory.bands import Bands, common_bands
 from clerestory.checks import has_shape
@@ -29,6 +28,7 @@ from clerestory.matrix.transfer_matrix import (
     require_fit,
     require_matrix,
 )
+from clerestory.phases.received_sunlight import Sunlit
 from clerestory.phases.stored_views import StoredColumns
 from clerestory.sky.patch_radiance import SkyMatrix
 from clerestory.sky.sun_matrix import SunMatrix
@@ -43,43 +43,6 @@ class Readable(Protocol):
 
     def read(self, rows: slice) -> Entries:
         """Return a range of rows and their error components."""
-
-
-@dataclass(frozen=True, eq=False)
-class ReceivedSunlight:
-    """C_ds S_sun by two batches of paths, in the time steps with sunlight.
-
-    Attributes
-    ----------
-    steps : indices of the time steps with sunlight
-    batches : estimates by both batches
-    """
-
-    steps: Int[np.ndarray, " lit"]
-    batches: Float32[np.ndarray, "2 out row lit"]
-
-    def mean(self, rows: slice) -> Float32[np.ndarray, "out some lit"]:
-        """Return the estimate for some of the rows."""
-        one, other = self.batches[:, :, rows]
-        return np.asarray((one + other) * np.float32(0.5))
-
-    def error(self, rows: slice) -> Float32[np.ndarray, "out some lit"]:
-        """Return the error component for some of the rows."""
-        one, other = self.batches[:, :, rows]
-        return np.asarray((one - other) * np.float32(0.5))
-
-
-@runtime_checkable
-class Sunlit(Protocol):
-    """Direct-sun coefficients C_ds that are multiplied without being computed."""
-
-    def received(
-        self, normal: csc_array, weights: Float[np.ndarray, "out band"]
-    ) -> ReceivedSunlight:
-        """Return C_ds S_sun, summed over bands with weights.
-
-        `normal` is the direct normal irradiance (sun × step).
-        """
 
 
 # View matrix or coefficients: in memory, in files, or as a factor of a product

@@ -16,11 +16,10 @@ from clerestory.matrix.axis import pixel_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.matrix_equation import (
     MatrixChain,
-    ReceivedSunlight,
     Receiving,
-    Sunlit,
     WindowMatrices,
 )
+from clerestory.phases.received_sunlight import ReceivedSunlight, Sunlit
 
 # Largest number of blocks along an edge of a picture
 _MOST = 128

@@ -19,8 +19,8 @@ from clerestory.phases.matrix_equation import (
     MatrixChain,
     Readable,
     Receiving,
-    Sunlit,
 )
+from clerestory.phases.received_sunlight import Sunlit
 from clerestory.phases.stored_views import StoredColumns
 
 

@@ -19,7 +19,7 @@ from clerestory.checks import require
 from clerestory.engine.device import Device
 from clerestory.phases.direct_light import window_number
 from clerestory.phases.exit_cells import ExitCells
-from clerestory.phases.matrix_equation import ReceivedSunlight
+from clerestory.phases.received_sunlight import ReceivedSunlight
 from clerestory.phases.sunlit_window import SunlitWindow
 from clerestory.phases.window_paths import WindowPaths
 from clerestory.scene.model import Scene

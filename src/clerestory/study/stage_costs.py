@@ -18,9 +18,9 @@ from clerestory.phases.matrix_equation import (
     MatrixChain,
     Part,
     Skies,
-    Sunlit,
     chains,
 )
+from clerestory.phases.received_sunlight import Sunlit
 from clerestory.phases.receivers import (
     chain_components,
     coefficients_cost_less,

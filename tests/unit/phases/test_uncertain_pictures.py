@@ -13,7 +13,6 @@ from clerestory.matrix.axis import pixel_axis
 from clerestory.phases import picture_series, pixel_blocks
 from clerestory.phases.matrix_equation import (
     MatrixChain,
-    ReceivedSunlight,
     Skies,
     WindowMatrices,
 )
@@ -23,6 +22,7 @@ from clerestory.phases.picture_series import (
     pictures_over_time,
     uncertain_luminance_over_time,
 )
+from clerestory.phases.received_sunlight import ReceivedSunlight
 from clerestory.scene.view import View
 from clerestory.sky.sun_matrix import SunMatrix
 from phase_matrices import (
