@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 import xarray as xr
+from honeybee_models import box, honeybee_model
 
 from clerestory.study.results import Results, save_results
 
@@ -112,15 +113,9 @@ def test_an_obj_becomes_a_scene(call, room):
 
 
 def test_a_honeybee_room_becomes_a_study(call, room):
-    wall = [[0, 0, 0], [4, 0, 0], [4, 0, 3], [0, 0, 3]]
     sensor = {"pos": [1, 1, 1], "dir": [0, 0, 1]}
-    model = {
-        "identifier": "hut",
-        "rooms": [{"faces": [{"identifier": "w", "geometry": {"boundary": wall}}]}],
-        "properties": {
-            "radiance": {"sensor_grids": [{"identifier": "g", "sensors": [sensor]}]}
-        },
-    }
+    grid = {"identifier": "g", "sensors": [sensor]}
+    model = honeybee_model(box("hut", (0, 0, 0), (4, 5, 3)), sensor_grids=[grid])
     (room / "hut.hbjson").write_text(json.dumps(model))
     words = ("import", "hut.hbjson", "--weather", "two_days.wea", "-o", "hut")
     outcome = call(*words)

@@ -2,6 +2,7 @@
 
 import optics_seeds
 import picture_seeds
+import recipe_seeds
 import result_seeds
 import scene_seeds
 import weather_seeds
@@ -12,4 +13,5 @@ READERS = {
     **weather_seeds.READERS,
     **picture_seeds.READERS,
     **result_seeds.READERS,
+    **recipe_seeds.READERS,
 }

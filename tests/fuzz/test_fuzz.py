@@ -24,6 +24,9 @@ LEFT_OUT = {
     "glazing.standard:_table": "reads files of the package",
     "phases.illuminance:illuminance": "reads what it has written",
     "study.results:_append_hourly": "writes",
+    "study.annual_view_grids:_hourly_file": "writes",
+    "study.annual_view_grids:study_view_grids": "reads what it has written",
+    "study.view_grid_positions:read_view_grid": "reads by read_positions",
     "report.page_assets:asset": "reads files of the package",
     "study.new_study:write_demo": "copies files of the package",
 }

@@ -66,6 +66,7 @@ from clerestory.study.model_import import write_honeybee_model
 from clerestory.study.outputs import _METRICS, write_hourly, write_metrics
 from clerestory.study.results import Results, read_results, save_results
 from clerestory.study.study_files import study_text, window_text
+from clerestory.study.view_grid_outputs import write_grid_dgp, write_grid_views
 
 pyradiance = pytest.importorskip("pyradiance", reason="Radiance reads the files")
 BIN = Path(pyradiance.__file__).parent / "bin"
@@ -454,6 +455,34 @@ def test_results_of_hostile_grids_are_tables(folder):
         assert len(head) == len(row) == 2
 
 
+def test_view_grids_are_tables(folder):
+    times = np.array(["2001-06-21T12:00"], "datetime64[ns]")
+    for name in NAMES:
+        data = xr.Dataset(
+            {
+                "grid_view_number": ("grid_view", [0]),
+                "grid_view_position": (("grid_view", "xyz"), np.zeros((1, 3))),
+                "grid_view_azimuth": ("grid_view", [0.0]),
+                "grid_view_exceeded_dgp": ("grid_view", [0.4]),
+                "grid_view_exceeded_dgp_error": ("grid_view", [0.0]),
+                "grid_view_glare_share": (("grid_view", "dgp_limit"), [[0.1]]),
+                "grid_view_glare_share_error": (("grid_view", "dgp_limit"), [[0.0]]),
+                "grid_view_dgp": (("grid_view", "time"), [[0.4]]),
+            },
+            {
+                "grid_view": np.array([f"{name} 1 0°"], object),
+                "view_grid": ("grid_view", np.array([name], object)),
+                "dgp_limit": [0.4],
+                "time": times,
+            },
+        )
+        write_grid_views(Results(data), folder / "views.csv", grid=name)
+        write_grid_dgp(Results(data), folder / "hours.csv", grid=name)
+        for table, width in (("views.csv", 11), ("hours.csv", 2)):
+            head, row = no_formulas(folder / table)
+            assert len(head) == len(row) == width
+
+
 def test_results_hold_any_name(folder):
     """In coordinates and attributes of results.nc, and in run.json."""
     _results(folder)
@@ -571,7 +600,10 @@ WRITERS = {
     "report.comparison_page.write_comparison": test_pages_hold_any_text,
     "report.figure_file.write_figure": "pixels",
     "report.page.write_report": test_pages_hold_any_text,
+    "study.annual_view_grids._hourly_file": "numbers",
     "study.method_comparison.compare_methods": test_tables_hold_no_formulas,
+    "study.view_grid_outputs.write_grid_dgp": test_view_grids_are_tables,
+    "study.view_grid_outputs.write_grid_views": test_view_grids_are_tables,
     "study.model_import._put": test_imports_of_models_run_no_name,
     "study.model_import._bsdf_text": test_imports_of_models_run_no_name,
     "study.model_import.write_honeybee_model": test_imports_of_models_run_no_name,

@@ -22,7 +22,7 @@ def test_indices_of_sampled_directions_are_those_of_evalglare(tmp_path, kind):
         views_around(8)[-1:] + views_around(2),
     )
     fine = Refinement(tolerance=0.0005, most=12_000)
-    samples = sample_sphere(room.of_samples, views, refinement=fine)
+    samples = sample_sphere(room.of_samples, views, refinement=fine).centred()
     light = room.luminance(samples.direction)
     found = point_glare(samples, light, views, sun=room.disc())
     errors = {name: [] for name in TOLERANCE}

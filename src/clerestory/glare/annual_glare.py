@@ -164,7 +164,10 @@ def _at(illuminance: np.ndarray | None, step: int) -> float | None:
 def glare_dataset(
     results: Sequence[Sequence[Mapping[str, float]]], times: np.ndarray | None
 ) -> "xr.Dataset":
-    """Return glare indices by name, of each step of each view, as a dataset."""
+    """Return glare indices by name, of each step of each view, as a dataset.
+
+    Without steps, all indices are empty.
+    """
     axis = "step" if times is None else "time"
     steps = np.arange(len(results[0])) if times is None else times
     units = _UNITS | {f"{name}_error": unit for name, unit in _UNITS.items()}
@@ -176,7 +179,7 @@ def glare_dataset(
             {"units": unit},
         )
         for name, unit in units.items()
-        if name in known
+        if name in known or not len(steps)
     }
     # Imported here, since xarray loads slowly
     dataset: type[xr.Dataset] = importlib.import_module("xarray").Dataset

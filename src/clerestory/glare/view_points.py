@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from clerestory.array_types import Vector
+from clerestory.brief_repr import brief
 from clerestory.glare.dgp_error import DgpModel, limited, statistical_variance
 from clerestory.glare.eye_directions import SUN_SOLID_ANGLE, SunDisc
 from clerestory.glare.point_glare import point_glare
@@ -60,6 +61,8 @@ class ViewPoint:
     terms: tuple[Term, ...]
     skies: Skies
     refinement: Refinement = field(default_factory=Refinement)
+
+    __repr__ = brief
 
     def glare(
         self,

@@ -19,6 +19,7 @@ import numpy as np
 from jaxtyping import Int
 
 from clerestory.bands import Bands, common_bands
+from clerestory.brief_repr import brief
 from clerestory.checks import has_shape
 from clerestory.errors import MatrixError
 from clerestory.matrix.axis import Axis, sensor_axis
@@ -184,6 +185,8 @@ class Skies:
     whole: SkyMatrix
     sun: SkyMatrix | None = None
     suns: SunMatrix | None = None
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         for other in (self.sun, self.suns):

@@ -5,6 +5,7 @@ computed for blocks of pixels, which are as few in a picture of any size.
 """
 
 import itertools
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -60,7 +61,7 @@ class PixelBlocks:
     ) -> Float32[np.ndarray, "*batch block column"]:
         """Return the means over the pixels of each block."""
         *batch, pixels, each = values.shape
-        wide = values.reshape(-1, pixels, each)
+        wide = values.reshape(math.prod(batch), pixels, each)
         found = np.zeros((len(wide), *self.shape, each), np.float32)
         width = self.columns[-1]
         for number, (first, last) in enumerate(itertools.pairwise(self.rows.tolist())):
@@ -70,7 +71,7 @@ class PixelBlocks:
             )
             for blocks, one in zip(found, wide, strict=True):
                 blocks[number] = average @ one[strip].astype(np.float32, copy=False)
-        return found.reshape(*batch, -1, each)
+        return found.reshape(*batch, math.prod(self.shape), each)
 
     @cached_property
     def _averages(self) -> dict[int, csr_array]:

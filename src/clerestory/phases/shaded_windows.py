@@ -11,6 +11,7 @@ from functools import cache
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.brief_repr import brief
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.matrix.transfer_matrix import TransferMatrix, require_matrix
 from clerestory.phases.matrix_equation import MatrixChain, Receiving, WindowMatrices
@@ -47,6 +48,8 @@ class ShadedWindow:
 
     window: Window
     states: tuple[ShadeState, ...]
+
+    __repr__ = brief
 
 
 def receiving_matrices(

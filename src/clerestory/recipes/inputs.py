@@ -18,7 +18,7 @@ from jaxtyping import Bool, Float
 from clerestory.checks import one_of, require, within
 from clerestory.documents import json_value
 from clerestory.errors import InputError, located
-from clerestory.files import read_text
+from clerestory.files import is_file, read_text
 
 Kind = Literal["file", "text", "number", "whole number"]
 
@@ -99,7 +99,7 @@ def read_inputs(path: str | Path, declared: Sequence[Input]) -> dict[str, Any]:
 def _file(name: str, value: str | None, folder: Path) -> Path | None:
     if not value:
         return None
-    found = [each for each in (Path(value), folder / value) if each.is_file()]
+    found = [each for each in (Path(value), folder / value) if is_file(each)]
     require(found, f'input "{name}" is {value!r}; a file that exists expected')
     return found[0]
 

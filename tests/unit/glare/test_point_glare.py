@@ -64,6 +64,12 @@ def test_sky_gives_every_direction_half_of_its_horizontal_illuminance():
     )
 
 
+def test_a_night_has_empty_indices():
+    samples = regular_samples(3)
+    found = point_glare(samples, np.zeros((samples.count, 0)), [FISHEYE])
+    assert found.dgp.shape == found.illuminance.shape == (1, 0)
+
+
 def test_a_bright_cap_ahead_is_one_source_of_its_size():
     """A cap of half angle α ahead has E = πL sin²α and ω = 2π(1 − cos α), at P = 1."""
     samples = regular_samples(8)

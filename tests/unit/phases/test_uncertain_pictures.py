@@ -141,6 +141,18 @@ def test_errors_are_those_of_perturbed_matrices(states, blocks, monkeypatch):
     assert np.max(found[1].shared) > 0.1
 
 
+def test_blocks_of_pixels_have_means_of_any_number_of_steps(monkeypatch):
+    """Also of none, as in a night or behind an opaque blind."""
+    monkeypatch.setattr(pixel_blocks, "_MOST", 5)
+    blocks = pixel_blocks.PixelBlocks.of(7, 11)
+    light = np.random.default_rng(1).random((2, 1, 77, 3)).astype(np.float32)
+    found = blocks.means(light)
+    assert found.shape == (2, 1, np.prod(blocks.shape), 3)
+    first = light.reshape(2, 7, 11, 3)[:, : blocks.rows[1], : blocks.columns[1]]
+    np.testing.assert_allclose(found[:, 0, 0], first.mean(axis=(1, 2)), rtol=1e-5)
+    assert blocks.means(light[..., :0]).shape == (*found.shape[:-1], 0)
+
+
 @pytest.mark.parametrize("terms", [THREE_PHASE, FIVE_PHASE], ids=["three", "five"])
 @pytest.mark.parametrize("most", [None, (2, 9)], ids=["one block", "many blocks"])
 def test_luminance_is_that_of_the_pictures(terms, most, monkeypatch):
