@@ -6,10 +6,10 @@ import json
 import numpy as np
 import pytest
 import xarray as xr
+from honeybee_models import GLASS, building, honeybee_model, office
 
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.study.config import read_study
-from honeybee_models import GLASS, building, honeybee_model, office
 
 WEATHER = importlib.resources.files("pvlib") / "data" / "723170TYA.CSV"
 

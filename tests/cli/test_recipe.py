@@ -9,11 +9,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from honeybee_models import GLASS, TINT, honeybee_model, office
 
 from clerestory.metrics.honeybee import read_honeybee
 from clerestory.sky.sky_conditions import sky_conditions
 from clerestory.sky.weather_formats import read_weather
-from honeybee_models import GLASS, TINT, honeybee_model, office
 
 WEATHER = Path(str(importlib.resources.files("pvlib"))) / "data" / "723170TYA.CSV"
 UP, SOUTH = [0, 0, 1], [0, -1, 0]

@@ -11,9 +11,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from reader import Reader, Use
-
 from honeybee_models import honeybee_model, office
+from reader import Reader, Use
 
 ROOM = """# A room with everything
 void plastic grey 0 0 5 .5 .5 .5 0 0

@@ -115,7 +115,7 @@ def percent(share: float, error: float) -> str:
     """Return a share with its standard error in per cent.
 
     >>> percent(0.123, 0.02), percent(0.123, 1e-6)
-    ('12.3 ± 2.0 %', '12.3 %')
+    ('12 ± 2 %', '12.3 %')
     """
     shown = error if error >= _LEAST else 0.0
     return str(Figure(100 * float(share), 100 * float(shown), "%"))

@@ -6,6 +6,7 @@ from contextlib import suppress
 
 import numpy as np
 import pytest
+from honeybee_models import GLASS, aperture, box, honeybee_model
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -13,7 +14,6 @@ from clerestory.errors import ClerestoryWarning, InputError
 from clerestory.formats.hbjson import read_hbjson
 from clerestory.scene.model import Glass, Plastic, Trans
 from clerestory.scene.surface import area_vectors
-from honeybee_models import GLASS, aperture, box, honeybee_model
 
 
 def window(**radiance):

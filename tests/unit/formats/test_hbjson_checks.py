@@ -3,10 +3,10 @@
 import json
 
 import pytest
+from honeybee_models import GLASS, aperture, box, building, honeybee_model, office
 
 from clerestory.errors import InputError
 from clerestory.formats.hbjson import read_hbjson
-from honeybee_models import GLASS, aperture, box, building, honeybee_model, office
 
 
 @pytest.fixture

@@ -4,10 +4,10 @@ import json
 
 import numpy as np
 import pytest
+from honeybee_models import aperture, box, face, honeybee_model, office
 
 from clerestory.formats.hbjson import read_hbjson
 from clerestory.formats.hbjson_rooms import floor_grids
-from honeybee_models import aperture, box, face, honeybee_model, office
 
 
 @pytest.fixture
