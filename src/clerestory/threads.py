@@ -1,6 +1,7 @@
 """Threads: linear algebra in one thread, and evaluation during computation."""
 
 import functools
+import sys
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
@@ -15,6 +16,10 @@ _Result = TypeVar("_Result")
 
 # Interval at which a full queue is checked for the end of the evaluation [s]
 _WAIT = 0.5
+
+# Time after which a thread hands over to another [s]: Python's 5 ms would make each of
+# the two threads wait for the other in most of its array operations
+_SWITCH = 2e-4
 
 
 @contextmanager
@@ -50,7 +55,7 @@ def evaluated_meanwhile(
         while found := waiting.get():
             yield from found
 
-    with ThreadPoolExecutor(1) as pool:
+    with _switching(_SWITCH), ThreadPoolExecutor(1) as pool:
         future = pool.submit(copy_context().run, evaluate, computed())
         try:
             for item in items:
@@ -59,6 +64,16 @@ def evaluated_meanwhile(
         finally:
             _put(waiting, (), future)
         return future.result()
+
+
+@contextmanager
+def _switching(interval: float) -> Iterator[None]:
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(interval)
+    try:
+        yield
+    finally:
+        sys.setswitchinterval(before)
 
 
 def _put(queue: "Queue[_Item]", item: _Item, future: "Future[_Result]") -> bool:

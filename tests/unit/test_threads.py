@@ -1,5 +1,6 @@
 """Items are evaluated in a second thread while they are computed."""
 
+import sys
 import threading
 
 import pytest
@@ -60,3 +61,13 @@ def test_no_items_are_an_empty_sequence():
 def test_linear_algebra_is_limited_to_one_thread():
     with linear_algebra_in_one_thread():
         assert all(each["num_threads"] == 1 for each in threadpool_info())
+
+
+def test_the_interval_of_switching_is_restored():
+    before = sys.getswitchinterval()
+    inside = evaluated_meanwhile(
+        lambda items: (list(items), sys.getswitchinterval()), range(3), most=1
+    )
+    assert inside[0] == [0, 1, 2]
+    assert inside[1] < before
+    assert sys.getswitchinterval() == before
