@@ -69,11 +69,12 @@ def floor_level(scene: Scene, position: Float[np.ndarray, "point 3"]) -> float:
     """Return the height of the floor below points [m].
 
     This is the highest level at which surfaces are below nearly all points; furniture
-    is below some of them.
+    is below some of them. Points may be on the floor itself.
     """
     solid, levels = _walls(scene, []), []
     for point in position:
-        start, corner = point.copy(), solid.beneath(point).corner
+        start = point + _SAME * _UP
+        corner = solid.beneath(start).corner
         for _ in range(_LEVELS):
             drop = first_hits(start, -_UP[None], corner)[0]
             if np.isinf(drop):

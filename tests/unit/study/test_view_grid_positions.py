@@ -74,6 +74,12 @@ def test_spacing_fills_a_given_floor(with_grid):
     assert grid.position[:, :2].max(axis=0) == pytest.approx([2.75, 4.75])
 
 
+def test_places_on_the_floor_have_eyes_above_it(with_grid):
+    text = '[[view_grid]]\nname = "a"\nplaces = [[1, 2.5, 0], [3, 4, 0]]'
+    (grid,) = with_grid(f"{text}\neye_heights = [1.2]")
+    assert grid.position.tolist() == [[1, 2.5, 1.2], [3, 4, 1.2]]
+
+
 def test_lengths_of_places_are_in_the_unit_of_the_scene(with_grid, study_file):
     text = study_file.read_text().replace(
         'files = ["room.rad"]', 'files = ["room.rad"]\nunits = "feet"'
