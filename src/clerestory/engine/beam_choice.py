@@ -52,10 +52,10 @@ def crossed(
     up,
     order,
 ):
-    """Return a bit mask of the suns for which the line from each point crosses.
+    """Return a bit mask of the suns whose beam reaches each point by way of the window.
 
-    The line runs against the beam that is chosen for the point and the sun, and crosses
-    the rectangle of the window.
+    A sun's bit is set if the line from the point towards the sun, along the beam chosen
+    for both, crosses the rectangle of the window. Occlusion is not tested.
     """
     masks, number = mi.UInt32(0), mi.UInt32(0)
     place = dr.arange(mi.UInt32, dr.width(valid))

@@ -63,7 +63,7 @@ class BeamTracer:
     def disc(
         self, weights: Float[np.ndarray, "out band"], beams: Beams
     ) -> tuple[Float[np.ndarray, "out step"], Float[np.ndarray, " step"]]:
-        """Return what the solar disc contributes at the point of the cells of a sphere.
+        """Return the irradiance by the solar disc at the centre of a sphere.
 
         The first value is the irradiance perpendicular to the beams, weighted by band,
         the second the share of the disc that is visible.

@@ -23,7 +23,7 @@ from clerestory.engine.visibility import ROUNDING, along, first_opaque, transmit
 
 @dataclass
 class BeamWindow(Source):
-    """A window that transmits light towards a vertex along given directions.
+    """A window and, for each vertex, the direction in which it transmits a narrow beam.
 
     Attributes
     ----------

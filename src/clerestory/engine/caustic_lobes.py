@@ -48,7 +48,7 @@ class Level:
 
 @dataclass
 class CausticLobes:
-    """Cones of directions by cell of position and class of normals.
+    """Cones of directions for each cell of space and class of surface normals.
 
     Cells have several sizes; a point in an empty cell has the cones of a larger one.
 

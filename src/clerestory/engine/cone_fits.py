@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
-# Cones of at least this number of particles are fitted to them, and enlarged by a
-# factor; cones of fewer are circular and wide.
+# Smallest number of particles to which an elliptical cone is fitted, and the factor by
+# which it is enlarged; groups of fewer particles have wide circular cones.
 _MANY, _ENLARGED = 14, 1.2
 
 # Smallest and largest half angles [rad].

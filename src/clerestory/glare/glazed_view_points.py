@@ -1,7 +1,7 @@
 """Annual glare at a view point of a scene with glazing, by the two-phase method.
 
 The windows are surfaces of the scene, with their materials: clear or scattering glass,
-behind which the sun may be mirrored by façades. The sphere is cut into equal cells,
+behind which the sun may be mirrored by façades. The sphere is divided into equal cells,
 whose radiance is traced as that of pixels (`phases.sky_views`); the sun's disc is
 evaluated apart.
 """
@@ -16,7 +16,8 @@ from jaxtyping import Float, Int
 from clerestory.checks import require, within
 from clerestory.engine.effort import Effort, EffortKeywords, effort_of
 from clerestory.engine.work_units import Goal
-from clerestory.glare.dgp_error import DgpModel, limited, statistical_variance
+from clerestory.glare.cell_luminance import cell_luminance
+from clerestory.glare.dgp_error import DgpModel, limited
 from clerestory.glare.eye_directions import SUN_SOLID_ANGLE, SunDisc
 from clerestory.glare.index_settings import EVALGLARE
 from clerestory.glare.point_glare import point_glare
@@ -49,9 +50,6 @@ _LEVEL = 6
 
 # Cells this far behind a view have directions that it sees (sine)
 _BEHIND = 0.1
-
-# Number of time steps of a block of the product
-_STEPS = 256
 
 # Offset of the seed of sunlight
 _SUN = 0x10000
@@ -204,8 +202,6 @@ class _GlazedPoint:
     ) -> tuple[Float[np.ndarray, "cell step"], Float[np.ndarray, "view step"]]:
         # Luminance of the cells, and standard error of DGP due to the random paths
         model = DgpModel(self.cells, self.views, Refinement().threshold, EVALGLARE)
-        light = np.zeros((self.cells.count, len(steps)), np.float32)
-        variance, value = np.zeros((2, len(self.views), len(steps)))
         series = PixelSeries(
             [matrices],
             METHODS["2-phase"].terms(corrected=True),
@@ -215,11 +211,5 @@ class _GlazedPoint:
             self.cells.count,
             errors=True,
         )
-        for block in series.blocks(_STEPS, rows=self.cells.count):
-            own, level = block.times.start + block.steps, block.light[0]
-            light[:, own] = level
-            terms = model.terms(level, sun.select(own))
-            rest = block.variance, block.shared
-            variance[:, own] = statistical_variance(model, terms, level, *rest)
-            value[:, own] = terms.value
+        light, variance, value = cell_luminance(series, model, sun)
         return light, limited(np.sqrt(variance), value)

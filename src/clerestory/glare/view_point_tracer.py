@@ -1,7 +1,7 @@
 """Tracing of view points for annual glare, without pictures.
 
-The sphere around a point is cut into cells, fine where DGP depends on it. V, and the
-paths to the windows, are traced for the cells as for pixels. The cells are chosen by
+The sphere around a point is divided into cells, fine where DGP depends on it. V and
+the paths to the windows are traced for the cells as for pixels. The cells are chosen by
 the luminance at a few hundred time steps with all kinds of sky, positions of the sun
 and shade states.
 """

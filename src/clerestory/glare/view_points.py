@@ -1,6 +1,6 @@
 """Matrices of a view point, and its annual glare in several directions.
 
-The sphere around the point is cut into cells, which are the rows of V and of the
+The sphere around the point is divided into cells, which are the rows of V and of the
 recorded paths to the windows: the luminance of a cell is the mean over its directions.
 """
 
@@ -14,7 +14,8 @@ from jaxtyping import Float, Int
 
 from clerestory.array_types import Vector
 from clerestory.brief_repr import brief
-from clerestory.glare.dgp_error import DgpModel, limited, statistical_variance
+from clerestory.glare.cell_luminance import STEPS, CellLuminance, cell_luminance
+from clerestory.glare.dgp_error import DgpModel, limited
 from clerestory.glare.eye_directions import SUN_SOLID_ANGLE, SunDisc
 from clerestory.glare.point_glare import point_glare
 from clerestory.glare.sphere_refinement import (
@@ -37,9 +38,6 @@ from clerestory.threads import linear_algebra_in_one_thread
 
 if TYPE_CHECKING:
     import xarray as xr
-
-# Number of time steps of a block of the product
-_STEPS = 256
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,32 +159,17 @@ class ViewPoint:
 
     def _luminance(
         self, states: States, steps: Int[np.ndarray, " step"], sun: SunDisc
-    ) -> tuple[
-        Float[np.ndarray, "cell step"],
-        Float[np.ndarray, "view step"],
-        Float[np.ndarray, "view step"],
-    ]:
-        # Luminance of the cells, statistical variance of DGP, and DGP without a limit
+    ) -> CellLuminance:
         how = self.refinement
         model = DgpModel(self.samples, self.views, how.threshold, how.coefficients)
-        light = np.zeros((self.samples.count, len(steps)), np.float32)
-        variance, value = np.zeros((2, len(self.views), len(steps)))
-        series = self._series(states, steps, errors=True)
-        for block in series.blocks(_STEPS, rows=self.samples.count):
-            own, level = block.times.start + block.steps, block.light[0]
-            light[:, own] = level
-            terms = model.terms(level, sun.select(own))
-            rest = block.variance, block.shared
-            variance[:, own] = statistical_variance(model, terms, level, *rest)
-            value[:, own] = terms.value
-        return light, variance, value
+        return cell_luminance(self._series(states, steps, errors=True), model, sun)
 
     def luminance(
         self, states: States, steps: Int[np.ndarray, " step"]
     ) -> Float[np.ndarray, "cell step"]:
         """Return the luminance of the cells, in states at the given time steps."""
         light = np.zeros((self.samples.count, len(steps)), np.float32)
-        for block in self._series(states, steps, errors=False).blocks(_STEPS):
+        for block in self._series(states, steps, errors=False).blocks(STEPS):
             light[block.rows, block.times.start + block.steps] = block.light[0]
         return light
 

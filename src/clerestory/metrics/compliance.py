@@ -26,7 +26,7 @@ UNKNOWN = -1
 
 
 class Quantity(NamedTuple):
-    """A figure of a criterion, its limits in words, and its values for all replicates.
+    """Quantity that a criterion limits: value, replicates, and the limits as text.
 
     The value is NaN if it is not known.
     """

@@ -112,7 +112,7 @@ def uncertain_dgp(value: float, error: float) -> str:
 
 
 def percent(share: float, error: float) -> str:
-    """Return a share with its standard error in per cent.
+    """Return a fraction and its standard error as text, in per cent.
 
     >>> percent(0.123, 0.02), percent(0.123, 1e-6)
     ('12 ± 2 %', '12.3 %')

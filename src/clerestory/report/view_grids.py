@@ -1,4 +1,4 @@
-"""Section on view grids: plans of rosettes, the year of a view, the worst moment."""
+"""Report section on view grids: plans, a year of DGP, and the highest DGP."""
 
 import json
 from pathlib import Path

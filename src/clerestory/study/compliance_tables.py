@@ -46,7 +46,7 @@ class SpaceTable(Named):
 
 
 class ComplianceTable(Table):
-    """Standards for which a page of compliance is made."""
+    """Standards with which the results are compared."""
 
     standards: list[Annotated[str, BeforeValidator(_standard)]] = Field(
         min_length=1, description="a list of standards"

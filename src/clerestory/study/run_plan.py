@@ -219,7 +219,7 @@ def _walk_through(
 def _plan_view_grids(
     job: Job, matrices: StudyMatrices, skies: Skies, store: PlannedStore
 ) -> None:
-    # One position of each view grid stands for all; its jobs count as often
+    # The jobs of one position of each view grid, times the number of positions
     points, planned = GridPoints(job, matrices, skies), store.plan.planned
     for grid in job.inputs.view_grids:
         first = len(planned)
