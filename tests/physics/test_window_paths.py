@@ -586,6 +586,29 @@ def test_luminance_of_bands_is_weighted(device):
     assert early.steps.tolist() == [0]
 
 
+def test_beams_that_are_kept_are_those_of_single_blocks(device):
+    """Suns traced together, in two calls, give the light of suns traced alone."""
+    scene, south = box(4, 5, 3, 0.5)
+    paths = picture_window_paths(
+        scene, [south], camera(size=24), samples=8, device=device
+    )
+    normal = csc_array(np.diag([500.0, 0, 800.0, 300.0]))
+    for layer in (clear_air(KLEMS), blind("tree4")):
+        alone, kept = (
+            in_sunlight(paths, "south", layer, suns=SUNS, peak=True) for _ in range(2)
+        )
+        weights = RGB.weights[None]
+        kept.keep_beams(normal[:, :1], weights)
+        kept.keep_beams(normal, weights)
+        one, other = (each.received(normal, weights) for each in (alone, kept))
+        assert one.steps.tolist() == other.steps.tolist()
+        assert one.batches.max() > 1
+        most = float(one.batches.max())
+        np.testing.assert_allclose(
+            other.batches, one.batches, rtol=1e-4, atol=1e-5 * most
+        )
+
+
 def test_rough_plastic_reflects_the_sun(device):
     """Rough plastic: its highlights are wider than a patch."""
     room, south = box(4, 5, 3, 0.4)

@@ -46,22 +46,31 @@ def crossed(
     directions,
     keys,
     count,
+    words,
     corner,
     plane,
     across,
     up,
     order,
 ):
-    """Return a bit mask of the suns whose beam reaches each point by way of the window.
+    """Return bit masks of the suns whose beam reaches each point by way of the window.
 
-    A sun's bit is set if the line from the point towards the sun, along the beam chosen
-    for both, crosses the rectangle of the window. Occlusion is not tested.
+    A point has `words` masks of 32 suns each. A sun's bit is set if the line from the
+    point towards the sun, along the beam chosen for both, crosses the rectangle of the
+    window. Occlusion is not tested.
     """
-    masks, number = mi.UInt32(0), mi.UInt32(0)
-    place = dr.arange(mi.UInt32, dr.width(valid))
-    apart = mi.Vector3f(corner - points)
+    lane = dr.arange(mi.UInt32, dr.width(valid) * words)
+    each = dr.opaque(mi.UInt32, words)
+    place, number = lane // each, (lane % each) * 32
+    last = dr.minimum(number + 32, count)
+    inside = dr.gather(mi.Bool, valid, place)
+    number = dr.select(inside, number, last)
+    normal = dr.gather(mi.Vector3f, normals, place)
+    every = dr.gather(mi.Bool, both, place)
+    apart = mi.Vector3f(corner - dr.gather(mi.Point3f, points, place))
     height = dr.dot(apart, plane)
-    while number < count:
+    masks = mi.UInt32(0)
+    while number < last:
         key = dr.gather(mi.UInt32, keys, number)
         beam = chosen_beam(place, number, key, order)
         toward = dr.gather(mi.Vector3f, directions, beam)
@@ -70,7 +79,7 @@ def crossed(
         x, y = dr.dot(offset, across), dr.dot(offset, up)
         crosses = (distance > 0) & (dr.dot(toward, plane) < 0)
         crosses &= (x > -_SLACK) & (x < 1 + _SLACK) & (y > -_SLACK) & (y < 1 + _SLACK)
-        crosses &= dr.dot(normals, toward) > _FACING
-        masks |= dr.select(crosses | both, mi.UInt32(1) << number, 0)
+        crosses &= dr.dot(normal, toward) > _FACING
+        masks |= dr.select(crosses | every, mi.UInt32(1) << (number & 31), 0)
         number += 1
-    return dr.select(valid, masks, 0)
+    return masks

@@ -16,6 +16,9 @@ from clerestory.engine.vertices import sensor_vertex
 from clerestory.engine.visibility import first_hit, only_reflects
 from clerestory.engine.window_path_jobs import PixelWindowPaths, SensorWindowPaths
 
+# Largest number of sample points of a pixel or cell in a batch
+_MOST = 8
+
 
 @dataclass
 class Visible:
@@ -69,10 +72,13 @@ class BeamSensors:
 
 
 class BeamPixels:
-    """Pixels, with a quarter of the sample points of the paths."""
+    """Pixels or cells, with a quarter of the sample points of the paths, at most 8.
+
+    More points are needed for reflected paths, not for the edges of sun patches.
+    """
 
     def __init__(self, job: PixelWindowPaths):
-        self.points = max(2, power_of_two(job.points // 4))
+        self.points = max(2, min(_MOST, power_of_two(job.points // 4)))
         self.origin = np.asarray(job.camera.position, dtype=float)
         self.rays = camera_rays(job.camera)
 

@@ -6,7 +6,9 @@ sun, one direction of the beams is chosen, and the line from the point against i
 tested against the window's rectangle. Only the pairs that pass are traced.
 """
 
+from collections.abc import Iterator
 from dataclasses import replace
+from typing import NamedTuple
 
 import drjit as dr
 import mitsuba as mi
@@ -33,8 +35,9 @@ from clerestory.image.camera import Camera
 from clerestory.scene.view import solid_angles
 from clerestory.scene.window_zones import WindowZones
 
-# Suns that are tested together: one bit each; most paths that are traced together
+# Suns of a bit mask, most bit masks of a launch, most paths that are traced together
 _BITS = 32
+_MASKS = 1 << 21
 _PATHS = 1 << 22
 
 # Least number of beams of a sun, a power of two
@@ -42,6 +45,15 @@ _BEAMS = 256
 
 # Light by batch, output, receiver and step
 Sums = Float32[np.ndarray, "batch out row step"]
+
+
+class BeamLight(NamedTuple):
+    """Light by beams in some pairs of receiver and time step, in a batch of paths."""
+
+    batch: Int[np.ndarray, " pair"]
+    row: Int[np.ndarray, " pair"]
+    step: Int[np.ndarray, " pair"]
+    values: Float32[np.ndarray, "out pair"]
 
 
 class BeamTracer:
@@ -85,9 +97,20 @@ class BeamTracer:
         beams: Beams,
     ) -> None:
         """Add the light of each receiver and step to the sums."""
+        _, outputs, rows, steps = total.shape
+        for found in self.light(weights, beams):
+            place = found.row.astype(np.int64) * steps + found.step
+            for output, value in enumerate(found.values):
+                flat = (found.batch * outputs + output) * (rows * steps) + place
+                np.add.at(total.reshape(-1), flat, value)
+
+    def light(
+        self, weights: Float[np.ndarray, "out band"], beams: Beams
+    ) -> Iterator[BeamLight]:
+        """Yield the light of receivers and steps, weighted by band; add equal pairs."""
         for number, group in enumerate(self.groups):
             share = weights[:, GROUP * number : GROUP * (number + 1)]
-            group.add(total, share, beams)
+            yield from group.light(share, beams)
 
 
 class _Group:
@@ -119,16 +142,17 @@ class _Group:
             dr.eval(self.visible)
         self.angles = _pixel_angles(job)
 
-    def add(self, total: Sums, weights: np.ndarray, beams: Beams) -> None:
-        # See `BeamTracer.add`
-        for first in range(0, len(beams.steps), _BITS):
-            part = beams.select(slice(first, first + _BITS))
+    def light(self, weights: np.ndarray, beams: Beams) -> Iterator[BeamLight]:
+        # See `BeamTracer.light`
+        words = max(1, _MASKS // dr.width(self.visible.valid))
+        for first in range(0, len(beams.steps), _BITS * words):
+            part = beams.select(slice(first, first + _BITS * words))
             place, number = self._crossing(part)
             for start in range(0, len(place), _PATHS):
                 some = slice(start, start + _PATHS)
-                self._trace(total, weights, part, place[some], number[some])
+                yield self._trace(weights, part, place[some], number[some])
         if beams.disc and self.angles is not None:
-            self._disc(total, weights, beams, self.angles)
+            yield from self._disc(weights, beams, self.angles)
 
     def disc(self, beams: Beams) -> Float32[np.ndarray, "channel step beam"]:
         # Irradiance by the points of the solar disc at the point of the cells
@@ -156,33 +180,36 @@ class _Group:
             )
         )
 
-    def _crossing(self, beams: Beams):
+    def _crossing(
+        self, beams: Beams
+    ) -> tuple[Int[np.ndarray, " pair"], Int[np.ndarray, " pair"]]:
         # Sample points and suns for which the line against a beam crosses the window
         seen, count = self.visible, len(beams.steps)
+        words = -(-count // _BITS)
         with launching():
             masks = crossed(
                 seen.point, seen.normal, seen.both, seen.valid,
                 vectors(mi.Vector3f, beams.direction.reshape(-1, 3)),
-                on_device(mi.UInt32, beams.key), dr.opaque(mi.UInt32, count),
+                on_device(mi.UInt32, beams.key), dr.opaque(mi.UInt32, count), words,
                 self.corner, self.window.normal, *self.edges, self._order(),
             )  # fmt: skip
             found = masks.numpy()
-        place = np.flatnonzero(found)
+        mask = np.flatnonzero(found)
         bits = np.unpackbits(
-            np.ascontiguousarray(found[place], "<u4").view(np.uint8).reshape(-1, 4),
-            axis=1, bitorder="little", count=count,
+            np.ascontiguousarray(found[mask], "<u4").view(np.uint8).reshape(-1, 4),
+            axis=1, bitorder="little",
         )  # fmt: skip
-        row, number = np.nonzero(bits)
-        return place[row], number
+        row, bit = np.nonzero(bits)
+        place, word = np.divmod(mask[row], words)
+        return place, _BITS * word + bit
 
     def _trace(
         self,
-        total: Sums,
         weights: np.ndarray,
         beams: Beams,
         found: Int[np.ndarray, " pair"],
         suns: Int[np.ndarray, " pair"],
-    ) -> None:
+    ) -> BeamLight:
         with launching():
             places = self._places(on_device(mi.UInt32, found))
             number, key = (
@@ -192,11 +219,11 @@ class _Group:
             lit = self.window.lit(beams, beam)
             tracer = PathTracer(lit.inside, (lit,), 1.0, direct_only=True)
             light = self.receivers.light(tracer, places) / self.receivers.points
-        _add(total, weights, light, places.row, beams.steps[suns], places.batch)
+        return _weighted(weights, light, places.row, beams.steps[suns], places.batch)
 
     def _disc(
-        self, total: Sums, weights: np.ndarray, beams: Beams, angles: np.ndarray
-    ) -> None:
+        self, weights: np.ndarray, beams: Beams, angles: np.ndarray
+    ) -> Iterator[BeamLight]:
         # Points of the solar disc seen through the window, each in its pixel
         job, (rows, columns) = self.job, angles.shape
         assert isinstance(job, PixelWindowPaths)
@@ -218,7 +245,7 @@ class _Group:
             light *= on_device(mi.Float, job.batches / (self.beams * angle))
             batch = on_device(mi.UInt32, chosen % job.batches)
         step = beams.steps[chosen // self.beams]
-        _add(total, weights, light, pixel, step, batch)
+        yield _weighted(weights, light, pixel, step, batch)
 
     def _seen(self, beams: Beams, beam, eye: mi.Point3f) -> mi.Color3f:
         # Light against beams that arrives at a point straight from the sun
@@ -233,14 +260,10 @@ def _pixel_angles(job: WindowPathsJob) -> Float[np.ndarray, "row column"] | None
     return None
 
 
-def _add(total: Sums, weights: np.ndarray, light, row, step, batch) -> None:
-    # Add the weighted light of receivers and steps, in a fixed order
-    _, outputs, rows, steps = total.shape
+def _weighted(weights: np.ndarray, light, row, step, batch) -> BeamLight:
+    # Light weighted by band, of receivers and steps
     with launching():
         dr.eval(light, row, batch)
         found, row, batch = light.numpy(), row.numpy(), batch.numpy()
     values = weights @ found[: weights.shape[1]]
-    place = row.astype(np.int64) * steps + step
-    for output, value in enumerate(values):
-        flat = (batch * outputs + output) * (rows * steps) + place
-        np.add.at(total.reshape(-1), flat, value.astype(np.float32))
+    return BeamLight(batch, row, step, values.astype(np.float32))

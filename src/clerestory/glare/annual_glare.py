@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _UNITS = {quantity.name: quantity.unit for quantity in REPORTED}
+_UNITS |= {f"{name}_error": unit for name, unit in _UNITS.items()}
 
 
 def annual_glare(
@@ -168,19 +169,25 @@ def glare_dataset(
 
     Without steps, all indices are empty.
     """
-    axis = "step" if times is None else "time"
-    steps = np.arange(len(results[0])) if times is None else times
-    units = _UNITS | {f"{name}_error": unit for name, unit in _UNITS.items()}
+    steps = len(results[0])
     known = set().union(*(step for one in results for step in one))
+    values = {
+        name: np.array([[step.get(name, np.nan) for step in one] for one in results])
+        for name in (known if steps else _UNITS)
+    }
+    return labelled_glare(values, np.arange(steps) if times is None else times)
+
+
+def labelled_glare(
+    values: Mapping[str, Float[np.ndarray, "view step"]], times: np.ndarray
+) -> "xr.Dataset":
+    """Return glare indices by name as a dataset; `times` may be numbers of steps."""
+    axis = "time" if times.dtype.kind == "M" else "step"
     variables = {
-        name: (
-            ("view", axis),
-            [[step.get(name, np.nan) for step in one] for one in results],
-            {"units": unit},
-        )
-        for name, unit in units.items()
-        if name in known or not len(steps)
+        name: (("view", axis), values[name], {"units": unit})
+        for name, unit in _UNITS.items()
+        if name in values
     }
     # Imported here, since xarray loads slowly
     dataset: type[xr.Dataset] = importlib.import_module("xarray").Dataset
-    return dataset(variables, coords={axis: steps})
+    return dataset(variables, coords={axis: times})

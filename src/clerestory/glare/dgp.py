@@ -1,6 +1,7 @@
 """Daylight glare probability (DGP), corrections of DGP, and simplified DGP (DGPs)."""
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from clerestory.array_types import Values
 from clerestory.glare.index import GlareIndex
@@ -31,13 +32,28 @@ def dgp(
     >>> round(dgp(sun, illuminance=3000.0), 3)
     0.384
     """
-    k = coefficients
-    if illuminance <= 0:
-        return float(min(k.c3, 1.0))
-    by_position = sources.luminance**k.a1 / sources.position_index**k.a4
-    total = float((by_position * sources.solid_angle**k.a2).sum())
-    glare = k.c2 * np.log10(1 + total / illuminance**k.a3)
-    return float(min(k.c1 * illuminance**k.a5 + k.c3 + glare, 1.0))
+    step, level = np.zeros(sources.count, np.int64), np.array([float(illuminance)])
+    return float(dgp_over_time(sources, step, level, coefficients)[0])
+
+
+def dgp_over_time(
+    sources: GlareSources,
+    step: Int[np.ndarray, " source"],
+    illuminance: Float[np.ndarray, " step"],
+    coefficients: DgpCoefficients = EVALGLARE,
+) -> Float[np.ndarray, " step"]:
+    """Return DGP of many time steps; `step` is the index of the step of each source.
+
+    >>> sun = GlareSources.of(luminance=[1e6], solid_angle=[6.8e-5], position_index=[3])
+    >>> dgp_over_time(sun, np.array([1]), np.full(2, 3000.0)).round(3).tolist()
+    [0.344, 0.384]
+    """
+    k, level = coefficients, np.where(illuminance > 0, illuminance, 1.0)
+    weight = sources.luminance**k.a1 / sources.position_index**k.a4
+    total = np.bincount(step, weight * sources.solid_angle**k.a2, len(level))
+    glare = k.c2 * np.log10(1 + total / level**k.a3)
+    value = k.c1 * level**k.a5 + k.c3 + glare
+    return np.asarray(np.minimum(np.where(illuminance > 0, value, k.c3), 1.0))
 
 
 def simplified_dgp(illuminance: Values) -> Values:

@@ -10,9 +10,9 @@ time steps together, whose connected components are the sources.
 import importlib
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float, Int, UInt8
 
-from clerestory.array_types import Directions, Values
+from clerestory.array_types import Directions, Indices, Values
 
 # Height of blocks, and of the directions that are joined beforehand, as fractions of
 # half the merging angle: the diagonal of a block is less than that angle
@@ -61,25 +61,34 @@ class DirectionGroups:
     ) -> Int[np.ndarray, "block step"]:
         """Return the group of each block at each step, and last that of the sun.
 
+        It is -1 for blocks without bright directions.
         `linked` are the directions that belong to the group of the sun if bright.
         """
         steps = bright.shape[1]
         lit = np.logical_or.reduceat(bright[self._order], self._first, axis=0)
         bits = np.packbits(lit, axis=1)
-        bits = bits[self._a] & bits[self._b]
-        both = np.bitwise_or.reduceat(bits, self._begins, axis=0)
-        pair, step = np.nonzero(np.unpackbits(both, axis=1, count=steps))
-        index, under = np.nonzero(bright & linked)
+        both = np.bitwise_or.reduceat(
+            bits[self._a] & bits[self._b], self._begins, axis=0
+        )
+        pair, step = _nonzero(np.unpackbits(both, axis=1, count=steps))
+        index, under = _nonzero(bright & linked)
+        node, when = _nonzero(lit)
 
-        # Vertices of the graph: each block at each step, then the sun at each step
+        # Vertices of the graph: bright blocks at each step, and the sun at each step
+        count = self.blocks * steps
+        used = np.zeros(count + steps, dtype=bool)
+        used[self.block[self._order[self._first]][node] * steps + when] = True
+        used[count:] = True
+        vertex = np.cumsum(used) - 1
         a, b = (one[pair] * steps + step for one in self._pairs)
-        a = np.concatenate([a, self.block[index] * steps + under])
-        b = np.concatenate([b, self.blocks * steps + under])
-        count = (self.blocks + 1) * steps
+        a = vertex[np.concatenate([a, self.block[index] * steps + under])]
+        b = vertex[np.concatenate([b, count + under])]
         sparse = importlib.import_module("scipy.sparse")
-        graph = sparse.coo_array((np.ones(a.size, np.int8), (a, b)), (count, count))
+        shape = int(vertex[-1]) + 1, int(vertex[-1]) + 1
+        graph = sparse.coo_array((np.ones(a.size, np.int8), (a, b)), shape)
         connected = importlib.import_module("scipy.sparse.csgraph").connected_components
-        return np.asarray(connected(graph, directed=False)[1]).reshape(-1, steps)
+        group = connected(graph, directed=False)[1]
+        return np.where(used, group[vertex], -1).reshape(-1, steps)
 
     def totals(
         self,
@@ -108,6 +117,14 @@ def _cells(direction: Directions, height: float) -> Int[np.ndarray, " direction"
     part = np.minimum((turn * parts).astype(np.int64), parts.astype(np.int64) - 1)
     most = int(np.ceil(2 * np.pi / height)) + 1
     return np.unique(zone * most + part, return_inverse=True)[1].reshape(-1)
+
+
+def _nonzero(
+    values: Bool[np.ndarray, "row step"] | UInt8[np.ndarray, "row step"],
+) -> tuple[Indices, Indices]:
+    # As `np.nonzero`, but faster
+    row, step = np.divmod(np.flatnonzero(values), values.shape[1])
+    return row, step
 
 
 def _chord(angle: Values | float) -> Values:

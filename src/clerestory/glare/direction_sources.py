@@ -1,7 +1,7 @@
 """Glare sources among directions with solid angles, at each of many time steps."""
 
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, TypedDict, Unpack
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -34,7 +34,41 @@ class _Parts(NamedTuple):
     sums: Float[np.ndarray, "5 part"]
 
 
+class SourceOptions(TypedDict):
+    """Options of the search for glare sources; see `direction_source_blocks`."""
+
+    sun: SunDisc
+    threshold: Float[np.ndarray, " step"]
+    rules: SourceRules
+    model: PositionModel
+
+
+class SourceBlock(NamedTuple):
+    """Glare sources of a block of time steps.
+
+    `step` is the index of the step of each source in the block, of `steps` steps.
+    """
+
+    table: GlareSources
+    step: Int[np.ndarray, " source"]
+    steps: int
+
+
 def direction_sources(
+    samples: SphereSamples,
+    luminance: Float[np.ndarray, "direction step"],
+    view: View,
+    **options: Unpack[SourceOptions],
+) -> Iterator[GlareSources]:
+    """Yield the glare sources of each time step; see `direction_source_blocks`."""
+    for found in direction_source_blocks(samples, luminance, view, **options):
+        table, empty = found.table, found.table.select(_NONE)
+        ends = np.cumsum(np.bincount(found.step, minlength=found.steps))
+        for one in np.split(np.argsort(found.step, kind="stable"), ends[:-1]):
+            yield table.select(one) if one.size else empty
+
+
+def direction_source_blocks(
     samples: SphereSamples,
     luminance: Float[np.ndarray, "direction step"],
     view: View,
@@ -42,9 +76,9 @@ def direction_sources(
     sun: SunDisc,
     threshold: Float[np.ndarray, " step"],
     rules: SourceRules,
-    model: PositionModel = "guth",
-) -> Iterator[GlareSources]:
-    """Yield the glare sources of each time step.
+    model: PositionModel,
+) -> Iterator[SourceBlock]:
+    """Yield the glare sources of all time steps, block by block.
 
     `threshold` is the luminance above which directions are bright [cd/m²].
     """
@@ -85,7 +119,7 @@ def direction_sources(
                 block, step = np.nonzero(sums[0])
                 found.append(_Parts(group[block, step], step, sums[:, block, step]))
                 first = int(group.max()) + 1
-        yield from _tables(found, bright.shape[1], view, model)
+        yield _block(found, bright.shape[1], view, model)
 
 
 def _moments(flux: Values, eye: EyeDirections) -> Float[np.ndarray, "3 direction"]:
@@ -93,14 +127,17 @@ def _moments(flux: Values, eye: EyeDirections) -> Float[np.ndarray, "3 direction
     return np.asarray(flux * np.stack([eye.cosine, *eye.place.T]))
 
 
-def _tables(
+def _block(
     found: Sequence[_Parts], steps: int, view: View, model: PositionModel
-) -> Iterator[GlareSources]:
-    # Table of the sources of each step
+) -> SourceBlock:
+    # Sources of all steps of a block
     source, step, sums = (
         np.concatenate(one, axis=-1) for one in zip(*found, strict=True)
     )
-    _, first, number = np.unique(source, return_index=True, return_inverse=True)
+    used = np.bincount(source) > 0
+    number = (np.cumsum(used) - 1)[source]
+    of = np.zeros(np.count_nonzero(used), np.int64)
+    of[number] = step
     omega, power, illuminance, *moments = (
         np.bincount(number, one).astype(float) for one in sums
     )
@@ -125,8 +162,4 @@ def _tables(
         zone=none.astype(np.int64),
         luminance_error=none,
     )
-    of = step[first]
-    ends = np.cumsum(np.bincount(of, minlength=steps))
-    empty = table.select(np.zeros(0, dtype=np.int64))
-    for one in np.split(np.argsort(of, kind="stable"), ends[:-1]):
-        yield table.select(one) if one.size else empty
+    return SourceBlock(table, of, steps)

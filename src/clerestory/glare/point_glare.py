@@ -6,6 +6,8 @@ formulas of `evaluate_glare`. The sun's disc is one more direction, which moves.
 """
 
 from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,10 +15,15 @@ from jaxtyping import Float
 
 from clerestory.array_types import Vector
 from clerestory.checks import has_shape, one_of, require, same_length
-from clerestory.glare.annual_glare import glare_dataset
+from clerestory.glare.annual_glare import glare_dataset, labelled_glare
 from clerestory.glare.detection_criteria import SourceRules
-from clerestory.glare.direction_sources import direction_sources
-from clerestory.glare.eye_directions import SunDisc, seen_by
+from clerestory.glare.dgp import dgp_over_time
+from clerestory.glare.direction_sources import (
+    SourceOptions,
+    direction_source_blocks,
+    direction_sources,
+)
+from clerestory.glare.eye_directions import EyeDirections, SunDisc, seen_by
 from clerestory.glare.index_settings import (
     EVALGLARE,
     Background,
@@ -32,6 +39,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _UP = np.array([0.0, 0.0, 1.0])
+
+# Quantities that are computed for many time steps at once
+_AT_ONCE = frozenset({"dgp", "illuminance"})
 
 
 def point_glare(
@@ -95,16 +105,21 @@ def point_glare(
     for name in quantities or ():
         one_of(name, "glare quantity", choices=[one.name for one in REPORTED])
     settings = IndexSettings(background, None, low_light, None, coefficients)
-    found = [
-        [
-            glare.values(quantities)
-            for glare in _view_glare(
-                samples, luminance, view, sun, rules, settings, position_model
-            )
-        ]
-        for view in views
+    eyes = [
+        _Eye(samples, luminance, view, sun, rules, position_model) for view in views
     ]
-    dataset = glare_dataset(found, times)
+    if quantities is not None and _AT_ONCE.issuperset(quantities) and not low_light:
+        values = {
+            name: np.array([getattr(eye, name)(coefficients) for eye in eyes])
+            for name in quantities
+        }
+        steps_or_times = np.arange(steps) if times is None else times
+        dataset = labelled_glare(values, steps_or_times)
+    else:
+        found = [
+            [glare.values(quantities) for glare in eye.glare(settings)] for eye in eyes
+        ]
+        dataset = glare_dataset(found, times)
     looks = np.array([view.direction for view in views])
     azimuth = np.degrees(np.arctan2(looks[:, 0], looks[:, 1])) % 360
     return dataset.assign_coords(azimuth=("view", azimuth, {"units": "degree"}))
@@ -124,42 +139,93 @@ def views_around(
     ]
 
 
-def _view_glare(
-    samples: SphereSamples,
-    luminance: Float[np.ndarray, "direction step"],
-    view: View,
-    sun: SunDisc,
-    rules: SourceRules,
-    settings: IndexSettings,
-    model: PositionModel,
-) -> Iterator[Glare]:
-    # Glare of one view at each time step
-    eye, disc = seen_by(view, samples.direction), seen_by(view, sun.direction)
-    omega = np.where(eye.ahead, samples.solid_angle, 0).astype(luminance.dtype)
-    total = float(omega.sum())
-    beam = np.where(disc.ahead & (sun.solid_angle > 0), sun.luminance, 0)
-    flux = beam * sun.solid_angle
-    average = (omega @ luminance + flux) / total
-    weight = (samples.solid_angle * eye.cosine).astype(luminance.dtype)
-    illuminance = weight @ luminance + flux * disc.cosine
-    brightest = np.maximum(luminance[eye.ahead].max(axis=0, initial=0), beam)
-    factor = average if rules.threshold_kind == "times_mean" else np.ones(average.size)
-    tables = direction_sources(
-        samples,
-        luminance,
-        view,
-        sun=sun,
-        threshold=rules.threshold * factor,
-        rules=rules,
-        model=model,
-    )
-    for step, sources in enumerate(tables):
-        yield Glare(
-            sources=sources.larger_than(rules.smallest),
-            illuminance=float(illuminance[step]),
-            average=float(average[step]),
-            reference=float(average[step]),
-            brightest=float(brightest[step]),
-            solid_angle=total,
-            settings=settings,
+@dataclass(frozen=True, eq=False)
+class _Eye:
+    # One view at all time steps
+
+    samples: SphereSamples
+    luminance: Float[np.ndarray, "direction step"]
+    view: View
+    sun: SunDisc
+    rules: SourceRules
+    model: PositionModel
+
+    def dgp(self, coefficients: DgpCoefficients) -> Float[np.ndarray, " step"]:
+        # DGP of all steps of a block at once
+        found, first = [np.zeros(0)], 0
+        level = self.illuminance(coefficients)
+        for block in direction_source_blocks(*self._light, **self._how):
+            large = block.table.solid_angle >= self.rules.smallest
+            some, step = block.table.select(large), block.step[large]
+            own = level[first : first + block.steps]
+            found.append(dgp_over_time(some, step, own, coefficients))
+            first += block.steps
+        return np.concatenate(found)
+
+    def illuminance(self, _: DgpCoefficients) -> Float[np.ndarray, " step"]:
+        # Vertical illuminance at the eye [lux]
+        weight = (self.samples.solid_angle * self._eye.cosine).astype(
+            self.luminance.dtype
         )
+        found = (weight @ self.luminance).astype(float)
+        return np.asarray(found + self._flux * self._disc.cosine)
+
+    def glare(self, settings: IndexSettings) -> Iterator[Glare]:
+        # Glare at each time step
+        brightest = self.luminance[self._eye.ahead].max(axis=0, initial=0)
+        brightest = np.maximum(brightest, self._beam)
+        illuminance, average = self.illuminance(settings.coefficients), self._average
+        tables = direction_sources(*self._light, **self._how)
+        for step, sources in enumerate(tables):
+            yield Glare(
+                sources=sources.larger_than(self.rules.smallest),
+                illuminance=float(illuminance[step]),
+                average=float(average[step]),
+                reference=float(average[step]),
+                brightest=float(brightest[step]),
+                solid_angle=float(self._omega.sum()),
+                settings=settings,
+            )
+
+    @property
+    def _light(self) -> tuple[SphereSamples, np.ndarray, View]:
+        return self.samples, self.luminance, self.view
+
+    @cached_property
+    def _how(self) -> SourceOptions:
+        factor = np.ones(self.luminance.shape[1])
+        if self.rules.threshold_kind == "times_mean":
+            factor = self._average
+        return SourceOptions(
+            sun=self.sun,
+            threshold=self.rules.threshold * factor,
+            rules=self.rules,
+            model=self.model,
+        )
+
+    @cached_property
+    def _eye(self) -> EyeDirections:
+        return seen_by(self.view, self.samples.direction)
+
+    @cached_property
+    def _disc(self) -> EyeDirections:
+        return seen_by(self.view, self.sun.direction)
+
+    @cached_property
+    def _omega(self) -> Float[np.ndarray, " direction"]:
+        omega = np.where(self._eye.ahead, self.samples.solid_angle, 0)
+        return omega.astype(self.luminance.dtype)
+
+    @cached_property
+    def _beam(self) -> Float[np.ndarray, " step"]:
+        seen = self._disc.ahead & (self.sun.solid_angle > 0)
+        return np.where(seen, self.sun.luminance, 0)
+
+    @property
+    def _flux(self) -> Float[np.ndarray, " step"]:
+        return self._beam * self.sun.solid_angle
+
+    @cached_property
+    def _average(self) -> Float[np.ndarray, " step"]:
+        total = self._omega @ self.luminance + self._flux
+        return np.asarray(total / float(self._omega.sum()))

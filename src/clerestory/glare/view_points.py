@@ -92,6 +92,7 @@ class ViewPoint:
         own = [np.asarray(state)[lit] for state in given]
         known = errors and "dgp" in quantities
         with linear_algebra_in_one_thread():
+            self._keep_beams(own, lit)
             sun = self.sun_disc(own, lit)
             if known:
                 luminance, variance, value = self._luminance(own, lit, sun)
@@ -145,8 +146,7 @@ class ViewPoint:
     def _discs(self) -> list[list[tuple[np.ndarray, np.ndarray]]]:
         # Illuminance per direct normal irradiance, and visible share, of each sun, by
         # window group and shade state
-        weights = equation_bands(self.windows, self.skies).weights[None]
-        found = []
+        weights, found = self._weights, []
         for window in self.windows:
             assert window.sun is not None
             discs = []
@@ -173,6 +173,21 @@ class ViewPoint:
             light[block.rows, block.times.start + block.steps] = block.light[0]
         return light
 
+    def _keep_beams(self, states: States, steps: Int[np.ndarray, " step"]) -> None:
+        # Trace the narrow beams of all time steps together
+        suns, weights = self.skies.suns, self._weights
+        for window, chosen in zip(self.windows, states, strict=True):
+            if suns is None or window.sun is None:
+                continue
+            for state, matrix in enumerate(window.sun.receiving):
+                assert isinstance(matrix, SunlitReceivers)
+                own = steps[chosen == state]
+                matrix.keep_beams(suns.direct_normal[:, own], weights)
+
+    @property
+    def _weights(self) -> Float[np.ndarray, "1 band"]:
+        return equation_bands(self.windows, self.skies).weights[None]
+
     def _series(
         self, states: States, steps: Int[np.ndarray, " step"], *, errors: bool
     ) -> PixelSeries:
@@ -181,7 +196,7 @@ class ViewPoint:
             self.terms,
             self.skies.select(steps),
             states,
-            equation_bands(self.windows, self.skies).weights[None],
+            self._weights,
             self.samples.count,
             errors=errors,
         )

@@ -5,6 +5,7 @@ from the sun to the window by zone and sun. Narrow beams of light, which the pat
 miss, are traced for the suns in question.
 """
 
+import itertools
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -18,7 +19,7 @@ from clerestory.bsdf.bsdf import Bsdf
 from clerestory.checks import require
 from clerestory.engine.device import Device
 from clerestory.phases.direct_light import window_number
-from clerestory.phases.exit_cells import ExitCells
+from clerestory.phases.kept_beams import KeptBeams
 from clerestory.phases.received_sunlight import ReceivedSunlight
 from clerestory.phases.sunlit_window import SunlitWindow
 from clerestory.phases.window_paths import WindowPaths
@@ -39,10 +40,33 @@ class SunlitReceivers:
     paths: WindowPaths
     window: SunlitWindow
     _last: dict[tuple[bytes, ...], ReceivedSunlight] = field(default_factory=dict)
+    _kept: dict[bytes, KeptBeams] = field(default_factory=dict)
 
     def of(self, paths: WindowPaths) -> "SunlitReceivers":
         """Return other receivers in the light of the same window."""
         return SunlitReceivers(paths, self.window)
+
+    def keep_beams(
+        self, normal: csc_array, weights: Float[np.ndarray, "out band"]
+    ) -> None:
+        """Trace the narrow beams of all suns in `normal`, and keep their light.
+
+        This is faster than tracing them block by block, and for each product again.
+        """
+        job, window = self.paths.job, self.window
+        shape = job.batches, len(weights), job.receivers
+        key, none = weights.tobytes(), np.full(len(window.suns), -1)
+        suns = normal.tocoo().coords[0]
+        suns = suns[window.behind[suns]]
+        kept = self._kept.setdefault(key, KeptBeams(shape, none))
+        suns = kept.missing(suns)
+        if not (len(suns) and self.paths.traced):
+            return
+        ones = np.ones(len(suns))
+        light = window.radiance(suns, ones)
+        beams = self._beams(light, window.suns[suns], ones)
+        parts = (self._beam_tracer.light(weights, each) for each in beams)
+        kept.keep(suns, itertools.chain.from_iterable(parts))
 
     def received(
         self, normal: csc_array, weights: Float[np.ndarray, "out band"]
@@ -88,9 +112,9 @@ class SunlitReceivers:
         product = self.paths.product(window.number, cells)
         width = engine.padded(len(sun))
         extra = [(0, 0), (0, 0), (0, width - len(sun))]
-        light = window.radiance(sun, irradiance)
-        spread, beams = self._beams(cells, light, window.suns[sun], irradiance)
-        light = np.pad(np.concatenate([spread, light], axis=1), extra)
+        radiance = window.radiance(sun, irradiance)
+        parts = self._spread(radiance), radiance
+        light = np.pad(np.concatenate(parts, axis=1), extra)
         passed = np.pad(window.transmittance[..., sun], extra)
         shape = job.batches, job.receivers, width
         sums = [
@@ -98,7 +122,11 @@ class SunlitReceivers:
             for row in weights
         ]
         found = np.stack(sums, axis=1) if len(sums) > 1 else sums[0][:, None]
-        for each in beams:
+        kept = self._kept.get(weights.tobytes())
+        if kept is not None and not len(kept.missing(sun)):
+            kept.add(found, sun, irradiance)
+            return found
+        for each in self._beams(radiance, window.suns[sun], irradiance):
             self._beam_tracer.add(found, weights, each)
         return found
 
@@ -123,34 +151,33 @@ class SunlitReceivers:
                 total = product.received(share, radiance, zones) + total
         return total
 
+    def _spread(
+        self, light: Float32[np.ndarray, "channel cell step"]
+    ) -> Float32[np.ndarray, "channel cell step"]:
+        # Radiance for light reflected by pixels, without narrow beams
+        engine: Any = self.paths.engine("sun_beams")
+        narrow = engine.narrow_cells(light, self.window.cells.sizes)
+        return np.where(narrow, 0, light) if narrow.any() else light
+
     def _beams(
         self,
-        cells: ExitCells,
         light: Float32[np.ndarray, "channel cell step"],
         suns: Float[np.ndarray, "step 3"],
         irradiance: Float[np.ndarray, " step"],
-    ) -> tuple[Float32[np.ndarray, "channel cell step"], list[Any]]:
-        # Radiance for light reflected by pixels, without narrow beams, and the beams
+    ) -> list[Any]:
+        # Narrow beams: those of bright cells, and unscattered light
         engine: Any = self.paths.engine("sun_beams")
-        frame, found = self.window.frame, []
-        count = self._beam_tracer.beams
+        frame, cells, found = self.window.frame, self.window.cells, []
+        count, job = self._beam_tracer.beams, self.paths.job
         narrow = engine.narrow_cells(light, cells.sizes)
         if narrow.any():
-            bright, seed = np.where(narrow, light, 0), self.paths.job.seed
+            bright = np.where(narrow, light, 0)
+            how = {"count": count, "batches": job.batches, "seed": job.seed}
             rest = cells.sizes, cells.sample, suns, frame
-            found.append(
-                engine.narrow_beams(
-                    bright,
-                    *rest,
-                    count=count,
-                    batches=self.paths.job.batches,
-                    seed=seed,
-                )
-            )
-            light = light - bright
+            found.append(engine.narrow_beams(bright, *rest, **how))
         if self.window.peak:
             found.append(self.window.unscattered.of(suns, irradiance, count))
-        return light, found
+        return found
 
     @cached_property
     def _beam_tracer(self) -> Any:

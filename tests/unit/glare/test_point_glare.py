@@ -120,6 +120,26 @@ def test_a_sun_behind_or_hidden_has_no_effect():
     assert found.equals(plain)
 
 
+def test_dgp_of_many_steps_at_once_is_that_of_single_steps():
+    """Steps in several blocks, with and without sun, small sources, and in the dark."""
+    samples, rules = regular_samples(5), SourceRules(smallest=0.01)
+    bright = caps(
+        samples, (AHEAD, 0.3, 6000.0), (unit(np.array([1.0, 1, 1])), 0.1, 9e3)
+    )
+    level = bright * np.linspace(0, 2, 600)
+    towards = unit(np.array([[0.3, 1.0, 0.4]]).repeat(600, axis=0))
+    size = np.where(np.arange(600) % 3, SUN_SOLID_ANGLE, 0)
+    sun = SunDisc(towards, np.full(600, 1e8), size)
+    rest = {"sun": sun, "rules": rules}
+    at_once = point_glare(
+        samples, level, views_around(4), quantities=["dgp", "illuminance"], **rest
+    )
+    every = point_glare(samples, level, views_around(4), **rest)
+    for name in ("dgp", "illuminance"):
+        np.testing.assert_allclose(at_once[name], every[name], rtol=1e-6)
+    assert at_once["dgp"].max() > at_once["dgp"].min() + 0.1
+
+
 @pytest.mark.parametrize(("level", "count"), [(3e4, 1), (1e9, 2)])
 def test_a_sun_in_a_window_is_a_source_of_its_own_only_if_it_is_a_peak(level, count):
     samples = regular_samples(6)
