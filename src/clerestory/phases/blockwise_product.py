@@ -4,7 +4,8 @@ The result is computed in blocks of receivers × time steps. Error components, t
 deviations of the independent batches of each Monte Carlo estimate from their mean, are
 multiplied by the same matrices as the estimate. The view matrices of all windows are
 estimated from the same paths, so error components of equal index are summed over the
-windows. All other estimates are statistically independent.
+windows, and likewise those of C and C_d. All other estimates are statistically
+independent.
 
 Matrices are multiplied in the order that takes fewer operations: V (T D S) for many
 receivers and for moving shades, (V T D) S for few receivers.
@@ -43,9 +44,9 @@ from clerestory.phases.received_sunlight import (
 )
 from clerestory.phases.receivers import (
     SkyCoefficients,
-    chain_components,
     coefficients_cost_less,
-    component_count,
+    layers_of,
+    light_bytes,
     shining_columns,
     side_by_side,
 )
@@ -95,6 +96,13 @@ class _Factor:
     light: Light
     steps: Int[np.ndarray, " step"]
 
+    @property
+    def paths(self) -> tuple[int, int]:
+        """Number of the paths: C and C_d of a window and state have the same paths."""
+        same = isinstance(self.light, SkyLight)
+        same &= isinstance(self.matrices[0], TransferMatrix)
+        return (-1, self.source[1]) if same else self.source
+
     def add(self, total: np.ndarray, rows: slice, *, errors: bool) -> list[Components]:
         """Add the light of some receivers, and return its error components."""
         layers = side_by_side(self.matrices, rows, errors=errors)
@@ -124,6 +132,11 @@ class _Sunlight:
     sign: int
     light: ReceivedSunlight
     steps: Int[np.ndarray, " step"]
+
+    @property
+    def paths(self) -> tuple[int, int]:
+        """Number of the paths."""
+        return self.source
 
     def add(self, total: np.ndarray, rows: slice, *, errors: bool) -> list[Components]:
         """Add the light of some receivers, and return its error component."""
@@ -169,8 +182,8 @@ class BlockwiseProduct:
         """Yield all blocks, ordered by time steps, then by receivers."""
         parts = [self._chains(term) for term in self.terms]
         lit = _lit(self.skies)
-        exiting = sum(_light_bytes(found, self.weights) for found in parts)
-        layers = sum(_layers(found, errors=self.errors) for found in parts)
+        exiting = sum(light_bytes(found, self.weights.shape[1]) for found in parts)
+        layers = sum(layers_of(found, errors=self.errors) for found in parts)
         stored = isinstance(parts[0][0].receiving[0], StoredColumns)
         light = _LIGHT_OF_FILES if stored else _LIGHT
         most = max(16, light // max(1, exiting))
@@ -259,11 +272,16 @@ class BlockwiseProduct:
         factors: Sequence[_Factor | _Sunlight],
     ) -> Block:
         shape = len(self.terms), len(self.weights), rows.stop - rows.start, len(steps)
-        total, components = np.zeros(shape, np.float32), []
+        total = np.zeros(shape, np.float32)
+        components: dict[tuple[int, ...], Components] = {}
         for factor in factors:
             term = total[factor.source[0]]
-            components += factor.add(term, rows, errors=self.errors)
-        return Block(rows, times, steps, total, components)
+            for part in factor.add(term, rows, errors=self.errors):
+                key = *factor.paths, part.source[2], len(part.values)
+                if key in components:
+                    part.values[:] += components[key].values
+                components[key] = part
+        return Block(rows, times, steps, total, list(components.values()))
 
 
 def _lit(skies: Skies) -> Int[np.ndarray, " lit"]:
@@ -283,21 +301,3 @@ def _row_blocks(
         if isinstance(first, StoredColumns):
             return first.views.cut(most)
     return [slice(n, min(n + most, count)) for n in range(0, count, most)]
-
-
-def _layers(found: Sequence[MatrixChain], *, errors: bool) -> int:
-    # Number of error components of a term, plus one for the estimate
-    if not errors:
-        return 1
-    views = max(component_count(m) for chain in found for m in chain.receiving)
-    return 1 + views + sum(chain_components(chain) for chain in found)
-
-
-def _light_bytes(found: Sequence[MatrixChain], weights: Weights) -> int:
-    # Memory for the exiting radiance of one time step and its error components [bytes]
-    patches = sum(
-        chain.factors[0][0].rows.size * (1 + chain_components(chain))
-        for chain in found
-        if chain.factors
-    )
-    return int(4 * patches * weights.shape[1])

@@ -72,7 +72,7 @@ def pictures_over_time(
     bands = equation_bands(windows, skies)
     weights = np.eye(len(bands))
     series = PixelSeries(windows, terms, skies, states, weights, len(camera))
-    steps = series.steps(max(1, _steps(len(camera)) // len(bands)))
+    steps = series.steps(max(1, block_steps(len(camera)) // len(bands)))
     for moment, found in zip(skies.times, steps, strict=True):
         stamp = np.datetime_as_string(moment, unit="m")
         yield camera.picture(found.light, f"TIME= {stamp}", bands=bands)
@@ -88,7 +88,7 @@ def luminance_over_time(
     """Yield the luminance of every time step [cd/m²]; see `pictures_over_time`."""
     weights = equation_bands(windows, skies).weights[None]
     series = PixelSeries(windows, terms, skies, states, weights, len(camera))
-    for found in series.steps(_steps(len(camera))):
+    for found in series.steps(block_steps(len(camera))):
         yield found.light.reshape(camera.rows, camera.columns)
 
 
@@ -104,7 +104,7 @@ def uncertain_luminance_over_time(
     Matrices with pixels as rows have one error component each.
     """
     weights = equation_bands(windows, skies).weights[None]
-    blocks, most = PixelBlocks.of(camera.rows, camera.columns), _steps(len(camera))
+    blocks, most = PixelBlocks.of(camera.rows, camera.columns), block_steps(len(camera))
     rest = terms, skies, states, weights
     few = windows if blocks.single else [blocks.of_window(each) for each in windows]
     uncertain = PixelSeries(few, *rest, math.prod(blocks.shape), errors=True).steps(
@@ -121,11 +121,11 @@ def uncertain_luminance_over_time(
 
 def block_bytes(pixels: int) -> int:
     """Return the memory for a block of time steps of a picture [bytes]."""
-    return 4 * _LAYERS * pixels * _steps(pixels)
+    return 4 * _LAYERS * pixels * block_steps(pixels)
 
 
-def _steps(pixels: int) -> int:
-    # Number of time steps of a block
+def block_steps(pixels: int) -> int:
+    """Return the number of time steps of a block of a picture."""
     return int(np.clip(_RESULT // (4 * _LAYERS * max(1, pixels)), 4, _STEPS))
 
 

@@ -148,3 +148,21 @@ def shining_columns(
     """Return the columns of suns with irradiance > 0, and these suns."""
     shining = np.unique(suns.direct_normal.tocoo().coords[0])
     return Columns(matrix.values, matrix.components, shining), suns.rows_at(shining)
+
+
+def layers_of(found: Sequence[MatrixChain], *, errors: bool) -> int:
+    """Return the number of error components of a term, plus one for the estimate."""
+    if not errors:
+        return 1
+    views = max(component_count(m) for chain in found for m in chain.receiving)
+    return 1 + views + sum(chain_components(chain) for chain in found)
+
+
+def light_bytes(found: Sequence[MatrixChain], bands: int) -> int:
+    """Return the memory for the exiting radiance of a time step [bytes]."""
+    patches = sum(
+        chain.factors[0][0].rows.size * (1 + chain_components(chain))
+        for chain in found
+        if chain.factors
+    )
+    return int(4 * patches * bands)

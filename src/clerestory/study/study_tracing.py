@@ -110,16 +110,28 @@ def trace_study(job: Job, *, spectrum: Spectrum = "visible") -> StudyMatrices:
     if job.inputs.groups:
         # Direct light is scattered by windows only: all other surfaces are black
         black = replace(job, inputs=replace(job.inputs, scene=blackened(job.scene)))
-    make = partial(_window_chains, stored=stored) if method.windows else coefficients
-    whole = make(job)
-    none: list[MatrixChain | None] = [None] * len(whole)
-    dark = make(replace(black, direct=True)) if direct else none
-    sun = direct_suns(black, suns) if suns is not None else none
-    windows = tuple(map(WindowMatrices, whole, dark, sun))
+    if method.windows:
+        windows = _windows(job, black, direct=direct, stored=stored)
+    else:
+        windows = coefficients(job, direct=direct)
+    if suns is not None:
+        sunlit = zip(windows, direct_suns(black, suns), strict=True)
+        windows = [replace(window, sun=sun) for window, sun in sunlit]
     if not stored:
-        return StudyMatrices(study.terms, windows, suns)
+        return StudyMatrices(study.terms, tuple(windows), suns)
     most = most_sensors(study, job.inputs, direct=direct)
-    return StudyMatrices(study.terms, windows, suns, job.scratch, most)
+    return StudyMatrices(study.terms, tuple(windows), suns, job.scratch, most)
+
+
+def _windows(
+    job: Job, black: Job, *, direct: bool, stored: bool
+) -> list[WindowMatrices]:
+    # V, T and D of each window, and V_d, T and D_d of the black scene
+    whole = _window_chains(job, stored=stored)
+    dark: Sequence[MatrixChain | None] = [None] * len(whole)
+    if direct:
+        dark = _window_chains(replace(black, direct=True), stored=stored)
+    return list(map(WindowMatrices, whole, dark))
 
 
 def _window_chains(job: Job, *, stored: bool) -> list[MatrixChain]:
