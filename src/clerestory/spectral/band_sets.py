@@ -208,6 +208,15 @@ def efficacy(bands: Bands, quantity: str) -> Float[np.ndarray, " band"]:
     return np.asarray(WHITE * integral(values) * chosen)
 
 
+def gives(bands: Bands, quantity: str) -> bool:
+    """Whether light in these bands gives a quantity, such as "melanopic".
+
+    >>> gives(RGB, "melanopic"), gives(band_set("9"), "melanopic")
+    (False, True)
+    """
+    return bands.limits_nm is not None or quantity in (bands.weightings or ())
+
+
 def interval_integrals(
     values: Float[np.ndarray, " wavelength"], bands: Bands
 ) -> Float[np.ndarray, " band"]:
@@ -234,6 +243,8 @@ def _weightings(bands: Bands) -> tuple[str, ...]:
             f"the bands {bands} have no wavelengths; wavelength intervals, or weighting"
             " functions such as melanopic+photopic, expected"
         )
+    for name in bands.weightings:
+        one_of(name, "a weighting function", choices=WEIGHTINGS)
     return bands.weightings
 
 
