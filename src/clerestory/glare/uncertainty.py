@@ -86,7 +86,7 @@ def _rotations(count: int) -> Float32[np.ndarray, "draw draw"]:
     size = np.array([NormalDist().inv_cdf(p) for p in share])
     size /= np.sqrt(np.mean(np.square(size)))
     draw = np.arange(count)
-    return size[np.add.outer(draw, draw) % count].astype(np.float32)
+    return np.asarray(size[np.add.outer(draw, draw) % count], np.float32)
 
 
 def _signs(random: np.random.Generator, count: int) -> Float32[np.ndarray, " count"]:
