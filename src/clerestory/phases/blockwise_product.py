@@ -37,7 +37,11 @@ from clerestory.phases.matrix_equation import (
     checked_states,
     require_columns,
 )
-from clerestory.phases.received_sunlight import ReceivedSunlight, Sunlit
+from clerestory.phases.received_sunlight import (
+    ReceivedSunlight,
+    Sunlit,
+    received_sunlight,
+)
 from clerestory.phases.receivers import (
     SkyCoefficients,
     coefficients_cost_less,
@@ -238,8 +242,8 @@ class BlockwiseProduct:
                 source = number, len(chain.receiving) * window + state
                 if len(steps) and isinstance(matrix, Sunlit):
                     assert skies.suns is not None
-                    normal = skies.suns.direct_normal[:, steps]
-                    product = matrix.received(normal, self.weights)
+                    suns = skies.suns.select(steps)
+                    product = received_sunlight(matrix, suns, self.weights)
                     lit = steps[product.steps]
                     yield _Sunlight(source, term.sign, product, lit)
                 elif len(steps) and not isinstance(matrix, Sunlit):
@@ -256,9 +260,8 @@ class BlockwiseProduct:
         # C and the sky radiance, or C_ds and the direct normal irradiance
         if term.part == "sun" and skies.suns is not None:
             assert isinstance(matrix, TransferMatrix)
-            normal = skies.suns.direct_normal[:, steps]
-            columns, normal = shining_columns(matrix, normal)
-            return columns, SunLight(normal, self.weights)
+            columns, suns = shining_columns(matrix, skies.suns.select(steps))
+            return columns, SunLight(suns, self.weights)
         return matrix, SkyLight(skies.patches(term).select(steps), self.weights)
 
     def _block(

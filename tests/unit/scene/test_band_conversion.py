@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from clerestory.bands import unnamed_bands
-from clerestory.colorimetry import wavelength_bands
 from clerestory.errors import InputError
 from clerestory.radiance.rad_writer import format_rad
 from clerestory.scene.band_conversion import in_bands, step_spectrum
 from clerestory.scene.model import Glass, Light, Mixture, Plastic, Scene
+from clerestory.spectral.band_sets import wavelength_bands
 
 NINE = wavelength_bands(range(380, 830, 45))
 GREY = Plastic("grey", np.full(3, 0.5))
