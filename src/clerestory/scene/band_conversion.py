@@ -8,7 +8,7 @@ import numpy as np
 from clerestory.array_types import Vector
 from clerestory.bands import RGB, Bands
 from clerestory.checks import require, within
-from clerestory.errors import InputError, located
+from clerestory.errors import InputError
 from clerestory.scene.material import (
     Colour,
     Material,
@@ -91,10 +91,9 @@ def _with_spectrum(material: Material, spectrum: Spectrum, bands: Bands) -> Mate
             f'the material "{material.name}" is a {kind}, whose colour no spectrum can'
             " replace; plastic, metal, trans, mirror or glass expected",
         )
-    with located(**(vars(material.source) if material.source else {})):
-        what = f'a value of the spectrum of "{material.name}"'
-        within(spectrum.value, what, least=0, most=1)
-        values = band_means(spectrum, bands)
+    what = f'a value of the spectrum of "{material.name}"'
+    within(spectrum.value, what, least=0, most=1)
+    values = band_means(spectrum, bands)
     if isinstance(material, Glass):
         values = transmissivity(values, material.index)
     return with_colours(material, lambda _: values)

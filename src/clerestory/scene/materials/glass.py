@@ -52,7 +52,7 @@ def transmissivity(
     those of a clear pane give 1.
 
     >>> transmissivity(np.array([0.0, 0.88]), 1.52).round(3).tolist()
-    [0.0, 0.959]
+    [0.0, 0.958]
     """
     reflected = ((index - 1) / (index + 1)) ** 2
     passed = (1 - reflected) ** 2
