@@ -122,6 +122,18 @@ class SunLight:
 Light = PatchLight | SkyLight | SunLight
 
 
+def add_signed(
+    sign: int, total: np.ndarray, values: np.ndarray, steps: Int[np.ndarray, " step"]
+) -> None:
+    """Add values of given sign to a total, in some of its time steps."""
+    if len(steps) < total.shape[-1]:
+        total[..., steps] += values if sign > 0 else -values
+    elif sign > 0:
+        total += values
+    else:
+        total -= values
+
+
 def sky_product(
     values: Float[np.ndarray, "*batch channel row patch"],
     sky: SkyMatrix,

@@ -16,7 +16,7 @@ from jaxtyping import Float32, Int
 from clerestory.image.camera import Camera
 from clerestory.image.picture import Picture
 from clerestory.phases.blockwise_product import Block, BlockwiseProduct
-from clerestory.phases.column_light import Weights
+from clerestory.phases.column_light import Weights, add_signed
 from clerestory.phases.matrix_equation import (
     Skies,
     States,
@@ -214,12 +214,13 @@ class PixelSeries:
             self.weights,
             self.pixels,
             errors=self.errors,
+            summed=True,
             most_receivers=rows,
             most_steps=most,
         )
         nothing = np.zeros((0, 0), np.float32), np.zeros((0, 0, 0), np.float32)
         for block in product.blocks():
-            light = np.maximum(block.terms.sum(axis=0), 0)
+            light = np.maximum(block.terms[0], 0, out=block.terms[0])
             errors = self._deviations(block) if self.errors else nothing
             yield SeriesBlock(block.rows, block.times, block.steps, light, *errors)
 
@@ -238,10 +239,11 @@ class PixelSeries:
             term, _, group = part.source
             deviations, own = part.values[:, 0], int(group == 0 and self._errs[term])
             if own:
-                deviation[:, part.steps] += deviations[0]
+                add_signed(1, deviation, deviations[0], part.steps)
             for number, other in enumerate(deviations[own:]):
-                shared[number % FEW][:, part.steps] += other
-        return np.square(deviation), math.sqrt(FEW) * shared
+                add_signed(1, shared[number % FEW], other, part.steps)
+        shared *= np.float32(math.sqrt(FEW))
+        return np.square(deviation, out=deviation), shared
 
     @cached_property
     def _errs(self) -> list[bool]:
