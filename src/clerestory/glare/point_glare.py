@@ -214,7 +214,7 @@ class _Eye:
     @cached_property
     def _omega(self) -> Float[np.ndarray, " direction"]:
         omega = np.where(self._eye.ahead, self.samples.solid_angle, 0)
-        return omega.astype(self.luminance.dtype)
+        return np.asarray(omega.astype(self.luminance.dtype))
 
     @cached_property
     def _beam(self) -> Float[np.ndarray, " step"]:
@@ -223,7 +223,7 @@ class _Eye:
 
     @property
     def _flux(self) -> Float[np.ndarray, " step"]:
-        return self._beam * self.sun.solid_angle
+        return np.asarray(self._beam * self.sun.solid_angle)
 
     @cached_property
     def _average(self) -> Float[np.ndarray, " step"]:
