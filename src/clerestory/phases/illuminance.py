@@ -22,6 +22,7 @@ from clerestory.phases.matrix_equation import (
     chains,
     equation_bands,
 )
+from clerestory.phases.recent_values import RecentValues
 from clerestory.progress import Progress
 
 # NetCDF chunk size of hourly results (sensors, time steps), for fast reading of few
@@ -41,6 +42,7 @@ def illuminance(
     *,
     file: Path | None = None,
     progress: Progress | None = None,
+    recent: RecentValues | None = None,
 ) -> xr.Dataset:
     """Illuminance [lux] of sensors over time, with its standard error, as float32.
 
@@ -48,6 +50,7 @@ def illuminance(
     ----------
     states : index of the shade state at each time step, per window group; default 0
     file : NetCDF file for the hourly values; by default they are kept in memory
+    recent : products D S that several simulations have in common
 
     Returns
     -------
@@ -66,6 +69,7 @@ def illuminance(
         states,
         equation_bands(windows, skies).weights[None],
         axis.size,
+        recent=recent or RecentValues(),
     )
     names = ["illuminance", "standard_error"]
     names += [term.name for term in terms] if len(terms) > 1 else []
