@@ -38,7 +38,8 @@ def sensor_metrics(
     part = hourly[[name for name in names if name in hourly]]
     counted = within_hours(part.transpose("sensor", ..., "time"), hours).load()
     # Selected time steps are not contiguous in memory, which makes sums slow
-    counted = counted.map(lambda part: part.copy(data=np.ascontiguousarray(part)))
+    for name, part in dict(counted).items():
+        counted[name] = part.dims, np.ascontiguousarray(part.values), part.attrs
     result = _metrics(counted["illuminance"], target_lux)
     varied = [_metrics(lux, target_lux) for lux in hourly_replicates(counted)]
     for name, metric in dict(result).items():

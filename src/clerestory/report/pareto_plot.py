@@ -125,7 +125,7 @@ def _range(figures: Sequence[VariantFigure]) -> tuple[float, float]:
     step = _step(span)
     least = np.floor((low - 0.04 * span) / step) * step
     most = np.ceil((high + 0.04 * span) / step) * step
-    if low >= 0:
+    if min(figure.value for figure in figures) >= 0:
         least = max(least, 0.0)
     return float(least), float(most)
 
@@ -237,4 +237,5 @@ def _title(figure: VariantFigure) -> str:
 def _ticks(axis: tuple[float, float]) -> list[float]:
     step = _step(axis[1] - axis[0])
     first = np.ceil(axis[0] / step - 1e-9) * step
-    return [float(x) for x in np.arange(first, axis[1] + 1e-9 * step, step)]
+    # Adding zero makes a positive zero of a negative one
+    return [float(x) + 0.0 for x in np.arange(first, axis[1] + 1e-9 * step, step)]

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from clerestory.brief_repr import brief
 from clerestory.checks import distinct, require
 from clerestory.documents import toml_tables, validated
 from clerestory.engine.device import Device
@@ -39,6 +40,8 @@ class Variant:
     name: str
     study: Study
     settings: Mapping[str, str] = field(default_factory=dict)
+
+    __repr__ = brief
 
     def with_trace(
         self,
