@@ -8,6 +8,7 @@ import xarray as xr
 
 from clerestory.escaping import csv_line
 from clerestory.files import replace_file, write_text
+from clerestory.study.results import storable
 from clerestory.study.variant_figures import RunFigures, common_keys, figure_rows
 
 TABLE_FILE, DATA_FILE = "variants.csv", "variants.nc"
@@ -16,7 +17,7 @@ TABLE_FILE, DATA_FILE = "variants.csv", "variants.nc"
 def write_variants(runs: Sequence[RunFigures], folder: Path) -> None:
     """Write the figures of several runs as a table and as NetCDF."""
     write_text(folder / TABLE_FILE, figures_table(runs))
-    content = figures_dataset(runs).to_netcdf(engine="h5netcdf")
+    content = storable(figures_dataset(runs)).to_netcdf(engine="h5netcdf")
     with replace_file(folder / DATA_FILE) as stream:
         stream.write(content)
 
