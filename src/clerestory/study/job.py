@@ -117,6 +117,23 @@ class Job:
 
         return self._cached([name], self._key(trace, effort), make)[name]
 
+    def pair(
+        self,
+        names: tuple[str, str],
+        trace: "partial[tuple[TransferMatrix, TransferMatrix]]",
+        effort: Effort,
+        *,
+        shown: str,
+    ) -> tuple[TransferMatrix, TransferMatrix]:
+        """Return two matrices that are traced together; see `matrix`."""
+
+        def make() -> dict[str, TransferMatrix]:
+            traced = trace(effort=effort, progress=self.display(shown))
+            return dict(zip(names, traced, strict=True))
+
+        found = self._cached(list(names), self._key(trace, effort), make)
+        return found[names[0]], found[names[1]]
+
     def matrices(
         self,
         name: str,

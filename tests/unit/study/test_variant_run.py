@@ -46,6 +46,22 @@ def test_a_variant_has_the_results_of_its_own_run(sweep, engine, tmp_path):
         np.testing.assert_array_equal(shared[name].values, alone[name].values)
 
 
+def test_variants_that_face_other_directions_have_suns_of_their_own(
+    study_file, engine, tmp_path
+):
+    text = study_file.read_text().replace('"3-phase"', '"2-phase"')
+    window = '[[window]]\nname = "south"\nfile = "window.rad"\nbsdf = "diffuser.xml"\n'
+    assert window in text
+    text = text.replace(window, "") + "\n[sweep]\nsky.rotation_deg = [0.0, 90.0]\n"
+    study_file.write_text(text)
+    variants = read_variants(study_file)
+    run_variants(variants, out=tmp_path / "out")
+    alone = run_study(variants[1].study, out=tmp_path / "alone").data
+    shared = read_results(tmp_path / "out" / variants[1].name).data
+    for name in ("illuminance", "direct_open"):
+        np.testing.assert_array_equal(shared[name].values, alone[name].values)
+
+
 def test_differences_of_runs_that_share_noise_have_paired_errors(
     sweep, engine, tmp_path
 ):
