@@ -7,7 +7,7 @@ where DGP depends on it, whose radiance is traced as that of pixels
 """
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Unpack
 
 import numpy as np
@@ -51,6 +51,9 @@ if TYPE_CHECKING:
 # Default number of paths per cell, and per cell and sun
 _SAMPLES, _SUN_SAMPLES = 4096, 8
 
+# Cells by default: those of the first round are 3° wide
+_REFINEMENT = Refinement(first=6)
+
 # Numbers of paths per cell, and per cell and sun, while the cells are chosen
 _TRIAL, _SUN_TRIAL = 256, 2
 
@@ -75,7 +78,7 @@ def glazed_view_glare(
     scene : the room, its glazing and what surrounds it, without a sky
     views : views from one point, of which line of sight and up vector define the eye
     skies : S, S_ds and S_sun, with the time steps
-    refinement : how finely the sphere is sampled
+    refinement : how finely the sphere is sampled; default: cells 3° wide or smaller
     samples : number of paths per cell
     sun_samples : number of paths per cell and sun
     quantities : names of indices and quantities, as of `point_glare`
@@ -123,7 +126,7 @@ def glazed_view_glare(
     )
     message = "skies without S_ds or S_sun; both expected for the direct sun"
     require(skies.sun is not None and skies.suns is not None, message)
-    point = GlazedViewPoint(scene, tuple(views), skies, refinement or Refinement())
+    point = GlazedViewPoint(scene, tuple(views), skies, refinement or _REFINEMENT)
     cells = point.cells(effort)
     return point.glare(cells, effort, sun_samples=sun_samples, quantities=quantities)
 
@@ -135,7 +138,7 @@ class GlazedViewPoint:
     scene: Scene
     views: tuple[View, ...]
     skies: Skies
-    refinement: Refinement = field(default_factory=Refinement)
+    refinement: Refinement = _REFINEMENT
 
     def cells(self, effort: Effort) -> SphereSamples:
         """Return the cells of the sphere, fine where DGP depends on it."""
