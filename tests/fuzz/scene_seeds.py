@@ -273,6 +273,11 @@ READERS = {
     ),
     "window": Reader("radiance.window_reader:read_windows", "w.rad", (WINDOW,)),
     "one window": Reader("radiance.window_reader:read_window", "w.rad", (WINDOW,)),
+    "spectrum": Reader(
+        "spectral.spectrum_file:read_spectrum",
+        "paint.csv",
+        ("nm,reflectance\n400,0.2\n500;0.4 # green\n700 0.6\n",),
+    ),
     "sensors": Reader(
         "scene.sensors:read_sensors", "desk.pts", ("1 1 .8 0 0 1\n2 1 .8 0 0 1\n",)
     ),

@@ -94,8 +94,12 @@ def _summary(results: Results) -> Table:
     table = Table(title=results.title, title_justify="left")
     target = f"{data.attrs['target_lux']:g}"
     table.add_column("grid")
+    melanopic = "melanopic_edi" in data
     for heading in ("sensors", "mean", f"hours ≥ {target} lux", "useful"):
         table.add_column(heading, justify="right")
+    if melanopic:
+        limit = f"{data.attrs['melanopic_target_lux']:g}"
+        table.add_column(f"hours ≥ {limit} lux melanopic EDI", justify="right")
     for grid in results.grids():
         part = data.isel(sensor=(data["grid"] == grid).values)
         table.add_row(
@@ -104,6 +108,7 @@ def _summary(results: Results) -> Table:
             _mean(part, "mean_illuminance", 1, "lux"),
             _mean(part, "daylight_autonomy", 100, "%"),
             _mean(part, "useful", 100, "%"),
+            *([_mean(part, "melanopic_autonomy", 100, "%")] if melanopic else []),
         )
     return table
 

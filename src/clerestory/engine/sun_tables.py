@@ -150,14 +150,19 @@ def _transmittance(
     found = np.zeros((3, zones, len(suns)), np.float32)
     with launching():
         model = lower(scene, origin=origin)
+        lane, count = dr.arange(mi.UInt32, zones * len(suns)), len(suns)
+        width = dr.opaque(mi.UInt32, count)
+        zone, sun = lane // width, lane % width
         for number in range(each):
-            position = np.repeat(start[:, number], len(suns), axis=0)
-            towards = np.tile(disc[number], (zones, 1))
-            behind = on_device(mi.Bool, towards @ normal < 0)
-            ray = along(vectors(mi.Vector3f, towards))
-            share = transmittance(model, vectors(mi.Point3f, position), ray, behind)
+            towards = disc[number]
+            behind = dr.gather(mi.Bool, on_device(mi.Bool, towards @ normal < 0), sun)
+            ray = along(dr.gather(mi.Vector3f, vectors(mi.Vector3f, towards), sun))
+            position = dr.gather(
+                mi.Point3f, vectors(mi.Point3f, start[:, number]), zone
+            )
+            share = transmittance(model, position, ray, behind)
             share = dr.select(behind, share, 0)
             dr.eval(share)
-            part = np.broadcast_to(share.numpy(), (3, zones * len(suns)))
+            part = np.broadcast_to(share.numpy(), (3, zones * count))
             found += part.reshape(found.shape)
     return found / each

@@ -24,6 +24,7 @@ from clerestory.phases.column_light import (
     SkyLight,
     SunLight,
     Weights,
+    add_signed,
     exiting_light,
 )
 from clerestory.phases.matrix_equation import (
@@ -37,7 +38,11 @@ from clerestory.phases.matrix_equation import (
     checked_states,
     require_columns,
 )
-from clerestory.phases.received_sunlight import ReceivedSunlight, Sunlit
+from clerestory.phases.received_sunlight import (
+    ReceivedSunlight,
+    Sunlit,
+    received_sunlight,
+)
 from clerestory.phases.receivers import (
     SkyCoefficients,
     coefficients_cost_less,
@@ -106,19 +111,15 @@ class _Factor:
         groups = [found[1:]]
         if errors and isinstance(self.light, PatchLight):
             groups += self.light.spread(layers[0])
+        add_signed(self.sign, total, found[0], self.steps)
         if self.sign < 0:
-            for values in (found, *groups[1:]):
+            for values in groups:
                 np.negative(values, out=values)
-        parts = [
+        return [
             Components((*self.source, number), self.steps, values)
             for number, values in enumerate(groups)
             if len(values)
         ]
-        if len(self.steps) == total.shape[-1]:
-            total += found[0]
-        else:
-            total[..., self.steps] += found[0]
-        return parts
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +137,7 @@ class _Sunlight:
 
     def add(self, total: np.ndarray, rows: slice, *, errors: bool) -> list[Components]:
         """Add the light of some receivers, and return its error component."""
-        total[..., self.steps] += self.sign * self.light.mean(rows)
+        add_signed(self.sign, total, self.light.mean(rows), self.steps)
         if not errors:
             return []
         error = self.sign * self.light.error(rows)
@@ -153,6 +154,7 @@ class BlockwiseProduct:
     weights : weights of the bands; one row for illuminance, one per band for pictures
     count : number of receivers (sensors or pixels)
     errors : whether to compute the components of standard errors as well
+    summed : whether blocks have the sum of the terms in place of each of them
     most_receivers, most_steps : maximum block size; by default limited by memory
     """
 
@@ -163,6 +165,7 @@ class BlockwiseProduct:
     weights: Weights
     count: int
     errors: bool = True
+    summed: bool = False
     most_receivers: int | None = None
     most_steps: int | None = None
 
@@ -238,8 +241,8 @@ class BlockwiseProduct:
                 source = number, len(chain.receiving) * window + state
                 if len(steps) and isinstance(matrix, Sunlit):
                     assert skies.suns is not None
-                    normal = skies.suns.direct_normal[:, steps]
-                    product = matrix.received(normal, self.weights)
+                    suns = skies.suns.select(steps)
+                    product = received_sunlight(matrix, suns, self.weights)
                     lit = steps[product.steps]
                     yield _Sunlight(source, term.sign, product, lit)
                 elif len(steps) and not isinstance(matrix, Sunlit):
@@ -256,9 +259,8 @@ class BlockwiseProduct:
         # C and the sky radiance, or C_ds and the direct normal irradiance
         if term.part == "sun" and skies.suns is not None:
             assert isinstance(matrix, TransferMatrix)
-            normal = skies.suns.direct_normal[:, steps]
-            columns, normal = shining_columns(matrix, normal)
-            return columns, SunLight(normal, self.weights)
+            columns, suns = shining_columns(matrix, skies.suns.select(steps))
+            return columns, SunLight(suns, self.weights)
         return matrix, SkyLight(skies.patches(term).select(steps), self.weights)
 
     def _block(
@@ -268,11 +270,12 @@ class BlockwiseProduct:
         steps: Int[np.ndarray, " step"],
         factors: Sequence[_Factor | _Sunlight],
     ) -> Block:
-        shape = len(self.terms), len(self.weights), rows.stop - rows.start, len(steps)
+        terms = 1 if self.summed else len(self.terms)
+        shape = terms, len(self.weights), rows.stop - rows.start, len(steps)
         total = np.zeros(shape, np.float32)
         components: dict[tuple[int, ...], Components] = {}
         for factor in factors:
-            term = total[factor.source[0]]
+            term = total[0 if self.summed else factor.source[0]]
             for part in factor.add(term, rows, errors=self.errors):
                 key = *factor.paths, part.source[2], len(part.values)
                 if key in components:

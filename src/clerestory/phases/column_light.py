@@ -14,13 +14,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float, Float32, Int
-from scipy.sparse import csc_array
 
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.matrix_equation import MatrixChain
 from clerestory.phases.receivers import chain_components, channel_count, side_by_side
 from clerestory.sky.patch_radiance import SkyMatrix
 from clerestory.sky.sky_product import fold
+from clerestory.sky.sun_matrix import SunMatrix
 
 # Weights of the bands in the result: photometric weights, or one row per band
 Weights = Float[np.ndarray, "out band"]
@@ -103,23 +103,35 @@ class SkyLight:
 class SunLight:
     """Direct normal irradiance [W/m²] of the suns, one for each column of a matrix."""
 
-    normal: csc_array
+    suns: SunMatrix
     weights: Weights
 
     def received(self, matrix: Layers) -> Received:
         """Multiply a matrix and its error components by the irradiance."""
         layers, channels, rows, suns = matrix.shape
-        weights = self.weights
-        if channels == 1:
-            weights = weights.sum(axis=1, keepdims=True)
-        light = np.einsum("oc,lcrs->sorl", weights.astype(np.float32), matrix)
-        flat = light.reshape(suns, len(weights) * rows * layers)
-        found = self.normal.astype(np.float32).T @ flat
-        shape = found.shape[0], len(weights), rows, layers
-        return np.ascontiguousarray(found.reshape(shape).T.swapaxes(1, 2))
+        found: np.ndarray | float = 0.0
+        for normal, weights in self.suns.weighted(self.weights):
+            each = weights.sum(axis=1, keepdims=True) if channels == 1 else weights
+            light = np.einsum("oc,lcrs->sorl", each.astype(np.float32), matrix)
+            flat = light.reshape(suns, len(each) * rows * layers)
+            found = found + normal.astype(np.float32).T @ flat
+        shape = len(self.suns.times), len(self.weights), rows, layers
+        return np.ascontiguousarray(np.reshape(found, shape).T.swapaxes(1, 2))
 
 
 Light = PatchLight | SkyLight | SunLight
+
+
+def add_signed(
+    sign: int, total: np.ndarray, values: np.ndarray, steps: Int[np.ndarray, " step"]
+) -> None:
+    """Add values of given sign to a total, in some of its time steps."""
+    if len(steps) < total.shape[-1]:
+        total[..., steps] += values if sign > 0 else -values
+    elif sign > 0:
+        total += values
+    else:
+        total -= values
 
 
 def sky_product(
@@ -129,14 +141,16 @@ def sky_product(
 ) -> Float32[np.ndarray, "rows step"]:
     """Return the product of matrices and sky radiance, as a weighted sum of bands."""
     patches = values.shape[-1]
-    tint = np.broadcast_to(sky.colour, (len(weights), patches))
-    sun_tint = np.broadcast_to(sky.sun_colour[:, None], tint.shape)
+    shape = len(weights), patches
     found = np.zeros((values[..., 0, :, 0].size, len(sky.times)), np.float32)
-    if sky.diffuse.any():
-        found = fold(values, tint, weights).reshape(-1, patches) @ sky.diffuse
-    if sky.sun.nnz:
-        rows = fold(values, sun_tint, weights).reshape(-1, patches)
-        found += (sky.sun.T @ np.ascontiguousarray(rows.T)).T
+    for one in sky.parts:
+        if one.diffuse.any():
+            tint = np.broadcast_to(one.colour, shape)
+            found += fold(values, tint, weights).reshape(-1, patches) @ one.diffuse
+        if one.sun.nnz:
+            tint = np.broadcast_to(one.sun_colour[:, None], shape)
+            rows = fold(values, tint, weights).reshape(-1, patches)
+            found += (one.sun.T @ np.ascontiguousarray(rows.T)).T
     return found
 
 

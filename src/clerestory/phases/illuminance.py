@@ -7,7 +7,7 @@ from typing import Any
 import h5netcdf  # type: ignore[import-untyped]
 import numpy as np
 import xarray as xr
-from jaxtyping import Float32, Int8
+from jaxtyping import Float, Float32, Int8
 
 from clerestory.errors import MatrixError
 from clerestory.files import replace_path
@@ -39,6 +39,7 @@ def illuminance(
     skies: Skies,
     states: States | None = None,
     *,
+    weights: Float[np.ndarray, " band"] | None = None,
     file: Path | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
@@ -47,6 +48,7 @@ def illuminance(
     Parameters
     ----------
     states : index of the shade state at each time step, per window group; default 0
+    weights : weights of the bands; default: luminous efficacy
     file : NetCDF file for the hourly values; by default they are kept in memory
 
     Returns
@@ -64,7 +66,7 @@ def illuminance(
         terms,
         skies,
         states,
-        equation_bands(windows, skies).weights[None],
+        (equation_bands(windows, skies).weights if weights is None else weights)[None],
         axis.size,
     )
     names = ["illuminance", "standard_error"]

@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 from jaxtyping import Int
 
+from clerestory.bands import RGB
 from clerestory.brief_repr import brief
 from clerestory.checks import require
 from clerestory.errors import InputError
@@ -13,6 +14,7 @@ from clerestory.image.camera import Camera
 from clerestory.metrics.occupied_hours import occupied_hours
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.view_text import read_view
+from clerestory.scene.band_conversion import in_bands
 from clerestory.scene.model import Scene
 from clerestory.scene.scaling import scaled
 from clerestory.scene.sensors import Sensors, read_sensors
@@ -22,8 +24,10 @@ from clerestory.sky.station_file import read_with
 from clerestory.sky.weather import Weather
 from clerestory.sky.weather_formats import read_weather
 from clerestory.sky.weather_selection import select_days
+from clerestory.spectral.band_sets import band_set
+from clerestory.spectral.spectrum_file import read_spectrum
 from clerestory.study.config import Study
-from clerestory.study.config_tables import ViewTable, WeatherTable
+from clerestory.study.config_tables import SceneTable, ViewTable, WeatherTable
 from clerestory.study.view_grid_positions import ViewGrid, read_view_grid
 from clerestory.study.window_groups import WindowGroup, read_window_groups
 
@@ -76,7 +80,7 @@ def read_inputs(study: Study) -> Inputs:
     for group in groups:
         if group.control is not None and group.control.file is not None:
             group.schedule()
-    scene = scaled(read_rad(*study.scene.files), metres)
+    scene = _spectral(scaled(read_rad(*study.scene.files), metres), study.scene)
     grids = {
         table.label: scaled(read_sensors(table.file), metres) for table in study.sensors
     }
@@ -90,6 +94,15 @@ def read_inputs(study: Study) -> Inputs:
         weather=study_weather(study),
         view_grids=tuple(place(table, metres=metres) for table in study.view_grid),
     )
+
+
+def _spectral(scene: Scene, table: SceneTable) -> Scene:
+    # The scene in the bands of the study
+    bands = band_set(table.bands)
+    if bands == RGB:
+        return scene
+    given = {one.material: read_spectrum(one.file) for one in table.spectrum}
+    return in_bands(scene, bands, spectra=given)
 
 
 def _camera(table: ViewTable, metres: float) -> Camera:

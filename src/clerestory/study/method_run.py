@@ -28,6 +28,7 @@ from clerestory.phases.matrix_equation import Skies, States
 from clerestory.phases.matrix_store import MatrixStore
 from clerestory.progress import silent
 from clerestory.scene.scene_checks import warn_of_scene
+from clerestory.spectral.band_sets import gives
 from clerestory.study.annual_view_grids import Hours, study_view_grids
 from clerestory.study.annual_views import (
     PICTURE_FOLDER,
@@ -42,11 +43,16 @@ from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.electric_lighting import lighting
 from clerestory.study.inputs import Inputs, read_inputs
 from clerestory.study.job import Display, Job
-from clerestory.study.labels import label_results, sensor_labels
+from clerestory.study.labels import (
+    label_results,
+    melanopic_results,
+    sensor_labels,
+)
 from clerestory.study.luminaire_matrices import trace_lamps
 from clerestory.study.outputs import write_tables
 from clerestory.study.results import Results, read_results, save_results
 from clerestory.study.shade_operation import ShadeOperation, operate
+from clerestory.study.study_matrices import StudyMatrices
 from clerestory.study.study_tracing import study_skies, trace_study
 from clerestory.study.view_grid_pictures import write_worst_pictures
 from clerestory.study.view_grid_points import GridPoints, grid_glare_function
@@ -169,12 +175,24 @@ def _simulate(job: Job, log: RunLog, states: States | None, *, out: Path) -> xr.
         grids = _view_grids(points, signals, acts.states, out=out, display=display)
     with log.phase("metrics"):
         parts = [electric, glare, grids, compliance_inputs(study, inputs, matrices)]
+        parts += _melanopic(matrices, signals, acts.states)
         data = label_results(hourly, parts, signals, acts)
     if study.compliance is None:
         return data
     with log.phase("compliance"):
         standards = standards_named(study.compliance.standards)
         return data.merge(compliance_table(assess(data, standards)))
+
+
+def _melanopic(
+    matrices: StudyMatrices, signals: ControlInputs, states: States
+) -> list[xr.Dataset]:
+    # Melanopic light of the sky and the sun, if the bands give it
+    if not gives(signals.skies.whole.bands, "melanopic"):
+        return []
+    hourly = matrices.melanopic_edi(signals.skies, states)
+    hours = signals.step_minutes / 60
+    return [melanopic_results(hourly, signals.occupied, step_hours=hours)]
 
 
 def _view_grids(

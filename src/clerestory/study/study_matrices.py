@@ -20,6 +20,7 @@ from clerestory.phases.matrix_equation import (
 )
 from clerestory.progress import Progress
 from clerestory.sky.sun_matrix import SunMatrix
+from clerestory.spectral.alpha_opic import edi_weights
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +58,17 @@ class StudyMatrices:
             states,
             file=self.folder and self.folder / "illuminance.nc",
             progress=progress,
+        )
+
+    def melanopic_edi(self, skies: Skies, states: States) -> xr.Dataset:
+        """Melanopic EDI [lux] over (sensor, time), with its errors as illuminance."""
+        return illuminance(
+            self.windows,
+            self.terms,
+            skies,
+            states,
+            weights=edi_weights(skies.whole.bands, "melanopic"),
+            file=self.folder and self.folder / "melanopic.nc",
         )
 
     def direct_illuminance(self, skies: Skies, states: States) -> xr.Dataset:

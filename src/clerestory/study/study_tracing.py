@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
+from clerestory.bands import RGB
 from clerestory.engine.effort import Effort
 from clerestory.errors import InputError
 from clerestory.matrix.transfer_matrix import TransferMatrix
@@ -32,10 +33,12 @@ from clerestory.phases.traced_matrices import (
     daylight_matrix,
     view_matrices,
 )
+from clerestory.sky.daylight_spectra import DaylightSpectra
 from clerestory.sky.sky_conditions import Spectrum
 from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.sky.sun_matrix import SunMatrix, patch_suns, sun_matrix
 from clerestory.sky.weather import Weather
+from clerestory.spectral.band_sets import band_set
 from clerestory.study.config import Study
 from clerestory.study.inputs import Inputs
 from clerestory.study.job import STATE, Job
@@ -63,6 +66,7 @@ def study_skies(
         ground_reflectance=study.sky.ground_reflectance,
         rotation_deg=study.sky.rotation_deg,
         bands=inputs.scene.bands,
+        daylight=_daylight_spectra(study) if spectrum == "visible" else None,
         spectrum=spectrum,
     )
     return Skies(make(), make(include="sun") if needs_direct(study) else None, suns)
@@ -79,17 +83,25 @@ def study_suns(
     study: Study, weather: Weather, *, spectrum: Spectrum = "visible"
 ) -> SunMatrix | None:
     """Return the sun positions of the direct-sun correction; None if not corrected."""
-    table, rotation = study.sun, study.sky.rotation_deg
     if not study.corrected:
         return None
-    if table.places == "patches":
-        return patch_suns(weather, rotation_deg=rotation, spectrum=spectrum)
-    return sun_matrix(
+    make = patch_suns
+    if study.sun.places == "exact":
+        make = partial(sun_matrix, tolerance_deg=study.sun.tolerance_deg)
+    return make(
         weather,
-        tolerance_deg=table.tolerance_deg,
-        rotation_deg=rotation,
+        rotation_deg=study.sky.rotation_deg,
         spectrum=spectrum,
+        bands=band_set(study.scene.bands),
+        daylight=_daylight_spectra(study) if spectrum == "visible" else None,
     )
+
+
+def _daylight_spectra(study: Study) -> DaylightSpectra | None:
+    # Spectra of sky and sun; none in RGB
+    if band_set(study.scene.bands) == RGB:
+        return None
+    return DaylightSpectra(**study.sky.daylight.model_dump())
 
 
 def trace_study(job: Job, *, spectrum: Spectrum = "visible") -> StudyMatrices:
