@@ -87,6 +87,8 @@ _HOME = {
     "read_measured_series": "comparison.mapping",
     "read_study": "study.config",
     "run_study": "study.study_run",
+    "read_variants": "study.variants",
+    "run_variants": "study.variant_run",
 }
 
 __version__ = "0.2.0"

@@ -39,6 +39,10 @@ def sensor_metrics(
     names = ("illuminance", "standard_error", "error_components")
     part = hourly[[name for name in names if name in hourly]]
     counted = within_hours(part.transpose("sensor", ..., "time"), hours).load()
+    # Selected time steps are not contiguous in memory, which makes sums slow
+    for name, values in dict(counted).items():
+        rows = np.ascontiguousarray(values.values)
+        counted[name] = values.dims, rows, values.attrs
     result = with_errors(counted, partial(_metrics, target_lux=target_lux))
     attrs = {
         "target_lux": target_lux,

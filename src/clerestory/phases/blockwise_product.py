@@ -11,16 +11,18 @@ Matrices are multiplied in the order that takes fewer operations: V (T D S) for 
 receivers and for moving shades, (V T D) S for few receivers.
 """
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
-from jaxtyping import Float32, Int
+from jaxtyping import Float, Float32, Int
 
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.column_light import (
     Light,
     PatchLight,
+    Received,
     SkyLight,
     SunLight,
     Weights,
@@ -51,6 +53,7 @@ from clerestory.phases.receivers import (
     shining_columns,
     side_by_side,
 )
+from clerestory.phases.recent_values import RecentValues
 from clerestory.phases.stored_views import StoredColumns
 from clerestory.sky.sky_product import lit_steps
 
@@ -156,6 +159,7 @@ class BlockwiseProduct:
     errors : whether to compute the components of standard errors as well
     summed : whether blocks have the sum of the terms in place of each of them
     most_receivers, most_steps : maximum block size; by default limited by memory
+    recent : products D S that several products have in common
     """
 
     windows: Sequence[WindowMatrices]
@@ -168,6 +172,7 @@ class BlockwiseProduct:
     summed: bool = False
     most_receivers: int | None = None
     most_steps: int | None = None
+    recent: RecentValues = field(default_factory=RecentValues)
 
     def __post_init__(self) -> None:
         steps = len(self.skies.times)
@@ -229,8 +234,14 @@ class BlockwiseProduct:
         every = np.arange(len(inside))
         states = [np.asarray(state)[inside] for state in self.states or ()]
         if found[0].factors:
-            sky = skies.patches(term)
-            passed = exiting_light(found, sky, states, self.weights, errors=self.errors)
+            passed = exiting_light(
+                found,
+                skies.patches(term),
+                states,
+                self.weights,
+                errors=self.errors,
+                arriving=partial(self._arriving, term, inside),
+            )
             views = [chain.view for chain in found]
             yield _Factor((number, 0), term.sign, views, passed, every)
             return
@@ -248,6 +259,20 @@ class BlockwiseProduct:
                 elif len(steps) and not isinstance(matrix, Sunlit):
                     columns, light = self._direct(term, matrix, skies, steps)
                     yield _Factor(source, term.sign, [columns], light, steps)
+
+    def _arriving(
+        self,
+        term: Term,
+        inside: Int[np.ndarray, " step"],
+        daylight: TransferMatrix,
+        steps: Int[np.ndarray, " step"],
+        weights: Float[np.ndarray, "channel band"],
+        make: Callable[[], Received],
+    ) -> Received:
+        # D S in the time steps `inside[steps]`
+        key = (term.sky, inside[steps].tobytes(), weights.tobytes(), self.errors)
+        of = (self.skies, daylight)
+        return self.recent.value(key, make, size=lambda made: made.nbytes, of=of)
 
     def _direct(
         self,

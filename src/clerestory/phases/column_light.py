@@ -9,8 +9,9 @@ each band for pictures. Radiance is weighted before multiplication by a matrix, 
 grey rooms need one product instead of one per band.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from jaxtyping import Float, Float32, Int
@@ -26,6 +27,17 @@ from clerestory.sky.sun_matrix import SunMatrix
 Weights = Float[np.ndarray, "out band"]
 Layers = Float32[np.ndarray, "layer channel row column"]
 Received = Float32[np.ndarray, "layer out row step"]
+
+# Function that returns D S of a matrix D in some time steps: kept, or made
+Arriving = Callable[
+    [
+        TransferMatrix,
+        Int[np.ndarray, " step"],
+        Float[np.ndarray, "channel band"],
+        Callable[[], Received],
+    ],
+    Received,
+]
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,13 +173,17 @@ def exiting_light(
     weights: Weights,
     *,
     errors: bool = True,
+    arriving: "Arriving | None" = None,
 ) -> PatchLight:
-    """Return the exiting radiance T(t) D S(t) of all windows."""
+    """Return the exiting radiance T(t) D S(t) of all windows.
+
+    `arriving` returns D S, by default computed here.
+    """
     summed = len(weights) == 1
     channels = 1 if summed and all(map(_is_grey, chains)) else weights.shape[1]
     each = weights if channels == 1 or not summed else np.diag(weights[0])
     parts = [
-        _exiting(chain, sky, state, each, errors=errors)
+        _exiting(chain, sky, state, each, errors=errors, arriving=arriving or _arriving)
         for chain, state in zip(chains, states, strict=True)
     ]
     values = np.concatenate([part[0] for part in parts], axis=1)
@@ -188,6 +204,7 @@ def _exiting(
     weights: Float[np.ndarray, "channel band"],
     *,
     errors: bool,
+    arriving: "Arriving",
 ) -> Float32[np.ndarray, "layer channel patch step"]:
     # Radiance and error components; D S is computed once for all states with equal D
     layers = 1 + (chain_components(chain) if errors else 0)
@@ -199,8 +216,8 @@ def _exiting(
     for numbers in sources.values():
         steps = np.flatnonzero(np.isin(state, numbers))
         last = chain.factors[numbers[0]][-1]
-        daylight = side_by_side([last], slice(None), errors=errors)
-        arrived = SkyLight(sky.select(steps), weights).received(daylight)
+        make = partial(_arrived, last, sky, steps, weights, errors=errors)
+        arrived = arriving(last, steps, weights, make)
         for number in numbers:
             acts = state[steps] == number
             light = arrived if acts.all() else arrived[..., acts]
@@ -208,6 +225,27 @@ def _exiting(
                 light = _passed(factor, light, errors=errors)
             found[: len(light), :, :, steps[acts]] = light
     return found
+
+
+def _arrived(
+    daylight: TransferMatrix,
+    sky: SkyMatrix,
+    steps: Int[np.ndarray, " step"],
+    weights: Float[np.ndarray, "channel band"],
+    *,
+    errors: bool,
+) -> Received:
+    layers = side_by_side([daylight], slice(None), errors=errors)
+    return SkyLight(sky.select(steps), weights).received(layers)
+
+
+def _arriving(
+    _daylight: TransferMatrix,
+    _steps: Int[np.ndarray, " step"],
+    _weights: Float[np.ndarray, "channel band"],
+    make: Callable[[], Received],
+) -> Received:
+    return make()
 
 
 def _passed(

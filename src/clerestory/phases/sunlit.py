@@ -169,14 +169,15 @@ class SunlitReceivers:
         engine: Any = self.paths.engine("sun_beams")
         frame, cells, found = self.window.frame, self.window.cells, []
         count, job = self._beam_tracer.beams, self.paths.job
+        how = {"count": count, "batches": job.batches, "seed": job.seed}
         narrow = engine.narrow_cells(light, cells.sizes)
         if narrow.any():
             bright = np.where(narrow, light, 0)
-            how = {"count": count, "batches": job.batches, "seed": job.seed}
             rest = cells.sizes, cells.sample, suns, frame
             found.append(engine.narrow_beams(bright, *rest, **how))
         if self.window.peak:
-            found.append(self.window.unscattered.of(suns, irradiance, count))
+            unscattered = self.window.unscattered
+            found.append(unscattered.of(suns, irradiance, **how))
         return found
 
     @cached_property

@@ -22,6 +22,7 @@ from clerestory.phases.matrix_equation import (
     window_chain,
 )
 from clerestory.phases.methods import METHODS
+from clerestory.phases.recent_values import RecentValues
 from clerestory.phases.stored_views import (
     StoredColumns,
     store_views,
@@ -57,8 +58,12 @@ def study_skies(
     suns: SunMatrix | None,
     *,
     spectrum: Spectrum = "visible",
+    recent: RecentValues | None = None,
 ) -> Skies:
-    """Return sky matrices S and, if required, S_ds and S_sun, in the scene's bands."""
+    """Return sky matrices S and, if required, S_ds and S_sun, in the scene's bands.
+
+    `recent` has the skies of other variants of the study.
+    """
     make = partial(
         sky_matrix,
         inputs.weather,
@@ -69,7 +74,20 @@ def study_skies(
         daylight=_daylight_spectra(study) if spectrum == "visible" else None,
         spectrum=spectrum,
     )
-    return Skies(make(), make(include="sun") if needs_direct(study) else None, suns)
+    direct = needs_direct(study)
+    key = fingerprint(study.sky.model_dump(), inputs.scene.bands, spectrum, direct)
+
+    def skies() -> Skies:
+        return Skies(make(), make(include="sun") if direct else None, suns)
+
+    return (recent or RecentValues()).value(
+        ("skies", key), skies, size=_bytes, of=(inputs.weather, suns)
+    )
+
+
+def _bytes(skies: Skies) -> float:
+    parts = (skies.whole, skies.sun)
+    return float(sum(sky.diffuse.nbytes for sky in parts if sky is not None))
 
 
 def needs_direct(study: Study) -> bool:
@@ -117,7 +135,13 @@ def trace_study(job: Job, *, spectrum: Spectrum = "visible") -> StudyMatrices:
             f'rule "LM-83" with the {study.method} method requires direct light;'
             ' [sun] places = "exact" expected'
         )
-    suns = study_suns(study, job.inputs.weather, spectrum=spectrum)
+    weather = job.inputs.weather
+    tables = study.sun.model_dump(), study.sky.model_dump(), study.scene.bands
+    suns = job.recent.value(
+        ("suns", study.corrected, fingerprint(tables), spectrum),
+        lambda: study_suns(study, weather, spectrum=spectrum),
+        of=(weather,),
+    )
     black = job
     if job.inputs.groups:
         # Direct light is scattered by windows only: all other surfaces are black
@@ -130,9 +154,11 @@ def trace_study(job: Job, *, spectrum: Spectrum = "visible") -> StudyMatrices:
         sunlit = zip(windows, direct_suns(black, suns), strict=True)
         windows = [replace(window, sun=sun) for window, sun in sunlit]
     if not stored:
-        return StudyMatrices(study.terms, tuple(windows), suns)
+        return StudyMatrices(study.terms, tuple(windows), suns, recent=job.recent)
     most = most_sensors(study, job.inputs, direct=direct)
-    return StudyMatrices(study.terms, tuple(windows), suns, job.scratch, most)
+    return StudyMatrices(
+        study.terms, tuple(windows), suns, job.scratch, most, recent=job.recent
+    )
 
 
 def _windows(
