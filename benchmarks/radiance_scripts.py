@@ -1,4 +1,4 @@
-"""Shell scripts of LBNL's tutorial, unmodified, by Radiance and by `clerestory compat`.
+"""Shell scripts of LBNL's tutorial by Radiance and by `clerestory compat`.
 
     python benchmarks/radiance_scripts.py ROOM --write radiance-scripts.md
 
@@ -113,19 +113,24 @@ def main() -> None:
             )
             lines += row(script, ours, theirs)
             sys.stderr.write("\n".join(lines[-1:]) + "\n")
-    head = (
-        "# Radiance's shell scripts\n\n"
-        "Scripts of LBNL's tutorial by Radiance and by `clerestory compat`"
-        " (`benchmarks/radiance_scripts.py`). 2PM_DDS.sh runs whole and unmodified; of"
-        " 3PM.sh and 5PM.sh, the commands for 100 sensors (no pictures, no suns).\n"
-        "Processor seconds include children and the start of Python, about 0.5 s for"
-        " each program. `spread` is the standard deviation of the ratio where values are"
-        " above 2 % of the largest: it contains the noise of both.\n\n"
-        f"{datetime.date.today()}, {platform.machine()}, {os.cpu_count()} cores,"
-        f" pyradiance {pyradiance.__version__}, clerestory {clerestory.__version__}.\n\n"
-        "| script | result | sum | spread | Radiance [CPU s] | compat [CPU s] | ratio |\n"
-        "|---|---|---|---|---|---|---|\n"
+    day = datetime.datetime.now(tz=datetime.UTC).date()
+    versions = (
+        f"pyradiance {pyradiance.__version__}, clerestory {clerestory.__version__}"
     )
+    head = f"""# Radiance's shell scripts
+
+Scripts of LBNL's tutorial by Radiance and by `clerestory compat`
+(`benchmarks/radiance_scripts.py`), unmodified but for `-n 1`. 2PM_DDS.sh runs whole; of
+3PM.sh and 5PM.sh, the commands for 100 sensors: no pictures, no suns behind the BSDF.
+Processor seconds include children and the start of Python, about 0.5 s a program.
+The spread is the standard deviation of the ratio where values are above 2 % of the
+largest; it contains the noise of both.
+
+{day}, {platform.machine()}, {os.cpu_count()} cores, {versions}.
+
+| script | result | sum | spread | Radiance [CPU s] | compat [CPU s] | ratio |
+|---|---|---|---|---|---|---|
+"""
     page = head + "\n".join(lines) + "\n"
     if given.write:
         given.write.write_text(page)

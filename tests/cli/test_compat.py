@@ -11,6 +11,8 @@ import pytest
 from clerestory.compat.programs import PROGRAMS, install_programs, run_program
 from clerestory.compat.streams import Streams
 from clerestory.errors import InputError
+from clerestory.image.picture import Picture
+from clerestory.image.picture_files import write_picture
 from clerestory.matrix.radiance_format import read_matrix
 
 SKY = """#@rfluxmtx u=+Y h=u
@@ -142,3 +144,18 @@ def test_scripts_in_a_folder_run_the_programs(field):
     )
     assert done.returncode == 0, done.stderr
     assert read_matrix(field / "out.mtx").values.tolist() == [[[3.0], [6.0]]]
+
+
+def test_evalglare_takes_its_options(call, tmp_path):
+    """-q 1 is --background average; view options and the output are evalglare's."""
+    radiance = np.ones((64, 64, 3), np.float32)
+    radiance[20:24, 30:34] = 200
+    write_picture(Picture(radiance), tmp_path / "eye.hdr")
+    view = ("-vta", "-vh", 180, "-vv", 180)
+    picture = tmp_path / "eye.hdr"
+    found = call("compat", "evalglare", "-d", "-q", 1, *view, picture)
+    words = ("--background", "average", "--view", " ".join(map(str, view)))
+    assert found.status == 0, found.err
+    assert found.out == call("glare", "-d", *words, picture).out
+    assert "dgp" in found.out
+    assert call("compat", "evalglare", "-R", picture).status == 2

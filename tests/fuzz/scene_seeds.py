@@ -283,7 +283,7 @@ READERS = {
     "receivers": Reader(
         "radiance.receiver_reader:read_receivers", "r.rad", (WINDOW, RECEIVERS)
     ),
-    "octree": Reader("radiance.rad_reader:read_rad", "f.oct", make=_octrees),
+    "octree as a scene": Reader("radiance.rad_reader:read_rad", "f.oct", make=_octrees),
     "sensors": Reader(
         "scene.sensors:read_sensors", "desk.pts", ("1 1 .8 0 0 1\n2 1 .8 0 0 1\n",)
     ),

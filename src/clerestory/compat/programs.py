@@ -37,8 +37,8 @@ def run_program(name: str, words: Sequence[str], streams: Streams) -> None:
     >>> import io, tempfile
     >>> path, out = Path(tempfile.mkdtemp(), "a.mtx"), io.BytesIO()
     >>> _ = path.write_text("#?RADIANCE\nNCOLS=2\nNCOMP=1\nFORMAT=ascii\n\n1 2\n")
-    >>> run_program("rmtxop", ["-h", "-t", "-s", "3", str(path)], Streams(sink=out))
-    >>> out.getvalue().split()
+    >>> run_program("rmtxop", ["-t", "-s", "3", str(path)], Streams(sink=out))
+    >>> out.getvalue().split()[-2:]
     [b'3', b'6']
     """
     one_of(name, "program", choices=tuple(PROGRAMS))
