@@ -25,7 +25,7 @@ _PAGES = (
         "matrices",
         "Matrices and tracing",
         "Traced transfer matrices, rendering, effort, bands.",
-        ("bands", "colorimetry", "matrix", "phases", "cluster", "engine"),
+        ("bands", "spectral", "colorimetry", "matrix", "phases", "cluster", "engine"),
     ),
     (
         "pictures",

@@ -12,7 +12,10 @@ _HOME = {
     "ClerestoryWarning": "errors",
     "InputError": "errors",
     "Bands": "bands",
-    "wavelength_bands": "colorimetry",
+    "band_set": "spectral.band_sets",
+    "wavelength_bands": "spectral.band_sets",
+    "band_means": "spectral.band_sets",
+    "equivalent_daylight_illuminance": "spectral.alpha_opic",
     "Axis": "matrix.axis",
     "TransferMatrix": "matrix.transfer_matrix",
     "read_matrix": "matrix.radiance_format",
@@ -36,6 +39,7 @@ _HOME = {
     "SkyMatrix": "sky.sky_matrix",
     "read_weather": "sky.weather_formats",
     "sky_matrix": "sky.sky_matrix",
+    "DaylightSpectra": "sky.daylight_spectra",
     "Scene": "scene.model",
     "in_bands": "scene.band_conversion",
     "Sensors": "scene.sensors",
@@ -83,6 +87,8 @@ _HOME = {
     "read_measured_series": "comparison.mapping",
     "read_study": "study.config",
     "run_study": "study.study_run",
+    "read_variants": "study.variants",
+    "run_variants": "study.variant_run",
 }
 
 __version__ = "0.2.0"

@@ -24,7 +24,9 @@ Vector2 = Float[np.ndarray, "2"]
 Series = Float[np.ndarray, " time"]
 Image = Float[np.ndarray, "row column"]
 EachImage = Float[np.ndarray, "_ _"]  # one of several images of different size
+Pictures = Float[np.ndarray, "picture row column"]
 ImageMask = Bool[np.ndarray, "row column"]
+PictureMasks = Bool[np.ndarray, "picture row column"]
 
 # Vertices of a polygon or mesh in space and in a plane, and vertex indices of triangles
 Vertices = Float[np.ndarray, "vertices 3"]

@@ -31,6 +31,8 @@ class Bands:
         [W/(m²·sr)], in lm/W; None if unknown
     limits_nm : shortest and longest wavelength of each band [nm]; None for bands that
         are not wavelength intervals, such as RGB
+    weightings : name of the weighting function of each band, such as "melanopic", see
+        `clerestory.spectral.band_sets`; None for wavelength intervals and RGB
 
     Examples
     --------
@@ -41,6 +43,7 @@ class Bands:
     names: tuple[str, ...]
     efficacy: tuple[float, ...] | None = None
     limits_nm: tuple[tuple[float, float], ...] | None = None
+    weightings: tuple[str, ...] | None = None
 
     __repr__ = brief
 
@@ -48,7 +51,11 @@ class Bands:
         distinct = len(set(self.names)) == len(self.names) > 0
         message = f"band names are {self.names}; one or more different names expected"
         require(distinct, message)
-        for what, given in (("efficacies", self.efficacy), ("limits", self.limits_nm)):
+        for what, given in (
+            ("efficacies", self.efficacy),
+            ("limits", self.limits_nm),
+            ("weighting functions", self.weightings),
+        ):
             same_length(self.names if given is None else given, self, what, "bands")
         efficacy = np.array(self.efficacy or (1.0,))
         require(

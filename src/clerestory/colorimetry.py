@@ -6,34 +6,18 @@ and Finlayson, "Chromatic adaptation performance of different RGB sensors", Proc
 4300 (2001).
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float
 
-from clerestory.bands import Bands
 from clerestory.checks import finite, positive, require
-from clerestory.constants import LUMINOUS_EFFICACY
+from clerestory.spectral.functions import WAVELENGTH_NM, spectral_function
 
-OBSERVER_NM = np.arange(380, 790, 10)
-# CIE 1931 colour-matching functions x, y, z every 10 nm (CIE 15:2004)
-OBSERVER: Float[np.ndarray, "3 wavelength"] = 1e-4 * np.array(
-    [
-        row.split()
-        for row in (
-            "14 42 143 435 1344 2839 3483 3362 2908 1954 956 320 49 93 633 1655 2904"
-            " 4334 5945 7621 9163 10263 10622 10026 8544 6424 4479 2835 1649 874 468"
-            " 227 114 58 29 14 7 3 2 1 0",
-            "0 1 4 12 40 116 230 380 600 910 1390 2080 3230 5030 7100 8620 9540 9950"
-            " 9950 9520 8700 7570 6310 5030 3810 2650 1750 1070 610 320 170 82 41 21 10"
-            " 5 2 1 1 0 0",
-            "65 201 679 2074 6456 13856 17471 17721 16692 12876 8130 4652 2720 1582 782"
-            " 422 203 87 39 21 17 11 8 3 2 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0",
-        )
-    ],
-    dtype=float,
+# CIE 1931 colour-matching functions x, y, z every 10 nm
+OBSERVER_NM = WAVELENGTH_NM[::10]
+OBSERVER: Float[np.ndarray, "3 wavelength"] = np.stack(
+    [spectral_function(name)[::10] for name in "xyz"]
 )
 
 _SHARP = np.array(
@@ -130,30 +114,3 @@ def rgb_from_xyz(
         luminance + share * (rgb - luminance), 0
     )
     return inside
-
-
-def wavelength_bands(limits_nm: Sequence[float]) -> Bands:
-    """Return adjacent bands with the given limits [nm].
-
-    The luminous efficacy of a band is 179 lm/W times the fraction of ∫ V(λ) dλ within
-    the band, so the efficacies of bands over the visible range add up to 179 lm/W.
-
-    >>> nine = wavelength_bands(range(380, 830, 45))
-    >>> nine.names[2], round(float(nine.weights.sum()), 6)
-    ('470-515 nm', 179.0)
-    """
-    limits = np.asarray(limits_nm, dtype=float)
-    require(
-        limits.ndim == 1 and len(limits) > 1 and np.all(np.diff(limits) > 0),
-        f"limits are {limits.tolist()} nm; two or more increasing numbers expected",
-    )
-    fine = np.arange(OBSERVER_NM[0], OBSERVER_NM[-1] + 1)
-    sensitivity = np.interp(fine, OBSERVER_NM, OBSERVER[1])
-    integral = np.append(0.0, np.cumsum(sensitivity[1:] + sensitivity[:-1]))
-    share = np.diff(np.interp(limits, fine, integral)) / integral[-1]
-    pairs = tuple(pairwise(limits.tolist()))
-    return Bands(
-        tuple(f"{low:g}-{high:g} nm" for low, high in pairs),
-        tuple((LUMINOUS_EFFICACY * share).tolist()),
-        pairs,
-    )

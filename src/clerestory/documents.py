@@ -6,8 +6,10 @@ value, such as `study.toml:27: trace.samples is "many"; a whole number expected`
 
 import json
 import re
+import sys
 import tomllib
 import types
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, TypeVar, get_args, get_origin
 
@@ -25,7 +27,7 @@ from pydantic_core import ErrorDetails
 from clerestory.checks import distinct
 from clerestory.errors import InputError, located
 from clerestory.files import read_text
-from clerestory.toml_lines import key_lines, line_of
+from clerestory.toml_lines import KeyPath, key_lines, line_of
 
 # Numbers; booleans and numbers in quotes are invalid
 Number = Annotated[float, Strict()]
@@ -153,8 +155,8 @@ def read_toml(
         or a value is invalid; the message states the line and the valid choices
     """
     text = read_text(path)
-    value = toml_tables(text, file=path)
-    return validated(value, model, file=path, context=context, toml=text)
+    value, lines = toml_tables(text, file=path), key_lines(text)
+    return validated(value, model, file=path, context=context, lines=lines)
 
 
 def toml_tables(text: str, *, file: str | Path) -> dict[str, Any]:
@@ -184,22 +186,22 @@ def validated(
     *,
     file: str | Path,
     context: dict[str, Any] | None = None,
-    toml: str = "",
+    lines: Mapping[KeyPath, int] | None = None,
 ) -> Document:
     """Return a value as a model; an error message states the first fault in the file.
 
     Parameters
     ----------
-    toml : text of the TOML file, for line numbers; its tables are counted from 1
+    lines : line number of each key of a TOML file, whose tables are counted from 1
     """
     try:
         return model.model_validate(value, context=context)
     except ValidationError as error:
-        lines = key_lines(toml)
-        found = [(line_of(each["loc"], lines), each) for each in error.errors()]
-        found.sort(key=lambda pair: pair[0] or len(toml))
+        known, first_table = lines or {}, 0 if lines is None else 1
+        found = [(line_of(each["loc"], known), each) for each in error.errors()]
+        found.sort(key=lambda pair: pair[0] or sys.maxsize)
         line, first = found[0]
-        message = _message(first, model, 1 if toml else 0)
+        message = _message(first, model, first_table)
         if len(found) > 1:
             message += f" (and {len(found) - 1} more)"
         raise InputError(message, file=file, line=line) from error

@@ -5,16 +5,17 @@ them as one statement, and records the keys that the statement sets.
 """
 
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
-Path = tuple[str | int, ...]
+# Path of a key: names of tables and keys, with indices for arrays
+KeyPath = tuple[str | int, ...]
 
 # Number of lines after which a statement is tried only at lines with these ends
 _SHORT, _CLOSING = 20, ("]", "}", '"""', "'''")
 
 
-def key_lines(text: str) -> dict[Path, int]:
+def key_lines(text: str) -> dict[KeyPath, int]:
     r"""Return the line number of every key and table of a valid TOML text.
 
     Paths are tuples of table and key names, with indices for arrays of tables.
@@ -23,9 +24,9 @@ def key_lines(text: str) -> dict[Path, int]:
     3
     """
     lines = text.splitlines()
-    found: dict[Path, int] = {}
-    elements: dict[Path, int] = {}
-    table: Path = ()
+    found: dict[KeyPath, int] = {}
+    elements: dict[KeyPath, int] = {}
+    table: KeyPath = ()
     number = 0
     while number < len(lines):
         start, line = number, lines[number].strip()
@@ -56,7 +57,7 @@ def _statement(lines: list[str], start: int) -> tuple[dict[str, Any] | None, int
     return None, len(lines)
 
 
-def line_of(path: Path, lines: dict[Path, int]) -> int | None:
+def line_of(path: KeyPath, lines: Mapping[KeyPath, int]) -> int | None:
     """Line number of a key, or else of the innermost table that contains it."""
     while path and path not in lines:
         path = path[:-1]
@@ -70,10 +71,10 @@ def _parse(statement: str) -> dict[str, Any] | None:
         return None
 
 
-def _table(header: str, elements: dict[Path, int]) -> Path:
+def _table(header: str, elements: dict[KeyPath, int]) -> KeyPath:
     # Path of a [table] or of the next element of an [[array of tables]]
     names = next(_chain(tomllib.loads(header)))
-    path: Path = ()
+    path: KeyPath = ()
     for name in names[:-1]:
         path = (*path, name)
         path = (*path, elements[path]) if path in elements else path
@@ -92,7 +93,7 @@ def _chain(tree: dict[str, Any]) -> Iterator[tuple[str, ...]]:
         yield (name, *rest)
 
 
-def _paths(tree: Any) -> Iterator[Path]:
+def _paths(tree: Any) -> Iterator[KeyPath]:
     # Key paths of a table or array, including nested keys
     branches: list[tuple[str | int, Any]] = []
     if isinstance(tree, dict):

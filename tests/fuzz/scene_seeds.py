@@ -284,6 +284,11 @@ READERS = {
         "radiance.receiver_reader:read_receivers", "r.rad", (WINDOW, RECEIVERS)
     ),
     "octree as a scene": Reader("radiance.rad_reader:read_rad", "f.oct", make=_octrees),
+    "spectrum": Reader(
+        "spectral.spectrum_file:read_spectrum",
+        "paint.csv",
+        ("nm,reflectance\n400,0.2\n500;0.4 # green\n700 0.6\n",),
+    ),
     "sensors": Reader(
         "scene.sensors:read_sensors", "desk.pts", ("1 1 .8 0 0 1\n2 1 .8 0 0 1\n",)
     ),

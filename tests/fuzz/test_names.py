@@ -61,11 +61,14 @@ from clerestory.report.bsdf_plot import share_figure
 from clerestory.report.embedded_data import figure_png
 from clerestory.report.markup import element, embedded_json, render
 from clerestory.report.page_assets import content_policy
+from clerestory.report.variants_page import write_variants_page
 from clerestory.scene.model import Mirror, Mixture, Plastic, Polygon, Scene
 from clerestory.study.model_import import write_honeybee_model
 from clerestory.study.outputs import _METRICS, write_hourly, write_metrics
 from clerestory.study.results import Results, read_results, save_results
 from clerestory.study.study_files import study_text, window_text
+from clerestory.study.variant_figures import RunFigures, VariantFigure
+from clerestory.study.variant_outputs import write_variants
 from clerestory.study.view_grid_outputs import write_grid_dgp, write_grid_views
 
 pyradiance = pytest.importorskip("pyradiance", reason="Radiance reads the files")
@@ -565,6 +568,22 @@ def test_mgf_holds_any_name(folder):
 
 # ----------------------------- Check of the class -----------------------------
 # Functions that write files; each is tested above, or writes no text from outside
+def test_figures_of_variants_hold_any_name(folder):
+    """Names of variants in the table, in NetCDF and in the page."""
+    names = [*NAMES, *more_names(20)]
+    figure = VariantFigure("mean", names[0], "lux", "light", 300.0, 1.0)
+    runs = [RunFigures(name, (figure,), {"axis": name}) for name in names]
+    write_variants(runs, folder)
+    with (folder / "variants.csv").open(encoding="utf-8", newline="") as stream:
+        rows = list(csv.reader(stream))
+    assert len(rows) == len(names) + 1
+    assert not any(cell.startswith(("=", "@")) for row in rows for cell in row)
+    write_variants_page(folder / "page.html", runs, title=names[0])
+    page = (folder / "page.html").read_text(encoding="utf-8")
+    assert "<script" not in page
+    require_no_marker(folder)
+
+
 WRITERS = {
     "bsdf.xml_insertion.insert_blocks": "lxml escapes",
     "bsdf.xml_writer.write_bsdf": test_bsdf_files_hold_any_text,
@@ -614,6 +633,9 @@ WRITERS = {
     "study.outputs.write_metrics": test_results_of_hostile_grids_are_tables,
     "study.results.save_results": test_results_hold_any_name,
     "study.study_files.write_sensors": "numbers",
+    "study.variant_outputs.write_variants": test_figures_of_variants_hold_any_name,
+    "study.variant_run.run_variants": "hashes, and names in JSON",
+    "report.variants_page.write_variants_page": test_figures_of_variants_hold_any_name,
 }
 _WRITING = {"write_text", "write_bytes", "replace_file", "replace_path", "mkstemp"}
 

@@ -10,7 +10,6 @@ import clerestory as cl
 from clerestory.bands import RGB
 from clerestory.bsdf.analytic import lambertian
 from clerestory.bsdfgen.panes_and_fabrics import diffuse_pane
-from clerestory.colorimetry import wavelength_bands
 from clerestory.errors import InputError, MatrixError
 from clerestory.image.camera import Camera
 from clerestory.phases.picture_matrices import picture_view_matrices
@@ -19,6 +18,7 @@ from clerestory.scene.model import DistantSource, Glow, Plastic, Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View
 from clerestory.sky.patch_radiance import SkyMatrix
+from clerestory.spectral.band_sets import wavelength_bands
 
 NINE = wavelength_bands(range(380, 830, 45))
 REFLECTANCE = np.array([0.5, 0.2, 0.8, 0.6, 0.7, 0.1, 0.9, 0.3, 0.4])

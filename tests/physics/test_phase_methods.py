@@ -22,11 +22,9 @@ from clerestory.phases.matrix_equation import (
     window_chain,
 )
 from clerestory.phases.methods import METHODS, five_phase, three_phase
+from clerestory.phases.separate_coefficients import separate_coefficients
 from clerestory.phases.sun_coefficients import sun_coefficients
-from clerestory.phases.unscattered_light import (
-    unscattered_coefficients,
-    unscattered_sun,
-)
+from clerestory.phases.unscattered_light import unscattered_sun
 from clerestory.scene.model import DistantSource, Glass, Light, Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.sky.sky_matrix import sky_matrix
@@ -62,8 +60,7 @@ def exact(scene, sensors, weather, *, samples, device):
     """Two phases with the sun at its place."""
     suns = sun_matrix(weather)
     shared = {"sensors": sensors, "device": device}
-    C = cl.daylight_coefficients(scene, samples=samples, seed=1, **shared)
-    direct = unscattered_coefficients(scene, seed=2, **shared)
+    C, direct = separate_coefficients(scene, samples=samples, seed=1, **shared)
     sun = unscattered_sun(scene, suns=suns.directions, samples=1024, seed=3, **shared)
     window = WindowMatrices(*(MatrixChain((matrix,)) for matrix in (C, direct, sun)))
     skies = Skies(sky_matrix(weather), sky_matrix(weather, include="sun"), suns)

@@ -180,7 +180,6 @@ def test_illuminance_at_an_eye_agrees_with_path_tracing(glazing, device):
     ("change", "message"),
     [
         ({"views": []}, "no views; at least one expected"),
-        ({"level": 11}, "level of the cells is 11; a number from 1 to 10"),
         ({"skies": None}, "skies without S_ds or S_sun"),
         ({"views": "apart"}, "views from different points"),
     ],

@@ -12,10 +12,10 @@ import pytest
 
 from clerestory.bsdf.analytic import lambertian
 from clerestory.bsdf.xml_writer import write_bsdf
-from clerestory.colorimetry import wavelength_bands
 from clerestory.hemisphere.klems import klems
 from clerestory.scene.band_conversion import in_bands, step_spectrum
 from clerestory.scene.material import with_colours
+from clerestory.spectral.band_sets import wavelength_bands
 from clerestory.study import method_run
 from clerestory.study.config import read_study
 from clerestory.study.study_run import run_study

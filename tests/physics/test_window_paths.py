@@ -23,7 +23,6 @@ from clerestory.bsdf.tree_parser import parse_tree
 from clerestory.bsdfgen.generate import generate_bsdf
 from clerestory.bsdfgen.panes_and_fabrics import clear_pane
 from clerestory.bsdfgen.venetian_geometry import venetian
-from clerestory.colorimetry import wavelength_bands
 from clerestory.engine import window_path_jobs
 from clerestory.hemisphere.klems import klems
 from clerestory.image.camera import Camera
@@ -36,6 +35,7 @@ from clerestory.phases.sunlit import in_sunlight
 from clerestory.phases.window_paths import picture_window_paths
 from clerestory.scene.model import Glass, Plastic, Scene
 from clerestory.scene.view import View, solid_angles
+from clerestory.spectral.band_sets import wavelength_bands
 
 KLEMS = klems("full")
 NINE = wavelength_bands(np.linspace(380, 780, 10))

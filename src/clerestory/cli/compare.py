@@ -1,31 +1,40 @@
-"""`clerestory compare`: a simulation compared with measurements."""
+"""`clerestory compare`: simulations compared with measurements or with each other."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from clerestory.checks import require, same_length
+from clerestory.checks import distinct, require, same_length
 from clerestory.cli.progress import say
 from clerestory.cli.requests.study import Compare
+from clerestory.cli.variants import compare_runs
 from clerestory.comparison import comparison_output, mapping
 from clerestory.comparison.logger_files import read_plain
 from clerestory.comparison.series import Series, simulated_series
 from clerestory.comparison.series_comparison import Comparison, Rules, compare_series
 from clerestory.files import make_folder
 from clerestory.report.comparison_page import write_comparison
-from clerestory.study.results import read_results
+from clerestory.study.results import RESULTS_FILE, read_results
 
 
 def compare(request: Compare) -> None:
-    """Compare simulations with measurements; write tables, figures and an HTML page."""
+    """Compare simulations with measurements, or runs; write tables and an HTML page."""
     measured, sensors, quiet = request.measured, request.sensors, request.quiet
     if sensors is not None:
         count = mapping.write_layout_sensors(sensors, mapping.read_mapping(measured))
         say(f"sensors: {sensors} ({count})", quiet=quiet)
         return
     simulated = request.simulated or []
+    if is_run(measured):
+        runs = [measured, *simulated]
+        own = request.name or run_names(runs)
+        same_length(own, runs, "names", "runs")
+        distinct(own, "runs")
+        compare_runs(runs, own, request.output, quiet=quiet)
+        return
     names = request.name or [_label(path, simulated) for path in simulated]
     require(simulated, "no simulation is given; results or CSV files expected")
     same_length(names, simulated, "names", "simulations")
@@ -44,6 +53,20 @@ def compare(request: Compare) -> None:
     if not quiet:
         _tell(found)
         say(f"page: {page.resolve().as_uri()}")
+
+
+def is_run(path: Path) -> bool:
+    """Whether a path is the results folder of a run, or its results.nc."""
+    return path.suffix == ".nc" or (path / RESULTS_FILE).is_file()
+
+
+def run_names(paths: Sequence[Path]) -> list[str]:
+    """Return the names of runs: those of their folders, with parents if needed."""
+    folders = [path.parent if path.suffix == ".nc" else path for path in paths]
+    names = [folder.resolve().name for folder in folders]
+    if len(set(names)) == len(names):
+        return names
+    return [f"{f.resolve().parent.name}/{f.resolve().name}" for f in folders]
 
 
 def _title(measured: Path) -> str:

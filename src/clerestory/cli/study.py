@@ -9,6 +9,7 @@ from rich.table import Table
 
 from clerestory.cli.progress import progress_display, say
 from clerestory.cli.requests import study as requests
+from clerestory.cli.variants import run_all
 from clerestory.metrics.replicates import error_of_group_mean
 from clerestory.report.compliance_words import verdict_words
 from clerestory.report.page import REPORT_FILE, picture_folder, write_report
@@ -20,6 +21,7 @@ from clerestory.study.new_study import begin_study, write_demo
 from clerestory.study.results import Results, read_results
 from clerestory.study.run_plan import PlannedMatrix, StudyPlan, plan_study
 from clerestory.study.study_run import run_study
+from clerestory.study.variants import read_variants
 from clerestory.study.view_grid_outputs import view_grid_part, view_grids
 
 
@@ -46,15 +48,21 @@ def new(request: requests.NewStudy) -> None:
 
 def run(request: requests.RunStudy) -> None:
     """Run a study, or print the estimated cost of a run."""
-    study = read_study(request.study).with_trace(
-        seed=request.seed, device=request.device, cluster=request.cluster
-    )
+    variants = [
+        variant.with_trace(
+            seed=request.seed, device=request.device, cluster=request.cluster
+        )
+        for variant in read_variants(request.study)
+    ]
+    study = variants[0].study
     folder = request.out or request.study.with_name(f"{request.study.stem}_results")
     if request.plan:
-        plan = plan_study(study, out=folder)
+        plan = plan_study(*(variant.study for variant in variants), out=folder)
         Console().print(_plan_table(plan), _stage_table(plan))
-        return
-    _run(study, folder, quiet=request.quiet)
+    elif variants[0].name:
+        run_all(variants, folder, quiet=request.quiet)
+    else:
+        _run(study, folder, quiet=request.quiet)
 
 
 def demo(request: requests.Demo) -> None:
@@ -94,8 +102,12 @@ def _summary(results: Results) -> Table:
     table = Table(title=results.title, title_justify="left")
     target = f"{data.attrs['target_lux']:g}"
     table.add_column("grid")
+    melanopic = "melanopic_edi" in data
     for heading in ("sensors", "mean", f"hours ≥ {target} lux", "useful"):
         table.add_column(heading, justify="right")
+    if melanopic:
+        limit = f"{data.attrs['melanopic_target_lux']:g}"
+        table.add_column(f"hours ≥ {limit} lux melanopic EDI", justify="right")
     for grid in results.grids():
         part = data.isel(sensor=(data["grid"] == grid).values)
         table.add_row(
@@ -104,6 +116,7 @@ def _summary(results: Results) -> Table:
             _mean(part, "mean_illuminance", 1, "lux"),
             _mean(part, "daylight_autonomy", 100, "%"),
             _mean(part, "useful", 100, "%"),
+            *([_mean(part, "melanopic_autonomy", 100, "%")] if melanopic else []),
         )
     return table
 

@@ -4,12 +4,13 @@ Coordinates are translated so that the region of interest is at the origin, beca
 offsets grow with the coordinates. Models far from their origin are common.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float, Int, Shaped
 
 from clerestory.bands import RGB
 from clerestory.checks import require
@@ -43,6 +44,8 @@ class LoweredScene:
     thickness_of_shape : thickness of proxied geometry behind (positive) or in front of
         (negative) a BSDF [m]; 0 for all other shapes
     layer_of_shape : whether the material is a BSDF without thickness
+    material_of_shape : name of the material; "" for emitters, windows, and shapes that
+        are no meshes
     proxies : whether any shape has a thickness
     smooth : faces that reflect like a mirror
     """
@@ -58,9 +61,14 @@ class LoweredScene:
     emitter_of_shape: mi.UInt32
     thickness_of_shape: mi.Float
     layer_of_shape: mi.Bool
+    material_of_shape: Shaped[np.ndarray, " shape"]
     flags_of_shape: mi.UInt32
     proxies: bool
     smooth: SmoothFaces
+
+    def of_materials(self, names: Sequence[str]) -> mi.Bool:
+        """Return whether the material of each shape has one of the names."""
+        return on_device(mi.Bool, np.isin(self.material_of_shape, names))
 
 
 def lower(
@@ -85,6 +93,7 @@ def _lowered(
     shining: list[Mesh] = []
     thickness: dict[str, float] = {}
     layers: set[str] = set()
+    material_names: dict[str, str] = {}
     smooth: dict[str, Mesh] = {}
     flat, curved = without_analytic(scene)
     bsdfs = {
@@ -109,6 +118,7 @@ def _lowered(
             layers.add(name)
         elif material.mirrored > 0:
             smooth[name] = mesh
+        material_names[name] = flat.surfaces[mesh.surface[0]].material
         content[name] = _mesh(mesh.vertices - origin, mesh.faces, bsdf)
     black = materials.absorber()
     table, shapes = window_shapes(receivers, origin)
@@ -120,11 +130,14 @@ def _lowered(
         content["nothing"] = _mesh(corner, np.array([[0, 1, 2]]), black)
     lowered = mi.load_dict(content)
 
-    def by_shape(kind: type, values: list):
+    def by_index(values: list) -> np.ndarray:
         # Array of one value per shape, by Mitsuba's shape index
         found = np.zeros(int(ids.max()) + 1, dtype=np.asarray(values).dtype)
         found[ids] = values
-        return on_device(kind, found)
+        return found
+
+    def by_shape(kind: type, values: list):
+        return on_device(kind, by_index(values))
 
     # Number the shapes that are windows or emitters, and the faces of all shapes
     ids = dr.reinterpret_array(mi.UInt32, lowered.shapes_dr()).numpy()
@@ -148,6 +161,7 @@ def _lowered(
         emitter_of_shape=by_shape(mi.UInt32, [lamps.get(name, 0) for name in names]),
         thickness_of_shape=by_shape(mi.Float, [thickness.get(n, 0.0) for n in names]),
         layer_of_shape=by_shape(mi.Bool, [name in layers for name in names]),
+        material_of_shape=by_index([material_names.get(n, "") for n in names]),
         flags_of_shape=by_shape(mi.UInt32, flags),
         proxies=bool(thickness),
         smooth=SmoothFaces.of(int(faces.sum()), mirrors, origin),

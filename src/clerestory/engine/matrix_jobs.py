@@ -75,16 +75,23 @@ class ViewJob(_SensorJob):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CoefficientsJob(_SensorJob):
-    """Daylight coefficients C: irradiance sensors × sky patches."""
+    """Daylight coefficients C: irradiance sensors × sky patches.
+
+    If `separate`, there are two columns for each patch: first those of direct light,
+    then those of all other light. Direct light passes clear glass unscattered or, if
+    `windows` names materials, meets only their surfaces.
+    """
 
     tracer: ClassVar[tuple[str, str]] = ("matrix_tracers", "prepare_coefficients")
 
     sky: SkyPartition
+    separate: bool = False
+    windows: tuple[str, ...] = ()
 
     @property
     def size(self) -> tuple[int, int]:
-        """Numbers of sensors and patches."""
-        return len(self.sensors), len(self.sky)
+        """Numbers of sensors and of columns."""
+        return len(self.sensors), len(self.sky) * (2 if self.separate else 1)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -22,6 +22,7 @@ from clerestory.engine.matrix_jobs import (
     PixelViewJob,
     ViewJob,
 )
+from clerestory.engine.next_event_estimation import Source
 from clerestory.engine.origin import Origin, middle_of_window, window_origin
 from clerestory.engine.patches import SkyTable
 from clerestory.engine.path_tracer import PathTracer, segments_of
@@ -29,7 +30,11 @@ from clerestory.engine.primary_rays import Lanes, lanes, window_ray
 from clerestory.engine.sampler import DIRECTION_U, DIRECTION_V, points
 from clerestory.engine.sinks import MatrixSink
 from clerestory.engine.upload import launching, vectors
-from clerestory.engine.window_sampling import SkyPatches, WindowPatches
+from clerestory.engine.window_sampling import (
+    SeparatedSkyPatches,
+    SkyPatches,
+    WindowPatches,
+)
 from clerestory.engine.windows import window_shapes
 from clerestory.engine.work_units import Tracer, Unit
 from clerestory.errors import DeviceError
@@ -63,7 +68,12 @@ def prepare_view(job: ViewJob) -> Tracer:
 def prepare_coefficients(job: CoefficientsJob) -> Tracer:
     """Return the tracer of daylight coefficients from sensors to the sky."""
     origin = np.mean(job.sensors.position, axis=0)
-    return _from_sensors(job, _to_sky(job.scene, job.sky, origin), origin)
+    if not job.separate:
+        return _from_sensors(job, _to_sky(job.scene, job.sky, origin), origin)
+    model, size = lower(job.scene, origin=origin), len(job.sky)
+    windows = model.of_materials(job.windows) if job.windows else None
+    patches = SeparatedSkyPatches(SkyTable.of(job.sky), size, 0, windows)
+    return _from_sensors(job, _sky_tracer(model, patches), origin)
 
 
 def prepare_daylight(job: DaylightJob) -> Tracer:
@@ -111,7 +121,10 @@ def _to_windows(model: LoweredScene, *, light: str = "all") -> PathTracer:
 
 
 def _to_sky(scene: Scene, sky: SkyPartition, origin: Origin) -> PathTracer:
-    model, patches = lower(scene, origin=origin), SkyPatches(SkyTable.of(sky))
+    return _sky_tracer(lower(scene, origin=origin), SkyPatches(SkyTable.of(sky)))
+
+
+def _sky_tracer(model: LoweredScene, patches: Source) -> PathTracer:
     return PathTracer(model, (patches,), _ROULETTE_TO_SKY, bounce_to_source=True)
 
 

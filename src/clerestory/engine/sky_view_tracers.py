@@ -18,10 +18,8 @@ from clerestory.engine.camera_rays import camera_rays
 from clerestory.engine.lower import LoweredScene, lower
 from clerestory.engine.matrix_tracers import matrix_tracer
 from clerestory.engine.next_event_estimation import (
-    Emission,
     LightSample,
     Path,
-    Scattering,
     Source,
     Vertex,
 )
@@ -42,6 +40,7 @@ from clerestory.engine.sinks import MatrixSink, RadianceSink
 from clerestory.engine.sky_view_jobs import SkyViewJob, SunViewJob
 from clerestory.engine.upload import launching, on_device, vectors
 from clerestory.engine.visibility import along, transmittance
+from clerestory.engine.window_sampling import SeparatedSkyPatches
 from clerestory.engine.work_units import Tracer, Unit
 
 # Random number stream: that of pixels, as the other matrices of this method have none
@@ -49,35 +48,6 @@ _STREAM = 0
 
 # Russian roulette applies to paths below this fraction of their initial throughput
 _ROULETTE = 0.2
-
-
-@dataclass
-class SeparatedSkyPatches(Source):
-    """Patches of the sky, in separate columns for direct and other light.
-
-    A path counts the surfaces that scattered it; a mirrored path counts as scattered
-    twice, since next-event estimation does not find suns in mirrors.
-    """
-
-    name: ClassVar[str] = "sky patches"
-    table: SkyTable
-    patches: int
-
-    def begin(self, pdf, sunlit, point):
-        """Return the number of surfaces that scattered a path at its start."""
-        return (dr.zeros(mi.UInt32, dr.width(point)),)
-
-    def remember(self, si, vertex: Vertex, after: Scattering, memory):
-        """Return the number of surfaces that scattered the path so far."""
-        times = dr.select(after.delta, mi.UInt32(2), mi.UInt32(1))
-        return (memory[0] + dr.select(after.null, mi.UInt32(0), times),)
-
-    def escaped(self, path: Path, active) -> Emission:
-        """Return the sky patch that an escaped path reaches."""
-        (times,) = path.memory[self.name]
-        first = dr.select(times > 1, mi.UInt32(self.patches), mi.UInt32(0))
-        column = first + self.table.find(path.ray.d)
-        return Emission(mi.Color3f(1), active, column=column)
 
 
 @dataclass
@@ -108,7 +78,7 @@ def prepare_sky_view(job: SkyViewJob) -> Tracer:
     """Return the tracer of the radiance of pixels due to sky patches."""
     origin = np.asarray(job.camera.position, dtype=float)
     model = lower(job.scene, origin=origin)
-    patches = SeparatedSkyPatches(SkyTable.of(job.sky), len(job.sky))
+    patches = SeparatedSkyPatches(SkyTable.of(job.sky), len(job.sky), scattered=1)
     portals = Portals.uniform(window_rectangles(job.scene, origin))
     tracer = PathTracer(model, (patches,), _ROULETTE, portals, bounce_to_source=True)
     rays, limit = camera_rays(job.camera), segments_of(job.bounces)

@@ -17,8 +17,8 @@ from clerestory.bsdf.bsdf import Bsdf
 from clerestory.constants import R2
 from clerestory.directions import Frame
 from clerestory.engine.peak_extraction import PeakTable
-from clerestory.engine.sun_tables import solar_disc
 from clerestory.engine.upload import launching, vectors
+from clerestory.sky.solar_disc import GOLDEN_TURN, disc_points
 
 # Cells whose radiance exceeds the mean radiance by this factor form narrow beams. Paths
 # to random points of the window resolve all other cells well enough.
@@ -75,9 +75,15 @@ class UnscatteredBeams:
         suns: Float[np.ndarray, "step 3"],
         irradiance: Float[np.ndarray, " step"],
         count: int,
+        *,
+        batches: int = 1,
+        seed: int = 0,
     ) -> Beams:
-        """Return `count` beams of each sun of given direct normal irradiance."""
-        disc = solar_disc(suns, count).transpose(1, 0, 2)
+        """Return `count` beams of each sun of given direct normal irradiance.
+
+        The beams of the batches of paths alternate.
+        """
+        disc = random_disc(suns, count, batches=batches, seed=seed)
         with launching():
             leaving = vectors(mi.Vector3f, -disc.reshape(-1, 3) @ self.axes.T)
             passed = dr.select(leaving.z > 0, self.peak.transmittance(leaving), 0)
@@ -85,6 +91,34 @@ class UnscatteredBeams:
         value = value.reshape(*disc.shape) * irradiance[:, None, None]
         beams = Beams(np.arange(len(suns)), _keys(suns), disc, disc, value, disc=True)
         return beams.select(value.max(axis=(1, 2)) > 0)
+
+
+def random_disc(
+    suns: Float[np.ndarray, "step 3"],
+    count: int,
+    *,
+    batches: int,
+    seed: int,
+    mixed: bool = False,
+) -> Float[np.ndarray, "step point 3"]:
+    """Return unit vectors to random points of the solar disc around centres of suns.
+
+    The points of the batches alternate. Those of a batch are evenly distributed over
+    the disc, turned and shifted at random and independently of the other batches, so
+    that the batches scatter as their mean does. The points of a sun do not depend on
+    the other suns. `mixed` points are in random order.
+    """
+    own = count // batches
+    place = np.empty((len(suns), own, batches, 2))
+    for sun, key in enumerate(_keys(suns)):
+        random = np.random.default_rng([seed, int(key), 1])
+        shift = random.random((batches, 2))
+        number = np.tile(np.arange(own)[:, None], batches)
+        if mixed:
+            number = random.permuted(number, axis=0)
+        place[sun, ..., 0] = (number + shift[:, 0]) / own
+        place[sun, ..., 1] = number * GOLDEN_TURN + shift[:, 1]
+    return disc_points(suns, place.reshape(len(suns), -1, 2))
 
 
 def narrow_cells(
@@ -137,8 +171,8 @@ def narrow_beams(
     flux = total / np.maximum(leaving[..., 2], 1e-3)
     value = np.broadcast_to(np.moveaxis(colour * flux, 0, -1), (*cell.shape, 3))
     axes = np.array([frame.right, frame.up, frame.normal])
-    disc = solar_disc(suns[lit], count).transpose(1, 0, 2)
-    disc = disc[:, np.random.default_rng(seed).permutation(count)]
+    # The points of the disc are in an order of their own, unlike the cells
+    disc = random_disc(suns[lit], count, batches=batches, seed=seed, mixed=True)
     return Beams(lit, keys, -leaving @ axes, disc, value, disc=False)
 
 

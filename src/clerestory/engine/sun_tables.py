@@ -14,7 +14,6 @@ import numpy as np
 from jaxtyping import Float, Float32, Int
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.constants import SUN_DIAMETER
 from clerestory.directions import Frame, unit
 from clerestory.engine.channels import band_groups
 from clerestory.engine.lower import lower
@@ -25,6 +24,7 @@ from clerestory.engine.upload import launching, on_device, vectors
 from clerestory.engine.visibility import ROUNDING, along, transmittance
 from clerestory.scene.model import Scene
 from clerestory.scene.scaling import scaled
+from clerestory.sky.solar_disc import GOLDEN_TURN, disc_points
 
 # Numbers of points of the solar disc: for the transmittance from the sun, and for the
 # shares of incident cells
@@ -109,17 +109,8 @@ def solar_disc(
 ) -> Float[np.ndarray, "point sun 3"]:
     """Return unit vectors to points of the solar disc around the centres of suns."""
     number = np.arange(count)
-    depth = (number + 0.5) / count * (1 - np.cos(SUN_DIAMETER / 2))
-    flat, angle = np.sqrt(depth * (2 - depth)), number * np.pi * (3 - 5**0.5)
-    side = np.cross(suns, np.eye(3)[np.abs(suns).argmin(axis=1)])
-    side /= np.linalg.norm(side, axis=1, keepdims=True)
-    across = np.cross(suns, side)
-    x, y = flat * np.cos(angle), flat * np.sin(angle)
-    return np.asarray(
-        suns * (1 - depth)[:, None, None]
-        + x[:, None, None] * side
-        + y[:, None, None] * across
-    )
+    place = np.stack([(number + 0.5) / count, number * GOLDEN_TURN], axis=-1)
+    return disc_points(suns, place[None]).transpose(1, 0, 2)
 
 
 def sun_transmittance(
@@ -159,14 +150,19 @@ def _transmittance(
     found = np.zeros((3, zones, len(suns)), np.float32)
     with launching():
         model = lower(scene, origin=origin)
+        lane, count = dr.arange(mi.UInt32, zones * len(suns)), len(suns)
+        width = dr.opaque(mi.UInt32, count)
+        zone, sun = lane // width, lane % width
         for number in range(each):
-            position = np.repeat(start[:, number], len(suns), axis=0)
-            towards = np.tile(disc[number], (zones, 1))
-            behind = on_device(mi.Bool, towards @ normal < 0)
-            ray = along(vectors(mi.Vector3f, towards))
-            share = transmittance(model, vectors(mi.Point3f, position), ray, behind)
+            towards = disc[number]
+            behind = dr.gather(mi.Bool, on_device(mi.Bool, towards @ normal < 0), sun)
+            ray = along(dr.gather(mi.Vector3f, vectors(mi.Vector3f, towards), sun))
+            position = dr.gather(
+                mi.Point3f, vectors(mi.Point3f, start[:, number]), zone
+            )
+            share = transmittance(model, position, ray, behind)
             share = dr.select(behind, share, 0)
             dr.eval(share)
-            part = np.broadcast_to(share.numpy(), (3, zones * len(suns)))
+            part = np.broadcast_to(share.numpy(), (3, zones * count))
             found += part.reshape(found.shape)
     return found / each

@@ -13,6 +13,7 @@ from clerestory.engine.next_event_estimation import (
     Emission,
     LightSample,
     Path,
+    Scattering,
     Source,
     Vertex,
     balance_heuristic,
@@ -41,6 +42,48 @@ class SkyPatches(Source):
     def escaped(self, path: Path, active) -> Emission:
         """Return the sky patch that an escaped path reaches."""
         return Emission(mi.Color3f(1), active, column=self.table.find(path.ray.d))
+
+
+@dataclass
+class SeparatedSkyPatches(Source):
+    """Patches of the sky, in separate columns for direct and other light.
+
+    A path counts the surfaces that scattered it; a mirrored path counts as scattered
+    twice, since next-event estimation does not find suns in mirrors.
+
+    Attributes
+    ----------
+    patches : number of patches: columns of direct light, before those of other light
+    scattered : largest number of surfaces that scatter direct light
+    window_of_shape : if given, whether a shape is a window: windows are not counted,
+        but clear glass, which is not counted otherwise
+    """
+
+    name: ClassVar[str] = "sky patches"
+    table: SkyTable
+    patches: int
+    scattered: int
+    window_of_shape: mi.Bool | None = None
+
+    def begin(self, pdf, sunlit, point):
+        """Return the number of surfaces that scattered a path at its start."""
+        return (dr.zeros(mi.UInt32, dr.width(point)),)
+
+    def remember(self, si, vertex: Vertex, after: Scattering, memory):
+        """Return the number of surfaces that scattered the path so far."""
+        times = dr.select(after.delta, mi.UInt32(2), mi.UInt32(1))
+        free = after.null
+        if self.window_of_shape is not None:
+            free = dr.gather(mi.Bool, self.window_of_shape, vertex.shape, vertex.active)
+        return (memory[0] + dr.select(free, mi.UInt32(0), times),)
+
+    def escaped(self, path: Path, active) -> Emission:
+        """Return the sky patch that an escaped path reaches."""
+        (times,) = path.memory[self.name]
+        other = times > self.scattered
+        first = dr.select(other, mi.UInt32(self.patches), mi.UInt32(0))
+        column = first + self.table.find(path.ray.d)
+        return Emission(mi.Color3f(1), active, column=column)
 
 
 @dataclass

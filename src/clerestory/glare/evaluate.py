@@ -3,10 +3,9 @@
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 
-import numpy as np
-
-from clerestory.array_types import Image
+from clerestory.array_types import Image, Pictures
 from clerestory.brief_repr import brief
 from clerestory.checks import require
 from clerestory.errors import ClerestoryWarning, InputError
@@ -29,7 +28,7 @@ from clerestory.glare.sources import (
     SourceSearch,
     in_zone,
     reference_luminance,
-    tabulate,
+    tables,
     warn_if_coarse,
 )
 from clerestory.glare.uncertainty import (
@@ -193,28 +192,19 @@ def evaluate_luminance(
     zones: Zones | None = None,
 ) -> tuple[Members, Glare, UndersampledSources | None]:
     """Return source pixels, glare indices with standard errors, and poor sources."""
-
-    def found(pixels: Image, error: Image | None = None) -> tuple[Members, Glare]:
-        members = search.members(pixels)
-        return members, summarise(
-            pixels,
-            search.eye,
-            members,
-            search.rules,
-            settings,
-            zones=zones,
-            error=error,
-        )
-
+    given = partial(summarise, search=search, settings=settings, zones=zones)
     if not isinstance(luminance, UncertainLuminance):
-        return *found(luminance), None
-    members, result = found(luminance.value, luminance.error)
-    errors = index_errors(luminance, lambda pixels: found(pixels)[1].values())
+        members, [result] = given(luminance[None])
+        return members, result, None
+    members, [result] = given(luminance.value[None], error=luminance.error)
+    errors = index_errors(
+        luminance, lambda drawn: [each.values() for each in given(drawn)[1]]
+    )
     reduced = without_undersampled(luminance, search.eye, members)
     if reduced is None:
         return members, replace(result, errors=errors), None
     # The error covers the value without undersampled sources
-    _, without = found(reduced)
+    _, [without] = given(reduced[None])
     others = without.values()
     for name, value in result.values().items():
         errors[name] = max(errors[name], abs(value - others[name]))
@@ -259,33 +249,44 @@ def fill_cut(luminance: Image, eye: GlareView, seen: SeenRows) -> Image:
 
 
 def summarise(
-    luminance: Image,
-    eye: GlareView,
-    members: Members,
-    rules: SourceRules,
+    pictures: Pictures,
+    search: SourceSearch,
     settings: IndexSettings,
     *,
     zones: Zones | None = None,
     error: Image | None = None,
-) -> Glare:
-    """Return the glare indices of a picture with the glare source pixels `members`.
+) -> tuple[Members, list[Glare]]:
+    """Return the pixels of glare sources, and the glare indices of each picture.
 
     `error` is the independent standard error of each pixel [cd/m²].
     """
-    zone_of = None
+    eye, task, zone_of = search.eye, search.rules.task, None
+    members, own = search.members(pictures)
+    divided = members
     if zones is not None:
-        members, zone_of = cut_along(members, zones.of_pixels(eye))
-    sources = tabulate(members, luminance, eye, zone=zone_of, error=error)
-    # Sums by einsum use one thread: threads cost more than they save
-    values = np.ascontiguousarray(luminance, dtype=float)
-    average = float(np.einsum("ij,ij", eye.solid_angle, values)) / eye.total_solid_angle
-    task = rules.task
-    return Glare(
-        sources=sources.larger_than(rules.smallest),
-        illuminance=float(np.einsum("ij,ij", eye.eye_weight, values)),
-        average=average,
-        reference=reference_luminance(luminance, eye, task) if task else average,
-        brightest=float((luminance * eye.valid).max()),
-        solid_angle=eye.total_solid_angle,
-        settings=settings,
+        divided, zone_of = cut_along(members, zones.of_pixels(eye))
+    found = tables(divided, own, pictures, eye, zone=zone_of, error=error)
+    average = (eye.flux(pictures) / eye.total_solid_angle).tolist()
+    reference = average
+    if task:
+        reference = [reference_luminance(each, eye, task) for each in pictures]
+    parts = zip(
+        found,
+        eye.illuminance(pictures).tolist(),
+        average,
+        reference,
+        (pictures * eye.valid).max(axis=(1, 2)).tolist(),
+        strict=True,
     )
+    return members, [
+        Glare(
+            sources=sources.larger_than(search.rules.smallest),
+            illuminance=level,
+            average=mean,
+            reference=other,
+            brightest=highest,
+            solid_angle=eye.total_solid_angle,
+            settings=settings,
+        )
+        for sources, level, mean, other, highest in parts
+    ]

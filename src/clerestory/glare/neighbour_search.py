@@ -7,6 +7,7 @@ angle. A few pixels below and above the central pixel are never visited.
 """
 
 from collections.abc import Iterable
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -65,6 +66,12 @@ class Neighbourhood:
         """
         x, y, z = np.moveaxis(self.direction[row, column], -1, 0)
         return np.asarray(x * x + y * y + z * z > 1)
+
+
+@lru_cache(maxsize=8)
+def neighbourhood(eye: GlareView, angle: float) -> Neighbourhood:
+    """Return the pixels within a search angle [rad]; recent results are cached."""
+    return Neighbourhood(eye, angle)
 
 
 def first_found(

@@ -5,20 +5,22 @@ merged. Optionally, dark pixels surrounded by a source are added (smoothing) and
 are extracted.
 """
 
+import itertools
 import math
 import warnings
-from dataclasses import dataclass
+from collections import deque
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Bool, Int
 
-from clerestory.array_types import Image, ImageMask
+from clerestory.array_types import Image, ImageMask, PictureMasks, Pictures
 from clerestory.checks import require
 from clerestory.errors import ClerestoryWarning
 from clerestory.glare.detection_criteria import SourceRules, Zone
 from clerestory.glare.glare_view import GlareView
-from clerestory.glare.neighbour_search import Neighbourhood
+from clerestory.glare.neighbour_search import Neighbourhood, neighbourhood
 from clerestory.glare.peak_extraction import split_peaks
 from clerestory.glare.pixel_scan import ScannedPixels, first_scan, scan_order
 from clerestory.glare.smoothing import surrounded
@@ -30,6 +32,9 @@ _SMOOTHING = 1.75
 
 # A warning is issued if half the merging angle is less than this [pixels] (evalglare)
 _FEW_PIXELS = 3.0
+
+# Number of sets of glare pixels whose sources are kept
+_KEPT = 2
 
 
 class Members(NamedTuple):
@@ -100,20 +105,20 @@ def find_sources(
     luminance: Image, eye: GlareView, rules: SourceRules | None = None
 ) -> Members:
     """Return the pixels of the glare sources of a picture."""
-    rules = rules or SourceRules()
-    return grouped(*glare_pixels(luminance, eye, rules), eye, rules)
+    return SourceSearch(eye, rules or SourceRules()).members(luminance[None])[0]
 
 
 def glare_pixels(
-    luminance: Image, eye: GlareView, rules: SourceRules
-) -> tuple[ImageMask, ImageMask]:
-    """Return the masks of the glare pixels, and of the pixels of peaks."""
-    level = threshold_luminance(luminance, eye, rules)
-    mask = (luminance > level) & eye.valid
+    pictures: Pictures, eye: GlareView, rules: SourceRules
+) -> tuple[PictureMasks, PictureMasks]:
+    """Return the masks of the glare pixels of pictures, and of the pixels of peaks."""
+    level = [threshold_luminance(each, eye, rules) for each in pictures]
+    mask = pictures > np.array(level, pictures.dtype)[:, None, None]
+    mask &= eye.valid
     if rules.field_of_view is not None:
         mask &= eye.in_field(rules.field_of_view)
     limit = np.inf if rules.peak_luminance is None else rules.peak_luminance
-    return mask, np.asarray(luminance >= limit)
+    return mask, pictures >= limit
 
 
 def grouped(
@@ -121,7 +126,7 @@ def grouped(
 ) -> Members:
     """Group glare pixels into sources."""
     scale = merging_pixels(eye, rules)
-    near = Neighbourhood(eye, rules.merge_angle / 2)
+    near = neighbourhood(eye, rules.merge_angle / 2)
     pixels = scan_order(mask, near.reach)
     label = np.zeros(0, dtype=np.int64)
     if pixels.row.size:
@@ -142,22 +147,35 @@ def grouped(
 class SourceSearch:
     """Search for the glare sources of pictures of one view.
 
-    The last result is kept, since pictures often have the same glare pixels.
+    The last results are kept, since pictures often have the same glare pixels.
     """
 
     eye: GlareView
     rules: SourceRules
-    _last: tuple[ImageMask, ImageMask, Members] | None = None
+    _last: deque[tuple[ImageMask, ImageMask, Members]] = field(
+        default_factory=lambda: deque(maxlen=_KEPT)
+    )
 
-    def members(self, luminance: Image) -> Members:
-        """Return the pixels of the glare sources of a picture."""
-        mask, peak = glare_pixels(luminance, self.eye, self.rules)
-        if self._last is not None:
-            before, peaks, members = self._last
+    def members(
+        self, pictures: Pictures
+    ) -> tuple[Members, Bool[np.ndarray, "picture member"]]:
+        """Return the pixels of glare sources, and those that each picture has.
+
+        Pixels that are glare pixels in any of the pictures are grouped together.
+        """
+        masks, peaks = glare_pixels(pictures, self.eye, self.rules)
+        every, peak = np.asarray(masks.any(axis=0)), np.asarray(peaks.any(axis=0))
+        members = self._grouped(every, peak)
+        place = members.row, members.column
+        # Pixels that smoothing adds belong to the sources of all pictures
+        return members, masks[:, *place] | ~every[place]
+
+    def _grouped(self, mask: ImageMask, peak: ImageMask) -> Members:
+        for before, peaks, members in self._last:
             if np.array_equal(mask, before) and np.array_equal(peak, peaks):
                 return members
         members = grouped(mask, peak, self.eye, self.rules)
-        self._last = mask, peak, members
+        self._last.append((mask, peak, members))
         return members
 
 
@@ -184,7 +202,7 @@ def _split(
         return members
     label = members.label.copy()
     following = int(label.max()) + 1
-    nearer = Neighbourhood(eye, near.angle / 2)
+    nearer = neighbourhood(eye, near.angle / 2)
     for source in np.unique(members.label[peak]):
         index = np.flatnonzero(peak & (members.label == source))
         here = ScannedPixels(
@@ -202,14 +220,32 @@ def tabulate(
     eye: GlareView,
     *,
     zone: Int[np.ndarray, " label"] | None = None,
-    error: Image | None = None,
 ) -> GlareSources:
-    """Return the table of the sources of a picture, in the order of labels.
+    """Return the table of the sources of a picture, in the order of labels."""
+    every = np.ones((1, len(members.label)), bool)
+    return tables(members, every, luminance[None], eye, zone=zone)[0]
 
-    `error` is the standard error of each pixel, independent of those of other pixels.
+
+def tables(
+    members: Members,
+    own: Bool[np.ndarray, "picture member"],
+    pictures: Pictures,
+    eye: GlareView,
+    *,
+    zone: Int[np.ndarray, " label"] | None = None,
+    error: Image | None = None,
+) -> list[GlareSources]:
+    """Return the tables of the sources of pictures, in the order of labels.
+
+    `own` are the members of the sources in each picture. `error` is the standard error
+    of each pixel, independent of those of other pixels.
     """
-    label, row, column = members
-    bright = luminance[row, column].astype(float)
+    picture, member = np.nonzero(own)
+    row, column = members.row[member], members.column[member]
+    # Labels of the sources of a picture follow those of the picture before
+    count = int(members.label.max(initial=0)) + 1
+    label = members.label[member] + count * picture
+    bright = pictures[picture, row, column].astype(float)
     omega = eye.solid_angle[row, column]
     flux = bright * omega
 
@@ -228,7 +264,7 @@ def tabulate(
     up, across = total(flux * (last - row)) / power, total(flux * column) / power
     up_pixel, column_pixel = (x.astype(np.float32).astype(int) for x in (up, across))
     at = last - up_pixel, column_pixel
-    return GlareSources(
+    found = GlareSources(
         luminance=power / solid_angle,
         solid_angle=solid_angle,
         position_index=eye.position_index[at],
@@ -238,6 +274,10 @@ def tabulate(
         pixels=pixels[used],
         row=last - up,
         column=across,
-        zone=np.zeros(used.size, dtype=np.int64) if zone is None else zone[used],
+        zone=np.zeros(used.size, dtype=np.int64)
+        if zone is None
+        else zone[used % count],
         luminance_error=np.sqrt(total(noise**2)) / solid_angle,
     )
+    first = np.searchsorted(used, count * np.arange(len(pictures) + 1))
+    return [found.select(np.arange(*some)) for some in itertools.pairwise(first)]

@@ -88,8 +88,8 @@ class SphereSamples:
             np.concatenate([rest.point, _points(level, place, random)]),
         )
 
-    def select(self, which: slice | Bool[np.ndarray, " cell"]) -> "SphereSamples":
-        """Return some of the samples."""
+    def select(self, which: slice | np.ndarray) -> "SphereSamples":
+        """Return the samples of a slice, a mask or indices."""
         return SphereSamples(self.level[which], self.place[which], self.point[which])
 
     def centred(self) -> "SphereSamples":

@@ -2,7 +2,7 @@
 
 The indices are not linear in luminance, and a pixel near the threshold belongs to a
 source or not. Each index is therefore computed for pairs of pictures, the luminance
-plus and minus a random draw of its error, including the detection of sources.
+plus and minus a random draw of its error, each with the source pixels of its own.
 The variance of an index is the mean square of half of the differences, plus the
 variance of the means of the pairs: a pixel that crosses the threshold in one picture of
 one pair, but of no other pair, changes both. Draws are Gaussian; with errors of equal
@@ -12,17 +12,16 @@ Reference: P. J. McCarthy, "Pseudo-replication: half samples", Review of the
 International Statistical Institute 37 (3), 1969.
 """
 
-import math
 import zlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from statistics import NormalDist
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Float32
 
-from clerestory.array_types import EachImage, Image
+from clerestory.array_types import EachImage, Image, Pictures
 from clerestory.checks import require
 from clerestory.image.picture import Picture, same_size
 
@@ -59,30 +58,41 @@ class UncertainLuminance:
             return self
         return UncertainLuminance(self.blocks, self.error, self.shared)
 
-    def pairs(self) -> Iterator[tuple[Image, Image]]:
-        """Yield the luminance plus and minus draws of its error.
+    def pairs(self) -> Pictures:
+        """Return the luminance plus draws of its error, then minus the same draws.
 
         The draws of a pixel are stratified samples of the normal distribution, so that
         their mean square is exactly its variance.
         """
         # Seed from the picture, so that equal pictures have equal errors
-        seed, shape = zlib.crc32(self.error.tobytes()), self.value.shape
-        random = np.random.default_rng(seed)
-        shared = np.zeros((DRAWS, 1, 1)) if self.shared is None else self.shared
-        size = _half_normal(len(shared))
-        first = random.integers(0, len(shared), shape, dtype=np.int8)
-        for number, common in enumerate(shared):
-            sign = 2 * random.integers(0, 2, shape, dtype=np.int8) - 1
-            change = sign * size[(first + number) % len(shared)] * self.error + common
-            yield np.maximum(self.value + change, 0), np.maximum(self.value - change, 0)
+        random = np.random.default_rng(zlib.crc32(self.error.tobytes()))
+        count = DRAWS if self.shared is None else len(self.shared)
+        shape = self.value.shape
+        first = random.integers(0, count, shape, dtype=np.uint16)
+        change = np.take(_rotations(count), first, axis=1)
+        change *= _signs(random, change.size).reshape(change.shape)
+        change = change * self.error
+        if self.shared is not None:
+            change += self.shared
+        pictures = np.concatenate([self.value + change, self.value - change])
+        return np.asarray(np.maximum(pictures, 0, out=pictures))
 
 
 @cache
-def _half_normal(count: int) -> Float[np.ndarray, " draw"]:
-    # Medians of intervals of equal probability of |x|, scaled to a mean square of one
+def _rotations(count: int) -> Float32[np.ndarray, "draw draw"]:
+    # Medians of intervals of equal probability of |x|, scaled to a mean square of one;
+    # a column begins with each of them
     share = 0.5 + (np.arange(count) + 0.5) / (2 * count)
-    found = np.array([NormalDist().inv_cdf(p) for p in share])
-    return np.asarray(found / np.sqrt(np.mean(np.square(found))), np.float32)
+    size = np.array([NormalDist().inv_cdf(p) for p in share])
+    size /= np.sqrt(np.mean(np.square(size)))
+    draw = np.arange(count)
+    return np.asarray(size[np.add.outer(draw, draw) % count], np.float32)
+
+
+def _signs(random: np.random.Generator, count: int) -> Float32[np.ndarray, " count"]:
+    # Random signs, eight from each random byte
+    bits = np.unpackbits(np.frombuffer(random.bytes(-(-count // 8)), np.uint8))
+    return 1 - 2 * bits[:count].astype(np.float32)
 
 
 def luminance_error(error: Picture, like: Picture) -> Image:
@@ -96,24 +106,24 @@ def luminance_error(error: Picture, like: Picture) -> Image:
 
 
 def index_errors(
-    luminance: UncertainLuminance, quantities: Callable[[Image], Mapping[str, float]]
+    luminance: UncertainLuminance,
+    quantities: Callable[[Pictures], Sequence[Mapping[str, float]]],
 ) -> dict[str, float]:
     """Return the standard error of each quantity of a picture.
 
+    `quantities` returns the quantities of each of several pictures.
+
     >>> picture = UncertainLuminance(np.full((30, 30), 9.0), np.full((30, 30), 0.3))
-    >>> found = index_errors(picture, lambda pixels: {"mean": float(pixels.mean())})
+    >>> found = index_errors(
+    ...     picture, lambda drawn: [{"mean": float(each.mean())} for each in drawn]
+    ... )
     >>> 0.005 < found["mean"] < 0.02  # 0.3/√900
     True
     """
-    found: dict[str, list[tuple[float, float]]] = {}
-    for plus, minus in luminance.pairs():
-        other = quantities(minus)
-        for name, value in quantities(plus).items():
-            found.setdefault(name, []).append((value, other[name]))
-    return {name: _error(np.array(pairs)) for name, pairs in found.items()}
-
-
-def _error(pairs: Float[np.ndarray, "draw two"]) -> float:
+    found = quantities(luminance.pairs())
+    values = np.array([list(each.values()) for each in found])
+    plus, minus = np.split(values, 2)
     # Variance of half differences, whose expectation is zero, and of means
-    half, mean = np.diff(pairs, axis=1) / 2, pairs.mean(axis=1)
-    return math.sqrt(np.mean(np.square(half)) + mean.var(ddof=1))
+    variance = np.square((plus - minus) / 2).mean(axis=0)
+    variance += ((plus + minus) / 2).var(axis=0, ddof=1)
+    return dict(zip(found[0], np.sqrt(variance).tolist(), strict=True))

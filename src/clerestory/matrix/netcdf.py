@@ -115,6 +115,8 @@ def _write_bands(variable: h5netcdf.Variable, bands: Bands) -> None:
         variable.attrs["band_efficacy_lm_per_W"] = np.array(bands.efficacy)
     if bands.limits_nm is not None:
         variable.attrs["band_limits_nm"] = np.ravel(bands.limits_nm)
+    if bands.weightings is not None:
+        variable.attrs["band_weightings"] = "\n".join(map(printable, bands.weightings))
 
 
 def _read_bands(variable: h5py.Dataset) -> Bands:
@@ -123,10 +125,12 @@ def _read_bands(variable: h5py.Dataset) -> Bands:
         return RGB
     efficacy = attributes.get("band_efficacy_lm_per_W")
     limits = np.reshape(attributes.get("band_limits_nm", ()), (-1, 2))
+    weightings = attributes.get("band_weightings")
     return Bands(
         tuple(attributes["band_names"].split("\n")),
         None if efficacy is None else tuple(np.ravel(efficacy).tolist()),
         tuple(map(tuple, limits.tolist())) or None,
+        None if weightings is None else tuple(weightings.split("\n")),
     )
 
 

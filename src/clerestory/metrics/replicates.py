@@ -10,7 +10,7 @@ Reference: P. J. McCarthy, "Pseudo-replication: half samples", Review of the
 International Statistical Institute 37 (3), 1969.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TypedDict
 
 import numpy as np
@@ -60,6 +60,25 @@ def replicates(
 def hourly_replicates(hourly: xr.Dataset) -> Iterator[xr.DataArray]:
     """Yield replicates of the illuminance of a run, or of a part of its results."""
     return replicates(hourly["illuminance"], **errors_of(hourly))
+
+
+def with_errors(
+    hourly: xr.Dataset, metrics: Callable[[xr.DataArray], xr.Dataset]
+) -> xr.Dataset:
+    """Return metrics of the illuminance of a run, with their errors.
+
+    `…_error` is the standard error of a metric and `…_components` its error components,
+    over (replicate, …).
+    """
+    result = metrics(hourly["illuminance"])
+    varied = [metrics(lux) for lux in hourly_replicates(hourly)]
+    for name, metric in dict(result).items():
+        parts = metric_components(metric.values, [x[name].values for x in varied])
+        axes, attrs = ("replicate", *metric.dims), metric.attrs
+        error = np.linalg.norm(parts, axis=0)
+        result[f"{name}_error"] = metric.dims, error, attrs
+        result[f"{name}_components"] = axes, parts.astype(np.float32), attrs
+    return result
 
 
 def errors_of(hourly: xr.Dataset) -> IlluminanceErrors:

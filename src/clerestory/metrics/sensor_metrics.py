@@ -4,6 +4,8 @@ The variance of a metric, or of its mean over sensors, is the sum of the squares
 error components (`metrics.replicates`).
 """
 
+from functools import partial
+
 import numpy as np
 import xarray as xr
 from jaxtyping import Bool
@@ -18,7 +20,7 @@ from clerestory.metrics.climate_based_metrics import (
     useful_illuminance,
 )
 from clerestory.metrics.occupied_hours import within_hours
-from clerestory.metrics.replicates import hourly_replicates, metric_components
+from clerestory.metrics.replicates import with_errors
 
 
 def sensor_metrics(
@@ -37,14 +39,11 @@ def sensor_metrics(
     names = ("illuminance", "standard_error", "error_components")
     part = hourly[[name for name in names if name in hourly]]
     counted = within_hours(part.transpose("sensor", ..., "time"), hours).load()
-    result = _metrics(counted["illuminance"], target_lux)
-    varied = [_metrics(lux, target_lux) for lux in hourly_replicates(counted)]
-    for name, metric in dict(result).items():
-        parts = metric_components(metric.values, [x[name].values for x in varied])
-        axes, attrs = ("replicate", *metric.dims), metric.attrs
-        error = np.linalg.norm(parts, axis=0)
-        result[f"{name}_error"] = metric.dims, error, attrs
-        result[f"{name}_components"] = axes, parts.astype(np.float32), attrs
+    # Selected time steps are not contiguous in memory, which makes sums slow
+    for name, values in dict(counted).items():
+        rows = np.ascontiguousarray(values.values)
+        counted[name] = values.dims, rows, values.attrs
+    result = with_errors(counted, partial(_metrics, target_lux=target_lux))
     attrs = {
         "target_lux": target_lux,
         "useful_limits_lux": list(USEFUL_LIMITS_LUX),

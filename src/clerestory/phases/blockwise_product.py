@@ -4,25 +4,29 @@ The result is computed in blocks of receivers × time steps. Error components, t
 deviations of the independent batches of each Monte Carlo estimate from their mean, are
 multiplied by the same matrices as the estimate. The view matrices of all windows are
 estimated from the same paths, so error components of equal index are summed over the
-windows. All other estimates are statistically independent.
+windows, and likewise those of C and C_d. All other estimates are statistically
+independent.
 
 Matrices are multiplied in the order that takes fewer operations: V (T D S) for many
 receivers and for moving shades, (V T D) S for few receivers.
 """
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
-from jaxtyping import Float32, Int
+from jaxtyping import Float, Float32, Int
 
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.column_light import (
     Light,
     PatchLight,
+    Received,
     SkyLight,
     SunLight,
     Weights,
+    add_signed,
     exiting_light,
 )
 from clerestory.phases.matrix_equation import (
@@ -36,15 +40,20 @@ from clerestory.phases.matrix_equation import (
     checked_states,
     require_columns,
 )
-from clerestory.phases.received_sunlight import ReceivedSunlight, Sunlit
+from clerestory.phases.received_sunlight import (
+    ReceivedSunlight,
+    Sunlit,
+    received_sunlight,
+)
 from clerestory.phases.receivers import (
     SkyCoefficients,
-    chain_components,
     coefficients_cost_less,
-    component_count,
+    layers_of,
+    light_bytes,
     shining_columns,
     side_by_side,
 )
+from clerestory.phases.recent_values import RecentValues
 from clerestory.phases.stored_views import StoredColumns
 from clerestory.sky.sky_product import lit_steps
 
@@ -91,6 +100,13 @@ class _Factor:
     light: Light
     steps: Int[np.ndarray, " step"]
 
+    @property
+    def paths(self) -> tuple[int, int]:
+        """Number of the paths: C and C_d of a window and state have the same paths."""
+        same = isinstance(self.light, SkyLight)
+        same &= isinstance(self.matrices[0], TransferMatrix)
+        return (-1, self.source[1]) if same else self.source
+
     def add(self, total: np.ndarray, rows: slice, *, errors: bool) -> list[Components]:
         """Add the light of some receivers, and return its error components."""
         layers = side_by_side(self.matrices, rows, errors=errors)
@@ -98,19 +114,15 @@ class _Factor:
         groups = [found[1:]]
         if errors and isinstance(self.light, PatchLight):
             groups += self.light.spread(layers[0])
+        add_signed(self.sign, total, found[0], self.steps)
         if self.sign < 0:
-            for values in (found, *groups[1:]):
+            for values in groups:
                 np.negative(values, out=values)
-        parts = [
+        return [
             Components((*self.source, number), self.steps, values)
             for number, values in enumerate(groups)
             if len(values)
         ]
-        if len(self.steps) == total.shape[-1]:
-            total += found[0]
-        else:
-            total[..., self.steps] += found[0]
-        return parts
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,9 +133,14 @@ class _Sunlight:
     light: ReceivedSunlight
     steps: Int[np.ndarray, " step"]
 
+    @property
+    def paths(self) -> tuple[int, int]:
+        """Number of the paths."""
+        return self.source
+
     def add(self, total: np.ndarray, rows: slice, *, errors: bool) -> list[Components]:
         """Add the light of some receivers, and return its error component."""
-        total[..., self.steps] += self.sign * self.light.mean(rows)
+        add_signed(self.sign, total, self.light.mean(rows), self.steps)
         if not errors:
             return []
         error = self.sign * self.light.error(rows)
@@ -140,7 +157,9 @@ class BlockwiseProduct:
     weights : weights of the bands; one row for illuminance, one per band for pictures
     count : number of receivers (sensors or pixels)
     errors : whether to compute the components of standard errors as well
+    summed : whether blocks have the sum of the terms in place of each of them
     most_receivers, most_steps : maximum block size; by default limited by memory
+    recent : products D S that several products have in common
     """
 
     windows: Sequence[WindowMatrices]
@@ -150,8 +169,10 @@ class BlockwiseProduct:
     weights: Weights
     count: int
     errors: bool = True
+    summed: bool = False
     most_receivers: int | None = None
     most_steps: int | None = None
+    recent: RecentValues = field(default_factory=RecentValues)
 
     def __post_init__(self) -> None:
         steps = len(self.skies.times)
@@ -165,8 +186,8 @@ class BlockwiseProduct:
         """Yield all blocks, ordered by time steps, then by receivers."""
         parts = [self._chains(term) for term in self.terms]
         lit = _lit(self.skies)
-        exiting = sum(_light_bytes(found, self.weights) for found in parts)
-        layers = sum(_layers(found, errors=self.errors) for found in parts)
+        exiting = sum(light_bytes(found, self.weights.shape[1]) for found in parts)
+        layers = sum(layers_of(found, errors=self.errors) for found in parts)
         stored = isinstance(parts[0][0].receiving[0], StoredColumns)
         light = _LIGHT_OF_FILES if stored else _LIGHT
         most = max(16, light // max(1, exiting))
@@ -213,8 +234,14 @@ class BlockwiseProduct:
         every = np.arange(len(inside))
         states = [np.asarray(state)[inside] for state in self.states or ()]
         if found[0].factors:
-            sky = skies.patches(term)
-            passed = exiting_light(found, sky, states, self.weights, errors=self.errors)
+            passed = exiting_light(
+                found,
+                skies.patches(term),
+                states,
+                self.weights,
+                errors=self.errors,
+                arriving=partial(self._arriving, term, inside),
+            )
             views = [chain.view for chain in found]
             yield _Factor((number, 0), term.sign, views, passed, every)
             return
@@ -225,13 +252,27 @@ class BlockwiseProduct:
                 source = number, len(chain.receiving) * window + state
                 if len(steps) and isinstance(matrix, Sunlit):
                     assert skies.suns is not None
-                    normal = skies.suns.direct_normal[:, steps]
-                    product = matrix.received(normal, self.weights)
+                    suns = skies.suns.select(steps)
+                    product = received_sunlight(matrix, suns, self.weights)
                     lit = steps[product.steps]
                     yield _Sunlight(source, term.sign, product, lit)
                 elif len(steps) and not isinstance(matrix, Sunlit):
                     columns, light = self._direct(term, matrix, skies, steps)
                     yield _Factor(source, term.sign, [columns], light, steps)
+
+    def _arriving(
+        self,
+        term: Term,
+        inside: Int[np.ndarray, " step"],
+        daylight: TransferMatrix,
+        steps: Int[np.ndarray, " step"],
+        weights: Float[np.ndarray, "channel band"],
+        make: Callable[[], Received],
+    ) -> Received:
+        # D S in the time steps `inside[steps]`
+        key = (term.sky, inside[steps].tobytes(), weights.tobytes(), self.errors)
+        of = (self.skies, daylight)
+        return self.recent.value(key, make, size=lambda made: made.nbytes, of=of)
 
     def _direct(
         self,
@@ -243,9 +284,8 @@ class BlockwiseProduct:
         # C and the sky radiance, or C_ds and the direct normal irradiance
         if term.part == "sun" and skies.suns is not None:
             assert isinstance(matrix, TransferMatrix)
-            normal = skies.suns.direct_normal[:, steps]
-            columns, normal = shining_columns(matrix, normal)
-            return columns, SunLight(normal, self.weights)
+            columns, suns = shining_columns(matrix, skies.suns.select(steps))
+            return columns, SunLight(suns, self.weights)
         return matrix, SkyLight(skies.patches(term).select(steps), self.weights)
 
     def _block(
@@ -255,12 +295,18 @@ class BlockwiseProduct:
         steps: Int[np.ndarray, " step"],
         factors: Sequence[_Factor | _Sunlight],
     ) -> Block:
-        shape = len(self.terms), len(self.weights), rows.stop - rows.start, len(steps)
-        total, components = np.zeros(shape, np.float32), []
+        terms = 1 if self.summed else len(self.terms)
+        shape = terms, len(self.weights), rows.stop - rows.start, len(steps)
+        total = np.zeros(shape, np.float32)
+        components: dict[tuple[int, ...], Components] = {}
         for factor in factors:
-            term = total[factor.source[0]]
-            components += factor.add(term, rows, errors=self.errors)
-        return Block(rows, times, steps, total, components)
+            term = total[0 if self.summed else factor.source[0]]
+            for part in factor.add(term, rows, errors=self.errors):
+                key = *factor.paths, part.source[2], len(part.values)
+                if key in components:
+                    part.values[:] += components[key].values
+                components[key] = part
+        return Block(rows, times, steps, total, list(components.values()))
 
 
 def _lit(skies: Skies) -> Int[np.ndarray, " lit"]:
@@ -280,21 +326,3 @@ def _row_blocks(
         if isinstance(first, StoredColumns):
             return first.views.cut(most)
     return [slice(n, min(n + most, count)) for n in range(0, count, most)]
-
-
-def _layers(found: Sequence[MatrixChain], *, errors: bool) -> int:
-    # Number of error components of a term, plus one for the estimate
-    if not errors:
-        return 1
-    views = max(component_count(m) for chain in found for m in chain.receiving)
-    return 1 + views + sum(chain_components(chain) for chain in found)
-
-
-def _light_bytes(found: Sequence[MatrixChain], weights: Weights) -> int:
-    # Memory for the exiting radiance of one time step and its error components [bytes]
-    patches = sum(
-        chain.factors[0][0].rows.size * (1 + chain_components(chain))
-        for chain in found
-        if chain.factors
-    )
-    return int(4 * patches * weights.shape[1])

@@ -9,23 +9,35 @@ each band for pictures. Radiance is weighted before multiplication by a matrix, 
 grey rooms need one product instead of one per band.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from jaxtyping import Float, Float32, Int
-from scipy.sparse import csc_array
 
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.matrix_equation import MatrixChain
 from clerestory.phases.receivers import chain_components, channel_count, side_by_side
 from clerestory.sky.patch_radiance import SkyMatrix
 from clerestory.sky.sky_product import fold
+from clerestory.sky.sun_matrix import SunMatrix
 
 # Weights of the bands in the result: photometric weights, or one row per band
 Weights = Float[np.ndarray, "out band"]
 Layers = Float32[np.ndarray, "layer channel row column"]
 Received = Float32[np.ndarray, "layer out row step"]
+
+# Function that returns D S of a matrix D in some time steps: kept, or made
+Arriving = Callable[
+    [
+        TransferMatrix,
+        Int[np.ndarray, " step"],
+        Float[np.ndarray, "channel band"],
+        Callable[[], Received],
+    ],
+    Received,
+]
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,23 +115,35 @@ class SkyLight:
 class SunLight:
     """Direct normal irradiance [W/m²] of the suns, one for each column of a matrix."""
 
-    normal: csc_array
+    suns: SunMatrix
     weights: Weights
 
     def received(self, matrix: Layers) -> Received:
         """Multiply a matrix and its error components by the irradiance."""
         layers, channels, rows, suns = matrix.shape
-        weights = self.weights
-        if channels == 1:
-            weights = weights.sum(axis=1, keepdims=True)
-        light = np.einsum("oc,lcrs->sorl", weights.astype(np.float32), matrix)
-        flat = light.reshape(suns, len(weights) * rows * layers)
-        found = self.normal.astype(np.float32).T @ flat
-        shape = found.shape[0], len(weights), rows, layers
-        return np.ascontiguousarray(found.reshape(shape).T.swapaxes(1, 2))
+        found: np.ndarray | float = 0.0
+        for normal, weights in self.suns.weighted(self.weights):
+            each = weights.sum(axis=1, keepdims=True) if channels == 1 else weights
+            light = np.einsum("oc,lcrs->sorl", each.astype(np.float32), matrix)
+            flat = light.reshape(suns, len(each) * rows * layers)
+            found = found + normal.astype(np.float32).T @ flat
+        shape = len(self.suns.times), len(self.weights), rows, layers
+        return np.ascontiguousarray(np.reshape(found, shape).T.swapaxes(1, 2))
 
 
 Light = PatchLight | SkyLight | SunLight
+
+
+def add_signed(
+    sign: int, total: np.ndarray, values: np.ndarray, steps: Int[np.ndarray, " step"]
+) -> None:
+    """Add values of given sign to a total, in some of its time steps."""
+    if len(steps) < total.shape[-1]:
+        total[..., steps] += values if sign > 0 else -values
+    elif sign > 0:
+        total += values
+    else:
+        total -= values
 
 
 def sky_product(
@@ -129,14 +153,16 @@ def sky_product(
 ) -> Float32[np.ndarray, "rows step"]:
     """Return the product of matrices and sky radiance, as a weighted sum of bands."""
     patches = values.shape[-1]
-    tint = np.broadcast_to(sky.colour, (len(weights), patches))
-    sun_tint = np.broadcast_to(sky.sun_colour[:, None], tint.shape)
+    shape = len(weights), patches
     found = np.zeros((values[..., 0, :, 0].size, len(sky.times)), np.float32)
-    if sky.diffuse.any():
-        found = fold(values, tint, weights).reshape(-1, patches) @ sky.diffuse
-    if sky.sun.nnz:
-        rows = fold(values, sun_tint, weights).reshape(-1, patches)
-        found += (sky.sun.T @ np.ascontiguousarray(rows.T)).T
+    for one in sky.parts:
+        if one.diffuse.any():
+            tint = np.broadcast_to(one.colour, shape)
+            found += fold(values, tint, weights).reshape(-1, patches) @ one.diffuse
+        if one.sun.nnz:
+            tint = np.broadcast_to(one.sun_colour[:, None], shape)
+            rows = fold(values, tint, weights).reshape(-1, patches)
+            found += (one.sun.T @ np.ascontiguousarray(rows.T)).T
     return found
 
 
@@ -147,13 +173,17 @@ def exiting_light(
     weights: Weights,
     *,
     errors: bool = True,
+    arriving: "Arriving | None" = None,
 ) -> PatchLight:
-    """Return the exiting radiance T(t) D S(t) of all windows."""
+    """Return the exiting radiance T(t) D S(t) of all windows.
+
+    `arriving` returns D S, by default computed here.
+    """
     summed = len(weights) == 1
     channels = 1 if summed and all(map(_is_grey, chains)) else weights.shape[1]
     each = weights if channels == 1 or not summed else np.diag(weights[0])
     parts = [
-        _exiting(chain, sky, state, each, errors=errors)
+        _exiting(chain, sky, state, each, errors=errors, arriving=arriving or _arriving)
         for chain, state in zip(chains, states, strict=True)
     ]
     values = np.concatenate([part[0] for part in parts], axis=1)
@@ -174,6 +204,7 @@ def _exiting(
     weights: Float[np.ndarray, "channel band"],
     *,
     errors: bool,
+    arriving: "Arriving",
 ) -> Float32[np.ndarray, "layer channel patch step"]:
     # Radiance and error components; D S is computed once for all states with equal D
     layers = 1 + (chain_components(chain) if errors else 0)
@@ -185,8 +216,8 @@ def _exiting(
     for numbers in sources.values():
         steps = np.flatnonzero(np.isin(state, numbers))
         last = chain.factors[numbers[0]][-1]
-        daylight = side_by_side([last], slice(None), errors=errors)
-        arrived = SkyLight(sky.select(steps), weights).received(daylight)
+        make = partial(_arrived, last, sky, steps, weights, errors=errors)
+        arrived = arriving(last, steps, weights, make)
         for number in numbers:
             acts = state[steps] == number
             light = arrived if acts.all() else arrived[..., acts]
@@ -194,6 +225,27 @@ def _exiting(
                 light = _passed(factor, light, errors=errors)
             found[: len(light), :, :, steps[acts]] = light
     return found
+
+
+def _arrived(
+    daylight: TransferMatrix,
+    sky: SkyMatrix,
+    steps: Int[np.ndarray, " step"],
+    weights: Float[np.ndarray, "channel band"],
+    *,
+    errors: bool,
+) -> Received:
+    layers = side_by_side([daylight], slice(None), errors=errors)
+    return SkyLight(sky.select(steps), weights).received(layers)
+
+
+def _arriving(
+    _daylight: TransferMatrix,
+    _steps: Int[np.ndarray, " step"],
+    _weights: Float[np.ndarray, "channel band"],
+    make: Callable[[], Received],
+) -> Received:
+    return make()
 
 
 def _passed(

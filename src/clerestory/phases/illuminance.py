@@ -7,7 +7,7 @@ from typing import Any
 import h5netcdf  # type: ignore[import-untyped]
 import numpy as np
 import xarray as xr
-from jaxtyping import Float32, Int8
+from jaxtyping import Float, Float32, Int8
 
 from clerestory.errors import MatrixError
 from clerestory.files import replace_path
@@ -22,6 +22,7 @@ from clerestory.phases.matrix_equation import (
     chains,
     equation_bands,
 )
+from clerestory.phases.recent_values import RecentValues
 from clerestory.progress import Progress
 
 # NetCDF chunk size of hourly results (sensors, time steps), for fast reading of few
@@ -39,15 +40,19 @@ def illuminance(
     skies: Skies,
     states: States | None = None,
     *,
+    weights: Float[np.ndarray, " band"] | None = None,
     file: Path | None = None,
     progress: Progress | None = None,
+    recent: RecentValues | None = None,
 ) -> xr.Dataset:
     """Illuminance [lux] of sensors over time, with its standard error, as float32.
 
     Parameters
     ----------
     states : index of the shade state at each time step, per window group; default 0
+    weights : weights of the bands; default: luminous efficacy
     file : NetCDF file for the hourly values; by default they are kept in memory
+    recent : products D S that several simulations have in common
 
     Returns
     -------
@@ -64,8 +69,9 @@ def illuminance(
         terms,
         skies,
         states,
-        equation_bands(windows, skies).weights[None],
+        (equation_bands(windows, skies).weights if weights is None else weights)[None],
         axis.size,
+        recent=recent or RecentValues(),
     )
     names = ["illuminance", "standard_error"]
     names += [term.name for term in terms] if len(terms) > 1 else []

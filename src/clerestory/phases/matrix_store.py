@@ -17,6 +17,7 @@ from clerestory.escaping import file_stem
 from clerestory.files import make_folder
 from clerestory.matrix.netcdf import read_netcdf, write_netcdf
 from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.recent_values import RecentValues
 
 # Functions that trace named matrices, and a block of rows of one matrix
 Maker = Callable[[], Mapping[str, TransferMatrix]]
@@ -104,3 +105,40 @@ class MatrixStore:
             message = f"{path} is damaged ({error.message}); it is traced again"
             warnings.warn(message, ClerestoryWarning, stacklevel=4)
             return None
+
+
+@dataclass(frozen=True)
+class SharedStore:
+    """Folder of traced matrices, of which the most recently used stay in memory."""
+
+    store: MatrixStore
+    recent: RecentValues
+
+    def path(self, name: str, fingerprint: str) -> Path:
+        """Path of the file of a matrix."""
+        return self.store.path(name, fingerprint)
+
+    def holds(self, name: str, fingerprint: str) -> bool:
+        """Whether the file of a matrix exists."""
+        return self.store.holds(name, fingerprint)
+
+    def matrices(
+        self, names: Sequence[str], fingerprint: str, make: Maker
+    ) -> dict[str, TransferMatrix]:
+        """Return matrices from memory or files; trace and store missing matrices."""
+        return self.recent.value(
+            ("matrices", *names, fingerprint),
+            lambda: self.store.matrices(names, fingerprint, make),
+            size=lambda found: float(sum(map(_bytes, found.values()))),
+        )
+
+    def blocks(
+        self, name: str, fingerprint: str, rows: Sequence[slice], make: BlockMaker
+    ) -> tuple[Path, ...]:
+        """Store a matrix larger than memory; return the file of each block of rows."""
+        return self.store.blocks(name, fingerprint, rows, make)
+
+
+def _bytes(matrix: TransferMatrix) -> int:
+    parts = matrix.components
+    return matrix.values.nbytes + (0 if parts is None else parts.nbytes)

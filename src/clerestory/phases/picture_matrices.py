@@ -23,13 +23,14 @@ from clerestory.engine.matrix_jobs import PixelViewJob
 from clerestory.image.camera import PixelsOrCells
 from clerestory.matrix.axis import pixel_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.separate_coefficients import has_proxies
 from clerestory.phases.traced_matrices import (
     matrix_effort,
     patch_axes,
     require_distinct,
     warn_if_short,
 )
-from clerestory.scene.model import BsdfSurface, Scene
+from clerestory.scene.model import Scene
 from clerestory.scene.window import Window
 
 # Number of batches of paths per pixel; two, to save memory: half of their difference is
@@ -72,17 +73,12 @@ def reflected_view_matrices(
     thus cancels in V T D S - V_d T D_d S_ds.
     """
     effort = matrix_effort(reflected_view_matrices, keywords)
-    if not _has_proxies(scene):
+    if not has_proxies(scene):
         return _traced(scene, windows, camera, "reflected", effort)
     # A proxy transmits direct light by its geometry, other light by its BSDF
     whole = _traced(scene, windows, camera, "all", effort)
     direct = _traced(scene, windows, camera, "direct", effort)
     return {name: _difference(whole[name], direct[name]) for name in whole}
-
-
-def _has_proxies(scene: Scene) -> bool:
-    materials = scene.materials.values()
-    return any(isinstance(m, BsdfSurface) and m.thickness for m in materials)
 
 
 def _difference(whole: TransferMatrix, direct: TransferMatrix) -> TransferMatrix:

@@ -16,7 +16,7 @@ from jaxtyping import Float32, Int
 from clerestory.image.camera import Camera
 from clerestory.image.picture import Picture
 from clerestory.phases.blockwise_product import Block, BlockwiseProduct
-from clerestory.phases.column_light import Weights
+from clerestory.phases.column_light import Weights, add_signed
 from clerestory.phases.matrix_equation import (
     Skies,
     States,
@@ -72,7 +72,7 @@ def pictures_over_time(
     bands = equation_bands(windows, skies)
     weights = np.eye(len(bands))
     series = PixelSeries(windows, terms, skies, states, weights, len(camera))
-    steps = series.steps(max(1, _steps(len(camera)) // len(bands)))
+    steps = series.steps(max(1, block_steps(len(camera)) // len(bands)))
     for moment, found in zip(skies.times, steps, strict=True):
         stamp = np.datetime_as_string(moment, unit="m")
         yield camera.picture(found.light, f"TIME= {stamp}", bands=bands)
@@ -88,7 +88,7 @@ def luminance_over_time(
     """Yield the luminance of every time step [cd/m²]; see `pictures_over_time`."""
     weights = equation_bands(windows, skies).weights[None]
     series = PixelSeries(windows, terms, skies, states, weights, len(camera))
-    for found in series.steps(_steps(len(camera))):
+    for found in series.steps(block_steps(len(camera))):
         yield found.light.reshape(camera.rows, camera.columns)
 
 
@@ -104,7 +104,7 @@ def uncertain_luminance_over_time(
     Matrices with pixels as rows have one error component each.
     """
     weights = equation_bands(windows, skies).weights[None]
-    blocks, most = PixelBlocks.of(camera.rows, camera.columns), _steps(len(camera))
+    blocks, most = PixelBlocks.of(camera.rows, camera.columns), block_steps(len(camera))
     rest = terms, skies, states, weights
     few = windows if blocks.single else [blocks.of_window(each) for each in windows]
     uncertain = PixelSeries(few, *rest, math.prod(blocks.shape), errors=True).steps(
@@ -121,11 +121,11 @@ def uncertain_luminance_over_time(
 
 def block_bytes(pixels: int) -> int:
     """Return the memory for a block of time steps of a picture [bytes]."""
-    return 4 * _LAYERS * pixels * _steps(pixels)
+    return 4 * _LAYERS * pixels * block_steps(pixels)
 
 
-def _steps(pixels: int) -> int:
-    # Number of time steps of a block
+def block_steps(pixels: int) -> int:
+    """Return the number of time steps of a block of a picture."""
     return int(np.clip(_RESULT // (4 * _LAYERS * max(1, pixels)), 4, _STEPS))
 
 
@@ -214,12 +214,13 @@ class PixelSeries:
             self.weights,
             self.pixels,
             errors=self.errors,
+            summed=True,
             most_receivers=rows,
             most_steps=most,
         )
         nothing = np.zeros((0, 0), np.float32), np.zeros((0, 0, 0), np.float32)
         for block in product.blocks():
-            light = np.maximum(block.terms.sum(axis=0), 0)
+            light = np.maximum(block.terms[0], 0, out=block.terms[0])
             errors = self._deviations(block) if self.errors else nothing
             yield SeriesBlock(block.rows, block.times, block.steps, light, *errors)
 
@@ -238,10 +239,11 @@ class PixelSeries:
             term, _, group = part.source
             deviations, own = part.values[:, 0], int(group == 0 and self._errs[term])
             if own:
-                deviation[:, part.steps] += deviations[0]
+                add_signed(1, deviation, deviations[0], part.steps)
             for number, other in enumerate(deviations[own:]):
-                shared[number % FEW][:, part.steps] += other
-        return np.square(deviation), math.sqrt(FEW) * shared
+                add_signed(1, shared[number % FEW], other, part.steps)
+        shared *= np.float32(math.sqrt(FEW))
+        return np.square(deviation, out=deviation), shared
 
     @cached_property
     def _errs(self) -> list[bool]:

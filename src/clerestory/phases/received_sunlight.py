@@ -7,6 +7,8 @@ import numpy as np
 from jaxtyping import Float, Float32, Int
 from scipy.sparse import csc_array
 
+from clerestory.sky.sun_matrix import SunMatrix
+
 
 @dataclass(frozen=True, eq=False)
 class ReceivedSunlight:
@@ -30,6 +32,16 @@ class ReceivedSunlight:
         """Return the error component for some of the rows."""
         one, other = self.batches[:, :, rows]
         return np.asarray((one - other) * np.float32(0.5))
+
+
+def received_sunlight(
+    matrix: "Sunlit", suns: SunMatrix, weights: Float[np.ndarray, "out band"]
+) -> ReceivedSunlight:
+    """Return C_ds S_sun, summed over bands with weights and over the suns' colours."""
+    found = [matrix.received(*part) for part in suns.weighted(weights)]
+    if len(found) == 1:
+        return found[0]
+    return ReceivedSunlight(found[0].steps, np.sum([f.batches for f in found], axis=0))
 
 
 @runtime_checkable

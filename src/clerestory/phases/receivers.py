@@ -11,7 +11,6 @@ from operator import matmul
 
 import numpy as np
 from jaxtyping import Float, Float32, Int
-from scipy.sparse import csc_array
 
 from clerestory.bands import common_bands
 from clerestory.matrix.transfer_matrix import Entries, TransferMatrix
@@ -22,6 +21,7 @@ from clerestory.phases.matrix_equation import (
 )
 from clerestory.phases.received_sunlight import Sunlit
 from clerestory.phases.stored_views import StoredColumns
+from clerestory.sky.sun_matrix import SunMatrix
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,6 +83,9 @@ def side_by_side(
 ) -> Float32[np.ndarray, "layer channel row column"]:
     """Join rows of several matrices side by side: values, then error components."""
     found = [matrix.read(rows) for matrix in matrices]
+    only, parts = found[0]
+    if len(found) == 1 and (parts is None or not errors) and only.dtype == np.float32:
+        return only[None]
     counts = [0 if c is None or not errors else len(c) for _, c in found]
     channels = max(len(values) for values, _ in found)
     columns = sum(values.shape[2] for values, _ in found)
@@ -143,9 +146,26 @@ def coefficients_cost_less(
 
 
 def shining_columns(
-    matrix: TransferMatrix, normal: csc_array
-) -> tuple[Columns, csc_array]:
-    """Return the columns of suns with irradiance > 0, and the irradiance [W/m²]."""
-    shining = np.unique(normal.tocoo().coords[0])
-    normal = csc_array(normal.tocsr()[shining])
-    return Columns(matrix.values, matrix.components, shining), normal
+    matrix: TransferMatrix, suns: SunMatrix
+) -> tuple[Columns, SunMatrix]:
+    """Return the columns of suns with irradiance > 0, and these suns."""
+    shining = np.unique(suns.direct_normal.tocoo().coords[0])
+    return Columns(matrix.values, matrix.components, shining), suns.rows_at(shining)
+
+
+def layers_of(found: Sequence[MatrixChain], *, errors: bool) -> int:
+    """Return the number of error components of a term, plus one for the estimate."""
+    if not errors:
+        return 1
+    views = max(component_count(m) for chain in found for m in chain.receiving)
+    return 1 + views + sum(chain_components(chain) for chain in found)
+
+
+def light_bytes(found: Sequence[MatrixChain], bands: int) -> int:
+    """Return the memory for the exiting radiance of a time step [bytes]."""
+    patches = sum(
+        chain.factors[0][0].rows.size * (1 + chain_components(chain))
+        for chain in found
+        if chain.factors
+    )
+    return int(4 * patches * bands)

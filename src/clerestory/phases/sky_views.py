@@ -27,9 +27,10 @@ from clerestory.engine.effort import EffortKeywords
 from clerestory.engine.sky_view_jobs import SkyViewJob, SunViewJob, trace_sun_view
 from clerestory.hemisphere.reinhart import reinhart
 from clerestory.image.camera import PixelsOrCells
-from clerestory.matrix.axis import pixel_axis, sky_axis, sun_axis
+from clerestory.matrix.axis import pixel_axis, sun_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.direct_light import sun_effort
+from clerestory.phases.separate_coefficients import all_and_direct
 from clerestory.phases.traced_matrices import matrix_effort, warn_if_short
 from clerestory.scene.model import Scene
 
@@ -73,18 +74,13 @@ def sky_view_matrices(
     estimated = estimate(job, replace(effort, components=True))
     warn_if_short(estimated, "daylight coefficients of the view", effort)
     assert estimated.components is not None
-    parts = estimated.values, estimated.components[:1] * np.float32(math.sqrt(2))
-    direct, other = (
-        [part[..., own].astype(np.float32) for part in parts]
-        for own in (slice(None, len(sky)), slice(len(sky), None))
+    # The two components are opposite; one of them is the error
+    found = replace(
+        estimated,
+        values=estimated.values.astype(np.float32),
+        components=estimated.components[:1] * np.float32(math.sqrt(2)),
     )
-    axes = pixel_axis(len(camera)), sky_axis(sky)
-    total = [one + two for one, two in zip(direct, other, strict=True)]
-    C, C_d = (
-        TransferMatrix(values, *axes, error, scene.bands)
-        for values, error in (total, direct)
-    )
-    return C, C_d
+    return all_and_direct(found, pixel_axis(len(camera)), sky, scene.bands)
 
 
 def sun_view_coefficients(

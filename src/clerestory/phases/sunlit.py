@@ -149,7 +149,12 @@ class SunlitReceivers:
             )
             light = light - bright
         if self.window.peak:
-            found.append(self.window.unscattered.of(suns, irradiance, count))
+            job = self.paths.job
+            found.append(
+                self.window.unscattered.of(
+                    suns, irradiance, count, batches=job.batches, seed=job.seed
+                )
+            )
         return light, found
 
     @cached_property

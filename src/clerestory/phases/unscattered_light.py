@@ -12,7 +12,7 @@ from typing import Any, Unpack
 import numpy as np
 from jaxtyping import Bool, Float
 
-from clerestory.constants import R2, SUN_DIAMETER
+from clerestory.constants import R2
 from clerestory.engine import device as devices
 from clerestory.engine.controller import estimate
 from clerestory.engine.device import Device
@@ -27,6 +27,7 @@ from clerestory.phases.direct_light import sun_effort
 from clerestory.phases.traced_matrices import sensors_axis
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
+from clerestory.sky.solar_disc import disc_points
 
 # Default number of rays per sensor and sky patch, and per sensor and sun
 _PATCH_SAMPLES, _SUN_SAMPLES = 32, 64
@@ -69,7 +70,7 @@ def unscattered_sun(
     disc has a diameter of 0.533°.
     """
     effort = sun_effort(unscattered_sun, keywords, samples=_SUN_SAMPLES)
-    directions = _on_discs(suns, _points(len(suns), effort))
+    directions = disc_points(suns, _points(len(suns), effort))
     values, components = _traced(scene, sensors, directions, effort)
     axes = sensors_axis(sensors), sun_axis(len(suns))
     return TransferMatrix(values, *axes, components, scene.bands)
@@ -150,20 +151,3 @@ def _in_patches(
     height = first + (last - first) * points[..., 0]
     share = (first**2 - height**2) / (first**2 - last**2)
     return dome.sample(patch, np.stack([share, points[..., 1]], axis=-1))
-
-
-def _on_discs(
-    suns: Float[np.ndarray, "sun 3"], points: Float[np.ndarray, "sun point 2"]
-) -> Float[np.ndarray, "sun point 3"]:
-    # Directions uniform over the solar disc
-    depth = points[..., 0] * (1 - np.cos(SUN_DIAMETER / 2))
-    flat = np.sqrt(depth * (2 - depth))
-    side = np.cross(suns, np.eye(3)[np.abs(suns).argmin(axis=1)])
-    side /= np.linalg.norm(side, axis=1, keepdims=True)
-    across = np.cross(suns, side)
-    angle = 2 * np.pi * points[..., 1]
-    return np.asarray(
-        suns[:, None] * (1 - depth)[..., None]
-        + side[:, None] * (flat * np.cos(angle))[..., None]
-        + across[:, None] * (flat * np.sin(angle))[..., None]
-    )

@@ -14,6 +14,9 @@ from clerestory.metrics.climate_based_metrics import USEFUL_LIMITS_LUX, USEFUL_R
 from clerestory.metrics.replicates import error_of_group_mean
 from clerestory.report.uncertain_value import Figure
 
+# Keys of the maps of melanopic light
+MELANOPIC_KEYS = ("melanopic-mean", "melanopic-hours", "melanopic-days")
+
 
 @dataclass(frozen=True, eq=False)
 class MetricMap:
@@ -59,7 +62,28 @@ def metric_maps(metrics: xr.Dataset) -> tuple[MetricMap, ...]:
         shares = _with_error(metrics.sel(band=band), "useful_bands", "%")
         title = f"Useful illuminance: {band}"
         maps.append(MetricMap(band.replace(" ", "-"), title, note, *shares))
+    if "melanopic_autonomy" in metrics:
+        maps += _melanopic_maps(metrics)
     return tuple(maps)
+
+
+def _melanopic_maps(metrics: xr.Dataset) -> list[MetricMap]:
+    target = f"{metrics.attrs['melanopic_target_lux']:,.0f} lux"
+    hours = f"hours with a melanopic EDI of {target} or more, from daylight"
+    days = f"days with {target} or more for four hours that begin by noon"
+    shares = [
+        _with_error(metrics, f"melanopic_{name}", "%") for name in ("autonomy", "days")
+    ]
+    mean = _with_error(metrics, "mean_melanopic_edi", "lux")
+    note = "equivalent daylight illuminance over the occupied hours"
+    titles = ("Mean melanopic EDI", "Melanopic light: hours", "Melanopic light: days")
+    values = zip((note, hours, days), (mean, *shares), strict=True)
+    return [
+        MetricMap(key, title, words, *found)
+        for key, title, (words, found) in zip(
+            MELANOPIC_KEYS, titles, values, strict=True
+        )
+    ]
 
 
 def useful_share(metrics: xr.Dataset, members: Int[np.ndarray, " member"]) -> Figure:

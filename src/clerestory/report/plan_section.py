@@ -10,13 +10,13 @@ from clerestory.report.compliance_maps import compliance_maps
 from clerestory.report.content import ReportContent
 from clerestory.report.floor_plan import PlanFrame, plan, plan_frame, walls_definition
 from clerestory.report.markup import Markup, render
-from clerestory.report.metric_maps import metric_maps
+from clerestory.report.metric_maps import MELANOPIC_KEYS, metric_maps
 from clerestory.report.section import Section
 from clerestory.report.uncertain_value import Figure
 
 # Maximum number of rows of the sensor table; metrics drawn for vertical sensors
 _MOST_ROWS = 500
-_UPRIGHT = ("mean", "autonomy", "exceeded")
+_UPRIGHT = ("mean", "autonomy", "exceeded", *MELANOPIC_KEYS)
 
 
 def plans_section(content: ReportContent) -> Section:

@@ -1,13 +1,13 @@
 """Conversion of scenes from RGB to other spectral bands."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from clerestory.array_types import Vector
 from clerestory.bands import RGB, Bands
-from clerestory.checks import require
+from clerestory.checks import require, within
 from clerestory.errors import InputError
 from clerestory.scene.material import (
     Colour,
@@ -17,7 +17,10 @@ from clerestory.scene.material import (
     parts,
     with_colours,
 )
+from clerestory.scene.materials.glass import Glass, transmissivity
 from clerestory.scene.model import Scene
+from clerestory.spectra import Spectrum
+from clerestory.spectral.band_sets import band_means
 
 # Wavelengths that separate blue, green and red (Radiance color.h: WLPART) [nm]
 _GREEN_NM, _RED_NM = 480.0, 588.0
@@ -27,32 +30,73 @@ Upsampling = Callable[[Rgb, Bands], Colour]
 
 
 def in_bands(
-    scene: Scene, bands: Bands, *, upsampling: Upsampling | None = None
+    scene: Scene,
+    bands: Bands,
+    *,
+    spectra: Mapping[str, Spectrum] | None = None,
+    upsampling: Upsampling | None = None,
 ) -> Scene:
     """Return an RGB scene converted to other spectral bands.
 
-    Grey materials have the same value in all bands. Coloured materials require an
-    `upsampling`, such as `step_spectrum`, since RGB does not determine their spectrum.
+    Grey materials have the same value in all bands. Coloured materials require a
+    spectrum, or an `upsampling` such as `step_spectrum`, since RGB does not determine
+    their spectrum.
 
     Parameters
     ----------
+    spectra : spectra of materials by name, in place of their colours: reflectances of
+        plastic, metal, trans and mirrors, transmittances of glass at normal incidence
     upsampling : function that converts an RGB colour to values in given bands
+
+    Raises
+    ------
+    InputError : a material is coloured without a spectrum, a spectrum names no material
+        or one without a single colour, or values are outside 0…1
     """
     require(
         scene.bands == RGB, f"the scene is in the bands {scene.bands}; {RGB} expected"
     )
-    if upsampling is None:
-        for material in scene.materials.values():
-            _require_grey(material)
+    spectra = spectra or {}
+    named = {name.partition("#")[0] for name in scene.materials}
+    for name in spectra:
+        require(
+            name in named,
+            f'the scene has no material "{name}", for which a spectrum is given;'
+            " the name of a material expected",
+        )
 
     def converted(rgb: Rgb) -> Colour:
         if upsampling is None or np.ptp(rgb) == 0:
             return np.full(len(bands), rgb[0])
         return upsampling(rgb, bands)
 
-    given = scene.materials.items()
-    materials = {name: with_colours(m, converted) for name, m in given}
+    materials = {}
+    for name, material in scene.materials.items():
+        spectrum = spectra.get(name.partition("#")[0])
+        if spectrum is not None:
+            materials[name] = _with_spectrum(material, spectrum, bands)
+            continue
+        if upsampling is None:
+            _require_grey(material)
+        materials[name] = with_colours(material, converted)
     return replace(scene, materials=materials, bands=bands)
+
+
+def _with_spectrum(material: Material, spectrum: Spectrum, bands: Bands) -> Material:
+    # Material whose reflectance or transmittance is a spectrum
+    if not isinstance(material, Glass) and not hasattr(material, "reflectance"):
+        kind = type(material).__name__
+        raise error_at(
+            material.source,
+            f'the material "{material.name}" is a {kind}, whose colour no spectrum can'
+            " replace; plastic, metal, trans, mirror or glass expected",
+        )
+    what = f'a value of the spectrum of "{material.name}"'
+    within(spectrum.value, what, least=0, most=1)
+    values = band_means(spectrum, bands)
+    if isinstance(material, Glass):
+        values = transmissivity(values, material.index)
+    return with_colours(material, lambda _: values)
 
 
 def step_spectrum(rgb: Rgb, bands: Bands) -> Colour:

@@ -2,15 +2,17 @@
 
 The matrix is stored as achromatic radiance times a colour per patch, plus a sparse
 matrix of the sun. Memory and, with `SkyResponse`, the time of a matrix product are the
-same as for a single band.
+same as for a single band. Skies whose colour changes over time have chromatic parts of
+the same form: two for the colour of skylight, and some for that of the sun, however
+many bands there are.
 """
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
-from jaxtyping import Float, Float32
+from jaxtyping import Float, Float32, Int
 from scipy.sparse import csc_array, csr_array
 
 from clerestory.bands import GREY, RGB, Bands, common_bands
@@ -33,11 +35,39 @@ if TYPE_CHECKING:
 _BLOCK = 64
 
 
+@final
+@dataclass(frozen=True, eq=False)
+class ChromaticPart:
+    """Part of a sky's radiance that changes its spectrum but not its luminance.
+
+    The radiance in band b is colour[b] · diffuse + sun_colour[b] · sun, and may be
+    negative.
+    """
+
+    diffuse: Float32[np.ndarray, "patch time"]
+    colour: Float[np.ndarray, "band patch"]
+    sun: csc_array
+    sun_colour: Float[np.ndarray, " band"]
+
+    __repr__ = brief
+
+    def select(self, steps: slice | np.ndarray) -> "ChromaticPart":
+        """Return the part in the time steps in a slice or boolean mask."""
+        chosen = np.arange(self.diffuse.shape[1])[steps]
+        diffuse = self.diffuse.T[steps].T
+        return replace(self, diffuse=diffuse, sun=self.sun[:, chosen])
+
+    def mean(self) -> "ChromaticPart":
+        """Return the mean over all time steps."""
+        return replace(self, **_means(self.diffuse, self.sun))
+
+
 @dataclass(frozen=True, eq=False)
 class SkyMatrix:
     """Radiance of the ground and the sky patches over time.
 
-    The radiance in band b is colour[b] · diffuse + sun_colour[b] · sun.
+    The radiance in band b is colour[b] · diffuse + sun_colour[b] · sun, plus the
+    radiance of the chromatic parts.
 
     Attributes
     ----------
@@ -49,6 +79,7 @@ class SkyMatrix:
     sun_colour : factor on `sun` in each band
     attributes : provenance of the matrix
     bands : spectral bands
+    chromatic : parts without luminance, of skies whose colour changes over time
 
     Raises
     ------
@@ -63,6 +94,7 @@ class SkyMatrix:
     sun_colour: Float[np.ndarray, " band"]
     attributes: Mapping[str, str | float]
     bands: Bands = RGB
+    chromatic: tuple[ChromaticPart, ...] = ()
 
     # Let `array @ sky` raise a TypeError instead of using NumPy's operator
     __array_ufunc__ = None
@@ -70,21 +102,22 @@ class SkyMatrix:
     __repr__ = brief
 
     def __post_init__(self) -> None:
-        shape = (len(self.partition), len(self.times))
-        require(
-            self.diffuse.shape == self.sun.shape == shape,
-            f"shape of the sky is {self.diffuse.shape}, shape of the sun is"
-            f" {self.sun.shape}; {shape} (patches, time steps) expected",
-            error=MatrixError,
-        )
-        bands = len(self.bands)
-        require(
-            self.colour.shape == (bands, shape[0])
-            and self.sun_colour.shape == (bands,),
-            f"colour has shape {self.colour.shape}, sun_colour {self.sun_colour.shape};"
-            f" ({bands} bands, {shape[0]} patches) and ({bands} bands,) expected",
-            error=MatrixError,
-        )
+        shape, bands = (len(self.partition), len(self.times)), len(self.bands)
+        for one in self.parts:
+            require(
+                one.diffuse.shape == one.sun.shape == shape,
+                f"shape of the sky is {one.diffuse.shape}, shape of the sun is"
+                f" {one.sun.shape}; {shape} (patches, time steps) expected",
+                error=MatrixError,
+            )
+            require(
+                one.colour.shape == (bands, shape[0])
+                and one.sun_colour.shape == (bands,),
+                f"colour has shape {one.colour.shape}, sun_colour"
+                f" {one.sun_colour.shape}; ({bands} bands, {shape[0]} patches) and"
+                f" ({bands} bands,) expected",
+                error=MatrixError,
+            )
         # NaN fails the first comparison, infinity the second
         for part in (self.diffuse, self.sun.data, self.colour, self.sun_colour):
             require(
@@ -93,6 +126,11 @@ class SkyMatrix:
                 " more expected",
                 error=MatrixError,
             )
+
+    @property
+    def parts(self) -> tuple["SkyMatrix | ChromaticPart", ...]:
+        """The matrix itself and its chromatic parts, whose radiances are added."""
+        return self, *self.chromatic
 
     @property
     def rows(self) -> Axis:
@@ -111,13 +149,17 @@ class SkyMatrix:
 
     def block(self, steps: slice) -> Float32[np.ndarray, "band patch block"]:
         """Radiance of all patches in the given time steps [W/(m²·sr)]."""
-        colour = self.colour.astype(np.float32)[:, :, None]
-        radiance = colour * self.diffuse[None, :, steps]
-        sun = self.sun[:, steps].tocoo()
-        patch, step = sun.coords
-        tint = self.sun_colour.astype(np.float32)[:, None]
-        radiance[:, patch, step] += tint * sun.data
-        return np.asarray(radiance)
+        steps_in = range(*steps.indices(len(self.times)))
+        shape = len(self.bands), len(self.partition), len(steps_in)
+        radiance = np.zeros(shape, np.float32)
+        for one in self.parts:
+            colour = one.colour.astype(np.float32)[:, :, None]
+            radiance += colour * one.diffuse[None, :, steps]
+            sun = one.sun[:, steps].tocoo()
+            patch, step = sun.coords
+            tint = one.sun_colour.astype(np.float32)[:, None]
+            radiance[:, patch, step] += tint * sun.data
+        return radiance
 
     def select(self, steps: slice | np.ndarray) -> "SkyMatrix":
         """Return the sky matrix of the time steps in a slice or boolean mask."""
@@ -127,6 +169,7 @@ class SkyMatrix:
             times=self.times[chosen],
             diffuse=self.diffuse.T[steps].T,
             sun=self.sun[:, chosen],
+            chromatic=tuple(one.select(steps) for one in self.chromatic),
         )
 
     def mean(self) -> "SkyMatrix":
@@ -134,13 +177,11 @@ class SkyMatrix:
 
         The mean radiance has the time of the first time step.
         """
-        weight = csc_array(np.full((len(self.times), 1), 1 / len(self.times)))
-        diffuse = self.diffuse.mean(axis=1, keepdims=True, dtype=float)
         return replace(
             self,
             times=self.times[:1],
-            diffuse=diffuse.astype(np.float32),
-            sun=csc_array(self.sun @ weight).astype(np.float32),
+            chromatic=tuple(one.mean() for one in self.chromatic),
+            **_means(self.diffuse, self.sun),
         )
 
     def to_transfer_matrix(self) -> TransferMatrix:
@@ -163,17 +204,18 @@ class SkyMatrix:
 
     def row_blocks(self) -> Iterator[Float32[np.ndarray, "patch time band"]]:
         """Yield the radiance [W/(m²·sr)] of blocks of patches, in matrix file order."""
-        sun = csr_array(self.sun)
-        tint = self.sun_colour.astype(np.float32)
+        suns = [csr_array(one.sun) for one in self.parts]
         for start in range(0, len(self.partition), _BLOCK):
             patches = slice(start, start + _BLOCK)
-            grey = np.ascontiguousarray(self.diffuse[patches])
-            radiance = np.empty((*grey.shape, len(self.bands)), np.float32)
-            for channel, colour in enumerate(self.colour[:, patches, None]):
-                factor = colour.astype(np.float32)
-                np.multiply(grey, factor, out=radiance[:, :, channel])
-            shining = sun[patches].tocoo()
-            radiance[shining.coords] += shining.data[:, None] * tint
+            shape = self.diffuse[patches].shape
+            radiance = np.zeros((*shape, len(self.bands)), np.float32)
+            for one, sun in zip(self.parts, suns, strict=True):
+                grey = np.ascontiguousarray(one.diffuse[patches])
+                for channel, colour in enumerate(one.colour[:, patches, None]):
+                    radiance[:, :, channel] += grey * colour.astype(np.float32)
+                shining = sun[patches].tocoo()
+                tint = one.sun_colour.astype(np.float32)
+                radiance[shining.coords] += shining.data[:, None] * tint
             yield radiance
 
     def __rmatmul__(self, transfer: object) -> "SkyResponse":
@@ -214,16 +256,7 @@ class SkyResponse:
             block = values[:, :, part]
             if components is not None:
                 block = np.concatenate([block, components[:, :, part]])
-            folded = (
-                fold(block, np.broadcast_to(tint, (len(weights), patches)), weights)
-                for tint in (sky.colour, sky.sun_colour[:, None])
-            )
-            for steps, received in product_blocks(
-                *(one.reshape(-1, patches) for one in folded),
-                diffuse=sky.diffuse,
-                direct=sky.sun,
-                steps=lit,
-            ):
+            for steps, received in self._products(block, weights, lit):
                 light = received.reshape(layers, -1, len(steps))
                 lux[part][:, steps] = light[0]
                 error[part][:, steps] = np.sqrt(np.sum(np.square(light[1:]), axis=0))
@@ -231,6 +264,39 @@ class SkyResponse:
             lux, error, sensors=self.transfer.rows, times=sky.columns
         )
 
+    def _products(
+        self,
+        values: Float[np.ndarray, "layer channel row patch"],
+        weights: Float[np.ndarray, " band"],
+        lit: Int[np.ndarray, " lit"],
+    ) -> Iterator[tuple[Int[np.ndarray, " block"], Float32[np.ndarray, "row block"]]]:
+        # Weighted light in blocks of time steps, summed over the parts of the sky
+        shape = len(weights), values.shape[-1]
+        found = []
+        for one in self.sky.parts:
+            folded = (
+                fold(values, np.broadcast_to(tint, shape), weights)
+                for tint in (one.colour, one.sun_colour[:, None])
+            )
+            rows = (each.reshape(-1, shape[1]) for each in folded)
+            products = product_blocks(
+                *rows, diffuse=one.diffuse, direct=one.sun, steps=lit
+            )
+            found.append(products)
+        for blocks in zip(*found, strict=True):
+            yield blocks[0][0], sum((light for _, light in blocks[1:]), blocks[0][1])
+
     def rgb(self) -> TransferMatrix:
         """Return daylight coefficients times sky radiance, with standard errors."""
         return self.transfer @ self.sky.to_transfer_matrix()
+
+
+def _means(diffuse: np.ndarray, sun: csc_array) -> dict[str, Any]:
+    # Mean radiance of sky and sun over all time steps, as matrices of one step
+    count = diffuse.shape[1]
+    weight = csc_array(np.full((count, 1), 1 / count))
+    mean = diffuse.mean(axis=1, keepdims=True, dtype=float)
+    return {
+        "diffuse": mean.astype(np.float32),
+        "sun": csc_array(sun @ weight).astype(np.float32),
+    }

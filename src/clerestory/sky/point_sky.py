@@ -23,7 +23,7 @@ from clerestory.sky.luminance_distribution import (
 from clerestory.sky.patch_radiance import SkyMatrix
 from clerestory.sky.perez import perez_sky
 from clerestory.sky.sky_conditions import SkyConditions, SkyOptions, sky_conditions
-from clerestory.sky.sky_state import irradiance_of, sky_state
+from clerestory.sky.sky_state import DEFAULT_DEW_POINT_C, irradiance_of, sky_state
 from clerestory.sky.solar_position import SunPosition, day_of_year
 from clerestory.sky.solar_radiance import SUN_DIAMETER_DEG, SunPlacement, sun_radiance
 from clerestory.sky.weather import Illuminance, Weather
@@ -125,7 +125,8 @@ def perez_moment(
     state = sky_state(
         *irradiance, altitude=sun.altitude, day_of_year=day_of_year(times)
     )
-    conditions = SkyConditions(sun, state, visible, sky)
+    dew_point = np.array([DEFAULT_DEW_POINT_C])
+    conditions = SkyConditions(sun, state, visible, sky, dew_point)
     found = _perez(conditions, ground_reflectance, sky_colour)
     return found if with_sun else replace(found, direct_normal=0.0)
 

@@ -44,12 +44,14 @@ class SkyConditions:
     """Solar position in scene coordinates, Perez parameters and irradiance per step.
 
     Irradiance [W/m²] is either visible or solar (whole spectrum), and zero at night.
+    Unknown dew points [°C] are replaced by 11 °C.
     """
 
     sun: SunPosition
     state: SkyState
     direct_normal: Series
     diffuse_horizontal: Series
+    dew_point_c: Series
 
     __repr__ = brief
 
@@ -100,15 +102,20 @@ def sky_conditions(
         direct, diffuse, altitude=sun.altitude, day_of_year=day_of_year(weather.times)
     )
     night = direct + diffuse <= _NIGHT
+    dew_point = _dew_point(weather, dew_point_c)
     if spectrum == "visible" and weather.illuminance is not None:
         direct = weather.illuminance.direct_normal / LUMINOUS_EFFICACY
         diffuse = weather.illuminance.diffuse_horizontal / LUMINOUS_EFFICACY
     elif spectrum == "visible":
         direct, diffuse = visible_irradiance(
-            direct, diffuse, state=state, dew_point_c=_dew_point(weather, dew_point_c)
+            direct, diffuse, state=state, dew_point_c=dew_point
         )
     return SkyConditions(
-        sun, state, np.where(night, 0, direct), np.where(night, 0, diffuse)
+        sun,
+        state,
+        np.where(night, 0, direct),
+        np.where(night, 0, diffuse),
+        dew_point,
     )
 
 

@@ -15,12 +15,14 @@ from clerestory.bands import RGB, Bands
 from clerestory.checks import one_of, require, within
 from clerestory.constants import GROUND_REFLECTANCE, SKY_COLOUR
 from clerestory.hemisphere.reinhart import SkyPartition, reinhart
+from clerestory.sky.daylight_spectra import DaylightSpectra
 from clerestory.sky.patch_radiance import SkyMatrix, SkyResponse
 from clerestory.sky.perez import Quadrature, dome_radiance, perez_sky
 from clerestory.sky.sky_conditions import SkyConditions, Spectrum, sky_conditions
 from clerestory.sky.sky_state import DEFAULT_DEW_POINT_C
 from clerestory.sky.solar_position import SunFormula
 from clerestory.sky.solar_radiance import SUN_DIAMETER_DEG, SunPlacement, sun_radiance
+from clerestory.sky.spectral_light import sun_colours, with_spectra
 from clerestory.sky.weather import Weather
 
 __all__ = ["SkyMatrix", "SkyResponse", "sky_matrix"]
@@ -43,6 +45,7 @@ def sky_matrix(
     dew_point_c: float | None = None,
     spectrum: Spectrum = "visible",
     bands: Bands = RGB,
+    daylight: DaylightSpectra | None = None,
 ) -> SkyMatrix:
     """Return the radiance [W/(m²·sr)] of ground and sky patches at every time step.
 
@@ -66,13 +69,21 @@ def sky_matrix(
         "centres" as in gendaymtx, which gives 0.55 % less irradiance at MF 1 and 0.04 %
         less at MF 4
     bands : spectral bands of the sky
+    daylight : models of the spectra of sky and sun; the colour then changes with time,
+        patch and solar altitude. Default: the colour `sky_colour`, and a white sun
 
     Raises
     ------
-    InputError : an argument is outside its range
+    InputError : an argument is outside its range, or the bands cannot have spectra
     """
     partition = reinhart(subdivision)
     colour = _colours(partition, ground_reflectance, sky_colour, bands)
+    fixed = sky_colour is None and spectrum == "visible"
+    require(
+        daylight is None or fixed,
+        "spectra of daylight beside a sky colour or solar irradiance; one of them"
+        " expected",
+    )
     one_of(include, "included part", choices=("all", "sky", "sun"))
     if sun_formula == "radiance":
         quadrature = quadrature or "centres"
@@ -95,7 +106,7 @@ def sky_matrix(
         placement=sun,
         diameter_deg=sun_diameter_deg,
     )
-    return SkyMatrix(
+    found = SkyMatrix(
         partition=partition,
         times=weather.times,
         diffuse=diffuse,
@@ -116,6 +127,10 @@ def sky_matrix(
             "spectrum": spectrum,
         },
     )
+    if daylight is None:
+        return found
+    sun_colour = sun_colours(weather, conditions, daylight, bands)
+    return with_spectra(found, conditions, daylight, sun_colour)
 
 
 def _sky_and_ground(

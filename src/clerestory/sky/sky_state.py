@@ -117,9 +117,7 @@ def visible_irradiance(
     Visible irradiance is irradiance times luminous efficacy (Perez et al. 1990, eqs. 7
     and 8), divided by 179 lm/W.
     """
-    # Precipitable water [cm] from the dew point (eq. 3)
-    water = np.exp(0.07 * dew_point_c - 0.075)
-
+    water = precipitable_water_cm(dew_point_c)
     a, b, c, d = _DIFFUSE[state.category].T
     efficacy = a + b * water + c * np.cos(state.zenith) + d * np.log(state.brightness)
     diffuse = diffuse_horizontal * np.maximum(efficacy, 0)
@@ -129,6 +127,11 @@ def visible_irradiance(
     efficacy = a + b * water + c * exponential + d * state.brightness
     direct = direct_normal * np.maximum(efficacy, 0)
     return direct / LUMINOUS_EFFICACY, diffuse / LUMINOUS_EFFICACY
+
+
+def precipitable_water_cm(dew_point_c: Series) -> Series:
+    """Precipitable water [cm] from the dew point (Perez et al. 1990, eq. 3)."""
+    return np.asarray(np.exp(0.07 * dew_point_c - 0.075))
 
 
 def irradiance_of(

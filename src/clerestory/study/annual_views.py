@@ -27,7 +27,7 @@ from clerestory.image.camera import Camera
 from clerestory.image.picture import Picture
 from clerestory.image.picture_files import write_picture
 from clerestory.phases.matrix_equation import Skies, States
-from clerestory.phases.picture_series import UncertainPixels
+from clerestory.phases.picture_series import UncertainPixels, block_steps
 from clerestory.phases.pixel_blocks import PixelBlocks
 from clerestory.progress import Progress
 from clerestory.scene.view import View
@@ -42,9 +42,6 @@ PICTURE_FOLDER = "pictures"
 
 # Minimum view angle for glare evaluation [°]: 180° less a tolerance of 1°
 _EYE_DEG = 179.0
-
-# Most pictures that wait for the evaluation of glare
-_WAITING = 64
 
 
 def study_views(
@@ -181,8 +178,9 @@ def _glare(
         )
 
     # Pictures are evaluated while the next block of them is computed
+    most = block_steps(len(view.camera))
     with linear_algebra_in_one_thread():
-        found = evaluated_meanwhile(evaluate, series, most=_WAITING)
+        found = evaluated_meanwhile(evaluate, series, most=most)
     return found.sortby("time")
 
 

@@ -11,9 +11,11 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 from pydantic_core import PydanticCustomError
 
-from clerestory.documents import Table, read_toml
+from clerestory.checks import require
+from clerestory.documents import Table, toml_tables, validated
 from clerestory.engine.device import Device
 from clerestory.escaping import printable
+from clerestory.files import read_text
 from clerestory.phases.matrix_equation import Term
 from clerestory.phases.methods import METHODS, MethodName
 from clerestory.study import config_tables as tables
@@ -22,6 +24,10 @@ from clerestory.study.config_tables import Distinct, require_rule
 from clerestory.study.lighting_tables import LightingTable, LuminaireTable
 from clerestory.study.view_grid_tables import ViewGridTable
 from clerestory.study.window_tables import WindowTable
+from clerestory.toml_lines import key_lines
+
+# Tables of variants, see `study.variants`
+LISTED, SWEPT = "variant", "sweep"
 
 _METHODS = " or".join(", ".join(f'"{name}"' for name in METHODS).rsplit(",", 1))
 
@@ -247,8 +253,20 @@ def read_study(path: str | Path) -> Study:
     Raises
     ------
     InputError : the file cannot be read, is not TOML, or a key is missing,
-        unknown or wrong; the message has the line and the valid choices
+        unknown or wrong; the message has the line and the valid choices. A study with
+        variants is read by `read_variants`
     """
     path = Path(path)
-    study = read_toml(path, Study, {"folder": path.parent})
+    text = read_text(path)
+    tables, lines = toml_tables(text, file=path), key_lines(text)
+    for key in (LISTED, SWEPT):
+        message = f'has variants, the key "{key}"; a study for `read_variants` expected'
+        require(key not in tables, message, file=path, line=lines.get((key,)))
+    context = {"folder": path.parent}
+    study = validated(tables, Study, file=path, context=context, lines=lines)
+    return with_title(study, path)
+
+
+def with_title(study: Study, path: Path) -> Study:
+    """Return a study with a title, by default the stem of the name of its file."""
     return study.model_copy(update={"title": study.title or printable(path.stem)})

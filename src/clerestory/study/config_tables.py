@@ -11,14 +11,18 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
+from clerestory.bands import RGB
 from clerestory.documents import Table
 from clerestory.engine.device import Device
+from clerestory.errors import InputError
 from clerestory.escaping import printable
 from clerestory.files import is_file
 from clerestory.metrics.climate_based_metrics import TARGET_LUX
 from clerestory.metrics.en17037 import FIRST_DAY, LAST_DAY
 from clerestory.scene.scaling import METRES, Unit
+from clerestory.sky.daylight_spectra import SkyColour, SunColour
 from clerestory.sky.station_file import MeasuredTable, SiteTable
+from clerestory.spectral.band_sets import band_set
 
 
 def _input_file(value: Any, info: Any) -> Any:
@@ -90,13 +94,55 @@ def require_one_of(keys: Mapping[str, object]) -> None:
     require_rule(given == 1, f"{words.format(*keys)}; one of them expected")
 
 
+class SpectrumTable(Table):
+    """Spectrum of a material, in place of its colour in the scene files."""
+
+    material: str = Field(min_length=1, description="the name of a material")
+    file: InputFile = Field(description="a file of wavelengths [nm] and values")
+
+
+def _known_bands(name: str) -> str:
+    try:
+        band_set(name)
+    except InputError as problem:
+        raise PydanticCustomError(
+            "rule", "{message}", {"message": str(problem)}
+        ) from None
+    return name
+
+
 class SceneTable(Table):
-    """Scene files of the room and its surroundings."""
+    """Scene files of the room and its surroundings, and the bands of light."""
 
     files: list[InputFile] = Field(
         min_length=1, description="a list of Radiance scene files"
     )
     units: Unit = "metres"
+    bands: Annotated[str, AfterValidator(_known_bands)] = "RGB"
+    spectrum: list[SpectrumTable] = Field(
+        default_factory=list, description="tables [[scene.spectrum]]"
+    )
+
+    @model_validator(mode="after")
+    def _bands_suffice(self) -> Self:
+        bands = band_set(self.bands)
+        require_rule(
+            bands.efficacy,
+            f'the bands "{self.bands}" do not give illuminance; a set with photopic'
+            " expected",
+        )
+        require_rule(
+            bands != RGB or not self.spectrum,
+            "spectra of materials with the bands RGB; bands such as"
+            ' "melanopic+photopic" or "20" expected',
+        )
+        names = [table.material for table in self.spectrum]
+        twice = [name for name in names if names.count(name) > 1]
+        require_rule(
+            not twice,
+            f'two spectra of the material "{"".join(twice[:1])}"; one expected',
+        )
+        return self
 
     @property
     def metres(self) -> float:
@@ -176,12 +222,22 @@ class WeatherTable(HoursTable):
         return self
 
 
+class DaylightTable(Table):
+    """Spectra of sky and sun, with bands other than RGB."""
+
+    sky: SkyColour = "diakite"
+    sun: SunColour = "spectrl2"
+    aerosol_optical_depth: float = Field(0.1, ge=0, le=5)
+    ozone_cm: float = Field(0.3, ge=0, le=1)
+
+
 class SkyTable(Table):
-    """Sky subdivision, ground reflectance and orientation of the scene."""
+    """Sky subdivision, ground reflectance, orientation of the scene, and spectra."""
 
     subdivision: Literal[1, 2, 3, 4, 5, 6] = 4
     ground_reflectance: float = Field(0.2, ge=0, le=1)
     rotation_deg: float = Field(0.0, ge=-360, le=360)
+    daylight: DaylightTable = Field(default_factory=DaylightTable)
 
 
 def _pictures(value: Any) -> Any:

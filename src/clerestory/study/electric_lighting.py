@@ -9,7 +9,7 @@ from jaxtyping import Bool, Float, Int
 
 from clerestory.checks import require
 from clerestory.metrics.lighting_energy import LightingUse, LightingZone, lighting_use
-from clerestory.metrics.replicates import hourly_replicates, metric_error
+from clerestory.metrics.replicates import hourly_replicates, metric_components
 from clerestory.study.lighting_tables import LightingTable
 from clerestory.study.luminaire_matrices import Lamps, Zone
 
@@ -45,8 +45,7 @@ def lighting(
         [use.energy for use in operate([lux.values for lux in daylight])]
         for daylight in varied
     ]
-    errors = [metric_error(energy) for energy in zip(*energies, strict=True)]
-    return _dataset(lamps, uses, errors)
+    return _dataset(lamps, uses, np.array(energies).reshape(-1, len(uses)))
 
 
 def _operate(
@@ -108,12 +107,13 @@ def _reading(
 
 
 def _dataset(
-    lamps: Lamps, uses: Sequence[LightingUse], errors: Sequence[float]
+    lamps: Lamps, uses: Sequence[LightingUse], varied: Float[np.ndarray, "_ zone"]
 ) -> xr.Dataset:
     axes, output = ("zone", "time"), np.stack([use.output for use in uses])
     lux = (lamps.illuminance.T @ output).astype(np.float32)
     power = np.stack([use.power for use in uses]).astype(np.float32)
-    energy = [use.energy for use in uses]
+    energy = np.array([use.energy for use in uses])
+    parts = metric_components(energy, list(varied))
     names = np.array([zone.table.label for zone in lamps.zones], dtype=str)
     return xr.Dataset(
         {
@@ -121,7 +121,16 @@ def _dataset(
             "dimming": (axes, output.astype(np.float32), {"units": "1"}),
             "lighting_power": (axes, power, {"units": "W"}),
             "lighting_energy": ("zone", energy, {"units": "Wh"}),
-            "lighting_energy_error": ("zone", list(errors), {"units": "Wh"}),
+            "lighting_energy_error": (
+                "zone",
+                np.linalg.norm(parts, axis=0),
+                {"units": "Wh"},
+            ),
+            "lighting_energy_components": (
+                ("replicate", "zone"),
+                parts,
+                {"units": "Wh"},
+            ),
         },
         coords={"zone": names},
     )

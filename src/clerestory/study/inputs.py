@@ -2,17 +2,23 @@
 
 from dataclasses import dataclass, replace
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 from jaxtyping import Int
 
+from clerestory.bands import RGB
 from clerestory.brief_repr import brief
+from clerestory.bsdf.bsdf import Bsdf
 from clerestory.checks import require
 from clerestory.errors import InputError
+from clerestory.gonio.layer_file import read_layer
 from clerestory.image.camera import Camera
 from clerestory.metrics.occupied_hours import occupied_hours
+from clerestory.phases.recent_values import RecentValues
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.view_text import read_view
+from clerestory.scene.band_conversion import in_bands
 from clerestory.scene.model import Scene
 from clerestory.scene.scaling import scaled
 from clerestory.scene.sensors import Sensors, read_sensors
@@ -22,8 +28,10 @@ from clerestory.sky.station_file import read_with
 from clerestory.sky.weather import Weather
 from clerestory.sky.weather_formats import read_weather
 from clerestory.sky.weather_selection import select_days
+from clerestory.spectral.band_sets import band_set
+from clerestory.spectral.spectrum_file import read_spectrum
 from clerestory.study.config import Study
-from clerestory.study.config_tables import ViewTable, WeatherTable
+from clerestory.study.config_tables import SceneTable, ViewTable, WeatherTable
 from clerestory.study.view_grid_positions import ViewGrid, read_view_grid
 from clerestory.study.window_groups import WindowGroup, read_window_groups
 
@@ -59,13 +67,17 @@ class Inputs:
         return np.flatnonzero((owner == grid) | (not grid))
 
 
-def read_inputs(study: Study) -> Inputs:
-    """Read the input files of a study; coordinates are converted to metres."""
-    metres = study.scene.metres
+def read_inputs(study: Study, *, recent: RecentValues | None = None) -> Inputs:
+    """Read the input files of a study; coordinates are converted to metres.
+
+    `recent` has the scenes, layers and weather of other variants of the study.
+    """
+    metres, recent = study.scene.metres, recent or RecentValues()
+    read_bsdf = partial(_layer, recent=recent)
     groups = [
         group.scaled(metres)
         for table in study.window
-        for group in read_window_groups(table)
+        for group in read_window_groups(table, read=read_bsdf)
     ]
     names = [group.name for group in groups]
     for name in names:
@@ -76,7 +88,10 @@ def read_inputs(study: Study) -> Inputs:
     for group in groups:
         if group.control is not None and group.control.file is not None:
             group.schedule()
-    scene = scaled(read_rad(*study.scene.files), metres)
+    scene = recent.value(
+        ("scene", study.scene.model_dump_json()),
+        lambda: _spectral(scaled(read_rad(*study.scene.files), metres), study.scene),
+    )
     grids = {
         table.label: scaled(read_sensors(table.file), metres) for table in study.sensors
     }
@@ -87,9 +102,29 @@ def read_inputs(study: Study) -> Inputs:
         groups=tuple(groups),
         grids=grids,
         cameras=tuple(_camera(table, metres) for table in study.view),
-        weather=study_weather(study),
+        weather=recent.value(
+            (
+                "weather",
+                study.weather.model_dump_json(),
+                study.schedule.model_dump_json(),
+            ),
+            lambda: study_weather(study),
+        ),
         view_grids=tuple(place(table, metres=metres) for table in study.view_grid),
     )
+
+
+def _layer(path: Path, *, recent: RecentValues) -> Bsdf:
+    return recent.value(("layer", path), lambda: read_layer(path))
+
+
+def _spectral(scene: Scene, table: SceneTable) -> Scene:
+    # The scene in the bands of the study
+    bands = band_set(table.bands)
+    if bands == RGB:
+        return scene
+    given = {one.material: read_spectrum(one.file) for one in table.spectrum}
+    return in_bands(scene, bands, spectra=given)
 
 
 def _camera(table: ViewTable, metres: float) -> Camera:

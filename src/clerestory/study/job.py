@@ -11,6 +11,7 @@ from clerestory.engine.work_units import Executor, Local
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.fingerprint import fingerprint
 from clerestory.phases.matrix_store import BlockMaker, Store, block_names
+from clerestory.phases.recent_values import RecentValues
 from clerestory.progress import Progress
 from clerestory.scene.model import Scene
 from clerestory.scene.window import Window
@@ -40,7 +41,8 @@ class Job:
 
     `found` records which matrix files were in the cache. Results do not depend on the
     executor. The folder `scratch` is for hourly results that do not fit into memory.
-    With `direct`, the job traces matrices of direct light (V_d, D_d, C_d).
+    With `direct`, the job traces matrices of direct light (V_d, D_d, C_d). `recent` has
+    values that variants of the study have in common.
     """
 
     study: Study
@@ -51,6 +53,7 @@ class Job:
     executor: Executor = field(default_factory=Local)
     scratch: Path = Path()
     direct: bool = False
+    recent: RecentValues = field(default_factory=RecentValues)
 
     @property
     def prefix(self) -> str:
@@ -113,6 +116,23 @@ class Job:
             return {name: trace(effort=effort, progress=self.display(title))}
 
         return self._cached([name], self._key(trace, effort), make)[name]
+
+    def pair(
+        self,
+        names: tuple[str, str],
+        trace: "partial[tuple[TransferMatrix, TransferMatrix]]",
+        effort: Effort,
+        *,
+        shown: str,
+    ) -> tuple[TransferMatrix, TransferMatrix]:
+        """Return two matrices that are traced together; see `matrix`."""
+
+        def make() -> dict[str, TransferMatrix]:
+            traced = trace(effort=effort, progress=self.display(shown))
+            return dict(zip(names, traced, strict=True))
+
+        found = self._cached(list(names), self._key(trace, effort), make)
+        return found[names[0]], found[names[1]]
 
     def matrices(
         self,

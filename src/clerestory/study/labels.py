@@ -1,11 +1,12 @@
 """Results of a run as one xarray dataset."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import xarray as xr
 from jaxtyping import Bool
 
+from clerestory.metrics.melanopic import melanopic_metrics
 from clerestory.metrics.sensor_metrics import sensor_metrics
 from clerestory.metrics.space import DIRECT
 from clerestory.metrics.spatial_metrics import hours_above
@@ -34,7 +35,8 @@ def label_results(
 ) -> xr.Dataset:
     """Return all results of a run as one dataset; see `Results`.
 
-    The datasets `parts` contain results on electric lighting, glare and sunlight.
+    The datasets `parts` contain results on electric lighting, glare and sunlight, and
+    melanopic light.
     """
     study, inputs, hours = signals.study, signals.inputs, signals.occupied
     sensors = inputs.sensors()
@@ -73,18 +75,39 @@ def label_results(
     )
 
 
+def melanopic_results(
+    hourly: xr.Dataset, hours: Bool[np.ndarray, " time"], *, step_hours: float
+) -> xr.Dataset:
+    """Return hourly melanopic EDI, its standard error, and its metrics by sensor."""
+    found = hourly[["illuminance", "standard_error"]].rename(
+        illuminance="melanopic_edi", standard_error="melanopic_edi_error"
+    )
+    parts = [
+        melanopic_metrics(hourly.isel(sensor=block), hours, step_hours=step_hours)
+        for block in _blocks(hourly)
+    ]
+    return found.merge(_joined(parts)).assign_attrs(parts[0].attrs)
+
+
+def _blocks(hourly: xr.Dataset) -> Iterator[slice]:
+    # Blocks of sensors, as hourly results may be in a file
+    for first in range(0, hourly.sizes["sensor"], _SENSORS):
+        yield slice(first, first + _SENSORS)
+
+
 def _metrics(
     hourly: xr.Dataset, hours: Bool[np.ndarray, " time"], *, target_lux: float
 ) -> xr.Dataset:
-    # Compute metrics in blocks of sensors, as hourly results may be in a file
-    parts = [
-        sensor_metrics(
-            hourly.isel(sensor=slice(first, first + _SENSORS)),
-            hours,
-            target_lux=target_lux,
-        )
-        for first in range(0, hourly.sizes["sensor"], _SENSORS)
-    ]
+    return _joined(
+        [
+            sensor_metrics(hourly.isel(sensor=block), hours, target_lux=target_lux)
+            for block in _blocks(hourly)
+        ]
+    )
+
+
+def _joined(parts: Sequence[xr.Dataset]) -> xr.Dataset:
+    # Metrics of all sensors from those of blocks of sensors
     return xr.concat(
         parts,
         "sensor",

@@ -14,7 +14,8 @@ from clerestory.engine.work_units import Executor
 from clerestory.escaping import csv_line
 from clerestory.files import make_folder, write_text
 from clerestory.metrics.agreement import LIMITS, agreement
-from clerestory.phases.matrix_store import MatrixStore
+from clerestory.phases.matrix_store import Store
+from clerestory.phases.recent_values import RecentValues
 from clerestory.study.config import Study
 from clerestory.study.job import Display
 from clerestory.study.method_run import run_method
@@ -38,9 +39,10 @@ def compare_methods(
     study: Study,
     *,
     out: Path,
-    store: MatrixStore,
+    store: Store,
     executor: Executor,
     display: Display,
+    recent: RecentValues | None = None,
 ) -> Results:
     """Run a study with each of its methods; return the results of the last method.
 
@@ -57,6 +59,7 @@ def compare_methods(
             executor=executor,
             display=display,
             states=states,
+            recent=recent,
             warning_log=warning_log,
         )
         if states is None and "state" in found[method].data:

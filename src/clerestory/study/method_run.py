@@ -24,10 +24,13 @@ from clerestory.errors import ClerestoryWarning
 from clerestory.files import make_folder
 from clerestory.metrics.compliance import assess
 from clerestory.metrics.standards import standards_named
+from clerestory.phases.fingerprint import fingerprint
 from clerestory.phases.matrix_equation import Skies, States
-from clerestory.phases.matrix_store import MatrixStore
+from clerestory.phases.matrix_store import Store
+from clerestory.phases.recent_values import RecentValues
 from clerestory.progress import silent
-from clerestory.scene.scene_checks import warn_of_scene
+from clerestory.scene.scene_checks import check_scene
+from clerestory.spectral.band_sets import gives
 from clerestory.study.annual_view_grids import Hours, study_view_grids
 from clerestory.study.annual_views import (
     PICTURE_FOLDER,
@@ -42,11 +45,16 @@ from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.electric_lighting import lighting
 from clerestory.study.inputs import Inputs, read_inputs
 from clerestory.study.job import Display, Job
-from clerestory.study.labels import label_results, sensor_labels
+from clerestory.study.labels import (
+    label_results,
+    melanopic_results,
+    sensor_labels,
+)
 from clerestory.study.luminaire_matrices import trace_lamps
 from clerestory.study.outputs import write_tables
 from clerestory.study.results import Results, read_results, save_results
 from clerestory.study.shade_operation import ShadeOperation, operate
+from clerestory.study.study_matrices import StudyMatrices
 from clerestory.study.study_tracing import study_skies, trace_study
 from clerestory.study.view_grid_pictures import write_worst_pictures
 from clerestory.study.view_grid_points import GridPoints, grid_glare_function
@@ -90,24 +98,34 @@ def run_method(
     study: Study,
     *,
     out: Path,
-    store: MatrixStore,
+    store: Store,
     display: Display,
     executor: Executor,
     states: States | None = None,
     warning_log: WarningLog | None = None,
+    recent: RecentValues | None = None,
 ) -> Results:
     """Run a study with its first method and write the results into a folder.
 
     Without `states`, the control rules of the study choose the shade states.
-    `warning_log` is shared by the runs with all methods.
+    `warning_log` is shared by the runs with all methods, `recent` by all variants.
     """
     log = RunLog(warnings=warning_log or WarningLog())
+    recent = recent or RecentValues()
     with log.phase("read"):
-        inputs = read_inputs(study)
+        inputs = read_inputs(study, recent=recent)
     with log.phase("check"):
-        warn_of_inputs(study, inputs)
+        warn_of_inputs(study, inputs, recent=recent)
     with _scratch_folder(out) as scratch:
-        job = Job(study, inputs, store, display, executor=executor, scratch=scratch)
+        job = Job(
+            study,
+            inputs,
+            store,
+            display,
+            executor=executor,
+            scratch=scratch,
+            recent=recent,
+        )
         data = _simulate(job, log, states, out=out)
         with log.phase("write"):
             write_tables(study, Results(data), out)
@@ -121,10 +139,22 @@ def run_method(
     return results
 
 
-def warn_of_inputs(study: Study, inputs: Inputs) -> None:
-    """Warn of implausible geometry, and of views with too few pixels for glare."""
+def warn_of_inputs(
+    study: Study, inputs: Inputs, *, recent: RecentValues | None = None
+) -> None:
+    """Warn of implausible geometry, and of views with too few pixels for glare.
+
+    `recent` has the findings on the geometry of other variants of the study.
+    """
     sensors = replace(inputs.sensors(), names=tuple(sensor_labels(inputs)))
-    warn_of_scene(inputs.scene, [group.inner for group in inputs.groups], sensors)
+    windows = [group.inner for group in inputs.groups]
+    findings = (recent or RecentValues()).value(
+        ("findings", fingerprint(windows, sensors)),
+        lambda: check_scene(inputs.scene, windows, sensors),
+        of=(inputs.scene,),
+    )
+    for finding in findings:
+        warnings.warn(finding, ClerestoryWarning, stacklevel=2)
     warn_of_views(study.view, inputs.cameras)
 
 
@@ -135,7 +165,7 @@ def _simulate(job: Job, log: RunLog, states: States | None, *, out: Path) -> xr.
         views = trace_views(job, matrices)
         lamps = trace_lamps(job)
     with log.phase("sky"):
-        skies = study_skies(study, inputs, matrices.suns)
+        skies = study_skies(study, inputs, matrices.suns, recent=job.recent)
     points = GridPoints(replace(job, display=silent), matrices, skies)
     with log.phase("view grids"):
         points.trace(display)
@@ -169,12 +199,24 @@ def _simulate(job: Job, log: RunLog, states: States | None, *, out: Path) -> xr.
         grids = _view_grids(points, signals, acts.states, out=out, display=display)
     with log.phase("metrics"):
         parts = [electric, glare, grids, compliance_inputs(study, inputs, matrices)]
+        parts += _melanopic(matrices, signals, acts.states)
         data = label_results(hourly, parts, signals, acts)
     if study.compliance is None:
         return data
     with log.phase("compliance"):
         standards = standards_named(study.compliance.standards)
         return data.merge(compliance_table(assess(data, standards)))
+
+
+def _melanopic(
+    matrices: StudyMatrices, signals: ControlInputs, states: States
+) -> list[xr.Dataset]:
+    # Melanopic light of the sky and the sun, if the bands give it
+    if not gives(signals.skies.whole.bands, "melanopic"):
+        return []
+    hourly = matrices.melanopic_edi(signals.skies, states)
+    hours = signals.step_minutes / 60
+    return [melanopic_results(hourly, signals.occupied, step_hours=hours)]
 
 
 def _view_grids(

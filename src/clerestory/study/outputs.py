@@ -49,6 +49,16 @@ _METRICS = (
     ("useful_error", "useful illuminance, standard error [%]", 100),
 )
 
+# Columns of metrics.csv for melanopic light
+_MELANOPIC = (
+    ("mean_melanopic_edi", "mean melanopic EDI [lux]", 1),
+    ("mean_melanopic_edi_error", "mean melanopic EDI, standard error [lux]", 1),
+    ("melanopic_autonomy", "melanopic autonomy [%]", 100),
+    ("melanopic_autonomy_error", "melanopic autonomy, standard error [%]", 100),
+    ("melanopic_days", "days of melanopic light by noon [%]", 100),
+    ("melanopic_days_error", "days of melanopic light, standard error [%]", 100),
+)
+
 # Columns of metrics.csv for standards
 _OF_STANDARDS = {
     "space": "space",
@@ -113,6 +123,8 @@ def write_metrics(results: Results, path: str | Path) -> None:
     table[["x [m]", "y [m]", "z [m]"]] = data["position"]
     table[["dx", "dy", "dz"]] = data["direction"]
     for name, heading, factor in _METRICS:
+        table[heading] = factor * data[name]
+    for name, heading, factor in _MELANOPIC if "melanopic_edi" in data else ():
         table[heading] = factor * data[name]
     for name, heading in _OF_STANDARDS.items():
         if name in data and data[name].dims == ("sensor",):

@@ -82,7 +82,7 @@ class Results:
 def save_results(results: Results, folder: str | Path) -> Path:
     """Write `results.nc` and `run.json` atomically; return the path of `results.nc`."""
     folder = Path(folder)
-    data = _storable(results.data.assign_attrs(format=_FORMAT))
+    data = storable(results.data.assign_attrs(format=_FORMAT))
     hourly = [str(name) for name in data if _is_large(data[name])]
     content = data.drop_vars(hourly).to_netcdf(engine="h5netcdf")
     write_text(
@@ -95,18 +95,24 @@ def save_results(results: Results, folder: str | Path) -> Path:
     return folder / RESULTS_FILE
 
 
-def _storable(data: xr.Dataset) -> xr.Dataset:
-    # HDF5 stores neither NUL nor lone surrogates: they become escapes
+def storable(data: xr.Dataset) -> xr.Dataset:
+    """Return data with escapes for the characters that HDF5 does not store.
+
+    These are NUL and lone surrogates, in the texts of coordinates and attributes.
+    """
+
     def plain(text: str) -> str:
         shown = text.replace("\0", "\\x00").encode(errors="backslashreplace")
         return shown.decode()
 
     texts = {}
     for name, values in data.coords.items():
-        if values.ndim == 1 and values.dtype.kind in "OU":
-            escaped = [plain(str(text)) for text in values.values]
-            if escaped != values.values.tolist():
-                texts[name] = values.dims, np.array(escaped, object)
+        if values.ndim and values.dtype.kind in "OU":
+            found = values.values.ravel().tolist()
+            escaped = [plain(str(text)) for text in found]
+            if escaped != found:
+                shape = values.shape
+                texts[name] = values.dims, np.array(escaped, object).reshape(shape)
     attributes = {k: plain(v) for k, v in data.attrs.items() if isinstance(v, str)}
     return data.assign_coords(texts).assign_attrs(attributes)
 

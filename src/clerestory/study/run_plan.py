@@ -173,26 +173,29 @@ class PlannedStore:
             self.entries.append(replace(entry, jobs=range(first, len(planned))))
 
 
-def plan_study(study: Study, *, out: str | Path) -> StudyPlan:
-    """Estimate the cost of a run of a study.
+def plan_study(*studies: Study, out: str | Path) -> StudyPlan:
+    """Estimate the cost of a run of a study, or of its variants.
 
     Each kind of matrix is traced for about one second to measure the speed. Matrices
     in the folder `out` are reused. If the same study was run into this folder before,
     the time of stages other than tracing is that of the earlier run.
     """
-    out, log, stages = Path(out), RunLog(), dict.fromkeys(STAGES, StageCost())
-    with executor_at(study.trace.cluster) as place:
+    out, stages = Path(out), dict.fromkeys(STAGES, StageCost())
+    with executor_at(studies[0].trace.cluster) as place:
         plan = Plan(place)
         store = PlannedStore(MatrixStore(out / MATRIX_FOLDER), plan)
-        for method in study.methods:
-            one = study.with_method(method)
-            work = _walk_through(one, store, plan, log)
-            own = out / method if len(study.methods) > 1 else out
-            costs = work.costs(log.seconds | recorded_seconds(own, one.facts()))
-            stages = {name: stages[name] + cost for name, cost in costs.items()}
-        if len(study.methods) > 1:
-            # The results of the last method are written again, with a comparison
-            stages["write"] += replace(costs["write"], files=costs["write"].files + 1)
+        for study in studies:
+            log = RunLog()
+            for method in study.methods:
+                one = study.with_method(method)
+                work = _walk_through(one, store, plan, log)
+                own = out / method if len(study.methods) > 1 else out
+                costs = work.costs(log.seconds | recorded_seconds(own, one.facts()))
+                stages = {name: stages[name] + cost for name, cost in costs.items()}
+            if len(study.methods) > 1:
+                # The results of the last method are written again, with a comparison
+                again = replace(costs["write"], files=costs["write"].files + 1)
+                stages["write"] += again
         planned = _planned(work, store, estimate_costs(plan))
     stages["trace"] = StageCost(seconds=planned.seconds)
     return replace(planned, stages=stages)

@@ -5,7 +5,7 @@ the other groups black; the results are summed. Room light reflected by the BSDF
 the traced group is included; reflection by the other groups is neglected.
 """
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -14,8 +14,12 @@ import numpy as np
 from clerestory.engine.effort import Effort
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.direct_light import blackened
-from clerestory.phases.matrix_equation import MatrixChain
+from clerestory.phases.matrix_equation import MatrixChain, WindowMatrices
 from clerestory.phases.methods import METHODS
+from clerestory.phases.separate_coefficients import (
+    has_proxies,
+    separate_coefficients,
+)
 from clerestory.phases.sun_coefficients import sun_coefficients
 from clerestory.phases.traced_matrices import daylight_coefficients
 from clerestory.phases.unscattered_light import (
@@ -27,21 +31,49 @@ from clerestory.sky.sun_matrix import SunMatrix
 from clerestory.study.job import COEFFICIENTS, STATE, SUN, Job
 from clerestory.study.window_groups import state_label
 
+# Material of the traced window group
+_SHADE = "window shade"
 
-def coefficients(job: Job) -> list[MatrixChain]:
+# C and, with the direct correction, C_d
+_Coefficients = tuple[TransferMatrix, TransferMatrix | None]
+
+
+def coefficients(job: Job, *, direct: bool) -> list[WindowMatrices]:
     """Return C of each window group and shade state, or of a scene with glazing.
 
-    If `job.direct`, return C_d instead of C.
+    If `direct`, also return C_d, from the same paths.
     """
-    if job.inputs.groups:
-        return _of_states(job, _of_state)
-    return [MatrixChain((_traced(job, job.scene),))]
+    if not job.inputs.groups:
+        found = [[_traced(job, job.scene, direct=direct)]]
+    else:
+        found = [
+            [
+                _of_state(job, number, at, direct=direct)
+                for at in range(len(group.states))
+            ]
+            for number, group in enumerate(job.inputs.groups)
+        ]
+    return [_matrices(states) for states in found]
+
+
+def _matrices(states: Sequence[_Coefficients]) -> WindowMatrices:
+    # C, and C_d if there is one, of a window group
+    C, C_d = zip(*states, strict=True)
+    dark = [matrix for matrix in C_d if matrix is not None]
+    return WindowMatrices(MatrixChain(C), MatrixChain(tuple(dark)) if dark else None)
 
 
 def direct_suns(job: Job, suns: SunMatrix) -> list[MatrixChain]:
     """Return C_ds of each window group and shade state, or of a scene with glazing."""
     if job.inputs.groups:
-        return _of_states(job, partial(_sun, suns=suns))
+        return [
+            MatrixChain(
+                tuple(
+                    _sun(job, number, at, suns=suns) for at in range(len(group.states))
+                )
+            )
+            for number, group in enumerate(job.inputs.groups)
+        ]
     sensors = job.inputs.sensors()
     trace = partial(unscattered_sun, job.scene, sensors=sensors, suns=suns.directions)
     return [
@@ -49,22 +81,12 @@ def direct_suns(job: Job, suns: SunMatrix) -> list[MatrixChain]:
     ]
 
 
-def _of_states(
-    job: Job, trace: Callable[[Job, int, int], TransferMatrix]
-) -> list[MatrixChain]:
-    # Traced matrices of every window group and shade state
-    return [
-        MatrixChain(tuple(trace(job, number, at) for at in range(len(group.states))))
-        for number, group in enumerate(job.inputs.groups)
-    ]
-
-
-def _of_state(job: Job, number: int, at: int) -> TransferMatrix:
-    # C of one window group in a given shade state, with the other groups black
+def _of_state(job: Job, number: int, at: int, *, direct: bool) -> _Coefficients:
+    # C and C_d of one window group in a shade state, with the other groups black
     groups = job.inputs.groups
     chosen, state = groups[number], groups[number].states[at]
     up = chosen.inner.frame.up
-    shade = BsdfSurface("window shade", state.fine, 0.0, up, peak=state.peak)
+    shade = BsdfSurface(_SHADE, state.fine, 0.0, up, peak=state.peak)
     black = Plastic("window black", np.zeros(3))
     surfaces = [
         replace(polygon, material=shade.name if each is chosen else black.name)
@@ -73,22 +95,48 @@ def _of_state(job: Job, number: int, at: int) -> TransferMatrix:
     ]
     materials = {shade.name: shade, black.name: black}
     panes = Scene(materials, tuple(surfaces), bands=job.scene.bands)
-    stream = COEFFICIENTS + number + STATE * at
-    return _traced(job, job.scene + panes, stream, f"-{state_label(chosen, at)}")
-
-
-def _traced(job: Job, scene: Scene, stream: int = 0, of: str = "") -> TransferMatrix:
-    sensors, subdivision = job.inputs.sensors(), job.study.sky.subdivision
-    unscattered = job.direct and not job.inputs.groups
-    trace = partial(
-        unscattered_coefficients if unscattered else daylight_coefficients,
-        scene,
-        sensors=sensors,
-        subdivision=subdivision,
+    return _traced(
+        job,
+        job.scene + panes,
+        direct=direct,
+        stream=COEFFICIENTS + number + STATE * at,
+        windows=(_SHADE,),
+        of=f"-{state_label(chosen, at)}",
     )
-    effort = job.direct_effort(COEFFICIENTS) if unscattered else job.effort(stream)
-    shown = f"daylight coefficients{of}"
-    return job.matrix(f"coefficients{of}", trace, effort, shown=shown)
+
+
+def _traced(
+    job: Job,
+    scene: Scene,
+    *,
+    direct: bool,
+    stream: int = 0,
+    windows: tuple[str, ...] = (),
+    of: str = "",
+) -> _Coefficients:
+    # C and C_d of a scene; direct light is scattered at most by `windows`
+    sensors, subdivision = job.inputs.sensors(), job.study.sky.subdivision
+    effort, shown = job.effort(stream), f"daylight coefficients{of}"
+    name = f"coefficients{of}"
+    if direct and (windows or not has_proxies(scene)):
+        both = partial(
+            separate_coefficients,
+            scene,
+            sensors=sensors,
+            subdivision=subdivision,
+            windows=windows,
+        )
+        return job.pair((name, f"direct-{name}"), both, effort, shown=shown)
+    C, C_d = (
+        partial(trace, scene, sensors=sensors, subdivision=subdivision)
+        for trace in (daylight_coefficients, unscattered_coefficients)
+    )
+    whole = job.matrix(name, C, effort, shown=shown)
+    if not direct:
+        return whole, None
+    # Direct light passes proxies, of which other light meets the BSDF
+    job = replace(job, direct=True)
+    return whole, job.matrix(name, C_d, job.direct_effort(COEFFICIENTS), shown=shown)
 
 
 def _sun_effort(job: Job, stream: int = 0) -> Effort:

@@ -1,7 +1,7 @@
 """Sensor matrices of a study, and their products with sky matrices."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -18,8 +18,10 @@ from clerestory.phases.matrix_equation import (
     Term,
     WindowMatrices,
 )
+from clerestory.phases.recent_values import RecentValues
 from clerestory.progress import Progress
 from clerestory.sky.sun_matrix import SunMatrix
+from clerestory.spectral.alpha_opic import edi_weights
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +30,7 @@ class StudyMatrices:
 
     `suns` are the columns of C_ds. Hourly results are in files in `folder`, or in
     memory if `folder` is None. If view matrices are in files, memory is sufficient for
-    `most_sensors` sensors.
+    `most_sensors` sensors. `recent` has products D S of other variants.
     """
 
     terms: tuple[Term, ...]
@@ -36,6 +38,7 @@ class StudyMatrices:
     suns: SunMatrix | None = None
     folder: Path | None = None
     most_sensors: int | None = None
+    recent: RecentValues = field(default_factory=RecentValues)
 
     @property
     def has_direct(self) -> bool:
@@ -57,6 +60,18 @@ class StudyMatrices:
             states,
             file=self.folder and self.folder / "illuminance.nc",
             progress=progress,
+            recent=self.recent,
+        )
+
+    def melanopic_edi(self, skies: Skies, states: States) -> xr.Dataset:
+        """Melanopic EDI [lux] over (sensor, time), with its errors as illuminance."""
+        return illuminance(
+            self.windows,
+            self.terms,
+            skies,
+            states,
+            weights=edi_weights(skies.whole.bands, "melanopic"),
+            file=self.folder and self.folder / "melanopic.nc",
         )
 
     def direct_illuminance(self, skies: Skies, states: States) -> xr.Dataset:
@@ -70,7 +85,9 @@ class StudyMatrices:
         part: Part = "direct" if self.suns is None else "sun"
         term = Term("direct", part, sky="sun")
         file = self.folder and self.folder / "direct.nc"
-        return illuminance(self.windows, (term,), skies, states, file=file)
+        return illuminance(
+            self.windows, (term,), skies, states, file=file, recent=self.recent
+        )
 
     def reduced(
         self, groups: Sequence[int], rows: Int[np.ndarray, " sensor"]

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
+from clerestory.bands import RGB
 from clerestory.engine.effort import Effort
 from clerestory.errors import InputError
 from clerestory.matrix.transfer_matrix import TransferMatrix
@@ -21,6 +22,7 @@ from clerestory.phases.matrix_equation import (
     window_chain,
 )
 from clerestory.phases.methods import METHODS
+from clerestory.phases.recent_values import RecentValues
 from clerestory.phases.stored_views import (
     StoredColumns,
     store_views,
@@ -32,10 +34,12 @@ from clerestory.phases.traced_matrices import (
     daylight_matrix,
     view_matrices,
 )
+from clerestory.sky.daylight_spectra import DaylightSpectra
 from clerestory.sky.sky_conditions import Spectrum
 from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.sky.sun_matrix import SunMatrix, patch_suns, sun_matrix
 from clerestory.sky.weather import Weather
+from clerestory.spectral.band_sets import band_set
 from clerestory.study.config import Study
 from clerestory.study.inputs import Inputs
 from clerestory.study.job import STATE, Job
@@ -54,8 +58,12 @@ def study_skies(
     suns: SunMatrix | None,
     *,
     spectrum: Spectrum = "visible",
+    recent: RecentValues | None = None,
 ) -> Skies:
-    """Return sky matrices S and, if required, S_ds and S_sun, in the scene's bands."""
+    """Return sky matrices S and, if required, S_ds and S_sun, in the scene's bands.
+
+    `recent` has the skies of other variants of the study.
+    """
     make = partial(
         sky_matrix,
         inputs.weather,
@@ -63,9 +71,23 @@ def study_skies(
         ground_reflectance=study.sky.ground_reflectance,
         rotation_deg=study.sky.rotation_deg,
         bands=inputs.scene.bands,
+        daylight=_daylight_spectra(study) if spectrum == "visible" else None,
         spectrum=spectrum,
     )
-    return Skies(make(), make(include="sun") if needs_direct(study) else None, suns)
+    direct = needs_direct(study)
+    key = fingerprint(study.sky.model_dump(), inputs.scene.bands, spectrum, direct)
+
+    def skies() -> Skies:
+        return Skies(make(), make(include="sun") if direct else None, suns)
+
+    return (recent or RecentValues()).value(
+        ("skies", key), skies, size=_bytes, of=(inputs.weather, suns)
+    )
+
+
+def _bytes(skies: Skies) -> float:
+    parts = (skies.whole, skies.sun)
+    return float(sum(sky.diffuse.nbytes for sky in parts if sky is not None))
 
 
 def needs_direct(study: Study) -> bool:
@@ -79,17 +101,25 @@ def study_suns(
     study: Study, weather: Weather, *, spectrum: Spectrum = "visible"
 ) -> SunMatrix | None:
     """Return the sun positions of the direct-sun correction; None if not corrected."""
-    table, rotation = study.sun, study.sky.rotation_deg
     if not study.corrected:
         return None
-    if table.places == "patches":
-        return patch_suns(weather, rotation_deg=rotation, spectrum=spectrum)
-    return sun_matrix(
+    make = patch_suns
+    if study.sun.places == "exact":
+        make = partial(sun_matrix, tolerance_deg=study.sun.tolerance_deg)
+    return make(
         weather,
-        tolerance_deg=table.tolerance_deg,
-        rotation_deg=rotation,
+        rotation_deg=study.sky.rotation_deg,
         spectrum=spectrum,
+        bands=band_set(study.scene.bands),
+        daylight=_daylight_spectra(study) if spectrum == "visible" else None,
     )
+
+
+def _daylight_spectra(study: Study) -> DaylightSpectra | None:
+    # Spectra of sky and sun; none in RGB
+    if band_set(study.scene.bands) == RGB:
+        return None
+    return DaylightSpectra(**study.sky.daylight.model_dump())
 
 
 def trace_study(job: Job, *, spectrum: Spectrum = "visible") -> StudyMatrices:
@@ -105,21 +135,41 @@ def trace_study(job: Job, *, spectrum: Spectrum = "visible") -> StudyMatrices:
             f'rule "LM-83" with the {study.method} method requires direct light;'
             ' [sun] places = "exact" expected'
         )
-    suns = study_suns(study, job.inputs.weather, spectrum=spectrum)
+    weather = job.inputs.weather
+    tables = study.sun.model_dump(), study.sky.model_dump(), study.scene.bands
+    suns = job.recent.value(
+        ("suns", study.corrected, fingerprint(tables), spectrum),
+        lambda: study_suns(study, weather, spectrum=spectrum),
+        of=(weather,),
+    )
     black = job
     if job.inputs.groups:
         # Direct light is scattered by windows only: all other surfaces are black
         black = replace(job, inputs=replace(job.inputs, scene=blackened(job.scene)))
-    make = partial(_window_chains, stored=stored) if method.windows else coefficients
-    whole = make(job)
-    none: list[MatrixChain | None] = [None] * len(whole)
-    dark = make(replace(black, direct=True)) if direct else none
-    sun = direct_suns(black, suns) if suns is not None else none
-    windows = tuple(map(WindowMatrices, whole, dark, sun))
+    if method.windows:
+        windows = _windows(job, black, direct=direct, stored=stored)
+    else:
+        windows = coefficients(job, direct=direct)
+    if suns is not None:
+        sunlit = zip(windows, direct_suns(black, suns), strict=True)
+        windows = [replace(window, sun=sun) for window, sun in sunlit]
     if not stored:
-        return StudyMatrices(study.terms, windows, suns)
+        return StudyMatrices(study.terms, tuple(windows), suns, recent=job.recent)
     most = most_sensors(study, job.inputs, direct=direct)
-    return StudyMatrices(study.terms, windows, suns, job.scratch, most)
+    return StudyMatrices(
+        study.terms, tuple(windows), suns, job.scratch, most, recent=job.recent
+    )
+
+
+def _windows(
+    job: Job, black: Job, *, direct: bool, stored: bool
+) -> list[WindowMatrices]:
+    # V, T and D of each window, and V_d, T and D_d of the black scene
+    whole = _window_chains(job, stored=stored)
+    dark: Sequence[MatrixChain | None] = [None] * len(whole)
+    if direct:
+        dark = _window_chains(replace(black, direct=True), stored=stored)
+    return list(map(WindowMatrices, whole, dark))
 
 
 def _window_chains(job: Job, *, stored: bool) -> list[MatrixChain]:

@@ -5,6 +5,7 @@ partition of the finest BSDF. Tensor trees are averaged over Klems patches.
 """
 
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -94,13 +95,18 @@ def state_label(group: WindowGroup, at: int) -> str:
     return "-".join(filter(None, (group.name, group.states[at].name)))
 
 
-def read_window_groups(table: WindowTable) -> list[WindowGroup]:
-    """Return one group per modifier in the window file, all with the same BSDFs."""
+def read_window_groups(
+    table: WindowTable, *, read: Callable[[Path], Bsdf] = read_layer
+) -> list[WindowGroup]:
+    """Return one group per modifier in the window file, all with the same BSDFs.
+
+    `read` is the function that reads a BSDF file.
+    """
     tables = table.states()
     names = [state.label if len(tables) > 1 else state.name for state in tables]
-    layers = [read_layer(state.bsdf) for state in tables]
+    layers = [read(state.bsdf) for state in tables]
     fine = [
-        read_layer(state.sun_bsdf) if state.sun_bsdf else layer
+        read(state.sun_bsdf) if state.sun_bsdf else layer
         for state, layer in zip(tables, layers, strict=True)
     ]
     shades = [read_rad(*state.shade) if state.shade else Scene() for state in tables]

@@ -69,7 +69,7 @@ def crossing(levels, *, shared):
         else:
             given = UncertainLuminance(value, error)
         found = index_errors(
-            given, lambda pixels: {"lit": float((pixels > 2000).sum())}
+            given, lambda drawn: [{"lit": float((p > 2000).sum())} for p in drawn]
         )
         squares.append(found["lit"] ** 2)
     return np.sqrt(np.mean(squares))

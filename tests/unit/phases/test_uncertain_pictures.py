@@ -159,7 +159,7 @@ def test_luminance_is_that_of_the_pictures(terms, most, monkeypatch):
     """Also if the product is computed in small blocks of time steps and pixels."""
     if most:
         monkeypatch.setattr(picture_series, "_STEPS", 2)
-        monkeypatch.setattr(picture_series, "_steps", lambda pixels: most[0])
+        monkeypatch.setattr(picture_series, "block_steps", lambda pixels: most[0])
         monkeypatch.setattr(picture_series, "_PIXELS", most[1])
     given = [five_phases()], terms, CAMERA, skies(terms), STATES
     pictures = [picture.luminance() for picture in pictures_over_time(*given)]

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from clerestory.bands import unnamed_bands
-from clerestory.colorimetry import wavelength_bands
 from clerestory.errors import InputError
 from clerestory.radiance.rad_writer import format_rad
 from clerestory.scene.band_conversion import in_bands, step_spectrum
 from clerestory.scene.model import Glass, Light, Mixture, Plastic, Scene
+from clerestory.spectra import Spectrum
+from clerestory.spectral.band_sets import wavelength_bands
 
 NINE = wavelength_bands(range(380, 830, 45))
 GREY = Plastic("grey", np.full(3, 0.5))
@@ -72,3 +73,46 @@ def test_colours_have_a_value_per_band():
     with pytest.raises(InputError, match="one for each of the bands"):
         Scene({"pane": Glass("pane", np.ones(9))})
     assert Scene({"grey": GREY}, bands=NINE).bands == NINE
+
+
+def test_materials_have_the_spectra_that_are_given():
+    """Reflectances are means in the bands; copies of a material have them too."""
+    two = wavelength_bands([400, 500, 600])
+    ramp = Spectrum(np.array([400.0, 600.0]), np.array([0.2, 0.6]))
+    copy = Plastic("red#2", RED.reflectance)
+    scene = Scene({"red": RED, "red#2": copy, "grey": GREY})
+    found = in_bands(scene, two, spectra={"red": ramp}).materials
+    for name in ("red", "red#2"):
+        assert found[name].reflectance == pytest.approx([0.3, 0.5])
+    assert found["grey"].reflectance == pytest.approx([0.5, 0.5])
+
+
+def test_glass_has_the_transmittance_that_is_given():
+    """Series of reflections at normal incidence: T = (1-F)² t / (1 - F² t²)."""
+    two = wavelength_bands([400, 500, 600])
+    flat = Spectrum(np.array([400.0, 600.0]), np.array([0.7, 0.7]))
+    pane = Glass("pane", np.full(3, 0.96))
+    found = in_bands(Scene({"pane": pane}), two, spectra={"pane": flat})
+    t, mirrored = found.materials["pane"].transmissivity, (0.52 / 2.52) ** 2
+    through = (1 - mirrored) ** 2 * t / (1 - (mirrored * t) ** 2)
+    assert through == pytest.approx([0.7, 0.7])
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "words"),
+    [
+        ("blue", (0.5, 0.5), 'no material "blue"'),
+        ("lamp", (0.5, 0.5), "no spectrum can replace"),
+        ("mixed", (0.5, 0.5), "no spectrum can replace"),
+        ("grey", (0.5, 1.5), "from 0 to 1"),
+    ],
+)
+def test_impossible_spectra_of_materials_are_errors(name, values, words):
+    spectrum = Spectrum(np.array([400.0, 600.0]), np.array(values))
+    materials = {
+        "grey": GREY,
+        "lamp": Light("lamp", np.full(3, 7.0)),
+        "mixed": Mixture("mixed", GREY, GREY, 0.5),
+    }
+    with pytest.raises(InputError, match=words):
+        in_bands(Scene(materials), NINE, spectra={name: spectrum})

@@ -71,12 +71,13 @@ class FakeEngine:
         values[:, :, 1:] = sky.dome.projected_solid_angles()
         return TransferMatrix(values, sensor_axis(len(sensors)), sky_axis(sky))
 
-    def unscattered_coefficients(self, _scene, *, sensors, subdivision, **_effort):
-        self.calls.append("direct coefficients")
-        sky = reinhart(subdivision)
-        values = np.zeros((1, len(sensors), len(sky)))
-        values[:, :, 1:] = sky.dome.projected_solid_angles()
-        return TransferMatrix(values, sensor_axis(len(sensors)), sky_axis(sky))
+    def separate_coefficients(
+        self, _scene, *, sensors, subdivision, windows, progress, **_effort
+    ):
+        found = self.daylight_coefficients(
+            _scene, sensors=sensors, subdivision=subdivision, progress=progress
+        )
+        return found, found
 
     def unscattered_sun(self, _scene, *, sensors, suns, **_effort):
         self.calls.append("sun")
@@ -92,7 +93,7 @@ def engine(monkeypatch):
         (study_tracing, "view_matrices"),
         (study_tracing, "daylight_matrix"),
         (study_coefficients, "daylight_coefficients"),
-        (study_coefficients, "unscattered_coefficients"),
+        (study_coefficients, "separate_coefficients"),
         (study_coefficients, "unscattered_sun"),
     ):
         monkeypatch.setattr(module, name, getattr(fake, name))

@@ -149,7 +149,7 @@ def test_two_phase_needs_no_window(study_file, engine, tmp_path):
     start, end = text.index("[[window]]"), text.index("[[sensors]]")
     study_file.write_text(text[:start] + text[end:])
     data = run_study(read_study(study_file), out=tmp_path).data
-    assert engine.calls == ["coefficients", "direct coefficients", "sun"]
+    assert engine.calls == ["coefficients", "sun"]
     assert "window" not in data
     assert read_results(tmp_path).data.attrs["method"] == "2-phase"
     noon = int(data["illuminance"].sum("sensor").argmax("time"))

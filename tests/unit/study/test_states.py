@@ -288,14 +288,14 @@ def test_a_killed_run_with_states_goes_on_to_the_same_bytes(
 
 
 def test_two_phases_have_states_too(shaded, engine, tmp_path):
-    """Two matrices for each state: all light, and direct light."""
+    """One trace for each state, of all light and of direct light."""
     file = shaded('rule = "fixed"\nstate = 1')
     file.write_text(file.read_text().replace("3-phase", "2-phase"))
     data = run(file, tmp_path)
-    assert engine.calls == ["coefficients"] * 6
+    assert engine.calls == ["coefficients"] * 3
     assert set(chosen(data).tolist()) == {1}
     run(file, tmp_path)
-    assert engine.calls == ["coefficients"] * 6
+    assert engine.calls == ["coefficients"] * 3
 
 
 def test_methods_are_compared_with_the_same_shades(shaded, engine, tmp_path):

@@ -46,7 +46,8 @@ class NewStudy:
 class RunStudy:
     """Run a study: trace matrices, multiply by sky, write results and a report.
 
-    Matrices in OUT/matrices are reused, so that an interrupted run can be resumed.
+    Matrices in OUT/matrices are reused, so that an interrupted run can be resumed. A
+    study with [[variant]] or [sweep] runs all variants and compares them.
     """
 
     study: Path = argument("Study file.", "STUDY.toml")
@@ -110,13 +111,16 @@ class Metrics:
 
 @command("compare:compare", "measured.csv study_results -o found")
 class Compare:
-    """Compare a study with measurements: bias, fraction of values within 5, 10, 20 %.
+    """Compare runs with measurements, or finished runs with each other.
 
-    A time shift that would improve the agreement is reported but not applied.
+    With measurements: bias, and fraction of values within 5, 10, 20 %; a time shift
+    that would improve the agreement is reported but not applied. With results folders
+    only: differences from the first run, with standard errors.
     """
 
     measured: Path = argument(
-        "CSV file of times and sensors, or mapping file (.toml).", "MEASURED"
+        "CSV file of times and sensors, mapping file (.toml), or results folder.",
+        "MEASURED",
     )
     simulated: list[Path] | None = argument(
         "Folders of runs, or CSV files.", "SIMULATED…", default=None

@@ -2,6 +2,9 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+from jaxtyping import Float
+
 from clerestory.checks import require
 from clerestory.scene.material import Colour, Material, Plugin, Source, Specification
 from clerestory.scene.primitive import Definition, Readers
@@ -38,6 +41,24 @@ class Glass(Material):
 
     def specification(self) -> Specification:
         return Specification("glass", (), (*self.transmissivity, self.index))
+
+
+def transmissivity(
+    transmittance: Float[np.ndarray, "*batch"], index: float
+) -> Float[np.ndarray, "*batch"]:
+    """Internal transmittance of one pass from transmittance at normal incidence.
+
+    The transmittance includes reflections between both sides of the pane. Values above
+    those of a clear pane give 1.
+
+    >>> transmissivity(np.array([0.0, 0.88]), 1.52).round(3).tolist()
+    [0.0, 0.958]
+    """
+    reflected = ((index - 1) / (index + 1)) ** 2
+    passed = (1 - reflected) ** 2
+    twice = 2 * reflected * transmittance
+    root = np.sqrt(passed**2 + twice**2)
+    return np.asarray(np.minimum(2 * transmittance / (passed + root), 1.0))
 
 
 def _read(given: Definition) -> Material:

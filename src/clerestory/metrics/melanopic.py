@@ -1,0 +1,118 @@
+"""Metrics of melanopic equivalent daylight illuminance (EDI) at eyes or sensors.
+
+T. Brown et al., PLoS Biology 20 (3), 2022, recommend at least 250 lux at the eye by
+day. WELL v2, feature L03, asks for four hours of such light that begin by noon, of
+which 136 lux earn one point and 250 lux three, with daylight and electric light.
+"""
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Bool, Float
+
+from clerestory.metrics.climate_based_metrics import (
+    annual_statistic,
+    daylight_autonomy,
+)
+from clerestory.metrics.replicates import with_errors
+
+# Recommended melanopic EDI by day [lux]
+MELANOPIC_LUX = 250.0
+
+# Length of the bright period of WELL v2 L03, and latest hour of its beginning [h]
+_BRIGHT_HOURS, _NOON = 4.0, 12.0
+
+
+def melanopic_metrics(
+    hourly: xr.Dataset,
+    hours: Bool[np.ndarray, " time"],
+    *,
+    step_hours: float = 1.0,
+    target_lux: float = MELANOPIC_LUX,
+) -> xr.Dataset:
+    """Return metrics of the melanopic EDI of each sensor.
+
+    Parameters
+    ----------
+    hourly : `illuminance` (melanopic EDI) with its errors, over (sensor, time)
+    hours : occupied time steps
+
+    Returns
+    -------
+    `mean_melanopic_edi` over the occupied hours [lux]; `melanopic_autonomy`, the
+    fraction of the occupied hours with the target; `melanopic_days`, the fraction of
+    all days with it for four hours that begin by noon; each with `…_error` and
+    `…_components`
+    """
+    times = hourly["time"].values
+
+    def metrics(lux: xr.DataArray) -> xr.Dataset:
+        return xr.Dataset(
+            {
+                "mean_melanopic_edi": annual_statistic(lux, hours, "mean"),
+                "melanopic_autonomy": daylight_autonomy(
+                    lux, hours, target_lux=target_lux
+                ),
+                "melanopic_days": bright_days(
+                    lux, times, step_hours=step_hours, target_lux=target_lux
+                ),
+            }
+        )
+
+    found = with_errors(hourly, metrics)
+    return found.assign_attrs(melanopic_target_lux=target_lux)
+
+
+def bright_days(
+    illuminance: xr.DataArray,
+    times: np.ndarray,
+    *,
+    step_hours: float = 1.0,
+    target_lux: float = MELANOPIC_LUX,
+) -> xr.DataArray:
+    """Fraction of the days on which the target is kept for four hours from before noon.
+
+    The four hours are consecutive and begin at noon or earlier.
+
+    Parameters
+    ----------
+    illuminance : melanopic EDI over (sensor, time)
+    times : centres of the time steps
+
+    Examples
+    --------
+    >>> times = np.arange("2023-06-01T08:30", "2023-06-01T16:30", 60, "datetime64[m]")
+    >>> lux = xr.DataArray([[300.0] * 4 + [0.0] * 4], dims=("sensor", "time"))
+    >>> float(bright_days(lux, times)[0])
+    1.0
+    """
+    count = max(1, round(_BRIGHT_HOURS / step_hours))
+    half = np.timedelta64(round(1800 * step_hours), "s")
+    begins = times.astype("datetime64[s]") - half
+    day, number = np.unique(begins.astype("datetime64[D]"), return_inverse=True)
+    ends = np.minimum(np.arange(len(times)) + count, len(times)) - 1
+    whole = begins[ends] - begins <= 2 * half * (count - 1)
+    whole &= np.arange(len(times)) + count <= len(times)
+    by_noon = begins - day[number] <= np.timedelta64(round(3600 * _NOON), "s")
+    may_begin = whole & by_noon & (number == number[ends])
+    bright = np.asarray(illuminance.values >= target_lux)
+    found = _any_by_day(_runs(bright, count) & may_begin, number, len(day))
+    share = found.mean(axis=-1)
+    return xr.DataArray(share, dims="sensor", attrs={"units": "1"})
+
+
+def _runs(
+    bright: Bool[np.ndarray, "sensor time"], count: int
+) -> Bool[np.ndarray, "sensor time"]:
+    # Whether a time step and the steps after it, `count` in all, are bright
+    steps = bright.shape[1]
+    total = np.pad(np.cumsum(bright, axis=1), ((0, 0), (1, 0)))
+    after = total[:, np.minimum(np.arange(steps) + count, steps)]
+    return np.asarray(after - total[:, :steps] == count)
+
+
+def _any_by_day(
+    values: Bool[np.ndarray, "sensor time"], number: np.ndarray, days: int
+) -> Float[np.ndarray, "sensor day"]:
+    # 1 for days with any true value
+    first = np.searchsorted(number, np.arange(days))
+    return np.maximum.reduceat(values, first, axis=1).astype(float)

@@ -1,0 +1,192 @@
+"""Spectral sky and sun as a few parts, each a distribution times a colour.
+
+Daylight is a sum of three spectra (CIE 15), of which the colour temperature sets the
+shares; sunlight over a year is, to a chosen accuracy, a sum of a few spectra too. The
+first spectrum of each has all of the luminance, the others have none. So matrix
+products take a few times as long as for a sky of one colour, for any number of bands.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float, Float32
+from scipy.sparse import csc_array
+
+from clerestory.array_types import Series
+from clerestory.bands import Bands
+from clerestory.constants import LUMINOUS_EFFICACY
+from clerestory.sky.daylight_spectra import (
+    DaylightSpectra,
+    sky_colour_temperature,
+    sun_spectra,
+)
+from clerestory.sky.patch_radiance import ChromaticPart, SkyMatrix
+from clerestory.sky.sky_conditions import SkyConditions
+from clerestory.sky.weather import Weather
+from clerestory.spectral.band_sets import light_in_bands
+from clerestory.spectral.colour_temperature import daylight_components
+from clerestory.spectral.functions import (
+    MAXIMUM_EFFICACY,
+    integral,
+    spectral_function,
+)
+
+# Number of time steps that are computed at once
+_STEPS = 512
+
+# Largest deviation of the sun's colour from the sum of its parts, relative to white
+# light, times the square root of the irradiance relative to that of the brightest sun
+_TOLERANCE = 3e-3
+
+
+@dataclass(frozen=True, eq=False)
+class LightColours:
+    """Colour of light at each time step as a sum of a few colours.
+
+    The factor on the radiance of white light is main[b] + Σ share[t] · colour[b].
+
+    Attributes
+    ----------
+    main : colour with the luminance of white
+    colours : colours without luminance
+    shares : shares of these colours at each time step
+    """
+
+    main: Float[np.ndarray, " band"]
+    colours: Float[np.ndarray, "part band"]
+    shares: Float[np.ndarray, "part time"]
+
+    def values(self) -> Float[np.ndarray, "band time"]:
+        """Factor on the radiance of white light, in each band."""
+        return np.asarray(self.main[:, None] + self.colours.T @ self.shares)
+
+
+def sun_colours(
+    weather: Weather, conditions: SkyConditions, model: DaylightSpectra, bands: Bands
+) -> LightColours:
+    """Return the colour of the sun at each time step."""
+    spectra = sun_spectra(weather, conditions, model)
+    light = _with_luminance_of_white(_colour(spectra.T, bands), bands)
+    power = conditions.direct_normal
+    main = light @ power / power.sum() if power.any() else light.mean(axis=1)
+
+    # Weak light, such as that of the rising sun, may deviate more
+    weight = np.sqrt(power / max(power.max(), np.finfo(float).tiny))
+    rest = (light - main[:, None]) * weight
+    left, size, right = np.linalg.svd(rest, full_matrices=False)
+    count, most = 0, _TOLERANCE * main.max()
+    while np.abs(rest - (left[:, :count] * size[:count]) @ right[:count]).max() > most:
+        count += 1
+    shares = np.divide(
+        size[:count, None] * right[:count],
+        weight,
+        out=np.zeros((count, len(power))),
+        where=weight > 0,
+    )
+    return LightColours(main, left[:, :count].T, shares)
+
+
+def with_spectra(
+    sky: SkyMatrix,
+    conditions: SkyConditions,
+    model: DaylightSpectra,
+    sun: LightColours,
+) -> SkyMatrix:
+    """Return a white sky with the spectra of daylight, and a sun of given colours."""
+    main, *others = _daylight_colours(sky.bands)
+    ground = np.ones(sky.colour.shape)
+    ground[:, 0] = sky.colour[:, 0]
+    diffuse = _chromatic_radiance(sky, conditions, model, np.array(others), main, sun)
+    white = np.broadcast_to(np.float32(0), sky.diffuse.shape)
+    dark = np.zeros(len(sky.bands)), np.zeros(len(sky.times))
+    parts = []
+    for number in range(max(len(others), len(sun.colours))):
+        in_sky, in_sun = number < len(others), number < len(sun.colours)
+        tint, shares = (sun.colours[number], sun.shares[number]) if in_sun else dark
+        colour = others[number] if in_sky else dark[0]
+        parts.append(
+            ChromaticPart(
+                diffuse[number] if in_sky else white,
+                ground * colour[:, None],
+                scaled_steps(sky.sun, shares),
+                tint,
+            )
+        )
+    return replace(
+        sky,
+        colour=ground * main[:, None],
+        sun_colour=sun.main,
+        chromatic=tuple(parts),
+        attributes={**sky.attributes, **model.attributes()},
+    )
+
+
+def scaled_steps(matrix: csc_array, factor: Series) -> csc_array:
+    """Return a sparse matrix with its columns, the time steps, scaled."""
+    scaled = matrix.copy()
+    scaled.data = matrix.data * np.repeat(factor, np.diff(matrix.indptr))
+    return scaled.astype(matrix.dtype)
+
+
+def _chromatic_radiance(
+    sky: SkyMatrix,
+    conditions: SkyConditions,
+    model: DaylightSpectra,
+    colours: Float[np.ndarray, "part band"],
+    main: Float[np.ndarray, " band"],
+    sun: LightColours,
+) -> list[Float32[np.ndarray, "patch time"]]:
+    # Radiance of sky and ground in the colours of daylight without luminance
+    found = [np.zeros_like(sky.diffuse) for _ in colours]
+    lumen = MAXIMUM_EFFICACY * integral(_component(0) * spectral_function("y"))
+    area = sky.partition.dome.projected_solid_angles()
+    rest = sun.values() - main[:, None]
+    of_sun = np.linalg.lstsq(colours.T, rest, rcond=None)[0]
+    direct = conditions.direct_horizontal()
+    level = direct + conditions.diffuse_horizontal
+    lit = np.flatnonzero(sky.diffuse.any(axis=0))
+    for start in range(0, len(lit), _STEPS):
+        steps = lit[start : start + _STEPS]
+        dome = sky.diffuse[1:, steps].astype(float)
+        kelvin = sky_colour_temperature(
+            LUMINOUS_EFFICACY * dome, conditions.state.clearness[steps], model.sky
+        )
+        above = dome * daylight_components(kelvin)[1:] * lumen
+        whole = np.maximum(area @ dome, np.finfo(np.float32).tiny)
+        share = direct[steps] / level[steps]
+        for part, radiance, own in zip(found, above, of_sun[:, steps], strict=True):
+            part[1:, steps] = radiance
+            mean = (area @ radiance) / whole
+            part[0, steps] = sky.diffuse[0, steps] * (mean * (1 - share) + own * share)
+    return found
+
+
+def _daylight_colours(bands: Bands) -> list[Float[np.ndarray, " band"]]:
+    # Colours of S0, with the luminance of white, and of S1 and S2 without luminance
+    lumen = MAXIMUM_EFFICACY * integral(_component(0) * spectral_function("y"))
+    main, *others = (_colour(_component(k) / lumen, bands) for k in range(3))
+    main = _with_luminance_of_white(main, bands)
+    if bands.efficacy is None:
+        return [main, *others]
+    weights = bands.weights
+    return [main, *(c - main * (weights @ c) / LUMINOUS_EFFICACY for c in others)]
+
+
+def _component(number: int) -> Float[np.ndarray, " wavelength"]:
+    return spectral_function(f"s{number}")
+
+
+def _colour(
+    per_lumen: Float[np.ndarray, " wavelength *batch"], bands: Bands
+) -> Float[np.ndarray, " band *batch"]:
+    # Factor on white light of the same luminance, from spectral power per lumen
+    return light_in_bands(LUMINOUS_EFFICACY * per_lumen, bands)
+
+
+def _with_luminance_of_white(
+    light: Float[np.ndarray, " band *batch"], bands: Bands
+) -> Float[np.ndarray, " band *batch"]:
+    # Mean values in broad bands change the luminance
+    if bands.efficacy is None:
+        return light
+    return light * LUMINOUS_EFFICACY / np.tensordot(bands.weights, light, axes=1)

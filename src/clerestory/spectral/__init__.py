@@ -1,0 +1,1 @@
+"""Spectra in photometry: weighting functions, bands, α-opic quantities, daylight."""
