@@ -39,7 +39,7 @@ STACK = (
     ("bsdfgen", "phases"),
     ("glare", "control", "metrics"),
     ("study",),
-    ("comparison", "recipes"),
+    ("comparison", "compat", "recipes"),
     ("report",),
     ("cli",),
 )

@@ -2,6 +2,7 @@
 
 import importlib
 import importlib.resources
+import io
 import runpy
 import shutil
 from collections.abc import Callable
@@ -172,7 +173,37 @@ samples = 100
 """
 
 
+MATRIX = "#?RADIANCE\nNROWS={}\nNCOLS={}\nNCOMP=3\nFORMAT=ascii\n\n1 1 1 2 2 2\n"
+
+
+def _times_sky(found, path):
+    from clerestory.compat.streams import Streams
+
+    words = [str(path.parent / "dc.mtx"), str(path)]
+    return found(words, Streams(sink=io.BytesIO()))
+
+
+def _rays(form):
+    return lambda found, path: found(path, form)
+
+
 READERS = {
+    "sky of dctimestep": Reader(
+        "compat.matrix_programs:dctimestep",
+        "s.smx",
+        ("1 1 1\n2 2 2\n", MATRIX.format(2, 1)),
+        beside={"dc.mtx": MATRIX.format(1, 2)},
+        use=_times_sky,
+    ),
+    "rays": Reader(
+        "compat.streams:read_rays", "rays.txt", ("0 0 1 0 0 1\n",), use=_rays("a")
+    ),
+    "binary rays": Reader(
+        "compat.streams:read_rays",
+        "rays.bin",
+        make=lambda _: [np.array([0, 0, 1, 0, 0, 1], "f4").tobytes()],
+        use=_rays("f"),
+    ),
     "matrix": Reader("cli.multiply:read_any_matrix", "m.mtx", make=_matrices),
     "netcdf": Reader("matrix.netcdf:read_netcdf", "m.nc", make=_netcdf, sealed=sealed),
     "study": Reader("study.config:read_study", "study.toml", make=_study),

@@ -52,6 +52,13 @@ t : select(2, 1, 2, 3);
 """
 TABLE = "2\n0 1 3\n0 2 2\n1 2 3 4 5 6\n"
 VIEW = "rvu -vth -vp 1 2 1.5 -vd 0 -1 0 -vu 0 0 1 -vh 180 -vv 180 -vo 0 -va 0\n"
+RECEIVERS = """#@rfluxmtx h=u u=Y
+void glow ground 0 0 4 1 1 1 0
+ground source below 0 0 4 0 0 -1 180
+#@rfluxmtx h=r1 u=+Y o=sky.mtx
+void glow sky 0 0 4 1 1 1 0
+sky source above 0 0 4 0 0 1 180
+"""
 WINDOW = (
     "#@rfluxmtx h=kf u=Z\nvoid glow g 0 0 4 1 1 1 0\n"
     "g polygon w 0 0 12 0 0 0 0 0 2 2 0 2 2 0 0\n"
@@ -273,6 +280,10 @@ READERS = {
     ),
     "window": Reader("radiance.window_reader:read_windows", "w.rad", (WINDOW,)),
     "one window": Reader("radiance.window_reader:read_window", "w.rad", (WINDOW,)),
+    "receivers": Reader(
+        "radiance.receiver_reader:read_receivers", "r.rad", (WINDOW, RECEIVERS)
+    ),
+    "octree as a scene": Reader("radiance.rad_reader:read_rad", "f.oct", make=_octrees),
     "spectrum": Reader(
         "spectral.spectrum_file:read_spectrum",
         "paint.csv",

@@ -4,6 +4,7 @@ Exit status: 0 done, 1 failed, 2 bad input; 130, 143 or 129 interrupted by SIGIN
 SIGTERM or SIGHUP. Errors and warnings are one line each on the error stream.
 """
 
+import importlib
 import os
 import re
 import shlex
@@ -60,9 +61,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         warnings.showwarning = partial(_show_warning, log)
         try:
             with interruptible() as received:
-                status = program(words)(
-                    words, prog_name="clerestory", standalone_mode=False
-                )
+                status = _run(given, words)
             return _interrupted(received) if status == _SIGINT else int(status or 0)
         except ClerestoryError as error:
             return _fail(_own_text(error, words), error.exit_status, error)
@@ -77,6 +76,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
         finally:
             for line in log.repeated():
                 typer.echo(f"warning: {line}", err=True)
+
+
+def _run(given: list[str], words: list[str]) -> int | None:
+    # The programs of `compat` read their words themselves
+    if given[:1] == ["compat"] and given[1:] and not given[1].startswith("-"):
+        compat = importlib.import_module("clerestory.cli.compat")
+        return int(compat.run_compat(given[1], given[2:]))
+    status: int | None = program(words)(
+        words, prog_name="clerestory", standalone_mode=False
+    )
+    return status
 
 
 def spread(words: list[str]) -> list[str]:

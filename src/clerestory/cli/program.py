@@ -25,6 +25,7 @@ _TOP = {
     "recipe": "study",
     "doctor": "study",
     "multiply": "render",
+    "compat": "compat",
 }
 _GROUPS = ("trace", "sky", "bsdf", "glazing", "gonio", "luminaire", "picture")
 

@@ -1,4 +1,4 @@
-"""Camera rays through the pixels of a view, or the cells of a sphere.
+"""Camera rays through the pixels of a view or the cells of a sphere, and given rays.
 
 A ray through a point of a pixel is computed from the ray through the pixel centre and
 the derivatives of that ray across the pixel, for all view types alike. A ray through a
@@ -13,6 +13,7 @@ import numpy as np
 
 from clerestory.engine.upload import on_device, vectors
 from clerestory.image.camera import Camera, PixelsOrCells
+from clerestory.scene.ray_bundles import RayBundles
 from clerestory.scene.sphere_cells import SphereCells
 from clerestory.scene.view import View
 
@@ -99,11 +100,42 @@ class CellRays:
         )
 
 
-def camera_rays(camera: PixelsOrCells) -> CameraRays | CellRays:
-    """Return the rays through pixels or cells."""
-    if isinstance(camera, Camera):
-        return CameraRays.of(camera.view, camera.columns, camera.rows)
-    return CellRays.of(camera)
+@dataclass
+class GivenRays:
+    """Rays of bundles of given rays, from the mean of their origins."""
+
+    origin: mi.Point3f
+    direction: mi.Vector3f
+    rays: int
+
+    @classmethod
+    def of(cls, bundles: RayBundles) -> "GivenRays":
+        """Return the rays of the bundles."""
+        origin = (bundles.origin - bundles.position).reshape(-1, 3)
+        towards = bundles.direction.reshape(-1, 3)
+        return cls(
+            vectors(mi.Point3f, origin), vectors(mi.Vector3f, towards), bundles.rays
+        )
+
+    def through(self, bundle, x, y):
+        """Return the ray of a bundle at a fraction x of their number."""
+        most = dr.opaque(mi.UInt32, self.rays)
+        ray = dr.minimum(mi.UInt32(x * mi.Float(most)), most - 1)
+        index = bundle * most + ray
+        origin = dr.gather(mi.Point3f, self.origin, index)
+        direction = dr.gather(mi.Vector3f, self.direction, index)
+        return mi.Ray3f(origin, direction), dr.full(mi.Bool, True, dr.width(index))
+
+
+def camera_rays(camera: PixelsOrCells) -> CameraRays | CellRays | GivenRays:
+    """Return the rays through pixels or cells, or given rays."""
+    match camera:
+        case Camera():
+            return CameraRays.of(camera.view, camera.columns, camera.rows)
+        case SphereCells():
+            return CellRays.of(camera)
+        case RayBundles():
+            return GivenRays.of(camera)
 
 
 def _from_square(point: mi.Point2f) -> mi.Vector3f:

@@ -1,4 +1,4 @@
-"""Cameras: view and size of a picture, or cells of the sphere around a point."""
+"""Receivers of radiance: pixels of a picture, cells of the sphere, or given rays."""
 
 from dataclasses import dataclass, replace
 
@@ -9,6 +9,7 @@ from clerestory.array_types import Vector
 from clerestory.bands import RGB, Bands
 from clerestory.checks import require
 from clerestory.image.picture import Picture
+from clerestory.scene.ray_bundles import RayBundles
 from clerestory.scene.scaling import scaled
 from clerestory.scene.sphere_cells import SphereCells
 from clerestory.scene.view import View
@@ -52,5 +53,5 @@ class Camera:
         return Picture(values, view=self.view, header=header, bands=bands)
 
 
-# What radiance is traced for: the pixels of a picture, or cells of the sphere
-PixelsOrCells = Camera | SphereCells
+# What radiance is traced for: pixels of a picture, cells of the sphere, or given rays
+PixelsOrCells = Camera | SphereCells | RayBundles

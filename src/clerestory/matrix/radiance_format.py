@@ -85,6 +85,21 @@ def read_matrix(
     [[[0.5, 2.0]]]
     """
     data = read_bytes(path)
+    return parse_matrix(data, path, rows=rows, columns=columns, bands=bands)[0]
+
+
+def parse_matrix(
+    data: bytes,
+    path: str | Path,
+    *,
+    rows: Axis | None = None,
+    columns: Axis | None = None,
+    bands: Bands | None = None,
+) -> tuple[TransferMatrix, Encoding]:
+    """Return the matrix in the content of a file, and its encoding; see `read_matrix`.
+
+    `path` is for messages.
+    """
     with located(file=path):
         header = _read_header(data)
         body = memoryview(data)[header.length :]
@@ -105,7 +120,7 @@ def read_matrix(
             " bands, expected",
         )
     values = np.ascontiguousarray(np.moveaxis(table, -1, 0))
-    return TransferMatrix(values, rows, columns, bands=bands)
+    return TransferMatrix(values, rows, columns, bands=bands), header.encoding
 
 
 def write_matrix(

@@ -10,6 +10,7 @@ coordinates are ignored.
 Reference: Radiance, src/common: portio.c, octree.h, sceneio.c, readoct.c, mesh.c.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -17,7 +18,7 @@ import numpy as np
 
 from clerestory.array_types import Faces, Vector, Vertices
 from clerestory.checks import require
-from clerestory.files import read_bytes
+from clerestory.files import is_file, read_bytes
 from clerestory.radiance.statements import MODIFIER_KINDS, SURFACE_KINDS
 from clerestory.scene.primitive import Primitive
 from clerestory.scene.transform import number
@@ -25,6 +26,7 @@ from clerestory.scene.transform import number
 _OCTREE = (b"Radiance_octree", 4 * 8 + 251)
 MESH_HEADER = (b"Radiance_tmesh", 1 * 8 + 311)
 _LARGEST_INTEGER = 8
+_LONGEST_HEADER = 1 << 16
 _MOST = 2**15
 
 _EMPTY, _FULL, _TREE = range(3)
@@ -36,6 +38,29 @@ class Octree:
 
     files: tuple[str, ...]
     items: tuple[Primitive, ...]
+
+    def scene_files(self, find: Callable[[str], Path]) -> tuple[Path, ...]:
+        """Return the paths of the scene files, which `find` looks for by name."""
+        for name in self.files:
+            require(
+                not name.startswith("!"),
+                f'the octree was compiled from the command "{name}"; a frozen octree'
+                " (oconv -f) expected",
+            )
+        return tuple(map(find, self.files))
+
+
+def is_octree(path: str | Path) -> bool:
+    """Whether a file has the header of an octree; pipes are not read."""
+    if not is_file(path):
+        return False
+    try:
+        with Path(path).open("rb") as stream:
+            start = stream.read(2)
+            start += stream.read(_LONGEST_HEADER) if start == b"#?" else b""
+    except (OSError, ValueError):
+        return False
+    return b"FORMAT=Radiance_octree" in start.partition(b"\n\n")[0].replace(b" ", b"")
 
 
 def read_octree(path: str | Path) -> Octree:

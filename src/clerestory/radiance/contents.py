@@ -86,7 +86,7 @@ class Contents:
         """Return the items of a file."""
         if path not in self.loaded:
             statements = parse_statements(read_text(path), file=str(path))
-            self.loaded[path] = _built(statements, str(path))
+            self.loaded[path] = built(statements, str(path))
         return self.loaded[path]
 
     def inserted(self, item: Command | Primitive, place: Place) -> Content:
@@ -109,10 +109,10 @@ class Contents:
 
         if isinstance(item, Primitive):
             mesh = read_instance(item, file=file, find=find, loaded=self._compiled)
-            items = _built(mesh.items, item.strings[0])
+            items = built(mesh.items, item.strings[0])
             return Content(items, mesh.files, (one_placement(mesh.placement),))
         inclusion = parse_command(item.text, find=find)
-        items = _built((replace(i, line=item.line) for i in inclusion.items), file)
+        items = built((replace(i, line=item.line) for i in inclusion.items), file)
         files = tuple(find(name) for name in inclusion.files)
         return Content(items, files, inclusion.placements, inclusion.build)
 
@@ -126,10 +126,10 @@ def _refuse_recursion(files: Iterable[Path], within: tuple[Path, ...]) -> None:
         require(len(within) <= _DEEPEST, deep)
 
 
-def _built(
+def built(
     statements: Iterable[Statement | TriangleMesh], file: str
 ) -> tuple[Item | Command, ...]:
-    # Converts surface primitives to surfaces; other statements are unchanged
+    """Convert surface primitives to surfaces; other statements are unchanged."""
     items: list[Item | Command] = []
     for polygonal, group in groupby(statements, _is_polygon):
         if polygonal:

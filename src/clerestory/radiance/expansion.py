@@ -6,7 +6,8 @@ from itertools import chain
 from pathlib import Path
 
 from clerestory.errors import located
-from clerestory.radiance.contents import Content, Contents, Place
+from clerestory.radiance.compiled import is_octree, read_octree
+from clerestory.radiance.contents import Content, Contents, Place, built
 from clerestory.radiance.instance import INSTANCE_KINDS
 from clerestory.radiance.placement import Placement, one_placement
 from clerestory.radiance.repetition import (
@@ -20,6 +21,7 @@ from clerestory.radiance.repetition import (
     materials_of,
 )
 from clerestory.radiance.repetition_count import RepetitionCount
+from clerestory.radiance.search_path import found_in
 from clerestory.radiance.statements import Command, Directive, PolygonRun
 from clerestory.scene.model import Scene
 from clerestory.scene.primitive import Primitive
@@ -28,12 +30,28 @@ from clerestory.scene.primitive import Primitive
 def placed_items(path: str | Path) -> Iterator[Placed]:
     """Yield the items of a scene file and of included files, in Radiance's order.
 
-    Copies of surfaces by arrays and repeated files are counted before they are made.
+    Copies of surfaces by arrays and repeated files are counted before they are made. Of
+    an octree, the items are those of its scene files or, if it is frozen, its own.
     """
     place = Place(Path(path), Placement())
+    if is_octree(path):
+        yield from _octree_items(place)
+        return
     walk = _Walk(Contents(place.path.parent))
     RepetitionCount(walk.contents, walk.together).require_few(place)
     yield from walk.items(place)
+
+
+def _octree_items(place: Place) -> Iterator[Placed]:
+    octree = read_octree(place.path)
+    # Names of files are relative to the folder in which oconv was run
+    folders = [Path(), place.path.parent]
+    with located(file=place.path):
+        files = octree.scene_files(lambda name: found_in(name, folders))
+    walk = _Walk(Contents(place.path.parent))
+    yield from walk.given(built(octree.items, str(place.path)), place)
+    for file in files:
+        yield from placed_items(file)
 
 
 @dataclass(frozen=True)
@@ -45,9 +63,11 @@ class _Walk:
     joined: dict[Content, Materials | None] = field(default_factory=dict)
 
     def items(self, place: Place) -> Iterator[Placed]:
-        yield from self._put(self.contents.items(place.path), place)
+        yield from self.given(self.contents.items(place.path), place)
 
-    def _put(self, items: tuple[Item | Command, ...], place: Place) -> Iterator[Placed]:
+    def given(
+        self, items: tuple[Item | Command, ...], place: Place
+    ) -> Iterator[Placed]:
         for item in items:
             match item:
                 case Command():
@@ -75,7 +95,7 @@ class _Walk:
             return
         for own in chain.from_iterable(content.copies):
             inner = replace(place, placement=own.then(place.placement))
-            yield from self._put(content.items, inner)
+            yield from self.given(content.items, inner)
             if content.build is not None:
                 with located(file=place.path, line=command.line):
                     scene = content.build(inner.placement.transform)
@@ -89,7 +109,7 @@ class _Walk:
         [[own]] = content.copies
         inner = replace(place, placement=own.then(place.placement))
         placed = chain(
-            self._put(content.items, inner),
+            self.given(content.items, inner),
             *(self.items(place.inner(f, inner.placement)) for f in content.files),
         )
         if own.modifier is None:

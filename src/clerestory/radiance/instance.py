@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from clerestory.checks import require
-from clerestory.errors import InputError
+from clerestory.errors import InputError, located
 from clerestory.files import is_file, read_bytes
 from clerestory.formats.obj import obj_meshes
 from clerestory.formats.obj_text import ObjText, parse_obj
@@ -93,16 +93,13 @@ def _load(path: Path, kind: str) -> Octree | ObjText | CompiledMesh:
 def _octree(
     octree: Octree, path: Path, placement: Placement, find: Callable[[str], Path]
 ) -> Instance:
-    files = []
-    for name in octree.files:
-        require(
-            not name.startswith("!"),
-            f'the octree {path} was compiled from the command "{name}"; a frozen'
-            " octree (oconv -f) expected",
-        )
+    def found(name: str) -> Path:
         beside = path.parent / name
-        files.append(beside if is_file(beside) else find(name))
-    return Instance(tuple(files), octree.items, placement)
+        return beside if is_file(beside) else find(name)
+
+    with located(file=path):
+        files = octree.scene_files(found)
+    return Instance(files, octree.items, placement)
 
 
 def _require_materials(item: Primitive, path: Path, names: Iterable[str]) -> None:

@@ -45,29 +45,30 @@ def read_window(path: str | Path) -> Window:
     groups = _groups(path)
     names = list(groups)
     name = names[0] if len(names) == 1 and names[0] != "void" else Path(path).stem
-    return _window(name, [pane for group in groups.values() for pane in group])
+    return window_of_panes(name, [pane for group in groups.values() for pane in group])
 
 
 def read_windows(*paths: str | Path) -> tuple[Window, ...]:
     """Read windows from .rad files, one for each modifier, in order of appearance."""
-    groups: dict[str, list[_Pane]] = {}
+    groups: dict[str, list[Pane]] = {}
     for path in paths:
         for name, panes in _groups(path).items():
             groups.setdefault(name, []).extend(panes)
-    return tuple(_window(name, panes) for name, panes in groups.items())
+    return tuple(window_of_panes(name, panes) for name, panes in groups.items())
 
 
 @dataclass(frozen=True, eq=False)
-class _Pane:
-    # A polygon with its angular basis and up vector
+class Pane:
+    """A polygon of a window, with its angular basis and up vector."""
+
     polygon: Polygon
     basis: str
     up: Vector | None
 
 
-def _groups(path: str | Path) -> dict[str, list[_Pane]]:
+def _groups(path: str | Path) -> dict[str, list[Pane]]:
     # Polygons of a file by modifier
-    groups: dict[str, list[_Pane]] = {}
+    groups: dict[str, list[Pane]] = {}
     basis, up = "full", None
     for placed in placed_items(path):
         match placed.item:
@@ -77,7 +78,7 @@ def _groups(path: str | Path) -> dict[str, list[_Pane]]:
             case PolygonRun():
                 for polygon in placed.item.polygons():
                     groups.setdefault(polygon.material, []).append(
-                        _Pane(polygon, basis, up)
+                        Pane(polygon, basis, up)
                     )
             case _:
                 _refuse_surface(placed)
@@ -99,7 +100,8 @@ def _refuse_surface(placed: Placed) -> None:
         )
 
 
-def _window(name: str, panes: list[_Pane]) -> Window:
+def window_of_panes(name: str, panes: list[Pane]) -> Window:
+    """Return the window of some panes; the first one gives basis and up vector."""
     polygons, first = tuple(pane.polygon for pane in panes), panes[0]
     return window_of(polygons, name=name, up=first.up, partition=klems(first.basis))
 
@@ -112,9 +114,9 @@ def _variables(
         key, _, value = word.partition("=")
         match key:
             case "h":
-                basis = _basis(value)
+                basis = basis_of(value)
             case "u":
-                up = _up(value)
+                up = up_of(value)
             case "o":
                 pass  # output file, used by rfluxmtx only
             case _:
@@ -125,7 +127,8 @@ def _variables(
     return basis, up
 
 
-def _basis(value: str) -> str:
+def basis_of(value: str) -> str:
+    """Return the angular basis of a window from the value of h."""
     require(
         not value.startswith("-"),
         f"h={value} has left-handed coordinates, which are not supported;"
@@ -137,7 +140,8 @@ def _basis(value: str) -> str:
     return _BASES[name]
 
 
-def _up(value: str) -> Vector:
+def up_of(value: str) -> Vector:
+    """Return the up vector from the value of u."""
     if value.lstrip("+-").lower() in ("x", "y", "z"):
         axis = np.eye(3)["xyz".index(value[-1].lower())]
         return np.asarray(-axis if value.startswith("-") else axis)

@@ -1,0 +1,1 @@
+"""Programs of Radiance that scripts call, on the engine of this package."""

@@ -1,0 +1,161 @@
+"""`clerestory compat`: options of Radiance's programs, and refusals in one line."""
+
+import io
+import os
+import stat
+import subprocess
+
+import numpy as np
+import pytest
+
+from clerestory.compat.programs import PROGRAMS, install_programs, run_program
+from clerestory.compat.streams import Streams
+from clerestory.errors import InputError
+from clerestory.image.picture import Picture
+from clerestory.image.picture_files import write_picture
+from clerestory.matrix.radiance_format import read_matrix
+
+SKY = """#@rfluxmtx u=+Y h=u
+void glow ground_glow 0 0 4 1 1 1 0
+ground_glow source ground 0 0 4 0 0 -1 180
+#@rfluxmtx u=+Y h=r1
+void glow sky_glow 0 0 4 1 1 1 0
+sky_glow source sky 0 0 4 0 0 1 180
+"""
+FIELD = "void plastic black 0 0 5 0 0 0 0 0\nblack sphere far 0 0 4 0 900 -50 .1\n"
+SUN = "void light sun 0 0 3 1e6 1e6 1e6\nsun source s 0 0 4 0 0 1 0.533\n"
+UP = "0 0 0 0 0 1\n"
+
+
+@pytest.fixture
+def field(tmp_path, monkeypatch):
+    """A folder with an open field, a sky, a sensor and rays to zenith and nadir."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "field.rad").write_text(FIELD)
+    (tmp_path / "sky.rad").write_text(SKY)
+    (tmp_path / "sun.rad").write_text(FIELD + SUN)
+    (tmp_path / "up.pts").write_text(UP)
+    (tmp_path / "rays").write_text(UP + "0 0 0 0 0 -1\n")
+    return tmp_path
+
+
+@pytest.fixture
+def program(field):
+    """Run a program with a file as standard input; return its output as a matrix."""
+
+    def run(name, *words, stdin="up.pts"):
+        sink = io.BytesIO()
+        run_program(name, [str(w) for w in words], Streams(field / stdin, sink))
+        (field / "out.mtx").write_bytes(sink.getvalue())
+        return read_matrix(field / "out.mtx").values
+
+    return run
+
+
+def test_an_open_sensor_receives_pi_from_sky_and_nothing_from_the_ground(program):
+    """Irradiance per uniform radiance is π; columns are the ground, then patches."""
+    found = program(
+        "rfluxmtx", "-I+", "-ab", 1, "-ad", 4096, "-", "sky.rad", "field.rad"
+    )
+    assert found.shape == (3, 1, 146)
+    assert found[:, 0, 0] == pytest.approx(0, abs=1e-6)
+    assert found.sum(axis=2) == pytest.approx(np.pi, rel=1e-3)
+
+
+def test_rays_see_the_patch_in_their_direction(program):
+    """-c 1: the zenith is the last patch, nadir the ground."""
+    words = ("-faa", "-ab", 1, "-y", 2, "-", "sky.rad", "field.rad")
+    found = program("rfluxmtx", *words, stdin="rays")[0]
+    assert found[0].argmax() == 145
+    assert found[1].argmax() == 0
+    assert found.sum(axis=1) == pytest.approx(1, rel=1e-6)
+
+
+def test_rays_are_averaged_over_each_record(program):
+    found = program("rfluxmtx", "-c", 2, "-", "sky.rad", "field.rad", stdin="rays")[0]
+    assert found.shape == (1, 146)
+    assert found[0, [0, 145]] == pytest.approx(0.5, rel=0.05)
+
+
+def test_the_overhead_sun_has_its_solid_angle_as_coefficient(program):
+    """Irradiance per radiance is Ω, 2π (1 - cos .2665°); the bin is the zenith's."""
+    words = ("-e", "MF:1", "-f", "reinhart.cal", "-b", "rbin", "-bn", "Nrbins")
+    found = program("rcontrib", "-I+", "-ab", 1, *words, "-m", "sun", "sun.rad")[0]
+    omega = 2 * np.pi * (1 - np.cos(np.radians(0.533 / 2)))
+    assert found.shape == (1, 146)
+    assert found[0, 145] == pytest.approx(omega, rel=1e-3)
+    assert found.sum() == pytest.approx(omega, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("name", "words", "message"),
+    [
+        ("rfluxmtx", "-zz 1 - sky.rad field.rad", "option is -zz"),
+        ("rfluxmtx", "-I+ -ab two - sky.rad field.rad", "'two'"),
+        ("rfluxmtx", "-I+ -", "1 of sender and receivers"),
+        ("rfluxmtx", "-I+ - sky.rad", "no scene"),
+        ("rfluxmtx", "-I+ -V+ - sky.rad field.rad", "-V+"),
+        ("rfluxmtx", "-fx - sky.rad field.rad", "-fx"),
+        ("rfluxmtx", "-c 3 - sky.rad field.rad", "multiple of 3"),
+        (
+            "rfluxmtx",
+            "-x 3 -y 1 -ffc -o a%03d.hdr - sky.rad field.rad",
+            "bytes of rays",
+        ),
+        ("rcontrib", "-I+ -ab 3 -m sun sun.rad", "-ab is 3"),
+        ("rcontrib", "-I+ -m lamp sun.rad", "modifier 'lamp'"),
+        ("rcontrib", "-I+ -m sun -f klems_full.cal sun.rad", "klems_full.cal"),
+        ("dctimestep", "a b c d e", "5 matrices"),
+        ("dctimestep", "-x", "-x has 0 arguments"),
+        ("rmtxop", "", "no matrix"),
+        ("rmtxop", "-C file.txt a", "option is -C"),
+        ("gendaymtx", "-M mods year.wea", "option is -M"),
+        ("gendaymtx", "-m none year.wea", "'none'"),
+    ],
+)
+def test_what_is_not_supported_is_named_in_one_line(program, name, words, message):
+    with pytest.raises(InputError) as raised:
+        program(name, *words.split())
+    assert message in str(raised.value)
+    assert "expected" in str(raised.value)
+    assert "\n" not in str(raised.value)
+
+
+def test_the_command_line_passes_options_and_gives_the_exit_status(call):
+    outcome = call("compat", "rmtxop", "-zz", "a.mtx")
+    assert outcome.status == 2
+    assert outcome.err.startswith("rmtxop: option is -zz")
+    assert call("compat", "oconv", "a.rad").status == 2
+
+
+def test_scripts_in_a_folder_run_the_programs(field):
+    """A shell finds gendaymtx and rmtxop in the folder, and pipes between them."""
+    paths = install_programs(field / "bin", (*PROGRAMS, "evalglare"))
+    assert len(paths) == 6
+    assert all(path.stat().st_mode & stat.S_IXUSR for path in paths)
+    (field / "a.mtx").write_text("#?RADIANCE\nNCOLS=2\nNCOMP=1\nFORMAT=ascii\n\n1 2\n")
+    done = subprocess.run(
+        ["sh", "-c", "rmtxop -t a.mtx | rmtxop -fa -s 3 - > out.mtx"],
+        cwd=field,
+        env={**os.environ, "PATH": f"{field / 'bin'}:{os.environ['PATH']}"},
+        check=False,
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    assert read_matrix(field / "out.mtx").values.tolist() == [[[3.0], [6.0]]]
+
+
+def test_evalglare_takes_its_options(call, tmp_path):
+    """-q 1 is --background average; view options and the output are evalglare's."""
+    radiance = np.ones((64, 64, 3), np.float32)
+    radiance[20:24, 30:34] = 200
+    write_picture(Picture(radiance), tmp_path / "eye.hdr")
+    view = ("-vta", "-vh", 180, "-vv", 180)
+    picture = tmp_path / "eye.hdr"
+    found = call("compat", "evalglare", "-d", "-q", 1, *view, picture)
+    words = ("--background", "average", "--view", " ".join(map(str, view)))
+    assert found.status == 0, found.err
+    assert found.out == call("glare", "-d", *words, picture).out
+    assert "dgp" in found.out
+    assert call("compat", "evalglare", "-R", picture).status == 2
