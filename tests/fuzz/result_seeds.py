@@ -173,6 +173,25 @@ samples = 100
 """
 
 
+SWEEP = """[sweep]
+sky.rotation_deg = [0, 90]
+tilt = ["a", "b"]
+"""
+VARIANT = """[[variant]]
+name = "more paths"
+trace.samples = 200
+"""
+
+
+def _sweep(folder: Path) -> list[bytes]:
+    _study(folder)
+    return [(BLINDS + more).encode() for more in (SWEEP, VARIANT)]
+
+
+def _folder_of(found, path):
+    return found(path.parent)
+
+
 MATRIX = "#?RADIANCE\nNROWS={}\nNCOLS={}\nNCOMP=3\nFORMAT=ascii\n\n1 1 1 2 2 2\n"
 
 
@@ -207,6 +226,13 @@ READERS = {
     "matrix": Reader("cli.multiply:read_any_matrix", "m.mtx", make=_matrices),
     "netcdf": Reader("matrix.netcdf:read_netcdf", "m.nc", make=_netcdf, sealed=sealed),
     "study": Reader("study.config:read_study", "study.toml", make=_study),
+    "variants": Reader("study.variants:read_variants", "study.toml", make=_sweep),
+    "finished variants": Reader(
+        "study.variant_run:_finished",
+        "finished.json",
+        ('{"a": "0123", "b": "4567"}',),
+        use=_folder_of,
+    ),
     "study inputs": Reader(
         "study.config:read_study", "study.toml", make=_room_study, use=_inputs
     ),

@@ -28,6 +28,8 @@ LEFT_OUT = {
     "study.annual_view_grids:study_view_grids": "reads what it has written",
     "study.view_grid_positions:read_view_grid": "reads by read_positions",
     "report.page_assets:asset": "reads files of the package",
+    "spectral.functions:spectral_function": "reads files of the package",
+    "study.variant_run:_input_key": "hashes what other readers read",
     "cli.compat:_picture": "copies standard input to a file, which is then read",
     "study.new_study:write_demo": "copies files of the package",
 }

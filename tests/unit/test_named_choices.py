@@ -58,6 +58,8 @@ CHANNELS = {
     "StackedLayers side": lambda: stacked().diffuse_absorptance(side="room"),
 }
 CHOICES = {
+    "DaylightSpectra sky": lambda: clerestory.DaylightSpectra(sky=WRONG),
+    "DaylightSpectra sun": lambda: clerestory.DaylightSpectra(sun=WRONG),
     "Axis kind": lambda: clerestory.Axis("sensors", 3),
     "Bsdf functions": lambda: Bsdf(
         {("visible", WRONG): layer().function("transmission_front")}

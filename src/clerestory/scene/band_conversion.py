@@ -88,8 +88,8 @@ def _with_spectrum(material: Material, spectrum: Spectrum, bands: Bands) -> Mate
         kind = type(material).__name__
         raise error_at(
             material.source,
-            f'the material "{material.name}" is a {kind}, whose colour no spectrum can'
-            " replace; plastic, metal, trans, mirror or glass expected",
+            f'the material "{material.name}" is of kind {kind}, for which no spectrum'
+            " can be given; plastic, metal, trans, mirror or glass expected",
         )
     what = f'a value of the spectrum of "{material.name}"'
     within(spectrum.value, what, least=0, most=1)
