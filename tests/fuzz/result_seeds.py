@@ -175,7 +175,7 @@ samples = 100
 
 SWEEP = """[sweep]
 sky.rotation_deg = [0, 90]
-tilt = ["a", "b"]
+trace.seed = [1, 2]
 """
 VARIANT = """[[variant]]
 name = "more paths"
