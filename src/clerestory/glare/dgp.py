@@ -46,7 +46,7 @@ def dgp_over_time(
 
     >>> sun = GlareSources.of(luminance=[1e6], solid_angle=[6.8e-5], position_index=[3])
     >>> dgp_over_time(sun, np.array([1]), np.full(2, 3000.0)).round(3).tolist()
-    [0.344, 0.384]
+    [0.335, 0.384]
     """
     k, level = coefficients, np.where(illuminance > 0, illuminance, 1.0)
     weight = sources.luminance**k.a1 / sources.position_index**k.a4

@@ -142,6 +142,7 @@ def evaluate_glare(
 
     Examples
     --------
+    >>> import numpy as np
     >>> eye = View(kind="angular", horizontal=180, vertical=180)
     >>> pixels = np.full((160, 160, 3), 2.0, dtype=np.float32)
     >>> pixels[50:60, 75:85] = 60.0
