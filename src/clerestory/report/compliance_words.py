@@ -5,6 +5,14 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from clerestory.metrics.compliance import Assessment, Quantity, Requirement, Verdict
+from clerestory.metrics.en17037 import (
+    LEVELS,
+    MINIMUM_AREA,
+    MINIMUM_LUX,
+    TARGET_AREA,
+    TARGET_LUX,
+    DaylightProvision,
+)
 from clerestory.report.uncertain_value import Figure
 
 # Distances of the view above which it is unobstructed [m]
@@ -36,6 +44,38 @@ def verdict_words(verdict: Verdict) -> str:
     others = sorted({level for level in verdict.replicates if level != verdict.level})
     names = " or ".join(verdict.levels[level] for level in others)
     return f"{verdict.words}, ± {verdict.error:.1g} levels: possibly {names}"
+
+
+def level_words(level: int) -> str:
+    """Return a level 0…3 of EN 17037 in words.
+
+    >>> level_words(0), level_words(2)
+    ('no level', 'level medium')
+    """
+    return f"level {LEVELS[level]}" if level else "no level"
+
+
+def provision_words(provision: DaylightProvision) -> str:
+    """Return the daylight provision by EN 17037: its level, and areas of the next one.
+
+    >>> from clerestory.metrics.spatial_metrics import RoomShare
+    >>> target, least = (tuple(map(RoomShare, x)) for x in ((0.3, 0, 0), (1, 0.9, 0)))
+    >>> words = provision_words(DaylightProvision(target, least, 0, 1))
+    >>> words[:73]
+    'no level; level minimum needs 300 lux on 50 % of the area (found: 30 %) an'
+    """
+    level = provision.level
+    wanted = min(level + 1, len(LEVELS) - 1)
+    target, minimum = (
+        f"{lux[wanted - 1]:.0f} lux on {100 * least:.0f} % of the area"
+        f" (found: {100 * share[wanted - 1].value:.0f} %)"
+        for lux, least, share in (
+            (TARGET_LUX, TARGET_AREA, provision.target),
+            (MINIMUM_LUX, MINIMUM_AREA, provision.minimum),
+        )
+    )
+    which = level_words(wanted) if level < wanted else "it"
+    return f"{level_words(level)}; {which} needs {target} and {minimum}"
 
 
 def assessment_lines(assessments: Sequence[Assessment]) -> Iterator[str]:
