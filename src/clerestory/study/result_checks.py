@@ -83,6 +83,7 @@ _NAMES = {
     "method": ("method",),
     "space": ("sensor",),
     "view_space": ("view",),
+    "grid_view_space": ("grid_view",),
     "window_space": ("window",),
     "opening_space": ("opening",),
     **{f"verdict_{name}": ("verdict",) for name in _OF_VERDICTS},
