@@ -620,6 +620,7 @@ WRITERS = {
     "recipes.outputs._write_hourly": test_recipe_results_hold_any_name,
     "report.bsdf_view.write_view": test_pages_hold_any_text,
     "report.comparison_page.write_comparison": test_pages_hold_any_text,
+    "report.explore_page.write_explorer": test_pages_hold_any_text,
     "report.figure_file.write_figure": "pixels",
     "report.page.write_report": test_pages_hold_any_text,
     "study.annual_view_grids._hourly_file": "numbers",
