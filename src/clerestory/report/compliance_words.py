@@ -62,7 +62,7 @@ def provision_words(provision: DaylightProvision) -> str:
     >>> target, least = (tuple(map(RoomShare, x)) for x in ((0.3, 0, 0), (1, 0.9, 0)))
     >>> words = provision_words(DaylightProvision(target, least, 0, 1))
     >>> words[:73]
-    'no level; level minimum needs 300 lux on 50 % of the area (found: 30 %) an'
+    'no level; level minimum needs 300 lux on 50 % of the area (found: 30 %) a'
     """
     level = provision.level
     wanted = min(level + 1, len(LEVELS) - 1)

@@ -1,7 +1,7 @@
 """Markdown as HTML that is safe to embed in a report.
 
 CommonMark with tables, by markdown-it. Raw HTML is shown as text, addresses of scripts
-are not linked, and images are left out, since a report loads nothing from other files.
+are not linked, and images are replaced by their text, since a report loads nothing.
 """
 
 from functools import cache
@@ -17,7 +17,7 @@ _LEVELS_DOWN = 2
 @cache
 def _parser() -> MarkdownIt:
     found = MarkdownIt("commonmark", {"html": False, "breaks": False})
-    return found.enable("table").disable("image")
+    return found.enable("table")
 
 
 def markdown(text: str) -> Markup:
@@ -34,6 +34,9 @@ def markdown(text: str) -> Markup:
         if token.type in ("heading_open", "heading_close"):
             token.tag = f"h{min(int(token.tag[1]) + _LEVELS_DOWN, 6)}"
         for part in token.children or ():
+            if part.type == "image":
+                # The text in place of the image
+                part.type, part.tag, part.children = "text", "", None
             if part.type == "link_open":
                 part.attrSet("rel", "noopener noreferrer")
     made = parser.renderer.render(tokens, parser.options, environment)

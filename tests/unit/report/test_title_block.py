@@ -141,6 +141,11 @@ def test_notes_cannot_bring_markup_or_scripts_into_the_page(text):
         assert link.get("href").startswith(("http", "mailto:", "#"))
 
 
+def test_images_in_notes_become_their_text():
+    made = markdown("![plan <b> of *desks*](http://evil.example/x.png)")
+    assert made == "<p>plan &lt;b&gt; of *desks*</p>\n"
+
+
 def test_the_logo_in_run_json_must_be_base64(tmp_path):
     with pytest.raises(InputError, match=r"report\.logo"):
         check_run({"report": {"logo": '"><script>'}}, tmp_path)
