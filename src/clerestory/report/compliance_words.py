@@ -36,14 +36,22 @@ def quantity_words(quantity: Quantity) -> str:
 def verdict_words(verdict: Verdict) -> str:
     """Return a verdict with the standard error of its level, if it has one.
 
-    >>> verdict_words(Verdict("sDA", 1, ("none", "some", "much"), (), (1, 2)))
+    >>> verdict_words(Verdict("sDA", 1, ("little", "some", "much"), (), (1, 2)))
     'some, ± 0.5 levels: possibly much'
+    >>> verdict_words(Verdict("view out", 0, ("none", "minimum")))
+    'no level reached'
     """
+    words = _level_name(verdict.words)
     if not verdict.error:
-        return verdict.words
+        return words
     others = sorted({level for level in verdict.replicates if level != verdict.level})
-    names = " or ".join(verdict.levels[level] for level in others)
-    return f"{verdict.words}, ± {verdict.error:.1g} levels: possibly {names}"
+    names = " or ".join(_level_name(verdict.levels[level]) for level in others)
+    return f"{words}, ± {verdict.error:.1g} levels: possibly {names}"
+
+
+def _level_name(name: str) -> str:
+    # "Protection from glare: none" would also mean that there is no glare
+    return "no level reached" if name == LEVELS[0] else name
 
 
 def level_words(level: int) -> str:
