@@ -68,6 +68,7 @@ from clerestory.study.model_import import write_honeybee_model
 from clerestory.study.outputs import _METRICS, write_hourly, write_metrics
 from clerestory.study.results import Results, read_results, save_results
 from clerestory.study.study_files import study_text, window_text
+from clerestory.study.title_block import TitleBlock
 from clerestory.study.variant_figures import RunFigures, VariantFigure
 from clerestory.study.variant_outputs import write_variants
 from clerestory.study.view_grid_outputs import write_grid_dgp, write_grid_views
@@ -579,7 +580,8 @@ def test_figures_of_variants_hold_any_name(folder):
         rows = list(csv.reader(stream))
     assert len(rows) == len(names) + 1
     assert not any(cell.startswith(("=", "@")) for row in rows for cell in row)
-    write_variants_page(folder / "page.html", runs, title=names[0])
+    block = TitleBlock(*names[:3], notes="\n\n".join(names))
+    write_variants_page(folder / "page.html", runs, title=names[0], title_block=block)
     page = (folder / "page.html").read_text(encoding="utf-8")
     assert "<script" not in page
     require_no_marker(folder)
@@ -641,6 +643,7 @@ WRITERS = {
     "report.explore_page.write_explorer": test_pages_hold_any_text,
     "report.figure_file.write_figure": "pixels",
     "report.page.write_report": test_pages_hold_any_text,
+    "report.pdf.write_pdf": "a page that is listed here",
     "study.annual_view_grids._hourly_file": "numbers",
     "study.illuminance_by_state.results_by_state": "numbers",
     "study.method_comparison.compare_methods": test_tables_hold_no_formulas,

@@ -22,6 +22,7 @@ from clerestory.study import config_tables as tables
 from clerestory.study.compliance_tables import ComplianceTable, SpaceTable
 from clerestory.study.config_tables import Distinct, require_rule
 from clerestory.study.lighting_tables import LightingTable, LuminaireTable
+from clerestory.study.report_tables import ReportTable
 from clerestory.study.view_grid_tables import ViewGridTable
 from clerestory.study.window_tables import WindowTable
 from clerestory.toml_lines import key_lines
@@ -75,6 +76,7 @@ class Study(Table):
     )
     space: Annotated[list[SpaceTable], Distinct] = Field([])
     compliance: ComplianceTable | None = Field(None, description="a table [compliance]")
+    report: ReportTable = ReportTable()
     output: tables.OutputTable = tables.OutputTable()
 
     @model_validator(mode="after")

@@ -120,6 +120,7 @@ def run_method(
     recent = recent or RecentValues()
     with log.phase("read"):
         inputs = read_inputs(study, recent=recent)
+        title_block = study.report.title_block()
     with log.phase("check"):
         warn_of_inputs(study, inputs, recent=recent)
     with _scratch_folder(out) as scratch:
@@ -136,6 +137,8 @@ def run_method(
         with log.phase("write"):
             write_tables(study, Results(data), out)
         facts = _run_facts(job, data, log)
+        if title_block:
+            facts["report"] = title_block.facts()
         results = Results(data, facts)
         save_results(results, out)
         if any(scratch.iterdir()):
