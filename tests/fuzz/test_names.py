@@ -35,6 +35,7 @@ from clerestory.bsdfgen.shading_system import SampleArea
 from clerestory.cli.progress import _bars, say
 from clerestory.comparison.comparison_output import _write_csv
 from clerestory.control.schedule import StateSchedule, read_schedule, write_schedule
+from clerestory.energyplus.input_objects import InputObject, object_name, write_objects
 from clerestory.escaping import terminal_text
 from clerestory.files import write_text
 from clerestory.formats.hbjson import read_hbjson
@@ -586,6 +587,22 @@ def test_figures_of_variants_hold_any_name(folder):
     require_no_marker(folder)
 
 
+def test_energyplus_input_holds_any_name(folder):
+    """Names with commas, semicolons and comment marks, as IDF text and as epJSON."""
+    objects = [
+        InputObject("Zone", f"{number}_{object_name(name)}", {"x": 0.0})
+        for number, name in enumerate(NAMES)
+    ]
+    write_objects(folder / "a.idf", objects, comment=NAMES[0])
+    lines = (folder / "a.idf").read_text(encoding="utf-8").splitlines()
+    text = "".join(line.split("!")[0] for line in lines)
+    assert text.count(";") == len(NAMES)
+    assert text.count(",") == 2 * len(NAMES)
+    write_objects(folder / "a.epJSON", objects)
+    document = json.loads((folder / "a.epJSON").read_text(encoding="utf-8"))
+    assert len(document["Zone"]) == len(NAMES)
+
+
 WRITERS = {
     "bsdf.xml_insertion.insert_blocks": "lxml escapes",
     "bsdf.xml_writer.write_bsdf": test_bsdf_files_hold_any_text,
@@ -596,6 +613,7 @@ WRITERS = {
     "cli.irradiance.irradiance": "numbers",
     "cli.metrics.metrics": test_tables_hold_no_formulas,
     "cli.sky.sun": "numbers",
+    "energyplus.input_objects.write_objects": test_energyplus_input_holds_any_name,
     "comparison.comparison_output._write_csv": test_tables_hold_no_formulas,
     "comparison.comparison_output.write_tables": "JSON",
     "comparison.mapping.write_layout_sensors": "numbers",
@@ -622,6 +640,7 @@ WRITERS = {
     "recipes.outputs._write_hourly": test_recipe_results_hold_any_name,
     "report.bsdf_view.write_view": test_pages_hold_any_text,
     "report.comparison_page.write_comparison": test_pages_hold_any_text,
+    "report.explore_page.write_explorer": test_pages_hold_any_text,
     "report.figure_file.write_figure": "pixels",
     "report.page.write_report": test_pages_hold_any_text,
     "report.pdf.write_pdf": "a page that is listed here",
