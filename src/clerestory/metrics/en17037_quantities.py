@@ -192,7 +192,7 @@ def inputs_of_criteria(space: Space) -> Iterator[Requirement]:
     yield named(
         "Views for glare",
         views > 0,
-        f"{views or 'no'} views",
+        _counted(views, "view"),
         change="add a [[view]] of 180° at the place where glare is worst, or a"
         " [[view_grid]]",
     )
@@ -200,7 +200,7 @@ def inputs_of_criteria(space: Space) -> Iterator[Requirement]:
     yield named(
         "Openings for sunlight",
         openings > 0,
-        f"{openings or 'no'} openings",
+        _counted(openings, "opening"),
         change="add a [[window]], or file = of openings to a table [sunlight]",
     )
     yield named(
@@ -209,6 +209,10 @@ def inputs_of_criteria(space: Space) -> Iterator[Requirement]:
         "openings" if "view_width" in data else "no openings",
         change="add a [[window]], or file = of openings to a table [sunlight]",
     )
+
+
+def _counted(count: int, word: str) -> str:
+    return f"{count or 'no'} {word}{'' if count == 1 else 's'}"
 
 
 def _areas(
