@@ -48,6 +48,7 @@ _HOME = {
     "read_rad": "radiance.rad_reader",
     "read_obj": "formats.obj",
     "read_hbjson": "formats.hbjson",
+    "read_ifc": "formats.ifc",
     "read_gltf": "formats.gltf",
     "read_luminaire": "formats.photometry.read",
     "luminaire_scene": "formats.photometry.luminaire_scene",
