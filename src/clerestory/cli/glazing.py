@@ -11,6 +11,8 @@ from clerestory.bsdf.xml_writer import usual_digits, write_bsdf
 from clerestory.checks import require
 from clerestory.cli.progress import progress_display, say
 from clerestory.cli.requests.glazing import GlazingInfo, StackLayers
+from clerestory.energyplus.complex_fenestration import complex_fenestration
+from clerestory.energyplus.input_objects import write_objects
 from clerestory.errors import InputError
 from clerestory.glazing import glazing_system
 from clerestory.glazing.layer import Glass, Layer
@@ -51,10 +53,13 @@ def stack(request: StackLayers) -> None:
                 name=system.name,
                 report=display("random walk"),
             ).bsdf
+    names = " | ".join(layer.name for layer in system.layers).replace("--", "-")
+    comment = f"clerestory glazing stack of {names}"
     if request.output is not None:
-        names = " | ".join(layer.name for layer in system.layers).replace("--", "-")
-        comment = f"clerestory glazing stack of {names}"
         write_bsdf(request.output, bsdf, digits=usual_digits(bsdf), comment=comment)
+    if request.energyplus is not None:
+        objects = complex_fenestration(system, stacked)
+        write_objects(request.energyplus, objects, comment=comment)
     say(*_figures(stacked), quiet=request.quiet)
     if request.thermal:
         scattering = any(not isinstance(one, Glass) for one in system.layers)

@@ -28,6 +28,9 @@ class StackLayers:
     )
     walkers: int = option(256, "Random walks per incident cell, for --tree.", least=8)
     thermal: bool = option(False, "Also print U-value, SHGC and temperatures.")
+    energyplus: Path | None = option(
+        None, "Complex fenestration state of EnergyPlus to write: .idf or .epJSON."
+    )
     seed: Seed = 1
     quiet: Quiet = False
 
