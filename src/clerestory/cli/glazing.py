@@ -23,6 +23,7 @@ from clerestory.glazing.standard import Channel
 from clerestory.glazing.standard import standard as standard_named
 from clerestory.glazing.thermal import ThermalFigures, thermal_figures
 from clerestory.hemisphere.klems import klems
+from clerestory.spectral.band_sets import band_set
 
 _SHOWN: tuple[Channel, Channel] = ("visible", "solar")
 _MILLIMETRE = 1e-3
@@ -32,12 +33,17 @@ def stack(request: StackLayers) -> None:
     """Combine layers into one BSDF, and print its optical and thermal properties."""
     system = _system(request.layer, request.gap, request.gas)
     averages = standard_named(request.standard)
+    require(
+        not request.spectral or request.tree is None,
+        "--spectral with --tree; one of them expected",
+    )
     with progress_display(quiet=request.quiet) as display:
         stacked = stack_layers(
             system.layers,
             partition=klems(request.basis),
             standard=averages,
             method="bands" if request.bands else "wavelengths",
+            bands=band_set(request.spectral) if request.spectral else None,
             name=system.name,
             gap_thickness=sum(space.thickness for space in system.gaps),
             report=display("layers"),
