@@ -103,6 +103,9 @@ def shown(browse, page):
         await set("dgp-limit", 0.45, "input");
         found.glare = document.getElementById("exceeded-0").textContent;
         found.positions = [...explorer.shownPositions.values];
+        await set("direction", 4, "input");
+        found.south = [...explorer.shownPositions.values];
+        found.southWords = document.getElementById("direction").selectedOptions[0].text;
         await set("grid", 1); found.eyes = explorer.shownYear.values.length;
         document.getElementById("values").open = true; await pause(300);
         found.rows = document.querySelectorAll("#values-rows tr").length;
@@ -186,8 +189,10 @@ def test_glare_is_that_of_the_file(shown, results):
     desk = data["glare_dgp"].values[0, hours] > 0.45
     assert shown["glare"] == f"{100 * desk.mean():.1f} %"
     grid = data["grid_view_dgp"].values[:, hours] > 0.45
-    worst = share(grid).reshape(6, 8).max(axis=1)
-    assert np.allclose(shown["positions"], worst, atol=1e-9)
+    shares = share(grid).reshape(6, 8)
+    assert np.allclose(shown["positions"], shares.max(axis=1), atol=1e-9)
+    assert np.allclose(shown["south"], shares[:, 4], atol=1e-9)
+    assert shown["southWords"] == "180°"
 
 
 def test_downloads_hold_what_is_shown(shown, results):

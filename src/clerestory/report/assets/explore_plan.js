@@ -42,7 +42,7 @@ function differenceScale(colours, values, unit) {
   const largest = values.reduce((most, value) => Math.max(most, Math.abs(value) || 0), 0);
   const steps = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 1e4, 2e4, 5e4, 1e5, 2e5];
   const top = steps.find(step => step >= largest) ?? largest;
-  return new Scale(colours, -top, top, { unit, levels: [-top, -top / 2, 0, top / 2, top] });
+  return new Scale(colours, -top, top, { unit, levels: [-top, 0, top] });
 }
 
 class PlanMap {
