@@ -22,7 +22,7 @@ STACK = (
         "threads",
         "warning_log",
     ),
-    ("checks", "escaping"),
+    ("checks", "escaping", "argument_types"),
     ("files", "file_lock", "directions", "bands", "spectra", "toml_lines"),
     ("spectral",),
     ("colorimetry", "documents"),
