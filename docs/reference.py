@@ -26,7 +26,7 @@ _PAGES = (
         "bsdfs",
         "BSDFs",
         "Scattering of layers: read, measured, generated, stacked.",
-        ("bsdf", "gonio", "bsdfgen", "glazing", "hemisphere"),
+        ("bsdf", "library", "gonio", "bsdfgen", "glazing", "hemisphere"),
     ),
     ("skies", "Weather and skies", "Weather files, sky matrices, suns.", ("sky",)),
     (

@@ -25,7 +25,7 @@ _HOME = {
     "klems": "hemisphere.klems",
     "reinhart": "hemisphere.reinhart",
     "Bsdf": "bsdf.bsdf",
-    "read_bsdf": "bsdf.xml_reader",
+    "read_bsdf": "library.bsdf_source",
     "write_bsdf": "bsdf.xml_writer",
     "read_measurement": "gonio.measurement_files",
     "fit_measurement": "gonio.fitted_measurement",

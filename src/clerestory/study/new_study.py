@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.checks import one_of, require
 from clerestory.files import make_folder, replace_file, write_text
+from clerestory.library.bsdf_source import read_bsdf
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.window_reader import read_windows
 from clerestory.scene.floor_grid import floor_grid, room_side
