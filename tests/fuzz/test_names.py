@@ -623,6 +623,7 @@ WRITERS = {
     "report.figure_file.write_figure": "pixels",
     "report.page.write_report": test_pages_hold_any_text,
     "study.annual_view_grids._hourly_file": "numbers",
+    "study.illuminance_by_state.results_by_state": "numbers",
     "study.method_comparison.compare_methods": test_tables_hold_no_formulas,
     "study.view_grid_outputs.write_grid_dgp": test_view_grids_are_tables,
     "study.view_grid_outputs.write_grid_views": test_view_grids_are_tables,

@@ -14,6 +14,7 @@ from clerestory import __version__
 from clerestory.bands import RGB, Bands
 from clerestory.brief_repr import brief
 from clerestory.checks import require
+from clerestory.engine.adaptive_pixels import estimate_picture
 from clerestory.engine.effort import Effort, EffortKeywords, effort_of
 from clerestory.engine.radiance_jobs import (
     PICTURE_BATCHES,
@@ -136,7 +137,7 @@ def _picture(
         quantity=quantity,
         **effort.job_options(PICTURE_BATCHES),
     )
-    lit = estimate_radiance(job, effort)
+    lit = estimate_picture(job, effort)
     warn_if_short(lit, "picture", effort)
     picture = Picture(
         lit.value.reshape(rows, columns, -1).astype(np.float32),

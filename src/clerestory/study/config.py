@@ -156,6 +156,17 @@ class Study(Table):
         )
         return self
 
+    @model_validator(mode="after")
+    def _states_for_the_output(self) -> "Study":
+        several = any(len(window.states()) > 1 for window in self.window)
+        windows = all(METHODS[method].windows for method in self.methods)
+        require_rule(
+            not self.output.by_state or (several and windows),
+            '"by_state" without a window that has several states; tables'
+            " [[window.state]], and a method with windows, expected",
+        )
+        return self
+
     def _require_views(self, window: WindowTable) -> None:
         control = window.control
         if control is None or (control.rule == "glare" and control.grid):

@@ -43,6 +43,7 @@ from clerestory.study.compliance_table import compliance_table
 from clerestory.study.config import Study
 from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.electric_lighting import lighting
+from clerestory.study.illuminance_by_state import results_by_state
 from clerestory.study.inputs import Inputs, read_inputs
 from clerestory.study.job import Display, Job
 from clerestory.study.labels import (
@@ -200,6 +201,7 @@ def _simulate(job: Job, log: RunLog, states: States | None, *, out: Path) -> xr.
     with log.phase("metrics"):
         parts = [electric, glare, grids, compliance_inputs(study, inputs, matrices)]
         parts += _melanopic(matrices, signals, acts.states)
+        parts.append(results_by_state(signals))
         data = label_results(hourly, parts, signals, acts)
     if study.compliance is None:
         return data

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from clerestory.checks import one_of, require
 from clerestory.files import make_folder, replace_file, write_text
-from clerestory.library.bsdf_source import read_bsdf
+from clerestory.library.bsdf_source import is_library_name, read_bsdf
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.window_reader import read_windows
 from clerestory.scene.floor_grid import floor_grid, room_side
@@ -88,7 +88,9 @@ def begin_study(
         sensors = study_files.write_sensors(
             folder / SENSOR_FILE, scaled(grid, 1 / metres)
         )
-    layer = study_files.relative_path(bsdf, folder)
+    layer = str(bsdf)
+    if not is_library_name(bsdf):
+        layer = study_files.relative_path(bsdf, folder)
     tables = {
         "title": folder.resolve().name,
         "method": "3-phase",

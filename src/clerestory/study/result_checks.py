@@ -28,6 +28,8 @@ _NUMBERS = {
     "window_normal": ("window", "xyz"),
     "window_up": ("window", "xyz"),
     "state": ("window", "time"),
+    "facade_irradiance": ("window", "time"),
+    "illuminance_by_state": ("sensor", "window", "state_number", "time"),
     "electric_illuminance": ("sensor", "time"),
     "sun_reaches": ("opening", "moment"),
     "room_hours_of_sun": (),

@@ -281,4 +281,7 @@ def hour_bytes(study: Study) -> int:
     variables = 2 + COUNT // 4 + bool(study.lighting)
     if needs_direct(study):
         variables += 2 + COUNT // 4 + 3 * study.corrected
+    if study.output.by_state:
+        windows = [len(window.states()) for window in study.window]
+        variables += len(windows) * max(windows)
     return 4 * variables
