@@ -21,7 +21,7 @@ from clerestory.library.library_panes import library_pane
 Family = Literal["glazing", "blind", "screen", "louvre", "film"]
 
 # Tilt angles that are listed [°]; all whole angles between −90° and 90° are accepted
-TILTS = (0, 15, 30, 45, 60, 75, 90)
+TILTS = (-45, 0, 15, 30, 45, 60, 75)
 
 # Reflectances of slats, and reflectance and transmittance of the threads of fabrics
 _SLATS = {"white": 0.75, "silver": 0.60, "grey": 0.40, "black": 0.05}

@@ -75,8 +75,9 @@ def test_slats_at_45_degrees_cut_the_normal_beam():
 
 
 def test_closed_slats_are_opaque():
-    """Slats of 80 mm every 72 mm, upright: they overlap."""
-    assert at_normal("venetian-80-white@90") < 1e-6
+    """Slats of 80 mm every 72 mm overlap at 75°; some light passes by reflections."""
+    assert library_layers("venetian-80-grey@75")[0].openness(DOWN)[0] == 0
+    assert at_normal("venetian-80-grey@75") < 0.1
 
 
 @pytest.mark.parametrize("name", [name for name in RECIPES if name not in SLOW])
