@@ -123,7 +123,14 @@ def _diffuser(transmittance: float, reflectance: float) -> Recipe:
     return Recipe("film", words, lambda _tilt: (Diffuser(material),))
 
 
-_SINGLE = ("clear-3", "clear-6", "clear-12", "low-iron-3", "bronze-6", "grey-6")
+_SINGLE: tuple[str, ...] = (
+    "clear-3",
+    "clear-6",
+    "clear-12",
+    "low-iron-3",
+    "bronze-6",
+    "grey-6",
+)
 _SINGLE += ("grey-12", "green-6", "pyrolytic-6")
 _CUTOFF = math.tan(math.radians(40))
 

@@ -93,7 +93,6 @@ def begin_study(
         else [scaled(read_sensors(sensors), metres)]
     )
     eyes = [desk_views(room, each, height=height) if views else [] for each in rooms]
-
     _warn_of_omitted(rooms, eyes if views else [])
 
     # Flip windows to face the room; write files only after all input files are read
@@ -105,9 +104,9 @@ def begin_study(
         turned += wrong
         if wrong:
             write_text(shown[-1], "\n".join(_facing_room(w, wrong) for w in found))
-    files = [sensors]
+    files: list[str | Path] = [] if sensors is None else [sensors]
     if sensors is None:
-        files = [
+        files += [
             study_files.write_sensors(folder / name, scaled(grid, 1 / metres))
             for name, grid in zip(_numbered(SENSOR_FILE, grids), grids, strict=True)
         ]
