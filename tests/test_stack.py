@@ -31,6 +31,7 @@ STACK = (
     ("bsdf", "sky"),
     ("gonio", "glazing"),
     ("library",),
+    ("energyplus",),
     ("scene",),
     ("formats",),
     ("radiance",),

@@ -35,6 +35,7 @@ from clerestory.bsdfgen.shading_system import SampleArea
 from clerestory.cli.progress import _bars, say
 from clerestory.comparison.comparison_output import _write_csv
 from clerestory.control.schedule import StateSchedule, read_schedule, write_schedule
+from clerestory.energyplus.input_objects import InputObject, object_name, write_objects
 from clerestory.escaping import terminal_text
 from clerestory.files import write_text
 from clerestory.formats.hbjson import read_hbjson
@@ -63,10 +64,11 @@ from clerestory.report.markup import element, embedded_json, render
 from clerestory.report.page_assets import content_policy
 from clerestory.report.variants_page import write_variants_page
 from clerestory.scene.model import Mirror, Mixture, Plastic, Polygon, Scene
-from clerestory.study.model_import import write_honeybee_model
+from clerestory.study.model_import import write_building_model
 from clerestory.study.outputs import _METRICS, write_hourly, write_metrics
 from clerestory.study.results import Results, read_results, save_results
 from clerestory.study.study_files import study_text, window_text
+from clerestory.study.title_block import TitleBlock
 from clerestory.study.variant_figures import RunFigures, VariantFigure
 from clerestory.study.variant_outputs import write_variants
 from clerestory.study.view_grid_outputs import write_grid_dgp, write_grid_views
@@ -263,7 +265,7 @@ def test_imports_of_models_run_no_name(folder):
     model = replace(model, views={}, windows=())
     out = folder / "out"
     weather = importlib.resources.files("pvlib") / "data" / "723170TYA.CSV"
-    written = write_honeybee_model(model, out, weather=Path(str(weather)))
+    written = write_building_model(model, out, weather=Path(str(weather)))
     inside = set(out.rglob("*"))
     assert set(written.files) == inside
     assert len(written.files) == len(inside)
@@ -578,10 +580,27 @@ def test_figures_of_variants_hold_any_name(folder):
         rows = list(csv.reader(stream))
     assert len(rows) == len(names) + 1
     assert not any(cell.startswith(("=", "@")) for row in rows for cell in row)
-    write_variants_page(folder / "page.html", runs, title=names[0])
+    block = TitleBlock(*names[:3], notes="\n\n".join(names))
+    write_variants_page(folder / "page.html", runs, title=names[0], title_block=block)
     page = (folder / "page.html").read_text(encoding="utf-8")
     assert "<script" not in page
     require_no_marker(folder)
+
+
+def test_energyplus_input_holds_any_name(folder):
+    """Names with commas, semicolons and comment marks, as IDF text and as epJSON."""
+    objects = [
+        InputObject("Zone", f"{number}_{object_name(name)}", {"x": 0.0})
+        for number, name in enumerate(NAMES)
+    ]
+    write_objects(folder / "a.idf", objects, comment=NAMES[0])
+    lines = (folder / "a.idf").read_text(encoding="utf-8").splitlines()
+    text = "".join(line.split("!")[0] for line in lines)
+    assert text.count(";") == len(NAMES)
+    assert text.count(",") == 2 * len(NAMES)
+    write_objects(folder / "a.epJSON", objects)
+    document = json.loads((folder / "a.epJSON").read_text(encoding="utf-8"))
+    assert len(document["Zone"]) == len(NAMES)
 
 
 WRITERS = {
@@ -594,6 +613,7 @@ WRITERS = {
     "cli.irradiance.irradiance": "numbers",
     "cli.metrics.metrics": test_tables_hold_no_formulas,
     "cli.sky.sun": "numbers",
+    "energyplus.input_objects.write_objects": test_energyplus_input_holds_any_name,
     "comparison.comparison_output._write_csv": test_tables_hold_no_formulas,
     "comparison.comparison_output.write_tables": "JSON",
     "comparison.mapping.write_layout_sensors": "numbers",
@@ -620,8 +640,10 @@ WRITERS = {
     "recipes.outputs._write_hourly": test_recipe_results_hold_any_name,
     "report.bsdf_view.write_view": test_pages_hold_any_text,
     "report.comparison_page.write_comparison": test_pages_hold_any_text,
+    "report.explore_page.write_explorer": test_pages_hold_any_text,
     "report.figure_file.write_figure": "pixels",
     "report.page.write_report": test_pages_hold_any_text,
+    "report.pdf.write_pdf": "a page that is listed here",
     "study.annual_view_grids._hourly_file": "numbers",
     "study.illuminance_by_state.results_by_state": "numbers",
     "study.method_comparison.compare_methods": test_tables_hold_no_formulas,
@@ -629,7 +651,7 @@ WRITERS = {
     "study.view_grid_outputs.write_grid_views": test_view_grids_are_tables,
     "study.model_import._put": test_imports_of_models_run_no_name,
     "study.model_import._bsdf_text": test_imports_of_models_run_no_name,
-    "study.model_import.write_honeybee_model": test_imports_of_models_run_no_name,
+    "study.model_import.write_building_model": test_imports_of_models_run_no_name,
     "study.new_study.begin_study": test_study_files_hold_any_text,
     "study.new_study.write_demo": "files of the package",
     "study.outputs._write_lines": test_results_of_hostile_grids_are_tables,

@@ -149,9 +149,10 @@ class StageWork:
     ) -> float:
         # Seconds for the pixels of a view
         samples = self.study.sun.picture_samples
+        windows = view.blocks if errors else view.windows
         return sum(
             _product(
-                chains(view.windows, term.part), len(view.camera), steps, bands,
+                chains(windows, term.part), len(view.camera), steps, bands,
                 errors=errors, together=_TOGETHER, samples=samples,
             )
             for term in self.matrices.terms

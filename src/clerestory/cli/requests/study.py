@@ -79,15 +79,24 @@ class Demo:
     quiet: common.Quiet = False
 
 
-@command("study:report", "study_results")
+@command("study:report", "study_results --pdf")
 class WriteReport:
     """Write the report of an earlier run from its results.
 
-    Pictures are taken from the folder `pictures` beside results.nc.
+    Pictures are taken from the folder `pictures` beside results.nc. Title block and
+    notes are those of the study, unless they are given here.
     """
 
     results: Path = argument("Results folder or results.nc.", "RESULTS")
     output: Path | None = option(None, "HTML file to write.", "-o")
+    project: str | None = option(None, "Project in the title block.")
+    client: str | None = option(None, "Client in the title block.")
+    author: str | None = option(None, "Author in the title block.")
+    logo: Path | None = option(None, "Logo in the title block (.png, .jpg).")
+    notes: Path | None = option(None, "Notes in Markdown (.md).")
+    pdf: bool = option(
+        False, "Write a PDF file too; needs Chromium, Chrome or Edge.", "--pdf"
+    )
     quiet: common.Quiet = False
 
 
@@ -143,29 +152,30 @@ class Compare:
     "import_model:import_model", "room.hbjson --weather oslo.epw -o room", name="import"
 )
 class ImportModel:
-    """Convert a honeybee model to a study, or an OBJ or glTF file to a scene.
+    """Convert a honeybee or IFC model to a study, an OBJ or glTF file to a scene.
 
-    A honeybee model is converted to scene, windows, BSDFs, sensors, views and, with
-    --weather, a study. Rooms without sensors get a grid above their floor. Objects that
-    cannot be converted are listed, also in left_out.txt.
+    A model of a building is converted to scene, windows, BSDFs, sensors, views and,
+    with --weather, a study. Rooms without sensors get a grid above their floor. Objects
+    that cannot be converted are listed, also in left_out.txt; values that the model
+    lacks in assumptions.txt.
     """
 
-    model: Path = argument("Model file: .hbjson, .obj, .gltf or .glb.", "MODEL")
+    model: Path = argument("Model file: .hbjson, .ifc, .obj, .gltf or .glb.", "MODEL")
     output: Path = required("Folder for the files.", "-o")
-    weather: Path | None = option(None, "Weather file for the study (honeybee).")
+    weather: Path | None = option(None, "Weather file for the study (honeybee, IFC).")
     spacing: float = option(
-        0.5, "Spacing of grids above floors [m] (honeybee).", least=0.05
+        0.5, "Spacing of grids above floors [m] (honeybee, IFC).", least=0.05
     )
     height: float = option(
-        0.76, "Height of grids above floors [m] (honeybee).", least=0
+        0.76, "Height of grids above floors [m] (honeybee, IFC).", least=0
     )
-    north: float = option(
-        0.0,
-        "Angle from +y to north, counter-clockwise [deg] (honeybee).",
+    north: float | None = option(
+        None,
+        "Angle from +y to north, counter-clockwise [deg]; default: that of the model.",
         least=-360,
         most=360,
     )
-    materials: Path | None = option(None, "Material map (.toml) for OBJ or glTF.")
+    materials: Path | None = option(None, "Material map (.toml) for IFC, OBJ or glTF.")
     quiet: common.Quiet = False
 
 
