@@ -172,7 +172,8 @@ class RunRecipe:
     """Run a recipe of Ladybug Tools: same inputs, same result folders.
 
     NAME is annual-daylight, annual-daylight-enhanced, annual-irradiance,
-    cumulative-radiation, direct-sun-hours, daylight-factor or sky-view.
+    cumulative-radiation, direct-sun-hours, daylight-factor, point-in-time-grid or
+    sky-view.
     """
 
     name: str = argument("Name of the recipe.", "NAME")
