@@ -107,7 +107,7 @@ def facades(pair: Pair) -> list[str]:
 def recipes(pair: Pair, tree: Path) -> list[str]:
     """Return the table of rcontrib's ways to C_ds: all light, over ours."""
     made = pair.theirs
-    sharp = pair.our_matrices["C"][0].values.sum()
+    sharp = pair.ours_of("C")[0].values.sum()
     spread = pair.ours.sun(0, samples=1024, peak=False).values.sum()
     modifiers = " ".join(f"-m sun{i}" for i in range(len(made.lit())))
     plain = SUN.replace("-V+ -lw 1e-9", "-lw 1e-3").replace("-dj 1", "-dj 0")

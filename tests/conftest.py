@@ -59,8 +59,9 @@ def pytest_collection_modifyitems(config, items):
             choice=config.getoption("--slow-choice"),
             known=known,
         )
-    config.pluginmanager.get_plugin("slow_durations").tests.update(chosen)
     config.slow_report = slow_share.describe(chosen, len(slow), known)
+    if hasattr(config, "workeroutput"):
+        config.workeroutput["slow_report"] = config.slow_report
     skip = pytest.mark.skip(reason="slow: not in this run's share; run with --all")
     for item in slow:
         if item.nodeid not in chosen:
@@ -69,3 +70,14 @@ def pytest_collection_modifyitems(config, items):
 
 def pytest_report_collectionfinish(config):
     return getattr(config, "slow_report", None)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node):
+    """Keep what a worker process said of the slow tests."""
+    node.config.slow_report = getattr(node, "workeroutput", {}).get("slow_report")
+
+
+def pytest_terminal_summary(terminalreporter, config):
+    if config.getoption("numprocesses", None):
+        terminalreporter.write_line(getattr(config, "slow_report", None) or "")

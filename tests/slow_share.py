@@ -76,17 +76,17 @@ class Durations:
     """Plugin that adds up what slow tests take: set-up, call and tear-down."""
 
     def __init__(self) -> None:
-        self.tests: set[str] = set()
         self.seconds: dict[str, float] = defaultdict(float)
 
     def pytest_runtest_logreport(self, report) -> None:
-        """Add one phase of a test that was run."""
-        if report.nodeid in self.tests and not report.skipped:
+        """Add one phase of a test that was run, here or in a worker process."""
+        if "slow" in report.keywords and not report.skipped:
             self.seconds[report.nodeid] += report.duration
 
     def pytest_sessionfinish(self, session) -> None:
-        """Write the record, if asked for."""
-        if session.config.getoption("--record-slow"):
+        """Write the record, if asked for, after all worker processes."""
+        in_worker = hasattr(session.config, "workerinput")
+        if session.config.getoption("--record-slow") and not in_worker:
             record = read_record() | {
                 test: round(spent, 1) for test, spent in self.seconds.items()
             }

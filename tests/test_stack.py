@@ -30,6 +30,7 @@ STACK = (
     ("matrix",),
     ("bsdf", "sky"),
     ("gonio", "glazing"),
+    ("energyplus",),
     ("scene",),
     ("formats",),
     ("radiance",),

@@ -75,6 +75,8 @@ _HOME = {
     "irradiance": "phases.rendering",
     "render": "phases.rendering",
     "render_irradiance": "phases.rendering",
+    "render_progressively": "phases.rendering",
+    "DgpError": "glare.dgp_goal",
     "precompute_illums": "phases.window_emitters",
     "write_illums": "radiance.illum_table",
     "sky_at": "radiance.generated_sky",

@@ -40,6 +40,22 @@ def test_a_description_is_stacked(call, room, glass):
     assert outcome.status == 0
 
 
+@pytest.mark.parametrize("file", ["s.idf", "s.epJSON"])
+def test_a_complex_fenestration_state_is_written(call, room, glass, file):
+    words = ("--basis", "quarter", "--energyplus", file, "-q")
+    assert call("glazing", "stack", glass, glass, *words).status == 0
+    text = (room / file).read_text()
+    assert text.count("Construction:ComplexFenestrationState") == 1
+    assert "Plain=20glass=20=7C=20Plain=20glass_Layer_2" in text
+
+
+def test_more_layers_than_energyplus_reads(call, room, glass):
+    outcome = call("glazing", "stack", *[glass] * 6, "--energyplus", "s.idf")
+    assert outcome.status != 0
+    assert "EnergyPlus reads at most 5" in outcome.err
+    assert not (room / "s.idf").exists()
+
+
 def test_a_tree_is_walked(call, room, glass):
     words = ("--tree", "1", "--walkers", "16", "--basis", "quarter", "-q")
     outcome = call("glazing", "stack", glass, *words, "-o", "t.xml")

@@ -77,6 +77,12 @@ def _set(function: Callable[..., object], path: Path) -> object:
     return function(path.with_name("V_%03d.hdr"))
 
 
+def _shown(function: Callable[..., str], path: Path) -> object:
+    # Damaged notes are shown too
+    shown = importlib.import_module("clerestory.report.markdown").markdown
+    return shown(function(path))
+
+
 LEVELS = "value,red,green,blue\n" + "".join(
     f"{value}" + 3 * f",{value / 255:.6f}" + "\n" for value in range(256)
 )
@@ -93,6 +99,13 @@ READERS = {
         "image.picture_sets:read_picture_set", "V_001.hdr", make=_flat, use=_set
     ),
     "photograph": Reader("image.photograph:read_photograph", "p.jpg", make=_jpeg),
+    "logo": Reader("study.title_block:read_logo", "l.png", make=_jpeg),
+    "notes": Reader(
+        "study.title_block:read_notes",
+        "n.md",
+        ("# Notes\n\n| a | b |\n|---|---|\n| 1 | [x](y) |\n\n- *one*\n\n> `two`\n",),
+        use=_shown,
+    ),
     "exposure": Reader(
         "image.photograph:read_exposure", "p.jpg", make=lambda f: _jpeg(f)[:1]
     ),

@@ -25,6 +25,7 @@ LEFT_OUT = {
     "phases.illuminance:illuminance": "reads what it has written",
     "study.results:_append_hourly": "writes",
     "study.annual_view_grids:_hourly_file": "writes",
+    "study.illuminance_by_state:results_by_state": "reads what it has written",
     "study.annual_view_grids:study_view_grids": "reads what it has written",
     "study.view_grid_positions:read_view_grid": "reads by read_positions",
     "report.page_assets:asset": "reads files of the package",

@@ -35,6 +35,7 @@ from clerestory.bsdfgen.shading_system import SampleArea
 from clerestory.cli.progress import _bars, say
 from clerestory.comparison.comparison_output import _write_csv
 from clerestory.control.schedule import StateSchedule, read_schedule, write_schedule
+from clerestory.energyplus.input_objects import InputObject, object_name, write_objects
 from clerestory.escaping import terminal_text
 from clerestory.files import write_text
 from clerestory.formats.hbjson import read_hbjson
@@ -67,6 +68,7 @@ from clerestory.study.model_import import write_building_model
 from clerestory.study.outputs import _METRICS, write_hourly, write_metrics
 from clerestory.study.results import Results, read_results, save_results
 from clerestory.study.study_files import study_text, window_text
+from clerestory.study.title_block import TitleBlock
 from clerestory.study.variant_figures import RunFigures, VariantFigure
 from clerestory.study.variant_outputs import write_variants
 from clerestory.study.view_grid_outputs import write_grid_dgp, write_grid_views
@@ -578,10 +580,27 @@ def test_figures_of_variants_hold_any_name(folder):
         rows = list(csv.reader(stream))
     assert len(rows) == len(names) + 1
     assert not any(cell.startswith(("=", "@")) for row in rows for cell in row)
-    write_variants_page(folder / "page.html", runs, title=names[0])
+    block = TitleBlock(*names[:3], notes="\n\n".join(names))
+    write_variants_page(folder / "page.html", runs, title=names[0], title_block=block)
     page = (folder / "page.html").read_text(encoding="utf-8")
     assert "<script" not in page
     require_no_marker(folder)
+
+
+def test_energyplus_input_holds_any_name(folder):
+    """Names with commas, semicolons and comment marks, as IDF text and as epJSON."""
+    objects = [
+        InputObject("Zone", f"{number}_{object_name(name)}", {"x": 0.0})
+        for number, name in enumerate(NAMES)
+    ]
+    write_objects(folder / "a.idf", objects, comment=NAMES[0])
+    lines = (folder / "a.idf").read_text(encoding="utf-8").splitlines()
+    text = "".join(line.split("!")[0] for line in lines)
+    assert text.count(";") == len(NAMES)
+    assert text.count(",") == 2 * len(NAMES)
+    write_objects(folder / "a.epJSON", objects)
+    document = json.loads((folder / "a.epJSON").read_text(encoding="utf-8"))
+    assert len(document["Zone"]) == len(NAMES)
 
 
 WRITERS = {
@@ -594,6 +613,7 @@ WRITERS = {
     "cli.irradiance.irradiance": "numbers",
     "cli.metrics.metrics": test_tables_hold_no_formulas,
     "cli.sky.sun": "numbers",
+    "energyplus.input_objects.write_objects": test_energyplus_input_holds_any_name,
     "comparison.comparison_output._write_csv": test_tables_hold_no_formulas,
     "comparison.comparison_output.write_tables": "JSON",
     "comparison.mapping.write_layout_sensors": "numbers",
@@ -620,9 +640,12 @@ WRITERS = {
     "recipes.outputs._write_hourly": test_recipe_results_hold_any_name,
     "report.bsdf_view.write_view": test_pages_hold_any_text,
     "report.comparison_page.write_comparison": test_pages_hold_any_text,
+    "report.explore_page.write_explorer": test_pages_hold_any_text,
     "report.figure_file.write_figure": "pixels",
     "report.page.write_report": test_pages_hold_any_text,
+    "report.pdf.write_pdf": "a page that is listed here",
     "study.annual_view_grids._hourly_file": "numbers",
+    "study.illuminance_by_state.results_by_state": "numbers",
     "study.method_comparison.compare_methods": test_tables_hold_no_formulas,
     "study.view_grid_outputs.write_grid_dgp": test_view_grids_are_tables,
     "study.view_grid_outputs.write_grid_views": test_view_grids_are_tables,

@@ -7,7 +7,7 @@ equation is compared, then illuminances and pictures.
 import numpy as np
 import pytest
 from tutorial import Effort, Tutorial
-from tutorial_pair import VIEWS, Many, OurTutorial, Pair, distance, write_tree
+from tutorial_pair import SYMBOLS, VIEWS, Many, OurTutorial, Pair, distance, write_tree
 
 import clerestory as cl
 from clerestory.sky.sun_matrix import patch_suns
@@ -72,7 +72,7 @@ def test_direct_matrices_equal_those_of_radiance(quick):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("symbol", ["V", "V_d", "D", "D_d", "C"])
+@pytest.mark.parametrize("symbol", SYMBOLS)
 def test_each_matrix_is_that_of_radiance(symbol, pair):
     """Apart by no more than the noise of both, and the same light in all.
 

@@ -4,7 +4,7 @@ What Radiance's own runs differ by tells its noise, and two seeds tell ours.
 """
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -179,6 +179,10 @@ class Skies:
         return whole - direct + parts["C"] @ self.suns
 
 
+# Matrices of the points
+SYMBOLS = ("V", "V_d", "D", "D_d", "C")
+
+
 class Pair:
     """Both programs at work on the tutorial, with one tree in the window.
 
@@ -192,38 +196,36 @@ class Pair:
         self.skies = Skies.of(theirs)
         self.octree = theirs.with_bsdf(tree, peak=True)
 
-    @cached_property
-    def their_matrices(self) -> dict[str, Many]:
-        """Of the points, by symbol."""
-        made, runs = self.theirs, self.theirs.effort.runs
-        return {
-            "V": Many.of(lambda run: made.view(run, direct=False)[1], runs),
-            "V_d": Many.of(lambda run: made.view(run, direct=True)[1], runs),
-            "D": Many.of(lambda run: made.daylight(run, direct=False)[1], runs),
-            "D_d": Many.of(lambda run: made.daylight(run, direct=True)[1], runs),
-            "C": Many.of(lambda run: made.sun(run, self.octree)[1], runs),
+    @cache  # noqa: B019  (one pair in a session)
+    def theirs_of(self, symbol: str) -> Many:
+        """A matrix of the points by Radiance, once for every run."""
+        made, direct = self.theirs, symbol.endswith("_d")
+        how = {
+            "V": lambda run: made.view(run, direct=direct)[1],
+            "D": lambda run: made.daylight(run, direct=direct)[1],
+            "C": lambda run: made.sun(run, self.octree)[1],
         }
+        return Many.of(how[symbol[0]], made.effort.runs)
 
-    @cached_property
-    def our_matrices(self) -> dict[str, list]:
-        """Two of each, by symbol."""
-        made, many, few = self.ours, 1 << 15, 1 << 13
-        return {
-            "V": [made.view(s, direct=False, samples=many) for s in (0, 1)],
-            "V_d": [made.view(s, direct=True, samples=many) for s in (0, 1)],
-            "D": [made.daylight(s, direct=False, samples=few) for s in (0, 1)],
-            "D_d": [made.daylight(s, direct=True, samples=few) for s in (0, 1)],
-            "C": [made.sun(s, samples=32768) for s in (0, 1)],
+    @cache  # noqa: B019
+    def ours_of(self, symbol: str) -> list:
+        """A matrix of the points by Clerestory, twice."""
+        made, direct = self.ours, symbol.endswith("_d")
+        how = {
+            "V": lambda seed: made.view(seed, direct=direct, samples=1 << 15),
+            "D": lambda seed: made.daylight(seed, direct=direct, samples=1 << 13),
+            "C": lambda seed: made.sun(seed, samples=32768),
         }
+        return [how[symbol[0]](seed) for seed in (0, 1)]
 
     def matrices(self, symbol: str) -> tuple[Many, Many]:
         """One matrix by both, ours first."""
-        ours = Many(np.stack([m.values[0] for m in self.our_matrices[symbol]]))
-        return ours, self.their_matrices[symbol]
+        ours = Many(np.stack([m.values[0] for m in self.ours_of(symbol)]))
+        return ours, self.theirs_of(symbol)
 
     def illuminance(self) -> tuple[np.ndarray, np.ndarray, Many]:
         """Ours, its standard error, and theirs (sensor, hour) [lux]."""
-        first = {key: matrices[0] for key, matrices in self.our_matrices.items()}
+        first = {symbol: self.ours_of(symbol)[0] for symbol in SYMBOLS}
         T = self.ours.transmission
         parts = WindowMatrices(
             window_chain(first["V"], T, first["D"]),
@@ -233,7 +235,7 @@ class Pair:
         found = five_phase([parts], *self.ours.skies())
 
         def one(run: int) -> np.ndarray:
-            parts = {key: each.values[run] for key, each in self.their_matrices.items()}
+            parts = {each: self.theirs_of(each).values[run] for each in SYMBOLS}
             return self.skies.five(parts, T.values[0])
 
         theirs = Many.of(one, self.theirs.effort.runs)
@@ -285,15 +287,15 @@ class Pair:
         parts = {
             "V": self.theirs.pixels(view, direct=False)[1],
             "V_d": self.theirs.pixels(view, direct=True)[1],
-            "D": self.their_matrices["D"].mean,
-            "D_d": self.their_matrices["D_d"].mean,
+            "D": self.theirs_of("D").mean,
+            "D_d": self.theirs_of("D_d").mean,
             "C": (room + facade)[1],
         }
         return self.skies.five(parts, self.ours.transmission.values[0])
 
     def _ours(self, view: str, shape: tuple[int, int], run: int) -> np.ndarray:
         made, T = self.ours, self.ours.transmission
-        D, D_d = (self.our_matrices[symbol][0] for symbol in ("D", "D_d"))
+        D, D_d = (self.ours_of(symbol)[0] for symbol in ("D", "D_d"))
         window = WindowMatrices(
             window_chain(made.pixels(view, shape, run, direct=False), T, D),
             window_chain(made.pixels(view, shape, run, direct=True), T, D_d),

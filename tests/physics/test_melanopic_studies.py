@@ -11,9 +11,14 @@ import numpy as np
 import pytest
 
 from clerestory.bsdf.analytic import lambertian
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.scattering_function import FUNCTIONS
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.errors import InputError
 from clerestory.hemisphere.klems import klems
+from clerestory.spectra import Spectrum
+from clerestory.spectral.band_sets import band_means, band_set
+from clerestory.spectral.spectrum_file import read_spectrum
 from clerestory.study.config import read_study
 from clerestory.study.study_run import run_study
 
@@ -33,15 +38,68 @@ def study(tmp_path):
     file = folder / "study.toml"
     text = file.read_text()
 
-    def run(bands, *, spectrum="", method="3-phase", sky=""):
+    def run(bands, *, spectrum="", method="3-phase", sky="", window="", again=""):
         keys = f'[scene]\nbands = "{bands}"\n'
         changed = text.replace("[scene]\n", keys).replace("3-phase", method)
         changed = changed.replace("[[window]]", f"{spectrum}\n[[window]]", 1)
         file.write_text(changed.replace("[sky]\n", f"[sky]\n{sky}\n"))
-        name = f"{bands}-{method}-{len(spectrum)}-{len(sky)}"
+        changed = file.read_text().replace("[[window]]\n", f"[[window]]\n{window}\n")
+        file.write_text(changed)
+        name = f"{bands}-{method}-{len(spectrum)}-{len(sky)}-{len(window)}{again}"
         return run_study(read_study(file), out=tmp_path / name).data
 
     return run
+
+
+def spectral_layer(folder, bands):
+    """Diffusers of wood at three wavelengths, in the place of the diffuser."""
+    parts = {"450 nm": 0.2, "550 nm": 0.5, "650 nm": 0.67, "visible": 0.5}
+    layers = {c: lambertian(share, klems("quarter")) for c, share in parts.items()}
+    functions = {
+        (c, name): layer.function(name)
+        for c, layer in layers.items()
+        for name in FUNCTIONS
+    }
+    write_bsdf(folder / "diffuser.xml", Bsdf(functions))
+    means = Spectrum(np.array([450.0, 550.0, 650.0]), np.array([0.2, 0.5, 0.67]))
+    return band_means(means, band_set(bands))
+
+
+@pytest.mark.parametrize("method", ["3-phase", "5-phase", "2-phase"])
+def test_spectral_layers_colour_all_light_of_a_white_sky(study, tmp_path, method):
+    """Under D65 in a grey room, light has the transmittance of the layer as spectrum.
+
+    Illuminance and EDI are those of a grey layer, times the weighted transmittance.
+    """
+    sky = 'daylight = {sky = "d65", sun = "d65"}'
+    grey = study("melanopic+photopic", method=method, sky=sky)
+    melanopic, photopic = spectral_layer(tmp_path / "study", "melanopic+photopic")
+    data = study("melanopic+photopic", method=method, sky=sky, again="spectral")
+    lux = grey["illuminance"].values
+    reflected = 0.02 * lux.max()
+    np.testing.assert_allclose(
+        data["illuminance"], lux * photopic / 0.5, rtol=0.02, atol=reflected
+    )
+    np.testing.assert_allclose(
+        data["melanopic_edi"].sum() / data["illuminance"].sum(),
+        melanopic / photopic,
+        rtol=2e-3,
+    )
+
+
+def test_a_spectrum_beside_a_photopic_layer_tints_it(study, tmp_path):
+    """The wood's spectrum as transmittance, at the same photopic transmittance."""
+    sky = 'daylight = {sky = "d65", sun = "d65"}'
+    plain = study("melanopic+photopic", sky=sky)
+    data = study("melanopic+photopic", sky=sky, window='spectrum = "wood.txt"')
+    wood = read_spectrum(tmp_path / "study" / "wood.txt")
+    melanopic, photopic = band_means(wood, band_set("melanopic+photopic"))
+    np.testing.assert_allclose(data["illuminance"], plain["illuminance"], rtol=1e-6)
+    np.testing.assert_allclose(
+        data["melanopic_edi"],
+        plain["melanopic_edi"] * melanopic / photopic,
+        rtol=1e-5,
+    )
 
 
 def of_material(name):

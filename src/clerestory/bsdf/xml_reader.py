@@ -18,10 +18,16 @@ from clerestory.bsdf.scattering_matrix import ScatteringMatrix
 from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.bsdf.tree_parser import parse_tree
 from clerestory.bsdf.xml_basis import Bases, choose_bases, read_bases
-from clerestory.bsdf.xml_document import Document, parse_document, read_numbers
+from clerestory.bsdf.xml_document import (
+    Document,
+    is_number,
+    parse_document,
+    read_numbers,
+)
 from clerestory.bsdf.xml_product import read_product
 from clerestory.errors import ClerestoryWarning
 from clerestory.hemisphere.klems import klems
+from clerestory.spectra import wavelength_unit_nm
 
 # Scattering functions by WavelengthDataDirection in lower case.
 _NAMES: dict[str, Function] = {name.replace("_", " "): name for name in FUNCTIONS}
@@ -67,7 +73,7 @@ def read_bsdf(path: str | Path) -> Bsdf:
 
     functions: dict[tuple[str, Function], ScatteringFunction] = {}
     for data in document.children(layer, "WavelengthData"):
-        channel = document.text(data, "Wavelength").lower()
+        channel = _channel(data, document)
         document.refuse_repeated(data, but="WavelengthDataBlock")
         for block in document.children(data, "WavelengthDataBlock"):
             document.refuse_repeated(block)
@@ -90,6 +96,22 @@ def read_bsdf(path: str | Path) -> Bsdf:
     )
     _warn_of_energy(bsdf, path)
     return bsdf
+
+
+def _channel(data: etree._Element, document: Document) -> str:
+    # "visible", or "550 nm" for data at a wavelength
+    text = document.text(data, "Wavelength").lower()
+    element = document.find(data, "Wavelength")
+    unit = "" if element is None else element.get("unit", "")
+    unit_nm = wavelength_unit_nm(unit)
+    if unit_nm is None:
+        return text
+    document.check(
+        is_number(text) and 0 < float(text) * unit_nm < np.inf,
+        data,
+        f"the wavelength is {text[:40]!r}; a number above 0 expected",
+    )
+    return f"{float(text) * unit_nm:.9g} nm"
 
 
 def _read_matrix(

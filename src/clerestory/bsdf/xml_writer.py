@@ -205,7 +205,7 @@ def _data(bsdf: Bsdf) -> Iterator[etree._Element]:
             bases = [_E.ColumnAngleBasis(column), _E.RowAngleBasis(row)]
         yield _E.WavelengthData(
             _E.LayerNumber("System"),
-            _E.Wavelength(xml_text(_LABELS.get(channel, channel)), unit="Integral"),
+            _wavelength(channel),
             _E.SourceSpectrum(xml_text(weighting.source)),
             _E.DetectorSpectrum(xml_text(weighting.detector)),
             _E.WavelengthDataBlock(
@@ -215,6 +215,14 @@ def _data(bsdf: Bsdf) -> Iterator[etree._Element]:
                 _E.ScatteringData(),
             ),
         )
+
+
+def _wavelength(channel: str) -> etree._Element:
+    # Data at a wavelength have the unit of WINDOW's schema; others are integrals
+    number, _, unit = channel.partition(" ")
+    if unit == "nm" and number.replace(".", "", 1).isdecimal():
+        return _E.Wavelength(number, unit="Nanometer")
+    return _E.Wavelength(xml_text(_LABELS.get(channel, channel)), unit="Integral")
 
 
 def _lines(part: ScatteringFunction, digits: int | None) -> Iterator[str]:

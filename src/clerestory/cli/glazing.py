@@ -11,6 +11,8 @@ from clerestory.bsdf.xml_writer import usual_digits, write_bsdf
 from clerestory.checks import require
 from clerestory.cli.progress import progress_display, say
 from clerestory.cli.requests.glazing import GlazingInfo, StackLayers
+from clerestory.energyplus.complex_fenestration import complex_fenestration
+from clerestory.energyplus.input_objects import write_objects
 from clerestory.errors import InputError
 from clerestory.glazing import glazing_system
 from clerestory.glazing.layer import Glass, Layer
@@ -21,6 +23,7 @@ from clerestory.glazing.standard import Channel
 from clerestory.glazing.standard import standard as standard_named
 from clerestory.glazing.thermal import ThermalFigures, thermal_figures
 from clerestory.hemisphere.klems import klems
+from clerestory.spectral.band_sets import band_set
 
 _SHOWN: tuple[Channel, Channel] = ("visible", "solar")
 _MILLIMETRE = 1e-3
@@ -30,12 +33,17 @@ def stack(request: StackLayers) -> None:
     """Combine layers into one BSDF, and print its optical and thermal properties."""
     system = _system(request.layer, request.gap, request.gas)
     averages = standard_named(request.standard)
+    require(
+        not request.spectral or request.tree is None,
+        "--spectral with --tree; one of them expected",
+    )
     with progress_display(quiet=request.quiet) as display:
         stacked = stack_layers(
             system.layers,
             partition=klems(request.basis),
             standard=averages,
             method="bands" if request.bands else "wavelengths",
+            bands=band_set(request.spectral) if request.spectral else None,
             name=system.name,
             gap_thickness=sum(space.thickness for space in system.gaps),
             report=display("layers"),
@@ -51,10 +59,13 @@ def stack(request: StackLayers) -> None:
                 name=system.name,
                 report=display("random walk"),
             ).bsdf
+    names = " | ".join(layer.name for layer in system.layers).replace("--", "-")
+    comment = f"clerestory glazing stack of {names}"
     if request.output is not None:
-        names = " | ".join(layer.name for layer in system.layers).replace("--", "-")
-        comment = f"clerestory glazing stack of {names}"
         write_bsdf(request.output, bsdf, digits=usual_digits(bsdf), comment=comment)
+    if request.energyplus is not None:
+        objects = complex_fenestration(system, stacked)
+        write_objects(request.energyplus, objects, comment=comment)
     say(*_figures(stacked), quiet=request.quiet)
     if request.thermal:
         scattering = any(not isinstance(one, Glass) for one in system.layers)

@@ -35,7 +35,11 @@ from clerestory.metrics.spatial_metrics import (
     sunlight_exposure,
 )
 from clerestory.metrics.standards import standards_named
-from clerestory.report.compliance_words import assessment_lines
+from clerestory.report.compliance_words import (
+    assessment_lines,
+    level_words,
+    provision_words,
+)
 from clerestory.report.uncertain_value import Figure
 from clerestory.sky.weather_formats import read_weather
 from clerestory.study.compliance_table import assessments_of
@@ -151,7 +155,7 @@ def _room_and_views(request: Metrics) -> Iterator[str]:
     if "room_hours_of_sun" in data:
         hours = float(data["room_hours_of_sun"])
         day = np.datetime_as_string(data["moment"].values[0], unit="D")[5:]
-        level = en17037.LEVELS[en17037.sunlight_level(hours)]
+        level = level_words(en17037.sunlight_level(hours))
         yield "room"
         yield f"  {'EN 17037 sunlight':28}{level} ({hours:.1f} h of sun on {day})"
     occupied = occupied_hours(
@@ -162,7 +166,7 @@ def _room_and_views(request: Metrics) -> Iterator[str]:
         valid = occupied & ~np.isnan(dgp)
         if not np.any(valid):
             continue
-        level = en17037.LEVELS[en17037.glare_level(dgp, valid)]
+        level = level_words(en17037.glare_level(dgp, valid))
         top = float(np.quantile(dgp[valid], 1 - en17037.GLARE_SHARE))
         yield f"{view}: view"
         yield f"  {'EN 17037 glare':28}{level} (DGP {top:.2f} in 5 % of the hours)"
@@ -245,10 +249,8 @@ def _room(
     yield f"{'sDA300/50':28}{_percent(reached.value, reached.error)}{by_rule}"
     yield from _exposed_area(grid, hours, reached, leed)
     if half is not None:
-        level = en17037.daylight_provision(grid.lux, half, **errors_of(grid.hourly))
-        numbers = (level.level, level.target_level, level.minimum_level)
-        both, upper, lower = (en17037.LEVELS[number] for number in numbers)
-        yield f"{'EN 17037 provision':28}{both} (target {upper}, minimum {lower})"
+        found = en17037.daylight_provision(grid.lux, half, **errors_of(grid.hourly))
+        yield f"{'EN 17037 provision':28}{provision_words(found)}"
     exposed, *varied = map(_exposure, (grid.lux, *hourly_replicates(grid.hourly)))
     stated = f" ± {metric_error(varied):.0f}" if any(varied) else ""
     yield f"{'light exposure':28}{exposed:.0f}{stated} lux h"

@@ -13,6 +13,7 @@ from clerestory.cli.variants import run_all
 from clerestory.metrics.replicates import error_of_group_mean
 from clerestory.report.compliance_words import verdict_words
 from clerestory.report.page import REPORT_FILE, picture_folder, write_report
+from clerestory.report.pdf import find_browser, write_pdf
 from clerestory.report.uncertain_value import Figure
 from clerestory.report.view_grid_content import percent, uncertain_dgp
 from clerestory.study.compliance_table import assessments_of
@@ -21,6 +22,7 @@ from clerestory.study.new_study import begin_study, write_demo
 from clerestory.study.results import Results, read_results
 from clerestory.study.run_plan import PlannedMatrix, StudyPlan, plan_study
 from clerestory.study.study_run import run_study
+from clerestory.study.title_block import title_block_of
 from clerestory.study.variants import read_variants
 from clerestory.study.view_grid_outputs import view_grid_part, view_grids
 
@@ -77,9 +79,22 @@ def report(request: requests.WriteReport) -> None:
     path = request.results
     folder = path if path.is_dir() else path.parent
     page = request.output or folder / REPORT_FILE
+    if request.pdf:
+        find_browser()
     results = read_results(path)
-    write_report(results, page, pictures=picture_folder(folder, results))
+    block = title_block_of(results.run).with_changes(
+        project=request.project,
+        client=request.client,
+        author=request.author,
+        logo=request.logo,
+        notes=request.notes,
+    )
+    pictures = picture_folder(folder, results)
+    write_report(results, page, pictures=pictures, title_block=block)
     say(f"report: {page}", quiet=request.quiet)
+    if request.pdf:
+        write_pdf(page, page.with_suffix(".pdf"))
+        say(f"PDF: {page.with_suffix('.pdf')}", quiet=request.quiet)
 
 
 def _run(study: Study, folder: Path, *, quiet: bool) -> None:

@@ -12,6 +12,7 @@ from clerestory.report.page import REPORT_FILE
 from clerestory.report.uncertain_value import Figure
 from clerestory.report.variants_page import write_variants_page
 from clerestory.study.results import read_results
+from clerestory.study.title_block import TitleBlock
 from clerestory.study.variant_figures import (
     RunFigures,
     VariantFigure,
@@ -30,7 +31,9 @@ def run_all(variants: Sequence[Variant], folder: Path, *, quiet: bool) -> None:
         found = run_variants(variants, out=folder, display=display)
     own = variant_folders(variants, folder)
     first = next(iter(own.values()))
-    _finish(found, folder, variants[0].study.title, quiet=quiet)
+    study = variants[0].study
+    block = study.report.title_block()
+    _finish(found, folder, study.title, title_block=block, quiet=quiet)
     say(f"report of one variant: clerestory report '{first}'", quiet=quiet)
 
 
@@ -49,12 +52,17 @@ def compare_runs(
 
 
 def _finish(
-    runs: Sequence[RunFigures], folder: Path, title: str, *, quiet: bool
+    runs: Sequence[RunFigures],
+    folder: Path,
+    title: str,
+    *,
+    title_block: TitleBlock | None = None,
+    quiet: bool,
 ) -> None:
     if len(runs) < 2:
         return
     page = folder / REPORT_FILE
-    write_variants_page(page, runs, title=title)
+    write_variants_page(page, runs, title=title, title_block=title_block)
     if not quiet:
         Console().print(_table(runs, title))
         say(f"results: {folder}", f"report:  {page.resolve().as_uri()}")

@@ -23,7 +23,7 @@ from clerestory.engine.beam_receivers import (
     power_of_two,
 )
 from clerestory.engine.beam_window import BeamWindow
-from clerestory.engine.channels import GROUP, band_groups
+from clerestory.engine.channels import GROUP, band_groups, channels_of
 from clerestory.engine.lower import lower
 from clerestory.engine.path_tracer import PathTracer
 from clerestory.engine.sampler import PathNumbers, points
@@ -65,6 +65,11 @@ class BeamTracer:
     def __init__(self, job: WindowPathsJob, number: int):
         job = in_usual_lengths(job)
         scenes = band_groups(job.scene)
+        if channels_of(job.scene) == 1:
+            # Only the beams have colours
+            same = _Group(replace(job, scene=scenes[0]), number)
+            self.groups = [same] * len(scenes)
+            return
         self.groups = [_Group(replace(job, scene=scene), number) for scene in scenes]
 
     @property
@@ -82,8 +87,8 @@ class BeamTracer:
         """
         found = np.zeros((len(weights), len(beams.steps)))
         share = np.zeros(len(beams.steps))
-        for number, group in enumerate(self.groups):
-            light = group.disc(beams)
+        for number, group in enumerate(self._needed(weights)):
+            light = group.disc(beams.group(number))
             own = weights[:, GROUP * number : GROUP * (number + 1)]
             mean = light.mean(axis=-1)[: own.shape[1]]
             found += own @ mean
@@ -108,9 +113,13 @@ class BeamTracer:
         self, weights: Float[np.ndarray, "out band"], beams: Beams
     ) -> Iterator[BeamLight]:
         """Yield the light of receivers and steps, weighted by band; add equal pairs."""
-        for number, group in enumerate(self.groups):
+        for number, group in enumerate(self._needed(weights)):
             share = weights[:, GROUP * number : GROUP * (number + 1)]
-            yield from group.light(share, beams)
+            yield from group.light(share, beams.group(number))
+
+    def _needed(self, weights: Float[np.ndarray, "out band"]) -> "list[_Group]":
+        # Groups of the bands with weights; a single weight applies to grey light
+        return self.groups[: -(-weights.shape[1] // GROUP)]
 
 
 class _Group:

@@ -5,13 +5,16 @@ group of three bands, along the same paths (same seed). One channel is enough fo
 scene of grey materials.
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 
-from clerestory.bands import RGB
+from clerestory.bands import RGB, Bands
+from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.scattering_function import FUNCTIONS
+from clerestory.bsdf.spectral_channels import band_groups_of, has_bands, is_spectral
 from clerestory.checks import require
 from clerestory.scene.material import (
     Colour,
@@ -46,11 +49,16 @@ def band_groups(scene: Scene) -> tuple[Scene, ...]:
 def _groups(scene: Scene) -> tuple[Scene, ...]:
     # Cache the groups of the last scene, so that its jobs share one lowered scene
     for material in scene.materials.values():
-        _refuse_rgb(material)
-    return tuple(_group(scene, n) for n in range(0, len(scene.bands), GROUP))
+        _refuse_rgb(material, scene.bands)
+    tables = {
+        name: band_groups_of(material.bsdf, scene.bands)
+        for name, material in scene.materials.items()
+        if isinstance(material, BsdfSurface)
+    }
+    return tuple(_group(scene, n, tables) for n in range(0, len(scene.bands), GROUP))
 
 
-def _group(scene: Scene, first: int) -> Scene:
+def _group(scene: Scene, first: int, tables: Mapping[str, Sequence[Bsdf]]) -> Scene:
     # The scene in the three bands from index `first` on
     count = len(scene.bands)
     chosen = np.minimum(np.arange(first, first + GROUP), count - 1)
@@ -59,6 +67,10 @@ def _group(scene: Scene, first: int) -> Scene:
         return colour[chosen if len(colour) == count else np.zeros(GROUP, dtype=int)]
 
     materials = {n: with_colours(m, group) for n, m in scene.materials.items()}
+    for name, layers in tables.items():
+        bsdf = layers[min(first // GROUP, len(layers) - 1)]
+        if isinstance(material := materials[name], BsdfSurface):
+            materials[name] = replace(material, bsdf=bsdf)
     return replace(scene, materials=materials, bands=RGB)
 
 
@@ -66,6 +78,8 @@ def is_grey(material: Material) -> bool:
     """Whether a material reflects and transmits equally in all bands."""
     if isinstance(material, Emitter):
         return not isinstance(material, Illum) or is_grey(material.alternate)
+    if isinstance(material, BsdfSurface) and is_spectral(material.bsdf):
+        return False
     return (
         not _has_rgb(material)
         and all(is_grey(part) for part in parts(material))
@@ -73,14 +87,15 @@ def is_grey(material: Material) -> bool:
     )
 
 
-def _refuse_rgb(material: Material) -> None:
+def _refuse_rgb(material: Material, bands: Bands) -> None:
+    spectral = isinstance(material, BsdfSurface) and has_bands(material.bsdf, bands)
     require(
-        not _has_rgb(material),
+        spectral or not _has_rgb(material),
         f'the material "{material.name}" has a pattern or BSDF in red, green and blue;'
         " a colourless one expected in a scene with other bands",
     )
     for part in parts(material):
-        _refuse_rgb(part)
+        _refuse_rgb(part, bands)
 
 
 def _has_rgb(material: Material) -> bool:

@@ -130,7 +130,7 @@ def sum_rows(job: EstimatedJob, rows: slice, effort: Effort) -> tuple[Sums, bool
     sums, active = job.empty_sums(len(numbers)), np.full(len(numbers), True)
     if effort.samples is not None:
         length = -(-effort.samples // job.batches)
-        _lengthen(job, numbers, sums, active, length, effort)
+        lengthen(job, numbers, sums, active, length, effort)
         return sums, True
 
     aim, spent = effort.relative_error or 1.0, 0.0
@@ -140,7 +140,7 @@ def sum_rows(job: EstimatedJob, rows: slice, effort: Effort) -> tuple[Sums, bool
         share *= 1 - spent
         part = share_of_progress(effort.progress, spent, share)
         here = replace(effort, progress=part)
-        _lengthen(job, numbers, sums, lengths.active, length, here)
+        lengthen(job, numbers, sums, lengths.active, length, here)
         lengths.update(length, np.asarray(job.error(sums) / aim))
         spent += share
     if effort.progress is not None:
@@ -148,7 +148,7 @@ def sum_rows(job: EstimatedJob, rows: slice, effort: Effort) -> tuple[Sums, bool
     return sums, bool(lengths.met.all())
 
 
-def _lengthen(
+def lengthen(
     job: EstimatedJob,
     numbers: Int[np.ndarray, " row"],
     sums: Sums,
@@ -156,7 +156,10 @@ def _lengthen(
     length: int,
     effort: Effort,
 ) -> None:
-    # Trace the batches of the active rows up to `length` sample points, unit by unit
+    """Trace the batches of active rows, of equal lengths, up to `length` sample points.
+
+    `numbers` are the consecutive indices of the rows of the sums.
+    """
     todo = np.flatnonzero(active)
     size = job.cut or effort.executor.unit_size(job.device)
     units = list(job.units(numbers[todo], int(sums.count[todo[0]]), length, size))

@@ -79,6 +79,7 @@ class PictureJob(RadianceJob):
     """
 
     tracer: ClassVar[tuple[str, str]] = ("radiance_tracers", "prepare_picture")
+    growth: ClassVar[Growth] = Growth(pilot=4, longest=1 << 20, most=16)
 
     view: View
     columns: int
@@ -149,11 +150,21 @@ class ExitingRadianceJob(RadianceJob):
 
 def estimate_radiance(job: RadianceJob, effort: Effort) -> RadianceEstimate:
     """Estimate radiance or irradiance up to a number of samples or a target error."""
-    rows, _, _, bands = job.shape
     if not effort.executor.accepts(job, effort.goal):
-        nothing = np.zeros((rows, bands))
-        return RadianceEstimate(nothing, nothing, nothing[:, 0], 0, True)
-    sums, reached = sum_rows(job, slice(0, rows), effort)
+        return black(job)
+    sums, reached = sum_rows(job, slice(0, job.shape[0]), effort)
+    return radiance_of(job, sums, reached=reached)
+
+
+def black(job: RadianceJob) -> RadianceEstimate:
+    """Return the result of a job that is not traced."""
+    rows, _, _, bands = job.shape
+    nothing = np.zeros((rows, bands))
+    return RadianceEstimate(nothing, nothing, nothing[:, 0], 0, True)
+
+
+def radiance_of(job: RadianceJob, sums: Sums, *, reached: bool) -> RadianceEstimate:
+    """Return radiance or irradiance, and standard errors, from sums over batches."""
     batches = sums.total[:, :, 0] / sums.count[:, None, None]
     known = job.scene.bands.efficacy is not None
     luminous = (

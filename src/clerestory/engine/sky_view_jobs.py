@@ -105,6 +105,8 @@ def trace_sun_view(
     """Return the radiance of pixels per direct normal irradiance, for each batch."""
     pixels, batches, suns, bands = job.shape
     values = np.zeros((batches, bands, pixels, suns), np.float32)
+    if not effort.executor.accepts(job, effort.goal):
+        return values
     for unit, part in traced_units(job, list(job.units()), effort, "direct sun"):
         found = np.moveaxis(part, (1, 3), (0, 1))
         values[:, :, unit.rows[0] : unit.rows[-1] + 1, unit.columns] = found

@@ -13,9 +13,12 @@ import mitsuba as mi
 import numpy as np
 from jaxtyping import Bool, Float, Int, UInt32
 
+from clerestory.bands import RGB, Bands
 from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.spectral_channels import band_groups_of
 from clerestory.constants import R2
 from clerestory.directions import Frame
+from clerestory.engine.channels import GROUP
 from clerestory.engine.peak_extraction import PeakTable
 from clerestory.engine.upload import launching, vectors
 from clerestory.sky.solar_disc import GOLDEN_TURN, disc_points
@@ -40,7 +43,7 @@ class Beams:
     steps : time step of each sun
     key : key of the random numbers of each sun
     direction, sun : unit vectors against the beam in the room, and to the sun
-    value : irradiance perpendicular to the beam, by channel
+    value : irradiance perpendicular to the beam, by channel: three, or one per band
     disc : whether the sun is seen against the beams, which are not scattered
     """
 
@@ -48,8 +51,16 @@ class Beams:
     key: UInt32[np.ndarray, " step"]
     direction: Float[np.ndarray, "step beam 3"]
     sun: Float[np.ndarray, "step beam 3"]
-    value: Float[np.ndarray, "step beam 3"]
+    value: Float[np.ndarray, "step beam channel"]
     disc: bool
+
+    def group(self, number: int) -> "Beams":
+        """Return the beams in three bands, those of a group of bands of a scene."""
+        channels = self.value.shape[-1]
+        if channels == GROUP:
+            return self
+        chosen = np.minimum(np.arange(GROUP) + GROUP * number, channels - 1)
+        return replace(self, value=self.value[..., chosen])
 
     def select(self, some: slice | Bool[np.ndarray, " step"]) -> "Beams":
         """Return the beams of some of the suns."""
@@ -64,10 +75,11 @@ class Beams:
 
 
 class UnscatteredBeams:
-    """Unscattered transmission of a BSDF in the frame of a window."""
+    """Unscattered transmission of a BSDF in the frame of a window, in some bands."""
 
-    def __init__(self, bsdf: Bsdf, frame: Frame):
-        self.peak = PeakTable(bsdf)
+    def __init__(self, bsdf: Bsdf, frame: Frame, bands: Bands = RGB):
+        self.peaks = [PeakTable(part) for part in band_groups_of(bsdf, bands)]
+        self.channels = len(bands) if len(self.peaks) > 1 else GROUP
         self.axes = np.array([frame.right, frame.up, frame.normal])
 
     def of(
@@ -86,9 +98,14 @@ class UnscatteredBeams:
         disc = random_disc(suns, count, batches=batches, seed=seed)
         with launching():
             leaving = vectors(mi.Vector3f, -disc.reshape(-1, 3) @ self.axes.T)
-            passed = dr.select(leaving.z > 0, self.peak.transmittance(leaving), 0)
-            value = np.broadcast_to(passed.numpy(), (3, len(suns) * count)).T
-        value = value.reshape(*disc.shape) * irradiance[:, None, None]
+            parts = [
+                dr.select(leaving.z > 0, peak.transmittance(leaving), 0).numpy()
+                for peak in self.peaks
+            ]
+        shape = GROUP, len(suns) * count
+        passed = np.concatenate([np.broadcast_to(part, shape) for part in parts])
+        value = passed[: self.channels].T.reshape(*disc.shape[:2], self.channels)
+        value = value * irradiance[:, None, None]
         beams = Beams(np.arange(len(suns)), _keys(suns), disc, disc, value, disc=True)
         return beams.select(value.max(axis=(1, 2)) > 0)
 
@@ -169,7 +186,8 @@ def narrow_beams(
     leaving = sample(cell, u.reshape(len(lit), count, 2) % 1)
     colour = radiance[:, cell, lit[:, None]] / mean[lit[:, None], cell]
     flux = total / np.maximum(leaving[..., 2], 1e-3)
-    value = np.broadcast_to(np.moveaxis(colour * flux, 0, -1), (*cell.shape, 3))
+    channels = len(radiance) if len(radiance) > 1 else GROUP
+    value = np.broadcast_to(np.moveaxis(colour * flux, 0, -1), (*cell.shape, channels))
     axes = np.array([frame.right, frame.up, frame.normal])
     # The points of the disc are in an order of their own, unlike the cells
     disc = random_disc(suns[lit], count, batches=batches, seed=seed, mixed=True)

@@ -15,7 +15,7 @@ from jaxtyping import Float, Float32, Int
 
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.directions import Frame, unit
-from clerestory.engine.channels import band_groups
+from clerestory.engine.channels import band_groups, channels_of
 from clerestory.engine.lower import lower
 from clerestory.engine.materials.bsdf_file import forward_table
 from clerestory.engine.peak_extraction import PeakTable, peak_cells
@@ -125,7 +125,8 @@ def sun_transmittance(
     """
     factor = scene_factor(scene)
     scene, points = scaled(scene, factor), points * factor
-    parts = [_transmittance(g, points, normal, suns) for g in band_groups(scene)]
+    groups = band_groups(scene)[: channels_of(scene)]
+    parts = [_transmittance(group, points, normal, suns) for group in groups]
     return _grey(np.concatenate(parts)[: len(scene.bands)])
 
 

@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 # Default number of paths per cell, and per cell and sun
-_SAMPLES, _SUN_SAMPLES = 4096, 8
+SAMPLES, SUN_SAMPLES = 4096, 8
 
 # Cells by default: those of the first round are 3° wide
 _REFINEMENT = Refinement(first=6)
@@ -67,7 +67,7 @@ def glazed_view_glare(
     *,
     skies: Skies,
     refinement: Refinement | None = None,
-    sun_samples: int = _SUN_SAMPLES,
+    sun_samples: int = SUN_SAMPLES,
     quantities: Collection[str] = ("dgp", "illuminance"),
     **keywords: Unpack[EffortKeywords],
 ) -> "xr.Dataset":
@@ -117,7 +117,7 @@ def glazed_view_glare(
     >>> found.dgp.values.tolist()
     [[1.0]]
     """
-    effort = effort_of(glazed_view_glare, keywords, default=Goal(_SAMPLES))
+    effort = effort_of(glazed_view_glare, keywords, default=Goal(SAMPLES))
     require(views, "no views; at least one expected")
     place = views[0].position
     require(
@@ -151,7 +151,7 @@ class GlazedViewPoint:
             found = np.zeros((samples.count, len(skies.times)), np.float32)
             rows = np.flatnonzero(self._ahead(samples))
             if len(rows):
-                matrices = self._matrices(samples.select(rows), skies, own, _SUN_TRIAL)
+                matrices = self.matrices(samples.select(rows), skies, own, _SUN_TRIAL)
                 for block in self._series(matrices, skies, len(rows)).blocks(STEPS):
                     steps = block.times.start + block.steps
                     found[rows[block.rows][:, None], steps] = block.light[0]
@@ -166,7 +166,7 @@ class GlazedViewPoint:
         cells: SphereSamples,
         effort: Effort,
         *,
-        sun_samples: int = _SUN_SAMPLES,
+        sun_samples: int = SUN_SAMPLES,
         quantities: Collection[str] = ("dgp", "illuminance"),
     ) -> "xr.Dataset":
         """Return the glare indices of the views; see `glazed_view_glare`."""
@@ -174,7 +174,7 @@ class GlazedViewPoint:
         lit = np.flatnonzero(self.skies.whole.diffuse.max(axis=0) > 0)
         skies = self.skies.select(lit)
         ahead = cells.select(self._ahead(cells))
-        matrices = self._matrices(ahead, self.skies, effort, sun_samples)
+        matrices = self.matrices(ahead, self.skies, effort, sun_samples)
         sun = self._disc(matrices, skies, effort)
         series = self._series(matrices, skies, ahead.count, errors=True)
         model = self._model(ahead)
@@ -214,10 +214,10 @@ class GlazedViewPoint:
         width = np.sqrt(4 * np.pi) / 2.0**samples.level
         return np.asarray(cosine.max(axis=1) > -width)
 
-    def _matrices(
+    def matrices(
         self, samples: SphereSamples, skies: Skies, effort: Effort, sun_samples: int
     ) -> WindowMatrices:
-        # C, C_d and C_ds
+        """Trace C, C_d and C_ds of cells."""
         assert skies.suns is not None
         cells = samples.cells(self.position)
         subdivision = skies.whole.partition.subdivision

@@ -1,7 +1,8 @@
-"""BSDF layers in glazing systems, from visible and solar matrices.
+"""BSDF layers in glazing systems, from visible and solar or from spectral matrices.
 
-The visible matrix applies to visible wavelengths. The matrix at other wavelengths
-follows from the solar matrix, with 49 % of solar energy visible as in WINDOW.
+The visible matrix applies to visible wavelengths, unless the file has spectral data.
+The matrix at other wavelengths follows from the solar matrix, with 49 % of solar energy
+visible as in WINDOW.
 """
 
 import warnings
@@ -9,12 +10,14 @@ from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
+from jaxtyping import Float
 
 from clerestory.array_types import ExitIncident, Values
 from clerestory.brief_repr import brief
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.scattering_function import Function, ScatteringFunction
 from clerestory.bsdf.scattering_matrix import ScatteringMatrix
+from clerestory.bsdf.spectral_channels import spectral_limits, spectral_nodes
 from clerestory.checks import require
 from clerestory.errors import ClerestoryWarning
 from clerestory.glazing.layer import Layer, mirrored_patches
@@ -27,6 +30,7 @@ from clerestory.glazing.pane import (
 )
 from clerestory.glazing.standard import Channel
 from clerestory.hemisphere.partition import RingPartition
+from clerestory.spectra import interpolation_matrix
 
 _UNKNOWN_THICKNESS = 1e-3
 
@@ -84,8 +88,12 @@ class BsdfLayer(Layer):
 
     @property
     def wavelength_nm(self) -> Values:
-        """Wavelengths at the limits of the solar and the visible range [nm]."""
-        return two_band_wavelengths()
+        """Wavelengths at the limits of the solar and the visible range [nm].
+
+        Those of spectral data are added.
+        """
+        nodes, _ = spectral_nodes(self.bsdf)
+        return np.union1d(two_band_wavelengths(), nodes[is_visible(nodes)])
 
     @property
     def thickness(self) -> float:
@@ -103,7 +111,39 @@ class BsdfLayer(Layer):
     def matrices(self, wavelength_nm: Values, partition: RingPartition) -> Optics:
         """BSDFs [1/sr] by wavelength, exit patch and incident patch."""
         visible, solar = (self.band(channel, partition) for channel in _BANDS)
-        return two_bands(visible, solar, is_visible(wavelength_nm)[:, None, None])
+        seen = is_visible(wavelength_nm)
+        found = two_bands(visible, solar, seen[:, None, None])
+        if not (spectral_limits(self.bsdf) and seen.any()):
+            return found
+        at = np.flatnonzero(seen)
+
+        def table(name: Function) -> Float[np.ndarray, "wavelength exit incident"]:
+            values = found.of(name)
+            values[at] = self._spectral(name, wavelength_nm[at], partition, values[at])
+            return values
+
+        return Optics.gather(table)
+
+    def _spectral(
+        self,
+        name: Function,
+        wavelength_nm: Values,
+        partition: RingPartition,
+        otherwise: Float[np.ndarray, "wavelength exit incident"],
+    ) -> Float[np.ndarray, "wavelength exit incident"]:
+        # BSDFs at visible wavelengths from the spectral channels
+        nodes, at = spectral_nodes(self.bsdf)
+        channels = tuple(spectral_limits(self.bsdf))
+        if not all(self.bsdf.has(name, channel=channel) for channel in channels):
+            return otherwise
+        weights, total = interpolation_matrix(nodes, wavelength_nm), 0.0 * otherwise
+        for number in np.unique(at[weights.any(axis=0)]):
+            part = self.bsdf.function(
+                name, channel=channels[number], partition=partition
+            )
+            share = weights[:, at == number].sum(axis=1)
+            total += share[:, None, None] * part.values
+        return np.asarray(total)
 
     def band(self, channel: Channel, partition: RingPartition) -> Optics:
         """BSDFs [1/sr] of one band by exit patch and incident patch."""

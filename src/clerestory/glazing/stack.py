@@ -1,8 +1,8 @@
 """BSDF and absorptances of a stack of layers.
 
 The matrices of the layers are combined at each wavelength, and the results are averaged
-over the solar and the visible band. Unlike a combination of band averages, this method
-is exact for spectrally selective layers.
+over the solar and the visible band, and over spectral bands if wanted. Unlike a
+combination of band averages, this method is exact for spectrally selective layers.
 """
 
 from collections.abc import Sequence
@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.array_types import Values
+from clerestory.bands import Bands
 from clerestory.brief_repr import brief
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.bsdf.product_data import Product
@@ -35,6 +36,7 @@ from clerestory.hemisphere.klems import klems
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.progress import Progress
 from clerestory.spectra import common_wavelengths
+from clerestory.spectral.band_sets import mean_weights
 
 # Matrix entries per chunk of wavelengths: 10 MB for four matrices.
 _TOGETHER = 300_000
@@ -45,7 +47,7 @@ Method = Literal["wavelengths", "bands"]
 @final
 @dataclass(frozen=True, eq=False)
 class StackedLayers:
-    """Optical properties of a stack of layers, with visible and solar channels.
+    """Optical properties of a stack of layers: visible, solar, and in spectral bands.
 
     `absorptance`: absorptance of each layer per incident patch, by channel and side.
     `layers`: layer names from outdoors to indoors. `standard`: name of the standard for
@@ -53,7 +55,7 @@ class StackedLayers:
     """
 
     bsdf: Bsdf
-    absorptance: dict[tuple[Channel, Side], Float[np.ndarray, "layer incident"]]
+    absorptance: dict[tuple[str, Side], Float[np.ndarray, "layer incident"]]
     layers: tuple[str, ...]
     standard: str
     partition: RingPartition = field(repr=False)
@@ -61,17 +63,17 @@ class StackedLayers:
     __repr__ = brief
 
     def direct_hemispherical(
-        self, function: Function, *, channel: Channel = "visible"
+        self, function: Function, *, channel: str = "visible"
     ) -> Values:
         """Directional-hemispherical transmittance or reflectance per patch."""
         return self.bsdf.direct_hemispherical(function, channel=channel)
 
-    def diffuse(self, function: Function, *, channel: Channel = "visible") -> float:
+    def diffuse(self, function: Function, *, channel: str = "visible") -> float:
         """Diffuse transmittance or reflectance."""
         return self.bsdf.diffuse(function, channel=channel)
 
     def diffuse_absorptance(
-        self, *, channel: Channel = "solar", side: Side = "front"
+        self, *, channel: str = "solar", side: Side = "front"
     ) -> Values:
         """Absorptance of each layer under uniform hemispherical illumination."""
         one_of(
@@ -88,6 +90,7 @@ def stack_layers(
     partition: RingPartition | None = None,
     standard: Standard | None = None,
     method: Method = "wavelengths",
+    bands: Bands | None = None,
     name: str = "",
     gap_thickness: float = 0.0,
     report: Progress = lambda _share, _note: None,
@@ -102,6 +105,8 @@ def stack_layers(
     method : "wavelengths" combines layers at each wavelength; "bands" combines their
         solar and visible averages, which is faster. A single BSDF layer always uses its
         averages.
+    bands : spectral bands that the BSDF gets as further channels, with means over
+        wavelengths; by "wavelengths" only
     name : name of the system
     gap_thickness : total thickness of the gaps, stored in the product data [m]
     report : function called with the completed fraction and the wavelength
@@ -124,26 +129,35 @@ def stack_layers(
     partition = partition or klems("full")
     standard = standard or nfrc()
     single = len(layers) == 1 and isinstance(layers[0], BsdfLayer)
-    if single or method == "bands":
-        sums = {
-            channel: _band_by_band(layers, standard, channel, partition)
-            for channel in CHANNELS
-        }
-    else:
-        sums = _by_wavelength(layers, standard, partition, report)
+    averaged = single or method == "bands"
+    sums: dict[str, StackProperties] = {}
+    if averaged:
+        for part in CHANNELS:
+            sums[part] = _band_by_band(layers, standard, part, partition)
+    if bands is not None or not averaged:
+        require(
+            method == "wavelengths",
+            'spectral bands with the method "bands"; the method "wavelengths" expected',
+        )
+        grid = common_wavelengths([layer.wavelength_nm for layer in layers])
+        weights = {} if averaged else _standard_weights(standard, grid)
+        if bands is not None:
+            weights |= dict(zip(bands.names, mean_weights(grid, bands), strict=True))
+        sums |= _by_wavelength(layers, grid, weights, partition, report)
     functions: dict[tuple[str, Function], ScatteringFunction] = {}
-    for channel in reversed(CHANNELS):
-        for part in FUNCTIONS:
+    channels: list[str] = [*reversed(CHANNELS), *(bands.names if bands else ())]
+    for channel in channels:
+        for function in FUNCTIONS:
             # Clip rounding errors
-            flux = np.maximum(sums[channel].system.of(part), 0)
+            flux = np.maximum(sums[channel].system.of(function), 0)
             if flux.shape[-1] == 1:
                 flux = np.diagflat(flux)
             value = flux / partition.projected_solid_angles()[:, None]
-            functions[channel, part] = ScatteringMatrix(value, partition, partition)
+            functions[channel, function] = ScatteringMatrix(value, partition, partition)
     names = tuple(layer.name for layer in layers)
     absorptance = {
         (channel, side): absorbed
-        for channel in CHANNELS
+        for channel in sums
         for side, absorbed in zip(SIDES, sums[channel].absorbed, strict=True)
     }
     bsdf = Bsdf(functions, _product(layers, gap_thickness, name))
@@ -161,22 +175,28 @@ def _product(layers: Sequence[Layer], gap_thickness: float, name: str) -> Produc
     )
 
 
+def _standard_weights(standard: Standard, grid: Values) -> dict[str, Values]:
+    return {channel: standard.band(channel).weights(grid) for channel in CHANNELS}
+
+
 def _by_wavelength(
     layers: Sequence[Layer],
-    standard: Standard,
+    grid: Values,
+    weights: dict[str, Values],
     partition: RingPartition,
     report: Progress,
-) -> dict[Channel, StackProperties]:
-    grid = common_wavelengths([layer.wavelength_nm for layer in layers])
-    weights = {channel: standard.band(channel).weights(grid) for channel in CHANNELS}
-    counts = np.flatnonzero(sum(weights.values()))
-    total: dict[Channel, StackProperties] = {}
+) -> dict[str, StackProperties]:
+    # Properties averaged over wavelengths, by channel
+    counts = np.flatnonzero(np.any(list(weights.values()), axis=0))
+    total: dict[str, StackProperties] = {}
     chunk = max(1, _TOGETHER // len(partition) ** 2)
     for start in range(0, len(counts), chunk):
         part = counts[start : start + chunk]
         passage = _passage(layers, grid[part], partition)
-        for channel in CHANNELS:
-            weight, before = weights[channel][part], total.get(channel)
+        for channel, every in weights.items():
+            weight, before = every[part], total.get(channel)
+            if not weight.any():
+                continue
             system = passage.system.averaged(weight)
             sides = passage.absorbed
             absorbed = np.array([np.tensordot(a, weight, axes=(1, 0)) for a in sides])

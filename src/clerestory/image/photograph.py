@@ -63,7 +63,7 @@ class Exposure:
 
 def read_photograph(path: str | Path) -> Photograph:
     """Return the pixels of a JPEG, PNG or TIFF photograph, row 0 at the top."""
-    with _opened(path) as image:
+    with opened_image(path) as image:
         require(
             image.mode in ("RGB", "RGBA", "L", "P"),
             f"photograph in pixel mode {image.mode}; 8-bit RGB or grey expected",
@@ -73,18 +73,21 @@ def read_photograph(path: str | Path) -> Photograph:
 
 
 @contextmanager
-def _opened(path: str | Path) -> Iterator[Image.Image]:
+def opened_image(
+    path: str | Path, *, kind: str = "a photograph"
+) -> Iterator[Image.Image]:
+    """Open an image file; faults found while it is open are errors with its name."""
     data = io.BytesIO(read_bytes(path))
     try:
         with Image.open(data) as image:
             yield image
     except _BROKEN as error:
-        raise InputError(f"not a photograph: {error}", file=path) from error
+        raise InputError(f"not {kind}: {error}", file=path) from error
 
 
 def read_exposure(path: str | Path) -> Exposure:
     """Return exposure time, f-number and ISO speed from EXIF data of a photograph."""
-    with _opened(path) as image:
+    with opened_image(path) as image:
         data = image.getexif().get_ifd(ExifTags.IFD.Exif)
     tags = {
         "time": ExifTags.Base.ExposureTime,

@@ -36,6 +36,9 @@ _TARGET = "50 % for level {}"
 _MINIMUM = "95 % for level {}"
 _FACTOR = "daylight_factor"
 
+# DGP that each view of the view grids exceeds in 5 % of the occupied hours
+_GRID_DGP = "grid_view_exceeded_dgp"
+
 
 def provision(space: Space) -> Sequence[Quantity]:
     """Return the areas that reach each illuminance in half of the daylight hours."""
@@ -138,19 +141,33 @@ def sunlight(space: Space) -> Sequence[Quantity]:
 def glare(space: Space) -> Sequence[Quantity]:
     """Return the DGP that is exceeded in 5 % of the occupied hours in the worst view.
 
-    The errors of all hours of a view are assumed to be fully correlated.
+    Views are those of the study and of its view grids. The errors of all hours of a
+    view are assumed to be fully correlated.
     """
     limits = ", ".join(f"{limit:.2f}" for limit in GLARE_LIMITS)
     name = f"DGP exceeded in {100 * GLARE_SHARE:.0f} % of the hours, worst view"
-    data, used = space.data, space.data["occupied"].values.astype(bool)
-    if "glare_dgp" not in data or not data.sizes["view"] or not used.any():
+    worst = [max(values) for values in zip(*_exceeded_dgp(space.data), strict=False)]
+    if not worst:
         return (Quantity(name, np.nan, "", limits),)
-    dgp = data["glare_dgp"].transpose("view", "time").fillna(0.0)[:, used]
-    error = None
-    if "glare_dgp_error" in data:
-        error = data["glare_dgp_error"].transpose("view", "time").fillna(0.0)[:, used]
-    varied = tuple(map(_exceeded, replicates(dgp, error)))
-    return (Quantity(name, _exceeded(dgp), "", limits, varied),)
+    return (Quantity(name, worst[0], "", limits, tuple(worst[1:])),)
+
+
+def _exceeded_dgp(data: xr.Dataset) -> Iterator[list[float]]:
+    # DGP of the worst view, and of the worst view of the view grids, each with its
+    # replicates
+    used = data["occupied"].values.astype(bool)
+    if "glare_dgp" in data and data.sizes["view"] and used.any():
+        hours = data["glare_dgp"].transpose("view", "time").fillna(0.0)[:, used]
+        error = None
+        if "glare_dgp_error" in data:
+            error = data["glare_dgp_error"].transpose("view", "time").fillna(0.0)
+            error = error[:, used]
+        each = (hours, *replicates(hours, error))
+        yield [_exceeded(dgp) for dgp in each]
+    if _GRID_DGP in data and data.sizes["grid_view"]:
+        annual, error = data[_GRID_DGP], data.get(f"{_GRID_DGP}_error")
+        if not np.isnan(annual.values).all():
+            yield [float(dgp.max()) for dgp in (annual, *replicates(annual, error))]
 
 
 def _exceeded(dgp: xr.DataArray) -> float:
@@ -170,12 +187,14 @@ def inputs_of_criteria(space: Space) -> Iterator[Requirement]:
     """Check that the results contain what each criterion is evaluated from."""
     data = space.data
     views = data.sizes.get("view", 0) if "glare_dgp" in data else 0
+    views += data.sizes.get("grid_view", 0) if _GRID_DGP in data else 0
     named = partial(requirement, expected="at least one")
     yield named(
         "Views for glare",
         views > 0,
         f"{views or 'no'} views",
-        change="add a [[view]] of 180° at the place where glare is worst",
+        change="add a [[view]] of 180° at the place where glare is worst, or a"
+        " [[view_grid]]",
     )
     openings = data.sizes.get("opening", 0)
     yield named(

@@ -42,7 +42,8 @@ class Space:
     Attributes
     ----------
     name : name of the space
-    data : results of a run for its sensors, views and openings, see `Results.data`
+    data : results of a run for its sensors, views, view grids and openings, see
+        `Results.data`
     area : floor area represented by each sensor [m²]
     from_hour, to_hour : hours of the day that are evaluated by LM-83
     """
@@ -109,7 +110,7 @@ def _space(
     data: xr.Dataset, owner: np.ndarray, names: Sequence[str], name: str
 ) -> Space:
     part = data.isel(sensor=np.flatnonzero(np.isin(owner, names)))
-    for axis in ("view", "opening", "window"):
+    for axis in ("view", "grid_view", "opening", "window"):
         if f"{axis}_space" in part:
             member = np.isin(part[f"{axis}_space"].values.astype(str), names)
             part = part.isel({axis: np.flatnonzero(member)})

@@ -24,6 +24,7 @@ def blackened(scene: Scene) -> Scene:
     return Scene(
         {"black": _BLACK},
         tuple(replace(surface, material="black") for surface in scene.surfaces),
+        bands=scene.bands,
     )
 
 

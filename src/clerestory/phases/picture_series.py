@@ -98,18 +98,20 @@ def uncertain_luminance_over_time(
     camera: Camera,
     skies: Skies,
     states: States | None = None,
+    *,
+    of_blocks: Sequence[WindowMatrices] | None = None,
 ) -> Iterator[UncertainPixels]:
     """Yield the luminance of every time step with its error; see `pictures_over_time`.
 
-    Matrices with pixels as rows have one error component each.
+    Matrices with pixels as rows have one error component each. If `of_blocks` are the
+    matrices of blocks of pixels, by `PixelBlocks.divided`, those of pixels need none.
     """
     weights = equation_bands(windows, skies).weights[None]
     blocks, most = PixelBlocks.of(camera.rows, camera.columns), block_steps(len(camera))
     rest = terms, skies, states, weights
-    few = windows if blocks.single else [blocks.of_window(each) for each in windows]
-    uncertain = PixelSeries(few, *rest, math.prod(blocks.shape), errors=True).steps(
-        most
-    )
+    few = of_blocks or blocks.divided(windows)[1]
+    count = math.prod(blocks.shape)
+    uncertain = PixelSeries(few, *rest, count, errors=True).steps(most)
     if blocks.single:
         for each in uncertain:
             yield each.pixels(each.light, (camera.rows, camera.columns), blocks.shape)

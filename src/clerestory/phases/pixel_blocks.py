@@ -6,6 +6,7 @@ computed for blocks of pixels, which are as few in a picture of any size.
 
 import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -99,6 +100,17 @@ class PixelBlocks:
     def _chain(self, chain: MatrixChain) -> MatrixChain:
         return replace(chain, receiving=tuple(map(self._matrix, chain.receiving)))
 
+    def divided(
+        self, windows: Sequence[WindowMatrices]
+    ) -> tuple[tuple[WindowMatrices, ...], tuple[WindowMatrices, ...]]:
+        """Return the matrices of pixels without errors, and those of blocks with them.
+
+        The matrices of pixels are in single precision, in which they are multiplied.
+        """
+        if self.single:
+            return tuple(windows), tuple(windows)
+        return tuple(map(_certain, windows)), tuple(map(self.of_window, windows))
+
     def _matrix(self, matrix: Receiving) -> Receiving:
         if isinstance(matrix, Sunlit):
             return _SunlitBlocks(self, matrix)
@@ -110,6 +122,21 @@ class PixelBlocks:
             rows=pixel_axis(self.shape[0] * self.shape[1]),
             components=None if parts is None else self.means(parts),
         )
+
+
+def _certain(window: WindowMatrices) -> WindowMatrices:
+    # Matrices of pixels in single precision, without error components
+    def chain(given: MatrixChain) -> MatrixChain:
+        return replace(given, receiving=tuple(map(single, given.receiving)))
+
+    def single(matrix: Receiving) -> Receiving:
+        if not isinstance(matrix, TransferMatrix):
+            return matrix
+        values = matrix.values.astype(np.float32, copy=False)
+        return replace(matrix, values=values, components=None)
+
+    parts = (window.whole, window.direct, window.sun)
+    return WindowMatrices(*(part and chain(part) for part in parts))
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,6 +15,7 @@ from jaxtyping import Float
 
 from clerestory.bands import RGB
 from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.spectral_channels import has_bands
 from clerestory.engine.effort import EffortKeywords
 from clerestory.image.camera import Camera
 from clerestory.matrix.axis import pixel_axis, sun_axis
@@ -63,10 +64,11 @@ def sun_coefficients(
     effort = sun_effort(sun_coefficients, keywords, samples=SENSOR_SAMPLES)
     paths = sensor_window_paths(blackened(scene), windows, sensors, effort=effort)
     lit = in_sunlight(paths, window, bsdf, suns=suns, peak=peak)
-    colour = bsdf.in_colour("transmission_front")
-    values, parts = lit.coefficients(len(RGB) if colour else 1)
+    bands = scene.bands if has_bands(bsdf, scene.bands) else RGB
+    grey = bands == RGB and not bsdf.in_colour("transmission_front")
+    values, parts = lit.coefficients(1 if grey else len(bands))
     axes = sensors_axis(sensors), sun_axis(len(suns))
-    return TransferMatrix(values, *axes, parts, RGB)
+    return TransferMatrix(values, *axes, parts, bands)
 
 
 def picture_sun_coefficients(

@@ -16,6 +16,7 @@ from scipy.sparse import csc_array
 
 from clerestory.bands import RGB
 from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.spectral_channels import has_bands
 from clerestory.checks import require
 from clerestory.engine.device import Device
 from clerestory.phases.direct_light import window_number
@@ -135,7 +136,7 @@ class SunlitReceivers:
         product: Any,
         weights: Float[np.ndarray, " band"],
         light: Float32[np.ndarray, "channel cell step"],
-        passed: Float32[np.ndarray, "channel zone step"],
+        passed: Float32[np.ndarray, "outside zone step"],
     ) -> Any:
         # Scattered sunlight by batch, pixel and step, on the compute device
         channels = len(self.paths.records[0].weights)
@@ -245,7 +246,9 @@ def in_sunlight(
     number = window_number(paths.job.windows, window, bsdf, suns)
     bands = paths.job.scene.bands
     require(
-        bands == RGB or not bsdf.in_colour("transmission_front"),
+        bands == RGB
+        or has_bands(bsdf, bands)
+        or not bsdf.in_colour("transmission_front"),
         f"the BSDF is in {RGB}, the scene in {bands}; a BSDF that is the same in"
         " all bands expected",
         file=bsdf.source,

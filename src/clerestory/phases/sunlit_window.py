@@ -12,7 +12,9 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float, Float32
 
+from clerestory.bands import RGB
 from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.spectral_channels import band_groups_of
 from clerestory.directions import Frame
 from clerestory.engine import device as devices
 from clerestory.engine.device import Device
@@ -63,15 +65,22 @@ class SunlitWindow:
         self, sun: np.ndarray, irradiance: Float[np.ndarray, " step"]
     ) -> Float32[np.ndarray, "channel cell step"]:
         """Return the radiance of the exit cells under suns of given irradiance."""
-        light = self._table.radiance(self.cells.directions, self.suns[sun])
-        light *= irradiance.astype(np.float32)
-        return np.asarray(light)
+        where = self.cells.directions, self.suns[sun]
+        light = [table.radiance(*where) for table in self._tables]
+        if len(light) > 1:
+            whole = [np.broadcast_to(one, (len(RGB), *one.shape[1:])) for one in light]
+            light = [np.concatenate(whole)[: len(self.scene.bands)]]
+        return np.asarray(light[0] * irradiance.astype(np.float32))
 
     @cached_property
-    def _table(self) -> Any:
+    def _tables(self) -> list[Any]:
+        # One for each group of three bands, or one if the BSDF is the same in all
         cells = partial(incident_cells, self.bsdf)
         engine: Any = self._engine("sun_tables")
-        return engine.SunlitBsdf(self.bsdf, self.frame, peak=self.peak, cells=cells)
+        return [
+            engine.SunlitBsdf(part, self.frame, peak=self.peak, cells=cells)
+            for part in band_groups_of(self.bsdf, self.scene.bands)
+        ]
 
     @cached_property
     def transmittance(self) -> Float32[np.ndarray, "channel zone sun"]:
@@ -86,7 +95,9 @@ class SunlitWindow:
     @cached_property
     def unscattered(self) -> Any:
         """Unscattered beams of the BSDF."""
-        return self._engine("sun_beams").UnscatteredBeams(self.bsdf, self.frame)
+        return self._engine("sun_beams").UnscatteredBeams(
+            self.bsdf, self.frame, self.scene.bands
+        )
 
     def _engine(self, module: str) -> Any:
         return devices.load(self.device, module)

@@ -30,10 +30,17 @@ from clerestory.report.figure_axes import (
 
 _PIXELS = 480
 _DECADES = 5
+
+# Smallest end of the colour scale [1/sr], so that opaque layers are drawn dark; a
+# diffuser of this value transmits 0.3 %
+_LEAST_TOP = 1e-3
 _LINE: dict[str, Any] = {"color": "white", "linewidth": 0.35, "alpha": 0.35}
 
 # Interval of incidence angle in curves of transmittance or reflectance [°].
 _CURVE_DEG = 2.5
+
+# Columns of the legend below the curves
+_LEGEND_COLUMNS = 4
 
 
 def patch_direction(patch: int, function: Function) -> Float[np.ndarray, "3"]:
@@ -72,7 +79,8 @@ def lobe_figure(
 ) -> Figure:
     """Draw the BSDF of each layer (columns) for each incident direction (rows).
 
-    All discs share one logarithmic colour scale of at most five decades.
+    All discs share one logarithmic colour scale of at most five decades, which ends at
+    0.001/sr or above: layers that transmit or reflect nothing are dark.
     """
     leaving, inside = _disc(function)
     rows = [
@@ -84,7 +92,12 @@ def lobe_figure(
     ]
     for bsdf in bsdfs:
         bsdf.function(function, channel=channel)
-    norm = log_norm(np.array(rows)[..., inside], decades=_DECADES, quantile=0.01)
+    norm = log_norm(
+        np.array(rows)[..., inside],
+        decades=_DECADES,
+        quantile=0.01,
+        least_top=_LEAST_TOP,
+    )
     size = (3.3 * len(bsdfs) + 1.1, 3.5 * len(directions) + 0.5)
     figure = Figure(figsize=size, layout="constrained")
     axes = figure.subplots(len(directions), len(bsdfs), squeeze=False)
@@ -118,7 +131,8 @@ def share_figure(
 
     The left panel is for incidence from above and below, the right one from the sides.
     """
-    figure = Figure(figsize=(8.4, 3.4), layout="constrained")
+    rows = -(-len(bsdfs) // _LEGEND_COLUMNS)
+    figure = Figure(figsize=(8.4, 3.5 + 0.2 * rows), layout="constrained")
     panels = figure.subplots(1, 2, sharey=True)
     angle = np.arange(-87.5, 88, _CURVE_DEG)
     given = list(names) or [bsdf.product.name for bsdf in bsdfs]
@@ -142,7 +156,14 @@ def share_figure(
         panel.grid(alpha=0.25)
     panels[0].set_ylim(bottom=0)
     panels[0].set_ylabel(f"{channel}, {function.replace('_', ' ')}", fontsize=9)
-    panels[0].legend(fontsize=8, frameon=False)
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(
+        *(handles, labels),
+        loc="outside lower center",
+        ncols=min(len(labels), _LEGEND_COLUMNS),
+        fontsize=8,
+        frameon=False,
+    )
     return figure
 
 

@@ -92,7 +92,7 @@ def days_figure(comparisons: Sequence[Comparison], name: str) -> Figure:
         panel.set_title(str(day), **_TITLE)
         panel.set_xlabel("hour, local standard time")
         panel.grid(lw=0.3)
-    _finish(panels[0, 0], quantity_of(name))
+    _finish(figure, panels[0, 0], quantity_of(name))
     figure.suptitle(figure_text(name), x=0.01, ha="left", fontsize=11)
     return figure
 
@@ -114,14 +114,16 @@ def time_figure(comparisons: Sequence[Comparison], group: str, quantity: str) ->
     _mark_days(axes, stamps)
     axes.set_title(f"{figure_text(group)}: mean over its series at each time", **_TITLE)
     axes.grid(lw=0.3, axis="y")
-    _finish(axes, quantity)
+    _finish(figure, axes, quantity)
     return figure
 
 
-def _finish(axes: Axes, quantity: str) -> None:
+def _finish(figure: Figure, axes: Axes, quantity: str) -> None:
     axes.set_ylim(bottom=0)
     axes.set_ylabel(_unit(quantity))
-    axes.legend(frameon=False, fontsize=8)
+    style: dict[str, Any] = {"frameon": False, "fontsize": 8, "ncols": 4}
+    handles, labels = axes.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", **style)
 
 
 def scan_figure(

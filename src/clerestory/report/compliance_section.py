@@ -31,14 +31,14 @@ class StandardSection(NamedTuple):
 def compliance_sections(content: ReportContent) -> list[StandardSection]:
     """Return a section for each assessed standard; empty without [compliance]."""
     found = assessments_of(content.data)
-    names = dict.fromkeys(one.standard for one in found)
+    drawn: dict[str, str] = {}
     return [
         StandardSection(
             _identifier(name),
             name,
-            Section(_body(content, [a for a in found if a.standard == name])),
+            Section(_body(content, [a for a in found if a.standard == name], drawn)),
         )
-        for name in names
+        for name in dict.fromkeys(one.standard for one in found)
     ]
 
 
@@ -61,7 +61,10 @@ def _identifier(name: str) -> str:
     return "standard-" + re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-")
 
 
-def _body(content: ReportContent, found: Sequence[Assessment]) -> Markup:
+def _body(
+    content: ReportContent, found: Sequence[Assessment], drawn: dict[str, str]
+) -> Markup:
+    # Body of one section; `drawn` is the standard whose section shows each map
     name = found[0].standard
     known = STANDARDS.get(name)
     lines = [
@@ -77,7 +80,8 @@ def _body(content: ReportContent, found: Sequence[Assessment]) -> Markup:
         identifier=_identifier(name),
         title=known.title if known else name,
         criteria=[_criterion(found, k) for k in range(len(found[0].verdicts))],
-        plans=_plans(content, name),
+        plans=_plans(content, name, drawn),
+        elsewhere=_elsewhere(content, name, drawn),
         lines=lines,
         counts=counts,
     )
@@ -108,10 +112,27 @@ def _criterion(found: Sequence[Assessment], number: int) -> dict[str, object]:
     }
 
 
-def _plans(content: ReportContent, name: str) -> list[dict[str, object]]:
-    # Plans of the maps of a standard for each grid; walls are those of the first plans
+def _elsewhere(
+    content: ReportContent, name: str, drawn: dict[str, str]
+) -> list[tuple[str, str, list[str]]]:
+    # Address and standard of the sections that show maps of a standard, and the maps
+    maps, found = compliance_maps(content), dict[str, list[str]]()
+    for key in map_keys(name):
+        if drawn.get(key, name) != name:
+            found.setdefault(drawn[key], []).append(maps[key].title)
+    return [(_identifier(other), other, titles) for other, titles in found.items()]
+
+
+def _plans(
+    content: ReportContent, name: str, drawn: dict[str, str]
+) -> list[dict[str, object]]:
+    # Plans of the maps of a standard for each grid, unless an earlier section has them;
+    # walls are those of the first plans
     maps = compliance_maps(content)
-    shown = [maps[key] for key in map_keys(name) if key in maps]
+    for key in map_keys(name):
+        if key in maps:
+            drawn.setdefault(key, name)
+    shown = [maps[key] for key in map_keys(name) if drawn.get(key) == name]
     grids: list[dict[str, object]] = []
     for number, (grid, members) in enumerate(content.sensors.by_grid().items()):
         frame = plan_frame(content, members, identifier=f"plan-{number}")
@@ -121,10 +142,10 @@ def _plans(content: ReportContent, name: str) -> list[dict[str, object]]:
         for metric in shown:
             scale = map_scale(metric)
             label = f"Plan of {grid}: {metric.title}, {metric.note}"
-            drawn = plan(
+            figure = plan(
                 frame, metric, members, scale=scale, content=content, label=label
             )
             words = {"title": metric.title, "note": metric.note}
-            figures.append({**words, "drawing": drawn, "bar": colour_bar(scale)})
+            figures.append({**words, "drawing": figure, "bar": colour_bar(scale)})
         grids.append({"name": grid, "plans": figures})
     return grids if shown else []

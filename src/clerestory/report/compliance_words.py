@@ -5,6 +5,14 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from clerestory.metrics.compliance import Assessment, Quantity, Requirement, Verdict
+from clerestory.metrics.en17037 import (
+    LEVELS,
+    MINIMUM_AREA,
+    MINIMUM_LUX,
+    TARGET_AREA,
+    TARGET_LUX,
+    DaylightProvision,
+)
 from clerestory.report.uncertain_value import Figure
 
 # Distances of the view above which it is unobstructed [m]
@@ -28,14 +36,54 @@ def quantity_words(quantity: Quantity) -> str:
 def verdict_words(verdict: Verdict) -> str:
     """Return a verdict with the standard error of its level, if it has one.
 
-    >>> verdict_words(Verdict("sDA", 1, ("none", "some", "much"), (), (1, 2)))
+    >>> verdict_words(Verdict("sDA", 1, ("little", "some", "much"), (), (1, 2)))
     'some, ± 0.5 levels: possibly much'
+    >>> verdict_words(Verdict("view out", 0, ("none", "minimum")))
+    'no level reached'
     """
+    words = _level_name(verdict.words)
     if not verdict.error:
-        return verdict.words
+        return words
     others = sorted({level for level in verdict.replicates if level != verdict.level})
-    names = " or ".join(verdict.levels[level] for level in others)
-    return f"{verdict.words}, ± {verdict.error:.1g} levels: possibly {names}"
+    names = " or ".join(_level_name(verdict.levels[level]) for level in others)
+    return f"{words}, ± {verdict.error:.1g} levels: possibly {names}"
+
+
+def _level_name(name: str) -> str:
+    # "Protection from glare: none" would also mean that there is no glare
+    return "no level reached" if name == LEVELS[0] else name
+
+
+def level_words(level: int) -> str:
+    """Return a level 0…3 of EN 17037 in words.
+
+    >>> level_words(0), level_words(2)
+    ('no level', 'level medium')
+    """
+    return f"level {LEVELS[level]}" if level else "no level"
+
+
+def provision_words(provision: DaylightProvision) -> str:
+    """Return the daylight provision by EN 17037: its level, and areas of the next one.
+
+    >>> from clerestory.metrics.spatial_metrics import RoomShare
+    >>> target, least = (tuple(map(RoomShare, x)) for x in ((0.3, 0, 0), (1, 0.9, 0)))
+    >>> words = provision_words(DaylightProvision(target, least, 0, 1))
+    >>> words[:73]
+    'no level; level minimum needs 300 lux on 50 % of the area (found: 30 %) a'
+    """
+    level = provision.level
+    wanted = min(level + 1, len(LEVELS) - 1)
+    target, minimum = (
+        f"{lux[wanted - 1]:.0f} lux on {100 * least:.0f} % of the area"
+        f" (found: {100 * share[wanted - 1].value:.0f} %)"
+        for lux, least, share in (
+            (TARGET_LUX, TARGET_AREA, provision.target),
+            (MINIMUM_LUX, MINIMUM_AREA, provision.minimum),
+        )
+    )
+    which = level_words(wanted) if level < wanted else "it"
+    return f"{level_words(level)}; {which} needs {target} and {minimum}"
 
 
 def assessment_lines(assessments: Sequence[Assessment]) -> Iterator[str]:

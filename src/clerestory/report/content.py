@@ -15,6 +15,7 @@ from jaxtyping import Bool, Float, Int
 from clerestory.checks import require
 from clerestory.report.heat_map import DayHourGrid, day_hour_grid
 from clerestory.report.uncertain_value import number
+from clerestory.study.title_block import TitleBlock
 
 
 class Room(NamedTuple):
@@ -104,6 +105,7 @@ class ReportContent:
     seconds : run time of each phase [s]
     warnings : warnings issued during the run
     picture_folder : folder with pictures of the run; None for a report without pictures
+    title_block : project, client, author, logo and notes
     """
 
     title: str
@@ -124,6 +126,7 @@ class ReportContent:
     seconds: dict[str, float] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
     picture_folder: Path | None = None
+    title_block: TitleBlock = field(default_factory=TitleBlock)
 
     def __post_init__(self) -> None:
         require(

@@ -23,8 +23,11 @@ from clerestory.report.content import (
 from clerestory.report.uncertain_value import setting_label, setting_rows
 from clerestory.report.window_states import rule_words
 from clerestory.study.results import Results
+from clerestory.study.title_block import title_block_of
 
-_SHOWN_ELSEWHERE = ("title", "study", "seconds", "warnings", "matrices", "output")
+_SHOWN_ELSEWHERE = (
+    *("title", "study", "seconds", "warnings", "matrices", "output", "report"),
+)
 _STUDY_ORDER = ("scene", "window", "sensors", "weather", "sky", "trace", "schedule")
 # Largest number of sensors on a page
 _MOST_SENSORS = 5000
@@ -33,10 +36,16 @@ _METRICS = ("mean_illuminance", "daylight_autonomy", "useful", "useful_bands")
 
 
 def from_results(
-    results: Results, *, pictures: str | Path | None = None
+    results: Results,
+    *,
+    pictures: str | Path | None = None,
+    most_sensors: int = _MOST_SENSORS,
 ) -> ReportContent:
-    """Return the report content of a run; `pictures` is the folder of its pictures."""
-    results = results.thinned(_MOST_SENSORS)
+    """Return the report content of a run; `pictures` is the folder of its pictures.
+
+    If there are more than `most_sensors` sensors, an even selection is contained.
+    """
+    results = results.thinned(most_sensors)
     data, run = results.data, results.run
     study = json.loads(data.attrs.get("study", "{}"))
     occupied = np.asarray(data["occupied"].values, dtype=bool)
@@ -66,6 +75,7 @@ def from_results(
         seconds={str(k): float(v) for k, v in dict(run.get("seconds", {})).items()},
         warnings=tuple(map(str, run.get("warnings", ()))),
         picture_folder=None if pictures is None else Path(pictures),
+        title_block=title_block_of(run),
     )
 
 
@@ -125,15 +135,17 @@ def run_tables(run: Mapping[str, Any]) -> tuple[FactTable, ...]:
     for name, value in shown.items():
         if isinstance(value, dict) and value:
             tables.append(FactTable(_label(name), setting_rows(value)))
-    matrices = {}
-    for name, facts in dict(run.get("matrices", {})).items():
-        # Abbreviate the hash in the file name of a matrix to eight digits
-        stem, _, digest = str(name).removesuffix(".nc").rpartition("-")
-        found = dict(facts).get("found")
-        origin = "kept from an earlier run" if found else "traced in this run"
-        matrices[f"{stem}-{digest[:8]}"] = origin
-    if matrices:
-        tables.append(FactTable("Matrices", setting_rows(matrices)))
+    found = [
+        bool(dict(facts).get("found")) for facts in run.get("matrices", {}).values()
+    ]
+    if found:
+        counts = {
+            "Traced in this run": len(found) - sum(found),
+            "Kept from an earlier run": sum(found),
+            "Names of their files": "in run.json",
+        }
+        shown = {key: value for key, value in counts.items() if value}
+        tables.append(FactTable("Matrices", setting_rows(shown)))
     return tuple(tables)
 
 

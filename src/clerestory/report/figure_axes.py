@@ -20,13 +20,23 @@ _PALETTE = "inferno"
 
 
 def log_norm(
-    values: Float[np.ndarray, "*batch"], *, decades: int, quantile: float
+    values: Float[np.ndarray, "*batch"],
+    *,
+    decades: int,
+    quantile: float,
+    least_top: float = 0.0,
 ) -> LogNorm:
     """Return a logarithmic scale from a quantile of the positive values to the maximum.
 
-    The scale spans at least one decade and at most `decades`.
+    The scale spans at least one decade and at most `decades`, and ends at `least_top`
+    or above.
+
+    >>> dim = np.full(3, 1e-6)
+    >>> norm = log_norm(dim, decades=5, quantile=0.01, least_top=1e-3)
+    >>> norm.vmin, norm.vmax
+    (1e-06, 0.001)
     """
-    top = float(values.max()) or 1.0
+    top = max(float(values.max()), least_top) or 1.0
     some = values[values > 0]
     low = float(np.quantile(some, quantile)) if some.size else top
     return LogNorm(min(max(low, top * 10.0**-decades), top / 10), top)

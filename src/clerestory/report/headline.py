@@ -7,6 +7,7 @@ from clerestory.glare.comfort_classes import glare_autonomy
 from clerestory.metrics.climate_based_metrics import USEFUL_LIMITS_LUX
 from clerestory.report.compliance_section import verdict_rows
 from clerestory.report.content import ReportContent
+from clerestory.report.embedded_data import image_address
 from clerestory.report.markup import Markup, render
 from clerestory.report.metric_maps import MetricMap, metric_maps, useful_share
 from clerestory.report.orientation import orientation
@@ -30,9 +31,12 @@ _METHODS = {
 def headline(content: ReportContent) -> Markup:
     """Return the title, the key figures of the first grid, and their uncertainty."""
     maps = {metric.key: metric for metric in metric_maps(content.metrics)}
+    block = content.title_block
     return render(
         "headline.html",
         title=content.title,
+        block=block,
+        logo=image_address(block.logo) if block.logo else "",
         method=_METHODS.get(content.method, content.method),
         places=" · ".join(filter(None, (content.place, period_words(content.times)))),
         lead=_lead(content, maps),

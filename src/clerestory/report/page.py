@@ -5,6 +5,7 @@ everything else, including scripts injected by names or paths.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,7 @@ from clerestory.report.main_sections import (
 )
 from clerestory.report.markup import element, join
 from clerestory.report.method_table import methods_section
+from clerestory.report.notes_section import notes_section
 from clerestory.report.page_assets import asset, render_page
 from clerestory.report.picture_strip import pictures_section
 from clerestory.report.plan_section import plans_section
@@ -36,6 +38,7 @@ from clerestory.report.window_states import states_section
 from clerestory.report.year_section import year_section
 from clerestory.study.annual_views import PICTURE_FOLDER
 from clerestory.study.results import Results
+from clerestory.study.title_block import TitleBlock
 
 REPORT_FILE = "report.html"
 
@@ -49,18 +52,27 @@ _SCRIPTS = (
     "film.js",
     "terms.js",
     "view.js",
+    "scroll_hints.js",
     "start.js",
 )
 
 
 def write_report(
-    results: Results, path: str | Path, *, pictures: str | Path | None = None
+    results: Results,
+    path: str | Path,
+    *,
+    pictures: str | Path | None = None,
+    title_block: TitleBlock | None = None,
 ) -> None:
     """Write the report of a run as one self-contained HTML file.
 
     `pictures` is the folder of the run's pictures; without it no pictures are shown.
+    `title_block` replaces that of the study.
     """
-    write_text(path, report_page(from_results(results, pictures=pictures)))
+    content = from_results(results, pictures=pictures)
+    if title_block is not None:
+        content = replace(content, title_block=title_block)
+    write_text(path, report_page(content))
 
 
 def picture_folder(folder: Path, results: Results) -> Path:
@@ -93,6 +105,7 @@ _SECTIONS: tuple[tuple[str, str, Callable[[ReportContent], Section]], ...] = (
 def report_page(content: ReportContent) -> str:
     """Return the report as HTML."""
     made = [
+        ("notes", "Notes", notes_section(content)),
         *compliance_sections(content),
         *((name, title, make(content)) for name, title, make in _SECTIONS),
     ]

@@ -19,11 +19,14 @@ from clerestory.report.colour import (
     percent_scale,
     value_colours,
 )
+from clerestory.report.embedded_data import image_address
+from clerestory.report.markdown import markdown
 from clerestory.report.markup import Markup, drawing, element, render
 from clerestory.report.page_assets import asset, content_policy
 from clerestory.report.pareto_plot import objectives, pareto_plot
 from clerestory.report.sensor_cells import sensor_cells
 from clerestory.report.uncertain_value import Figure
+from clerestory.study.title_block import TitleBlock
 from clerestory.study.variant_figures import (
     RunFigures,
     VariantFigure,
@@ -67,20 +70,29 @@ class Plans(NamedTuple):
 
 
 def write_variants_page(
-    path: str | Path, runs: Sequence[RunFigures], *, title: str
+    path: str | Path,
+    runs: Sequence[RunFigures],
+    *,
+    title: str,
+    title_block: TitleBlock | None = None,
 ) -> None:
     """Write the page that compares several runs."""
-    write_text(path, variants_page(runs, title=title))
+    write_text(path, variants_page(runs, title=title, title_block=title_block))
 
 
-def variants_page(runs: Sequence[RunFigures], *, title: str) -> str:
+def variants_page(
+    runs: Sequence[RunFigures], *, title: str, title_block: TitleBlock | None = None
+) -> str:
     """Return the page that compares several runs, as HTML."""
-    shown = objectives(runs)
+    shown, block = objectives(runs), title_block or TitleBlock()
     return render(
         "variants.html",
         version=clerestory.__version__,
         policy=content_policy(""),
         title=title,
+        block=block,
+        logo=image_address(block.logo) if block.logo else "",
+        notes=markdown(block.notes) if block.notes.strip() else "",
         style=Markup(asset("style.css")),
         runs=[(run.name, run.settings) for run in runs],
         axes=list(dict.fromkeys(axis for run in runs for axis in run.settings)),

@@ -7,6 +7,7 @@ import numpy as np
 
 from clerestory.array_types import Vector
 from clerestory.bands import RGB, Bands
+from clerestory.bsdf.spectral_channels import bsdf_in_bands
 from clerestory.checks import require, within
 from clerestory.errors import InputError
 from clerestory.scene.material import (
@@ -17,6 +18,7 @@ from clerestory.scene.material import (
     parts,
     with_colours,
 )
+from clerestory.scene.materials.bsdf_surface import BsdfSurface
 from clerestory.scene.materials.glass import Glass, transmissivity
 from clerestory.scene.model import Scene
 from clerestory.spectra import Spectrum
@@ -78,7 +80,10 @@ def in_bands(
             continue
         if upsampling is None:
             _require_grey(material)
-        materials[name] = with_colours(material, converted)
+        material = with_colours(material, converted)
+        if isinstance(material, BsdfSurface):
+            material = replace(material, bsdf=bsdf_in_bands(material.bsdf, bands))
+        materials[name] = material
     return replace(scene, materials=materials, bands=bands)
 
 

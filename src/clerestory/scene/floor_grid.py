@@ -165,9 +165,10 @@ def _centred(walls: Triangulation, start: Vector, spacing: float) -> Vector:
     for axis, ahead, behind in ((0, east, west), (1, north, south)):
         width = ahead + behind
         if np.isfinite(width) and width > spacing:
-            margin = (width - (width // spacing - 1) * spacing) / 2
-            place = (behind - margin) / spacing
-            moved[axis] += (round(place) - place) * spacing
+            last = width // spacing - 1
+            place = (behind - (width - last * spacing) / 2) / spacing
+            # The nearest grid point may be behind the wall or the window
+            moved[axis] += (min(max(round(place), 0), last) - place) * spacing
     return moved
 
 

@@ -19,7 +19,7 @@ from clerestory.bands import RGB, Bands
 from clerestory.checks import one_of, require
 from clerestory.constants import LUMINOUS_EFFICACY
 from clerestory.errors import InputError
-from clerestory.spectra import Spectrum
+from clerestory.spectra import Spectrum, interpolation_matrix
 from clerestory.spectral.functions import (
     MAXIMUM_EFFICACY,
     STEP_NM,
@@ -127,17 +127,40 @@ def band_means(spectrum: Spectrum, bands: Bands) -> Float[np.ndarray, " band"]:
     >>> band_means(ramp, wavelength_bands([500, 520, 600])).round(3).tolist()
     [0.51, 0.56]
     """
+    return np.asarray(mean_weights(spectrum.wavelength_nm, bands) @ spectrum.value)
+
+
+def mean_weights(
+    wavelength_nm: Float[np.ndarray, " wavelength"], bands: Bands
+) -> Float[np.ndarray, "band wavelength"]:
+    """Weights of values at given wavelengths [nm] in the mean of each band; sum 1.
+
+    The weights times the values of a spectrum are its `band_means`.
+
+    Raises
+    ------
+    InputError : the bands have neither wavelengths nor weighting functions, as RGB
+
+    Examples
+    --------
+    >>> mean_weights(np.array([400.0, 500.0]), wavelength_bands([400, 450])).tolist()
+    [[0.75, 0.25]]
+    """
     if bands.limits_nm is not None:
         limits = np.array(bands.limits_nm)
-        area = _antiderivative(spectrum.wavelength_nm, spectrum.value, limits)
-        return np.asarray(np.diff(area, axis=1)[:, 0] / np.diff(limits, axis=1)[:, 0])
-    inside = (spectrum.wavelength_nm > 380) & (spectrum.wavelength_nm < 780)
-    fine = np.union1d(WAVELENGTH_NM, spectrum.wavelength_nm[inside])
-    values, daylight = spectrum.at(fine), _at(fine, "d65")
+        means = [
+            np.diff(_antiderivative(wavelength_nm, one, limits), axis=1)[:, 0]
+            for one in np.eye(len(wavelength_nm))
+        ]
+        return np.asarray(np.stack(means, axis=1) / np.diff(limits, axis=1))
+    inside = (wavelength_nm > 380) & (wavelength_nm < 780)
+    fine = np.union1d(WAVELENGTH_NM, wavelength_nm[inside])
+    step = np.diff(fine)
+    half = (np.append(step, 0) + np.insert(step, 0, 0)) / 2
+    daylight = half * _at(fine, "d65")
     weights = [_at(fine, WEIGHTINGS[name]) * daylight for name in _weightings(bands)]
-    return np.array(
-        [np.trapezoid(values * w, fine) / np.trapezoid(w, fine) for w in weights]
-    )
+    shares = np.array([one / one.sum() for one in weights])
+    return np.asarray(shares @ interpolation_matrix(wavelength_nm, fine))
 
 
 def light_in_bands(
@@ -162,13 +185,7 @@ def light_in_bands(
     [1.0, 1.0]
     """
     if bands.limits_nm is not None:
-        limits = np.array(bands.limits_nm)
-        unit = np.eye(len(WAVELENGTH_NM))
-        means = [
-            np.diff(_antiderivative(WAVELENGTH_NM, one, limits), axis=1)[:, 0]
-            for one in unit
-        ]
-        weights = np.stack(means, axis=1) / np.diff(limits, axis=1)
+        weights = mean_weights(WAVELENGTH_NM, bands)
     else:
         tables = [spectral_function(WEIGHTINGS[name]) for name in _weightings(bands)]
         weights = np.array([one * STEP_NM / integral(one) for one in tables])

@@ -22,6 +22,7 @@ from clerestory.study import config_tables as tables
 from clerestory.study.compliance_tables import ComplianceTable, SpaceTable
 from clerestory.study.config_tables import Distinct, require_rule
 from clerestory.study.lighting_tables import LightingTable, LuminaireTable
+from clerestory.study.report_tables import ReportTable
 from clerestory.study.view_grid_tables import ViewGridTable
 from clerestory.study.window_tables import WindowTable
 from clerestory.toml_lines import key_lines
@@ -75,6 +76,7 @@ class Study(Table):
     )
     space: Annotated[list[SpaceTable], Distinct] = Field([])
     compliance: ComplianceTable | None = Field(None, description="a table [compliance]")
+    report: ReportTable = ReportTable()
     output: tables.OutputTable = tables.OutputTable()
 
     @model_validator(mode="after")
@@ -84,12 +86,26 @@ class Study(Table):
                 self.window or not METHODS[method].windows,
                 f'method "{method}" without a window; a table [[window]] expected',
             )
-        require_rule(
-            self.methods != ["2-phase"] or not (self.view or self.view_grid),
-            'method "2-phase" computes no images; no table [[view]] expected'
-            " and no [[view_grid]]",
-        )
+        if self.methods == ["2-phase"]:
+            self._require_glazing()
         return self
+
+    def _require_glazing(self) -> None:
+        # Two phases: no pictures; view grids where the glazing is part of the scene
+        require_rule(
+            not self.view,
+            'method "2-phase" computes no images; no table [[view]] expected',
+        )
+        require_rule(
+            not (self.view_grid and self.window),
+            '[[view_grid]] with method "2-phase" and a table [[window]]; glazing in the'
+            ' scene, or method = "5-phase", expected',
+        )
+        require_rule(
+            not self.view_grid or self.sun.places == "exact",
+            '[[view_grid]] with method "2-phase" and places = "patches" of the sun;'
+            ' "exact" expected',
+        )
 
     @model_validator(mode="after")
     def _ports_for_the_method(self) -> "Study":
@@ -156,6 +172,17 @@ class Study(Table):
         )
         return self
 
+    @model_validator(mode="after")
+    def _states_for_the_output(self) -> "Study":
+        several = any(len(window.states()) > 1 for window in self.window)
+        windows = all(METHODS[method].windows for method in self.methods)
+        require_rule(
+            not self.output.by_state or (several and windows),
+            '"by_state" without a window that has several states; tables'
+            " [[window.state]], and a method with windows, expected",
+        )
+        return self
+
     def _require_views(self, window: WindowTable) -> None:
         control = window.control
         if control is None or (control.rule == "glare" and control.grid):
@@ -193,10 +220,13 @@ class Study(Table):
         return self.compliance is not None and standard in self.compliance.standards
 
     def with_method(self, method: MethodName) -> "Study":
-        """Return a copy of the study with one phase method; "2-phase" has no views."""
+        """Return a copy of the study with one phase method.
+
+        Two phases have no views, and view grids only in scenes with glazing.
+        """
         seen = {"view": self.view, "view_grid": self.view_grid}
         if method == "2-phase":
-            seen = {"view": [], "view_grid": []}
+            seen = {"view": [], "view_grid": [] if self.window else self.view_grid}
         return self.model_copy(update={"methods": [method], **seen})
 
     def model_post_init(self, context: Any) -> None:

@@ -337,3 +337,4 @@ class OutputTable(Table):
 
     csv: bool = True
     ill: bool = False
+    by_state: bool = False

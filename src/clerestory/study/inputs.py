@@ -77,7 +77,9 @@ def read_inputs(study: Study, *, recent: RecentValues | None = None) -> Inputs:
     groups = [
         group.scaled(metres)
         for table in study.window
-        for group in read_window_groups(table, read=read_bsdf)
+        for group in read_window_groups(
+            table, read=read_bsdf, bands=band_set(study.scene.bands)
+        )
     ]
     names = [group.name for group in groups]
     for name in names:

@@ -52,5 +52,8 @@ def _sensor_bytes(
     # Bytes of memory for the coefficients and hourly results of one sensor
     patches = sum(len(group.inner.partition) for group in inputs.groups)
     coefficients = patches * channels_of(inputs.scene) * (2 if direct else 1)
-    hours = len(inputs.weather.times)
-    return int(coefficient * coefficients + 4 * _HOURLY * hours)
+    hours, arrays = len(inputs.weather.times), _HOURLY
+    if study.output.by_state:
+        states = [len(group.states) for group in inputs.groups]
+        arrays += 2 * len(states) * max(states)
+    return int(coefficient * coefficients + 4 * arrays * hours)

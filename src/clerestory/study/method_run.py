@@ -43,6 +43,8 @@ from clerestory.study.compliance_table import compliance_table
 from clerestory.study.config import Study
 from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.electric_lighting import lighting
+from clerestory.study.glazed_grid_points import grid_points
+from clerestory.study.illuminance_by_state import results_by_state
 from clerestory.study.inputs import Inputs, read_inputs
 from clerestory.study.job import Display, Job
 from clerestory.study.labels import (
@@ -57,7 +59,11 @@ from clerestory.study.shade_operation import ShadeOperation, operate
 from clerestory.study.study_matrices import StudyMatrices
 from clerestory.study.study_tracing import study_skies, trace_study
 from clerestory.study.view_grid_pictures import write_worst_pictures
-from clerestory.study.view_grid_points import GridPoints, grid_glare_function
+from clerestory.study.view_grid_points import (
+    Positions,
+    grid_glare_function,
+    trace_positions,
+)
 from clerestory.study.view_matrices import trace_views
 from clerestory.warning_log import WarningLog
 
@@ -114,6 +120,7 @@ def run_method(
     recent = recent or RecentValues()
     with log.phase("read"):
         inputs = read_inputs(study, recent=recent)
+        title_block = study.report.title_block()
     with log.phase("check"):
         warn_of_inputs(study, inputs, recent=recent)
     with _scratch_folder(out) as scratch:
@@ -130,6 +137,8 @@ def run_method(
         with log.phase("write"):
             write_tables(study, Results(data), out)
         facts = _run_facts(job, data, log)
+        if title_block:
+            facts["report"] = title_block.facts()
         results = Results(data, facts)
         save_results(results, out)
         if any(scratch.iterdir()):
@@ -166,9 +175,9 @@ def _simulate(job: Job, log: RunLog, states: States | None, *, out: Path) -> xr.
         lamps = trace_lamps(job)
     with log.phase("sky"):
         skies = study_skies(study, inputs, matrices.suns, recent=job.recent)
-    points = GridPoints(replace(job, display=silent), matrices, skies)
+    points = grid_points(replace(job, display=silent), matrices, skies)
     with log.phase("view grids"):
-        points.trace(display)
+        trace_positions(points, display)
     with log.phase("control"):
         largest_dgp = (
             glare_function(views, skies, display=display),
@@ -200,6 +209,7 @@ def _simulate(job: Job, log: RunLog, states: States | None, *, out: Path) -> xr.
     with log.phase("metrics"):
         parts = [electric, glare, grids, compliance_inputs(study, inputs, matrices)]
         parts += _melanopic(matrices, signals, acts.states)
+        parts.append(results_by_state(signals))
         data = label_results(hourly, parts, signals, acts)
     if study.compliance is None:
         return data
@@ -220,7 +230,7 @@ def _melanopic(
 
 
 def _view_grids(
-    points: GridPoints,
+    points: Positions,
     signals: ControlInputs,
     states: States,
     *,
@@ -239,7 +249,7 @@ def _view_grids(
         states,
         every_state=[
             [np.full(steps, min(state, count - 1)) for count in counts]
-            for state in range(max(counts))
+            for state in range(max(counts, default=0))
         ],
         hours=Hours(
             signals.times,
@@ -249,9 +259,15 @@ def _view_grids(
         folder=job.scratch,
         display=display,
     )
-    write_worst_pictures(
-        job, signals.matrices, skies, states, found=found, folder=out / PICTURE_FOLDER
-    )
+    if job.inputs.groups:
+        write_worst_pictures(
+            job,
+            signals.matrices,
+            skies,
+            states,
+            found=found,
+            folder=out / PICTURE_FOLDER,
+        )
     return found
 
 

@@ -28,6 +28,8 @@ _NUMBERS = {
     "window_normal": ("window", "xyz"),
     "window_up": ("window", "xyz"),
     "state": ("window", "time"),
+    "facade_irradiance": ("window", "time"),
+    "illuminance_by_state": ("sensor", "window", "state_number", "time"),
     "electric_illuminance": ("sensor", "time"),
     "sun_reaches": ("opening", "moment"),
     "room_hours_of_sun": (),
@@ -83,6 +85,7 @@ _NAMES = {
     "method": ("method",),
     "space": ("sensor",),
     "view_space": ("view",),
+    "grid_view_space": ("grid_view",),
     "window_space": ("window",),
     "opening_space": ("opening",),
     **{f"verdict_{name}": ("verdict",) for name in _OF_VERDICTS},
@@ -114,8 +117,18 @@ _FIGURES = (
 )
 
 
+class _TitleFacts(Item):
+    # Title block of the report, with the logo in base64
+    project: str = ""
+    client: str = ""
+    author: str = ""
+    notes: str = ""
+    logo: str = Field("", pattern=r"^(?:[A-Za-z0-9+/]{4})*(?:[A-Za-z0-9+/=]{4})?$")
+
+
 class _RunFacts(Item):
     # What reports use of run.json
+    report: _TitleFacts = _TitleFacts()
     seconds: dict[str, float] = Field({})
     warnings: list[str] = Field([])
     matrices: dict[str, dict[str, Any]] = Field({})

@@ -19,6 +19,7 @@ from clerestory.phases.stored_views import FEW
 from clerestory.progress import silent
 from clerestory.scene.model import Polygon, Scene, TriangleMesh
 from clerestory.study.config import Study
+from clerestory.study.glazed_grid_points import grid_points
 from clerestory.study.inputs import read_inputs
 from clerestory.study.job import Job
 from clerestory.study.luminaire_matrices import trace_lamps
@@ -28,7 +29,6 @@ from clerestory.study.stage_costs import STAGES, StageCost, StageWork, hour_byte
 from clerestory.study.study_matrices import StudyMatrices
 from clerestory.study.study_run import MATRIX_FOLDER
 from clerestory.study.study_tracing import study_skies, trace_study
-from clerestory.study.view_grid_points import GridPoints
 from clerestory.study.view_matrices import trace_views
 
 # Memory besides that of matrices [bytes]: libraries and compiled kernels; largest
@@ -223,7 +223,7 @@ def _plan_view_grids(
     job: Job, matrices: StudyMatrices, skies: Skies, store: PlannedStore
 ) -> None:
     # The jobs of one position of each view grid, times the number of positions
-    points, planned = GridPoints(job, matrices, skies), store.plan.planned
+    points, planned = grid_points(job, matrices, skies), store.plan.planned
     for grid in job.inputs.view_grids:
         first = len(planned)
         points.plan(grid)

@@ -2,7 +2,7 @@
 
 Without tables [[space]] every grid that faces up is a space. Windows and openings
 belong to the space of the nearest sensor in front of them, views to that of the nearest
-sensor unless the table names them.
+sensor unless the table names them, as do the positions of view grids.
 """
 
 import numpy as np
@@ -17,6 +17,7 @@ from clerestory.scene.sensors import Sensors
 from clerestory.scene.surface import Polygon
 from clerestory.study.config import Study
 from clerestory.study.inputs import Inputs
+from clerestory.study.results import VIEWS
 
 # Least upward component of the direction of sensors that face up
 _UP = 0.7
@@ -53,6 +54,13 @@ def label_spaces(study: Study, inputs: Inputs, openings: xr.Dataset) -> xr.Datas
         labels = [table.label for table in study.view]
         chosen = [named.get(v, s) for v, s in zip(labels, spaces, strict=True)]
         found["view_space"] = "view", np.array(chosen, dtype=str)
+    if inputs.view_grids:
+        turns = [grid.table.directions for grid in inputs.view_grids]
+        places = [
+            np.repeat(grid.position, count, axis=0)
+            for grid, count in zip(inputs.view_grids, turns, strict=True)
+        ]
+        found["grid_view_space"] = VIEWS, nearest.of(np.concatenate(places))
     return found
 
 

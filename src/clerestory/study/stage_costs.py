@@ -149,9 +149,10 @@ class StageWork:
     ) -> float:
         # Seconds for the pixels of a view
         samples = self.study.sun.picture_samples
+        windows = view.blocks if errors else view.windows
         return sum(
             _product(
-                chains(view.windows, term.part), len(view.camera), steps, bands,
+                chains(windows, term.part), len(view.camera), steps, bands,
                 errors=errors, together=_TOGETHER, samples=samples,
             )
             for term in self.matrices.terms
@@ -281,4 +282,7 @@ def hour_bytes(study: Study) -> int:
     variables = 2 + COUNT // 4 + bool(study.lighting)
     if needs_direct(study):
         variables += 2 + COUNT // 4 + 3 * study.corrected
+    if study.output.by_state:
+        windows = [len(window.states()) for window in study.window]
+        variables += len(windows) * max(windows)
     return 4 * variables

@@ -8,6 +8,7 @@ second, and files of them are large.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
+from typing import Protocol
 
 import numpy as np
 import xarray as xr
@@ -35,12 +36,65 @@ ChooseCells = Callable[[ViewPointTracer, ViewPoint, Effort], SphereSamples]
 # Level of cells whose number is usual, and rounds and paths per cell of their choice
 USUAL_LEVEL, _ROUNDS, _TRIAL = 6, 3, 64
 
+# Default number of paths per cell for V, and to the windows
+_SAMPLES, _SUN_SAMPLES = 256, 128
+
 # Difference of the seeds of consecutive positions, more than those that one uses
 _SEEDS = 7919
 
 # Share of `memory_gb` for view points that stay in memory; bytes of a cell apart from
 # V: recorded paths, on the host and on the compute device
 _SHARE, _CELL = 0.4, 8192
+
+
+class Positions(Protocol):
+    """Positions of the view grids of a study."""
+
+    @property
+    def job(self) -> Job:
+        """Inputs of the study."""
+
+    @property
+    def skies(self) -> Skies:
+        """S, S_ds and S_sun, with the time steps."""
+
+    def load(self, grid: ViewGrid, number: int) -> object:
+        """Trace a position, or read it from the cache."""
+
+    def plan(self, grid: ViewGrid) -> None:
+        """Record the tracing of one position of a grid, with a usual cell count."""
+
+    def glare(
+        self,
+        grid: ViewGrid,
+        number: int,
+        states: States,
+        steps: Int[np.ndarray, " step"],
+        *,
+        errors: bool = True,
+    ) -> xr.Dataset:
+        """Return the glare of the views of a position; see `GridPoints`."""
+
+
+def trace_positions(points: Positions, display: Display) -> None:
+    """Trace all positions of all view grids that are not in the cache."""
+    for grid in points.job.inputs.view_grids:
+        report = display(f"positions of {grid.name}")
+        for number in range(len(grid)):
+            points.load(grid, number)
+            done = number + 1
+            report(done / len(grid), f"{done} of {len(grid)} positions")
+
+
+def position_label(grid: ViewGrid, number: int) -> str:
+    """Return the name of a position in the cache."""
+    return f"view-grid-{grid.name}-{number + 1:04d}"
+
+
+def position_effort(job: Job, grid: ViewGrid, number: int, *, samples: int) -> Effort:
+    """Return the sampling effort of a position, with `samples` paths per cell."""
+    first = sum(len(each) for each in _before(job.inputs.view_grids, grid))
+    return job.pixel_effort(samples, VIEW_GRIDS + _SEEDS * (first + number))
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,26 +109,24 @@ class GridPoints:
     skies: Skies
     _kept: dict[tuple[str, int], ViewPoint] = field(default_factory=dict)
 
-    def trace(self, display: Display) -> None:
-        """Trace all positions that are not in the cache."""
-        for grid in self.job.inputs.view_grids:
-            report = display(f"positions of {grid.name}")
-            for number in range(len(grid)):
-                self.point(grid, number)
-                done = number + 1
-                report(done / len(grid), f"{done} of {len(grid)} positions")
-
     def glare(
         self,
         grid: ViewGrid,
         number: int,
         states: States,
         steps: Int[np.ndarray, " step"],
+        *,
+        errors: bool = True,
     ) -> xr.Dataset:
-        """Return DGP with its error, and illuminance, of the views of a position."""
-        return self.point(grid, number).glare(states, steps=steps)
+        """Return DGP, with its error and illuminance, of the views of a position.
 
-    def point(self, grid: ViewGrid, number: int) -> ViewPoint:
+        Without errors, only DGP is computed.
+        """
+        names = ("dgp", "illuminance") if errors else ("dgp",)
+        point = self.load(grid, number)
+        return point.glare(states, steps=steps, quantities=names, errors=errors)
+
+    def load(self, grid: ViewGrid, number: int) -> ViewPoint:
         """Return the view point of a position, traced if it is not in the cache."""
         key = grid.name, number
         if key in self._kept:
@@ -91,8 +143,7 @@ class GridPoints:
 
     def _loaded(self, grid: ViewGrid, number: int, choose: ChooseCells) -> ViewPoint:
         job, table = self.job, grid.table
-        first = sum(len(each) for each in _before(job.inputs.view_grids, grid))
-        effort = job.pixel_effort(table.samples, VIEW_GRIDS + _SEEDS * (first + number))
+        effort = position_effort(job, grid, number, samples=table.samples or _SAMPLES)
         tracer = self._tracer
         blank = tracer.blank(
             grid.position[number],
@@ -101,7 +152,7 @@ class GridPoints:
         )
         parts = blank.position, blank.views, blank.refinement, effort
         key = fingerprint(self._light, *parts)
-        label = f"view-grid-{grid.name}-{number + 1:04d}"
+        label = position_label(grid, number)
 
         def chosen(_key: str, *, effort: Effort, progress: Progress) -> TransferMatrix:
             return _as_matrix(choose(tracer, blank, effort))
@@ -114,7 +165,8 @@ class GridPoints:
         samples = _as_cells(job.matrix(f"{label}-cells", partial(chosen, key), effort))
         inner = [each.window for each in tracer.windows]
         V = job.matrices(label, inner, partial(views, key), effort, shown=label)
-        return tracer.traced(blank, samples, V, effort, sun_samples=table.sun_samples)
+        paths = table.sun_samples or _SUN_SAMPLES
+        return tracer.traced(blank, samples, V, effort, sun_samples=paths)
 
     @cached_property
     def _tracer(self) -> ViewPointTracer:
@@ -132,7 +184,7 @@ class GridPoints:
         return fingerprint(self.job.scene_key, matrices, skies)
 
 
-def grid_glare_function(points: GridPoints, *, display: Display) -> GridGlareFunction:
+def grid_glare_function(points: Positions, *, display: Display) -> GridGlareFunction:
     """Return a function that computes the largest DGP among the views of view grids."""
     lit = points.skies.whole.diffuse.max(axis=0) > 0
 
@@ -151,9 +203,8 @@ def grid_glare_function(points: GridPoints, *, display: Display) -> GridGlareFun
             for number in range(len(grid)):
                 open_ = np.flatnonzero(lit[steps] & (worst <= enough))
                 if len(open_):
-                    point = points.point(grid, number)
-                    dgp = point.glare(
-                        states, steps=steps[open_], quantities=["dgp"], errors=False
+                    dgp = points.glare(
+                        grid, number, states, steps[open_], errors=False
                     )["dgp"]
                     worst[open_] = np.maximum(worst[open_], dgp.max("view").values)
                 report((number + 1) / len(grid), f"{number + 1} of {len(grid)}")

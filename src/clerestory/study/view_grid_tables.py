@@ -47,8 +47,8 @@ class ViewGridTable(Named):
     )
     directions: Annotated[int, BeforeValidator(_directions)] = 8
     first_azimuth_deg: float = Field(0.0, ge=-360, le=360)
-    samples: int = Field(256, ge=1, le=1 << 20)
-    sun_samples: int = Field(128, ge=1, le=1 << 12)
+    samples: int | None = Field(None, ge=1, le=1 << 20)
+    sun_samples: int | None = Field(None, ge=1, le=1 << 12)
     tolerance: float = Field(0.005, gt=0, le=0.1)
     most_directions: int = Field(6000, ge=1024, le=1 << 17)
     by_state: bool = False

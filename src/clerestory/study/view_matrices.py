@@ -1,6 +1,6 @@
 """Matrices of the pixels of one view, and pictures for given shade states.
 
-V is traced once for all shade states, and cached in half precision. The paths from
+V is traced once for all shade states, and stored in half precision. The paths from
 pixels to the windows, of which V_d and the direct sunlight of all shade states are
 computed, are traced in each run: this takes seconds, and files of them are large.
 """
@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 import numpy as np
 from jaxtyping import Int
 
+from clerestory.engine.cost_estimate import Plan
 from clerestory.image.camera import Camera
 from clerestory.image.picture import Picture
 from clerestory.matrix.transfer_matrix import TransferMatrix
@@ -28,6 +29,7 @@ from clerestory.phases.picture_series import (
     pictures_over_time,
     uncertain_luminance_over_time,
 )
+from clerestory.phases.pixel_blocks import PixelBlocks
 from clerestory.phases.shaded_windows import (
     ShadedWindow,
     ShadeState,
@@ -46,7 +48,8 @@ _Series = TypeVar("_Series", Picture, np.ndarray, UncertainPixels)
 class ViewMatrices:
     """Matrices of the pixels of one view, for all window groups and shade states.
 
-    T and D are taken from the sensor matrices of the study.
+    T and D are taken from the sensor matrices of the study. `blocks` are the matrices
+    of blocks of pixels with their errors; see `PixelBlocks.divided`.
     """
 
     job: Job
@@ -54,6 +57,7 @@ class ViewMatrices:
     camera: Camera
     matrices: StudyMatrices
     windows: tuple[WindowMatrices, ...] = ()
+    blocks: tuple[WindowMatrices, ...] = ()
 
     def pictures(
         self, states: States, skies: Skies, steps: Int[np.ndarray, " step"]
@@ -74,7 +78,8 @@ class ViewMatrices:
         self, states: States, skies: Skies, steps: Int[np.ndarray, " step"]
     ) -> Iterator[tuple[int, UncertainPixels]]:
         """Yield index, luminance and its errors of each time step; see `pictures`."""
-        return self._series(uncertain_luminance_over_time, states, skies, steps)
+        make = partial(uncertain_luminance_over_time, of_blocks=self.blocks)
+        return self._series(make, states, skies, steps)
 
     def _series(
         self,
@@ -151,7 +156,11 @@ def trace_view(
         None if matrices.suns is None else matrices.suns.directions,
         kind=np.float16,
     )
-    return ViewMatrices(job, table, camera, matrices, windows)
+    if isinstance(job.executor, Plan):
+        # In a dry run, where copies of blank matrices would take memory
+        return ViewMatrices(job, table, camera, matrices, windows, windows)
+    parts = PixelBlocks.of(camera.rows, camera.columns).divided(windows)
+    return ViewMatrices(job, table, camera, matrices, *parts)
 
 
 def shaded_windows(job: Job, matrices: StudyMatrices) -> tuple[ShadedWindow, ...]:

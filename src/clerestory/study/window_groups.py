@@ -9,7 +9,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from clerestory.bands import RGB, Bands
 from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.spectral_channels import (
+    bsdf_in_bands,
+    has_bands,
+    with_spectral_transmittance,
+)
 from clerestory.checks import require, within
 from clerestory.control.schedule import StateSchedule, read_schedule
 from clerestory.errors import ClerestoryWarning, InputError, located
@@ -22,7 +28,13 @@ from clerestory.radiance.window_reader import read_windows
 from clerestory.scene.model import Scene
 from clerestory.scene.scaling import scaled
 from clerestory.scene.window import Window
-from clerestory.study.window_tables import ControlTable, StateChoice, WindowTable
+from clerestory.spectral.spectrum_file import read_spectrum
+from clerestory.study.window_tables import (
+    ControlTable,
+    StateChoice,
+    StateTable,
+    WindowTable,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,17 +108,17 @@ def state_label(group: WindowGroup, at: int) -> str:
 
 
 def read_window_groups(
-    table: WindowTable, *, read: Callable[[Path], Bsdf] = read_layer
+    table: WindowTable, *, read: Callable[[Path], Bsdf] = read_layer, bands: Bands = RGB
 ) -> list[WindowGroup]:
     """Return one group per modifier in the window file, all with the same BSDFs.
 
-    `read` is the function that reads a BSDF file.
+    `read` is the function that reads a BSDF file. `bands` are those of the study.
     """
     tables = table.states()
     names = [state.label if len(tables) > 1 else state.name for state in tables]
-    layers = [read(state.bsdf) for state in tables]
+    layers = [_spectral(read(state.bsdf), state, bands) for state in tables]
     fine = [
-        read(state.sun_bsdf) if state.sun_bsdf else layer
+        _spectral(read(state.sun_bsdf), state, bands) if state.sun_bsdf else layer
         for state, layer in zip(tables, layers, strict=True)
     ]
     shades = [read_rad(*state.shade) if state.shade else Scene() for state in tables]
@@ -115,7 +127,7 @@ def read_window_groups(
     groups = []
     for window in windows:
         label = f"{table.label}.{window.name}" if len(windows) > 1 else table.label
-        matrices = _on_common_patches(layers, label)
+        matrices = _on_common_patches(layers, label, bands)
         states = tuple(
             WindowState(name, matrix, sharp, state.peak, shade)
             for name, matrix, sharp, state, shade in zip(
@@ -129,8 +141,27 @@ def read_window_groups(
     return groups
 
 
-def _on_common_patches(layers: list[Bsdf], window: str) -> list[TransferMatrix]:
-    own = [layer.transmission_matrix(window=window) for layer in layers]
+def _spectral(layer: Bsdf, table: StateTable, bands: Bands) -> Bsdf:
+    # The layer in the bands of the study
+    if bands == RGB:
+        return layer
+    if table.spectrum is None:
+        return bsdf_in_bands(layer, bands)
+    spectrum = read_spectrum(table.spectrum)
+    with located(file=table.spectrum):
+        return with_spectral_transmittance(layer, spectrum, bands)
+
+
+def _on_common_patches(
+    layers: list[Bsdf], window: str, bands: Bands
+) -> list[TransferMatrix]:
+    def matrix(layer: Bsdf, partition: RingPartition | None = None) -> TransferMatrix:
+        known = bands if has_bands(layer, bands) else RGB
+        return layer.transmission_matrix(
+            partition=partition, window=window, bands=known
+        )
+
+    own = [matrix(layer) for layer in layers]
     finest = max(own, key=lambda matrix: matrix.rows.size)
     same = all(
         matrix.rows.fits(finest.rows) and matrix.columns.fits(finest.columns)
@@ -142,10 +173,7 @@ def _on_common_patches(layers: list[Bsdf], window: str) -> list[TransferMatrix]:
     if not isinstance(partition, RingPartition):
         what = f'a BSDF of window "{window}" has no hemisphere basis'
         raise InputError(f"{what}; a Klems basis expected")
-    return [
-        layer.transmission_matrix(partition=partition, window=window)
-        for layer in layers
-    ]
+    return [matrix(layer, partition) for layer in layers]
 
 
 def _with_patches(window: Window, axis: Axis, *, file: Path) -> Window:

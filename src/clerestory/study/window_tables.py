@@ -127,6 +127,9 @@ class LayerTable(Table):
         None, description="a BSDF file (.xml) of high resolution"
     )
     peak: bool = Field(False, description="true if view through the layer is clear")
+    spectrum: InputFile | None = Field(
+        None, description="a file of the spectral transmittance at normal incidence"
+    )
     shade: list[InputFile] = Field(
         default_factory=list, description="a list of Radiance scene files"
     )

@@ -119,6 +119,26 @@ def test_glare_is_that_of_the_worst_view_with_its_error():
     assert level(data, "EN 17037", "Protection", "north").words == "high"
 
 
+def test_glare_is_also_that_of_the_positions_of_view_grids_of_the_space():
+    """Two positions by two directions; the second position is in the north."""
+    grid = {
+        "grid_view_space": ("grid_view", ["south", "south", "north", "north"]),
+        "grid_view_exceeded_dgp": ("grid_view", [0.2, 0.399, 0.46, np.nan]),
+        "grid_view_exceeded_dgp_error": ("grid_view", [0.01, 0.002, 0.001, np.nan]),
+    }
+    data = office(**grid)
+    south = level(data, "EN 17037", "Protection", "south")
+    assert south.quantities[0].value == pytest.approx(0.399)
+    assert south.words == "medium"
+    assert south.quantities[0].error == pytest.approx(0.002)
+    assert south.error == pytest.approx(0.5)
+    assert level(data, "EN 17037", "Protection", "north").words == "none"
+    assert level(data, "EN 17037", "Protection", "corner").words == "high"
+    alone = office(**grid, glare_dgp=None)
+    assert level(alone, "EN 17037", "Protection", "south").words == "medium"
+    assert level(alone, "EN 17037", "Protection", "corner").words == "not known"
+
+
 def test_roof_lights_have_to_reach_the_target_on_95_percent_of_the_area():
     data = office(window_normal=(("window", "xyz"), np.tile([0, 0, -1.0], (3, 1))))
     south = np.flatnonzero(data["grid"] == "south")

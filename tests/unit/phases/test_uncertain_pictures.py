@@ -153,6 +153,26 @@ def test_blocks_of_pixels_have_means_of_any_number_of_steps(monkeypatch):
     assert blocks.means(light[..., :0]).shape == (*found.shape[:-1], 0)
 
 
+def test_matrices_of_blocks_divided_beforehand_give_the_same_pictures(monkeypatch):
+    """Also of half precision; matrices of pixels then need no error components."""
+    coarse(monkeypatch)
+    rest = FIVE_PHASE, CAMERA, skies(FIVE_PHASE), STATES
+    parts = [five_phases()]
+    pixels, few = pixel_blocks.PixelBlocks.of(CAMERA.rows, CAMERA.columns).divided(
+        parts
+    )
+    views = [chain.view for chain in (pixels[0].whole, pixels[0].direct)]
+    assert all(view.components is None for view in views)
+    assert all(view.values.dtype == np.float32 for view in views)
+    divided = list(uncertain_luminance_over_time(pixels, *rest, of_blocks=few))
+    whole = list(uncertain_luminance_over_time(parts, *rest))
+    for one, other in zip(divided, whole, strict=True):
+        for name in ("luminance", "blocks", "error", "shared"):
+            value, expected = getattr(one, name), getattr(other, name)
+            np.testing.assert_allclose(value, expected, rtol=1e-5, atol=1e-5)
+    assert np.max(whole[0].error) > 0
+
+
 @pytest.mark.parametrize("terms", [THREE_PHASE, FIVE_PHASE], ids=["three", "five"])
 @pytest.mark.parametrize("most", [None, (2, 9)], ids=["one block", "many blocks"])
 def test_luminance_is_that_of_the_pictures(terms, most, monkeypatch):

@@ -24,3 +24,9 @@ def room():
 def course():
     """Module that adds states, glare, terms and pictures in closed form."""
     return load("course")
+
+
+@pytest.fixture(scope="session")
+def standard_pages():
+    """Module that adds verdicts of standards whose maps are known."""
+    return load("standard_pages")

@@ -85,7 +85,10 @@ def test_facts_come_as_tables_whatever_they_are():
     tables = {table.title: dict(table.rows) for table in run_tables(run)}
     assert tables["Run"] == {"Seed": "3"}
     assert tables["Versions"] == {"numpy": "2"}
-    assert tables["Matrices"] == {"view-south-3f2a3f2a": "kept from an earlier run"}
+    assert tables["Matrices"] == {
+        "Kept from an earlier run": "1",
+        "Names of their files": "in run.json",
+    }
 
 
 @pytest.mark.parametrize(

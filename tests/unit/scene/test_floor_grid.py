@@ -43,6 +43,15 @@ def test_a_room_is_filled_evenly_from_wall_to_wall(room):
     assert np.allclose(grid.direction, [0, 0, 1])
 
 
+@pytest.mark.parametrize("spacing", [0.3, 0.7, 1.2, 1.5, 2.0, 3.0])
+def test_any_spacing_finds_the_room(room, spacing):
+    """The point in front of the window may be nearer to it than half the spacing."""
+    grid = floor_grid(*room(FLOOR, CEILING), spacing=spacing)
+    assert len(grid) == (6 / spacing + 1e-9) // 1 * ((4 / spacing + 1e-9) // 1)
+    assert (grid.position[:, :2] > 0).all()
+    assert (grid.position[:, :2] < (6, 4)).all()
+
+
 @pytest.mark.parametrize("corners", [INTO, OUT])
 def test_the_room_is_found_on_either_side(room, corners):
     scene, window = room(FLOOR, CEILING, corners=corners)

@@ -130,6 +130,12 @@ WRONG = {
         "",
         "no table [[view]] expected",
     ),
+    "two-phase with a view grid behind a window": (
+        'method = "3-phase"',
+        'method = "2-phase"\n[[view_grid]]\nname = "a"\nplaces = [[2, 1, 1.2]]',
+        "",
+        'and a table [[window]]; glazing in the scene, or method = "5-phase", expected',
+    ),
     "unknown device": (
         "seed = 7",
         'device = "gpu"',

@@ -15,6 +15,7 @@ from clerestory.sky.sky_conditions import sun_over
 from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.sky.weather_formats import read_weather
 from clerestory.study.config import read_study
+from clerestory.study.illuminance_by_state import operated_illuminance
 from clerestory.study.inputs import read_inputs
 from clerestory.study.study_run import run_study
 from sample_files import STATES, write_states
@@ -78,6 +79,29 @@ def test_without_a_rule_the_first_state_stays(shaded, tmp_path):
 def test_a_state_can_be_fixed_by_number_or_name(shaded, tmp_path, state):
     data = run(shaded(f'rule = "fixed"\nstate = {state}'), tmp_path)
     assert set(chosen(data).tolist()) == {1}
+
+
+@pytest.mark.parametrize("memory_gb", [8, 1e-4])
+def test_illuminance_by_state_is_that_of_each_state(shaded, tmp_path, memory_gb):
+    """With `by_state`, in memory and with view matrices and hours in files."""
+    file = shaded('rule = "threshold"\nquantity = "direct normal"\nclose_above = 200')
+    text = file.read_text().replace("[output]", "[output]\nby_state = true")
+    file.write_text(text.replace("[trace]", f"[trace]\nmemory_gb = {memory_gb}"))
+    data = run(file, tmp_path)
+    parts = data["illuminance_by_state"]
+    assert parts.dims == ("sensor", "window", "state_number", "time")
+    for state, tau in enumerate(TAUS):
+        expected = np.pi * tau * mean_radiance(file)
+        np.testing.assert_allclose(parts[0, 0, state], expected, rtol=1e-4)
+    found = operated_illuminance(parts, list(data["state"].values.astype(int)))
+    np.testing.assert_allclose(found, data["illuminance"], rtol=1e-6)
+
+
+def test_by_state_needs_a_window_with_several_states(study_file):
+    text = study_file.read_text()
+    study_file.write_text(text.replace("[output]", "[output]\nby_state = true"))
+    with pytest.raises(InputError, match=r"several states; tables \[\[window.state"):
+        read_study(study_file)
 
 
 def test_outside_the_schedule_another_state_holds(shaded, tmp_path):

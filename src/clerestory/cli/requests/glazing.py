@@ -23,11 +23,17 @@ class StackLayers:
     basis: Literal["full", "half", "quarter"] = option("full", "Klems basis.")
     standard: Literal["nfrc", "en410"] = option("nfrc", "Standard for averages.")
     bands: bool = option(False, "Combine band averages instead of wavelengths.")
+    spectral: str = option(
+        "", "Spectral bands of the BSDF: 20, 81 or melanopic+photopic.", metavar="BANDS"
+    )
     tree: int | None = option(
         None, "Tensor tree of 2^N cells per axis, by random walks.", least=1, most=6
     )
     walkers: int = option(256, "Random walks per incident cell, for --tree.", least=8)
     thermal: bool = option(False, "Also print U-value, SHGC and temperatures.")
+    energyplus: Path | None = option(
+        None, "Complex fenestration state of EnergyPlus to write: .idf or .epJSON."
+    )
     seed: Seed = 1
     quiet: Quiet = False
 

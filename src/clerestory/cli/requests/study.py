@@ -76,15 +76,40 @@ class Demo:
     quiet: common.Quiet = False
 
 
-@command("study:report", "study_results")
+@command("study:report", "study_results --pdf")
 class WriteReport:
     """Write the report of an earlier run from its results.
 
-    Pictures are taken from the folder `pictures` beside results.nc.
+    Pictures are taken from the folder `pictures` beside results.nc. Title block and
+    notes are those of the study, unless they are given here.
     """
 
     results: Path = argument("Results folder or results.nc.", "RESULTS")
     output: Path | None = option(None, "HTML file to write.", "-o")
+    project: str | None = option(None, "Project in the title block.")
+    client: str | None = option(None, "Client in the title block.")
+    author: str | None = option(None, "Author in the title block.")
+    logo: Path | None = option(None, "Logo in the title block (.png, .jpg).")
+    notes: Path | None = option(None, "Notes in Markdown (.md).")
+    pdf: bool = option(
+        False, "Write a PDF file too; needs Chromium, Chrome or Edge.", "--pdf"
+    )
+    quiet: common.Quiet = False
+
+
+@command("view:view", "study_results")
+class View:
+    """Show the results of a run in the browser: hours, limits, states, glare.
+
+    The page is served on the loopback address, for reading alone, at an address with a
+    random token. With -o it is written as one offline file of up to 12 MB instead.
+    """
+
+    results: Path = argument("Results folder or results.nc.", "RESULTS")
+    output: Path | None = option(None, "HTML file to write, instead of serving.", "-o")
+    port: int = option(
+        0, "Port of the address; default: a free one.", least=0, most=65535
+    )
     quiet: common.Quiet = False
 
 

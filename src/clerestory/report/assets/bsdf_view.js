@@ -50,7 +50,8 @@ class BsdfView {
       const part = this.part(kind);
       if (part) for (let k = 0; k < part.exits.size; k++) top = Math.max(top, this.value(part, k));
     }
-    return top || 1;
+    // Layers that scatter less are drawn dark, as opaque
+    return Math.max(top, 1e-3);
   }
 
   fraction(value, top) {

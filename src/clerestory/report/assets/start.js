@@ -4,6 +4,7 @@ async function start() {
   const data = JSON.parse(document.getElementById("data").textContent);
   const root = document.documentElement;
   root.classList.add("scripted");
+  startScrollHints();
   let choose = () => {};
   startPlans(data, sensor => choose(sensor));
   choose = await startYear(data, sensor => markChosen(data, sensor));

@@ -1,0 +1,1 @@
+"""Input of EnergyPlus: complex fenestration states."""

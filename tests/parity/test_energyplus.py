@@ -1,0 +1,204 @@
+"""Complex fenestration states, read and simulated by EnergyPlus itself."""
+
+import importlib.util
+import re
+import subprocess
+import sys
+from collections import defaultdict
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.scattering_matrix import ScatteringMatrix
+from clerestory.energyplus.complex_fenestration import complex_fenestration
+from clerestory.energyplus.input_objects import as_idf
+from clerestory.glazing.bsdf_layer import BsdfLayer
+from clerestory.glazing.glazing_system import Gap, GlazingSystem
+from clerestory.glazing.layer import Glass
+from clerestory.glazing.optics import Optics
+from clerestory.glazing.pane import grey_pane, two_band_pane
+from clerestory.glazing.screen import WovenShade
+from clerestory.glazing.slat_cell import SlatGeometry
+from clerestory.glazing.stack import stack_layers
+from clerestory.glazing.thermal import thermal_figures
+from clerestory.glazing.venetian import VenetianBlind
+from clerestory.hemisphere.klems import klems
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(
+        importlib.util.find_spec("pyenergyplus") is None,
+        reason="EnergyPlus is not installed (extra energy)",
+    ),
+]
+
+RUN = """
+import sys
+from pyenergyplus.api import EnergyPlusAPI
+api = EnergyPlusAPI()
+sys.exit(api.runtime.run_energyplus(api.state_manager.new_state(), sys.argv[1:]))
+"""
+MODEL = "energy/CmplxGlz_SingleZone_DoubleClearAir.idf"
+OUTPUTS = (
+    "Surface Outside Face Incident Beam Solar Radiation Rate per Area",
+    "Surface Window Transmitted Beam Solar Radiation Rate",
+    "Surface Window Transmitted Solar Radiation Rate",
+)
+BASIS = klems("quarter")
+PANE = Glass(replace(grey_pane(0.834, 0.075), thickness=0.003962, conductivity=1.0))
+SLAT = replace(
+    grey_pane(0.0, 0.7, name="slat"),
+    thickness=0.0006,
+    conductivity=160.0,
+    emissivity_front=0.9,
+    emissivity_back=0.9,
+)
+
+
+def blind(tilt_deg):
+    """A blind of 25 mm slats every 20 mm."""
+    slats = SlatGeometry(width=0.025, spacing=0.02, tilt=np.radians(tilt_deg))
+    return VenetianBlind(SLAT, slats)
+
+
+@pytest.fixture(scope="module")
+def model(shared_data):
+    """The single-zone model of LBNL: text before and of its complex fenestration."""
+    text = (shared_data / MODEL).read_text("latin-1")
+    text = text.replace("Version,9.6", "Version,25.2").replace(
+        "Through: 1/8,", "Through: 1/31,"
+    )
+    asked = "".join(f"Output:Variable,Room 102 Window,{v},hourly;\n" for v in OUTPUTS)
+    start = re.search(r"^ *Construction:ComplexFenestrationState", text, re.M).start()
+    return text[:start] + asked, text[start:]
+
+
+@pytest.fixture
+def simulate(model, shared_data, tmp_path):
+    """Function that runs a year of the model with a glazing system, or with its own."""
+
+    def run(system, light=None):
+        head, own = model
+        objects = own
+        if system is not None:
+            light = light or stack_layers(system.layers, partition=BASIS)
+            objects = as_idf(complex_fenestration(system, light, name="CFS_Glz_1"))
+        (tmp_path / "in.idf").write_text(f"{head}\n{objects}", "latin-1")
+        weather = shared_data / "weather" / "chicago.epw"
+        words = [sys.executable, "-c", RUN, "-d", "out", "-w", weather, "in.idf"]
+        done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True)
+        errors = (tmp_path / "out" / "eplusout.err").read_text()
+        assert done.returncode == 0, errors
+        return tmp_path / "out"
+
+    return run
+
+
+def reported_u(folder):
+    """Thermal transmittance in EnergyPlus' list of constructions [W/(m² K)]."""
+    rows = (folder / "eplusout.eio").read_text().splitlines()
+    row = next(r for r in rows if r.strip().startswith("WindowConstruction:Complex"))
+    return float(row.split(",")[4])
+
+
+def hourly(folder):
+    """Series of the window by name of the output."""
+    numbers, series = {}, defaultdict(list)
+    for line in (folder / "eplusout.eso").read_text("latin-1").splitlines():
+        cells = line.split(",")
+        for name in OUTPUTS:
+            listed = len(cells) > 3 and cells[3].startswith(f"{name} [")
+            if listed and "Hourly" in line:
+                numbers[cells[0]] = name
+        if len(cells) == 2 and cells[0] in numbers:
+            series[numbers[cells[0]]].append(float(cells[1]))
+    return {name: np.array(values) for name, values in series.items()}
+
+
+INSIDE, AIR = (Gap(0.012), Gap(0.05)), Gap(0.012)
+SYSTEMS = {
+    "air": ((PANE, PANE), (AIR,)),
+    "argon": ((PANE, PANE), (Gap(0.012, {"argon": 0.9, "air": 0.1}),)),
+    "blind inside": ((PANE, PANE, blind(0)), INSIDE),
+    "tilted inside": ((PANE, PANE, blind(45)), INSIDE),
+    "tilted outside": ((blind(45), PANE, PANE), INSIDE[::-1]),
+    "closed outside": ((blind(75), PANE, PANE), INSIDE[::-1]),
+    "woven": ((PANE, PANE, WovenShade(SLAT, 0.0005, 0.001)), INSIDE),
+}
+
+
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_thermal_transmittance_is_that_of_window(name, simulate):
+    pytest.importorskip("pywincalc")
+    system = GlazingSystem(name, *SYSTEMS[name])
+    light = stack_layers(system.layers, partition=BASIS)
+    shaded = any(not isinstance(layer, Glass) for layer in system.layers)
+    known = light if shaded else None
+    heat = thermal_figures(system.layers, system.gaps, light=known)
+    assert reported_u(simulate(system, light)) == pytest.approx(heat.u, abs=0.005)
+
+
+@pytest.mark.parametrize("from_above", [True, False])
+def test_the_sun_comes_from_above(from_above, simulate):
+    """Centres of patches are directions of travel: sunlight travels downwards."""
+    down = -BASIS.centres()[:, 1]
+    passes = (down if from_above else -down) > 1e-9
+    values = np.broadcast_to(np.where(passes, 0.9, 0.0) / np.pi, (41, 41))
+    matrices = {
+        "transmission_front": values,
+        "transmission_back": values,
+        "reflection_front": np.zeros((41, 41)),
+        "reflection_back": np.zeros((41, 41)),
+    }
+    layer = BsdfLayer(
+        Bsdf(
+            {
+                (channel, part): ScatteringMatrix(np.array(value), BASIS, BASIS)
+                for channel in ("visible", "solar")
+                for part, value in matrices.items()
+            }
+        )
+    )
+    found = hourly(simulate(GlazingSystem("film", (layer,))))
+    sunlight, through = (found[name] for name in OUTPUTS[:2])
+    # The window has 8.2 m²; patches at the height of the horizon transmit nothing
+    share = through.sum() / (8.2177 * sunlight.sum())
+    assert 0.7 < share < 0.9 if from_above else share == 0
+
+
+def test_the_published_model_with_our_matrices(model, simulate):
+    """Two panes with the values along the normal that the file states."""
+    _, text = model
+    normal = {}
+    for name in ("TfSol", "RbSol", "Tfvis", "Layer_1_fAbs"):
+        start = text.index(f"CFS_Glz_1_{name},", text.index("Matrix:TwoDimension"))
+        cells = re.sub(r"!.*", "", text[start:]).split(",")
+        normal[name] = float(cells[3])
+    # Panes that give 0.7207 transmitted, 0.1382 reflected, 0.0792 absorbed by the outer
+    # one (solar) and 0.8102 transmitted (visible)
+    solar, visible = Optics.alike(0.84168, 0.08396), Optics.alike(0.89930, 0.04319)
+    pane = replace(
+        two_band_pane("pane", solar=solar, visible=visible), thickness=0.003962
+    )
+    system = GlazingSystem("double", (Glass(pane), Glass(pane)), (AIR,))
+    light = stack_layers(system.layers, partition=BASIS)
+    measure = BASIS.projected_solid_angles()[0]
+    given = [normal[name] * measure for name in ("TfSol", "RbSol", "Tfvis")]
+    ours = [
+        light.direct_hemispherical(part, channel=channel)[0]
+        for part, channel in (
+            ("transmission_front", "solar"),
+            ("reflection_back", "solar"),
+            ("transmission_front", "visible"),
+        )
+    ]
+    np.testing.assert_allclose(ours, given, atol=1e-4)
+    outer = light.absorptance["solar", "front"][0, 0]
+    assert outer == pytest.approx(normal["Layer_1_fAbs"], abs=1e-4)
+
+    theirs = hourly(simulate(None))[OUTPUTS[2]]
+    with_ours = hourly(simulate(system, light))[OUTPUTS[2]]
+    assert theirs.mean() > 300
+    assert np.abs(with_ours - theirs).mean() < 0.01 * theirs.mean()
