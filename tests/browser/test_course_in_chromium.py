@@ -5,22 +5,7 @@ import re
 import pytest
 from lxml import html
 
-
-def ask(browse, page, script):
-    """What a script run in the finished page returns, as text."""
-    text = re.sub(r"<meta http-equiv[^>]*>", "", page.read_text(encoding="utf-8"))
-    probe = (
-        "const wait = setInterval(async () => {"
-        " if (!document.documentElement.dataset.scripts) return;"
-        f" clearInterval(wait); document.title = await (async () => {{ {script} }})();"
-        " }, 50);"
-    )
-    copy = page.with_name(f"probe-{abs(hash(script))}.html")
-    copy.write_text(
-        text.replace("</body>", f"<script>{probe}</script></body>"), "utf-8"
-    )
-    opened = html.document_fromstring(browse(copy, "--dump-dom"))
-    return opened.xpath("string(//title)")
+from chromium_probe import ask
 
 
 def test_scripts_run_to_their_end_under_the_policy(browse, full_report):

@@ -9,6 +9,7 @@ import pytest
 from lxml import html
 from matplotlib.image import imread
 
+from chromium_probe import ask, probed
 from clerestory.report.page import write_report
 
 
@@ -20,29 +21,6 @@ def opened(browse, report):
 def screenshot(browse, page, file, *, width, height):
     browse(page, f"--screenshot={file}", f"--window-size={width},{height}")
     return imread(file)[..., :3]
-
-
-def probed(page, script):
-    """A copy of the page with one more script, which its policy would forbid."""
-    text = page.read_text(encoding="utf-8")
-    text = re.sub(r"<meta http-equiv[^>]*>", "", text)
-    copy = page.with_name(f"probe-{abs(hash(script))}.html")
-    probe = (
-        "const wait = setInterval(async () => {"
-        " if (!document.documentElement.dataset.scripts) return;"
-        f" clearInterval(wait); document.title = await (async () => {{ {script} }})();"
-        " }, 50);"
-    )
-    copy.write_text(
-        text.replace("</body>", f"<script>{probe}</script></body>"), "utf-8"
-    )
-    return copy
-
-
-def ask(browse, page, script):
-    """What a script run in the finished page returns, as text."""
-    opened = html.document_fromstring(browse(probed(page, script), "--dump-dom"))
-    return opened.xpath("string(//title)")
 
 
 def test_scripts_run_to_their_end_without_errors(opened):
