@@ -100,6 +100,22 @@ class WriteReport:
     quiet: common.Quiet = False
 
 
+@command("view:view", "study_results")
+class View:
+    """Show the results of a run in the browser: hours, limits, states, glare.
+
+    The page is served on the loopback address, for reading alone, at an address with a
+    random token. With -o it is written as one offline file of up to 12 MB instead.
+    """
+
+    results: Path = argument("Results folder or results.nc.", "RESULTS")
+    output: Path | None = option(None, "HTML file to write, instead of serving.", "-o")
+    port: int = option(
+        0, "Port of the address; default: a free one.", least=0, most=65535
+    )
+    quiet: common.Quiet = False
+
+
 @command("metrics:metrics", "results -o metrics.csv")
 class Metrics:
     """Print daylight autonomy, UDI, sDA, ASE, EN 17037 and LEED points per grid."""
@@ -184,7 +200,8 @@ class RunRecipe:
     """Run a recipe of Ladybug Tools: same inputs, same result folders.
 
     NAME is annual-daylight, annual-daylight-enhanced, annual-irradiance,
-    cumulative-radiation, direct-sun-hours, daylight-factor or sky-view.
+    cumulative-radiation, direct-sun-hours, daylight-factor, point-in-time-grid or
+    sky-view.
     """
 
     name: str = argument("Name of the recipe.", "NAME")
