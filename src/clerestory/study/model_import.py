@@ -9,7 +9,6 @@ from typing import Any, final
 import numpy as np
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.bsdfgen.generate import generate_bsdf
 from clerestory.bsdfgen.shading_system import SampleArea, System
@@ -24,6 +23,7 @@ from clerestory.formats.building_model import (
 )
 from clerestory.formats.floor_grids import floor_grids
 from clerestory.formats.hbjson_modifiers import BsdfModifier, Modifier
+from clerestory.library.bsdf_source import read_bsdf
 from clerestory.radiance.rad_writer import format_rad
 from clerestory.radiance.view_text import format_view
 from clerestory.scene.model import (

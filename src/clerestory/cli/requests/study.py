@@ -22,23 +22,26 @@ SeedChoice = Annotated[
     " --weather oslo.epw",
 )
 class NewStudy:
-    """Write a study file: the room, its window, a grid over the floor, the weather.
+    """Write a study file: rooms, their windows, a grid over each floor, the weather.
 
-    The scene is the room without the window glazing, which the BSDF replaces. Windows
+    The scene is the rooms without the window glazing, which the BSDF replaces. Windows
     whose front does not face the room are reversed in a copy of their file.
     """
 
     folder: Path = argument("Folder for the study; created if missing.", "DIR")
     scene: common.SceneFiles
     window: common.WindowFiles
-    bsdf: Path = required("BSDF file (.xml).")
     weather: Path = required("Weather file (.epw, .wea, .csv).")
+    bsdf: Path | None = option(
+        None, "BSDF file (.xml), or library:NAME; default: low-e double glazing."
+    )
     sensors: Path | None = option(None, "Sensor file instead of a grid over the floor.")
     spacing: float = option(0.5, "Spacing of the grid [m].", least=0.05)
     height: float = option(0.76, "Height of the grid above the floor [m].", least=0)
     units: Literal["metres", "centimetres", "millimetres", "feet", "inches"] = option(
         "metres", "Unit of length of the scene, the windows and the sensors."
     )
+    views: bool = option(False, "Propose views at the desks nearest to the windows.")
     quiet: common.Quiet = False
 
 
@@ -197,7 +200,8 @@ class RunRecipe:
     """Run a recipe of Ladybug Tools: same inputs, same result folders.
 
     NAME is annual-daylight, annual-daylight-enhanced, annual-irradiance,
-    cumulative-radiation, direct-sun-hours, daylight-factor or sky-view.
+    cumulative-radiation, direct-sun-hours, daylight-factor, point-in-time-grid or
+    sky-view.
     """
 
     name: str = argument("Name of the recipe.", "NAME")
