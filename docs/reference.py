@@ -1,6 +1,14 @@
-"""Pages of the reference: every public name with its docstring, by subject."""
+"""Pages of the reference: public names with their docstrings, by subject.
 
+Public are the names of `clerestory` itself, and those that pages of the documentation
+import from its modules.
+"""
+
+import ast
+import importlib
 import inspect
+import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import clerestory
@@ -18,7 +26,7 @@ _PAGES = (
         "bsdfs",
         "BSDFs",
         "Scattering of layers: read, measured, generated, stacked.",
-        ("bsdf", "gonio", "bsdfgen", "glazing", "hemisphere"),
+        ("bsdf", "library", "gonio", "bsdfgen", "glazing", "hemisphere"),
     ),
     ("skies", "Weather and skies", "Weather files, sky matrices, suns.", ("sky",)),
     (
@@ -41,6 +49,21 @@ _PAGES = (
     ),
     ("errors", "Errors", "Exceptions and warnings.", ("errors",)),
 )
+
+
+# Top-level modules of values that many subjects share stand with the first
+_SHARED = {"directions": "scene", "spectra": "scene"}
+
+_BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+def imported_names(page: Path) -> Iterator[tuple[str, str]]:
+    """Yield module and name of what the Python blocks of a page import from us."""
+    for block in _BLOCK.findall(page.read_text(encoding="utf-8")):
+        for node in ast.walk(ast.parse(block)):
+            module = getattr(node, "module", None) or ""
+            if isinstance(node, ast.ImportFrom) and module.startswith("clerestory."):
+                yield from ((module, alias.name) for alias in node.names)
 
 
 def write_reference(folder: Path) -> None:
@@ -67,23 +90,32 @@ def write_reference(folder: Path) -> None:
     _write(folder / "index.rst", f"{head}{intro}.. toctree::\n\n{files}")
 
 
-def _names_by_package() -> dict[str, list[str]]:
-    found: dict[str, list[str]] = {}
-    for name in clerestory.__all__:
-        if name != "__version__":
-            home = inspect.getmodule(getattr(clerestory, name))
-            package = home.__name__.split(".")[1]
-            found.setdefault(package, []).append(name)
+def _names_by_package() -> dict[str, list[tuple[str, str]]]:
+    # Module and name of what each package lists: public names first
+    public = clerestory._HOME
+    named = [("clerestory", name) for name in sorted(public)]
+    homes = {name: f"clerestory.{home}" for name, home in public.items()}
+    pages = [Path(__file__).parents[1] / "README.md"]
+    pages += Path(__file__).parent.rglob("*.md")
+    for home, name in sorted({each for page in pages for each in imported_names(page)}):
+        is_module = inspect.ismodule(getattr(importlib.import_module(home), name))
+        if homes.get(name) != home and not is_module:
+            named.append((home, name))
+    found: dict[str, list[tuple[str, str]]] = {}
+    for home, name in named:
+        package = (homes[name] if home == "clerestory" else home).split(".")[1]
+        found.setdefault(_SHARED.get(package, package), []).append((home, name))
     return found
 
 
-def _page(title: str, words: str, names: list[str]) -> str:
+def _page(title: str, words: str, names: list[tuple[str, str]]) -> str:
     parts = [_heading(title), f"{words}\n\n.. py:currentmodule:: clerestory\n\n"]
-    for name in names:
-        if inspect.isclass(getattr(clerestory, name)):
-            parts.append(f".. autoclass:: clerestory.{name}\n   :members:\n\n")
-        else:
-            parts.append(f".. autofunction:: clerestory.{name}\n\n")
+    for home, name in names:
+        value = getattr(importlib.import_module(home), name)
+        kind = "class" if inspect.isclass(value) else "function"
+        kind = kind if callable(value) else "data"
+        members = "   :members:\n" if kind == "class" else ""
+        parts.append(f".. auto{kind}:: {home}.{name}\n{members}\n")
     return "".join(parts)
 
 

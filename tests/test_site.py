@@ -1,5 +1,7 @@
 """The documentation site builds without warnings and holds every public name."""
 
+import importlib
+import inspect
 import os
 import subprocess
 import sys
@@ -14,6 +16,9 @@ pytest.importorskip("myst_parser", reason="the site needs the extra `docs`")
 inventory = pytest.importorskip("sphinx.util.inventory")
 
 DOCS = Path(__file__).parents[1] / "docs"
+sys.path.insert(0, str(DOCS))
+
+from reference import imported_names
 
 
 @pytest.fixture(scope="module")
@@ -36,12 +41,24 @@ def site(tmp_path_factory):
 def test_every_public_name_stands_in_the_reference(site):
     with (site / "objects.inv").open("rb") as stream:
         found = inventory.InventoryFile.load(stream, "", os.path.join)
-    known = set(found["py:class"]) | set(found["py:function"])
-    known |= set(found.get("py:exception", {}))
+    kinds = "class", "function", "data", "exception"
+    known = set().union(*(found.get(f"py:{kind}", {}) for kind in kinds))
     public = {f"clerestory.{name}" for name in clerestory.__all__} - {
         "clerestory.__version__"
     }
     assert public <= known
+
+
+@pytest.mark.slow
+def test_names_that_pages_import_stand_in_the_reference(site):
+    with (site / "objects.inv").open("rb") as stream:
+        found = inventory.InventoryFile.load(stream, "", os.path.join)
+    known = {name for kind in found if kind.startswith("py:") for name in found[kind]}
+    for page in [DOCS.parent / "README.md", *DOCS.rglob("*.md")]:
+        for home, name in imported_names(page):
+            short = f"clerestory.{name}" in known
+            module = inspect.ismodule(getattr(importlib.import_module(home), name))
+            assert short or module or f"{home}.{name}" in known, f"{page}: {name}"
 
 
 @pytest.mark.slow

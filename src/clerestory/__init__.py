@@ -1,10 +1,12 @@
 """Annual daylight behind complex fenestration: BSDFs, matrix methods, error bars.
 
 The names below are the public interface; each is loaded when it is first used,
-so that `import clerestory` is fast and needs no compute device.
+so that `import clerestory` is fast and needs no compute device. Public functions check
+the types of their arguments.
 """
 
 import importlib
+import inspect
 from typing import Any
 
 _HOME = {
@@ -23,7 +25,8 @@ _HOME = {
     "klems": "hemisphere.klems",
     "reinhart": "hemisphere.reinhart",
     "Bsdf": "bsdf.bsdf",
-    "read_bsdf": "bsdf.xml_reader",
+    "read_bsdf": "library.bsdf_source",
+    "write_bsdf": "bsdf.xml_writer",
     "read_measurement": "gonio.measurement_files",
     "fit_measurement": "gonio.fitted_measurement",
     "measured_bsdf": "gonio.fitted_measurement",
@@ -38,7 +41,10 @@ _HOME = {
     "Weather": "sky.weather",
     "SkyMatrix": "sky.sky_matrix",
     "read_weather": "sky.weather_formats",
+    "select_days": "sky.weather_selection",
     "sky_matrix": "sky.sky_matrix",
+    "sun_matrix": "sky.sun_matrix",
+    "SunMatrix": "sky.sun_matrix",
     "DaylightSpectra": "sky.daylight_spectra",
     "Scene": "scene.model",
     "in_bands": "scene.band_conversion",
@@ -48,6 +54,7 @@ _HOME = {
     "read_rad": "radiance.rad_reader",
     "read_obj": "formats.obj",
     "read_hbjson": "formats.hbjson",
+    "read_ifc": "formats.ifc",
     "read_gltf": "formats.gltf",
     "read_luminaire": "formats.photometry.read",
     "luminaire_scene": "formats.photometry.luminaire_scene",
@@ -55,6 +62,7 @@ _HOME = {
     "read_sensors": "scene.sensors",
     "parse_view": "radiance.view_text",
     "read_view": "radiance.view_text",
+    "Camera": "image.camera",
     "Picture": "image.picture",
     "read_picture": "image.picture_files",
     "write_picture": "image.picture_files",
@@ -66,6 +74,22 @@ _HOME = {
     "daylight_matrix": "phases.traced_matrices",
     "daylight_matrices": "phases.traced_matrices",
     "daylight_coefficients": "phases.traced_matrices",
+    "WindowMatrices": "phases.matrix_equation",
+    "Skies": "phases.matrix_equation",
+    "window_chain": "phases.matrix_equation",
+    "THREE_PHASE": "phases.methods",
+    "FIVE_PHASE": "phases.methods",
+    "three_phase": "phases.methods",
+    "five_phase": "phases.methods",
+    "picture_view_matrices": "phases.picture_matrices",
+    "reflected_view_matrices": "phases.picture_matrices",
+    "picture_window_paths": "phases.window_paths",
+    "blackened": "phases.direct_light",
+    "ShadedWindow": "phases.shaded_windows",
+    "ShadeState": "phases.shaded_windows",
+    "receiving_matrices": "phases.shaded_windows",
+    "pictures_over_time": "phases.picture_series",
+    "luminance_over_time": "phases.picture_series",
     "facade_matrix": "phases.facade_matrices",
     "facade_matrices": "phases.facade_matrices",
     "facade_daylight": "phases.facade_matrices",
@@ -74,10 +98,14 @@ _HOME = {
     "irradiance": "phases.rendering",
     "render": "phases.rendering",
     "render_irradiance": "phases.rendering",
+    "render_progressively": "phases.rendering",
+    "DgpError": "glare.dgp_goal",
     "precompute_illums": "phases.window_emitters",
     "write_illums": "radiance.illum_table",
     "sky_at": "radiance.generated_sky",
     "sky_scene": "radiance.generated_sky",
+    "false_colour": "image.false_colour",
+    "write_display": "image.srgb_display",
     "evaluate_glare": "glare.evaluate",
     "annual_glare": "glare.annual_glare",
     "trace_view_point": "glare.view_point_tracer",
@@ -99,6 +127,9 @@ def __getattr__(name: str) -> Any:
     if name not in _HOME:
         raise AttributeError(f"module 'clerestory' has no attribute {name!r}")
     value = getattr(importlib.import_module(f"clerestory.{_HOME[name]}"), name)
+    if inspect.isfunction(value):
+        check = importlib.import_module("clerestory.argument_types")
+        value = check.checked_arguments(value)
     globals()[name] = value
     return value
 

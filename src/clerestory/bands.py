@@ -13,6 +13,7 @@ from typing import final
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.argument_types import checked_fields
 from clerestory.brief_repr import brief
 from clerestory.checks import require, same_length
 from clerestory.constants import LUMINOUS_EFFICACY
@@ -20,6 +21,7 @@ from clerestory.errors import InputError, MatrixError
 
 
 @final
+@checked_fields
 @dataclass(frozen=True)
 class Bands:
     """A set of spectral bands.

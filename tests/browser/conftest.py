@@ -35,7 +35,7 @@ def browse(tmp_path_factory):
     def run(page, *options):
         command = [found[0], *_FLAGS, f"--user-data-dir={profile}", *options]
         done = subprocess.run(
-            [*command, Path(page).as_uri()],
+            [*command, page if str(page).startswith("http") else Path(page).as_uri()],
             capture_output=True,
             text=True,
             timeout=90,

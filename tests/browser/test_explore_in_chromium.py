@@ -3,6 +3,7 @@
 import importlib.util
 import json
 import re
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 from lxml import html
 
 from clerestory.report.explore_page import write_explorer
+from clerestory.report.result_server import ResultServer, resources_of
 
 UNIT = Path(__file__).parents[1] / "unit" / "report"
 MOMENTS = [f"06-21T{hour:02d}:30" for hour in range(9, 16)]
@@ -101,6 +103,9 @@ def shown(browse, page):
         await set("dgp-limit", 0.45, "input");
         found.glare = document.getElementById("exceeded-0").textContent;
         found.positions = [...explorer.shownPositions.values];
+        await set("direction", 4, "input");
+        found.south = [...explorer.shownPositions.values];
+        found.southWords = document.getElementById("direction").selectedOptions[0].text;
         await set("grid", 1); found.eyes = explorer.shownYear.values.length;
         document.getElementById("values").open = true; await pause(300);
         found.rows = document.querySelectorAll("#values-rows tr").length;
@@ -184,8 +189,10 @@ def test_glare_is_that_of_the_file(shown, results):
     desk = data["glare_dgp"].values[0, hours] > 0.45
     assert shown["glare"] == f"{100 * desk.mean():.1f} %"
     grid = data["grid_view_dgp"].values[:, hours] > 0.45
-    worst = share(grid).reshape(6, 8).max(axis=1)
-    assert np.allclose(shown["positions"], worst, atol=1e-9)
+    shares = share(grid).reshape(6, 8)
+    assert np.allclose(shown["positions"], shares.max(axis=1), atol=1e-9)
+    assert np.allclose(shown["south"], shares[:, 4], atol=1e-9)
+    assert shown["southWords"] == "180°"
 
 
 def test_downloads_hold_what_is_shown(shown, results):
@@ -209,6 +216,20 @@ def test_scripts_run_under_the_policy_of_the_page(browse, page):
     dom = html.document_fromstring(browse(page, "--dump-dom"))
     assert dom.get("data-scripts") == "done"
     assert dom.get("data-error") is None
+
+
+def test_the_served_page_reads_its_values_from_the_server(browse, page, results):
+    resources = resources_of(results, pictures=page.parent)
+    assert {"part/operated", "part/state-0-2", "part/view-grid-0"} < set(resources)
+    with ResultServer(resources) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        dom = html.document_fromstring(browse(server.address, "--dump-dom"))
+        server.shutdown()
+    assert dom.get("data-error") is None
+    assert dom.get("data-scripts") == "done"
+    words = dom.xpath("string(//*[@id='year-words'])")
+    assert re.match(r"Hours with 300 lux or more: \d\d\.\d % on average", words)
+    assert dom.xpath("//*[@id='picture-0']//img/@src")[0].startswith("picture/0-")
 
 
 def test_every_control_has_a_name_and_the_page_fits_a_phone(browse, page):

@@ -16,6 +16,7 @@ COMMANDS = [
     "run",
     "demo",
     "report",
+    "view",
     "doctor",
     "metrics",
     "compare",

@@ -10,6 +10,7 @@ from honeybee_models import GLASS, building, honeybee_model, office
 
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.study.config import read_study
+from ifc_models import ifc_room
 
 WEATHER = importlib.resources.files("pvlib") / "data" / "723170TYA.CSV"
 
@@ -171,3 +172,43 @@ def test_models_of_honeybee_give_a_study_that_runs(call, shared_data, tmp_path, 
     outcome = call("run", out / "study.toml", "--out", results, "--quiet")
     assert outcome.status == 0, outcome.err
     assert (results / "report.html").stat().st_size > 0
+
+
+def test_an_ifc_model_gives_a_study(call, tmp_path):
+    pytest.importorskip("ifcopenshell")
+    path, out = tmp_path / "room.ifc", tmp_path / "study"
+    path.write_text(ifc_room())
+    outcome = call("import", path, "-o", out, "--weather", WEATHER)
+    assert outcome.status == 0, outcome.err
+    assert "assumed: reflectance 0.5 of IfcWall: 5" in outcome.out
+    study = read_study(out / "study.toml")
+    assert study.sky.rotation_deg == pytest.approx(-30)
+    assert [grid.name for grid in study.sensors] == ["1.01 Office"]
+    assumed = (out / "assumptions.txt").read_text()
+    assert "position of the site: that of the weather file, 36.10° north" in assumed
+
+
+@pytest.mark.slow
+def test_the_study_of_an_ifc_model_runs(call, tmp_path):
+    pytest.importorskip("ifcopenshell")
+    path, out = tmp_path / "room.ifc", tmp_path / "study"
+    path.write_text(ifc_room())
+    call("import", path, "-o", out, "--weather", WEATHER)
+    one_noon(out / "study.toml")
+    outcome = call("run", out / "study.toml", "--out", tmp_path / "run", "--quiet")
+    assert outcome.status == 0, outcome.err
+    with xr.open_dataset(tmp_path / "run" / "results.nc") as found:
+        lux = found["illuminance"].load()
+    assert lux.sizes["sensor"] == 76
+    # The first two rows of eight sensors lie next to the window
+    assert float(lux[:16].mean()) > 2 * float(lux[16:].mean()) > 0
+
+
+def test_a_scale_in_the_map_of_an_ifc_model_is_refused(call, tmp_path):
+    path, materials = tmp_path / "room.ifc", tmp_path / "m.toml"
+    path.write_text(ifc_room())
+    materials.write_text('scale = 0.001\n[materials]\n"*" = { reflectance = 0.5 }\n')
+    outcome = call("import", path, "-o", tmp_path / "o", "--materials", materials)
+    assert outcome.status == 2
+    assert 'keys "scale" or "up"; IFC files have units' in outcome.err
+    assert not (tmp_path / "o").exists()

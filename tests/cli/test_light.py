@@ -43,6 +43,33 @@ def test_a_picture_shows_illuminance_where_asked(call, room):
     assert read_picture("a.hdr").illuminance().max() > 0
 
 
+def test_a_picture_is_rendered_up_to_an_error_of_dgp(call, room):
+    eye = ("--view", EYE, "--resolution", 24, "--bounces", 1)
+    goal = ("--dgp-error", 0.02, "-o", "a.hdr", "--error", "e.hdr")
+    outcome = call(*RENDER[:-4], *eye, "--sky", SKY, *goal)
+    assert outcome.status == 0, outcome.err
+    outcome = call("glare", "a.hdr", "--error", "e.hdr", "--format", "json")
+    assert outcome.status == 0, outcome.err
+    assert 0 < json.loads(outcome.out)[0]["dgp_error"] < 0.023
+
+    # Two targets, and a view without DGP
+    outcome = call(*RENDER[:-4], *eye, "--sky", SKY, *goal, "--samples", 8)
+    assert outcome.status == 2
+    assert "a goal and samples" in outcome.err
+
+
+def test_a_preview_is_written_from_coarse_to_fine(call, room):
+    goal = ("--sky", SKY, "--relative-error", 0.3, "--bounces", 1)
+    outcome = call(*RENDER, *goal, "-o", "a.hdr", "--preview")
+    assert outcome.status == 0, outcome.err
+    lines = outcome.out.splitlines()
+    assert len(lines) > 4
+    assert all("a.hdr: 12 × 12 pixels" in line for line in lines)
+    call(*RENDER, *goal, "-o", "b.hdr")
+    one, two = read_picture("a.hdr"), read_picture("b.hdr")
+    assert (one.radiance == two.radiance).all()
+
+
 def test_a_picture_is_rendered_at_a_time_of_the_weather(call, room):
     words = ("--weather", "two_days.wea", "--time", "2023-06-21T12:30")
     outcome = call(*RENDER, *words, "--samples", 4, "-o", "a.hdr", "--quiet")

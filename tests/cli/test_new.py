@@ -5,6 +5,7 @@ import tomllib
 import numpy as np
 import pytest
 
+from clerestory.radiance.view_text import read_view
 from clerestory.radiance.window_reader import read_windows
 from clerestory.study.config import read_study
 from clerestory.study.new_study import write_demo
@@ -116,3 +117,42 @@ def test_glazing_that_was_left_in_the_room_is_doubted(call, demo):
     outcome = call(*words)
     assert outcome.status == 0, outcome.err
     assert 'window "window_glow" is covered by the surface' in outcome.err
+
+
+def test_views_are_proposed_and_a_glazing_is_suggested(call, demo):
+    words = COMMAND.replace(" --bsdf venetian_blind.xml", " --views").split()
+    outcome = call(*words)
+    assert outcome.status == 0, outcome.err
+    assert "no --bsdf: windows of library:double-lowe-6;" in outcome.out
+    assert ", 2 views" in outcome.out
+    study = read_study(demo / "office" / "study.toml")
+    assert str(study.window[0].bsdf) == "library:double-lowe-6"
+    views = [read_view(table.file) for table in study.view]
+    assert [view.position[2] for view in views] == pytest.approx([1.2, 1.2])
+    assert views[1].direction == pytest.approx([0, -1, 0])
+
+
+def test_an_unknown_product_is_an_error_at_its_line(call, demo):
+    given = COMMAND.replace("venetian_blind.xml", "library:venetian-80-white@45")
+    assert call(*given.split()).status == 0
+    study = demo / "office" / "study.toml"
+    study.write_text(study.read_text().replace("80-white", "80-whit"))
+    outcome = call("run", "office/study.toml", "--plan")
+    assert outcome.status != 0
+    assert "study.toml:" in outcome.err
+    assert "one such as venetian-80-white" in outcome.err
+
+
+def test_a_desk_before_a_partition_is_reported(call, demo):
+    """A partition up to 1.7 m, half a metre in front of the eyes."""
+    assert call(*COMMAND.split(), "--views").status == 0
+    x, y, _ = read_view(demo / "office" / "desk_2.vf").position
+    west, east, at = x - 1, x + 1, y - 0.5
+    corners = f"{west} {at} 0.1 {east} {at} 0.1 {east} {at} 1.7 {west} {at} 1.7"
+    text = f"void plastic felt 0 0 5 .5 .5 .5 0 0\nfelt polygon p 0 0 12 {corners}\n"
+    (demo / "partition.rad").write_text(text)
+    words = COMMAND.replace("room.rad", "room.rad partition.rad").split()
+    words[1] = "other"
+    outcome = call(*words, "--views")
+    assert outcome.status == 0, outcome.err
+    assert "faces a partition or a wall less than 1 m away: 1 of 2 views" in outcome.err

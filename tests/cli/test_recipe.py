@@ -55,6 +55,35 @@ def test_sky_views_of_an_open_field(recipe):
         assert found == pytest.approx([100, wall], abs=0.5)
 
 
+@pytest.mark.parametrize(
+    ("sky", "up", "south"),
+    [
+        # Overcast: 39.6 % of the horizontal illuminance from the sky, 10 % from ground
+        ("illuminance 10000", 10_000, 4960),
+        # Uniform, black ground: half
+        ("illuminance 10000 -u -g 0", 10_000, 5000),
+        # The sun in the south at 60° in a black sky, with dark ground
+        ("climate-based -alt 60 -az 180 -dni 100 -dhi 1 -g 0", None, None),
+    ],
+)
+def test_illuminance_of_an_open_field_at_one_time(recipe, sky, up, south):
+    inputs = {"sky": sky, "radiance-parameters": "-ab 2 -ad 65536"}
+    folder = recipe("point-in-time-grid", field(UP, SOUTH), **inputs)
+    found = np.loadtxt(folder / "results" / "pit" / "g.res")
+    if up is None:
+        # Sunlight on the plane and on the wall: sin 60° and cos 60°
+        assert found[1] / found[0] == pytest.approx(1 / 3**0.5, rel=0.03)
+    else:
+        assert found == pytest.approx([up, south], rel=0.01)
+
+
+def test_irradiance_at_one_time_is_that_of_the_text(recipe):
+    inputs = {"sky": "irradiance 50 -u -g 0", "metric": "irradiance"}
+    folder = recipe("point-in-time-grid", field(UP), **inputs)
+    found = np.loadtxt(folder / "results" / "pit" / "g.res")
+    assert found == pytest.approx(50, rel=0.03)
+
+
 def test_daylight_factors_of_an_open_field(recipe):
     """On a wall: 39.6 % from the sky, and ground of reflectance 0.2: 10 % more."""
     folder = recipe(

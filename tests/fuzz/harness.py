@@ -55,7 +55,7 @@ class TooLong(BaseException):
 
 def run(name: str, count: int, *, first: int = 0, keep: Path | None = None) -> Outcome:
     """Read mutants `first` to `first + count` of a reader, in processes forked here."""
-    whole, end = Outcome(name), first + count
+    whole, end = Outcome(name), first + max(1, count // READERS[name].cost)
     while first < end:
         part, first = _forked(name, first, end, keep)
         whole.count += part.count

@@ -22,6 +22,7 @@ class Reader:
     beside : other files in the folder, by name
     use : function of the reading function and the path; default: a plain call
     sealed : function that gives a damaged file a valid checksum
+    cost : divisor of the number of damaged files, for readers that take long
     """
 
     function: str
@@ -31,6 +32,7 @@ class Reader:
     beside: dict[str, str] = field(default_factory=dict)
     use: Use | None = None
     sealed: Callable[[bytes], bytes] | None = None
+    cost: int = 1
 
     def seeds(self, folder: Path) -> list[bytes]:
         """Write the files beside, and return the sound files."""

@@ -42,10 +42,10 @@ def _hours(found, path):
 
 def _written(found, path):
     from clerestory.formats.hbjson import read_hbjson
-    from clerestory.study.model_import import write_honeybee_model
+    from clerestory.study.model_import import write_building_model
 
     model = found(path)
-    return write_honeybee_model(read_hbjson(path), path.parent / "study"), model
+    return write_building_model(read_hbjson(path), path.parent / "study"), model
 
 
 READERS = {

@@ -14,6 +14,8 @@ import numpy as np
 from honeybee_models import honeybee_model, office
 from reader import Reader, Use
 
+from ifc_models import ifc_room
+
 ROOM = """# A room with everything
 void plastic grey 0 0 5 .5 .5 .5 0 0
 void brightfunc spots 4 spot x.cal -s 2 0 1 .5
@@ -114,6 +116,12 @@ def _gltf(_: Path) -> list[bytes]:
     inside = "data:application/octet-stream;base64," + base64.b64encode(data).decode()
     model["buffers"] = [{"byteLength": len(data), "uri": inside}]
     return [json.dumps(model).encode(), json.dumps(model, indent=1).encode(), glb]
+
+
+def _ifc(_: Path) -> list[bytes]:
+    numbers = {"VisibleLightTransmittance": 0.7, "GlazingAreaFraction": 0.8}
+    rooms = (ifc_room(window=kind, numbers=numbers) for kind in ("style", "opening"))
+    return [room.encode() for room in rooms]
 
 
 def _hbjson(_: Path) -> list[bytes]:
@@ -312,6 +320,7 @@ READERS = {
     ),
     "mgf": Reader("formats.mgf:parse_mgf", "m.mgf", (MGF,), use=_statements),
     "hbjson": Reader("formats.hbjson:read_hbjson", "m.hbjson", make=_hbjson),
+    "ifc": Reader("formats.ifc:read_ifc", "m.ifc", make=_ifc, cost=25),
     "ies": Reader("formats.photometry.read:read_luminaire", "l.ies", (IES, TILTED)),
     "ies tilt": Reader(
         "formats.photometry.read:read_luminaire",

@@ -64,7 +64,7 @@ from clerestory.report.markup import element, embedded_json, render
 from clerestory.report.page_assets import content_policy
 from clerestory.report.variants_page import write_variants_page
 from clerestory.scene.model import Mirror, Mixture, Plastic, Polygon, Scene
-from clerestory.study.model_import import write_honeybee_model
+from clerestory.study.model_import import write_building_model
 from clerestory.study.outputs import _METRICS, write_hourly, write_metrics
 from clerestory.study.results import Results, read_results, save_results
 from clerestory.study.study_files import study_text, window_text
@@ -265,7 +265,7 @@ def test_imports_of_models_run_no_name(folder):
     model = replace(model, views={}, windows=())
     out = folder / "out"
     weather = importlib.resources.files("pvlib") / "data" / "723170TYA.CSV"
-    written = write_honeybee_model(model, out, weather=Path(str(weather)))
+    written = write_building_model(model, out, weather=Path(str(weather)))
     inside = set(out.rglob("*"))
     assert set(written.files) == inside
     assert len(written.files) == len(inside)
@@ -651,7 +651,7 @@ WRITERS = {
     "study.view_grid_outputs.write_grid_views": test_view_grids_are_tables,
     "study.model_import._put": test_imports_of_models_run_no_name,
     "study.model_import._bsdf_text": test_imports_of_models_run_no_name,
-    "study.model_import.write_honeybee_model": test_imports_of_models_run_no_name,
+    "study.model_import.write_building_model": test_imports_of_models_run_no_name,
     "study.new_study.begin_study": test_study_files_hold_any_text,
     "study.new_study.write_demo": "files of the package",
     "study.outputs._write_lines": test_results_of_hostile_grids_are_tables,

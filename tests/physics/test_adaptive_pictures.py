@@ -74,6 +74,21 @@ def test_the_order_of_units_does_not_change_a_bit():
     assert (one.error == two.error).all()
 
 
+def test_a_picture_is_refined_from_blocks_to_the_same_bits():
+    effort = {"relative_error": 0.02, "device": "cpu"}
+    scene, view = lamp_above_a_floor(), cl.parse_view(VIEW)
+    pictures = list(cl.render_progressively(scene, view, **SIZE, **effort))
+    first = pictures[0].picture.radiance
+    assert (first[:8, :8] == first[0, 0]).all()
+    assert (first[8:, 16:] == first[8, 16]).all()
+    assert (pictures[1].picture.radiance[:8, :8] == first[0, 0]).all(axis=-1).sum() < 64
+    paths = [each.paths for each in pictures]
+    assert paths == sorted(paths)
+    last = cl.render(scene, view, **SIZE, **effort)
+    assert (pictures[-1].picture.radiance == last.picture.radiance).all()
+    assert pictures[-1].paths == last.paths
+
+
 @pytest.mark.slow
 def test_adaptive_pictures_scatter_as_stated():
     """The lamp is in the view: paths differ from pixel to pixel."""

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.argument_types import checked_fields
 from clerestory.array_types import Directions, Points2, Values
 from clerestory.bands import RGB, Bands
 from clerestory.brief_repr import brief
@@ -44,6 +45,7 @@ _Directions = Float[np.ndarray, "pair 3"]
 _Answers = Float[np.ndarray, " pair"]
 
 
+@checked_fields
 @dataclass(frozen=True, eq=False)
 class Bsdf:
     """Scattering of light by a layer, on both sides.

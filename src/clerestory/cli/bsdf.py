@@ -9,13 +9,13 @@ from clerestory.bsdf.layer_comparison import compare as compare_bsdfs
 from clerestory.bsdf.quality_checks import check_file
 from clerestory.bsdf.quality_finding import Finding
 from clerestory.bsdf.xml_insertion import insert_blocks
-from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.checks import require
 from clerestory.cli import bsdf_report
 from clerestory.cli.angle_pair import angle_pair
 from clerestory.cli.progress import say
 from clerestory.cli.requests import bsdf as requests
 from clerestory.errors import InputError
+from clerestory.library.bsdf_source import read_bsdf
 from clerestory.report.bsdf_plot import (
     direction_from_angles,
     lobe_figure,

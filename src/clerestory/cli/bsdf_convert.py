@@ -9,12 +9,12 @@ from clerestory.bsdf.resample import reciprocal_mean, to_matrices, to_trees
 from clerestory.bsdf.scattering_function import Function, ScatteringFunction
 from clerestory.bsdf.tensor_tree import ScatteringTree
 from clerestory.bsdf.tree_arithmetic import reduce_tree
-from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.bsdf.xml_writer import usual_digits, write_bsdf
 from clerestory.cli.bsdf_report import function_title
 from clerestory.cli.requests.bsdf import ConvertBsdf, ReduceBsdf
 from clerestory.errors import InputError
 from clerestory.hemisphere.klems import klems
+from clerestory.library.bsdf_source import read_bsdf
 
 
 def convert(request: ConvertBsdf) -> None:

@@ -5,11 +5,11 @@ from pathlib import Path
 
 import typer
 
-from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.cli.requests.bsdf import PackageBsdf
 from clerestory.errors import InputError
 from clerestory.escaping import header_line
 from clerestory.files import write_text
+from clerestory.library.bsdf_source import read_bsdf
 from clerestory.radiance.bsdf_package import package as package_bsdf
 from clerestory.radiance.rad_writer import format_rad
 from clerestory.scene.model import BsdfSurface

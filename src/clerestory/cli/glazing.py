@@ -23,6 +23,7 @@ from clerestory.glazing.standard import Channel
 from clerestory.glazing.standard import standard as standard_named
 from clerestory.glazing.thermal import ThermalFigures, thermal_figures
 from clerestory.hemisphere.klems import klems
+from clerestory.library.bsdf_source import is_library_name, library_layers
 from clerestory.spectral.band_sets import band_set
 
 _SHOWN: tuple[Channel, Channel] = ("visible", "solar")
@@ -98,7 +99,13 @@ def _system(files: list[Path], gap: float, gas: str) -> glazing_system.GlazingSy
             len(files) == 1, "a TOML file is given with other files; one file expected"
         )
         return glazing_system.read_system(files[0])
-    layers = [read_layer(path) for path in files]
+    layers = [
+        layer
+        for path in files
+        for layer in (
+            library_layers(str(path)) if is_library_name(path) else [read_layer(path)]
+        )
+    ]
     return glazing_system.system_with_equal_gaps(
         layers, gap=glazing_system.Gap(gap * _MILLIMETRE, _gases(gas))
     )

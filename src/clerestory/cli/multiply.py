@@ -6,7 +6,6 @@ from itertools import pairwise
 from operator import matmul
 from pathlib import Path
 
-from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.checks import require, within
 from clerestory.cli.command import COMMAND_LINE
 from clerestory.cli.matrix_output import write_any_matrix
@@ -14,6 +13,7 @@ from clerestory.cli.progress import progress_display, say
 from clerestory.cli.requests.render import Multiply
 from clerestory.errors import MatrixError
 from clerestory.image import picture_sets
+from clerestory.library.bsdf_source import read_bsdf
 from clerestory.matrix.netcdf import read_netcdf
 from clerestory.matrix.radiance_format import read_matrix
 from clerestory.matrix.transfer_matrix import TransferMatrix

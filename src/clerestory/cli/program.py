@@ -15,6 +15,7 @@ _TOP = {
     "run": "study",
     "demo": "study",
     "report": "study",
+    "view": "study",
     "render": "render",
     "irradiance": "render",
     "illum": "render",

@@ -1,8 +1,10 @@
 """`clerestory render`: a picture at one instant."""
 
 import time
+from collections.abc import Iterator
 from dataclasses import replace
 from datetime import datetime
+from functools import partial
 
 import numpy as np
 
@@ -11,11 +13,18 @@ from clerestory.cli.effort import tracing
 from clerestory.cli.progress import say
 from clerestory.cli.requests.common import SkyChoice
 from clerestory.cli.requests.render import Render
+from clerestory.engine.effort import Effort
 from clerestory.errors import InputError
+from clerestory.glare.dgp_goal import DgpError
+from clerestory.image.camera import Camera
 from clerestory.image.denoise import denoise
 from clerestory.image.picture import photometric, photometric_unit
 from clerestory.image.picture_files import write_picture
-from clerestory.phases.rendering import Rendering, render_irradiance
+from clerestory.phases.rendering import (
+    Rendering,
+    render_irradiance,
+    render_progressively,
+)
 from clerestory.phases.rendering import render as render_picture
 from clerestory.radiance.generated_sky import sky_at, sky_scene
 from clerestory.radiance.rad_reader import read_rad
@@ -29,18 +38,43 @@ def render(request: Render) -> None:
     begin = time.perf_counter()
     room = read_rad(*request.scene) + sky_of(request.sky)
     view = view_of(request.view)
-    columns, rows = view.size_for(request.resolution)
-    trace = render_irradiance if request.illuminance else render_picture
+    camera = Camera(view, *view.size_for(request.resolution))
     with tracing(request.effort, quiet=request.quiet) as effort:
-        made = trace(room, view, columns=columns, rows=rows, effort=effort("picture"))
-    write_picture(
-        denoise(made.picture) if request.denoise else made.picture, request.output
-    )
+        for made in _pictures(request, room, camera, effort("picture")):
+            _write(request, made)
+            seconds = time.perf_counter() - begin
+            line = f"{request.output}: {_summary(made)}, {seconds:.1f} s"
+            say(line, quiet=request.quiet)
+
+
+def _pictures(
+    request: Render, room: Scene, camera: Camera, effort: Effort
+) -> Iterator[Rendering]:
+    # The picture, or with --preview the picture after each round
+    view, columns, rows = camera.view, camera.columns, camera.rows
+    if request.illuminance:
+        require(
+            request.dgp_error is None and not request.preview,
+            "--illuminance with --dgp-error or --preview; one of them expected",
+        )
+        trace = partial(render_irradiance, effort=effort)
+        yield trace(room, view, columns=columns, rows=rows)
+        return
+    goal = None if request.dgp_error is None else DgpError(request.dgp_error)
+    if request.preview:
+        trace_rounds = partial(render_progressively, goal=goal, effort=effort)
+        yield from trace_rounds(room, view, columns=columns, rows=rows)
+    else:
+        trace = partial(render_picture, goal=goal, effort=effort)
+        yield trace(room, view, columns=columns, rows=rows)
+
+
+def _write(request: Render, made: Rendering) -> None:
+    shown = denoise(made.picture) if request.denoise else made.picture
+    write_picture(shown, request.output)
     if request.error is not None:
         radiance = made.error.astype(np.float32)
         write_picture(replace(made.picture, radiance=radiance), request.error)
-    seconds = time.perf_counter() - begin
-    say(f"{request.output}: {_summary(made)}, {seconds:.1f} s", quiet=request.quiet)
 
 
 def sky_of(chosen: SkyChoice) -> Scene:

@@ -18,13 +18,18 @@ from clerestory.report.uncertain_value import Figure
 from clerestory.report.view_grid_content import percent, uncertain_dgp
 from clerestory.study.compliance_table import assessments_of
 from clerestory.study.config import Study, read_study
-from clerestory.study.new_study import begin_study, write_demo
+from clerestory.study.new_study import GLAZING, begin_study, write_demo
 from clerestory.study.results import Results, read_results
 from clerestory.study.run_plan import PlannedMatrix, StudyPlan, plan_study
 from clerestory.study.study_run import run_study
 from clerestory.study.title_block import title_block_of
 from clerestory.study.variants import read_variants
 from clerestory.study.view_grid_outputs import view_grid_part, view_grids
+
+_SUGGESTED = (
+    f"no --bsdf: windows of {GLAZING}; with a blind, for example"
+    f" {GLAZING}+venetian-80-white@45; `clerestory bsdf library` lists all"
+)
 
 
 def new(request: requests.NewStudy) -> None:
@@ -33,16 +38,20 @@ def new(request: requests.NewStudy) -> None:
         request.folder,
         scene=request.scene,
         windows=request.window,
-        bsdf=request.bsdf,
+        bsdf=request.bsdf or GLAZING,
         weather=request.weather,
         sensors=request.sensors,
         spacing=request.spacing,
         height=request.height,
         units=request.units,
+        views=request.views,
     )
+    rooms = f" in {begun.rooms} rooms" if begun.rooms > 1 else ""
+    views = f", {begun.views} views" if begun.views else ""
     say(
         *(f'window "{n}" reversed: its front must face the room' for n in begun.turned),
-        f"{begun.study}: {begun.sensors} sensors",
+        *([] if request.bsdf else [_SUGGESTED]),
+        f"{begun.study}: {begun.sensors} sensors{rooms}{views}",
         f"next: clerestory run {begun.study}",
         quiet=request.quiet,
     )

@@ -17,10 +17,10 @@ from clerestory.cli.requests import trace as requests
 from clerestory.engine.effort import Effort
 from clerestory.errors import InputError
 from clerestory.escaping import file_stems
-from clerestory.gonio.layer_file import read_layer
 from clerestory.image.camera import Camera
 from clerestory.image.picture_files import write_picture
 from clerestory.image.picture_sets import numbered
+from clerestory.library.bsdf_source import read_bsdf
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases import traced_matrices
 from clerestory.phases.direct_light import blackened
@@ -103,7 +103,7 @@ def facade(request: requests.FacadeMatrix) -> None:
 def sun(request: requests.SunCoefficients) -> None:
     """Trace direct-sun coefficients."""
     room, windows = read_rad(*request.scene), read_windows(*request.window)
-    layer, receiver = read_layer(request.bsdf), _receiver(request.receiver)
+    layer, receiver = read_bsdf(request.bsdf), _receiver(request.receiver)
     warn_of_scene(room, windows, _sensors(receiver))
     weather = read_weather(request.weather)
     suns = sun_matrix(weather, tolerance_deg=request.tolerance).directions

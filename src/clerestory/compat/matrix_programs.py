@@ -14,7 +14,6 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.bands import RGB, unnamed_bands
-from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.checks import one_of, require
 from clerestory.compat.streams import ENCODINGS, Streams
 from clerestory.compat.words import NUMBERS, Grammar, reals, whole
@@ -26,6 +25,7 @@ from clerestory.image.picture_sets import (
     read_picture_set,
     write_picture_set,
 )
+from clerestory.library.bsdf_source import read_bsdf
 from clerestory.matrix.axis import unknown_axis
 from clerestory.matrix.radiance_format import (
     Encoding,

@@ -13,6 +13,7 @@ from typing import final
 import numpy as np
 from jaxtyping import Float, Int
 
+from clerestory.argument_types import checked_fields
 from clerestory.brief_repr import brief
 from clerestory.checks import distinct, not_negative, require, same_length, within
 from clerestory.errors import InputError, located
@@ -28,6 +29,7 @@ _OFFSET = re.compile(r"[T ].*[Zz+-]")
 
 
 @final
+@checked_fields
 @dataclass(frozen=True, eq=False)
 class StateSchedule:
     """States of window groups over time.

@@ -18,7 +18,7 @@ from jaxtyping import Bool, Int
 from clerestory.engine.controller import lengthen
 from clerestory.engine.effort import Effort
 from clerestory.engine.pixel_allocation import Allocation
-from clerestory.engine.pixel_goals import PixelEstimates, PixelGoal, RelativePixelError
+from clerestory.engine.pixel_goals import PixelEstimates, PixelGoal
 from clerestory.engine.radiance_jobs import (
     PictureJob,
     RadianceEstimate,
@@ -58,38 +58,62 @@ class Round:
 
 
 def traced_rounds(
-    job: PictureJob, effort: Effort, goal: PixelGoal | None = None
+    job: PictureJob, effort: Effort, goal: PixelGoal | None
 ) -> Iterator[Round]:
     """Trace a picture; yield the same sums, extended, after each round.
 
-    The last round has the samples of the effort, or reaches the goal; by default, the
-    relative error of the effort.
+    The last round reaches the goal, or has the samples of the effort.
     """
-    samples, growth = effort.samples, job.growth
-    length = growth.longest if samples is None else -(-samples // job.batches)
-    first = min(growth.pilot, length)
-    expected = first * _EXPECTED if samples is None else float(length)
+    pilot, samples = job.growth.pilot, effort.samples
+    length = pilot if goal else -(-(samples or 1) // job.batches)
+    first = min(pilot, length)
+    expected = first * _EXPECTED if goal else float(length)
     pixels = _Pixels(job, effort, expected * job.receivers)
     for block in BLOCKS:
         pixels.extend(_coarse(job, block), first)
-        yield Round(pixels.sums, block, block == 1 and first == length)
-    if samples is None:
-        error = effort.relative_error or 1.0
-        yield from _until(pixels, goal or RelativePixelError(error))
-    while samples is not None and first < length:
+        complete = goal is None and block == 1 and first == length
+        yield Round(pixels.sums, block, complete)
+    if goal is not None:
+        yield from _until(pixels, goal)
+    while first < length:
         first = min(2 * first, length)
         pixels.extend(pixels.every, first)
         yield Round(pixels.sums, 1, first == length)
 
 
 def estimate_picture(
-    job: PictureJob, effort: Effort, goal: PixelGoal | None = None
+    job: PictureJob, effort: Effort, goal: PixelGoal | None
 ) -> RadianceEstimate:
-    """Return the picture after the last round."""
+    """Return the picture after the last round; see `estimated_rounds`."""
     if not effort.executor.accepts(job, effort.goal):
         return black(job)
     [last] = deque(traced_rounds(job, effort, goal), maxlen=1)
-    return radiance_of(job, last.sums, reached=last.reached)
+    return _filled(job, last)
+
+
+def estimated_rounds(
+    job: PictureJob, effort: Effort, goal: PixelGoal | None
+) -> Iterator[RadianceEstimate]:
+    """Return the pictures after each round; a traced pixel stands for its block.
+
+    `goal` is None if the effort gives the number of samples.
+    """
+    if not effort.executor.accepts(job, effort.goal):
+        return iter([black(job)])
+    return (_filled(job, each) for each in traced_rounds(job, effort, goal))
+
+
+def _filled(job: PictureJob, each: Round) -> RadianceEstimate:
+    # Estimates of all pixels; that of a block for its pixels not yet traced
+    sums, block = each.sums, each.block
+    paths = int(sums.count.sum()) * job.batches
+    if block > 1:
+        row, column = np.ogrid[: job.rows, : job.columns]
+        first = row // block * block * job.columns + column // block * block
+        own = np.arange(job.receivers)
+        source = np.where(sums.count > 0, own, first.ravel())
+        sums = Sums(sums.total[source], sums.count[source], sums.one)
+    return replace(radiance_of(job, sums, reached=each.reached), paths=paths)
 
 
 def _until(pixels: "_Pixels", goal: PixelGoal) -> Iterator[Round]:
@@ -169,7 +193,7 @@ class _Pixels:
 
     def estimates(self) -> PixelEstimates:
         """Return values and variances of all pixels."""
-        return PixelEstimates.of(self.sums, self.job.columns)
+        return PixelEstimates.of(self.sums, self.job)
 
     def extend(self, chosen: Bool[np.ndarray, " pixel"], length: int) -> None:
         """Extend the batches of chosen pixels, of equal lengths, to a length."""

@@ -11,7 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.bands import Bands
+from clerestory.engine.radiance_jobs import PictureJob
 from clerestory.engine.sums import Sums, variance
+from clerestory.scene.view import View
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,18 +23,25 @@ class PixelEstimates:
 
     value: Float[np.ndarray, "row column band"]
     variance: Float[np.ndarray, "row column band"]
+    view: View
+    bands: Bands
 
     @classmethod
-    def of(cls, sums: Sums, columns: int) -> "PixelEstimates":
-        """Return the estimates of the pixels of rows of a length."""
+    def of(cls, sums: Sums, job: PictureJob) -> "PixelEstimates":
+        """Return the estimates of the pixels of a picture."""
         batches = sums.collected()
-        shape = -1, columns, batches.shape[-1]
-        spread = variance(batches, axis=1)
-        return cls(batches.mean(axis=1).reshape(shape), spread.reshape(shape))
+        shape = job.rows, job.columns, batches.shape[-1]
+        value = batches.mean(axis=1).reshape(shape)
+        spread = variance(batches, axis=1).reshape(shape)
+        return cls(value, spread, job.view, job.scene.bands)
 
 
 class PixelGoal(ABC):
     """A target for the error of a picture, or of a quantity computed from a picture."""
+
+    @abstractmethod
+    def check_view(self, view: View, columns: int, rows: int) -> None:
+        """Raise `InputError` if the quantity cannot be computed from such pictures."""
 
     @property
     @abstractmethod
@@ -52,6 +62,9 @@ class RelativePixelError(PixelGoal):
     """RMS of the standard errors of the pixels, relative to the mean pixel value."""
 
     target: float
+
+    def check_view(self, view: View, columns: int, rows: int) -> None:
+        """Accept any view."""
 
     @property
     def name(self) -> str:

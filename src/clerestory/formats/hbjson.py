@@ -11,33 +11,30 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import final
 
 import numpy as np
-from jaxtyping import Float
 
-from clerestory.brief_repr import brief
 from clerestory.checks import require
 from clerestory.documents import read_json
 from clerestory.errors import ClerestoryWarning, located
+from clerestory.formats.building_model import (
+    ApertureGroup,
+    BuildingModel,
+    seamed,
+    unique_name,
+)
 from clerestory.formats.hbjson_checks import check_model
 from clerestory.formats.hbjson_geometry import (
-    GridLabel,
-    RoomFloor,
     plane_of,
     read_grids,
     read_views,
     room_floor,
-    seamed,
-    unique_name,
 )
 from clerestory.formats.hbjson_modifiers import BsdfModifier, Modifier, read_modifiers
 from clerestory.formats.hbjson_schema import Model, Part, Room, ShadeMesh
 from clerestory.scene.materials.mixture import Void
 from clerestory.scene.model import Material, Polygon, Scene, Surface, insert_material
 from clerestory.scene.scaling import METRES
-from clerestory.scene.sensors import Sensors
-from clerestory.scene.view import View
 
 _METRES = {
     "Meters": METRES["metres"],
@@ -50,49 +47,7 @@ _HORIZONTAL = ("RoofCeiling", "Floor")
 _SETS = {"Wall": "wall_set", "Floor": "floor_set", "RoofCeiling": "roof_ceiling_set"}
 
 
-@final
-@dataclass(frozen=True, eq=False)
-class ApertureGroup:
-    """Apertures that form one window group.
-
-    Attributes
-    ----------
-    polygons : outline of each aperture, counter-clockwise as seen from the room [m]
-    up : up vector of the BSDF; None for the default
-    states : name and modifier of each dynamic state; one entry for a static window
-    """
-
-    name: str
-    polygons: tuple[Float[np.ndarray, "_ 3"], ...]
-    up: Float[np.ndarray, "3"] | None
-    states: tuple[tuple[str, Modifier], ...]
-
-
-@final
-@dataclass(frozen=True, eq=False)
-class HoneybeeModel:
-    """A honeybee model: scene without windows, window groups, sensors and views.
-
-    Attributes
-    ----------
-    grids, labels : sensors and identifiers of each sensor grid, by name
-    rooms : floors of the rooms
-    unsupported : descriptions of the content of the file that is ignored
-    """
-
-    name: str
-    scene: Scene
-    windows: tuple[ApertureGroup, ...]
-    grids: dict[str, Sensors]
-    labels: dict[str, GridLabel]
-    rooms: tuple[RoomFloor, ...]
-    views: dict[str, View]
-    unsupported: tuple[str, ...]
-
-    __repr__ = brief
-
-
-def read_hbjson(path: str | Path) -> HoneybeeModel:
+def read_hbjson(path: str | Path) -> BuildingModel:
     """Read a honeybee model from an HBJSON file.
 
     Warns if the largest dimension of the model is less than 1 m or more than 10 km.
@@ -113,7 +68,7 @@ def read_hbjson(path: str | Path) -> HoneybeeModel:
         _warn_of_size(scene, root.units, path)
         grids, labels = read_grids(root.radiance, scale)
         ignored = (*reading.modifiers.unsupported, *_ignored(root))
-        return HoneybeeModel(
+        return BuildingModel(
             name=root.display_name or root.identifier,
             scene=scene,
             windows=tuple(_windows(list(reading.groups.values()))),

@@ -72,11 +72,9 @@ class DgpModel:
             illuminance += sun.luminance * sun.solid_angle * beside
             total += sun.luminance**k.a1 * sun.solid_angle * high
         illuminance = np.maximum(illuminance, 1e-9)
-        by_glare = k.c2 / np.log(10) / (illuminance**k.a3 + total)
         value = k.c1 * illuminance + k.c3
         value += k.c2 * np.log10(1 + total / illuminance**k.a3)
-        by_level = k.c1 - by_glare * k.a3 * total / illuminance
-        return DgpTerms(value, by_level, by_glare)
+        return DgpTerms(value, *dgp_slopes(illuminance, total, k))
 
     def _weights(self, view: View, direction: np.ndarray) -> tuple[Values, Values]:
         # Cosine and P^−a4 of each direction, 0 behind the eye
@@ -96,6 +94,19 @@ class DgpModel:
         square += np.square(terms.by_glare) * (other**2 @ np.square(of_glare))
         both = terms.by_level * terms.by_glare * ((one * other) @ (of_level * of_glare))
         return np.asarray(np.maximum(square + 2 * both, 0))
+
+
+def dgp_slopes(
+    illuminance: Values, total: Values, coefficients: DgpCoefficients
+) -> tuple[Values, Values]:
+    """Return the derivatives of DGP by the vertical illuminance and by the sum.
+
+    `total` is the sum of L^a1 ω/P^a4 over the glare sources.
+    """
+    k, illuminance = coefficients, np.maximum(illuminance, 1e-9)
+    by_glare = k.c2 / np.log(10) / (illuminance**k.a3 + total)
+    by_level = k.c1 - by_glare * k.a3 * total / illuminance
+    return by_level, by_glare
 
 
 def limited(

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.argument_types import checked_fields
 from clerestory.array_types import Vector
 from clerestory.bands import RGB, Bands
 from clerestory.checks import require
@@ -15,6 +16,7 @@ from clerestory.scene.sphere_cells import SphereCells
 from clerestory.scene.view import View
 
 
+@checked_fields
 @dataclass(frozen=True, eq=False)
 class Camera:
     """View and size of a picture."""

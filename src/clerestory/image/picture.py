@@ -10,6 +10,7 @@ from typing import Literal, get_args
 import numpy as np
 from jaxtyping import Float32
 
+from clerestory.argument_types import checked_fields
 from clerestory.bands import RGB, Bands
 from clerestory.brief_repr import brief
 from clerestory.checks import one_of, positive, require
@@ -23,6 +24,7 @@ Quantity = Literal["radiance", "irradiance"]
 _LARGEST = 1e15
 
 
+@checked_fields
 @dataclass(frozen=True, eq=False)
 class Picture:
     """Radiance or irradiance of every pixel of a view.

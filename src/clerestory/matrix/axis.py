@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 
+from clerestory.argument_types import checked_fields
 from clerestory.brief_repr import brief
 from clerestory.checks import one_of
 from clerestory.hemisphere.partition import RingPartition
@@ -30,6 +31,7 @@ _MEANING = {
 }
 
 
+@checked_fields
 @dataclass(frozen=True, eq=False)
 class Axis:
     """The rows or the columns of a matrix.

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.argument_types import checked_fields
 from clerestory.bands import GREY, RGB, Bands, common_bands, weighted_sum
 from clerestory.brief_repr import brief
 from clerestory.checks import has_shape, require
@@ -36,6 +37,7 @@ Entries = tuple[
 require_matrix = partial(require, error=MatrixError)
 
 
+@checked_fields
 @dataclass(frozen=True, eq=False)
 class TransferMatrix:
     """Transfer matrix: quantity at each receiver per unit quantity of each sender.

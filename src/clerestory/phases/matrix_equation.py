@@ -18,6 +18,7 @@ from typing import Literal, Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Int
 
+from clerestory.argument_types import checked_fields
 from clerestory.bands import Bands, common_bands
 from clerestory.brief_repr import brief
 from clerestory.checks import has_shape
@@ -128,6 +129,7 @@ def window_chain(
     return MatrixChain((view,), tuple(zip(T, D, strict=True)))
 
 
+@checked_fields
 @dataclass(frozen=True, eq=False)
 class WindowMatrices:
     """Matrices of one window group, for all terms and all shade states.
@@ -171,6 +173,7 @@ class Term:
     sky: Literal["whole", "sun"] = "whole"
 
 
+@checked_fields
 @dataclass(frozen=True, eq=False)
 class Skies:
     """Sky and sun radiance over time.

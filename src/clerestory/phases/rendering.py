@@ -4,6 +4,7 @@ The scene contains surfaces, lamps, and sky and sun as sources at infinity, as i
 output of `gensky` and `gendaylit`. Every pixel and sensor has a standard error.
 """
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Unpack
 
@@ -14,12 +15,14 @@ from clerestory import __version__
 from clerestory.bands import RGB, Bands
 from clerestory.brief_repr import brief
 from clerestory.checks import require
-from clerestory.engine.adaptive_pixels import estimate_picture
+from clerestory.engine.adaptive_pixels import estimate_picture, estimated_rounds
 from clerestory.engine.effort import Effort, EffortKeywords, effort_of
+from clerestory.engine.pixel_goals import PixelGoal, RelativePixelError
 from clerestory.engine.radiance_jobs import (
     PICTURE_BATCHES,
     IrradianceJob,
     PictureJob,
+    RadianceEstimate,
     estimate_radiance,
 )
 from clerestory.engine.unsampled_light import warn_of_unsampled_light
@@ -76,6 +79,7 @@ def render(
     *,
     columns: int,
     rows: int,
+    goal: PixelGoal | None = None,
     **keywords: Unpack[EffortKeywords],
 ) -> Rendering:
     """Trace a picture.
@@ -86,8 +90,10 @@ def render(
     view : camera; pixels outside its projection are black
     columns, rows : size of the picture; see `View.size_for`
     samples : number of paths per pixel
-    relative_error : instead of samples: target RMS of the pixels' standard errors,
-        relative to the mean pixel value; 0.02 if neither is given
+    goal : instead of samples: a target such as `DgpError(0.01)`; paths are distributed
+        over the pixels such that it is reached with few paths
+    relative_error : instead of both: target RMS of the pixels' standard errors,
+        relative to the mean pixel value; 0.02 if none is given
     bounces : maximum number of diffuse reflections, as Radiance -ab; default unlimited
     seed : random seed ≥ 0; same seed and device, bitwise identical results
     device : "auto" selects a GPU if one is available
@@ -96,11 +102,31 @@ def render(
 
     Raises
     ------
-    InputError : samples and relative_error both given, or a number out of range
+    InputError : two of samples, relative_error and goal given, a number out of range,
+        or a view that does not suit the goal
     DeviceError : no usable compute device
     """
-    effort = effort_of(render, keywords, default=_DEFAULT)
-    return _picture(scene, view, (columns, rows), effort, "radiance")
+    effort = _effort(render, keywords, goal)
+    return _Task.of(scene, view, (columns, rows), effort, goal).last()
+
+
+def render_progressively(
+    scene: Scene,
+    view: View,
+    *,
+    columns: int,
+    rows: int,
+    goal: PixelGoal | None = None,
+    **keywords: Unpack[EffortKeywords],
+) -> Iterator[Rendering]:
+    """Trace a picture and yield it after each round, from coarse to fine.
+
+    In the first pictures, one pixel stands for a block of 8 × 8, 4 × 4 and 2 × 2. Each
+    of the following ones has about twice as many paths as the one before. The last
+    picture is bitwise that of `render` with the same arguments.
+    """
+    effort = _effort(render_progressively, keywords, goal)
+    return _Task.of(scene, view, (columns, rows), effort, goal).rounds()
 
 
 def render_irradiance(
@@ -119,34 +145,87 @@ def render_irradiance(
     """
     effort = effort_of(render_irradiance, keywords, default=_DEFAULT)
     require_gather(effort)
-    return _picture(scene, view, (columns, rows), effort, "irradiance")
+    task = _Task.of(scene, view, (columns, rows), effort, quantity="irradiance")
+    return task.last()
 
 
-def _picture(
-    scene: Scene, view: View, size: tuple[int, int], effort: Effort, quantity: Quantity
-) -> Rendering:
-    columns, rows = size
-    message = f"a picture of {columns} × {rows} pixels; 1 to 2^26 expected"
-    require(min(size) >= 1 and columns * rows <= 1 << 26, message)
-    _check_light(scene)
-    job = PictureJob(
-        scene=scene,
-        view=view,
-        columns=columns,
-        rows=rows,
-        quantity=quantity,
-        **effort.job_options(PICTURE_BATCHES),
+@dataclass(frozen=True, eq=False)
+class _Task:
+    """Job of a picture, with effort and target; no target if samples are given."""
+
+    job: PictureJob
+    effort: Effort
+    goal: PixelGoal | None
+
+    @classmethod
+    def of(
+        cls,
+        scene: Scene,
+        view: View,
+        size: tuple[int, int],
+        effort: Effort,
+        goal: PixelGoal | None = None,
+        quantity: Quantity = "radiance",
+    ) -> "_Task":
+        """Check the picture, and return its task."""
+        columns, rows = size
+        message = f"a picture of {columns} × {rows} pixels; 1 to 2^26 expected"
+        require(min(size) >= 1 and columns * rows <= 1 << 26, message)
+        _check_light(scene)
+        if goal is not None:
+            goal.check_view(view, columns, rows)
+        elif effort.relative_error is not None:
+            goal = RelativePixelError(effort.relative_error)
+        job = PictureJob(
+            scene=scene,
+            view=view,
+            columns=columns,
+            rows=rows,
+            quantity=quantity,
+            **effort.job_options(PICTURE_BATCHES),
+        )
+        return cls(job, effort, goal)
+
+    def rounds(self) -> Iterator[Rendering]:
+        """Yield the picture after each round."""
+        for lit in estimated_rounds(self.job, self.effort, self.goal):
+            yield self._picture(lit)
+        self._warn(lit)
+
+    def last(self) -> Rendering:
+        """Return the picture after the last round."""
+        lit = estimate_picture(self.job, self.effort, self.goal)
+        self._warn(lit)
+        return self._picture(lit)
+
+    def _picture(self, lit: RadianceEstimate) -> Rendering:
+        job = self.job
+        picture = Picture(
+            lit.value.reshape(job.rows, job.columns, -1).astype(np.float32),
+            view=job.view,
+            header=(f"SOFTWARE= clerestory {__version__}",),
+            quantity=job.quantity,
+            bands=job.scene.bands,
+        )
+        return Rendering(picture, lit.error.reshape(picture.radiance.shape), lit.paths)
+
+    def _warn(self, lit: RadianceEstimate) -> None:
+        if self.goal is not None:
+            what = self.goal.name
+            warn_if_short(lit, "picture", self.effort, target=what, depth=5)
+
+
+def _effort(
+    function: Callable[..., object], keywords: EffortKeywords, goal: PixelGoal | None
+) -> Effort:
+    # Effort of a picture, with the default if there is no other target
+    none = Goal(samples=None)
+    effort = effort_of(function, keywords, default=none if goal else _DEFAULT)
+    require(
+        goal is None or effort.goal == none,
+        "a goal and samples or relative_error given; one of them expected",
     )
-    lit = estimate_picture(job, effort)
-    warn_if_short(lit, "picture", effort)
-    picture = Picture(
-        lit.value.reshape(rows, columns, -1).astype(np.float32),
-        view=view,
-        header=(f"SOFTWARE= clerestory {__version__}",),
-        quantity=quantity,
-        bands=scene.bands,
-    )
-    return Rendering(picture, lit.error.reshape(rows, columns, -1), lit.paths)
+    return effort
 
 
 def irradiance(

@@ -11,6 +11,7 @@ from functools import cache
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.argument_types import checked_fields
 from clerestory.brief_repr import brief
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.matrix.transfer_matrix import TransferMatrix, require_matrix
@@ -22,6 +23,7 @@ from clerestory.scene.model import Scene
 from clerestory.scene.window import Window
 
 
+@checked_fields
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ShadeState:
     """Light transport from sky and sun through a window in one shade state.
@@ -42,6 +44,7 @@ class ShadeState:
     shade: Scene | None = None
 
 
+@checked_fields
 @dataclass(frozen=True, eq=False)
 class ShadedWindow:
     """Window group and its shade states, the most open first."""

@@ -248,15 +248,21 @@ def split_columns(
 
 
 def warn_if_short(
-    traced: Estimate | RadianceEstimate, what: str, effort: Effort, *, depth: int = 3
+    traced: Estimate | RadianceEstimate,
+    what: str,
+    effort: Effort,
+    *,
+    target: str | None = None,
+    depth: int = 3,
 ) -> None:
-    """Warn if tracing ended before the target relative error was reached.
+    """Warn if tracing ended before the target was reached, the relative error if None.
 
     `depth` is the level of the call stack to which the warning is attributed.
     """
     if not traced.reached:
         warnings.warn(
-            f"{what}: the relative error {effort.relative_error} was not reached"
+            f"{what}: {target or f'the relative error {effort.relative_error}'} was not"
+            " reached"
             f" after {traced.paths:,} paths; look at the standard errors",
             ClerestoryWarning,
             stacklevel=depth,

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.gonio.layer_file import read_layer
+from clerestory.library.bsdf_source import is_library_name, read_bsdf
 from clerestory.radiance.expansion import placed_items
 from clerestory.radiance.modifiers import Modifiers, modified
 from clerestory.radiance.pattern_reader import (
@@ -223,9 +223,11 @@ class _Reading:
 
     def _bsdf(self, name: str, source: Source) -> Bsdf:
         # A BSDF file is read only once, so that equal materials are recognized
-        path = library_file(name, beside=source.file, line=source.line).resolve()
+        path = Path(name)
+        if not is_library_name(name):
+            path = library_file(name, beside=source.file, line=source.line).resolve()
         if path not in self.bsdfs:
-            self.bsdfs[path] = read_layer(path)
+            self.bsdfs[path] = read_bsdf(path)
         return self.bsdfs[path]
 
     def _alias(self, given: Arguments) -> None:

@@ -32,7 +32,7 @@ from clerestory.study.config import read_study
 from clerestory.study.inputs import read_inputs
 from clerestory.study.job import Display, Job
 from clerestory.study.method_run import warn_of_inputs
-from clerestory.study.model_import import write_honeybee_model
+from clerestory.study.model_import import write_building_model
 from clerestory.study.study_matrices import StudyMatrices
 from clerestory.study.study_tracing import study_skies, trace_study
 
@@ -107,7 +107,7 @@ def annual_light(
     }
     make_folder(folder)
     with locked(folder, lock=folder / "run.lock"), executor_at(None) as executor:
-        written = write_honeybee_model(
+        written = write_building_model(
             chosen.model, folder / "study", weather=weather, settings=settings
         )
         study = read_study(folder / "study" / "study.toml")

@@ -8,8 +8,9 @@ from typing import final
 from clerestory.checks import one_of, require
 from clerestory.errors import located
 from clerestory.escaping import file_stem
-from clerestory.formats.hbjson import HoneybeeModel, read_hbjson
-from clerestory.formats.hbjson_rooms import floor_grids
+from clerestory.formats.building_model import BuildingModel
+from clerestory.formats.floor_grids import floor_grids
+from clerestory.formats.hbjson import read_hbjson
 from clerestory.metrics.honeybee_writer import GridRecord
 
 # Spacing and height of the grids of models without grids [m]
@@ -21,7 +22,7 @@ _SPACING, _HEIGHT = 0.5, 0.76
 class RecipeModel:
     """A model whose grids are those to simulate, with a record for each grid."""
 
-    model: HoneybeeModel
+    model: BuildingModel
     records: dict[str, GridRecord]
 
     @property
@@ -65,7 +66,7 @@ def read_model(path: Path, *, grid_filter: str = "*") -> RecipeModel:
     return RecipeModel(replace(model, grids=grids, labels=labels, rooms=()), chosen)
 
 
-def _records(model: HoneybeeModel) -> dict[str, GridRecord]:
+def _records(model: BuildingModel) -> dict[str, GridRecord]:
     # Repeated identifiers are replaced by the names, which are unique
     found: dict[str, GridRecord] = {}
     taken: set[tuple[str, str]] = set()

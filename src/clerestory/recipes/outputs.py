@@ -19,7 +19,11 @@ from clerestory.recipes.grid_summary import (
 )
 from clerestory.recipes.inputs import occupied_steps, thresholds
 from clerestory.recipes.model import RecipeModel
-from clerestory.recipes.overcast import daylight_factors, sky_views
+from clerestory.recipes.single_sky import (
+    daylight_factors,
+    point_in_time,
+    sky_views,
+)
 from clerestory.study.job import Display
 
 Inputs = Mapping[str, Any]
@@ -110,6 +114,15 @@ def sky_view(
     """Write the sky view of each sensor."""
     found = sky_views(chosen, values, display=display)
     place = folder / "results" / "sky_view"
+    write_values(place, chosen.grids, found, suffix="res", digits=4)
+
+
+def point_in_time_grid(
+    chosen: RecipeModel, values: Inputs, folder: Path, display: Display
+) -> None:
+    """Write the illuminance or irradiance of each sensor at one time."""
+    found = point_in_time(chosen, values, display=display)
+    place = folder / "results" / "pit"
     write_values(place, chosen.grids, found, suffix="res", digits=4)
 
 

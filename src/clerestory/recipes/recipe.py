@@ -14,6 +14,7 @@ from clerestory.study.job import Display
 
 _ANNUAL = "-ab 2 -ad 5000 -lw 2e-05 -dr 0"
 _GATHERED = "-ab 2 -aa 0.1 -ad 2048 -ar 64"
+_METRICS = ("illuminance", "irradiance")
 _TURN, _COMPASS = (-360.0, 360.0), (0.0, 360.0)
 
 Run = Callable[[RecipeModel, Mapping[str, Any], Path, Display], None]
@@ -117,6 +118,16 @@ RECIPES: Mapping[str, Recipe] = {
         (*_model(), _radiance(_GATHERED), Input("grid-metrics", "file")),
         {"results": "results", "grid-summary": "grid_summary.csv"},
         outputs.daylight_factor,
+    ),
+    "point-in-time-grid": Recipe(
+        (
+            *_model(),
+            Input("sky", "text", required=True),
+            Input("metric", "text", "illuminance", choices=_METRICS),
+            _radiance(_GATHERED),
+        ),
+        {"results": "results/pit"},
+        outputs.point_in_time_grid,
     ),
     "sky-view": Recipe(
         (

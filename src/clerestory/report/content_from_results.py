@@ -36,10 +36,16 @@ _METRICS = ("mean_illuminance", "daylight_autonomy", "useful", "useful_bands")
 
 
 def from_results(
-    results: Results, *, pictures: str | Path | None = None
+    results: Results,
+    *,
+    pictures: str | Path | None = None,
+    most_sensors: int = _MOST_SENSORS,
 ) -> ReportContent:
-    """Return the report content of a run; `pictures` is the folder of its pictures."""
-    results = results.thinned(_MOST_SENSORS)
+    """Return the report content of a run; `pictures` is the folder of its pictures.
+
+    If there are more than `most_sensors` sensors, an even selection is contained.
+    """
+    results = results.thinned(most_sensors)
     data, run = results.data, results.run
     study = json.loads(data.attrs.get("study", "{}"))
     occupied = np.asarray(data["occupied"].values, dtype=bool)

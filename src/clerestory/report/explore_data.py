@@ -4,9 +4,9 @@ Parts are embedded in the page, or served beside it. Sensors are in the order of
 grids; hourly values are those of the time steps with daylight.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -121,24 +121,36 @@ class ExploreData:
         """Return the illuminance of the run."""
         return self._lux(self.content.illuminance)
 
-    def state_parts(self) -> Iterator[tuple[str, bytes]]:
-        """Yield name and content of the parts of windows in their states."""
+    def state_parts(self) -> Iterator[tuple[str, Callable[[], bytes]]]:
+        """Yield the parts of windows in their states: name, and function of the part.
+
+        Nothing is yielded if the results have no illuminance by state.
+        """
+        if not self.has_states:
+            return
         names = [str(name) for name in self.content.data["window"].values]
         several = {window.window: len(window.names) for window in self.windows}
         for number, name in enumerate(names):
             for state in range(several.get(name, 1)):
-                values = self.content.data[BY_STATE][:, number, state].values
-                yield f"state-{number}-{state}", self._lux(values)
+                yield f"state-{number}-{state}", partial(self._state, number, state)
 
-    def glare_parts(self) -> Iterator[tuple[str, bytes]]:
-        """Yield name and content of the parts of DGP: views, and each view grid."""
-        data = self.content.data
-        if "glare_dgp" in data:
-            dgp = np.stack([view.dgp for view in view_glare(data)])
-            yield VIEWS, hourly_dgp(dgp[:, self.lit]).compressed()
+    def glare_parts(self) -> Iterator[tuple[str, Callable[[], bytes]]]:
+        """Yield the parts of DGP, of views and of each view grid, as `state_parts`."""
+        if "glare_dgp" in self.content.data:
+            yield VIEWS, self._views
         for number, plan in enumerate(self.view_plans):
-            dgp = data["grid_view_dgp"].values[plan.members][:, self.lit]
-            yield f"{VIEW_GRID}-{number}", hourly_dgp(dgp).compressed()
+            yield f"{VIEW_GRID}-{number}", partial(self._view_grid, plan)
+
+    def _state(self, window: int, state: int) -> bytes:
+        return self._lux(self.content.data[BY_STATE][:, window, state].values)
+
+    def _views(self) -> bytes:
+        dgp = np.stack([view.dgp for view in view_glare(self.content.data)])
+        return hourly_dgp(dgp[:, self.lit]).compressed()
+
+    def _view_grid(self, plan: Plan) -> bytes:
+        dgp = self.content.data["grid_view_dgp"].values[plan.members][:, self.lit]
+        return hourly_dgp(dgp).compressed()
 
     def _lux(self, values: Float[np.ndarray, "sensor time"]) -> bytes:
         chosen = values[self.order][:, self.lit]
@@ -147,9 +159,8 @@ class ExploreData:
     def facts(self) -> dict[str, Any]:
         """Return names, places, times and settings as JSON values."""
         sensors, grid = self.content.sensors, self.content.grid
-        names = [str(name) for name in self.content.data["window"].values] * bool(
-            self.windows
-        )
+        windows = self.content.data["window"].values if self.windows else ()
+        names = [str(name) for name in windows]
         several = {window.window: window for window in self.windows}
         return {
             "title": self.content.title,

@@ -66,7 +66,7 @@ def offline_page(results: Results, *, pictures: str | Path | None = None) -> str
             f"{len(data.order):,} of {count:,} sensors are shown, evenly spread, as the"
             " file would exceed 12 MB; `clerestory view RESULTS` shows more."
         )
-    glare = dict(data.glare_parts())
+    glare = {name: content() for name, content in data.glare_parts()}
     states = _state_parts(data, MOST_BYTES - _text_size(parts | glare))
     if _text_size(parts | glare) > MOST_BYTES:
         notes.append(_LEFT_OUT.format("The hours of glare are"))
@@ -82,8 +82,8 @@ def offline_page(results: Results, *, pictures: str | Path | None = None) -> str
 def _state_parts(data: ExploreData, room: int) -> dict[str, bytes]:
     # All parts of windows in their states, or none
     found: dict[str, bytes] = {}
-    for name, content in data.state_parts() if data.has_states else ():
-        found[name] = content
+    for name, content in data.state_parts():
+        found[name] = content()
         if _text_size(found) > room:
             return {}
     return found

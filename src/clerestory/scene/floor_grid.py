@@ -47,9 +47,46 @@ def floor_grid(
     `window` may point inwards or outwards. `spacing` and `height` above the floor are
     in metres.
     """
+    inside = filled_room(scene, window, others=others, spacing=spacing)
+    return grid_below(scene, [window, *others], inside, height=height)
+
+
+def filled_room(
+    scene: Scene, window: Window, *, others: Sequence[Window], spacing: float
+) -> Float[np.ndarray, "point 3"]:
+    """Return points in the room behind a window, at the height of its centre [m].
+
+    They are `spacing` apart and end at the surfaces and windows around the room.
+    """
     walls = _walls(scene, [window, *others])
-    start = _centre(window) + _START * room_side(scene, window) * window.frame.normal
-    inside = _filled(walls, _centred(walls, start, spacing), spacing)
+    start = start_in_room(scene, window)
+    return _filled(walls, _centred(walls, start, spacing), spacing)
+
+
+def start_in_room(scene: Scene, window: Window) -> Vector:
+    """Return a point in the room, 0.3 m from the centre of a window [m]."""
+    inwards = room_side(scene, window) * window.frame.normal
+    return np.asarray(_centre(window) + _START * inwards)
+
+
+def sees(scene: Scene, start: Vector, end: Vector) -> bool:
+    """Whether no surface is between two points."""
+    distance = float(np.linalg.norm(end - start))
+    if distance == 0:
+        return True
+    ray = ((end - start) / distance)[None]
+    return bool(first_hits(start, ray, _walls(scene, []).corner)[0] >= distance)
+
+
+def grid_below(
+    scene: Scene,
+    windows: Sequence[Window],
+    inside: Float[np.ndarray, "point 3"],
+    *,
+    height: float,
+) -> Sensors:
+    """Return upward-facing sensors above the floor below points of a room."""
+    walls = _walls(scene, windows)
     drop = np.array([first_hits(p, -_UP[None], walls.corner)[0] for p in inside])
     floor = _most_frequent(inside[:, 2] - drop)
 
@@ -58,7 +95,7 @@ def floor_grid(
     position = inside[np.isfinite(drop) & free & (inside[:, 2] > floor + height)]
     require(
         len(position),
-        f'no free floor was found behind "{window.name}"; a sensor file expected',
+        f'no free floor was found behind "{windows[0].name}"; a sensor file expected',
     )
     position[:, 2] = floor + height
     order = np.lexsort((position[:, 0], position[:, 1]))
@@ -165,10 +202,10 @@ def _centred(walls: Triangulation, start: Vector, spacing: float) -> Vector:
     for axis, ahead, behind in ((0, east, west), (1, north, south)):
         width = ahead + behind
         if np.isfinite(width) and width > spacing:
-            last = width // spacing - 1
-            place = (behind - (width - last * spacing) / 2) / spacing
-            # The nearest grid point may be behind the wall or the window
-            moved[axis] += (min(max(round(place), 0), last) - place) * spacing
+            count = np.floor(width / spacing + 1e-6)
+            margin = (width - (count - 1) * spacing) / 2
+            place = (behind - margin) / spacing
+            moved[axis] += (np.clip(round(place), 0, count - 1) - place) * spacing
     return moved
 
 

@@ -12,6 +12,7 @@ from typing import TypeVar
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.argument_types import checked_fields
 from clerestory.bands import RGB, Bands
 from clerestory.brief_repr import brief
 from clerestory.errors import InputError
@@ -89,6 +90,7 @@ __all__ = [
 _PARALLEL = 1e-6
 
 
+@checked_fields
 @dataclass(frozen=True, eq=False)
 class Scene:
     """Surfaces and their materials.

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.argument_types import checked_fields
 from clerestory.brief_repr import brief
 from clerestory.checks import finite, require, same_length
 from clerestory.directions import unit
@@ -15,6 +16,7 @@ from clerestory.files import read_text
 from clerestory.scene.transform import LARGEST, number
 
 
+@checked_fields
 @dataclass(frozen=True, eq=False)
 class Sensors:
     """Illuminance sensors: points and directions (normals of illuminance meters).

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
+from clerestory.argument_types import checked_fields
 from clerestory.array_types import Directions, Points2, Values, Vector
 from clerestory.brief_repr import brief
 from clerestory.checks import finite, one_of, positive, require
@@ -27,6 +28,7 @@ class Rays(NamedTuple):
     valid: Bool[np.ndarray, "row column"]
 
 
+@checked_fields
 @dataclass(frozen=True, eq=False)
 class View:
     """A camera: position, direction, projection and view angles.

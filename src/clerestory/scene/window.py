@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.argument_types import checked_fields
 from clerestory.array_types import Vector
 from clerestory.brief_repr import brief
 from clerestory.checks import require
@@ -20,6 +21,7 @@ from clerestory.scene.triangulate import Triangles, triangulate
 _SAME_NORMAL_DEG = 0.5
 
 
+@checked_fields
 @dataclass(frozen=True, eq=False)
 class Window:
     """A window group: polygons with a common normal, whose fronts face the room.

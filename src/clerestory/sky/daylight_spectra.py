@@ -18,6 +18,7 @@ from typing import Literal, final
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.argument_types import checked_fields
 from clerestory.array_types import Series
 from clerestory.checks import one_of, within
 from clerestory.sky.sky_conditions import SkyConditions
@@ -54,6 +55,7 @@ _LEAST_LUMINANCE = 250.0
 
 
 @final
+@checked_fields
 @dataclass(frozen=True)
 class DaylightSpectra:
     """Models of the spectra of sky and sun, and the atmosphere of the latter.

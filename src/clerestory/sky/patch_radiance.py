@@ -15,6 +15,7 @@ import numpy as np
 from jaxtyping import Float, Float32, Int
 from scipy.sparse import csc_array, csr_array
 
+from clerestory.argument_types import checked_fields
 from clerestory.bands import GREY, RGB, Bands, common_bands
 from clerestory.brief_repr import brief
 from clerestory.checks import require
@@ -62,6 +63,7 @@ class ChromaticPart:
         return replace(self, **_means(self.diffuse, self.sun))
 
 
+@checked_fields
 @dataclass(frozen=True, eq=False)
 class SkyMatrix:
     """Radiance of the ground and the sky patches over time.

@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.sparse import coo_array, csc_array
 
+from clerestory.argument_types import checked_fields
 from clerestory.bands import RGB, Bands
 from clerestory.brief_repr import brief
 from clerestory.checks import require, within
@@ -31,6 +32,7 @@ from clerestory.sky.weather import Weather
 _WIDEST_TOLERANCE_DEG = 10.0
 
 
+@checked_fields
 @dataclass(frozen=True, eq=False)
 class SunMatrix:
     """Direct normal irradiance [W/m²] from every solar position at every time step.

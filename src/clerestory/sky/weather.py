@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from clerestory.argument_types import checked_fields
 from clerestory.array_types import Series
 from clerestory.brief_repr import brief
 from clerestory.checks import not_negative, positive, require, same_length, within
@@ -57,6 +58,7 @@ class Illuminance:
     __repr__ = brief
 
 
+@checked_fields
 @dataclass(frozen=True, eq=False)
 class Weather:
     """Direct and diffuse irradiance over time at one place.

@@ -25,8 +25,8 @@ from clerestory.sky.station_file import MeasuredTable, SiteTable
 from clerestory.spectral.band_sets import band_set
 
 
-def _input_file(value: Any, info: Any) -> Any:
-    # Path of a file that must exist, relative to the study; `info` is ValidationInfo
+def input_file(value: Any, info: Any) -> Any:
+    """Return the path of a file that must exist, given relative to the study."""
     if not isinstance(value, str) or not value:
         raise PydanticCustomError("file", "the name of a file in quotes")
     path: Path = (info.context or {}).get("folder", Path()) / value
@@ -35,7 +35,7 @@ def _input_file(value: Any, info: Any) -> Any:
     return path
 
 
-InputFile = Annotated[Path, BeforeValidator(_input_file)]
+InputFile = Annotated[Path, BeforeValidator(input_file)]
 
 _MOMENT = r"^(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])T([01]\d|2[0-3]):[0-5]\d$"
 EVERY = "every"

@@ -12,8 +12,8 @@ from clerestory.brief_repr import brief
 from clerestory.bsdf.bsdf import Bsdf
 from clerestory.checks import require
 from clerestory.errors import InputError
-from clerestory.gonio.layer_file import read_layer
 from clerestory.image.camera import Camera
+from clerestory.library.bsdf_source import read_bsdf
 from clerestory.metrics.occupied_hours import occupied_hours
 from clerestory.phases.recent_values import RecentValues
 from clerestory.radiance.rad_reader import read_rad
@@ -73,12 +73,12 @@ def read_inputs(study: Study, *, recent: RecentValues | None = None) -> Inputs:
     `recent` has the scenes, layers and weather of other variants of the study.
     """
     metres, recent = study.scene.metres, recent or RecentValues()
-    read_bsdf = partial(_layer, recent=recent)
+    read = partial(_layer, recent=recent)
     groups = [
         group.scaled(metres)
         for table in study.window
         for group in read_window_groups(
-            table, read=read_bsdf, bands=band_set(study.scene.bands)
+            table, read=read, bands=band_set(study.scene.bands)
         )
     ]
     names = [group.name for group in groups]
@@ -117,7 +117,7 @@ def read_inputs(study: Study, *, recent: RecentValues | None = None) -> Inputs:
 
 
 def _layer(path: Path, *, recent: RecentValues) -> Bsdf:
-    return recent.value(("layer", path), lambda: read_layer(path))
+    return recent.value(("layer", path), lambda: read_bsdf(path))
 
 
 def _spectral(scene: Scene, table: SceneTable) -> Scene:

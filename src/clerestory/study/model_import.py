@@ -1,6 +1,6 @@
-"""Conversion of a Honeybee model to files: scene, windows, sensors, views, study."""
+"""Conversion of a model of a building to files: scene, windows, sensors, study."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -9,17 +9,21 @@ from typing import Any, final
 import numpy as np
 
 from clerestory.bsdf.bsdf import Bsdf
-from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.bsdfgen.generate import generate_bsdf
 from clerestory.bsdfgen.shading_system import SampleArea, System
 from clerestory.errors import InputError
 from clerestory.escaping import file_stems, printable
 from clerestory.files import make_folder, read_text, write_text
-from clerestory.formats.hbjson import ApertureGroup, HoneybeeModel
-from clerestory.formats.hbjson_geometry import unique_name
+from clerestory.formats.building_model import (
+    ApertureGroup,
+    BuildingModel,
+    SitePosition,
+    unique_name,
+)
+from clerestory.formats.floor_grids import floor_grids
 from clerestory.formats.hbjson_modifiers import BsdfModifier, Modifier
-from clerestory.formats.hbjson_rooms import floor_grids
+from clerestory.library.bsdf_source import read_bsdf
 from clerestory.radiance.rad_writer import format_rad
 from clerestory.radiance.view_text import format_view
 from clerestory.scene.model import (
@@ -30,14 +34,21 @@ from clerestory.scene.model import (
     Scene,
     insert_material,
 )
+from clerestory.sky.weather import Weather
 from clerestory.sky.weather_formats import read_weather
 from clerestory.study import study_files
 
 _SAMPLES = 2048
 _BASES = {145: "kf", 77: "kh", 73: "kh", 41: "kq"}
 
+# Radius of the earth, and distance of a weather station that is listed [km]
+_EARTH_KM, _FAR_KM = 6371.0, 50.0
+
 # File with everything in the model that was not converted
 OMITTED_FILE = "left_out.txt"
+
+# File with the values that were assumed
+ASSUMED_FILE = "assumptions.txt"
 
 
 @final
@@ -45,27 +56,28 @@ OMITTED_FILE = "left_out.txt"
 class Written:
     """Files written by an import; `study` is None without weather or sensors.
 
-    `omitted` describes what was not converted; `generated` are the names of the grids
-    above floors.
+    `omitted` describes what was not converted, `assumed` the values that the model
+    lacks; `generated` are the names of the grids above floors.
     """
 
     study: Path | None
     files: tuple[Path, ...]
     omitted: tuple[str, ...] = ()
+    assumed: tuple[str, ...] = ()
     generated: tuple[str, ...] = ()
 
 
-def write_honeybee_model(
-    model: HoneybeeModel,
+def write_building_model(
+    model: BuildingModel,
     folder: str | Path,
     *,
     weather: str | Path | None = None,
     spacing: float = 0.5,
     height: float = 0.76,
-    north_deg: float = 0.0,
+    north_deg: float | None = None,
     settings: Mapping[str, Any] | None = None,
 ) -> Written:
-    """Write a Honeybee model as Radiance and BSDF files and, with weather, as a study.
+    """Write a model as Radiance and BSDF files and, with weather, as a study.
 
     BSDFs of glass and other sheet materials are computed by ray tracing. Rooms without
     sensors get a grid above their floor.
@@ -73,12 +85,14 @@ def write_honeybee_model(
     Parameters
     ----------
     spacing, height : spacing of generated grids, and height above the floor [m]
-    north_deg : angle from +y of the model to north, counter-clockwise [deg]
+    north_deg : angle from +y of the model to north, counter-clockwise [deg]; None: that
+        of the model
     settings : further tables and keys of the study file
     """
     # Read and compute everything before the first file is written
+    assumed = model.assumptions
     if weather is not None:
-        read_weather(weather)
+        assumed = (*assumed, *_elsewhere(model.site, read_weather(weather)))
     floors = floor_grids(model, spacing=spacing, height=height)
     sensors = {**model.grids, **floors.grids}
     omitted = (*model.unsupported, *floors.omitted)
@@ -100,11 +114,13 @@ def write_honeybee_model(
     views = _paths(model.views, folder, ".vf")
     for name, path in views.items():
         write_text(path, f"rvu {format_view(model.views[name])}\n")
-    lines = "".join(f"{printable(text)}\n" for text in omitted)
-    listed = _put(folder / OMITTED_FILE, lines or "nothing\n")
+    listed = [_put(folder / OMITTED_FILE, _lines(omitted) or "nothing\n")]
+    if assumed:
+        listed.append(_put(folder / ASSUMED_FILE, _lines(assumed)))
     placed = (*files.values(), *grids.values(), *views.values())
-    written = (scene, *layers.values(), *placed, listed)
+    written = (scene, *layers.values(), *placed, *listed)
     study = None
+    north = model.north_deg if north_deg is None else north_deg
     if weather is not None and grids:
         tables = {
             "title": printable(model.name),
@@ -114,18 +130,38 @@ def write_honeybee_model(
             "sensors": _named(grids),
             "view": _named(views) if windows else [],
             "weather": {"file": study_files.relative_path(weather, folder)},
-            **({"sky": {"rotation_deg": north_deg}} if north_deg else {}),
+            **({"sky": {"rotation_deg": north}} if north else {}),
             **(settings or {}),
         }
         study = _put(folder / "study.toml", study_files.study_text(tables))
         written = (*written, study)
-    return Written(study, written, omitted, tuple(floors.grids))
+    return Written(study, written, omitted, assumed, tuple(floors.grids))
+
+
+def _elsewhere(site: SitePosition | None, weather: Weather) -> Iterator[str]:
+    # The position of the weather station, if the site is far from it
+    if site is None:
+        return
+    north, east = weather.latitude_deg, weather.longitude_deg
+    turn = np.radians(site.longitude_deg - east)
+    a, b = np.radians([site.latitude_deg, north])
+    cosine = np.sin(a) * np.sin(b) + np.cos(a) * np.cos(b) * np.cos(turn)
+    away = _EARTH_KM * float(np.arccos(np.clip(cosine, -1, 1)))
+    if away > _FAR_KM:
+        yield (
+            f"position of the site: that of the weather file, {north:.2f}° north and"
+            f" {east:.2f}° east, {away:.0f} km from that of the model"
+        )
 
 
 def write_scene(scene: Scene, folder: str | Path) -> Written:
     """Write a scene as `scene.rad` into a folder."""
     path = make_folder(folder) / "scene.rad"
     return Written(None, (_put(path, format_rad(scene, bsdf_file={})),))
+
+
+def _lines(texts: Iterable[str]) -> str:
+    return "".join(f"{printable(text)}\n" for text in texts)
 
 
 def _put(path: Path, text: str) -> Path:
@@ -139,7 +175,7 @@ def _paths(names: Iterable[str], folder: Path, suffix: str) -> dict[str, Path]:
     return {name: folder / f"{stem}{suffix}" for name, stem in stems.items()}
 
 
-def _bsdf_texts(model: HoneybeeModel) -> dict[str, tuple[str, str]]:
+def _bsdf_texts(model: BuildingModel) -> dict[str, tuple[str, str]]:
     # XML text and basis of each window modifier
     modifiers = dict(state for group in model.windows for state in group.states)
     with TemporaryDirectory() as name:
@@ -177,7 +213,7 @@ def sheet_bsdf(modifier: Material) -> Bsdf:
     return Bsdf({("visible", "transmission_front"): part}, traced.product)
 
 
-def window_panes(model: HoneybeeModel) -> Scene:
+def window_panes(model: BuildingModel) -> Scene:
     """Return the panes of all windows in their first state, as surfaces of a scene."""
     materials: dict[str, Material] = {}
     surfaces: list[Polygon] = []

@@ -1,24 +1,33 @@
 """Creation of a study from a room, windows, a BSDF and weather, and of the demo."""
 
 import importlib.resources
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.checks import one_of, require
+from clerestory.errors import ClerestoryWarning
 from clerestory.files import make_folder, replace_file, write_text
+from clerestory.library.bsdf_source import PREFIX, is_library_name, read_bsdf
 from clerestory.radiance.rad_reader import read_rad
+from clerestory.radiance.view_text import format_view
 from clerestory.radiance.window_reader import read_windows
-from clerestory.scene.floor_grid import floor_grid, room_side
+from clerestory.scene.desk_views import DESK_VIEWS, desk_views
+from clerestory.scene.floor_grid import room_side
+from clerestory.scene.room_grids import RoomGrid, room_grids
 from clerestory.scene.scaling import METRES, Unit, scaled
 from clerestory.scene.scene_checks import warn_of_scene
 from clerestory.scene.sensors import read_sensors
+from clerestory.scene.view import View
 from clerestory.scene.window import Window
 from clerestory.sky.weather_formats import read_weather
 from clerestory.study import study_files
 
-STUDY_FILE, SENSOR_FILE = "study.toml", "workplane.pts"
+STUDY_FILE, SENSOR_FILE, VIEW_FILE = "study.toml", "workplane.pts", "desk.vf"
+
+# Glazing of windows for which no BSDF is given
+GLAZING = f"{PREFIX}double-lowe-6"
 
 _HEAD = """# Paths are relative to this file; docs/study-file.md explains every key.
 # rotation_deg is the azimuth of the +y axis of the scene, clockwise from north.
@@ -31,11 +40,13 @@ _WEATHER = "723170TYA.CSV"
 
 @dataclass(frozen=True)
 class NewStudy:
-    """Study file, number of sensors, and names of windows flipped to face the room."""
+    """Study file, numbers of sensors, rooms and views, and names of flipped windows."""
 
     study: Path
     sensors: int
     turned: tuple[str, ...]
+    rooms: int = 1
+    views: int = 0
 
 
 def begin_study(
@@ -49,8 +60,13 @@ def begin_study(
     spacing: float = 0.5,
     height: float = 0.76,
     units: Unit = "metres",
+    views: bool = False,
 ) -> NewStudy:
-    """Write a study file for a room, by default with a sensor grid above its floor.
+    """Write a study file for rooms, by default with a sensor grid above each floor.
+
+    Rooms are separated by walls up to the ceiling; each has a grid of its own. With
+    `views`, fisheye views are proposed at the desk nearest to the windows of each room,
+    along and towards the façade, for pictures and glare.
 
     A window whose back faces the room is flipped in a copy of its file. Warnings are
     issued for probable mistakes, such as glazing left in the scene. `units` is the unit
@@ -67,13 +83,17 @@ def begin_study(
     read_bsdf(bsdf)
     read_weather(weather)
     every = {file: scaled(found, metres) for file, found in groups.items()}
-    first, *others = [window for found in every.values() for window in found]
-    warn_of_scene(room, [first, *others])
-    grid = (
-        floor_grid(room, first, others=others, spacing=spacing, height=height)
+    all_windows = [window for found in every.values() for window in found]
+    warn_of_scene(room, all_windows)
+    place = {"spacing": spacing, "height": height}
+    rooms = [] if sensors and not views else room_grids(room, all_windows, **place)
+    grids = (
+        [each.sensors for each in rooms]
         if sensors is None
-        else scaled(read_sensors(sensors), metres)
+        else [scaled(read_sensors(sensors), metres)]
     )
+    eyes = [desk_views(room, each, height=height) if views else [] for each in rooms]
+    _warn_of_omitted(rooms, eyes if views else [])
 
     # Flip windows to face the room; write files only after all input files are read
     make_folder(folder)
@@ -84,11 +104,18 @@ def begin_study(
         turned += wrong
         if wrong:
             write_text(shown[-1], "\n".join(_facing_room(w, wrong) for w in found))
+    files: list[str | Path] = [] if sensors is None else [sensors]
     if sensors is None:
-        sensors = study_files.write_sensors(
-            folder / SENSOR_FILE, scaled(grid, 1 / metres)
-        )
-    layer = study_files.relative_path(bsdf, folder)
+        files += [
+            study_files.write_sensors(folder / name, scaled(grid, 1 / metres))
+            for name, grid in zip(_numbered(SENSOR_FILE, grids), grids, strict=True)
+        ]
+    seen = [scaled(view, 1 / metres) for each in eyes for view in each]
+    for name, view in zip(_numbered(VIEW_FILE, seen), seen, strict=True):
+        write_text(folder / name, f"rvu {format_view(view)}\n")
+    layer = str(bsdf)
+    if not is_library_name(bsdf):
+        layer = study_files.relative_path(bsdf, folder)
     tables = {
         "title": folder.resolve().name,
         "method": "3-phase",
@@ -99,14 +126,37 @@ def begin_study(
         "window": [
             {"file": study_files.relative_path(f, folder), "bsdf": layer} for f in shown
         ],
-        "sensors": [{"file": study_files.relative_path(sensors, folder)}],
+        "sensors": [{"file": study_files.relative_path(f, folder)} for f in files],
+        **({"view": [{"file": f} for f in _numbered(VIEW_FILE, seen)]} if seen else {}),
         "weather": {"file": study_files.relative_path(weather, folder)},
         "sky": {"rotation_deg": 0.0},
         "trace": {"relative_error": 0.01},
         "schedule": {"from_hour": 8, "to_hour": 18},
     }
     write_text(folder / STUDY_FILE, _HEAD + study_files.study_text(tables))
-    return NewStudy(folder / STUDY_FILE, len(grid), tuple(turned))
+    count = sum(map(len, grids))
+    return NewStudy(
+        folder / STUDY_FILE, count, tuple(turned), len(rooms) or 1, len(seen)
+    )
+
+
+def _warn_of_omitted(rooms: Sequence[RoomGrid], eyes: Sequence[Sequence[View]]) -> None:
+    for room, found in zip(rooms, eyes, strict=False):
+        if len(found) < DESK_VIEWS:
+            warnings.warn(
+                f'the desk behind window "{room.windows[0].name}" faces a partition or'
+                f" a wall less than 1 m away: {DESK_VIEWS - len(found)} of {DESK_VIEWS}"
+                " views omitted; add views of your own",
+                ClerestoryWarning,
+                stacklevel=3,
+            )
+
+
+def _numbered(name: str, of: Sequence[object]) -> list[str]:
+    # A name for each item: the name itself if there is only one
+    stem, suffix = name.split(".")
+    several = [f"{stem}_{number}.{suffix}" for number, _ in enumerate(of, start=1)]
+    return several if len(of) > 1 else [name] * len(of)
 
 
 def _facing_room(window: Window, turned: Sequence[str]) -> str:

@@ -19,8 +19,8 @@ from clerestory.bsdf.spectral_channels import (
 from clerestory.checks import require, within
 from clerestory.control.schedule import StateSchedule, read_schedule
 from clerestory.errors import ClerestoryWarning, InputError, located
-from clerestory.gonio.layer_file import read_layer
 from clerestory.hemisphere.partition import RingPartition
+from clerestory.library.bsdf_source import read_bsdf
 from clerestory.matrix.axis import Axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.radiance.rad_reader import read_rad
@@ -108,7 +108,10 @@ def state_label(group: WindowGroup, at: int) -> str:
 
 
 def read_window_groups(
-    table: WindowTable, *, read: Callable[[Path], Bsdf] = read_layer, bands: Bands = RGB
+    table: WindowTable,
+    *,
+    read: Callable[[Path], Bsdf] = read_bsdf,
+    bands: Bands = RGB,
 ) -> list[WindowGroup]:
     """Return one group per modifier in the window file, all with the same BSDFs.
 

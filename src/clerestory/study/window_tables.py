@@ -15,6 +15,7 @@ from clerestory.control.lm83_blinds import MOST_SENSORS, SUN_LUX
 from clerestory.control.profile_angle import blocking_states
 from clerestory.documents import Table
 from clerestory.escaping import printable
+from clerestory.study.bsdf_field import BSDF, BsdfFile
 from clerestory.study.config_tables import (
     Distinct,
     InputFile,
@@ -123,7 +124,7 @@ Levels = Annotated[list[float], BeforeValidator(_levels)]
 class LayerTable(Table):
     """High-resolution BSDF and exterior shade of a window or shade state."""
 
-    sun_bsdf: InputFile | None = Field(
+    sun_bsdf: BsdfFile | None = Field(
         None, description="a BSDF file (.xml) of high resolution"
     )
     peak: bool = Field(False, description="true if view through the layer is clear")
@@ -138,7 +139,7 @@ class LayerTable(Table):
 class StateTable(Named, LayerTable):
     """Shade state of a window."""
 
-    bsdf: InputFile = Field(description="a BSDF file (.xml)")
+    bsdf: BsdfFile = Field(description=BSDF)
 
     @property
     def label(self) -> str:
@@ -225,7 +226,7 @@ class WindowTable(NamedFile, LayerTable):
     """Window group: polygons with one BSDF, or with several shade states."""
 
     file: InputFile = Field(description="a Radiance file of window polygons")
-    bsdf: InputFile | None = Field(None, description="a BSDF file (.xml)")
+    bsdf: BsdfFile | None = Field(None, description=BSDF)
     ports: InputFile | None = Field(
         None, description="a Radiance file of ports whose front faces the window"
     )

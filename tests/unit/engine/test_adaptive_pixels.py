@@ -42,9 +42,15 @@ def job():
 
 def traced(deviation, *, seed=7, **goal):
     """Return the last round, and the estimates of the pixels."""
-    effort = Effort(executor=Paths(deviation, seed), device="cpu", **goal)
-    *_, last = traced_rounds(job(), effort)
-    return last, PixelEstimates.of(last.sums, COLUMNS)
+    executor = Paths(deviation, seed)
+    *_, last = rounds(executor, **goal)
+    return last, PixelEstimates.of(last.sums, job())
+
+
+def rounds(executor, *, samples=None, relative_error=None):
+    goal = RelativePixelError(relative_error) if relative_error else None
+    effort = Effort(executor=executor, device="cpu", samples=samples)
+    return traced_rounds(job(), effort, goal)
 
 
 def split(noisy=8.0, quiet=0.5):
@@ -100,9 +106,8 @@ def test_samples_are_the_same_for_all_pixels():
 
 
 def test_the_first_rounds_are_coarse():
-    effort = Effort(executor=Paths(split()), device="cpu", samples=64)
     blocks, traced_pixels = [], []
-    for each in traced_rounds(job(), effort):
+    for each in rounds(Paths(split()), samples=64):
         blocks.append(each.block)
         traced_pixels.append(np.count_nonzero(each.sums.count))
     assert blocks == [8, 4, 2, 1, 1]
@@ -116,8 +121,7 @@ def test_a_black_picture_is_complete():
         def map(self, job, units):
             return (0 * part for part in super().map(job, units))
 
-    effort = Effort(executor=Dark(deviation), device="cpu", relative_error=0.01)
-    *_, last = traced_rounds(job(), effort)
+    *_, last = rounds(Dark(deviation), relative_error=0.01)
     assert last.reached
     assert last.sums.count.max() <= 8
 

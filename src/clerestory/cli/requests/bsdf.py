@@ -31,6 +31,20 @@ class Drawing:
     curve: bool = option(False, "Draw hemispherical values over the angle.")
 
 
+@command("bsdf_library:library", "venetian")
+class BsdfLibrary:
+    """List the built-in BSDFs, or write one to a file.
+
+    They are used by name wherever a BSDF file is expected, as `library:double-lowe-6`;
+    `@45` tilts slats, and `+` joins layers from outdoors to indoors.
+    """
+
+    name: str | None = argument(
+        "Part of the names to list; with -o, the name of one.", "[NAME]", default=None
+    )
+    output: Path | None = option(None, "BSDF file to write.", "-o")
+
+
 @command("bsdf:info", "blind.xml")
 class BsdfInfo:
     """Describe a BSDF file: product, bases, transmittances and reflectances."""

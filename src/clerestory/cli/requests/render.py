@@ -26,6 +26,15 @@ class Render:
     sky: common.SkyChoice
     resolution: common.Resolution = 512
     effort: common.EffortOptions
+    dgp_error: float | None = option(
+        None,
+        "Instead of --samples and --relative-error: standard error of DGP to reach, for"
+        " fisheye views of 180°.",
+        metavar="X",
+    )
+    preview: bool = option(
+        False, "Write the picture after each round, from coarse to fine."
+    )
     error: Path | None = option(None, "Picture of the standard errors to write.")
     illuminance: bool = option(False, "Render irradiance, as rpict -i does.")
     denoise: bool = option(False, "Denoise for display; the header records it.")

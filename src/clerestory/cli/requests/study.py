@@ -22,23 +22,26 @@ SeedChoice = Annotated[
     " --weather oslo.epw",
 )
 class NewStudy:
-    """Write a study file: the room, its window, a grid over the floor, the weather.
+    """Write a study file: rooms, their windows, a grid over each floor, the weather.
 
-    The scene is the room without the window glazing, which the BSDF replaces. Windows
+    The scene is the rooms without the window glazing, which the BSDF replaces. Windows
     whose front does not face the room are reversed in a copy of their file.
     """
 
     folder: Path = argument("Folder for the study; created if missing.", "DIR")
     scene: common.SceneFiles
     window: common.WindowFiles
-    bsdf: Path = required("BSDF file (.xml).")
     weather: Path = required("Weather file (.epw, .wea, .csv).")
+    bsdf: Path | None = option(
+        None, "BSDF file (.xml), or library:NAME; default: low-e double glazing."
+    )
     sensors: Path | None = option(None, "Sensor file instead of a grid over the floor.")
     spacing: float = option(0.5, "Spacing of the grid [m].", least=0.05)
     height: float = option(0.76, "Height of the grid above the floor [m].", least=0)
     units: Literal["metres", "centimetres", "millimetres", "feet", "inches"] = option(
         "metres", "Unit of length of the scene, the windows and the sensors."
     )
+    views: bool = option(False, "Propose views at the desks nearest to the windows.")
     quiet: common.Quiet = False
 
 
@@ -97,6 +100,22 @@ class WriteReport:
     quiet: common.Quiet = False
 
 
+@command("view:view", "study_results")
+class View:
+    """Show the results of a run in the browser: hours, limits, states, glare.
+
+    The page is served on the loopback address, for reading alone, at an address with a
+    random token. With -o it is written as one offline file of up to 12 MB instead.
+    """
+
+    results: Path = argument("Results folder or results.nc.", "RESULTS")
+    output: Path | None = option(None, "HTML file to write, instead of serving.", "-o")
+    port: int = option(
+        0, "Port of the address; default: a free one.", least=0, most=65535
+    )
+    quiet: common.Quiet = False
+
+
 @command("metrics:metrics", "results -o metrics.csv")
 class Metrics:
     """Print daylight autonomy, UDI, sDA, ASE, EN 17037 and LEED points per grid."""
@@ -149,29 +168,30 @@ class Compare:
     "import_model:import_model", "room.hbjson --weather oslo.epw -o room", name="import"
 )
 class ImportModel:
-    """Convert a honeybee model to a study, or an OBJ or glTF file to a scene.
+    """Convert a honeybee or IFC model to a study, an OBJ or glTF file to a scene.
 
-    A honeybee model is converted to scene, windows, BSDFs, sensors, views and, with
-    --weather, a study. Rooms without sensors get a grid above their floor. Objects that
-    cannot be converted are listed, also in left_out.txt.
+    A model of a building is converted to scene, windows, BSDFs, sensors, views and,
+    with --weather, a study. Rooms without sensors get a grid above their floor. Objects
+    that cannot be converted are listed, also in left_out.txt; values that the model
+    lacks in assumptions.txt.
     """
 
-    model: Path = argument("Model file: .hbjson, .obj, .gltf or .glb.", "MODEL")
+    model: Path = argument("Model file: .hbjson, .ifc, .obj, .gltf or .glb.", "MODEL")
     output: Path = required("Folder for the files.", "-o")
-    weather: Path | None = option(None, "Weather file for the study (honeybee).")
+    weather: Path | None = option(None, "Weather file for the study (honeybee, IFC).")
     spacing: float = option(
-        0.5, "Spacing of grids above floors [m] (honeybee).", least=0.05
+        0.5, "Spacing of grids above floors [m] (honeybee, IFC).", least=0.05
     )
     height: float = option(
-        0.76, "Height of grids above floors [m] (honeybee).", least=0
+        0.76, "Height of grids above floors [m] (honeybee, IFC).", least=0
     )
-    north: float = option(
-        0.0,
-        "Angle from +y to north, counter-clockwise [deg] (honeybee).",
+    north: float | None = option(
+        None,
+        "Angle from +y to north, counter-clockwise [deg]; default: that of the model.",
         least=-360,
         most=360,
     )
-    materials: Path | None = option(None, "Material map (.toml) for OBJ or glTF.")
+    materials: Path | None = option(None, "Material map (.toml) for IFC, OBJ or glTF.")
     quiet: common.Quiet = False
 
 
@@ -180,7 +200,8 @@ class RunRecipe:
     """Run a recipe of Ladybug Tools: same inputs, same result folders.
 
     NAME is annual-daylight, annual-daylight-enhanced, annual-irradiance,
-    cumulative-radiation, direct-sun-hours, daylight-factor or sky-view.
+    cumulative-radiation, direct-sun-hours, daylight-factor, point-in-time-grid or
+    sky-view.
     """
 
     name: str = argument("Name of the recipe.", "NAME")

@@ -3,10 +3,10 @@
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from clerestory.bsdf.xml_reader import read_bsdf
 from clerestory.files import read_text
 from clerestory.formats.mgf import parse_mgf
 from clerestory.formats.word_reader import WordReader
+from clerestory.library.bsdf_source import read_bsdf
 from clerestory.radiance.bsdf_package import package
 from clerestory.radiance.generators.blinds import blinds
 from clerestory.radiance.generators.box import box

@@ -46,9 +46,11 @@ class Explorer {
     if (!list) return "as operated";
     const given = this.operation(side), names = this.facts.windows.map(window => window.states);
     if (given.kind === "hand") return given.states.map((state, k) => `${this.facts.windows[k].name} ${names[k][state]}`).join(", ");
-    if (given.kind === "rule") return `state ${given.state + 1} above ${given.limit} W/m²`;
+    if (given.kind === "rule") return `${byId(`rule-state-${side}`).selectedOptions[0].text} above ${given.limit} W/m²`;
     return list.selectedOptions[0].text;
   }
+
+  get prefix() { return this.compared === DIFFERENCE ? "Difference, B less A. " : ""; }
 
   get comparedWords() {
     if (this.compared === DIFFERENCE) return `${this.operationWords("b")} less ${this.operationWords("a")}`;
@@ -90,7 +92,7 @@ class Explorer {
     byId("hour-words").textContent = this.clock();
     const mean = lux.reduce((sum, value) => sum + value, 0) / lux.length;
     const words = step < 0 ? "no data" : `${this.moment.scale.words(mean)} on average`;
-    byId("moment-words").textContent = `${when}: ${words}. ${this.momentNotes(step, row)}`;
+    byId("moment-words").textContent = `${this.prefix}${when}: ${words}. ${this.momentNotes(step, row)}`;
     this.shownMoment = { title: label, unit: "lux", values: lux };
     showPictures(this.facts, step);
   }
@@ -128,7 +130,7 @@ class Explorer {
     const mean = found.reduce((sum, value) => sum + value, 0) / found.length;
     const half = 100 * found.filter(value => value >= 50).length / found.length;
     const share = unit === "%" && this.compared !== DIFFERENCE ? `; 50 % or more at ${half.toFixed(1)} % of the sensors` : "";
-    byId("year-words").textContent = `${name}: ${this.year.scale.words(mean)} on average${share}; ${this.hourWords()}, ${chosen.all.toLocaleString("en")} steps.`;
+    byId("year-words").textContent = `${this.prefix}${name}: ${this.year.scale.words(mean)} on average${share}; ${this.hourWords()}, ${chosen.all.toLocaleString("en")} steps.`;
     byId("high-field").hidden = metric !== "useful";
     byId("low-field").hidden = metric === "mean";
     byId("own-hours").hidden = this.hours.study;
@@ -226,6 +228,8 @@ async function loadPositions(explorer) {
   if (!explorer.positions) return;
   const number = byId("view-grid").value, plan = explorer.facts.view_plans[number];
   explorer.gridDgp = await explorer.values.codes(`view-grid-${number}`, plan.count);
+  const directions = plan.azimuths.map((azimuth, k) => new Option(`${azimuth}°`, k));
+  byId("direction").replaceChildren(new Option("worst direction", -1), ...directions);
 }
 
 addEventListener("error", event => { document.documentElement.dataset.error = event.message; });

@@ -109,16 +109,16 @@ class HourlyValues {
 
 // Metric of the sensors `first` to `first + size` over the chosen hours [lux or %]
 function metricValues(metric, { lux, count, first, size, chosen, low, high }) {
-  const sums = new Float64Array(size);
+  const sums = metric === "mean" || metric === "continuous" ? new Float64Array(size) : new Uint32Array(size);
   for (const row of chosen.rows) {
     const start = row * count + first;
-    if (metric === "autonomy") for (let j = 0; j < size; j++) sums[j] += lux[start + j] >= low;
-    else if (metric === "useful") for (let j = 0; j < size; j++) sums[j] += lux[start + j] >= low && lux[start + j] < high;
+    if (metric === "autonomy") for (let j = 0; j < size; j++) sums[j] += lux[start + j] >= low ? 1 : 0;
+    else if (metric === "useful") for (let j = 0; j < size; j++) sums[j] += lux[start + j] >= low && lux[start + j] < high ? 1 : 0;
     else if (metric === "continuous") for (let j = 0; j < size; j++) sums[j] += Math.min(lux[start + j] / low, 1);
     else for (let j = 0; j < size; j++) sums[j] += lux[start + j];
   }
   const factor = (metric === "mean" ? 1 : 100) / Math.max(chosen.all, 1);
-  return sums.map(sum => sum * factor);
+  return Float64Array.from(sums, sum => sum * factor);
 }
 
 // Percentage of the chosen hours in which DGP is above a limit, by place

@@ -1,12 +1,11 @@
-"""Sensor grids above the floors of those rooms of honeybee models that have none."""
+"""Sensor grids above the floors of those rooms of a model that have none."""
 
 from dataclasses import dataclass
 from typing import final
 
 import numpy as np
 
-from clerestory.formats.hbjson import HoneybeeModel
-from clerestory.formats.hbjson_geometry import GridLabel, unique_name
+from clerestory.formats.building_model import BuildingModel, GridLabel, unique_name
 from clerestory.scene.polygon_grid import polygon_grid
 from clerestory.scene.sensors import Sensors
 
@@ -23,7 +22,7 @@ class FloorGrids:
     omitted: tuple[str, ...]
 
 
-def floor_grids(model: HoneybeeModel, *, spacing: float, height: float) -> FloorGrids:
+def floor_grids(model: BuildingModel, *, spacing: float, height: float) -> FloorGrids:
     """Return a grid above the floor of each room without sensors.
 
     A room has sensors if a grid of the model refers to it or lies in it. `spacing` and

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from honeybee_models import aperture, box, face, honeybee_model, office
 
+from clerestory.formats.floor_grids import floor_grids
 from clerestory.formats.hbjson import read_hbjson
-from clerestory.formats.hbjson_rooms import floor_grids
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""Daylight factor and sky view: irradiance of the grids under one sky."""
+"""Daylight factor, sky view and illuminance of the grids under one sky."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -6,11 +6,14 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.constants import LUMINOUS_EFFICACY
 from clerestory.metrics.daylight_factor import daylight_factor
 from clerestory.phases.rendering import irradiance
 from clerestory.radiance.generated_sky import sky_scene
 from clerestory.recipes.inputs import traced_effort
 from clerestory.recipes.model import RecipeModel
+from clerestory.recipes.sky_text import sky_command
+from clerestory.scene.model import Scene
 from clerestory.study.job import Display
 from clerestory.study.model_import import window_panes
 
@@ -44,11 +47,36 @@ def sky_views(
     return _relative(chosen, sky, effort, display)
 
 
+def point_in_time(
+    chosen: RecipeModel, values: Mapping[str, Any], *, display: Display
+) -> Values:
+    """Return the illuminance [lux] or irradiance [W/m²] of each sensor under a sky.
+
+    Irradiance is that of visible light, illuminance over 179 lm/W.
+    """
+    effort = traced_effort(values["radiance-parameters"])
+    sky = sky_scene(sky_command(values["sky"]))
+    lux = _illuminance(chosen, sky, effort, display)
+    scale = 1.0 if values["metric"] == "illuminance" else 1 / LUMINOUS_EFFICACY
+    return {name: scale * found for name, found in lux.items()}
+
+
 def _relative(
     chosen: RecipeModel, sky: str, effort: Mapping[str, int], display: Display
 ) -> Values:
     # Illuminance of each sensor over that of a horizontal plane outdoors [%]
-    scene = chosen.model.scene + window_panes(chosen.model) + sky_scene(sky)
+    outdoors = LUMINOUS_EFFICACY * _IRRADIANCE
+    lux = _illuminance(chosen, sky_scene(sky), effort, display)
+    return {
+        name: 100 * daylight_factor(found, outdoor_lux=outdoors)
+        for name, found in lux.items()
+    }
+
+
+def _illuminance(
+    chosen: RecipeModel, sky: Scene, effort: Mapping[str, int], display: Display
+) -> Values:
+    scene = chosen.model.scene + window_panes(chosen.model) + sky
     found: Values = {}
     for name, record in chosen.records.items():
         gathered = irradiance(
@@ -59,9 +87,5 @@ def _relative(
             seed=1,
             progress=display(record.name),
         )
-        outdoors = gathered.bands.photometric(
-            np.full(gathered.irradiance.shape[1], _IRRADIANCE)
-        )
-        factor = daylight_factor(gathered.illuminance(), outdoor_lux=float(outdoors))
-        found[record.full_id] = 100 * factor
+        found[record.full_id] = gathered.illuminance()
     return found

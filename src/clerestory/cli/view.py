@@ -1,0 +1,27 @@
+"""`clerestory view`: the interactive page of a run, served or as a file."""
+
+from contextlib import suppress
+
+from clerestory.cli.progress import say
+from clerestory.cli.requests.study import View
+from clerestory.report.explore_page import write_explorer
+from clerestory.report.page import picture_folder
+from clerestory.report.result_server import ResultServer, resources_of
+from clerestory.study.results import read_results
+
+
+def view(request: View) -> None:
+    """Serve the interactive page of a run until interrupted, or write it to a file."""
+    path = request.results
+    results = read_results(path)
+    folder = path if path.is_dir() else path.parent
+    pictures = picture_folder(folder, results)
+    if request.output is not None:
+        write_explorer(results, request.output, pictures=pictures)
+        say(f"page: {request.output}", quiet=request.quiet)
+        return
+    resources = resources_of(results, pictures=pictures)
+    with ResultServer(resources, port=request.port) as server:
+        say(f"open {server.address}", "to end, press Ctrl-C")
+        with suppress(KeyboardInterrupt):
+            server.serve_forever()

@@ -1,0 +1,1 @@
+"""Built-in BSDFs of glazings, blinds, screens, louvres and films, by name."""
