@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.argument_types import checked_fields
 from clerestory.array_types import Image
 from clerestory.checks import require, within
 from clerestory.engine.pixel_goals import PixelEstimates, PixelGoal
@@ -27,6 +28,7 @@ from clerestory.scene.view import View
 _COVERED = 0.99
 
 
+@checked_fields
 @dataclass(frozen=True)
 class DgpError(PixelGoal):
     """Target standard error of DGP, for `render`; the view is a fisheye of 180°.
