@@ -201,7 +201,9 @@ def main():
     lines = [
         "# The interactive page of a large study",
         "",
-        f"`benchmarks/explore.py`: {COLUMNS * ROWS:,} sensors, 8,760 hours.",
+        f"`benchmarks/explore.py`: {COLUMNS * ROWS:,} sensors, 8,760 hours. Times are"
+        " by the clock of the page: other work on the computer lengthens them, and the"
+        " shortest is nearest to those without it.",
         "",
         "| step in the page | median [ms] | shortest [ms] |",
         "|---|---|---|",

@@ -112,10 +112,10 @@ def test_departures_from_lm83_stand_beside_the_points(call, room):
 def test_glare_of_views_has_its_level(call, room):
     """DGP 0.5 in 4 % of the hours is no more than EN 17037 lets pass."""
     results(room / "run", sun_hours=1)
-    assert "EN 17037 glare              high" in call("metrics", "run").out
+    assert "EN 17037 glare              level high" in call("metrics", "run").out
 
 
 def test_hours_of_sun_have_their_level(call, room):
     results(room / "run", sun_hours=1)
-    line = "EN 17037 sunlight           medium (3.6 h of sun on 03-21)"
+    line = "EN 17037 sunlight           level medium (3.6 h of sun on 03-21)"
     assert line in call("metrics", "run").out

@@ -143,13 +143,18 @@ def tracer_of_bands(job: Job, prepare: Callable[[Job], Tracer]) -> Tracer:
     concatenated. Scenes of unusual size are scaled (`unusual_lengths`).
     """
     job = in_usual_lengths(job)
-    tracers = [prepare(_with_scene(job, scene)) for scene in band_groups(job.scene)]
+    scenes = band_groups(job.scene)
     bands, grey = len(job.scene.bands), channels_of(job.scene) == 1
+    # In a scene of grey materials, only coloured sources require other groups
+    some = scenes[:1] if grey else scenes
+    tracers = [prepare(_with_scene(job, scene)) for scene in some]
 
     def trace(unit: Unit) -> np.ndarray:
         first = tracers[0](unit)
-        if len(tracers) == 1 or (grey and first.shape[-1] == 1):
+        if len(scenes) == 1 or (grey and first.shape[-1] == 1):
             return first[..., :bands]
+        for scene in scenes[len(tracers) :]:
+            tracers.append(prepare(_with_scene(job, scene)))
         parts = [first, *(tracer(unit) for tracer in tracers[1:])]
         shape = *first.shape[:-1], GROUP
         every = [np.broadcast_to(part, shape) for part in parts]

@@ -8,10 +8,12 @@ import pytest
 import xarray as xr
 
 from clerestory.progress import silent
+from clerestory.scene.sensors import Sensors
 from clerestory.study.annual_view_grids import Hours, study_view_grids
 from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.control_rules import Case, by_glare
 from clerestory.study.results import Results, read_results, save_results
+from clerestory.study.spaces import label_spaces
 from clerestory.study.view_grid_outputs import write_grid_dgp, write_grid_views
 from clerestory.study.view_grid_positions import ViewGrid
 from clerestory.study.view_grid_tables import ViewGridTable
@@ -167,3 +169,22 @@ def test_a_rule_by_a_view_grid_chooses_as_if_every_view_were_known():
     np.testing.assert_array_equal(states, expected)
     assert exact[:4] == [0.45] * 4
     assert sum(asked) < 4 * 7 * 500
+
+
+def test_positions_belong_to_the_space_of_the_nearest_sensor():
+    """Two level grids 10 m apart; one position in each, with two directions."""
+    points = np.array([[0.0, 0, 0.8], [1, 0, 0.8], [10, 0, 0.8], [11, 0, 0.8]])
+    up = np.tile([0.0, 0, 1], (2, 1))
+    grids = {"west": Sensors(points[:2], up), "east": Sensors(points[2:], up)}
+    table = ViewGridTable(name="g", places=[[0, 0, 1]], directions=2)
+    inputs = SimpleNamespace(
+        grids=grids,
+        sensors=lambda: Sensors(points, np.tile(up, (2, 1))),
+        groups=[],
+        cameras=[],
+        view_grids=[ViewGrid(table, np.array([[10.4, 1, 1.2], [0.4, 1, 1.2]]))],
+    )
+    study = SimpleNamespace(space=[], view=[])
+    found = label_spaces(study, inputs, xr.Dataset())
+    assert found["grid_view_space"].dims == ("grid_view",)
+    assert found["grid_view_space"].values.tolist() == ["east"] * 2 + ["west"] * 2
