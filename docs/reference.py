@@ -58,12 +58,20 @@ _BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
 def imported_names(page: Path) -> Iterator[tuple[str, str]]:
-    """Yield module and name of what the Python blocks of a page import from us."""
+    """Yield module and name of what the Python blocks of a page import from us.
+
+    Imported modules are left out.
+    """
     for block in _BLOCK.findall(page.read_text(encoding="utf-8")):
         for node in ast.walk(ast.parse(block)):
             module = getattr(node, "module", None) or ""
             if isinstance(node, ast.ImportFrom) and module.startswith("clerestory."):
-                yield from ((module, alias.name) for alias in node.names)
+                home = importlib.import_module(module)
+                names = [alias.name for alias in node.names]
+                values = [getattr(home, name, inspect) for name in names]
+                for name, value in zip(names, values, strict=True):
+                    if not inspect.ismodule(value):
+                        yield module, name
 
 
 def write_reference(folder: Path) -> None:
@@ -98,8 +106,7 @@ def _names_by_package() -> dict[str, list[tuple[str, str]]]:
     pages = [Path(__file__).parents[1] / "README.md"]
     pages += Path(__file__).parent.rglob("*.md")
     for home, name in sorted({each for page in pages for each in imported_names(page)}):
-        is_module = inspect.ismodule(getattr(importlib.import_module(home), name))
-        if homes.get(name) != home and not is_module:
+        if homes.get(name) != home:
             named.append((home, name))
     found: dict[str, list[tuple[str, str]]] = {}
     for home, name in named:
