@@ -153,8 +153,8 @@ def tracer_of_bands(job: Job, prepare: Callable[[Job], Tracer]) -> Tracer:
         first = tracers[0](unit)
         if len(scenes) == 1 or (grey and first.shape[-1] == 1):
             return first[..., :bands]
-        for scene in scenes[len(tracers) :]:
-            tracers.append(prepare(_with_scene(job, scene)))
+        rest = scenes[len(tracers) :]
+        tracers.extend(prepare(_with_scene(job, scene)) for scene in rest)
         parts = [first, *(tracer(unit) for tracer in tracers[1:])]
         shape = *first.shape[:-1], GROUP
         every = [np.broadcast_to(part, shape) for part in parts]
