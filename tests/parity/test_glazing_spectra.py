@@ -1,21 +1,17 @@
-"""Spectral BSDFs of stacks against LBNL's engine at each wavelength, and Radiance.
+"""Spectral BSDFs of stacks against LBNL's engine at each wavelength.
 
 pywincalc has no spectral results, but standards from files: here, one with a method for
 each interval of wavelengths, under light of equal energy.
 """
 
-import re
-
 import numpy as np
 import pytest
-from radiance import run
 
 from clerestory.bsdf.scattering_function import FUNCTIONS
-from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.glazing.layer_files import read_layer
 from clerestory.glazing.stack import stack_layers
 from clerestory.hemisphere.klems import klems
-from clerestory.spectral.band_sets import band_set, wavelength_bands
+from clerestory.spectral.band_sets import wavelength_bands
 
 pytestmark = pytest.mark.filterwarnings(
     "ignore::clerestory.errors.ClerestoryWarning",
@@ -91,20 +87,3 @@ def test_three_panes_equal_pywincalc_at_every_wavelength(
             value = ours.direct_hemispherical(name, channel=f"{nm}-{nm + 5} nm")[0]
             most = max(most, abs(value - part.direct_hemispherical))
     assert most < 1e-4
-
-
-@pytest.mark.slow
-def test_radiance_reads_the_visible_part_of_spectral_files(shared_data, tmp_path):
-    """Other blocks of data are ignored by Radiance."""
-    folder = shared_data / "glazing" / "wincalc" / "products"
-    layers = [read_layer(folder / name) for name in STACKS[0]]
-    scenes = []
-    for bands in (None, band_set("9")):
-        write_bsdf(
-            tmp_path / "layer.xml",
-            stack_layers(layers, partition=QUARTER, bands=bands).bsdf,
-        )
-        text = run("bsdf2rad layer.xml", folder=tmp_path)
-        scenes.append(re.sub(r"\S+/rf\d+\.txt", "FILE", text))
-    assert "WavelengthDataBlock" in (tmp_path / "layer.xml").read_text()
-    assert scenes[0] == scenes[1]
