@@ -93,6 +93,7 @@ def test_three_panes_equal_pywincalc_at_every_wavelength(
     assert most < 1e-4
 
 
+@pytest.mark.slow
 def test_radiance_reads_the_visible_part_of_spectral_files(shared_data, tmp_path):
     """Other blocks of data are ignored by Radiance."""
     folder = shared_data / "glazing" / "wincalc" / "products"
