@@ -18,6 +18,7 @@ from clerestory.errors import InputError
 from clerestory.glazing.layer import Diffuser
 from clerestory.glazing.pane import grey_pane
 from clerestory.hemisphere.klems import klems
+from clerestory.image.colour_scale import linear_scale
 
 WRONG = "transmision_front"
 DOWN = np.array([[0.0, 0.0, -1.0]])
@@ -79,6 +80,9 @@ CHOICES = {
     "View kind": lambda: clerestory.View(kind="fisheye"),
     "evaluate_glare background": lambda: glare(background="mean"),
     "evaluate_glare position_model": lambda: glare(position_model="gut"),
+    "false_colour style": lambda: clerestory.false_colour(
+        picture(), linear_scale(picture()), style="line"
+    ),
     "read_measurement function": lambda: clerestory.read_measurement(
         "a.txt", function=WRONG
     ),

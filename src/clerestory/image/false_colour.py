@@ -1,12 +1,13 @@
 """False-colour images: luminance as colours, contour lines or bands, with a legend."""
 
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from contourpy import contour_generator
 from jaxtyping import Bool, UInt8
 from PIL import Image, ImageDraw
 
+from clerestory.checks import one_of
 from clerestory.image.arithmetic import within_view
 from clerestory.image.colour_scale import ColourScale
 from clerestory.image.legend import font, legend, text_size, value_word
@@ -51,6 +52,7 @@ def false_colour(
     >>> false_colour(picture, linear_scale(picture), with_legend=False).shape
     (60, 90, 3)
     """
+    one_of(style, "style", choices=get_args(Style))
     values, seen = photometric(picture).astype(float), within_view(picture)
     if style == "fill":
         pixels = scale.colours(scale.place(values))
