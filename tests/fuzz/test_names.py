@@ -568,8 +568,6 @@ def test_mgf_holds_any_name(folder):
     assert len(read_rad(folder / "a.rad").surfaces) == len(scene.surfaces)
 
 
-# ----------------------------- Check of the class -----------------------------
-# Functions that write files; each is tested above, or writes no text from outside
 def test_figures_of_variants_hold_any_name(folder):
     """Names of variants in the table, in NetCDF and in the page."""
     names = [*NAMES, *more_names(20)]
@@ -603,6 +601,8 @@ def test_energyplus_input_holds_any_name(folder):
     assert len(document["Zone"]) == len(NAMES)
 
 
+# ----------------------------- Check of the class -----------------------------
+# Functions that write files; each is tested above, or writes no text from outside
 WRITERS = {
     "bsdf.xml_insertion.insert_blocks": "lxml escapes",
     "bsdf.xml_writer.write_bsdf": test_bsdf_files_hold_any_text,
@@ -621,6 +621,8 @@ WRITERS = {
     "compat.streams.write_matrix": "bytes that write_rows has written",
     "control.schedule.write_schedule": test_schedules_return_their_groups,
     "files.replace_file": "bytes",
+    "formats.ifc_extraction.main": "JSON in a temporary folder",
+    "formats.ifc_process.read_products": "a copy of the file in a temporary folder",
     "files.write_text": "any text",
     "gonio.fit_storage.write_fits": test_netcdf_holds_any_name,
     "image.camera_response.write_response": "numbers",
