@@ -97,11 +97,11 @@ def clear_air():
     return Bsdf({("visible", "transmission_front"): part})
 
 
-def shaded(scene, south, *layers, peak=False, subdivision=1):
+def shaded(scene, south, *layers, peak=False, subdivision=1, samples=2048, seed=11):
     """A window with one state for each layer."""
-    how = {"subdivision": subdivision, "samples": 2048, "device": "cpu"}
-    D = daylight_matrix(scene, south, seed=11, **how)
-    D_d = daylight_matrix(blackened(scene), south, bounces=0, seed=12, **how)
+    how = {"subdivision": subdivision, "samples": samples, "device": "cpu"}
+    D = daylight_matrix(scene, south, seed=seed, **how)
+    D_d = daylight_matrix(blackened(scene), south, bounces=0, seed=seed + 1, **how)
     states = []
     for layer in layers:
         T = layer.transmission_matrix(partition=south.partition, window=south.name)
@@ -233,6 +233,31 @@ def test_steps_may_be_asked_for_by_themselves(lit_point):
     for name in ("dgp", "illuminance", "dgp_error"):
         np.testing.assert_allclose(part[name], whole[name][:, some], rtol=1e-4)
     assert np.all((whole.dgp_error > 0) | (whole.dgp == 1))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "layer", [lambertian(0.2, klems("full")), clear_air()], ids=["diffusing", "clear"]
+)
+def test_dgp_scatters_over_seeds_as_its_error_says(layer):
+    """All matrices are traced anew with every seed, T excepted."""
+    scene, south = box(4, 5, 3, 0.5)
+    sky, found = skies(subdivision=2), []
+    for seed in range(1, 13):
+        room = shaded(scene, south, layer, subdivision=2, samples=512, seed=10 * seed)
+        point = trace_view_point(
+            scene, [room], EYE, skies=sky, views=views_around(4, position=EYE),
+            refinement=Refinement(tolerance=0.05, most=1024), samples=32,
+            sun_samples=32, seed=100 * seed, device="cpu",
+        )  # fmt: skip
+        found.append(point.glare())
+    dgp, error = (
+        np.array([one[name].values for one in found]) for name in ("dgp", "dgp_error")
+    )
+    below = dgp.max(axis=0) < 0.97
+    assert below.sum() >= 10
+    scatter = dgp.var(axis=0, ddof=1)[below].mean()
+    assert 0.8 < np.sqrt(np.square(error)[:, below].mean() / scatter) < 1.25
 
 
 def test_the_cells_cover_the_sphere_and_are_few(lit_point):
