@@ -3,7 +3,7 @@
 A value of a wrong type, such as the name of a file in place of what it contains, is an
 `InputError` that names the argument. Types are those of the annotations; values within
 a type, such as names of choices and ranges of numbers, are checked by the functions.
-Classes convert sequences of numbers to arrays, functions do not.
+Sequences of numbers are converted to arrays where arrays are expected.
 """
 
 import functools
@@ -56,13 +56,15 @@ _SHOWN, _ITEMS = 40, 64
 def checked_arguments(function: _Function) -> _Function:
     """Return a function that requires arguments of the annotated types.
 
+    A list or tuple of numbers becomes an array where an array is expected.
+
     >>> def area(width: float) -> float:
     ...     return width**2
     >>> checked_arguments(area)("wide")
     Traceback (most recent call last):
     clerestory.errors.InputError: area(): width is 'wide', a str; a number expected
     """
-    return typing.cast(_Function, _checked(function, function.__name__))
+    return typing.cast(_Function, _checked(function, function.__name__, to_arrays=True))
 
 
 def checked_fields(cls: type[_Class]) -> type[_Class]:
@@ -77,32 +79,38 @@ def checked_fields(cls: type[_Class]) -> type[_Class]:
     Traceback (most recent call last):
     clerestory.errors.InputError: Pane(): width is a list of int; a number expected
     """
-    initialize = _checked(vars(cls)["__init__"], cls.__name__, converted=True)
+    initialize = _checked(vars(cls)["__init__"], cls.__name__, to_arrays=False)
     type.__setattr__(cls, "__init__", initialize)
     return cls
 
 
 def _checked(
-    function: Callable[..., Any], shown: str, *, converted: bool = False
+    function: Callable[..., Any], shown: str, *, to_arrays: bool
 ) -> Callable[..., Any]:
-    # A function that checks its arguments; `converted`: it makes arrays of sequences
+    # A function that checks its arguments. `to_arrays`: and converts sequences of numbers
+    # to arrays, as dataclasses do themselves
     signature = inspect.signature(function)
 
     @functools.wraps(function)
     def checked(*arguments: Any, **keywords: Any) -> Any:
         try:
-            given = signature.bind(*arguments, **keywords).arguments
+            bound = signature.bind(*arguments, **keywords)
         except TypeError:
             # Missing or unknown arguments: Python's own message
             return function(*arguments, **keywords)
-        for name, value, hint in _annotated(signature, given):
-            valid = accepts(value, hint) or (converted and _converts(value, hint))
-            if not valid:
+        for name, value, hint in list(_annotated(signature, bound.arguments)):
+            if accepts(value, hint):
+                continue
+            alone = bound.arguments.get(name) is value
+            array = _as_array(value, hint) if alone else None
+            if array is None:
                 raise InputError(
                     f"{shown}(): {name} is {_described(value)};"
                     f" {_expected(hint)} expected{_source(hint)}"
                 )
-        return function(*arguments, **keywords)
+            if to_arrays:
+                bound.arguments[name] = array
+        return function(*bound.args, **bound.kwargs)
 
     return checked
 
@@ -170,14 +178,19 @@ def _accepts_items(value: Any, kind: type, inner: tuple[Any, ...]) -> bool:
     return all(accepts(each, inner[0]) for each in items[:_ITEMS])
 
 
-def _converts(value: Any, hint: Any) -> bool:
-    # Whether a sequence of numbers stands for an array
-    kinds = typing.get_args(hint) or (hint,)
-    return (
-        any(map(_is_array, kinds))
-        and isinstance(value, list | tuple)
-        and np.asarray(value).dtype.kind in "biuf"
-    )
+def _as_array(value: Any, hint: Any) -> np.ndarray | None:
+    # The array that a sequence of numbers stands for; None where none is expected
+    kinds = [kind for kind in typing.get_args(hint) or (hint,) if _is_array(kind)]
+    if not kinds or not isinstance(value, list | tuple):
+        return None
+    try:
+        array = np.asarray(value)
+    except ValueError:
+        return None  # rows of different lengths
+    if array.dtype.kind not in "biuf":
+        return None
+    fractions = not any("int" in str(name) for name in kinds[0].dtypes)
+    return array.astype(float) if fractions and array.dtype.kind != "b" else array
 
 
 def _is_array(hint: Any) -> bool:

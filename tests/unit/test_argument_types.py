@@ -14,10 +14,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 import clerestory
-from clerestory.argument_types import accepts, checked_fields
+from clerestory.argument_types import accepts, checked_arguments, checked_fields
 from clerestory.errors import InputError
 from clerestory.hemisphere.klems import klems
 
@@ -124,6 +124,21 @@ def test_classes_accept_lists_that_they_make_arrays_of():
     assert Desk([1, 2, 0.8]).position == [1, 2, 0.8]
     with pytest.raises(InputError, match="position is a list of str; a NumPy array"):
         Desk(["one", "two", "three"])
+
+
+def test_functions_make_arrays_of_lists():
+    @checked_arguments
+    def total(
+        weight: Float[np.ndarray, " n"], index: Int[np.ndarray, " n"] | None = None
+    ):
+        return weight if index is None else weight[index]
+
+    assert total([1, 2]).dtype == float
+    assert total((1.0, 2.5), [1]).tolist() == [2.5]
+    with pytest.raises(InputError, match="weight is a list of list; a NumPy array"):
+        total([[1.0], [1.0, 2.0]])
+    with pytest.raises(InputError, match="weight is 'x', a str; a NumPy array"):
+        total("x")
 
 
 @pytest.mark.parametrize(
