@@ -87,8 +87,8 @@ def checked_fields(cls: type[_Class]) -> type[_Class]:
 def _checked(
     function: Callable[..., Any], shown: str, *, to_arrays: bool
 ) -> Callable[..., Any]:
-    # A function that checks its arguments. `to_arrays`: and converts sequences of numbers
-    # to arrays, as dataclasses do themselves
+    # A function that checks its arguments. `to_arrays`: it makes arrays of lists of
+    # numbers, as dataclasses do themselves
     signature = inspect.signature(function)
 
     @functools.wraps(function)
