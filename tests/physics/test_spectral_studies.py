@@ -1,6 +1,6 @@
 """Studies of scenes in nine bands.
 
-The scene is converted after it is read, since only Python has the upsampling of colours.
+The scene is converted after it is read: only Python has the upsampling of colours.
 """
 
 import shutil
