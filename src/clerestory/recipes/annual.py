@@ -69,6 +69,20 @@ class AnnualLight:
         found = np.sum([arrays[light][grid.full_id] for arrays in first], axis=0)
         return np.asarray(found)
 
+    def by_state(
+        self, grid: GridRecord, *, light: Light = "total"
+    ) -> tuple[dict[str, Float[np.ndarray, "state sensor time"]], _Lux]:
+        """Return the light of each path with several states, and that of the others."""
+        fixed = np.zeros((grid.count, len(self.times)), np.float32)
+        switched = {}
+        for path, states in self.paths.items():
+            found = [arrays[light][grid.full_id] for arrays in states.values()]
+            if len(found) == 1:
+                fixed += found[0]
+            else:
+                switched[path] = np.stack(found)
+        return switched, fixed
+
 
 def check_timestep(weather: Path, timestep: int) -> None:
     """Require that a weather file has a number of time steps an hour."""
