@@ -19,7 +19,7 @@ from clerestory.metrics.breeam import (
     WORST_LUX,
     illuminance_criterion,
 )
-from clerestory.recipes.annual import annual_light
+from clerestory.recipes.annual import AnnualLight, annual_light
 from clerestory.recipes.grid_summary import write_values
 from clerestory.recipes.model import RecipeModel
 from clerestory.recipes.outputs import write_illuminance
@@ -36,6 +36,11 @@ def breeam_daylight_4b(
     inputs = {**values, "timestep": 1}
     light = annual_light(chosen, inputs, folder=folder, display=display)
     write_illuminance(folder, light)
+    write_credits(folder / "breeam_summary", chosen, light)
+
+
+def write_credits(place: Path, chosen: RecipeModel, light: AnnualLight) -> None:
+    """Write the hours of each grid with sufficient light, and the credits of all."""
     cells = chosen.cell_areas()
     spaces, passed, lowest = {}, {}, {}
     total = complying = 0.0
@@ -68,7 +73,7 @@ def breeam_daylight_4b(
         "type": _TYPE,
         **{name: float(np.mean([each[name] for each in hours])) for name in hours[0]},
     }
-    place = make_folder(folder / "breeam_summary")
+    make_folder(place)
     for name, content in (
         ("summary", [{"type": _TYPE, **credit}]),
         ("program_summary", [program]),

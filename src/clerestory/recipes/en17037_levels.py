@@ -12,9 +12,11 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from jaxtyping import Bool
 
 from clerestory.files import make_folder, write_text
 from clerestory.metrics.climate_based_metrics import daylight_autonomy
+from clerestory.metrics.compliance import levels_reached
 from clerestory.metrics.en17037 import (
     MINIMUM_AREA,
     MINIMUM_LUX,
@@ -23,7 +25,7 @@ from clerestory.metrics.en17037 import (
     TARGET_LUX,
     daylight_hours,
 )
-from clerestory.recipes.annual import annual_light
+from clerestory.recipes.annual import AnnualLight, annual_light
 from clerestory.recipes.data_collection import hourly_collection
 from clerestory.recipes.grid_summary import read_ranges, write_values
 from clerestory.recipes.inputs import thresholds
@@ -56,6 +58,16 @@ def annual_daylight_en17037(
         "Schedule: Daylight Hours", hours.astype(int), unit="Occupancy"
     )
     write_text(folder / "daylight_hours.json", json.dumps(schedule))
+    write_levels(folder / "en17037", chosen, light, hours)
+
+
+def write_levels(
+    folder: Path,
+    chosen: RecipeModel,
+    light: AnnualLight,
+    hours: Bool[np.ndarray, " time"],
+) -> None:
+    """Write the areas that reach each level in half of the daylight hours."""
     reached: Autonomy = {}
     for kind, (levels, _) in _KINDS.items():
         reached[kind] = {lux: {} for lux in levels}
@@ -64,10 +76,10 @@ def annual_daylight_en17037(
             for lux in levels:
                 share = daylight_autonomy(hourly, hours, target_lux=lux).values
                 reached[kind][lux][grid.full_id] = 100 * share
-    _write_levels(folder / "en17037", chosen, reached)
+    _write(folder, chosen, reached)
 
 
-def _write_levels(folder: Path, chosen: RecipeModel, reached: Autonomy) -> None:
+def _write(folder: Path, chosen: RecipeModel, reached: Autonomy) -> None:
     # Values of the sensors, and summaries of each grid and of all grids
     grids, weights = chosen.grids, chosen.cell_areas()
     summaries = []
@@ -88,10 +100,12 @@ def _write_levels(folder: Path, chosen: RecipeModel, reached: Autonomy) -> None:
                 g: np.array([100 * each.mean()]) for g, each in enough.items()
             }
             write_values(folder / "sda" / name, grids, area_shares, suffix="sda")
-        level = {
-            grid.full_id: np.sum([_enough(f[grid.full_id]) for f in by_lux.values()], 0)
-            for grid in grids
-        }
+        wanted = 100 * _KINDS[kind][1]
+        level = {}
+        for grid in grids:
+            parts = [100 * _enough(f[grid.full_id]).mean() for f in by_lux.values()]
+            own = levels_reached(parts, [wanted] * len(parts))
+            level[grid.full_id] = np.full(grid.count, own)
         place = folder / "compliance_level" / kind
         write_values(place, grids, level, suffix="pf", digits=0)
     whole = {

@@ -61,7 +61,11 @@ def leed_daylight_option_one(
     light = annual_light(shaded, inputs, folder=folder, display=display)
     light = through_blinds(light, chosen, specular=specular)
     write_illuminance(folder, light)
-    place = folder / "leed_summary"
+    write_points(folder / "leed_summary", chosen, light)
+
+
+def write_points(place: Path, chosen: RecipeModel, light: AnnualLight) -> None:
+    """Write sDA, ASE and the states of the blinds of each grid, and the LEED points."""
     spaces = {grid.full_id: _space(light, grid) for grid in light.grids}
     _write_sensors(place, light, spaces)
     cells = chosen.cell_areas()

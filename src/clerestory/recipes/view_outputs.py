@@ -16,20 +16,18 @@ from clerestory.recipes.sky_text import sky_command
 from clerestory.study.job import Display
 from clerestory.study.model_import import window_panes
 
-# RMS of the standard errors of the pixels, relative to the mean pixel value
-_ERROR = 0.02
-
 
 def point_in_time_view(
     chosen: RecipeModel, values: Mapping[str, Any], folder: Path, display: Display
 ) -> None:
     """Write a picture of each view, of radiance or of the irradiance of surfaces.
 
-    Luminance and illuminance are 179 lm/W times the values of the pixels.
+    The samples are paths per pixel. Luminance and illuminance are 179 lm/W
+    times the values of the pixels.
     """
     sky = sky_scene(sky_command(values["sky"]))
     scene = chosen.model.scene + window_panes(chosen.model) + sky
-    bounces = traced_effort(values["radiance-parameters"])["bounces"]
+    effort = traced_effort(values["radiance-parameters"])
     seen = values["metric"] in ("luminance", "radiance")
     trace = render if seen else render_irradiance
     stems = file_stems(chosen.model.views)
@@ -41,8 +39,8 @@ def point_in_time_view(
             view,
             columns=columns,
             rows=rows,
-            relative_error=_ERROR,
-            bounces=bounces,
+            samples=effort["samples"],
+            bounces=effort["bounces"],
             seed=1,
             progress=display(name),
         )
