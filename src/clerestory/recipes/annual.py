@@ -29,9 +29,9 @@ from clerestory.recipes.model import RecipeModel
 from clerestory.sky.sky_conditions import Spectrum, sun_over
 from clerestory.sky.weather_formats import read_weather
 from clerestory.study.config import read_study
+from clerestory.study.input_checks import warn_of_inputs
 from clerestory.study.inputs import read_inputs
 from clerestory.study.job import Display, Job
-from clerestory.study.method_run import warn_of_inputs
 from clerestory.study.model_import import write_building_model
 from clerestory.study.study_matrices import StudyMatrices
 from clerestory.study.study_tracing import study_skies, trace_study
