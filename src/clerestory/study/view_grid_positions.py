@@ -55,12 +55,9 @@ class ViewGrid:
         """Return the views of one position, one for each direction."""
         where = self.position[position]
         if self.directions is not None:
-            eye = self.position[position]
-            return [
-                view_along(line, position=eye) for line in self.directions[position]
-            ]
+            lines = self.directions[position]
+            return [view_along(line, position=where) for line in lines]
         first = np.radians(self.table.first_azimuth_deg)
-        where = self.position[position]
         return views_around(self.table.directions, position=where, first=first)
 
 
