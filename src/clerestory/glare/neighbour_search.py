@@ -6,6 +6,7 @@ of the interval searched in the previous row, up to the first pixel beyond the s
 angle. A few pixels below and above the central pixel are never visited.
 """
 
+import threading
 from collections.abc import Iterable
 from functools import lru_cache
 from typing import NamedTuple
@@ -15,6 +16,9 @@ from jaxtyping import Bool, Int
 
 from clerestory.array_types import Indices, Mask
 from clerestory.glare.glare_view import GlareView
+
+# Memory for the spans of the pixels of a view [bytes]
+_KEPT = 1 << 26
 
 _Labels = Int[np.ndarray, "row column"]
 
@@ -32,6 +36,17 @@ class Window(NamedTuple):
     blind: bool
 
 
+class Spans(NamedTuple):
+    """Pixels within the search angle of central pixels, by row of the window.
+
+    Rows are numbered from `reach` rows above the central pixel. `begin` is the column
+    of the first pixel within the search angle, `count` the number of pixels.
+    """
+
+    begin: Int[np.ndarray, "pixel row"]
+    count: Int[np.ndarray, "pixel row"]
+
+
 class Neighbourhood:
     """Pixels within a search angle [rad] of a pixel.
 
@@ -47,17 +62,48 @@ class Neighbourhood:
         self._cosine = np.cos(angle)
         self.reach = eye.farthest_within(angle)
         self.sure_reach = eye.surely_within(angle)
+        # Spans of pixels that were asked for, and their number for each pixel
+        self._spans = np.zeros((2, 0, 2 * self.reach + 1), dtype=np.int32)
+        self._place = np.full(eye.shape, -1, dtype=np.int32)
+        self._lock = threading.Lock()
 
     def window(self, row: int, column: int) -> Window:
         """Return the window around a pixel."""
+        near, top, left = self._near(row, column)
+        blind = self.blind(np.array([row]), np.array([column]))[0]
+        return Window(top, left, near, bool(blind))
+
+    def _near(self, row: int, column: int) -> tuple[np.ndarray, int, int]:
+        # Whether pixels of the window around a pixel are within the search angle, and
+        # the first row and column of the window
         rows, columns, _ = self.direction.shape
         top, left = max(row - self.reach, 0), max(column - self.reach, 0)
         bottom = min(row + self.reach + 1, rows)
         right = min(column + self.reach + 1, columns)
         here = self.direction[row, column]
         near = self.direction[top:bottom, left:right] @ here >= self._cosine
-        blind = self.blind(np.array([row]), np.array([column]))[0]
-        return Window(top, left, near, bool(blind))
+        return near, top, left
+
+    def spans(self, row: Indices, column: Indices) -> Spans:
+        """Return the spans of the windows around pixels; they are kept."""
+        with self._lock:
+            new = np.flatnonzero(self._place[row, column] < 0)
+            if new.size:
+                self._keep(np.unique(np.stack([row[new], column[new]]), axis=1))
+            begin, count = self._spans[:, self._place[row, column]]
+        return Spans(begin, count)
+
+    def _keep(self, pixels: Int[np.ndarray, "2 pixel"]) -> None:
+        # Add the spans of pixels to those that are kept
+        found = np.zeros((2, pixels.shape[1], 2 * self.reach + 1), dtype=np.int32)
+        for number, (row, column) in enumerate(pixels.T.tolist()):
+            near, top, left = self._near(row, column)
+            first = top - row + self.reach
+            rows = slice(first, first + len(near))
+            found[0, number, rows] = near.argmax(axis=1) + left
+            found[1, number, rows] = np.count_nonzero(near, axis=1)
+        self._place[*pixels] = self._spans.shape[1] + np.arange(pixels.shape[1])
+        self._spans = np.concatenate([self._spans, found], axis=1)
 
     def blind(self, row: Indices, column: Indices) -> Mask:
         """Whether rounding makes the squared length of a direction exceed one.
