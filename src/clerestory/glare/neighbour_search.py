@@ -62,9 +62,10 @@ class Neighbourhood:
         self._cosine = np.cos(angle)
         self.reach = eye.farthest_within(angle)
         self.sure_reach = eye.surely_within(angle)
-        # Spans of pixels that were asked for, and their number for each pixel
+        # Spans that are kept, how many are in use, and the number of each pixel
         self._spans = np.zeros((2, 0, 2 * self.reach + 1), dtype=np.int32)
-        self._place = np.full(eye.shape, -1, dtype=np.int32)
+        self._used = 0
+        self._number = np.full(eye.shape, -1, dtype=np.int32)
         self._lock = threading.Lock()
 
     def window(self, row: int, column: int) -> Window:
@@ -87,23 +88,35 @@ class Neighbourhood:
     def spans(self, row: Indices, column: Indices) -> Spans:
         """Return the spans of the windows around pixels; they are kept."""
         with self._lock:
-            new = np.flatnonzero(self._place[row, column] < 0)
+            new = np.flatnonzero(self._number[row, column] < 0)
+            if new.size and self._full(new.size):
+                self._used = 0
+                self._number[:] = -1
+                new = np.arange(row.size)
             if new.size:
                 self._keep(np.unique(np.stack([row[new], column[new]]), axis=1))
-            begin, count = self._spans[:, self._place[row, column]]
+            begin, count = self._spans[:, self._number[row, column]]
         return Spans(begin, count)
+
+    def _full(self, more: int) -> bool:
+        # Whether there is no memory for the spans of further pixels
+        return 8 * (2 * self.reach + 1) * (self._used + more) > _KEPT
 
     def _keep(self, pixels: Int[np.ndarray, "2 pixel"]) -> None:
         # Add the spans of pixels to those that are kept
-        found = np.zeros((2, pixels.shape[1], 2 * self.reach + 1), dtype=np.int32)
-        for number, (row, column) in enumerate(pixels.T.tolist()):
+        first, held = self._used, self._spans.shape[1]
+        self._used += pixels.shape[1]
+        if self._used > held:
+            more = np.zeros((2, max(held, self._used - held), 2 * self.reach + 1), "i4")
+            self._spans = np.concatenate([self._spans, more], axis=1)
+        self._number[*pixels] = np.arange(first, self._used)
+        self._spans[:, first : self._used] = 0
+        for number, (row, column) in enumerate(pixels.T.tolist(), start=first):
             near, top, left = self._near(row, column)
-            first = top - row + self.reach
-            rows = slice(first, first + len(near))
-            found[0, number, rows] = near.argmax(axis=1) + left
-            found[1, number, rows] = np.count_nonzero(near, axis=1)
-        self._place[*pixels] = self._spans.shape[1] + np.arange(pixels.shape[1])
-        self._spans = np.concatenate([self._spans, found], axis=1)
+            above = top - row + self.reach
+            rows = slice(above, above + len(near))
+            self._spans[0, number, rows] = near.argmax(axis=1) + left
+            self._spans[1, number, rows] = np.count_nonzero(near, axis=1)
 
     def blind(self, row: Indices, column: Indices) -> Mask:
         """Whether rounding makes the squared length of a direction exceed one.
