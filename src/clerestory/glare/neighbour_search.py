@@ -40,11 +40,11 @@ class Spans(NamedTuple):
     """Pixels within the search angle of central pixels, by row of the window.
 
     Rows are numbered from `reach` rows above the central pixel. `begin` is the column
-    of the first pixel within the search angle, `count` the number of pixels.
+    of the first pixel within the search angle, `length` their number.
     """
 
     begin: Int[np.ndarray, "pixel row"]
-    count: Int[np.ndarray, "pixel row"]
+    length: Int[np.ndarray, "pixel row"]
 
 
 class Neighbourhood:

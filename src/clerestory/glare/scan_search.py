@@ -71,7 +71,7 @@ def previous_pixels(
         some = np.flatnonzero(found[0, rest] < 0)
         search = _Search(
             row[rest[some]] - top, column[rest[some]], blind[some], glare,
-            Spans(spans.begin[some], spans.count[some]),
+            Spans(spans.begin[some], spans.length[some]),
         )  # fmt: skip
         place = search.through(offsets, reach)
         hit = place[0] >= 0

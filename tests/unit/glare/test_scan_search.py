@@ -53,4 +53,4 @@ def test_spans_are_forgotten_when_memory_is_full(monkeypatch):
         some = slice(first, first + 20)
         spans = near.spans(row[some], column[some])
         assert np.array_equal(spans.begin, all_spans.begin[some])
-        assert np.array_equal(spans.count, all_spans.count[some])
+        assert np.array_equal(spans.length, all_spans.length[some])
