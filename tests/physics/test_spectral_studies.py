@@ -1,6 +1,6 @@
 """Studies of scenes in nine bands.
 
-The study file has no key for bands yet: the scene is converted after it is read.
+The scene is converted after it is read: only Python has the upsampling of colours.
 """
 
 import shutil
@@ -55,8 +55,8 @@ def test_nine_bands_are_weighted_studies_in_grey(study, tmp_path, monkeypatch, m
     read = method_run.read_inputs
 
     def lit(change):
-        def changed(asked):
-            found = read(asked)
+        def changed(asked, **options):
+            found = read(asked, **options)
             return replace(found, scene=change(found.scene))
 
         monkeypatch.setattr(method_run, "read_inputs", changed)

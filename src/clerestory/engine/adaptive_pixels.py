@@ -125,10 +125,10 @@ def _until(pixels: "_Pixels", goal: PixelGoal) -> Iterator[Round]:
     while ratio > _TOLERANCE and (steps > before).any():
         yield from pixels.double(steps, plan.length)
         ratio, before = goal.error(pixels.estimates()), steps
+        yield Round(pixels.sums, 1, ratio <= _TOLERANCE)
         factor *= _MARGIN * max(1.0, ratio)
         further = plan.allocation.doublings(factor, _doublings(most, plan.length))
         steps = np.maximum(steps, further)
-    yield Round(pixels.sums, 1, ratio <= _TOLERANCE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,8 +210,14 @@ class _Pixels:
         lengthen(self.job, numbers, self.sums, chosen, length, here)
 
     def double(self, steps: Int[np.ndarray, " pixel"], length: int) -> Iterator[Round]:
-        """Double the batches of each pixel a number of times, from a length on."""
+        """Double the batches of each pixel a number of times, from a length on.
+
+        Yield a round after each doubling but the last.
+        """
         self.expected = length * float(np.exp2(steps).sum())
-        for number in range(1, int(steps.max()) + 1):
+        last = int(steps.max())
+        for number in range(1, last + 1):
+            before = int(self.sums.count.sum())
             self.extend(steps >= number, length << number)
-            yield Round(self.sums, 1, False)
+            if number < last and int(self.sums.count.sum()) > before:
+                yield Round(self.sums, 1, False)

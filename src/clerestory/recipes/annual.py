@@ -29,9 +29,9 @@ from clerestory.recipes.model import RecipeModel
 from clerestory.sky.sky_conditions import Spectrum, sun_over
 from clerestory.sky.weather_formats import read_weather
 from clerestory.study.config import read_study
+from clerestory.study.input_checks import warn_of_inputs
 from clerestory.study.inputs import read_inputs
 from clerestory.study.job import Display, Job
-from clerestory.study.method_run import warn_of_inputs
 from clerestory.study.model_import import write_building_model
 from clerestory.study.study_matrices import StudyMatrices
 from clerestory.study.study_tracing import study_skies, trace_study
@@ -68,6 +68,20 @@ class AnnualLight:
         first = [next(iter(states.values())) for states in self.paths.values()]
         found = np.sum([arrays[light][grid.full_id] for arrays in first], axis=0)
         return np.asarray(found)
+
+    def by_state(
+        self, grid: GridRecord, *, light: Light = "total"
+    ) -> tuple[dict[str, Float[np.ndarray, "state sensor time"]], _Lux]:
+        """Return the light of each path with several states, and that of the others."""
+        fixed = np.zeros((grid.count, len(self.times)), np.float32)
+        switched = {}
+        for path, states in self.paths.items():
+            found = [arrays[light][grid.full_id] for arrays in states.values()]
+            if len(found) == 1:
+                fixed += found[0]
+            else:
+                switched[path] = np.stack(found)
+        return switched, fixed
 
 
 def check_timestep(weather: Path, timestep: int) -> None:
