@@ -5,7 +5,8 @@ method, both with the sun at its exact position. Window groups with states are s
 light paths: their light is stored for each state.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, final
@@ -29,9 +30,9 @@ from clerestory.recipes.model import RecipeModel
 from clerestory.sky.sky_conditions import Spectrum, sun_over
 from clerestory.sky.weather_formats import read_weather
 from clerestory.study.config import read_study
+from clerestory.study.input_checks import warn_of_inputs
 from clerestory.study.inputs import read_inputs
 from clerestory.study.job import Display, Job
-from clerestory.study.method_run import warn_of_inputs
 from clerestory.study.model_import import write_building_model
 from clerestory.study.study_matrices import StudyMatrices
 from clerestory.study.study_tracing import study_skies, trace_study
@@ -69,6 +70,20 @@ class AnnualLight:
         found = np.sum([arrays[light][grid.full_id] for arrays in first], axis=0)
         return np.asarray(found)
 
+    def by_state(
+        self, grid: GridRecord, *, light: Light = "total"
+    ) -> tuple[dict[str, Float[np.ndarray, "state sensor time"]], _Lux]:
+        """Return the light of each path with several states, and that of the others."""
+        fixed = np.zeros((grid.count, len(self.times)), np.float32)
+        switched = {}
+        for path, states in self.paths.items():
+            found = [arrays[light][grid.full_id] for arrays in states.values()]
+            if len(found) == 1:
+                fixed += found[0]
+            else:
+                switched[path] = np.stack(found)
+        return switched, fixed
+
 
 def check_timestep(weather: Path, timestep: int) -> None:
     """Require that a weather file has a number of time steps an hour."""
@@ -93,6 +108,24 @@ def annual_light(
     `values` are the inputs of a recipe. Matrices are stored in `folder`, so that an
     interrupted recipe can be resumed.
     """
+    with recipe_job(chosen, values, folder=folder, display=display) as job:
+        matrices = trace_study(job, spectrum=spectrum)
+        skies = study_skies(job.study, job.inputs, matrices.suns, spectrum=spectrum)
+        paths = _paths(job, matrices, skies, chosen)
+    grids = tuple(replace(record, light_paths=tuple(paths)) for record in chosen.grids)
+    times = job.inputs.weather.times
+    return AnnualLight(grids, times, values["timestep"], paths)
+
+
+@contextmanager
+def recipe_job(
+    chosen: RecipeModel, values: Mapping[str, Any], *, folder: Path, display: Display
+) -> Iterator[Job]:
+    """Write a model as a study, and yield the job of its tracing.
+
+    `values` are the inputs of a recipe, see `annual_light`. While it is open the folder
+    is locked.
+    """
     weather: Path = values["wea"]
     check_timestep(weather, values["timestep"])
     windows = bool(chosen.model.windows)
@@ -116,12 +149,7 @@ def annual_light(
         warn_of_inputs(study, inputs)
         store = MatrixStore(folder / "matrices")
         scratch = make_folder(folder / "unfinished")
-        job = Job(study, inputs, store, display, executor=executor, scratch=scratch)
-        matrices = trace_study(job, spectrum=spectrum)
-        skies = study_skies(study, inputs, matrices.suns, spectrum=spectrum)
-        paths = _paths(job, matrices, skies, chosen)
-    grids = tuple(replace(record, light_paths=tuple(paths)) for record in chosen.grids)
-    return AnnualLight(grids, inputs.weather.times, values["timestep"], paths)
+        yield Job(study, inputs, store, display, executor=executor, scratch=scratch)
 
 
 def _paths(
