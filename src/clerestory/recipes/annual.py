@@ -5,7 +5,8 @@ method, both with the sun at its exact position. Window groups with states are s
 light paths: their light is stored for each state.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, final
@@ -69,6 +70,20 @@ class AnnualLight:
         found = np.sum([arrays[light][grid.full_id] for arrays in first], axis=0)
         return np.asarray(found)
 
+    def by_state(
+        self, grid: GridRecord, *, light: Light = "total"
+    ) -> tuple[dict[str, Float[np.ndarray, "state sensor time"]], _Lux]:
+        """Return the light of each path with several states, and that of the others."""
+        fixed = np.zeros((grid.count, len(self.times)), np.float32)
+        switched = {}
+        for path, states in self.paths.items():
+            found = [arrays[light][grid.full_id] for arrays in states.values()]
+            if len(found) == 1:
+                fixed += found[0]
+            else:
+                switched[path] = np.stack(found)
+        return switched, fixed
+
 
 def check_timestep(weather: Path, timestep: int) -> None:
     """Require that a weather file has a number of time steps an hour."""
@@ -93,6 +108,24 @@ def annual_light(
     `values` are the inputs of a recipe. Matrices are stored in `folder`, so that an
     interrupted recipe can be resumed.
     """
+    with recipe_job(chosen, values, folder=folder, display=display) as job:
+        matrices = trace_study(job, spectrum=spectrum)
+        skies = study_skies(job.study, job.inputs, matrices.suns, spectrum=spectrum)
+        paths = _paths(job, matrices, skies, chosen)
+    grids = tuple(replace(record, light_paths=tuple(paths)) for record in chosen.grids)
+    times = job.inputs.weather.times
+    return AnnualLight(grids, times, values["timestep"], paths)
+
+
+@contextmanager
+def recipe_job(
+    chosen: RecipeModel, values: Mapping[str, Any], *, folder: Path, display: Display
+) -> Iterator[Job]:
+    """Write a model as a study, and yield the job of its tracing.
+
+    `values` are the inputs of a recipe, see `annual_light`. While it is open the folder
+    is locked.
+    """
     weather: Path = values["wea"]
     check_timestep(weather, values["timestep"])
     windows = bool(chosen.model.windows)
@@ -116,12 +149,7 @@ def annual_light(
         warn_of_inputs(study, inputs)
         store = MatrixStore(folder / "matrices")
         scratch = make_folder(folder / "unfinished")
-        job = Job(study, inputs, store, display, executor=executor, scratch=scratch)
-        matrices = trace_study(job, spectrum=spectrum)
-        skies = study_skies(study, inputs, matrices.suns, spectrum=spectrum)
-        paths = _paths(job, matrices, skies, chosen)
-    grids = tuple(replace(record, light_paths=tuple(paths)) for record in chosen.grids)
-    return AnnualLight(grids, inputs.weather.times, values["timestep"], paths)
+        yield Job(study, inputs, store, display, executor=executor, scratch=scratch)
 
 
 def _paths(
