@@ -71,6 +71,7 @@ def table(given: argparse.Namespace, folder: Path) -> str:
     name, ours, theirs = "annual-daylight", folder / "ours", folder / "theirs"
     words = ["recipe", name, str(inputs), "--folder", str(ours), "--workers", "2"]
     seconds = spent([sys.executable, "-c", _OURS, *words, "--quiet"])
+    theirs.mkdir()
     words = ["run", name, str(inputs), "-p", str(theirs), "-w", "2"]
     others = spent([given.lbt, *words])
     compared = rows(ours / "annual_daylight", theirs / "annual_daylight")
