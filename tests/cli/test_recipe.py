@@ -231,6 +231,30 @@ def test_blinds_are_the_second_state_of_each_window(recipe):
 
 
 @pytest.mark.slow
+def test_glare_of_an_eye_that_faces_the_window(recipe, tmp_path):
+    """Facing the window there is glare, facing the wall there is none."""
+    eyes = [{"pos": [2, 2, 1.2], "dir": d} for d in (SOUTH, [0, 1, 0])]
+    grids = [{"identifier": "eyes", "sensors": eyes}]
+    model = honeybee_model(office(), sensor_grids=grids)
+    effort = {"wea": str(WEATHER), "radiance_parameters": "-ab 3 -ad 500"}
+    folder = recipe("annual-glare", model, **effort)
+    dgp = np.loadtxt(folder / "results" / "eyes.dgp")
+    hours = np.loadtxt(folder / "results" / "sun-up-hours.txt")
+    assert dgp.shape == (2, len(hours))
+    facing, away = np.loadtxt(folder / "metrics" / "ga" / "eyes.ga")
+    assert facing < 95 < away
+    program = shutil.which("honeybee-radiance")
+    if program is not None:
+        schedule = tmp_path / "hours.csv"
+        schedule.write_text("\n".join(str(int(8 <= h % 24 < 18)) for h in range(8760)))
+        words = ["post-process", "annual-glare", "results", "-sf", "theirs"]
+        words += ["-sch", str(schedule)]
+        subprocess.run([program, *words], cwd=folder, check=True, timeout=300)
+        theirs = folder / "results" / "theirs" / "ga" / "eyes.ga"
+        assert np.loadtxt(theirs) == pytest.approx([facing, away], abs=0.01)
+
+
+@pytest.mark.slow
 def test_the_postprocessing_package_finds_the_same_metrics(recipe, tmp_path):
     program = shutil.which("honeybee-radiance-postprocess")
     if program is None:

@@ -58,6 +58,7 @@ from clerestory.recipes import grid_summary
 from clerestory.recipes.annual import AnnualLight
 from clerestory.recipes.breeam_credits import write_credits
 from clerestory.recipes.en17037_levels import write_levels
+from clerestory.recipes.grid_glare import write_glare
 from clerestory.recipes.leed_credits import write_points
 from clerestory.recipes.model import read_model
 from clerestory.recipes.outputs import _write_hourly
@@ -552,6 +553,8 @@ def test_recipe_results_hold_any_name(folder):
     write_levels(out / "en17037", chosen, annual, np.ones(1, bool))
     write_credits(out / "breeam", chosen, annual)
     write_points(out / "leed", chosen, annual)
+    one, light = np.ones(1), {name: lux / 2 for name, lux in light.items()}
+    write_glare(out / "glare", grids, light, one, one > 0, one > 0, 0.4)
     info = json.loads((out / "da" / "grids_info.json").read_text())
     assert len(info) == len(ALL)
     for k, grid in enumerate(info):
@@ -646,6 +649,7 @@ WRITERS = {
     "recipes.breeam_credits.write_credits": test_recipe_results_hold_any_name,
     "recipes.en17037_levels.annual_daylight_en17037": "numbers",
     "recipes.en17037_levels._write": test_recipe_results_hold_any_name,
+    "recipes.grid_glare.write_glare": test_recipe_results_hold_any_name,
     "recipes.grid_summary.write_metrics": test_recipe_results_hold_any_name,
     "recipes.grid_summary.write_summary": test_recipe_results_hold_any_name,
     "recipes.grid_summary.write_values": test_recipe_results_hold_any_name,

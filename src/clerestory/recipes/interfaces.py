@@ -8,6 +8,7 @@ from typing import Any, final
 from clerestory.recipes import (
     breeam_credits,
     en17037_levels,
+    grid_glare,
     leed_credits,
     outputs,
     view_outputs,
@@ -92,9 +93,25 @@ _DAYLIGHT = Recipe(
     outputs.annual_daylight,
 )
 
+_GLARE = Recipe(
+    (
+        *_model(),
+        _WEATHER,
+        Input("north", "number", 0.0, limits=_COMPASS),
+        _radiance("-ab 2 -ad 5000 -lw 2e-05"),
+        Input("schedule", "file"),
+        Input("glare-threshold", "number", 0.4, limits=(0, 1)),
+        Input("luminance-factor", "number", 2000.0, limits=(2000, 2000)),
+    ),
+    {"results": "results", "ga": "metrics/ga"},
+    grid_glare.annual_glare,
+)
+
 RECIPES: Mapping[str, Recipe] = {
     "annual-daylight": _DAYLIGHT,
     "annual-daylight-enhanced": _DAYLIGHT,
+    "annual-glare": _GLARE,
+    "imageless-annual-glare": _GLARE,
     "annual-irradiance": Recipe(
         (
             *_model(),
