@@ -43,7 +43,7 @@ from clerestory.study.electric_lighting import lighting
 from clerestory.study.energy_model import energy_model
 from clerestory.study.energy_simulation import annual_energy
 from clerestory.study.glazed_grid_points import grid_points
-from clerestory.study.illuminance_by_state import results_by_state
+from clerestory.study.illuminance_by_state import every_state, results_by_state
 from clerestory.study.input_checks import warn_of_inputs
 from clerestory.study.inputs import read_inputs
 from clerestory.study.job import Display, Job
@@ -178,6 +178,8 @@ def _simulate(job: Job, log: RunLog, states: States | None, *, out: Path) -> xr.
             occupied=signals.occupied,
             step_hours=signals.step_minutes / 60,
         )
+    by_state = study.output.by_state
+    counts = [len(group.states) for group in inputs.groups]
     with log.phase("pictures"):
         glare = study_views(
             views,
@@ -185,6 +187,7 @@ def _simulate(job: Job, log: RunLog, states: States | None, *, out: Path) -> xr.
             acts.states,
             lamps=lamps,
             output=_output(electric, skies),
+            every_state=every_state(counts, len(signals.times)) if by_state else (),
             out=out,
             display=display,
         )
@@ -226,15 +229,11 @@ def _view_grids(
     if not job.inputs.view_grids:
         return xr.Dataset()
     counts = [len(group.states) for group in job.inputs.groups]
-    steps = len(signals.times)
     found = study_view_grids(
         job.inputs.view_grids,
         points.glare,
         states,
-        every_state=[
-            [np.full(steps, min(state, count - 1)) for count in counts]
-            for state in range(max(counts, default=0))
-        ],
+        every_state=every_state(counts, len(signals.times)),
         hours=Hours(
             signals.times,
             np.flatnonzero(skies.whole.diffuse.max(axis=0) > 0),
