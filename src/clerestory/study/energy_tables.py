@@ -4,7 +4,8 @@ from typing import Annotated
 
 from pydantic import Field, model_validator
 
-from clerestory.study.config_tables import InputFile, Table, require_rule
+from clerestory.documents import Table
+from clerestory.study.config_tables import InputFile, require_rule
 
 Name = Annotated[str, Field(min_length=1, max_length=100)]
 
