@@ -51,7 +51,8 @@ class AnnualLight:
     Attributes
     ----------
     times : centres of the time steps, `timestep` an hour
-    paths : for each light path and state, arrays by grid
+    paths : for each light path and state, arrays by grid; only of the grids that have
+        the light path in their record
     """
 
     grids: tuple[GridRecord, ...]
@@ -66,9 +67,8 @@ class AnnualLight:
 
     def total(self, grid: GridRecord, *, light: Light = "total") -> _Lux:
         """Return the light of all light paths, each in its first state."""
-        first = [next(iter(states.values())) for states in self.paths.values()]
-        found = np.sum([arrays[light][grid.full_id] for arrays in first], axis=0)
-        return np.asarray(found)
+        switched, total = self.by_state(grid, light=light)
+        return np.asarray(total + sum(states[0] for states in switched.values()))
 
     def by_state(
         self, grid: GridRecord, *, light: Light = "total"
@@ -76,8 +76,9 @@ class AnnualLight:
         """Return the light of each path with several states, and that of the others."""
         fixed = np.zeros((grid.count, len(self.times)), np.float32)
         switched = {}
-        for path, states in self.paths.items():
-            found = [arrays[light][grid.full_id] for arrays in states.values()]
+        for path in grid.light_paths:
+            states = self.paths[path].values()
+            found = [arrays[light][grid.full_id] for arrays in states]
             if len(found) == 1:
                 fixed += found[0]
             else:
@@ -112,7 +113,7 @@ def annual_light(
         matrices = trace_study(job, spectrum=spectrum)
         skies = study_skies(job.study, job.inputs, matrices.suns, spectrum=spectrum)
         paths = _paths(job, matrices, skies, chosen)
-    grids = tuple(replace(record, light_paths=tuple(paths)) for record in chosen.grids)
+    grids = tuple(_with_paths(record, paths) for record in chosen.grids)
     times = job.inputs.weather.times
     return AnnualLight(grids, times, values["timestep"], paths)
 
@@ -173,7 +174,37 @@ def _paths(
             else:
                 name = file_stem(f"{at}_{state.name or group.name}")
                 found.setdefault(path, {})[name] = arrays
+        if len(group.states) > 1 and len(found) > 1:
+            found[path] = _lit(found[path])
     return found
+
+
+def _lit(states: Mapping[str, Arrays]) -> dict[str, Arrays]:
+    # Arrays of the grids that the light path lights in one of its states
+    lit = {
+        name
+        for arrays in states.values()
+        for name, lux in arrays["total"].items()
+        if lux.any()
+    }
+    return {
+        state: {
+            light: {name: lux for name, lux in found.items() if name in lit}
+            for light, found in arrays.items()
+        }
+        for state, arrays in states.items()
+    }
+
+
+def _with_paths(
+    record: GridRecord, paths: Mapping[str, Mapping[str, Arrays]]
+) -> GridRecord:
+    own = [
+        path
+        for path, states in paths.items()
+        if record.full_id in next(iter(states.values()))["total"]
+    ]
+    return replace(record, light_paths=tuple(own))
 
 
 def _arrays(

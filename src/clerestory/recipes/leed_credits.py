@@ -12,7 +12,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from clerestory.control.lm83_blinds import SUN_LUX, operate_by_direct_sun
+from clerestory.control.lm83_blinds import (
+    MOST_SENSORS,
+    SUN_LUX,
+    operate_by_direct_sun,
+)
 from clerestory.files import make_folder, write_text
 from clerestory.metrics.climate_based_metrics import TARGET_LUX
 from clerestory.metrics.honeybee_writer import GridRecord, write_grids_info
@@ -98,7 +102,7 @@ def _space(light: AnnualLight, grid: GridRecord) -> _Space:
     sunny = {path: lux for path, lux in direct.items() if lux[0].max() > 0}
     states = {path: np.zeros(len(light.times), dtype=int) for path in total}
     opened = static + sum(lux[0] for lux in direct.values())
-    kept = np.ones(len(light.times), dtype=bool)
+    kept = (opened >= SUN_LUX).mean(axis=0) <= MOST_SENSORS
     if sunny:
         operation = operate_by_direct_sun(sunny, static=static)
         states, kept = states | operation.states, operation.kept

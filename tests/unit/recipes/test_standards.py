@@ -3,13 +3,14 @@
 import json
 import shutil
 import subprocess
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from honeybee_models import honeybee_model, office
 
-from clerestory.metrics.honeybee import STATIC
-from clerestory.recipes.annual import AnnualLight
+from clerestory.metrics.honeybee import STATIC, read_honeybee
+from clerestory.recipes.annual import AnnualLight, _lit, _with_paths
 from clerestory.recipes.breeam_credits import write_credits
 from clerestory.recipes.en17037_levels import write_levels
 from clerestory.recipes.leed_credits import write_points
@@ -45,7 +46,8 @@ def light_of(chosen, total, direct=None):
     if len(states) == 1:
         return AnnualLight(chosen.grids, TIMES, 1, {STATIC: {"default": states[0]}})
     names = {f"{k}_state": each for k, each in enumerate(states)}
-    return AnnualLight(chosen.grids, TIMES, 1, {"south": names})
+    grids = tuple(replace(each, light_paths=("south",)) for each in chosen.grids)
+    return AnnualLight(grids, TIMES, 1, {"south": names})
 
 
 def saved(folder, name):
@@ -151,6 +153,31 @@ def test_sun_that_no_blind_stops_gives_no_points(chosen, tmp_path):
     assert saved(tmp_path, "summary")["credits"] == 0
     failed = saved(tmp_path, "states_schedule_err")
     assert failed == {"a": np.flatnonzero(sunlit).tolist()}
+
+
+def test_light_paths_of_a_grid_are_those_that_light_it(chosen, tmp_path):
+    """The window "south" lights both grids, "north" only "b"; each has two states."""
+    found = {}
+    for path, (a, b) in {"south": (300.0, 30.0), "north": (0.0, 7.0)}.items():
+        lux = {"a": np.full((8, 8760), a), "b": np.full((4, 8760), b)}
+        half = {name: values / 2 for name, values in lux.items()}
+        states = {
+            f"{k}_state": {"total": each, "direct": each}
+            for k, each in enumerate((lux, half))
+        }
+        found[path] = _lit(states) if found else states
+    grids = tuple(_with_paths(record, found) for record in chosen.grids)
+    assert [each.light_paths for each in grids] == [("south",), ("south", "north")]
+    light = AnnualLight(grids, TIMES, 1, found)
+    write_illuminance(tmp_path, light)
+    assert not list((tmp_path / "results" / "north").rglob("a.npy"))
+    folder = read_honeybee(tmp_path / "results")
+    assert folder.dynamic_paths("a") == ("south",)
+    for name, first, second in (("a", 300, 150), ("b", 37, 33.5)):
+        assert np.all(folder.illuminance(name) == first)
+        assert np.all(folder.illuminance(name) == light.total(grids[name == "b"]))
+        last = "north" if name == "b" else "south"
+        assert np.all(folder.illuminance(name, states={last: 1}) == second)
 
 
 @pytest.mark.slow
