@@ -78,6 +78,15 @@ class Bands:
     def __str__(self) -> str:
         return ", ".join(self.names)
 
+    def __getitem__(self, chosen: slice) -> "Bands":
+        """Return consecutive bands."""
+        return Bands(
+            self.names[chosen],
+            self.efficacy and self.efficacy[chosen],
+            self.limits_nm and self.limits_nm[chosen],
+            self.weightings and self.weightings[chosen],
+        )
+
     @property
     def weights(self) -> Float[np.ndarray, " band"]:
         """Luminous efficacy of each band [lm/W]."""

@@ -118,6 +118,20 @@ def read_bytes(path: str | Path) -> bytes:
         raise InputError(f"cannot be read: {reason}", file=path) from error
 
 
+def read_start(path: str | Path, count: int) -> bytes:
+    """Return at most `count` bytes from the start of a file; none of other things.
+
+    Pipes, devices and the files in /proc have no start: reading could wait for ever.
+    """
+    try:
+        with os.fdopen(os.open(path, os.O_RDONLY | _WITHOUT_WAITING), "rb") as stream:
+            state = os.fstat(stream.fileno())
+            sized = stat.S_ISREG(state.st_mode) and state.st_size > 0
+            return stream.read(count) if sized else b""
+    except (OSError, ValueError):
+        return b""
+
+
 def make_folder(path: str | Path) -> Path:
     """Create a folder for results, with parent folders, and return the path."""
     path = Path(path)

@@ -94,13 +94,15 @@ def shown(browse, page):
         found.picture = document.querySelector("#picture-0 .said").textContent;
         found.csv = csvLines(explorer, explorer.shownMoment);
         found.png = (await explorer.year.picture(["title"])).size;
-        await set("kind-a", "all:2"); found.closed = year();
-        await set("kind-a", "rule"); await set("rule-limit-a", 150);
-        found.rule = year();
-        await set("kind-a", "operated"); await set("shown", "difference");
-        found.difference = year();
-        await set("shown", "a");
         await set("dgp-limit", 0.45, "input");
+        const exceeded = () => document.getElementById("exceeded-0").textContent;
+        await set("kind-a", "all:2"); found.closed = year();
+        found.glareClosed = exceeded();
+        await set("kind-a", "rule"); await set("rule-limit-a", 150);
+        found.rule = year(); found.glareRule = exceeded();
+        await set("kind-a", "operated"); await set("shown", "difference");
+        found.difference = year(); found.glareBoth = exceeded();
+        await set("shown", "a");
         found.glare = document.getElementById("exceeded-0").textContent;
         found.positions = [...explorer.shownPositions.values];
         await set("direction", 4, "input");
@@ -193,6 +195,19 @@ def test_glare_is_that_of_the_file(shown, results):
     assert np.allclose(shown["positions"], shares.max(axis=1), atol=1e-9)
     assert np.allclose(shown["south"], shares[:, 4], atol=1e-9)
     assert shown["southWords"] == "180°"
+
+
+def test_glare_of_states_and_rules_is_that_of_the_file(shown, results):
+    """Closed always; closed above 150 W/m²; and as operated beside always open."""
+    data = results.data
+    hours = data["occupied"].values
+    dgp = data["glare_dgp_by_state"].values[0][:, hours]
+    ruled = data["facade_irradiance"].values[0, hours].round(1) > 150
+    expected = [dgp[2], np.where(ruled, dgp[1], dgp[0])]
+    found = [shown["glareClosed"], shown["glareRule"]]
+    assert found == [f"{share(each > 0.45):.1f} %" for each in expected]
+    opened = f"{share(dgp[0] > 0.45):.1f} %"
+    assert shown["glareBoth"] == f"A {shown['glare']}, B {opened}"
 
 
 def test_downloads_hold_what_is_shown(shown, results):

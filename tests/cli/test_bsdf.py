@@ -38,6 +38,15 @@ def test_a_sound_file_passes(call):
     )
 
 
+def test_a_built_in_product_is_checked_as_its_file_would_be(call, room):
+    name = "library:single-clear-6"
+    outcome = call("bsdf", "check", name)
+    assert outcome.status == 0
+    assert call("bsdf", "library", name, "-o", "clear.xml").status == 0
+    written = call("bsdf", "check", "clear.xml")
+    assert outcome.out == written.out.replace("clear.xml", name)
+
+
 def test_a_file_that_radiance_refuses_is_doubtful(call, room):
     text = (room / "diffuser.xml").read_text()
     spaced = text.replace("<FileType>BSDF<", "<FileType> BSDF <")

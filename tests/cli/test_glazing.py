@@ -70,6 +70,13 @@ def test_heat_is_reported(call, glass):
     assert "W/(m2 K)" in outcome.out
 
 
+def test_built_in_products_are_described(call):
+    outcome = call("glazing", "info", "library:double-lowe-6")
+    assert outcome.status == 0
+    assert outcome.out.count("clear-6: Glass") == 1
+    assert "absorbed by 2" in outcome.out
+
+
 def test_products_and_folders_are_described(call, room, glass):
     assert "Plain glass: Glass" in call("glazing", "info", glass).out
     (room / "shop").mkdir()

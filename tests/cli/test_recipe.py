@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from honeybee_models import GLASS, TINT, honeybee_model, office
 
+from clerestory.image.picture_files import read_picture
 from clerestory.metrics.honeybee import read_honeybee
 from clerestory.sky.sky_conditions import sky_conditions
 from clerestory.sky.weather_formats import read_weather
@@ -75,6 +76,29 @@ def test_illuminance_of_an_open_field_at_one_time(recipe, sky, up, south):
         assert found[1] / found[0] == pytest.approx(1 / 3**0.5, rel=0.03)
     else:
         assert found == pytest.approx([up, south], rel=0.01)
+
+
+def test_pictures_of_a_uniform_sky(recipe):
+    """Upwards 100/π W/(m²·sr); the distant shade is not in view."""
+    up = {"identifier": "up", "position": [0, 0, 1], "direction": UP}
+    view = up | {"up_vector": [0, 1, 0], "view_type": "v", "h_size": 40, "v_size": 20}
+    model = field(UP)
+    other = view | {"identifier": "left out"}
+    model["properties"]["radiance"]["views"] = [view, other]
+    for metric, value in (("luminance", 100 / np.pi), ("illuminance", 0)):
+        folder = recipe(
+            "point-in-time-view",
+            model,
+            sky="irradiance 100 -u",
+            metric=metric,
+            resolution=8,
+            view_filter="u*",
+            radiance_parameters="-ab 1 -ad 64",
+        )
+        (path,) = (folder / "results").glob("*.HDR")
+        picture = read_picture(path)
+        assert (picture.columns, picture.rows) == (8, 4)
+        assert picture.radiance == pytest.approx(value, rel=0.01)
 
 
 def test_irradiance_at_one_time_is_that_of_the_text(recipe):
@@ -190,6 +214,47 @@ def test_states_of_dynamic_groups_are_light_paths(recipe, dynamic):
 
 
 @pytest.mark.slow
+def test_blinds_are_the_second_state_of_each_window(recipe):
+    """Blinds transmit 5 % diffusely, and 0.01 % of the direct sunlight straight on."""
+    model = honeybee_model(office(), sensor_grids=[grid()])
+    effort = {"wea": str(WEATHER), "radiance_parameters": "-ab 2 -ad 5000"}
+    folder = recipe("leed-daylight-option-one", model, **effort)
+    found = read_honeybee(folder / "results")
+    (path,) = found.paths["desk"]
+    opened, closed = found.by_state("desk", path)
+    ratio = closed.sum(axis=1) / opened.sum(axis=1)
+    assert np.all((ratio > 0.01) & (ratio < 0.08))
+    opened, closed = found.by_state("desk", path, light="direct")
+    assert closed == pytest.approx(1e-4 * opened, rel=1e-3)
+    summary = json.loads((folder / "leed_summary" / "summary.json").read_text())
+    assert summary["total_sensor_count"] == 2
+
+
+@pytest.mark.slow
+def test_glare_of_an_eye_that_faces_the_window(recipe, tmp_path):
+    """Facing the window there is glare, facing the wall there is none."""
+    eyes = [{"pos": [2, 2, 1.2], "dir": d} for d in (SOUTH, [0, 1, 0])]
+    grids = [{"identifier": "eyes", "sensors": eyes}]
+    model = honeybee_model(office(), sensor_grids=grids)
+    effort = {"wea": str(WEATHER), "radiance_parameters": "-ab 3 -ad 500"}
+    folder = recipe("annual-glare", model, **effort)
+    dgp = np.loadtxt(folder / "results" / "eyes.dgp")
+    hours = np.loadtxt(folder / "results" / "sun-up-hours.txt")
+    assert dgp.shape == (2, len(hours))
+    facing, away = np.loadtxt(folder / "metrics" / "ga" / "eyes.ga")
+    assert facing < 95 < away
+    program = shutil.which("honeybee-radiance")
+    if program is not None:
+        schedule = tmp_path / "hours.csv"
+        schedule.write_text("\n".join(str(int(8 <= h % 24 < 18)) for h in range(8760)))
+        words = ["post-process", "annual-glare", "results", "-sf", "theirs"]
+        words += ["-sch", str(schedule)]
+        subprocess.run([program, *words], cwd=folder, check=True, timeout=300)
+        theirs = folder / "results" / "theirs" / "ga" / "eyes.ga"
+        assert np.loadtxt(theirs) == pytest.approx([facing, away], abs=0.01)
+
+
+@pytest.mark.slow
 def test_the_postprocessing_package_finds_the_same_metrics(recipe, tmp_path):
     program = shutil.which("honeybee-radiance-postprocess")
     if program is None:
@@ -220,6 +285,11 @@ def test_faults_are_one_line(call, tmp_path):
     for name, inputs, message in (
         ("spam", {}, "recipe is 'spam'; one of annual-daylight"),
         ("sky-view", {}, 'input "model" is missing'),
+        (
+            "point-in-time-view",
+            {"model": "model.hbjson", "sky": "cie -alt 45 -az 180"},
+            "no view matches '*'; one of none expected",
+        ),
         (
             "sky-view",
             {"model": "model.hbjson", "grid-filter": "x*"},

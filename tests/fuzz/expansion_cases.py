@@ -525,5 +525,5 @@ def measured(name: str) -> dict[str, object]:
 
 
 if __name__ == "__main__":
-    sys.path.insert(0, str(Path(__file__).parent))
+    sys.path[:0] = [str(folder) for folder in Path(__file__).parents[:2]]
     json.dump(measured(sys.argv[1]), sys.stdout)

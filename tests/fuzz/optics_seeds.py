@@ -194,9 +194,9 @@ READERS = {
         use=_fit_used,
         sealed=sealed,
     ),
-    "optics file": Reader("glazing.layer_files:read_layer", "a.dat", (OPTICS_FILE,)),
+    "optics file": Reader("library.layer_source:read_layer", "a.dat", (OPTICS_FILE,)),
     "igsdb": Reader(
-        "glazing.layer_files:read_layer",
+        "library.layer_source:read_layer",
         "a.json",
         (json.dumps(PRODUCT), json.dumps(SHADE)),
     ),
@@ -207,7 +207,7 @@ READERS = {
         use=lambda function, path: function(path.parent),
     ),
     "glazing system": Reader(
-        "glazing.glazing_system:read_system",
+        "library.system_file:read_system",
         "g.toml",
         (SYSTEM,),
         beside={"a.json": json.dumps(PRODUCT)},

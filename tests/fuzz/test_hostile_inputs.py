@@ -4,6 +4,7 @@ import ast
 import json
 import os
 import re
+import signal
 import time
 import warnings
 from pathlib import Path
@@ -167,7 +168,7 @@ def odd_path(request, folder):
             os.mkfifo(path)
         case "zero" | "random":
             path = Path("/dev/zero" if request.param == "zero" else "/dev/urandom")
-        case "kmsg":  # a regular file without size, which never ends
+        case "kmsg":  # a regular file without size; reading waits for messages
             path = Path("/proc/kmsg")
         case "folder":
             path.mkdir()
@@ -197,6 +198,21 @@ COMMANDS = (
 )
 
 
+@pytest.fixture
+def impatient():
+    """A test that waits for data which never come fails after a minute."""
+
+    def too_long(*_):
+        pytest.fail("waits for a pipe or a device")
+
+    before = signal.signal(signal.SIGALRM, too_long)
+    signal.alarm(60)
+    yield
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)
+
+
+@pytest.mark.usefixtures("impatient")
 @pytest.mark.parametrize("command", COMMANDS)
 def test_pipes_devices_and_folders_are_refused_at_once(said, odd_path, command):
     status, text = said(*(word.format(odd_path) for word in command.split()))

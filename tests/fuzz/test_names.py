@@ -56,6 +56,10 @@ from clerestory.radiance.rad_writer import format_rad
 from clerestory.radiance.window_reader import read_windows
 from clerestory.recipes import grid_summary
 from clerestory.recipes.annual import AnnualLight
+from clerestory.recipes.breeam_credits import write_credits
+from clerestory.recipes.en17037_levels import write_levels
+from clerestory.recipes.grid_glare import write_glare
+from clerestory.recipes.leed_credits import write_points
 from clerestory.recipes.model import read_model
 from clerestory.recipes.outputs import _write_hourly
 from clerestory.report.bsdf_plot import share_figure
@@ -535,7 +539,8 @@ def test_recipe_results_hold_any_name(folder):
     path.write_text(json.dumps(model))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        grids = read_model(path.rename(folder / "m.hbjson")).grids
+        chosen = read_model(path.rename(folder / "m.hbjson"))
+    grids = chosen.grids
     out = folder / "out" / "recipe"
     values = {g.full_id: np.full(g.count, float(k)) for k, g in enumerate(grids)}
     grid_summary.write_metrics(out, grids, {"da": values})
@@ -545,6 +550,11 @@ def test_recipe_results_hold_any_name(folder):
     times = np.array(["2023-01-01T12:30"], "datetime64[s]")
     annual = AnnualLight(grids, times, 1, {STATIC: {"default": arrays}})
     _write_hourly(out / "hourly", annual, "total")
+    write_levels(out / "en17037", chosen, annual, np.ones(1, bool))
+    write_credits(out / "breeam", chosen, annual)
+    write_points(out / "leed", chosen, annual)
+    one, light = np.ones(1), {name: lux / 2 for name, lux in light.items()}
+    write_glare(out / "glare", grids, light, one, one > 0, one > 0, 0.4)
     info = json.loads((out / "da" / "grids_info.json").read_text())
     assert len(info) == len(ALL)
     for k, grid in enumerate(info):
@@ -636,10 +646,17 @@ WRITERS = {
     "phases.illuminance.illuminance": "numbers",
     "radiance.generated_sky.sky_scene": "read by Clerestory alone, one line",
     "radiance.illum_table.write_illums": test_names_within_materials_are_escaped,
+    "recipes.breeam_credits.write_credits": test_recipe_results_hold_any_name,
+    "recipes.en17037_levels.annual_daylight_en17037": "numbers",
+    "recipes.en17037_levels._write": test_recipe_results_hold_any_name,
+    "recipes.grid_glare.write_glare": test_recipe_results_hold_any_name,
     "recipes.grid_summary.write_metrics": test_recipe_results_hold_any_name,
     "recipes.grid_summary.write_summary": test_recipe_results_hold_any_name,
     "recipes.grid_summary.write_values": test_recipe_results_hold_any_name,
+    "recipes.leed_credits.write_points": test_recipe_results_hold_any_name,
+    "recipes.leed_credits._write_sensors": test_recipe_results_hold_any_name,
     "recipes.outputs._write_hourly": test_recipe_results_hold_any_name,
+    "recipes.view_outputs.point_in_time_view": "names of files by file_stems, JSON",
     "report.bsdf_view.write_view": test_pages_hold_any_text,
     "report.comparison_page.write_comparison": test_pages_hold_any_text,
     "report.explore_page.write_explorer": test_pages_hold_any_text,

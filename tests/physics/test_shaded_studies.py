@@ -76,8 +76,12 @@ def test_glare_chooses_the_least_closed_state(study, tmp_path, method):
     dgp = np.stack(glare)
     limit = float(np.median(dgp[1]))
     rule = f'rule = "glare"\ndgp_below = {limit!r}'
-    ruled = study(method=method, control=rule, more=VIEW + SUNS, hours=NOON)
-    results = run_study(ruled, out=tmp_path / "out")
+    study(method=method, control=rule, more=VIEW + SUNS, hours=NOON)
+    file = tmp_path / "study" / "study.toml"
+    file.write_text(file.read_text().replace("[output]", "[output]\nby_state = true"))
+    results = run_study(read_study(file), out=tmp_path / "out")
+    by_state = results.data["glare_dgp_by_state"].transpose("view", "shade_state", ...)
+    np.testing.assert_allclose(by_state[0], dgp, rtol=1e-6)
     good = dgp <= limit + 1e-9
     expected = np.where(good.any(axis=0), good.argmax(axis=0), dgp.argmin(axis=0))
     state = results.data["state"].values[0].astype(int)

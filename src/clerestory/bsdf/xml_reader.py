@@ -32,6 +32,9 @@ from clerestory.spectra import wavelength_unit_nm
 # Scattering functions by WavelengthDataDirection in lower case.
 _NAMES: dict[str, Function] = {name.replace("_", " "): name for name in FUNCTIONS}
 
+# Channels that are integrals over a spectrum, whatever the unit of their wavelength.
+_INTEGRALS = ("visible", "solar", "nir", "cie-x", "cie-z", "cie-u", "cie-v")
+
 # Ranks of tensor trees by IncidentDataStructure, and angle basis of trees.
 _RANKS: dict[str, Literal[3, 4]] = {"tensortree3": 3, "tensortree4": 4}
 _BASIS = "LBNL/Shirley-Chiu"
@@ -99,12 +102,12 @@ def read_bsdf(path: str | Path) -> Bsdf:
 
 
 def _channel(data: etree._Element, document: Document) -> str:
-    # "visible", or "550 nm" for data at a wavelength
+    # "visible", whatever its unit, or "550 nm" for data at a wavelength
     text = document.text(data, "Wavelength").lower()
     element = document.find(data, "Wavelength")
     unit = "" if element is None else element.get("unit", "")
     unit_nm = wavelength_unit_nm(unit)
-    if unit_nm is None:
+    if unit_nm is None or text in _INTEGRALS:
         return text
     document.check(
         is_number(text) and 0 < float(text) * unit_nm < np.inf,

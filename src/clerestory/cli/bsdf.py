@@ -15,7 +15,7 @@ from clerestory.cli.angle_pair import angle_pair
 from clerestory.cli.progress import say
 from clerestory.cli.requests import bsdf as requests
 from clerestory.errors import InputError
-from clerestory.library.bsdf_source import read_bsdf
+from clerestory.library.bsdf_source import bsdf_file, read_bsdf
 from clerestory.report.bsdf_plot import (
     direction_from_angles,
     lobe_figure,
@@ -38,7 +38,8 @@ def check(request: requests.CheckBsdf) -> int:
     reports: list[tuple[Path, tuple[Finding, ...], str]] = []
     for file in request.files:
         try:
-            reports.append((file, check_file(file), ""))
+            with bsdf_file(file) as path:
+                reports.append((file, check_file(path), ""))
         except InputError as error:
             reports.append((file, (), str(error)))
     if request.as_json:
@@ -82,9 +83,14 @@ def insert(request: requests.InsertBsdf) -> None:
     """Insert BSDF data into a template file, and check that the result can be read."""
     source, template, output = request.source, request.template, request.output
     wanted = [name.strip() for name in request.channels.split(",") if name.strip()]
-    result = insert_blocks(
-        source, template, output, channels=wanted, source_channel=request.source_channel
-    )
+    with bsdf_file(source) as path:
+        result = insert_blocks(
+            path,
+            template,
+            output,
+            channels=wanted,
+            source_channel=request.source_channel,
+        )
     read_bsdf(output)
     say(f"{output}: {', '.join(result.blocks)} from {source}")
     if result.kept:

@@ -16,14 +16,15 @@ from clerestory.energyplus.input_objects import write_objects
 from clerestory.errors import InputError
 from clerestory.glazing import glazing_system
 from clerestory.glazing.layer import Glass, Layer
-from clerestory.glazing.layer_files import read_catalogue, read_layer
+from clerestory.glazing.layer_files import read_catalogue
 from clerestory.glazing.layer_random_walk import walk_layers
 from clerestory.glazing.stack import StackedLayers, stack_layers
 from clerestory.glazing.standard import Channel
 from clerestory.glazing.standard import standard as standard_named
 from clerestory.glazing.thermal import ThermalFigures, thermal_figures
 from clerestory.hemisphere.klems import klems
-from clerestory.library.bsdf_source import is_library_name, library_layers
+from clerestory.library.layer_source import read_layers
+from clerestory.library.system_file import read_system
 from clerestory.spectral.band_sets import band_set
 
 _SHOWN: tuple[Channel, Channel] = ("visible", "solar")
@@ -88,9 +89,9 @@ def info(request: GlazingInfo) -> None:
                 note = f"  {entry.problem}" if entry.problem else ""
                 say(f"{number:>7}  {entry.name:40}  {entry.path.name}{note}")
             continue
-        layer = read_layer(path)
-        stacked = stack_layers([layer], partition=klems("quarter"))
-        say(*_about(layer), *_figures(stacked))
+        layers = read_layers(path)
+        stacked = stack_layers(layers, partition=klems("quarter"))
+        say(*(line for layer in layers for line in _about(layer)), *_figures(stacked))
 
 
 def _system(files: list[Path], gap: float, gas: str) -> glazing_system.GlazingSystem:
@@ -98,14 +99,8 @@ def _system(files: list[Path], gap: float, gas: str) -> glazing_system.GlazingSy
         require(
             len(files) == 1, "a TOML file is given with other files; one file expected"
         )
-        return glazing_system.read_system(files[0])
-    layers = [
-        layer
-        for path in files
-        for layer in (
-            library_layers(str(path)) if is_library_name(path) else [read_layer(path)]
-        )
-    ]
+        return read_system(files[0])
+    layers = [layer for path in files for layer in read_layers(path)]
     return glazing_system.system_with_equal_gaps(
         layers, gap=glazing_system.Gap(gap * _MILLIMETRE, _gases(gas))
     )

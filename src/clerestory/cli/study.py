@@ -10,6 +10,7 @@ from rich.table import Table
 from clerestory.cli.progress import progress_display, say
 from clerestory.cli.requests import study as requests
 from clerestory.cli.variants import run_all
+from clerestory.cli.view import view_command
 from clerestory.metrics.replicates import error_of_group_mean
 from clerestory.report.compliance_words import verdict_words
 from clerestory.report.page import REPORT_FILE, picture_folder, write_report
@@ -100,7 +101,7 @@ def report(request: requests.WriteReport) -> None:
     )
     pictures = picture_folder(folder, results)
     write_report(results, page, pictures=pictures, title_block=block)
-    say(f"report: {page}", quiet=request.quiet)
+    say(f"report: {page}", f"explore: {view_command(path)}", quiet=request.quiet)
     if request.pdf:
         write_pdf(page, page.with_suffix(".pdf"))
         say(f"PDF: {page.with_suffix('.pdf')}", quiet=request.quiet)
@@ -118,6 +119,7 @@ def _run(study: Study, folder: Path, *, quiet: bool) -> None:
         for name, words in _verdicts(results):
             say(f"{name}: {words}")
         say(f"results: {folder}", f"report:  {page.resolve().as_uri()}")
+        say(f"explore: {view_command(folder)}")
 
 
 def _summary(results: Results) -> Table:

@@ -1,5 +1,6 @@
 """Runs of all variants of a study, and comparisons of finished runs."""
 
+import shlex
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -7,6 +8,7 @@ from rich.console import Console
 from rich.table import Table
 
 from clerestory.cli.progress import progress_display, say
+from clerestory.cli.view import view_command
 from clerestory.files import make_folder
 from clerestory.report.page import REPORT_FILE
 from clerestory.report.uncertain_value import Figure
@@ -34,7 +36,11 @@ def run_all(variants: Sequence[Variant], folder: Path, *, quiet: bool) -> None:
     study = variants[0].study
     block = study.report.title_block()
     _finish(found, folder, study.title, title_block=block, quiet=quiet)
-    say(f"report of one variant: clerestory report '{first}'", quiet=quiet)
+    say(
+        f"report of one variant:  clerestory report {shlex.quote(str(first))}",
+        f"explore one variant:    {view_command(first)}",
+        quiet=quiet,
+    )
 
 
 def compare_runs(

@@ -1,6 +1,8 @@
 """`clerestory view`: the interactive page of a run, served or as a file."""
 
+import shlex
 from contextlib import suppress
+from pathlib import Path
 
 from clerestory.cli.progress import say
 from clerestory.cli.requests.study import View
@@ -25,3 +27,8 @@ def view(request: View) -> None:
         say(f"open {server.address}", "to end, press Ctrl-C")
         with suppress(KeyboardInterrupt):
             server.serve_forever()
+
+
+def view_command(results: Path) -> str:
+    """Return the command that opens the interactive page of results."""
+    return f"clerestory view {shlex.quote(str(results))}"

@@ -1,13 +1,15 @@
-"""Spectral channels of the engine: the bands of a scene, traced three at a time.
+"""Spectral channels of the engine: bands that share paths, or are traced by threes.
 
-A path carries three spectral values. A scene with more bands is traced once per
-group of three bands, along the same paths (same seed). One channel is enough for a
-scene of grey materials.
+BSDFs have three channels. If the colour c of each surface enters its BSDF linearly,
+f(c) = f(0) + c (f(1) − f(0)), two channels determine all bands, and the paths of a
+matrix carry the throughput of every band. All other scenes are traced once per group
+of three bands, with the same seed. One channel is enough for grey materials.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 
@@ -24,10 +26,22 @@ from clerestory.scene.material import (
     parts,
     with_colours,
 )
-from clerestory.scene.model import BsdfSurface, Illum, Patterned, Scene
+from clerestory.scene.materials.mirror import Mirror
+from clerestory.scene.materials.modified import Textured
+from clerestory.scene.model import (
+    BsdfSurface,
+    Illum,
+    Metal,
+    Patterned,
+    Plastic,
+    Scene,
+)
 
 # Number of channels in a group
 GROUP = 3
+
+# Largest number of bands along one path; kernels grow with the number
+_MOST_BANDS = 81
 
 
 def channels_of(scene: Scene) -> int:
@@ -43,6 +57,75 @@ def band_groups(scene: Scene) -> tuple[Scene, ...]:
     returned unchanged.
     """
     return (scene,) if scene.bands == RGB else _groups(scene)
+
+
+def bands_share_paths(scene: Scene) -> bool:
+    """Whether two reflectances determine the light in all bands of a scene."""
+    return (
+        scene.bands != RGB
+        and len(scene.bands) > GROUP
+        and channels_of(scene) > 1
+        and all(is_grey(m) or _is_linear(m) for m in scene.materials.values())
+    )
+
+
+@lru_cache(maxsize=1)
+def shared_groups(scene: Scene) -> tuple[Scene, ...]:
+    """Return scenes with the bands of a scene that share paths, at most 81 each."""
+    count = len(scene.bands)
+    if count <= _MOST_BANDS:
+        return (scene,)
+    number = -(-count // _MOST_BANDS)
+    limits = np.linspace(0, count, number + 1).round().astype(int)
+    return tuple(
+        _in_some_bands(scene, slice(first, end)) for first, end in pairwise(limits)
+    )
+
+
+def _in_some_bands(scene: Scene, chosen: slice) -> Scene:
+    def some(colour: Colour) -> Colour:
+        return colour[chosen] if len(colour) == len(scene.bands) else colour
+
+    materials = {n: with_colours(m, some) for n, m in scene.materials.items()}
+    return replace(scene, materials=materials, bands=scene.bands[chosen])
+
+
+def at_two_reflectances(scene: Scene) -> Scene:
+    """Return a scene in which coloured surfaces are black in the first channel.
+
+    The other two channels have the reflectance of the brightest band.
+    """
+
+    def black_and_brightest(colour: Colour) -> Colour:
+        most = colour.max()
+        return np.array([most if np.ptp(colour) == 0 else 0.0, most, most])
+
+    materials = {
+        n: with_colours(m, black_and_brightest) for n, m in scene.materials.items()
+    }
+    return replace(scene, materials=materials, bands=RGB)
+
+
+def shares_of_brightest(material: Material, count: int) -> Colour:
+    """Return the colour of a material in all bands, relative to the brightest band."""
+    for colour in colours(material):
+        if np.ptp(colour) > 0:
+            return np.asarray(colour / colour.max())
+    for part in parts(material):
+        return shares_of_brightest(part, count)
+    return np.ones(count)
+
+
+def _is_linear(material: Material) -> bool:
+    # Whether a single colour multiplies a part of the reflected light
+    match material:
+        case Plastic() | Metal() | Mirror(alternate=None):
+            return True
+        case Patterned(base=base, pattern=pattern):
+            return pattern.grey and _is_linear(base)
+        case Textured(base=base):
+            return _is_linear(base)
+    return False
 
 
 @lru_cache(maxsize=1)

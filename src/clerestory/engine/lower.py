@@ -13,10 +13,10 @@ import numpy as np
 from jaxtyping import Float, Int, Shaped
 
 from clerestory.bands import RGB
-from clerestory.checks import require
 from clerestory.engine import materials
 from clerestory.engine.analytic_shapes import analytic_shape, without_analytic
-from clerestory.engine.channels import channels_of
+from clerestory.engine.band_throughput import BandThroughput
+from clerestory.engine.channels import at_two_reflectances, channels_of
 from clerestory.engine.emitters import Emitters, split_by_surface
 from clerestory.engine.origin import Origin
 from clerestory.engine.scene_cache import cached
@@ -48,6 +48,8 @@ class LoweredScene:
         are no meshes
     proxies : whether any shape has a thickness
     smooth : faces that reflect like a mirror
+    throughput : throughput of paths in the bands of a coloured scene with bands other
+        than RGB; None for three channels
     """
 
     scene: mi.Scene
@@ -65,6 +67,7 @@ class LoweredScene:
     flags_of_shape: mi.UInt32
     proxies: bool
     smooth: SmoothFaces
+    throughput: BandThroughput | None = None
 
     def of_materials(self, names: Sequence[str]) -> mi.Bool:
         """Return whether the material of each shape has one of the names."""
@@ -77,9 +80,8 @@ def lower(
     """Return the lowered scene around `origin`, possibly cached from the previous job.
 
     The windows `receivers` become surfaces of the scene at which paths end. The scene
-    has three bands; see `channels.band_groups`.
+    is in RGB, or its bands share paths; see `channels`.
     """
-    require(scene.bands == RGB, f"a scene in the bands {scene.bands}; {RGB} expected")
     key = mi.variant(), scene, tuple(origin.tolist()), receivers
     lowered: LoweredScene = cached(key, lambda: _lowered(scene, origin, receivers))
     return lowered
@@ -89,11 +91,14 @@ def _lowered(
     scene: Scene, origin: Origin, receivers: tuple[Window, ...]
 ) -> LoweredScene:
     materials.register()
+    spectral = None if scene.bands == RGB else scene
+    scene = scene if spectral is None else at_two_reflectances(scene)
     content: dict[str, object] = {"type": "scene"}
     shining: list[Mesh] = []
     thickness: dict[str, float] = {}
     layers: set[str] = set()
     material_names: dict[str, str] = {}
+    names_of_colours: dict[str, str] = {}
     smooth: dict[str, Mesh] = {}
     flat, curved = without_analytic(scene)
     bsdfs = {
@@ -103,6 +108,7 @@ def _lowered(
     for number, surface in enumerate(curved):
         shape = analytic_shape(surface, bsdfs[surface.material], origin)
         content[f"round{number}"] = shape
+        names_of_colours[f"round{number}"] = surface.material
     for number, mesh in enumerate(meshes(flat)):
         material, name = mesh.material, f"mesh{number}"
         bsdf = materials.load(material, origin)
@@ -147,6 +153,8 @@ def _lowered(
     reach = [_reach(shape) for shape in lowered.shapes()]
     faces = np.array([len(part) for part in reach])
     first = dict(zip(names, np.cumsum(faces) - faces, strict=True))
+    names_of_colours |= material_names
+    colours_of = [names_of_colours.get(name, "") for name in names]
     mirrors = [(first[name], mesh) for name, mesh in smooth.items()]
     flags = [+shape.bsdf().flags() for shape in lowered.shapes()]
     return LoweredScene(
@@ -165,6 +173,7 @@ def _lowered(
         flags_of_shape=by_shape(mi.UInt32, flags),
         proxies=bool(thickness),
         smooth=SmoothFaces.of(int(faces.sum()), mirrors, origin),
+        throughput=BandThroughput.of(spectral, by_index(colours_of)),
     )
 
 

@@ -51,6 +51,7 @@ class _SensorJob(MatrixJob):
     # Job traced until the irradiance of each sensor, from windows or a sky of uniform
     # radiance, reaches the target relative error
     together: ClassVar[bool] = False
+    spectral_paths: ClassVar[bool] = True
 
     sensors: Sensors
 
@@ -98,6 +99,7 @@ class CoefficientsJob(_SensorJob):
 class _WindowJob(MatrixJob):
     # Job whose rows are the patches of a window on its outer side
     together: ClassVar[bool] = True
+    spectral_paths: ClassVar[bool] = True
 
     window: Window
 
@@ -153,6 +155,7 @@ class PixelViewJob(MatrixJob):
 
     tracer: ClassVar[tuple[str, str]] = ("matrix_tracers", "prepare_pixel_view")
     together: ClassVar[bool] = False
+    spectral_paths: ClassVar[bool] = True
 
     windows: tuple[Window, ...]
     camera: PixelsOrCells

@@ -12,7 +12,7 @@ Based Rendering, 4th edition, 2023, section 13.4.
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import drjit as dr
 import mitsuba as mi
@@ -20,6 +20,9 @@ import mitsuba as mi
 from clerestory.engine.caustic_lobes import Cones
 from clerestory.engine.conditional_evaluation import where_needed
 from clerestory.engine.sampler import PathNumbers
+
+# Values in three channels, or in all bands of a scene
+Bandwise = Any
 
 Heuristic = Callable[[mi.Float, mi.Float], mi.Float]
 
@@ -75,6 +78,8 @@ class Vertex:
     cones : cones in which focused sunlight arrives; None: no such light in the scene
     opaque : whether the material only reflects
     continues : whether the path may continue after the vertex
+    in_bands : function from the three channels of scattered light to all bands; None if
+        paths have three channels
     """
 
     point: mi.Point3f
@@ -90,6 +95,11 @@ class Vertex:
     opaque: mi.Bool
     continues: mi.Bool
     cones: Cones | None = None
+    in_bands: Callable[[mi.Color3f], Bandwise] | None = None
+
+    def scattered(self, value: mi.Color3f) -> Bandwise:
+        """Return scattered light in the channels of a path."""
+        return value if self.in_bands is None else self.in_bands(value)
 
 
 @dataclass
@@ -107,7 +117,7 @@ class Path:
     """
 
     ray: mi.Ray3f
-    throughput: mi.Color3f
+    throughput: Bandwise
     point: mi.Point3f
     pdf: mi.Float
     camera: mi.Bool

@@ -9,7 +9,7 @@ References: J. Kajiya, "The rendering equation", SIGGRAPH 1986; M. Pharr, W. Jak
 G. Humphreys, Physically Based Rendering, 4th edition, 2023, section 13.4.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import drjit as dr
 import mitsuba as mi
@@ -17,6 +17,7 @@ import mitsuba as mi
 from clerestory.engine.caustic_lobes import Caustics
 from clerestory.engine.lower import LoweredScene
 from clerestory.engine.next_event_estimation import (
+    Bandwise,
     Emission,
     Path,
     Scattering,
@@ -88,7 +89,7 @@ class PathTracer:
         pdf, sunlit = mi.Float(pdf), mi.Float(sunlit)
         memory = {each.name: each.begin(pdf, sunlit, ray.o) for each in self.sources}
         return Path(
-            mi.Ray3f(ray), mi.Color3f(throughput), mi.Point3f(ray.o), pdf,
+            mi.Ray3f(ray), self._uniform(throughput), mi.Point3f(ray.o), pdf,
             mi.Bool(camera), {name: each for name, each in memory.items() if each},
         )  # fmt: skip
 
@@ -106,7 +107,9 @@ class PathTracer:
         """Sample the sources at sensors; return the irradiance and continued paths."""
         caustics = self.caustics and self.caustics.sensors
         vertex = sensor_vertex(self.portals, position, normal, caustics)
-        one = mi.Color3f(1)
+        if self.model.throughput is not None:
+            vertex = replace(vertex, in_bands=self.model.throughput.uniform)
+        one = self._uniform(1)
         total = self.sample_sources(sink, sink.begin(), vertex, numbers, one)
         direction, weight, pdf = continue_from_sensor(
             self.portals, vertex, normal, numbers
@@ -120,7 +123,7 @@ class PathTracer:
         total: mi.Color3f | None,
         vertex: Vertex,
         numbers: PathNumbers,
-        throughput: mi.Color3f,
+        throughput: Bandwise,
         path: Path | None = None,
         counted: mi.Bool | bool = True,
     ) -> mi.Color3f | None:
@@ -131,8 +134,14 @@ class PathTracer:
         for source in self.sources:
             for sample in source.samples(vertex, path, numbers):
                 light, lit = sample.estimate(vertex, active)
-                total = sink.add(total, sample.column, throughput * light, lit)
+                value = throughput * vertex.scattered(light)
+                total = sink.add(total, sample.column, value, lit)
         return total
+
+    def _uniform(self, throughput) -> Bandwise:
+        # Throughput of a path before it is scattered
+        bands = self.model.throughput
+        return mi.Color3f(throughput) if bands is None else bands.uniform(throughput)
 
     @dr.syntax
     def trace(
@@ -243,7 +252,7 @@ class PathTracer:
         }
         return Path(
             mi.Ray3f(vertex.leave(after.direction, active), after.direction),
-            path.throughput * after.factor,
+            path.throughput * vertex.scattered(after.factor),
             dr.select(after.null, path.point, si.p),
             dr.select(after.null, path.pdf, pdf),
             path.camera & (after.null | after.delta),
@@ -255,5 +264,8 @@ def _collect(sink: Sink, total, path: Path, found: Emission | None, counted):
     # Add the radiance of a source hit by the path
     if found is None:
         return total
-    value = path.throughput * found.value * found.share(path)
+    arriving = found.value
+    if not isinstance(path.throughput, mi.Color3f):
+        arriving = arriving[0]  # receivers are the same in all bands
+    value = path.throughput * arriving * found.share(path)
     return sink.add(total, found.column, value, found.active & counted)

@@ -40,16 +40,18 @@ class MatrixSink:
         """Add the contribution of a path to the sum of a row, batch and column."""
         index = (self.slot * self.columns + column) * self.channels + 1
         mode = _reduction()
+        fits = mi.Bool(True)
+        for channel in range(self.channels):
+            fits &= (value[channel] >= 0) & (value[channel] < _LARGEST)
+        one, first = mi.UInt64(1), mi.UInt32(0)
+        dr.scatter_add(self.sums, one, first, active & ~fits, mode)
         for channel in range(self.channels):
             weight = value[channel]
             scaled = weight * _HALF
             whole = mi.UInt32(mi.Int32(scaled))
             rest = mi.UInt32(mi.Int32((scaled - mi.Float(whole)) * _HALF))
             amount = (mi.UInt64(whole) << 20) + mi.UInt64(rest)
-            fits = (weight >= 0) & (weight < _LARGEST)
             dr.scatter_add(self.sums, amount, index + channel, active & fits, mode)
-            one, first = mi.UInt64(1), mi.UInt32(0)
-            dr.scatter_add(self.sums, one, first, active & ~fits, mode)
 
 
 class RadianceSink:

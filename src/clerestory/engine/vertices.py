@@ -88,10 +88,12 @@ def surface_vertex(
         local = si.to_local(direction)
         return bsdf.eval_pdf(contexts[luminaire], si, local, active)
 
+    bands = model.throughput
     return Vertex(
         si.p, leave, faces, scatter, densities, active=active, shape=shape,
         flags=flags, cell=cell, chance=chance, opaque=opaque, continues=continues,
         cones=cones,
+        in_bands=None if bands is None else bands.at(shape, active),
     )  # fmt: skip
 
 

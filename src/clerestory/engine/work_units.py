@@ -17,7 +17,13 @@ from typing import ClassVar, Protocol
 import numpy as np
 from jaxtyping import Float, Int
 
-from clerestory.engine.channels import GROUP, band_groups, channels_of
+from clerestory.engine.channels import (
+    GROUP,
+    band_groups,
+    bands_share_paths,
+    channels_of,
+    shared_groups,
+)
 from clerestory.engine.device import Device, Processor, free_memory, load, resolve
 from clerestory.engine.scene_cache import SceneCache
 from clerestory.engine.unusual_lengths import in_usual_lengths
@@ -70,12 +76,14 @@ class Job(ABC):
 
     `tracer` names an engine module and its function that returns the tracer of the
     job's units; `scalable` tells whether its fields can be converted to another unit of
-    length. `batches` is the number of independent estimates of each row; for `bounces`,
-    see `Effort`.
+    length, `spectral_paths` whether its paths can carry more than three bands.
+    `batches` is the number of independent estimates of each row; for `bounces`, see
+    `Effort`.
     """
 
     tracer: ClassVar[tuple[str, str]]
     scalable: ClassVar[bool] = True
+    spectral_paths: ClassVar[bool] = False
 
     scene: Scene
     batches: int
@@ -139,10 +147,13 @@ class Executor(Protocol):
 def tracer_of_bands(job: Job, prepare: Callable[[Job], Tracer]) -> Tracer:
     """Return a function that traces the units of a job in all bands of its scene.
 
-    Groups of three bands are traced with the same seeds; their channels are
-    concatenated. Scenes of unusual size are scaled (`unusual_lengths`).
+    All bands share the paths if possible (`channels`); otherwise, groups of three bands
+    are traced with the same seeds, and their channels are concatenated. Scenes of
+    unusual size are scaled (`unusual_lengths`).
     """
     job = in_usual_lengths(job)
+    if job.spectral_paths and bands_share_paths(job.scene):
+        return _tracer_of_shared_paths(job, prepare)
     scenes = band_groups(job.scene)
     bands, grey = len(job.scene.bands), channels_of(job.scene) == 1
     # In a scene of grey materials, only coloured sources require other groups
@@ -159,6 +170,25 @@ def tracer_of_bands(job: Job, prepare: Callable[[Job], Tracer]) -> Tracer:
         shape = *first.shape[:-1], GROUP
         every = [np.broadcast_to(part, shape) for part in parts]
         return np.concatenate(every, axis=-1)[..., :bands]
+
+    return trace
+
+
+def _tracer_of_shared_paths(job: Job, prepare: Callable[[Job], Tracer]) -> Tracer:
+    scenes = shared_groups(job.scene)
+    tracers = [prepare(_with_scene(job, scene)) for scene in scenes]
+
+    def trace(unit: Unit) -> np.ndarray:
+        parts = [tracer(unit) for tracer in tracers]
+        if len(parts) == 1:
+            return parts[0]
+        return np.concatenate(
+            [
+                np.broadcast_to(part, (*part.shape[:-1], len(scene.bands)))
+                for part, scene in zip(parts, scenes, strict=True)
+            ],
+            axis=-1,
+        )
 
     return trace
 

@@ -31,7 +31,13 @@ from clerestory.formats.hbjson_geometry import (
     room_floor,
 )
 from clerestory.formats.hbjson_modifiers import BsdfModifier, Modifier, read_modifiers
-from clerestory.formats.hbjson_schema import Model, Part, Room, ShadeMesh
+from clerestory.formats.hbjson_schema import (
+    Model,
+    Part,
+    Room,
+    ShadeMesh,
+    ignored_members,
+)
 from clerestory.scene.materials.mixture import Void
 from clerestory.scene.model import Material, Polygon, Scene, Surface, insert_material
 from clerestory.scene.scaling import METRES
@@ -47,10 +53,13 @@ _HORIZONTAL = ("RoofCeiling", "Floor")
 _SETS = {"Wall": "wall_set", "Floor": "floor_set", "RoofCeiling": "roof_ceiling_set"}
 
 
-def read_hbjson(path: str | Path) -> BuildingModel:
+def read_hbjson(path: str | Path, *, window_groups: bool = False) -> BuildingModel:
     """Read a honeybee model from an HBJSON file.
 
-    Warns if the largest dimension of the model is less than 1 m or more than 10 km.
+    With `window_groups`, all exterior glazing becomes window groups, one for each room,
+    plane and modifier. By default it does so if an aperture has a BSDF or states, and
+    rooms may share groups. Warns if the largest dimension of the model is less than 1 m
+    or more than 10 km.
 
     Raises
     ------
@@ -61,13 +70,13 @@ def read_hbjson(path: str | Path) -> BuildingModel:
     with located(file=path):
         scale = _METRES[root.units]
         check_model(root, metres=scale)
-        reading = _Reading(root, path, all_windows=False)
-        if reading.groups:
+        reading = _Reading(root, path, all_windows=window_groups, by_room=window_groups)
+        if reading.groups and not window_groups:
             reading = _Reading(root, path, all_windows=True)
         scene = Scene(reading.materials, tuple(reading.surfaces))
         _warn_of_size(scene, root.units, path)
         grids, labels = read_grids(root.radiance, scale)
-        ignored = (*reading.modifiers.unsupported, *_ignored(root))
+        ignored = (*reading.modifiers.unsupported, *ignored_members(root))
         return BuildingModel(
             name=root.display_name or root.identifier,
             scene=scene,
@@ -78,20 +87,6 @@ def read_hbjson(path: str | Path) -> BuildingModel:
             views=read_views(root.radiance, scale),
             unsupported=tuple(dict.fromkeys(ignored)),
         )
-
-
-def _ignored(root: Model) -> Iterator[str]:
-    # Members of the model that are not read
-    for name in root.extensions:
-        if name not in ("radiance", "type"):
-            yield f"the {name} properties of the model"
-    for room in root.rooms:
-        if room.multiplier != 1:
-            named = f'the multiplier {room.multiplier:g} of room "{room.identifier}"'
-            yield f"{named}: it is modelled once"
-    for grid in root.radiance.sensor_grids:
-        if not grid.sensors:
-            yield f'sensor grid "{grid.identifier}": it has no sensors'
 
 
 def _warn_of_size(scene: Scene, units: str, path: str | Path) -> None:
@@ -111,8 +106,16 @@ class _Group:
 
 class _Reading:
     # Surfaces and window groups of a model. With `all_windows`, all exterior glazing
-    # becomes window groups.
-    def __init__(self, root: Model, path: str | Path, *, all_windows: bool) -> None:
+    # becomes window groups, with `by_room` of apertures of one room.
+    def __init__(
+        self,
+        root: Model,
+        path: str | Path,
+        *,
+        all_windows: bool,
+        by_room: bool = False,
+    ) -> None:
+        self.room = ""
         self.modifiers = read_modifiers(root.radiance, path)
         self.scale, self.all_windows = _METRES[root.units], all_windows
         self.materials: dict[str, Material] = {}
@@ -121,9 +124,11 @@ class _Reading:
         self.seen: set[str] = set()
         for room in root.rooms:
             own = room.modifier_set or ""
+            self.room = room.identifier if by_room else ""
             for face in room.faces:
                 self.face(face, own)
             self.shades(room, own)
+        self.room = ""
         for face in root.orphaned_faces:
             self.face(face, "")
         for aperture in root.orphaned_apertures:
@@ -178,7 +183,7 @@ class _Reading:
     def window(self, opening: Part, states: list[Modifier]) -> None:
         """Add an opening to a window group."""
         outline = self.outline(opening)[::-1]
-        name = opening.group or states[0].name
+        name = opening.group or " ".join(filter(None, (self.room, states[0].name)))
         group = self.groups.setdefault((name, *plane_of(outline)), _Group(name, states))
         group.polygons.append(outline)
 

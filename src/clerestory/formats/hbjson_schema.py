@@ -3,6 +3,7 @@
 Reference: ladybug-tools, honeybee-schema, the JSON schema of honeybee models.
 """
 
+from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -182,3 +183,17 @@ class Model(Item):
     orphaned_doors: tuple[Part, ...] = ()
     orphaned_shades: tuple[Part, ...] = ()
     shade_meshes: tuple[ShadeMesh, ...] = ()
+
+
+def ignored_members(root: Model) -> Iterator[str]:
+    """Yield descriptions of the members of a model that are not read."""
+    for name in root.extensions:
+        if name not in ("radiance", "type"):
+            yield f"the {name} properties of the model"
+    for room in root.rooms:
+        if room.multiplier != 1:
+            named = f'the multiplier {room.multiplier:g} of room "{room.identifier}"'
+            yield f"{named}: it is modelled once"
+    for grid in root.radiance.sensor_grids:
+        if not grid.sensors:
+            yield f'sensor grid "{grid.identifier}": it has no sensors'

@@ -6,6 +6,7 @@ of the interval searched in the previous row, up to the first pixel beyond the s
 angle. A few pixels below and above the central pixel are never visited.
 """
 
+import threading
 from collections.abc import Iterable
 from functools import lru_cache
 from typing import NamedTuple
@@ -15,6 +16,9 @@ from jaxtyping import Bool, Int
 
 from clerestory.array_types import Indices, Mask
 from clerestory.glare.glare_view import GlareView
+
+# Memory for the spans of the pixels of a view [bytes]
+_KEPT = 1 << 26
 
 _Labels = Int[np.ndarray, "row column"]
 
@@ -32,6 +36,17 @@ class Window(NamedTuple):
     blind: bool
 
 
+class Spans(NamedTuple):
+    """Pixels within the search angle of central pixels, by row of the window.
+
+    Rows are numbered from `reach` rows above the central pixel. `begin` is the column
+    of the first pixel within the search angle, `length` their number.
+    """
+
+    begin: Int[np.ndarray, "pixel row"]
+    length: Int[np.ndarray, "pixel row"]
+
+
 class Neighbourhood:
     """Pixels within a search angle [rad] of a pixel.
 
@@ -47,17 +62,61 @@ class Neighbourhood:
         self._cosine = np.cos(angle)
         self.reach = eye.farthest_within(angle)
         self.sure_reach = eye.surely_within(angle)
+        # Spans that are kept, how many are in use, and the number of each pixel
+        self._spans = np.zeros((2, 0, 2 * self.reach + 1), dtype=np.int32)
+        self._used = 0
+        self._number = np.full(eye.shape, -1, dtype=np.int32)
+        self._lock = threading.Lock()
 
     def window(self, row: int, column: int) -> Window:
         """Return the window around a pixel."""
+        near, top, left = self._near(row, column)
+        blind = self.blind(np.array([row]), np.array([column]))[0]
+        return Window(top, left, near, bool(blind))
+
+    def _near(self, row: int, column: int) -> tuple[np.ndarray, int, int]:
+        # Whether pixels of the window around a pixel are within the search angle, and
+        # the first row and column of the window
         rows, columns, _ = self.direction.shape
         top, left = max(row - self.reach, 0), max(column - self.reach, 0)
         bottom = min(row + self.reach + 1, rows)
         right = min(column + self.reach + 1, columns)
         here = self.direction[row, column]
         near = self.direction[top:bottom, left:right] @ here >= self._cosine
-        blind = self.blind(np.array([row]), np.array([column]))[0]
-        return Window(top, left, near, bool(blind))
+        return near, top, left
+
+    def spans(self, row: Indices, column: Indices) -> Spans:
+        """Return the spans of the windows around pixels; they are kept."""
+        with self._lock:
+            new = np.flatnonzero(self._number[row, column] < 0)
+            if new.size and self._full(new.size):
+                self._used = 0
+                self._number[:] = -1
+                new = np.arange(row.size)
+            if new.size:
+                self._keep(np.unique(np.stack([row[new], column[new]]), axis=1))
+            begin, count = self._spans[:, self._number[row, column]]
+        return Spans(begin, count)
+
+    def _full(self, more: int) -> bool:
+        # Whether there is no memory for the spans of further pixels
+        return 8 * (2 * self.reach + 1) * (self._used + more) > _KEPT
+
+    def _keep(self, pixels: Int[np.ndarray, "2 pixel"]) -> None:
+        # Add the spans of pixels to those that are kept
+        first, held = self._used, self._spans.shape[1]
+        self._used += pixels.shape[1]
+        if self._used > held:
+            more = np.zeros((2, max(held, self._used - held), 2 * self.reach + 1), "i4")
+            self._spans = np.concatenate([self._spans, more], axis=1)
+        self._number[*pixels] = np.arange(first, self._used)
+        self._spans[:, first : self._used] = 0
+        for number, (row, column) in enumerate(pixels.T.tolist(), start=first):
+            near, top, left = self._near(row, column)
+            above = top - row + self.reach
+            rows = slice(above, above + len(near))
+            self._spans[0, number, rows] = near.argmax(axis=1) + left
+            self._spans[1, number, rows] = np.count_nonzero(near, axis=1)
 
     def blind(self, row: Indices, column: Indices) -> Mask:
         """Whether rounding makes the squared length of a direction exceed one.

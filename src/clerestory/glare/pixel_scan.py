@@ -13,7 +13,8 @@ from jaxtyping import Int
 from scipy import ndimage
 
 from clerestory.array_types import ImageMask
-from clerestory.glare.neighbour_search import Neighbourhood, first_found
+from clerestory.glare.neighbour_search import Neighbourhood
+from clerestory.glare.scan_search import previous_pixels
 
 # Fraction of the search radius within which the search always finds a previous pixel
 _SURE = 0.6
@@ -84,36 +85,37 @@ def first_scan(
         begins[1:] = (np.diff(column) != 0) | (np.diff(row) != -1)
     run = np.cumsum(begins) - 1
     start = np.flatnonzero(begins)
-    alone = _may_be_first(row[start], column[start], mask, near)
+    alone = _may_be_first(pixels, start, mask, near)
 
     # An island in which at most one run can begin a source is one source
-    labels = np.zeros(mask.shape, dtype=np.int64)
     tips = np.bincount(island[start], weights=alone, minlength=island.max() + 1)
-    birth = np.zeros(start.size, dtype=np.int64)  # first run of the source of each run
-    for here in np.flatnonzero(tips > 1):
-        members = np.flatnonzero(island[start] == here)
-        birth[members] = _scan_runs(
-            members, start, begins, pixels, near, labels, alone[members]
-        )
     first_run = np.full(tips.size, start.size)
     np.minimum.at(first_run, island[start], np.arange(start.size))
-    simple = tips[island[start]] <= 1
-    birth[simple] = first_run[island[start][simple]]
+    birth = first_run[island[start]]  # first run of the source of each run
+    several = np.flatnonzero(tips[island[start]] > 1)
+    if several.size:
+        birth[several] = _births(several, start, run, pixels, mask, near)
 
     _, number = np.unique(birth, return_inverse=True)
     return np.asarray(number[run] + 1)
 
 
 def _may_be_first(
-    row: np.ndarray, column: np.ndarray, mask: np.ndarray, near: Neighbourhood
+    pixels: ScannedPixels, start: np.ndarray, mask: np.ndarray, near: Neighbourhood
 ) -> np.ndarray:
     # Whether a run may begin a source: no previous glare pixel is in the region that is
     # always searched, a rectangle to the upper left and the column below
+    row, column = pixels.row[start], pixels.column[start]
     side = np.floor(_SURE * near.sure_reach[row, column]).astype(np.int64)
-    total = np.zeros((mask.shape[0] + 1, mask.shape[1] + 1), dtype=np.int32)
-    np.cumsum(mask, axis=0, out=total[1:, 1:])
+    # Numbers of glare pixels above and to the left, in the bounding box of the mask
+    (top, bottom), (left, right) = (
+        (part.min(), part.max() + 1) for part in (pixels.row, pixels.column)
+    )
+    box = mask[top:bottom, left:right]
+    total = np.zeros((box.shape[0] + 1, box.shape[1] + 1), dtype=np.int32)
+    np.cumsum(box, axis=0, out=total[1:, 1:])
     np.cumsum(total[1:, 1:], axis=1, out=total[1:, 1:])
-    last = mask.shape[0]
+    row, column, last = row - top, column - left, len(box)
 
     def count(top: np.ndarray, bottom: np.ndarray, right: np.ndarray) -> np.ndarray:
         # Number of glare pixels in rows top…bottom − 1 and columns left…right − 1
@@ -126,58 +128,24 @@ def _may_be_first(
     return np.asarray((side < 1) | ((above == 0) & (under == 0)))
 
 
-def _scan_runs(
-    members: np.ndarray,
+def _births(
+    several: np.ndarray,
     start: np.ndarray,
-    begins: np.ndarray,
+    run: np.ndarray,
     pixels: ScannedPixels,
+    mask: np.ndarray,
     near: Neighbourhood,
-    labels: np.ndarray,
-    alone: np.ndarray,
 ) -> np.ndarray:
-    # For each run, index of the first run of its source, by the search of evalglare
-    only = 0  # the only label in use, or −1 if several are in use
-    ends = np.append(np.flatnonzero(begins)[1:], begins.size)
-    birth = np.zeros(members.size, dtype=np.int64)
-    wanted = np.ones(start.size + 2, dtype=bool)
-    wanted[0] = False
-    for place, run in enumerate(members):
-        row, column = int(pixels.row[start[run]]), int(pixels.column[start[run]])
-        label = only
-        if only <= 0 or alone[place]:
-            label = _find(labels, wanted, row, column, near, alone=alone[place])
-        if not label:
-            label = int(run) + 1
-            only = -1 if only else label
-        birth[place] = label - 1
-        labels[row + 1 - (ends[run] - start[run]) : row + 1, column] = label
-    return birth
-
-
-def _find(
-    labels: np.ndarray,
-    wanted: np.ndarray,
-    row: int,
-    column: int,
-    near: Neighbourhood,
-    *,
-    alone: bool,
-) -> int:
-    # The search visits the upper left pixel first, then rows above, then rows below
-    if row > 0 and column > 0 and near.sure_reach[row, column] >= 2:
-        label = int(labels[row - 1, column - 1])
-        if label:
-            return label
-    # If all labels in the window are equal, the search returns this label
-    if not alone:
-        top, left = max(row - near.reach, 0), max(column - near.reach, 0)
-        around = labels[top : row + near.reach + 1, left : column + 1]
-        label = int(around.max())
-        if ((around == 0) | (around == label)).all():
-            return label
-    window = near.window(row, column)
-    above, below = (
-        first_found(labels, wanted, window, row, column, upwards=up, last_column=column)
-        for up in (True, False)
-    )
-    return above or below
+    # For each of several runs, index of the first run of its source
+    number = np.zeros(mask.shape, dtype=np.int32)
+    number[pixels.row, pixels.column] = run
+    first = start[several]
+    row, column = previous_pixels(pixels.row[first], pixels.column[first], mask, near)
+    joined = np.arange(start.size)
+    joined[several] = np.where(row < 0, several, number[row, column])
+    # Follow the runs that each run joins to the run that begins the source
+    while True:
+        further = joined[joined]
+        if np.array_equal(further, joined):
+            return np.asarray(joined[several])
+        joined = further

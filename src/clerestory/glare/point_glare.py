@@ -139,6 +139,13 @@ def views_around(
     ]
 
 
+def view_along(direction: Vector, *, position: Vector) -> View:
+    """Return a fisheye view along a direction, of which +y is up if it is vertical."""
+    level = np.hypot(direction[0], direction[1])
+    up = _UP if level > 1e-3 * abs(direction[2]) else np.array([0.0, 1.0, 0.0])
+    return View("angular", position, direction, up, 180, 180)
+
+
 @dataclass(frozen=True, eq=False)
 class _Eye:
     # One view at all time steps

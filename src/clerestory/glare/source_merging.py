@@ -73,7 +73,7 @@ class _Merging:
 
     def _meetings(self) -> tuple[np.ndarray, np.ndarray]:
         # Outer pixels, each with the label of another source within the search angle
-        outer = np.flatnonzero(self._is_outer(np.arange(self.labels.size)))
+        outer = np.flatnonzero(self._are_outer())
         row, column = self.pixels.row[outer], self.pixels.column[outer]
         direction, reach = self.near.direction[row, column], self.near.reach
         # Imported here, since scipy.spatial loads slowly
@@ -94,19 +94,31 @@ class _Merging:
         pixel, neighbour = (np.concatenate(part) for part in zip(*found, strict=True))
         return pixel, neighbour
 
-    def _is_outer(self, index: np.ndarray) -> np.ndarray:
+    def _are_outer(self) -> np.ndarray:
         # Whether pixels adjoin a pixel of another label, or the edge of the picture
-        row, column = self.pixels.row[index], self.pixels.column[index]
+        row, column, _ = self.pixels
         rows, columns = self.picture.shape
-        outer: np.ndarray = (np.minimum(row, column) < _EDGE) | (row >= rows - _EDGE)
-        outer |= column >= columns - _EDGE
-        own = self.picture[row, column]
+        (top, left), (bottom, right) = (
+            (pick(row), pick(column)) for pick in (np.min, np.max)
+        )
+        # Beyond the bounding box, there are no pixels of the island
+        box = np.pad(self.picture[top : bottom + 1, left : right + 1], 1)
+        height, width = box.shape[0] - 2, box.shape[1] - 2
+        own = box[1:-1, 1:-1]
+        beside = np.zeros(own.shape, dtype=bool)
         for i, j in _EIGHT:
-            beside = self.picture[
-                np.clip(row + i, 0, rows - 1), np.clip(column + j, 0, columns - 1)
-            ]
-            outer |= beside != own
+            beside |= box[1 + i : 1 + i + height, 1 + j : 1 + j + width] != own
+        outer: np.ndarray = (np.minimum(row, column) < _EDGE) | (row >= rows - _EDGE)
+        outer |= (column >= columns - _EDGE) | beside[row - top, column - left]
         return outer
+
+    def _is_outer(self, index: int) -> bool:
+        # The same for one pixel
+        row, column = int(self.pixels.row[index]), int(self.pixels.column[index])
+        rows, columns = self.picture.shape
+        inside = _EDGE <= row < rows - _EDGE and _EDGE <= column < columns - _EDGE
+        around = self.picture[row - 1 : row + 2, column - 1 : column + 2]
+        return not inside or bool((around != self.picture[row, column]).any())
 
     def scan(self) -> bool:
         """Merge sources in the order of the scan; return whether any was merged."""
@@ -119,7 +131,7 @@ class _Merging:
             if not candidates.size:
                 return changed
             last = int(candidates.min())
-            if self.skip_inner and not self._is_outer(np.array([last]))[0]:
+            if self.skip_inner and not self._is_outer(last):
                 continue
             changed |= self._search(last)
 

@@ -134,7 +134,7 @@ def _to_split(
     share, worst = np.zeros(samples.count), np.zeros(samples.count)
     model = DgpModel(samples, views, how.threshold, how.coefficients)
     one, other = (weight[:, coarse, None] for weight in model.weights)
-    for _, of_level, of_glare, terms in _deviations(model, luminance):
+    for _, of_level, of_glare, _, terms in _deviations(model, luminance):
         level, glare = of_level[coarse], of_glare[coarse]
         for view in range(len(views)):
             square = np.square(
@@ -170,19 +170,20 @@ def sampling_error(
 
     Small things that no direction hits are not in the error. `sun` is the sun's disc at
     each step. If the luminances are `means` over the cells, the illuminance has no
-    error. The square of a mean is less than the mean of the squares, by the variance in
-    the cell: at the edges of glare sources, such differences add up over all cells.
+    error. A cell at the edge of a glare source widens the source and dims it, or is
+    below the threshold: both lower DGP, by sums over all such cells.
     """
     error = np.zeros((len(views), luminance.shape[1]))
     how = refinement or Refinement()
     model = DgpModel(samples, views, how.threshold, how.coefficients)
-    for steps, of_level, of_glare, terms in _deviations(model, luminance, sun):
+    for steps, of_level, of_glare, edge, terms in _deviations(model, luminance, sun):
         by_level = 0 * terms.by_level if means else np.abs(terms.by_level)
         terms = terms._replace(by_level=by_level)
         variance = model.variance(terms, of_level, of_glare)
         if means:
-            # An edge of height Δ anywhere in a cell: Δ²/6, twice the square of Δ/√12
-            lost = np.where(of_glare > 0, 2 * np.square(of_level), 0)
+            # A share p of a cell above the threshold, at an edge of height Δ: Δ²(1 − p)
+            # is lost if the mean of the cell is above the threshold, else Δ²p
+            lost = 12 * np.square(of_level) * edge
             variance += np.square(terms.by_glare * (model.weights[1] @ lost))
         error[:, steps] = np.sqrt(variance)
     return error
@@ -192,9 +193,10 @@ def _deviations(
     model: DgpModel,
     luminance: Float[np.ndarray, "direction step"],
     sun: SunDisc | None = None,
-) -> Iterator[tuple[slice, Light, Light, DgpTerms]]:
+) -> Iterator[tuple[slice, Light, Light, Light, DgpTerms]]:
     # Standard deviations of the luminance of each cell, and of its power in the sum
-    # over sources, by blocks of time steps
+    # over sources, and the share of this power that cells at the edge of a source lose
+    # on average, by blocks of time steps
     own, other = model.samples.adjacent.T
     first = np.searchsorted(own, np.arange(model.samples.count))
     spread = np.float32(1 / np.sqrt(12))
@@ -207,4 +209,15 @@ def _deviations(
         of_level = spread * np.maximum(most - level, level - least)
         of_glare = spread * np.maximum(high - glare, glare - low)
         disc = None if sun is None else sun.select(steps)
-        yield steps, of_level, of_glare, model.terms(level, disc)
+        terms = model.terms(level, disc)
+        yield steps, of_level, of_glare, _edge_loss(model, level, most, least), terms
+
+
+def _edge_loss(model: DgpModel, level: Light, most: Light, least: Light) -> Light:
+    # Mean over p from 0 to 1 of what a source loses by a cell that straddles its edge
+    high, low = np.maximum(level, most), np.minimum(level, least)
+    limit = np.float32(model.threshold)
+    crosses = (high > limit) & (low <= limit)
+    least_share = np.where(crosses, limit / np.maximum(high, limit), 0)
+    loss = (np.square(least_share) + np.square(1 - least_share)) / 2
+    return np.where(crosses, loss, np.float32(0))

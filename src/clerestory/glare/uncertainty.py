@@ -125,5 +125,6 @@ def index_errors(
     plus, minus = np.split(values, 2)
     # Variance of half differences, whose expectation is zero, and of means
     variance = np.square((plus - minus) / 2).mean(axis=0)
-    variance += ((plus + minus) / 2).var(axis=0, ddof=1)
+    means = (plus + minus) / 2
+    variance += (means - means[0]).var(axis=0, ddof=1)
     return dict(zip(found[0], np.sqrt(variance).tolist(), strict=True))

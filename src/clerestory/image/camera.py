@@ -8,6 +8,7 @@ from jaxtyping import Float
 from clerestory.argument_types import checked_fields
 from clerestory.array_types import Vector
 from clerestory.bands import RGB, Bands
+from clerestory.brief_repr import brief
 from clerestory.checks import require
 from clerestory.image.picture import Picture
 from clerestory.scene.ray_bundles import RayBundles
@@ -24,6 +25,8 @@ class Camera:
     view: View
     columns: int
     rows: int
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         message = (

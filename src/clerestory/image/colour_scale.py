@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float, UInt8
 from matplotlib.ticker import MaxNLocator
 
+from clerestory.brief_repr import brief
 from clerestory.checks import positive, require
 from clerestory.image.arithmetic import within_view
 from clerestory.image.picture import Picture, photometric, photometric_unit
@@ -41,6 +42,8 @@ class ColourScale:
     palette: str = "turbo"
     ends: tuple[float, float] = (0.0, 1.0)
     steps: int = 1024
+
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         least = 0.0 if self.logarithmic else -np.inf

@@ -8,12 +8,15 @@ same numbers on every machine, up to rounding.
 import difflib
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from clerestory.bsdf.bsdf import Bsdf
+from clerestory.bsdf.xml_writer import usual_digits, write_bsdf
 from clerestory.checks import require
 from clerestory.errors import InputError
 from clerestory.glazing.layer import Layer
@@ -61,6 +64,19 @@ def read_bsdf(path: str | Path) -> Bsdf:
 def is_library_name(path: str | Path) -> bool:
     """Whether a path is the name of a built-in BSDF, `library:…`."""
     return str(path).startswith(PREFIX)
+
+
+@contextmanager
+def bsdf_file(path: str | Path) -> Iterator[Path]:
+    """Give the path of a BSDF file; for a built-in product, of a temporary file."""
+    if not is_library_name(path):
+        yield Path(path)
+        return
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "library.xml"
+        bsdf = library_bsdf(str(path))
+        write_bsdf(file, bsdf, digits=usual_digits(bsdf))
+        yield file
 
 
 @lru_cache(maxsize=64)

@@ -21,6 +21,9 @@ from clerestory.metrics.daylight_factor import DaylightFactors, room_factors
 MEAN_LUX, WORST_LUX, HOURS = 300.0, 90.0, 2000.0
 MEAN_FACTOR, UNIFORMITY = 0.02, 0.3
 
+# Credits of offices, and share of the floor area that must meet the criterion
+CREDITS, SHARE_OF_AREA = 2, 0.8
+
 
 class IlluminanceCriterion(NamedTuple):
     """Hours a year in which the mean and the lowest illuminance reach their limits."""

@@ -16,8 +16,8 @@ from clerestory.metrics.honeybee import STATIC, Light
 
 _HOURS_A_YEAR = 8760
 
-# Arrays by grid, for total and direct illuminance
-Arrays = Mapping[Light, Mapping[str, Float[np.ndarray, "sensor time"]]]
+# Arrays over (sensor, time) by grid, for total and direct illuminance
+Arrays = Mapping[Light, Mapping[str, Float[np.ndarray, "_ time"]]]
 
 
 @final
@@ -79,7 +79,8 @@ def write_states(
     Parameters
     ----------
     paths : for each light path and state, arrays over (sensor, time) by grid [lux]; the
-        static light path has one state, "default"
+        static light path has one state, "default". Those of a light path are written
+        for the grids that have it in their record
     times : centres of the time steps, `timestep` an hour. Steps in which all grids have
         0 lux in every state are omitted
     """
@@ -95,9 +96,12 @@ def write_states(
     lit = np.any([lux.max(axis=0) > 0 for lux in totals], axis=0)
     folder = make_folder(folder)
     write_grids_info(folder, grids)
-    dynamic = {path: list(states) for path, states in paths.items() if path != STATIC}
-    known = {grid.full_id: dynamic for grid in grids} if dynamic else {}
-    write_text(folder / "grid_states.json", json.dumps(known))
+    known = {
+        grid.full_id: {p: list(paths[p]) for p in grid.light_paths if p != STATIC}
+        for grid in grids
+    }
+    named = {name: states for name, states in known.items() if states}
+    write_text(folder / "grid_states.json", json.dumps(named))
     write_text(folder / "sun-up-hours.txt", "\n".join(f"{h:g}" for h in hours[lit]))
     study = {"timestep": timestep, "study_hours": [float(h) for h in hours]}
     write_text(folder / "study_info.json", json.dumps(study))
@@ -105,6 +109,8 @@ def write_states(
         for state, arrays in states.items():
             for light, found in arrays.items():
                 for grid in grids:
+                    if path not in grid.light_paths:
+                        continue
                     values = found[grid.full_id][:, lit].astype(np.float32)
                     place = folder / path / state / light / f"{grid.full_id}.npy"
                     make_folder(place.parent)

@@ -265,7 +265,7 @@ class BlockwiseProduct:
         term: Term,
         inside: Int[np.ndarray, " step"],
         daylight: TransferMatrix,
-        steps: Int[np.ndarray, " step"],
+        steps: Int[np.ndarray, " chosen"],
         weights: Float[np.ndarray, "channel band"],
         make: Callable[[], Received],
     ) -> Received:

@@ -9,6 +9,7 @@ each band for pictures. Radiance is weighted before multiplication by a matrix, 
 grey rooms need one product instead of one per band.
 """
 
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -138,12 +139,14 @@ def add_signed(
     sign: int, total: np.ndarray, values: np.ndarray, steps: Int[np.ndarray, " step"]
 ) -> None:
     """Add values of given sign to a total, in some of its time steps."""
-    if len(steps) < total.shape[-1]:
-        total[..., steps] += values if sign > 0 else -values
-    elif sign > 0:
-        total += values
-    else:
-        total -= values
+    change = np.add if sign > 0 else np.subtract
+    # Consecutive steps at once, which is several times as fast as to index them
+    edges = [0, *(np.flatnonzero(np.diff(steps) != 1) + 1).tolist(), len(steps)]
+    for first, last in itertools.pairwise(edges):
+        if last > first:
+            start = int(steps[first])
+            part = total[..., start : start + last - first]
+            change(part, values[..., first:last], out=part)
 
 
 def sky_product(

@@ -64,6 +64,8 @@ class MatrixChain:
     receiving: tuple[Receiving, ...]
     factors: tuple[tuple[TransferMatrix, ...], ...] = ()
 
+    __repr__ = brief
+
     def __post_init__(self) -> None:
         valid = self.receiving and (len(self.receiving) == 1 or not self.factors)
         require_matrix(valid, "no V, or several; one V for all shade states expected")

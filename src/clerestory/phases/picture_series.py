@@ -38,6 +38,9 @@ _LAYERS = 4
 # Pixels per block: few enough that the block remains in the cache of the processor
 _PIXELS = 1 << 12
 
+# Pixels that are transposed together
+_STRIP = 64
+
 
 @dataclass(frozen=True, eq=False)
 class UncertainPixels:
@@ -131,6 +134,19 @@ def block_steps(pixels: int) -> int:
     return int(np.clip(_RESULT // (4 * _LAYERS * max(1, pixels)), 4, _STEPS))
 
 
+def _transpose(
+    values: Float32[np.ndarray, "layer some lit"],
+    into: Float32[np.ndarray, "step layer pixel"],
+    steps: Int[np.ndarray, " lit"],
+    rows: slice,
+) -> None:
+    # Set the values of some pixels at some time steps, strip by strip of pixels
+    for first in range(0, values.shape[1], _STRIP):
+        strip = np.moveaxis(values[:, first : first + _STRIP], -1, 0)
+        start = rows.start + first
+        into[steps, :, start : start + strip.shape[-1]] = strip
+
+
 @dataclass(frozen=True, eq=False)
 class _Step:
     # Radiance or luminance of the pixels at one time step, and its error, if computed
@@ -198,11 +214,10 @@ class PixelSeries:
                 variance = np.zeros((steps, pixels * self.errors), np.float32)
                 shared = np.zeros((steps, draws, variance.shape[1]), np.float32)
             # Transposed while the block is in the cache of the processor
-            light[block.steps, :, block.rows] = np.moveaxis(block.light, -1, 0)
+            _transpose(block.light, light, block.steps, block.rows)
             if self.errors:
                 variance[block.steps, block.rows] = block.variance.T
-                drawn = np.moveaxis(block.shared, -1, 0)
-                shared[block.steps, :, block.rows] = drawn
+                _transpose(block.shared, shared, block.steps, block.rows)
             if block.rows.stop == pixels:
                 yield from map(_Step, light, variance, shared)
 

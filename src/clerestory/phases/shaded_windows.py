@@ -43,6 +43,8 @@ class ShadeState:
     peak: bool = False
     shade: Scene | None = None
 
+    __repr__ = brief
+
 
 @checked_fields
 @dataclass(frozen=True, eq=False)

@@ -18,6 +18,7 @@ from typing import Unpack
 import numpy as np
 from jaxtyping import Float, Float32, Int
 
+from clerestory.brief_repr import brief
 from clerestory.engine.controller import estimate_rows, row_blocks
 from clerestory.engine.effort import Effort, EffortKeywords
 from clerestory.engine.matrix_jobs import ViewJob
@@ -101,6 +102,8 @@ class StoredColumns:
     views: StoredViews
     columns: Axis
     first: int
+
+    __repr__ = brief
 
     @property
     def rows(self) -> Axis:

@@ -18,6 +18,7 @@ from typing import Any, Unpack
 import numpy as np
 from jaxtyping import Float
 
+from clerestory.brief_repr import brief
 from clerestory.engine import device as devices
 from clerestory.engine.effort import Effort, EffortKeywords
 from clerestory.engine.window_path_jobs import (
@@ -112,6 +113,8 @@ class WindowPaths:
     records: tuple[Records, ...]
     traced: bool = True
     _products: dict[tuple[int, object], Any] = field(default_factory=dict)
+
+    __repr__ = brief
 
     def engine(self, module: str) -> Any:
         """Return a module of the engine, on the device of this machine.

@@ -18,7 +18,7 @@ import numpy as np
 
 from clerestory.array_types import Faces, Vector, Vertices
 from clerestory.checks import require
-from clerestory.files import is_file, read_bytes
+from clerestory.files import read_bytes, read_start
 from clerestory.radiance.statements import MODIFIER_KINDS, SURFACE_KINDS
 from clerestory.scene.primitive import Primitive
 from clerestory.scene.transform import number
@@ -51,14 +51,9 @@ class Octree:
 
 
 def is_octree(path: str | Path) -> bool:
-    """Whether a file has the header of an octree; pipes are not read."""
-    if not is_file(path):
-        return False
-    try:
-        with Path(path).open("rb") as stream:
-            start = stream.read(2)
-            start += stream.read(_LONGEST_HEADER) if start == b"#?" else b""
-    except (OSError, ValueError):
+    """Whether a file has the header of an octree; pipes and devices are not read."""
+    start = read_start(path, _LONGEST_HEADER)
+    if not start.startswith(b"#?"):
         return False
     return b"FORMAT=Radiance_octree" in start.partition(b"\n\n")[0].replace(b" ", b"")
 

@@ -65,7 +65,7 @@ _MODIFIERS = """
     metfunc brightfunc brightdata brighttext colorpict glow light illum spotlight
     mist mirror transfunc BRTDfunc BSDF aBSDF plasdata metdata transdata colorfunc
     antimatter colordata colortext texfunc texdata mixfunc mixdata mixtext mixpict
-    prism1 prism2 ashik2
+    prism1 prism2 ashik2 WGMDfunc spectrum specfile specfunc specdata specpict
 """
 SURFACE_KINDS = frozenset(_SURFACES.split())
 MODIFIER_KINDS = frozenset(_MODIFIERS.split())

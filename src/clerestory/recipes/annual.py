@@ -5,7 +5,8 @@ method, both with the sun at its exact position. Window groups with states are s
 light paths: their light is stored for each state.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, final
@@ -29,9 +30,9 @@ from clerestory.recipes.model import RecipeModel
 from clerestory.sky.sky_conditions import Spectrum, sun_over
 from clerestory.sky.weather_formats import read_weather
 from clerestory.study.config import read_study
+from clerestory.study.input_checks import warn_of_inputs
 from clerestory.study.inputs import read_inputs
 from clerestory.study.job import Display, Job
-from clerestory.study.method_run import warn_of_inputs
 from clerestory.study.model_import import write_building_model
 from clerestory.study.study_matrices import StudyMatrices
 from clerestory.study.study_tracing import study_skies, trace_study
@@ -50,7 +51,8 @@ class AnnualLight:
     Attributes
     ----------
     times : centres of the time steps, `timestep` an hour
-    paths : for each light path and state, arrays by grid
+    paths : for each light path and state, arrays by grid; only of the grids that have
+        the light path in their record
     """
 
     grids: tuple[GridRecord, ...]
@@ -65,9 +67,23 @@ class AnnualLight:
 
     def total(self, grid: GridRecord, *, light: Light = "total") -> _Lux:
         """Return the light of all light paths, each in its first state."""
-        first = [next(iter(states.values())) for states in self.paths.values()]
-        found = np.sum([arrays[light][grid.full_id] for arrays in first], axis=0)
-        return np.asarray(found)
+        switched, total = self.by_state(grid, light=light)
+        return np.asarray(total + sum(states[0] for states in switched.values()))
+
+    def by_state(
+        self, grid: GridRecord, *, light: Light = "total"
+    ) -> tuple[dict[str, Float[np.ndarray, "state sensor time"]], _Lux]:
+        """Return the light of each path with several states, and that of the others."""
+        fixed = np.zeros((grid.count, len(self.times)), np.float32)
+        switched = {}
+        for path in grid.light_paths:
+            states = self.paths[path].values()
+            found = [arrays[light][grid.full_id] for arrays in states]
+            if len(found) == 1:
+                fixed += found[0]
+            else:
+                switched[path] = np.stack(found)
+        return switched, fixed
 
 
 def check_timestep(weather: Path, timestep: int) -> None:
@@ -93,6 +109,24 @@ def annual_light(
     `values` are the inputs of a recipe. Matrices are stored in `folder`, so that an
     interrupted recipe can be resumed.
     """
+    with recipe_job(chosen, values, folder=folder, display=display) as job:
+        matrices = trace_study(job, spectrum=spectrum)
+        skies = study_skies(job.study, job.inputs, matrices.suns, spectrum=spectrum)
+        paths = _paths(job, matrices, skies, chosen)
+    grids = tuple(_with_paths(record, paths) for record in chosen.grids)
+    times = job.inputs.weather.times
+    return AnnualLight(grids, times, values["timestep"], paths)
+
+
+@contextmanager
+def recipe_job(
+    chosen: RecipeModel, values: Mapping[str, Any], *, folder: Path, display: Display
+) -> Iterator[Job]:
+    """Write a model as a study, and yield the job of its tracing.
+
+    `values` are the inputs of a recipe, see `annual_light`. While it is open the folder
+    is locked.
+    """
     weather: Path = values["wea"]
     check_timestep(weather, values["timestep"])
     windows = bool(chosen.model.windows)
@@ -116,12 +150,7 @@ def annual_light(
         warn_of_inputs(study, inputs)
         store = MatrixStore(folder / "matrices")
         scratch = make_folder(folder / "unfinished")
-        job = Job(study, inputs, store, display, executor=executor, scratch=scratch)
-        matrices = trace_study(job, spectrum=spectrum)
-        skies = study_skies(study, inputs, matrices.suns, spectrum=spectrum)
-        paths = _paths(job, matrices, skies, chosen)
-    grids = tuple(replace(record, light_paths=tuple(paths)) for record in chosen.grids)
-    return AnnualLight(grids, inputs.weather.times, values["timestep"], paths)
+        yield Job(study, inputs, store, display, executor=executor, scratch=scratch)
 
 
 def _paths(
@@ -145,7 +174,37 @@ def _paths(
             else:
                 name = file_stem(f"{at}_{state.name or group.name}")
                 found.setdefault(path, {})[name] = arrays
+        if len(group.states) > 1 and len(found) > 1:
+            found[path] = _lit(found[path])
     return found
+
+
+def _lit(states: Mapping[str, Arrays]) -> dict[str, Arrays]:
+    # Arrays of the grids that the light path lights in one of its states
+    lit = {
+        name
+        for arrays in states.values()
+        for name, lux in arrays["total"].items()
+        if lux.any()
+    }
+    return {
+        state: {
+            light: {name: lux for name, lux in found.items() if name in lit}
+            for light, found in arrays.items()
+        }
+        for state, arrays in states.items()
+    }
+
+
+def _with_paths(
+    record: GridRecord, paths: Mapping[str, Mapping[str, Arrays]]
+) -> GridRecord:
+    own = [
+        path
+        for path, states in paths.items()
+        if record.full_id in next(iter(states.values()))["total"]
+    ]
+    return replace(record, light_paths=tuple(own))
 
 
 def _arrays(

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Shaped
 from pydantic import TypeAdapter, ValidationError
 
 from clerestory.checks import require
@@ -96,7 +96,7 @@ def write_metrics(
 def write_values(
     folder: Path,
     grids: Sequence[GridRecord],
-    values: Mapping[str, Float[np.ndarray, " sensor"]],
+    values: Mapping[str, Shaped[np.ndarray, " sensor"]],
     *,
     suffix: str,
     digits: int = 2,

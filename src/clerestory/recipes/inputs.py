@@ -23,7 +23,11 @@ from clerestory.files import is_file, read_text
 Kind = Literal["file", "text", "number", "whole number"]
 
 # Other names of inputs, in components of Grasshopper
-_ALIASES = {"radiance-par": "radiance-parameters", "min-sen-count": "min-sensor-count"}
+_ALIASES = {
+    "radiance-par": "radiance-parameters",
+    "min-sen-count": "min-sensor-count",
+    "wea": "epw",
+}
 
 # Options of Radiance's tracing programs that are accepted in "radiance-parameters"
 _RADIANCE = re.compile(
@@ -84,7 +88,7 @@ def read_inputs(path: str | Path, declared: Sequence[Input]) -> dict[str, Any]:
         values: dict[str, Any] = {each.name: each.default for each in declared}
         for key, value in given.items():
             name = key.replace("_", "-")
-            name = _ALIASES.get(name, name)
+            name = name if name in known else _ALIASES.get(name, name)
             one_of(name, "input", choices=known)
             if value is not None:
                 values[name] = known[name].checked(value)

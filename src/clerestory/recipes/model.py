@@ -12,6 +12,7 @@ from clerestory.formats.building_model import BuildingModel
 from clerestory.formats.floor_grids import floor_grids
 from clerestory.formats.hbjson import read_hbjson
 from clerestory.metrics.honeybee_writer import GridRecord
+from clerestory.metrics.procedure import cell_area
 
 # Spacing and height of the grids of models without grids [m]
 _SPACING, _HEIGHT = 0.5, 0.76
@@ -30,21 +31,29 @@ class RecipeModel:
         """Records of the grids, in the order of the model."""
         return tuple(self.records.values())
 
+    def cell_areas(self) -> dict[str, float]:
+        """Floor area that a sensor represents [m²], by identifier of the grid."""
+        return {
+            record.full_id: cell_area(self.model.grids[name].position)
+            for name, record in self.records.items()
+        }
 
-def read_model(path: Path, *, grid_filter: str = "*") -> RecipeModel:
+
+def read_model(
+    path: Path, *, grid_filter: str = "*", window_groups: bool = False
+) -> RecipeModel:
     """Read a model, and select the grids whose identifier matches a pattern.
 
     The pattern applies to the identifier alone, or after its group and a slash. A model
-    without grids has grids above the floors of its rooms.
+    without grids has grids above the floors of its rooms. `window_groups`: see
+    `read_hbjson`.
 
     Raises
     ------
     InputError : the file is no HBJSON file, or no grid matches
     """
     with located(file=path):
-        kinds = ".hbjson", ".json"
-        one_of(path.suffix.lower(), "type of the model", choices=kinds)
-        model = read_hbjson(path)
+        model = _read(path, window_groups=window_groups)
         if not model.grids:
             made = floor_grids(model, spacing=_SPACING, height=_HEIGHT)
             omitted = (*model.unsupported, *made.omitted)
@@ -64,6 +73,28 @@ def read_model(path: Path, *, grid_filter: str = "*") -> RecipeModel:
     grids = {name: model.grids[name] for name in chosen}
     labels = {name: model.labels[name] for name in chosen}
     return RecipeModel(replace(model, grids=grids, labels=labels, rooms=()), chosen)
+
+
+def read_model_views(path: Path, *, view_filter: str = "*") -> RecipeModel:
+    """Read a model without its grids, and select the views whose name matches.
+
+    Raises
+    ------
+    InputError : the file is no HBJSON file, or no view matches
+    """
+    with located(file=path):
+        model = _read(path)
+        views = {n: v for n, v in model.views.items() if fnmatchcase(n, view_filter)}
+        known = ", ".join(model.views) or "none"
+        message = f"no view matches {view_filter!r}; one of {known} expected"
+        require(views, message)
+    return RecipeModel(replace(model, grids={}, labels={}, rooms=(), views=views), {})
+
+
+def _read(path: Path, *, window_groups: bool = False) -> BuildingModel:
+    kinds = ".hbjson", ".json"
+    one_of(path.suffix.lower(), "type of the model", choices=kinds)
+    return read_hbjson(path, window_groups=window_groups)
 
 
 def _records(model: BuildingModel) -> dict[str, GridRecord]:

@@ -1,10 +1,11 @@
 """Result folders of recipes."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from jaxtyping import Bool
 
 from clerestory.constants import LUMINOUS_EFFICACY
 from clerestory.files import make_folder, write_text
@@ -12,6 +13,7 @@ from clerestory.metrics.honeybee import Light
 from clerestory.metrics.honeybee_writer import write_grids_info, write_states
 from clerestory.recipes.annual import AnnualLight, annual_light, sunlit_hours
 from clerestory.recipes.grid_summary import (
+    Range,
     read_ranges,
     write_metrics,
     write_summary,
@@ -38,6 +40,18 @@ def annual_daylight(
     occupied_steps(values["schedule"], np.arange(8760) + 0.5)
     light = annual_light(chosen, values, folder=folder, display=display)
     occupied = occupied_steps(values["schedule"], light.hours)
+    write_daylight(folder, light, occupied, limits=limits, ranges=ranges)
+
+
+def write_daylight(
+    folder: Path,
+    light: AnnualLight,
+    occupied: Bool[np.ndarray, " time"],
+    *,
+    limits: Mapping[str, float],
+    ranges: Sequence[Range],
+) -> None:
+    """Write hourly illuminance, and autonomy and UDI over the occupied time steps."""
     target, low, high = (limits[key] for key in ("-t", "-lt", "-ut"))
     metrics: dict[str, dict[str, np.ndarray]] = {
         name: {} for name in ("da", "cda", "udi", "udi_lower", "udi_upper")
@@ -52,12 +66,17 @@ def annual_daylight(
             ("udi_upper", lux > high),
         ):
             metrics[name][grid.full_id] = 100 * share.mean(axis=1)
+    write_illuminance(folder, light)
+    write_metrics(folder / "metrics", light.grids, metrics)
+    write_summary(folder / "grid_summary.csv", light.grids, metrics, ranges)
+
+
+def write_illuminance(folder: Path, light: AnnualLight) -> None:
+    """Write hourly illuminance of all light paths and states."""
     results = folder / "results"
     write_states(
         results, light.grids, light.times, light.paths, timestep=light.timestep
     )
-    write_metrics(folder / "metrics", light.grids, metrics)
-    write_summary(folder / "grid_summary.csv", light.grids, metrics, ranges)
 
 
 def annual_irradiance(

@@ -34,6 +34,8 @@ _LIMITS = (*USEFUL_LIMITS_LUX, 500.0, 750.0, 1000.0, 2000.0)
 # Names of parts
 OPERATED, VIEWS, VIEW_GRID = "operated", "views", "view-grid"
 
+GLARE_BY_STATE = "glare_dgp_by_state"
+
 
 class Plan(NamedTuple):
     """Plan of a grid of sensors or views; `members` are rows of the results."""
@@ -137,15 +139,23 @@ class ExploreData:
     def glare_parts(self) -> Iterator[tuple[str, Callable[[], bytes]]]:
         """Yield the parts of DGP, of views and of each view grid, as `state_parts`."""
         if "glare_dgp" in self.content.data:
-            yield VIEWS, self._views
+            yield VIEWS, partial(self._views, self._dgp)
+        if GLARE_BY_STATE in self.content.data and self.has_states:
+            every = self.content.data[GLARE_BY_STATE]
+            every = every.transpose("shade_state", "view", "time")
+            for number, dgp in enumerate(every.values):
+                yield f"{VIEWS}-{number}", partial(self._views, dgp)
         for number, plan in enumerate(self.view_plans):
             yield f"{VIEW_GRID}-{number}", partial(self._view_grid, plan)
 
     def _state(self, window: int, state: int) -> bytes:
         return self._lux(self.content.data[BY_STATE][:, window, state].values)
 
-    def _views(self) -> bytes:
-        dgp = np.stack([view.dgp for view in view_glare(self.content.data)])
+    @property
+    def _dgp(self) -> Float[np.ndarray, "view time"]:
+        return np.stack([view.dgp for view in view_glare(self.content.data)])
+
+    def _views(self, dgp: Float[np.ndarray, "view time"]) -> bytes:
         return hourly_dgp(dgp[:, self.lit]).compressed()
 
     def _view_grid(self, plan: Plan) -> bytes:

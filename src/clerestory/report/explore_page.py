@@ -15,7 +15,7 @@ from clerestory.files import write_text
 from clerestory.image.colour_scale import ColourScale
 from clerestory.report.colour import illuminance_scale, percent_scale
 from clerestory.report.content_from_results import from_results
-from clerestory.report.explore_data import OPERATED, ExploreData, Plan
+from clerestory.report.explore_data import OPERATED, VIEWS, ExploreData, Plan
 from clerestory.report.explore_pictures import Frames, embedded_frames
 from clerestory.report.floor_plan import plan_drawing, walls_definition
 from clerestory.report.hourly_codes import LEVELS, STEP
@@ -32,7 +32,7 @@ _PICTURE_BYTES = 3_000_000
 
 _SCRIPTS = (
     *("plan.js", "explore_values.js", "explore_plan.js", "explore_files.js"),
-    *("explore_controls.js", "explore.js"),
+    *("explore_glare.js", "explore_controls.js", "explore.js"),
 )
 
 _LEFT_OUT = (
@@ -72,6 +72,7 @@ def offline_page(results: Results, *, pictures: str | Path | None = None) -> str
         notes.append(_LEFT_OUT.format("The hours of glare are"))
         glare = {}
     if data.has_states and not states:
+        glare = {k: v for k, v in glare.items() if not k.startswith(f"{VIEWS}-")}
         notes.append(_LEFT_OUT.format("The hours of each shade state are"))
     parts |= glare | states
     room = min(_PICTURE_BYTES, MOST_BYTES + 1_000_000 - _text_size(parts))
@@ -109,6 +110,7 @@ def explore_page(
     if not any(name.startswith("view-grid") for name in parts):
         facts["view_plans"] = []
     facts |= {"colours": _colours(), "pictures": [f.facts() for f in pictures]}
+    facts["glare_states"] = states and f"{VIEWS}-0" in parts
     windows = facts["windows"]
     most = max((len(window["states"]) for window in windows), default=0)
     body = render(
@@ -118,6 +120,7 @@ def explore_page(
         method=content.method,
         windows=windows,
         states=states,
+        glare_states=facts["glare_states"],
         most=most,
         names=[_state_words(windows, state) for state in range(most)],
         rule=any("irradiance" in window for window in windows) and most > 1,

@@ -5,8 +5,6 @@ of its line of sight meet a surface within a metre: a partition or a wall does, 
 on a desk does not.
 """
 
-from collections.abc import Sequence
-
 import numpy as np
 from jaxtyping import Float
 
@@ -48,10 +46,10 @@ def desk_views(scene: Scene, room: RoomGrid, *, height: float) -> list[View]:
     wanted = middle - _FROM_WINDOW * towards
     eye = floor[int(np.argmin(np.hypot(*(floor - wanted)[:, :2].T)))]
     along = np.cross(_UP, towards)
-    views = []
+    views, solid = [], _solid(scene)
     for choices in ((along, -along), (towards,)):
         given = [_fisheye(eye, unit(choice)) for choice in choices]
-        free = [view for view in given if not is_blocked(scene, view)]
+        free = [view for view in given if not is_blocked(solid, view)]
         views += free[:1]
     return views
 
@@ -60,23 +58,21 @@ def _fisheye(eye: Vector, direction: Vector) -> View:
     return View("angular", eye, direction, horizontal=180, vertical=180)
 
 
-def is_blocked(scene: Scene, view: View) -> bool:
-    """Whether a view looks into a partition or a wall that is less than 1 m away."""
-    return bool(blocked_views(scene, [view]))
+def is_blocked(solid: Triangulation, view: View) -> bool:
+    """Whether a view looks into a partition or a wall that is less than 1 m away.
+
+    `solid` has the triangles of the opaque surfaces.
+    """
+    near = solid.near(view.position, _NEAR).corner
+    distance = first_hits(view.position, _around(view.direction), near)
+    return bool(np.mean(distance < _NEAR) >= _SHARE)
 
 
-def blocked_views(scene: Scene, views: Sequence[View]) -> list[int]:
-    """Return the indices of the views that look into a partition or a wall."""
-    parts = [mesh.vertices[mesh.faces] for mesh in meshes(scene)]
+def _solid(scene: Scene) -> Triangulation:
+    opaque = [mesh for mesh in meshes(scene) if mesh.material.opaque]
+    parts = [mesh.vertices[mesh.faces] for mesh in opaque]
     corner = np.concatenate(parts) if parts else np.zeros((0, 3, 3))
-    walls = Triangulation(corner, np.zeros(len(corner), dtype=int))
-    found = []
-    for at, view in enumerate(views):
-        near = walls.near(view.position, _NEAR).corner
-        distance = first_hits(view.position, _around(view.direction), near)
-        if np.mean(distance < _NEAR) >= _SHARE:
-            found.append(at)
-    return found
+    return Triangulation(corner, np.zeros(len(corner), dtype=int))
 
 
 def _around(direction: Vector) -> Float[np.ndarray, "ray 3"]:

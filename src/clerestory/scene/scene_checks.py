@@ -5,7 +5,7 @@ frequent error is a window whose front faces outdoors.
 """
 
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -14,10 +14,12 @@ from clerestory.array_types import RayVectors, Vector
 from clerestory.directions import Frame
 from clerestory.errors import ClerestoryWarning
 from clerestory.scene.coplanar import check_coplanar
+from clerestory.scene.desk_views import is_blocked
 from clerestory.scene.model import Scene
 from clerestory.scene.proximity import Triangulation, distances, first_hits
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.tessellate import meshes
+from clerestory.scene.view import View
 from clerestory.scene.window import Window
 
 # Distance below which a surface and a sensor or window touch [m]
@@ -52,16 +54,20 @@ def warn_of_scene(
 
 
 def check_scene(
-    scene: Scene, windows: Sequence[Window] = (), sensors: Sensors | None = None
+    scene: Scene,
+    windows: Sequence[Window] = (),
+    sensors: Sensors | None = None,
+    views: Mapping[str, View] | None = None,
 ) -> tuple[str, ...]:
     """Return warnings about implausible geometry, one line for each problem.
 
     Warnings are given for sensors that are outside the scene, on a surface, enclosed by
     surfaces, without a surface below, in the plane of a window, or duplicate; for
     windows that have the sensors behind them, are outside the scene, or are covered by
-    a surface; for overlapping coplanar surfaces; and for scenes of implausible size.
-    `scene` does not contain the windows. In large scenes a subset of the sensors is
-    checked for surrounding surfaces; the warnings give the number of sensors checked.
+    a surface; for overlapping coplanar surfaces; for views, by name, into a partition
+    or a wall; and for scenes of implausible size. `scene` does not contain the windows.
+    In large scenes a subset of the sensors is checked for surrounding surfaces; the
+    warnings give the number of sensors checked.
 
     >>> check_scene(Scene())
     ('the scene has no surfaces',)
@@ -77,12 +83,21 @@ def check_scene(
     findings = [*_size(box), *check_coplanar(scene, triangles)]
     for window in windows:
         findings += _window(window, scene, box, triangles, sensors)
+    opaque = np.array([scene.materials[s.material].opaque for s in scene.surfaces])
+    solid = triangles.of(opaque)
     if sensors is not None and len(sensors):
         findings += _height(sensors.position, triangles)
         findings += _sensors(sensors, box, windows)
-        opaque = np.array([scene.materials[s.material].opaque for s in scene.surfaces])
-        findings += _surroundings(sensors, box, triangles.of(opaque))
+        findings += _surroundings(sensors, box, solid)
+    findings += _blocked(views or {}, solid)
     return tuple(findings)
+
+
+def _blocked(views: Mapping[str, View], solid: Triangulation) -> Iterator[str]:
+    # Plans and sections, which have no viewpoint, are not checked
+    for name, view in views.items():
+        if view.kind != "parallel" and is_blocked(solid, view):
+            yield f'view "{name}" faces a partition or a wall less than 1 m away'
 
 
 def _size(box: Float[np.ndarray, "2 3"]) -> Iterator[str]:

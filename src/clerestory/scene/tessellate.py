@@ -7,7 +7,7 @@ A sphere becomes 1280 triangles with the exact surface area and mean projected a
 the sphere; points deviate by at most 0.5 % of the radius.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import permutations
@@ -57,16 +57,22 @@ def meshes(scene: Scene) -> tuple[Mesh, ...]:
     groups: dict[str, list[int]] = {}
     for i, surface in enumerate(scene.surfaces):
         groups.setdefault(surface.material, []).append(i)
+    convex = _convex_polygons(scene.surfaces)
     made = (
-        _mesh(scene.materials[key], scene.surfaces, groups[key])
+        _mesh(scene.materials[key], scene.surfaces, groups[key], convex)
         for key in scene.materials
         if key in groups
     )
     return tuple(mesh for mesh in made if len(mesh.faces))
 
 
-def _mesh(material: Material, surfaces: Sequence[Surface], chosen: list[int]) -> Mesh:
-    parts, surface = zip(*_parts(surfaces, chosen), strict=True)
+def _mesh(
+    material: Material,
+    surfaces: Sequence[Surface],
+    chosen: list[int],
+    convex: Bool[np.ndarray, " surface"],
+) -> Mesh:
+    parts, surface = zip(*_parts(surfaces, chosen, convex), strict=True)
     start = np.cumsum([0, *(len(p.vertices) for p in parts[:-1])])
     faces = [p.faces + s for p, s in zip(parts, start, strict=True)]
     return Mesh(
@@ -77,28 +83,38 @@ def _mesh(material: Material, surfaces: Sequence[Surface], chosen: list[int]) ->
     )
 
 
-def _parts(
-    surfaces: Sequence[Surface], chosen: list[int]
-) -> Iterator[tuple[Triangles, Int[np.ndarray, " triangles"]]]:
-    # Yields triangles and surface indices; convex polygons are grouped by corner count
-    by_corners: dict[int, list[int]] = {}
-    rest: list[int] = []
+def _convex_polygons(surfaces: Sequence[Surface]) -> Bool[np.ndarray, " surface"]:
+    # Whether each surface is a convex polygon; those of as many corners at once
+    convex = np.zeros(len(surfaces), dtype=bool)
+    for alike in _by_corners(surfaces, range(len(surfaces))).values():
+        convex[alike] = _convex(_corners(surfaces, alike))
+    return convex
+
+
+def _by_corners(
+    surfaces: Sequence[Surface], chosen: Iterable[int]
+) -> dict[int, list[int]]:
+    groups: dict[int, list[int]] = {}
     for i in chosen:
         surface = surfaces[i]
         if isinstance(surface, Polygon):
-            by_corners.setdefault(len(surface.vertices), []).append(i)
-        else:
-            rest.append(i)
-    for alike in by_corners.values():
-        index, corner = np.array(alike), _corners(surfaces, alike)
-        convex = _convex(corner)
-        rest += index[~convex].tolist()
-        if convex.any():
-            fans = _fans(corner[convex])
-            yield fans, np.repeat(index[convex], corner.shape[1] - 2)
-    for i in rest:
-        triangles = _triangles(surfaces[i])
-        yield triangles, np.full(len(triangles.faces), i)
+            groups.setdefault(len(surface.vertices), []).append(i)
+    return groups
+
+
+def _parts(
+    surfaces: Sequence[Surface],
+    chosen: list[int],
+    convex: Bool[np.ndarray, " surface"],
+) -> Iterator[tuple[Triangles, Int[np.ndarray, " triangles"]]]:
+    # Yields triangles and surface indices; convex polygons are grouped by corner count
+    for alike in _by_corners(surfaces, (i for i in chosen if convex[i])).values():
+        corner = _corners(surfaces, alike)
+        yield _fans(corner), np.repeat(alike, corner.shape[1] - 2)
+    for i in chosen:
+        if not convex[i]:
+            triangles = _triangles(surfaces[i])
+            yield triangles, np.full(len(triangles.faces), i)
 
 
 def _triangles(surface: Surface) -> Triangles:

@@ -51,6 +51,7 @@ def study_views(
     *,
     lamps: Lamps,
     output: Float[np.ndarray, "zone time"],
+    every_state: Sequence[States] = (),
     out: Path,
     display: Display,
 ) -> xr.Dataset:
@@ -58,6 +59,8 @@ def study_views(
 
     The variables `glare_…` (view, time) are NaN in dark time steps; views that are too
     narrow for glare are omitted. `output` is the dimming level 0…1 of each zone.
+    `every_state` are further operations, such as all window groups in one state, whose
+    DGP is the variable `glare_dgp_by_state` (view, shade_state, time).
     """
     times = skies.whole.times
     daylight = skies.whole.diffuse.max(axis=0) > 0
@@ -83,11 +86,35 @@ def study_views(
             given = view.uncertain_luminance(states, skies, seen)
             series = starmap(light.uncertain, given)
             glare = _glare(series, view, times, seen, states, progress=show)
+            if every_state:
+                show = _counted(display(f"glare in {label} by state"), len(seen))
+                glare["dgp_by_state"] = xr.concat(
+                    [
+                        _dgp(view, skies, each, seen, light, progress=show)
+                        for each in every_state
+                    ],
+                    "shade_state",
+                )
             found[label] = glare.reindex(time=times)
     if not found:
         return xr.Dataset()
     every = xr.concat(list(found.values()), dim="view").assign_coords(view=list(found))
     return every.rename({name: f"glare_{name}" for name in every.data_vars})
+
+
+def _dgp(
+    view: ViewMatrices,
+    skies: Skies,
+    states: States,
+    steps: Int[np.ndarray, " step"],
+    lamps: "_Lamps",
+    *,
+    progress: Callable[[int], None],
+) -> xr.DataArray:
+    # DGP of the steps without standard errors, with the electric light
+    series = starmap(lamps.luminance, view.luminance(states, skies, steps))
+    times = skies.whole.times
+    return _glare(series, view, times, steps, states, progress=progress)["dgp"]
 
 
 def picture_steps(
@@ -224,12 +251,18 @@ class _Lamps:
             pixels = pixels + share * self.zones[number].reshape(pixels.shape)
         return replace(picture, radiance=pixels)
 
-    def uncertain(self, step: int, given: UncertainPixels) -> UncertainLuminance:
+    def luminance(self, step: int, luminance: np.ndarray) -> np.ndarray:
         """Add the electric light at a time step to the luminance of pixels."""
-        luminance, blocks = given.luminance, given.blocks
         for number, share in self._at(step):
             lit = share * self.bands.photometric(self.zones[number])
             luminance = luminance + lit.reshape(luminance.shape)
+        return luminance
+
+    def uncertain(self, step: int, given: UncertainPixels) -> UncertainLuminance:
+        """Add the electric light to the luminance of pixels with errors."""
+        luminance, blocks = self.luminance(step, given.luminance), given.blocks
+        for number, share in self._at(step):
+            lit = share * self.bands.photometric(self.zones[number])
             few = PixelBlocks.of(*luminance.shape).means(lit.reshape(-1, 1))
             blocks = blocks + few.reshape(blocks.shape)
         return UncertainLuminance(luminance, given.error, given.shared, blocks)

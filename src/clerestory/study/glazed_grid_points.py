@@ -63,7 +63,7 @@ class GlazedGridPoints:
     ) -> xr.Dataset:
         """Return the glare of the views of a position; there are no states."""
         values = self.load(grid, number).values[0]
-        count = grid.table.directions
+        count = len(values) // len(_QUANTITIES)
         parts = {
             name: (("view", "time"), values[at * count : (at + 1) * count, steps])
             for at, name in enumerate(_QUANTITIES)

@@ -4,7 +4,7 @@ The matrix equation is a sum over window groups. From these parts, the illuminan
 any operation of the shades follows by addition, without tracing or matrix products.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import h5netcdf  # type: ignore[import-untyped]
 import numpy as np
@@ -47,6 +47,20 @@ def results_by_state(signals: ControlInputs) -> xr.Dataset:
         variable.attrs.update(_UNITS)
         _fill(variable.__setitem__, matrices, signals.skies, counts, sensors)
     return xr.open_dataset(path, engine="h5netcdf", cache=False)
+
+
+def every_state(counts: Sequence[int], steps: int) -> list[States]:
+    """Return the operations with all window groups in their first, second … state.
+
+    `counts` are the numbers of states; a group with fewer states is in its last one.
+
+    >>> [[int(group[0]) for group in states] for states in every_state([1, 3], 2)]
+    [[0, 0], [0, 1], [0, 2]]
+    """
+    return [
+        [np.full(steps, min(state, count - 1)) for count in counts]
+        for state in range(max(counts, default=0))
+    ]
 
 
 def operated_illuminance(by_state: xr.DataArray, states: States) -> np.ndarray:

@@ -24,19 +24,16 @@ from clerestory.errors import ClerestoryWarning
 from clerestory.files import make_folder
 from clerestory.metrics.compliance import assess
 from clerestory.metrics.standards import standards_named
-from clerestory.phases.fingerprint import fingerprint
 from clerestory.phases.matrix_equation import Skies, States
 from clerestory.phases.matrix_store import Store
 from clerestory.phases.recent_values import RecentValues
 from clerestory.progress import silent
-from clerestory.scene.scene_checks import check_scene
 from clerestory.spectral.band_sets import gives
 from clerestory.study.annual_view_grids import Hours, study_view_grids
 from clerestory.study.annual_views import (
     PICTURE_FOLDER,
     glare_function,
     study_views,
-    warn_of_views,
 )
 from clerestory.study.compliance_inputs import compliance_inputs
 from clerestory.study.compliance_table import compliance_table
@@ -44,13 +41,13 @@ from clerestory.study.config import Study
 from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.electric_lighting import lighting
 from clerestory.study.glazed_grid_points import grid_points
-from clerestory.study.illuminance_by_state import results_by_state
-from clerestory.study.inputs import Inputs, read_inputs
+from clerestory.study.illuminance_by_state import every_state, results_by_state
+from clerestory.study.input_checks import warn_of_inputs
+from clerestory.study.inputs import read_inputs
 from clerestory.study.job import Display, Job
 from clerestory.study.labels import (
     label_results,
     melanopic_results,
-    sensor_labels,
 )
 from clerestory.study.luminaire_matrices import trace_lamps
 from clerestory.study.outputs import write_tables
@@ -148,25 +145,6 @@ def run_method(
     return results
 
 
-def warn_of_inputs(
-    study: Study, inputs: Inputs, *, recent: RecentValues | None = None
-) -> None:
-    """Warn of implausible geometry, and of views with too few pixels for glare.
-
-    `recent` has the findings on the geometry of other variants of the study.
-    """
-    sensors = replace(inputs.sensors(), names=tuple(sensor_labels(inputs)))
-    windows = [group.inner for group in inputs.groups]
-    findings = (recent or RecentValues()).value(
-        ("findings", fingerprint(windows, sensors)),
-        lambda: check_scene(inputs.scene, windows, sensors),
-        of=(inputs.scene,),
-    )
-    for finding in findings:
-        warnings.warn(finding, ClerestoryWarning, stacklevel=2)
-    warn_of_views(study.view, inputs.cameras)
-
-
 def _simulate(job: Job, log: RunLog, states: States | None, *, out: Path) -> xr.Dataset:
     study, inputs, display = job.study, job.inputs, job.display
     with log.phase("trace"):
@@ -194,6 +172,8 @@ def _simulate(job: Job, log: RunLog, states: States | None, *, out: Path) -> xr.
             occupied=signals.occupied,
             step_hours=signals.step_minutes / 60,
         )
+    by_state = study.output.by_state
+    counts = [len(group.states) for group in inputs.groups]
     with log.phase("pictures"):
         glare = study_views(
             views,
@@ -201,6 +181,7 @@ def _simulate(job: Job, log: RunLog, states: States | None, *, out: Path) -> xr.
             acts.states,
             lamps=lamps,
             output=_output(electric, skies),
+            every_state=every_state(counts, len(signals.times)) if by_state else (),
             out=out,
             display=display,
         )
@@ -242,15 +223,11 @@ def _view_grids(
     if not job.inputs.view_grids:
         return xr.Dataset()
     counts = [len(group.states) for group in job.inputs.groups]
-    steps = len(signals.times)
     found = study_view_grids(
         job.inputs.view_grids,
         points.glare,
         states,
-        every_state=[
-            [np.full(steps, min(state, count - 1)) for count in counts]
-            for state in range(max(counts, default=0))
-        ],
+        every_state=every_state(counts, len(signals.times)),
         hours=Hours(
             signals.times,
             np.flatnonzero(skies.whole.diffuse.max(axis=0) > 0),

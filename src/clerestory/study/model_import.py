@@ -213,20 +213,24 @@ def sheet_bsdf(modifier: Material) -> Bsdf:
     return Bsdf({("visible", "transmission_front"): part}, traced.product)
 
 
+def window_bsdf(modifier: Modifier) -> Bsdf:
+    """Return the BSDF of a window modifier."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "bsdf.xml"
+        _bsdf_text(modifier, path)
+        return read_bsdf(path)
+
+
 def window_panes(model: BuildingModel) -> Scene:
     """Return the panes of all windows in their first state, as surfaces of a scene."""
     materials: dict[str, Material] = {}
     surfaces: list[Polygon] = []
-    with TemporaryDirectory() as folder:
-        for group in model.windows:
-            name, modifier = group.states[0]
-            if isinstance(modifier, BsdfModifier):
-                path = Path(folder) / "bsdf.xml"
-                _bsdf_text(modifier, path)
-                layer = read_bsdf(path)
-                modifier = BsdfSurface(name, layer, 0.0, modifier.up)
-            key = insert_material(materials, modifier)
-            surfaces += [Polygon(each, key, group.name) for each in group.polygons]
+    for group in model.windows:
+        name, modifier = group.states[0]
+        if isinstance(modifier, BsdfModifier):
+            modifier = BsdfSurface(name, window_bsdf(modifier), 0.0, modifier.up)
+        key = insert_material(materials, modifier)
+        surfaces += [Polygon(each, key, group.name) for each in group.polygons]
     return Scene(materials, tuple(surfaces))
 
 

@@ -68,6 +68,7 @@ _NUMBERS = {
         ("disturbed_positions", "disturbed_positions_error"), ("view_grid_name",)
     ),
     "grid_view_exceeded_dgp_by_state": ("shade_state", "grid_view"),
+    "glare_dgp_by_state": ("view", "shade_state", "time"),
     "dgp_limit": ("dgp_limit",),
 }
 _OF_VERDICTS = ("standard", "space", "criterion", "words", "levels")

@@ -20,10 +20,11 @@ from clerestory.progress import silent
 from clerestory.scene.model import Polygon, Scene, TriangleMesh
 from clerestory.study.config import Study
 from clerestory.study.glazed_grid_points import grid_points
+from clerestory.study.input_checks import warn_of_inputs
 from clerestory.study.inputs import read_inputs
 from clerestory.study.job import Job
 from clerestory.study.luminaire_matrices import trace_lamps
-from clerestory.study.method_run import RunLog, warn_of_inputs
+from clerestory.study.method_run import RunLog
 from clerestory.study.results import recorded_seconds
 from clerestory.study.stage_costs import STAGES, StageCost, StageWork, hour_bytes
 from clerestory.study.study_matrices import StudyMatrices

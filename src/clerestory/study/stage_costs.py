@@ -161,11 +161,14 @@ class StageWork:
     def _pictures(self) -> StageCost:
         # Computed pictures, glare, and files of the selected time steps
         seconds, computed, files, size = 0.0, 0, 0, 0.0
+        groups = self.inputs.groups if self.study.output.by_state else ()
+        states = max((len(group.states) for group in groups), default=0)
         for view in self.views:
             kept, seen = picture_steps(view, self.skies.times, self._lit)
             bands, pixels = len(self.inputs.scene.bands), len(view.camera)
             if sees_glare(view.camera.view):
                 seconds += self._view(view, len(seen), errors=True)
+                seconds += states * self._view(view, len(seen), errors=False)
             seconds += self._pixels(view, len(kept), bands=bands, errors=False)
             seconds += len(kept) * np.dot(_PICTURE, (1, pixels))
             computed, files = computed + len(seen), files + len(kept)

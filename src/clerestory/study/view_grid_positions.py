@@ -10,7 +10,7 @@ from jaxtyping import Float
 from clerestory.brief_repr import brief
 from clerestory.checks import require
 from clerestory.errors import located
-from clerestory.glare.point_glare import views_around
+from clerestory.glare.point_glare import view_along, views_around
 from clerestory.scene.eye_places import free_eyes, require_free_eyes
 from clerestory.scene.floor_grid import floor_grid, floor_level, polygon_grid
 from clerestory.scene.model import Scene
@@ -25,10 +25,14 @@ _TABLE = 0.8
 
 @dataclass(frozen=True, eq=False)
 class ViewGrid:
-    """View grid of a study: its table, and the positions of the eyes [m]."""
+    """View grid of a study: its table, and the positions of the eyes [m].
+
+    `directions` are the lines of sight of each position; default: those of the table.
+    """
 
     table: ViewGridTable
     position: Float[np.ndarray, "position 3"]
+    directions: tuple[Float[np.ndarray, "direction 3"], ...] | None = None
 
     __repr__ = brief
 
@@ -49,8 +53,11 @@ class ViewGrid:
 
     def views(self, position: int) -> list[View]:
         """Return the views of one position, one for each direction."""
-        first = np.radians(self.table.first_azimuth_deg)
         where = self.position[position]
+        if self.directions is not None:
+            lines = self.directions[position]
+            return [view_along(line, position=where) for line in lines]
+        first = np.radians(self.table.first_azimuth_deg)
         return views_around(self.table.directions, position=where, first=first)
 
 

@@ -4,10 +4,11 @@ import pytest
 
 from clerestory.errors import ClerestoryError, InputError
 from clerestory.glazing import wincalc
-from clerestory.glazing.glazing_system import Gap, GlazingSystem, read_system
+from clerestory.glazing.glazing_system import Gap, GlazingSystem
 from clerestory.glazing.layer import Glass
 from clerestory.glazing.thermal import thermal_figures
 from clerestory.glazing.venetian import VenetianBlind
+from clerestory.library.system_file import read_system
 
 PLAN = """
 name = "Test"

@@ -13,7 +13,7 @@ from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.rad_writer import format_rad
 from clerestory.scene.materials import INSTEAD, READERS
 
-# All types of Radiance 6.0 (src/common/otypes.h), without alias
+# All types of Radiance 6.1 (src/common/otypes.h), without alias
 TYPES = re.findall(
     r"\w+",
     """
@@ -21,7 +21,8 @@ polygon cone sphere texfunc ring cylinder instance cup bubble tube mesh plastic 
 glass trans dielectric plastic2 metal2 trans2 interface plasfunc metfunc brightfunc
 brightdata brighttext colorpict glow source light illum spotlight mist mirror transfunc
 BRTDfunc BSDF aBSDF plasdata metdata transdata colorfunc antimatter colordata colortext
-texdata mixfunc mixdata mixtext mixpict prism1 prism2 ashik2
+texdata mixfunc mixdata mixtext mixpict prism1 prism2 ashik2 WGMDfunc
+spectrum specfile specfunc specdata specpict
 """,
 )
 SHEET = "x polygon p 0 0 12 0 0 0 1 0 0 1 1 0 0 1 0\n"

@@ -6,9 +6,10 @@ import pytest
 from clerestory.directions import Frame
 from clerestory.hemisphere.klems import klems
 from clerestory.scene import scene_checks
-from clerestory.scene.model import Plastic, Polygon, Scene
+from clerestory.scene.model import Glass, Plastic, Polygon, Scene
 from clerestory.scene.scene_checks import check_scene
 from clerestory.scene.sensors import Sensors
+from clerestory.scene.view import View
 from clerestory.scene.window import Window
 
 
@@ -124,3 +125,12 @@ def test_a_window_behind_its_own_glazing_is_named():
 def test_scenes_that_are_hardly_in_metres_are_doubted(size):
     [finding] = check_scene(room(size))
     assert "is it in metres?" in finding
+
+
+def test_a_view_into_a_wall_is_named_unless_it_is_of_glass():
+    view = View("angular", np.array([2, 3.5, 1.2]), horizontal=180, vertical=180)
+    plan = View("parallel", np.array([2, 3.5, 1.2]), horizontal=4, vertical=4)
+    [finding] = check_scene(room(), views={"desk": view, "plan": plan})
+    assert finding == 'view "desk" faces a partition or a wall less than 1 m away'
+    glass = {"grey": Glass("grey", np.full(3, 0.9))}
+    assert check_scene(Scene(glass, room().surfaces), views={"desk": view}) == ()

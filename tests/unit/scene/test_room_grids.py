@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from clerestory.scene.desk_views import blocked_views, desk_views, is_blocked
+from clerestory.scene.desk_views import desk_views
 from clerestory.scene.model import Plastic, Polygon, Scene
 from clerestory.scene.room_grids import room_grids
+from clerestory.scene.scene_checks import check_scene
 from clerestory.scene.view import View
 from clerestory.scene.window import window_of
 
@@ -101,5 +102,7 @@ def test_partitions_block_a_view_but_screens_do_not(distance, width, expected):
     half = width / 2
     shield = upright((-half, distance), (half, distance), 0.75 - half, 1.2 + half)
     view = View("angular", np.array([0.0, 0.0, 1.2]), horizontal=180, vertical=180)
-    assert is_blocked(scene(shield), view) == expected
-    assert blocked_views(Scene(), [view]) == []
+    [*found] = check_scene(scene(shield), views={"desk": view})
+    assert ('view "desk" faces a partition or a wall less than 1 m away' in found) == (
+        expected
+    )

@@ -9,7 +9,7 @@ from clerestory.options import Argument, argument, option, options, required
 
 HELP = "BSDF files of layers."
 
-BsdfFiles = Annotated[list[Path], Argument("BSDF files.", "FILE…")]
+BsdfFiles = Annotated[list[Path], Argument("BSDF files, or library:NAME.", "FILE…")]
 
 
 @options

@@ -47,7 +47,7 @@ FigureOutput = Annotated[Path, Option("Figure to write: .png, .svg or .pdf.", "-
 PictureFile = Annotated[
     Path, Argument("Picture: Radiance (.hdr, .pic) or OpenEXR (.exr).", "PICTURE")
 ]
-BsdfFile = Annotated[Path, Argument("BSDF file to read.", "FILE")]
+BsdfFile = Annotated[Path, Argument("BSDF file to read, or library:NAME.", "FILE")]
 BsdfOutput = Annotated[Path, Option("BSDF file to write.", "-o")]
 Halvings = Annotated[int, Option("2^N cells along each axis of a tensor tree.")]
 

@@ -15,7 +15,9 @@ class StackLayers:
     """Combine layers into one BSDF, and print its transmittance and reflectance."""
 
     layer: list[Path] = argument(
-        "Layers from outdoors to indoors: .json, .dat, .xml; or one .toml.", "LAYER…"
+        "Layers from outdoors to indoors: .json, .dat, .xml, library:NAME;"
+        " or one .toml.",
+        "LAYER…",
     )
     output: Path | None = option(None, "BSDF file to write.", "-o")
     gap: float = option(12.7, "Thickness of all gaps [mm].", least=0.01)
@@ -42,4 +44,6 @@ class StackLayers:
 class GlazingInfo:
     """Describe products; list the products of a folder."""
 
-    file: list[Path] = argument("Product files, or folders of them.", "FILE…")
+    file: list[Path] = argument(
+        "Product files, folders of them, or library:NAME.", "FILE…"
+    )

@@ -98,7 +98,7 @@ class SunCoefficients:
 
     scene: common.SceneFiles
     window: common.WindowFiles
-    bsdf: Path = required("BSDF of the windows (.xml).", metavar="F")
+    bsdf: Path = required("BSDF of the windows: .xml, or library:NAME.", metavar="F")
     weather: Path = required("Weather file that gives the sun positions.", metavar="F")
     receiver: common.SensorsOrView
     tolerance: float = option(0.25, "Angle within which suns are merged [°].", least=0)

@@ -50,6 +50,7 @@ class Explorer {
     return list.selectedOptions[0].text;
   }
 
+  get sides() { return this.compared === DIFFERENCE ? ["a", "b"] : [this.compared]; }
   get prefix() { return this.compared === DIFFERENCE ? "Difference, B less A. " : ""; }
 
   get comparedWords() {
@@ -57,11 +58,13 @@ class Explorer {
     return this.operationWords(this.compared);
   }
 
-  // Illuminance of the operations that are shown
+  // Illuminance and DGP of the operations that are shown
   async load() {
-    for (const side of this.compared === DIFFERENCE ? ["a", "b"] : [this.compared]) {
+    for (const side of this.sides) {
       const operation = this.operation(side), key = JSON.stringify(operation);
-      if (this.lux[side]?.key !== key) this.lux[side] = { key, values: await this.values.illuminance(operation) };
+      if (this.lux[side]?.key === key) continue;
+      const values = await this.values.illuminance(operation);
+      this.lux[side] = { key, values, dgp: await glareCodes(this, operation) };
     }
   }
 
@@ -100,22 +103,16 @@ class Explorer {
   momentNotes(step, row) {
     if (step < 0) return "";
     const notes = [];
-    for (const side of this.compared === DIFFERENCE ? ["a", "b"] : [this.compared]) {
+    for (const side of this.sides) {
       const states = this.values.states(this.operation(side));
       const found = this.facts.windows.flatMap((window, k) => {
         const state = states ? states[k][step] : window.operated?.[step];
         return window.states.length > 1 ? [`${window.name} ${window.states[state]}`] : [];
       });
       if (found.length) notes.push(`Windows ${this.operationWords(side)}: ${found.join(", ")}.`);
+      notes.push(glareAt(this, side, row));
     }
-    if (this.dgp && row >= 0) {
-      const shown = this.facts.views.flatMap((view, k) => {
-        const code = this.dgp[row * this.facts.views.length + k];
-        return code === 65535 ? [] : [`${view} ${(code * this.facts.dgp_step).toFixed(2)}`];
-      });
-      if (shown.length) notes.push(`DGP as operated: ${shown.join(", ")}.`);
-    }
-    return notes.join(" ");
+    return notes.filter(Boolean).join(" ");
   }
 
   showYear() {
@@ -139,32 +136,7 @@ class Explorer {
   }
 
   showGlare() {
-    if (!byId("dgp-limit")) return;
-    const limit = +byId("dgp-limit").value, code = Math.round(limit / this.facts.dgp_step);
-    const chosen = this.values.within(this.hours), { views } = this.facts;
-    byId("dgp-limit").setAttribute("aria-valuetext", `DGP ${limit.toFixed(2)}`);
-    byId("dgp-words").textContent = limit.toFixed(2);
-    if (this.dgp) {
-      const shares = exceedance(this.dgp, views.length, chosen, code);
-      shares.forEach((share, k) => { byId(`exceeded-${k}`).textContent = `${share.toFixed(1)} %`; });
-      byId("glare-words").textContent = `DGP above ${limit.toFixed(2)}, ${this.hourWords()}: ${views.map((view, k) => `${view} ${shares[k].toFixed(1)} %`).join(", ")}.`;
-    }
-    if (this.positions) this.showPositions(code, chosen, limit);
-  }
-
-  showPositions(code, chosen, limit) {
-    const number = +byId("view-grid").value, plan = this.facts.view_plans[number], wanted = +byId("direction").value;
-    const directions = plan.azimuths.length, shares = exceedance(this.gridDgp, plan.count, chosen, code);
-    const values = Float64Array.from(plan.cells, (_, k) => {
-      const own = shares.subarray(k * directions, (k + 1) * directions);
-      return wanted < 0 ? own.reduce((most, share) => Math.max(most, share), 0) : own[wanted];
-    });
-    const label = `Hours with DGP above ${limit.toFixed(2)} at the positions of ${plan.name}, ${byId("direction").selectedOptions[0].text}, ${this.hourWords()}`;
-    this.positions.show(plan, `views-${number}-drawing`);
-    this.positions.draw(values, this.scales["%"], label);
-    const some = values.filter(share => share > 5).length;
-    byId("position-words").textContent = `${some} of ${values.length} positions have DGP above ${limit.toFixed(2)} in more than 5 % of the hours.`;
-    this.shownPositions = { title: label, unit: "%", values, position: plan.position };
+    if (byId("dgp-limit")) showGlare(this);
   }
 
   metricWords(metric, low, high) {
@@ -212,7 +184,6 @@ async function start() {
   const facts = JSON.parse(byId("data").textContent), root = document.documentElement;
   explorer = new Explorer(facts);
   await explorer.load();
-  if (facts.views.length) explorer.dgp = await explorer.values.codes("views", facts.views.length);
   await loadPositions(explorer);
   root.classList.add("scripted");
   startControls(explorer);
@@ -222,14 +193,6 @@ async function start() {
   explorer.showGlare();
   root.dataset.opened = performance.now().toFixed(0);
   root.dataset.scripts = "done";
-}
-
-async function loadPositions(explorer) {
-  if (!explorer.positions) return;
-  const number = byId("view-grid").value, plan = explorer.facts.view_plans[number];
-  explorer.gridDgp = await explorer.values.codes(`view-grid-${number}`, plan.count);
-  const directions = plan.azimuths.map((azimuth, k) => new Option(`${azimuth}°`, k));
-  byId("direction").replaceChildren(new Option("worst direction", -1), ...directions);
 }
 
 addEventListener("error", event => { document.documentElement.dataset.error = event.message; });

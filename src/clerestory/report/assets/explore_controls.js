@@ -29,7 +29,7 @@ function startControls(explorer) {
     byId("busy").textContent = "Reading the hours of the states …";
     await explorer.load();
     byId("busy").textContent = "";
-    later("showMoment", "showYear");
+    later("showMoment", "showYear", "showGlare");
   };
   for (const control of document.querySelectorAll("#operation select, #operation input")) {
     control.addEventListener("change", operate);

@@ -1,0 +1,87 @@
+"""Irradiance in 20 bands against `rtrace -cs 20`: a coloured room under a blue sky."""
+
+import io
+
+import numpy as np
+import pytest
+from radiance import run
+
+import clerestory as cl
+from clerestory.phases.rendering import irradiance
+from clerestory.scene.model import DistantSource, Glow, Scene
+from clerestory.spectra import Spectrum
+
+BANDS = cl.band_set("20")
+NM = np.linspace(380, 780, 401)
+WALL = 0.5 + 0.3 * np.sin(NM / 50)
+FLOOR = 0.1 + 0.5 / (1 + np.exp((600 - NM) / 20))
+SKY = 1.5 - 0.9 * (NM - 380) / 400
+RUNS = 8
+
+# A room 4 m × 5 m × 3 m without its south wall, and a floor
+ROOM = """
+void plastic wall 0 0 5 1 1 1 0 0
+void plastic floor 0 0 5 1 1 1 0 0
+floor polygon floor 0 0 12 0 0 0 4 0 0 4 5 0 0 5 0
+wall polygon ceiling 0 0 12 0 0 3 0 5 3 4 5 3 4 0 3
+wall polygon west 0 0 12 0 0 0 0 5 0 0 5 3 0 0 3
+wall polygon east 0 0 12 4 0 0 4 0 3 4 5 3 4 5 0
+wall polygon north 0 0 12 0 5 0 4 5 0 4 5 3 0 5 3
+"""
+SENSORS = "2 1 0.8 0 0 1\n2 4 1.2 0 -1 0\n1 3 1.2 1 0 0\n"
+
+
+def spectrum(name, values):
+    """A primitive of Radiance with a value at every nanometre."""
+    listed = " ".join(f"{value:.6g}" for value in values)
+    return f"void spectrum {name} 0 0 {len(values) + 2} 380 780 {listed}\n"
+
+
+def of_radiance(folder):
+    """Irradiance of each run, sensor and band, in increasing wavelength."""
+    colours = {"wall": WALL, "floor": FLOOR}
+    text = ROOM
+    for name, values in colours.items():
+        text = text.replace(f"void plastic {name}", f"{name}_colour plastic {name}")
+        text = spectrum(f"{name}_colour", values) + text
+    sky = "sky_colour glow sky 0 0 4 1 1 1 0\nsky source dome 0 0 4 0 0 1 360\n"
+    (folder / "spectral.rad").write_text(text + spectrum("sky_colour", SKY) + sky)
+    run("oconv spectral.rad > room.oct", folder=folder)
+    options = "-h -I+ -u+ -ab 3 -ad 1024 -lw 1e-7 -aa 0 -as 0 -dt 0 -cs 20 -co+"
+    output = run(f"rtrace {options} room.oct", folder=folder, stdin=SENSORS * RUNS)
+    found = np.loadtxt(io.StringIO(output)).reshape(RUNS, -1, len(BANDS))
+    return found[..., ::-1]
+
+
+@pytest.mark.slow
+def test_twenty_bands_are_those_of_rtrace(tmp_path):
+    """Three reflections; every sensor and band within the standard errors.
+
+    Irradiance carries three bands along a path, daylight coefficients all of them.
+    """
+    theirs = of_radiance(tmp_path)
+    mean, spread = theirs.mean(axis=0), theirs.std(axis=0, ddof=1) / RUNS**0.5
+    (tmp_path / "room.rad").write_text(ROOM)
+    (tmp_path / "sensors.pts").write_text(SENSORS)
+    colours = {"wall": Spectrum(NM, WALL), "floor": Spectrum(NM, FLOOR)}
+    room = cl.in_bands(cl.read_rad(tmp_path / "room.rad"), BANDS, spectra=colours)
+    sensors = cl.read_sensors(tmp_path / "sensors.pts")
+    effort = {"bounces": 3, "samples": 1 << 13, "device": "cpu"}
+
+    sky = Glow("sky", cl.band_means(Spectrum(NM, SKY), BANDS))
+    dome = (DistantSource(np.array([0.0, 0.0, 1.0]), 360.0, "sky"),)
+    lit = Scene({**room.materials, "sky": sky}, room.surfaces, dome, BANDS)
+    found = irradiance(lit, sensors, **effort)
+    within(found.irradiance, found.error, mean, spread)
+
+    matrix = cl.daylight_coefficients(room, sensors=sensors, subdivision=1, **effort)
+    scatter = np.square(matrix.components.sum(axis=-1)).sum(axis=0) ** 0.5
+    total = matrix.values.sum(axis=-1).T * sky.radiance
+    within(total, scatter.T * sky.radiance, mean, spread)
+
+
+def within(ours, error, theirs, spread):
+    """Check agreement within standard errors, which must be below 2 %."""
+    both = np.hypot(error, spread)
+    assert (both < 0.02 * theirs).all()
+    assert (np.abs(ours - theirs) < 4.5 * both).all()
