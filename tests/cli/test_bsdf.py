@@ -140,6 +140,13 @@ def test_compare_needs_two_files(call):
     assert call("bsdf", "compare", "diffuser.xml").status == 2
 
 
+def test_view_names_its_page_after_the_product(call, room):
+    assert call("bsdf", "view", "diffuser.xml").status == 0
+    assert call("bsdf", "view", "library:diffuser-50").status == 0
+    assert (room / "diffuser.html").is_file()
+    assert (room / "diffuser-50.html").is_file()
+
+
 def test_view_writes_one_page(call, room):
     outcome = call("bsdf", "view", "diffuser.xml", "-o", "v.html")
     assert outcome.status == 0

@@ -175,7 +175,32 @@ def _rt300s(_: Path) -> list[bytes]:
     return [workbook(rows)]
 
 
+BUILDING = """{
+"GlobalGeometryRules": {"R": {"coordinate_system": "Relative"}},
+"Building": {"B": {"north_axis": 30}},
+"Zone": {"Office": {"direction_of_relative_north": 15.0}},
+"BuildingSurface:Detailed": {"Wall": {"zone_name": "Office"}},
+"Construction": {"clear": {"outside_layer": "Pane"}},
+"FenestrationSurface:Detailed": {"Pane": {
+"building_surface_name": "Wall", "multiplier": 2.0,
+"vertex_1_x_coordinate": 1, "vertex_1_y_coordinate": 0, "vertex_1_z_coordinate": 2.5,
+"vertex_2_x_coordinate": 1, "vertex_2_y_coordinate": 0, "vertex_2_z_coordinate": 1,
+"vertex_3_x_coordinate": 3, "vertex_3_y_coordinate": 0, "vertex_3_z_coordinate": 1
+}}}
+"""
+
+
+def _window(found, path):
+    return found(path).window("Pane"), found(path).constructions()
+
+
 READERS = {
+    "building": Reader(
+        "energyplus.building_model:read_building_model",
+        "m.epJSON",
+        (BUILDING,),
+        use=_window,
+    ),
     "bsdf": Reader("bsdf.xml_reader:read_bsdf", "b.xml", make=_bsdfs, use=_judged),
     "bsdf template": Reader(
         "bsdf.xml_insertion:insert_blocks", "b.xml", make=_insertion, use=_inserted

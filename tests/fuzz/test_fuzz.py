@@ -31,6 +31,10 @@ LEFT_OUT = {
     "report.page_assets:asset": "reads files of the package",
     "spectral.functions:spectral_function": "reads files of the package",
     "study.variant_run:_input_key": "hashes what other readers read",
+    "energyplus.engine_run:convert_to_json": "the engine reads the file",
+    "energyplus.engine_run:simulate": "reads what the engine has written",
+    "energyplus.engine_run:_reason": "reads what the engine has written",
+    "energyplus.engine_process:simulate": "reads what this package has written",
     "cli.compat:_picture": "copies standard input to a file, which is then read",
     "study.new_study:write_demo": "copies files of the package",
 }

@@ -15,7 +15,7 @@ from clerestory.cli.angle_pair import angle_pair
 from clerestory.cli.progress import say
 from clerestory.cli.requests import bsdf as requests
 from clerestory.errors import InputError
-from clerestory.library.bsdf_source import bsdf_file, read_bsdf
+from clerestory.library.bsdf_source import PREFIX, bsdf_file, read_bsdf
 from clerestory.report.bsdf_plot import (
     direction_from_angles,
     lobe_figure,
@@ -75,8 +75,10 @@ def compare(request: requests.CompareBsdfs) -> None:
 
 def view(request: requests.ViewBsdf) -> None:
     """Write an interactive view of a BSDF."""
-    write_view(read_bsdf(request.file), request.output)
-    say(f"{request.output}: {request.output.stat().st_size / 1e6:.1f} MB")
+    name = request.file.name.removeprefix(PREFIX)
+    output = request.output or Path(name).with_suffix(".html")
+    write_view(read_bsdf(request.file), output)
+    say(f"{output}: {output.stat().st_size / 1e6:.1f} MB")
 
 
 def insert(request: requests.InsertBsdf) -> None:

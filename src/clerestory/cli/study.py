@@ -79,7 +79,7 @@ def run(request: requests.RunStudy) -> None:
 
 def demo(request: requests.Demo) -> None:
     """Copy the bundled study and run it."""
-    study = read_study(write_demo(request.folder))
+    study = read_study(write_demo(request.folder, bsdf=request.bsdf))
     chosen = study.with_trace(seed=request.seed, device=request.device)
     _run(chosen, request.folder / "results", quiet=request.quiet)
 

@@ -15,6 +15,7 @@ from clerestory.report.compliance_section import compliance_sections
 from clerestory.report.content import ReportContent
 from clerestory.report.content_from_results import from_results
 from clerestory.report.electric_lighting import lamps_section
+from clerestory.report.energy_section import energy_section
 from clerestory.report.equation_terms import equation_section
 from clerestory.report.headline import headline
 from clerestory.report.main_sections import (
@@ -92,6 +93,7 @@ _SECTIONS: tuple[tuple[str, str, Callable[[ReportContent], Section]], ...] = (
     ("view-grids", "Glare at every position", view_grids_section),
     ("sunlight", "Sunlight", sunlight_section),
     ("lamps", "Electric light", lamps_section),
+    ("energy", "Energy", energy_section),
     ("equation", "Direct correction", equation_section),
     ("methods", "Methods", methods_section),
     ("layers", "BSDFs", layers_section),

@@ -111,7 +111,7 @@ def figure_tables(runs: Sequence[RunFigures]) -> list[FigureTable]:
     found = []
     for title, group in groupby(columns, lambda column: _table_title(column[1][0][0])):
         own = list(group)
-        single = title not in ("Glare", "Electric light")
+        single = title not in ("Glare", "Energy")
         heads = [
             (name, row[0][0].unit if single else f"{place}, {row[0][0].unit}")
             for (name, place), row in own
@@ -124,7 +124,7 @@ def figure_tables(runs: Sequence[RunFigures]) -> list[FigureTable]:
 def _table_title(figure: VariantFigure) -> str:
     if figure.aspect == "glare":
         return "Glare"
-    return "Electric light" if figure.aspect == "energy" else figure.place
+    return "Energy" if figure.aspect == "energy" else figure.place
 
 
 def _cell(pair: tuple[VariantFigure, VariantFigure]) -> Cell:

@@ -21,6 +21,7 @@ from clerestory.phases.methods import METHODS, MethodName
 from clerestory.study import config_tables as tables
 from clerestory.study.compliance_tables import ComplianceTable, SpaceTable
 from clerestory.study.config_tables import Distinct, require_rule
+from clerestory.study.energy_tables import EnergyTable
 from clerestory.study.lighting_tables import LightingTable, LuminaireTable
 from clerestory.study.report_tables import ReportTable
 from clerestory.study.view_grid_tables import ViewGridTable
@@ -76,6 +77,7 @@ class Study(Table):
     )
     space: Annotated[list[SpaceTable], Distinct] = Field([])
     compliance: ComplianceTable | None = Field(None, description="a table [compliance]")
+    energy: EnergyTable | None = Field(None, description="a table [energy]")
     report: ReportTable = ReportTable()
     output: tables.OutputTable = tables.OutputTable()
 
@@ -153,6 +155,7 @@ class Study(Table):
                 self._require_views(window)
         for table in self.view_grid:
             _require(f'view grid "{table.label}"', "grid", [table.grid], grids)
+        self._require_energy_names(zones=[table.label for table in self.lighting])
         for space in self.space:
             _require(f'space "{space.name}"', "grid", space.grids, grids)
             _require(f'space "{space.name}"', "view", space.views, views)
@@ -171,6 +174,16 @@ class Study(Table):
             "[[luminaire]] or [[lighting]] without the other table; both expected",
         )
         return self
+
+    def _require_energy_names(self, *, zones: list[str]) -> None:
+        if self.energy is not None:
+            windows = [window.label for window in self.window]
+            named = [each.name for each in self.energy.window]
+            _require("[energy]", "window", named, windows)
+            for each in self.energy.lights:
+                message = f'[energy] refers to lighting zone "{each.zone}"; one of'
+                known = ", ".join(zones) or "none"
+                require_rule(each.zone in zones, f"{message} {known} expected")
 
     @model_validator(mode="after")
     def _states_for_the_output(self) -> "Study":

@@ -40,6 +40,8 @@ from clerestory.study.compliance_table import compliance_table
 from clerestory.study.config import Study
 from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.electric_lighting import lighting
+from clerestory.study.energy_model import energy_model
+from clerestory.study.energy_simulation import annual_energy
 from clerestory.study.glazed_grid_points import grid_points
 from clerestory.study.illuminance_by_state import every_state, results_by_state
 from clerestory.study.input_checks import warn_of_inputs
@@ -117,6 +119,7 @@ def run_method(
     recent = recent or RecentValues()
     with log.phase("read"):
         inputs = read_inputs(study, recent=recent)
+        model = energy_model(study, inputs)
         title_block = study.report.title_block()
     with log.phase("check"):
         warn_of_inputs(study, inputs, recent=recent)
@@ -131,6 +134,9 @@ def run_method(
             recent=recent,
         )
         data = _simulate(job, log, states, out=out)
+        if model is not None:
+            with log.phase("energy"):
+                data = data.merge(annual_energy(model, data, display("EnergyPlus")))
         with log.phase("write"):
             write_tables(study, Results(data), out)
         facts = _run_facts(job, data, log)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from clerestory.checks import one_of, require
 from clerestory.errors import ClerestoryWarning
+from clerestory.escaping import toml_value
 from clerestory.files import make_folder, replace_file, write_text
 from clerestory.library.bsdf_source import PREFIX, is_library_name, read_bsdf
 from clerestory.radiance.rad_reader import read_rad
@@ -36,6 +37,9 @@ _HEAD = """# Paths are relative to this file; docs/study-file.md explains every 
 
 # Weather of the demo study: TMY3 year of Greensboro, North Carolina, from pvlib
 _WEATHER = "723170TYA.CSV"
+
+# Title and BSDF file of the demo study
+_DEMO_BLIND = ("FLEXLAB test room, venetian blind", "venetian_blind.xml")
 
 
 @dataclass(frozen=True)
@@ -166,12 +170,23 @@ def _facing_room(window: Window, turned: Sequence[str]) -> str:
     return study_files.window_text(window.name, outlines, up=window.frame.up)
 
 
-def write_demo(folder: str | Path) -> Path:
+def write_demo(folder: str | Path, *, bsdf: str | Path | None = None) -> Path:
     """Copy the demo study into a folder, created if missing; return its study file.
 
-    The room has a venetian blind. Existing files are not overwritten.
+    The room has a venetian blind, or `bsdf`, a BSDF file or the name of a built-in
+    product. Existing files are not overwritten.
+
+    Raises
+    ------
+    InputError : a BSDF is given, but cannot be read, or the folder has a study already
     """
-    folder = make_folder(folder)
+    folder = Path(folder)
+    study = folder / STUDY_FILE
+    if bsdf is not None:
+        read_bsdf(bsdf)
+        message = "a study is here already; another folder expected with a BSDF"
+        require(not study.exists(), message, file=study)
+    make_folder(folder)
     bundled = importlib.resources.files("clerestory") / "demo"
     weather = importlib.resources.files("pvlib") / "data" / _WEATHER
     for source in (*bundled.iterdir(), weather):
@@ -179,4 +194,17 @@ def write_demo(folder: str | Path) -> Path:
         if source.is_file() and not target.exists():
             with replace_file(target) as stream:
                 stream.write(source.read_bytes())
-    return folder / STUDY_FILE
+    if bsdf is not None:
+        _replace_blind(study, bsdf)
+    return study
+
+
+def _replace_blind(study: Path, bsdf: str | Path) -> None:
+    # Another BSDF, and its name in the title of the demo study
+    path, name = str(bsdf), Path(bsdf).stem.removeprefix(PREFIX)
+    if not is_library_name(bsdf):
+        path = study_files.relative_path(bsdf, study.parent)
+    title, file = _DEMO_BLIND
+    text = study.read_text(encoding="utf-8").replace(" behind a venetian blind", "")
+    text = text.replace(f'"{title}"', toml_value(f"FLEXLAB test room, {name}"))
+    write_text(study, text.replace(f'"{file}"', toml_value(path)))

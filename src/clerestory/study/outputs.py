@@ -82,6 +82,8 @@ def write_tables(study: Study, results: Results, out: Path) -> None:
             write_requirements(results, out / "requirements.csv")
         if "dimming" in results.data:
             write_lighting(results, out / "lighting.csv")
+        if "energy" in results.data:
+            write_energy(results, out / "energy.csv")
         for grid, stem in file_stems(view_grids(results)).items():
             write_grid_views(results, out / f"glare_{stem}.csv", grid=grid)
             write_grid_dgp(results, out / f"dgp_{stem}.csv", grid=grid)
@@ -108,6 +110,28 @@ def write_lighting(results: Results, path: str | Path) -> None:
     zones = [str(name) or "lighting" for name in data["zone"].values]
     figures = np.concatenate([data["dimming"].values, data["lighting_power"].values])
     heads = [*(f"{zone} output" for zone in zones), *(f"{zone} [W]" for zone in zones)]
+    _write_over_time(path, data, figures, heads)
+
+
+def write_energy(results: Results, path: str | Path) -> None:
+    """Write energy by use, temperatures and solar radiation, a line per time step."""
+    data = results.data
+    solar = data["window_solar"].values
+    figures = [data["energy"].values, data["operative_temperature"].values, *solar]
+    heads = [f"{name} [kWh]" for name in data["energy_use"].values]
+    heads += [f"{name} operative [C]" for name in data["thermal_zone"].values]
+    heads += [
+        f"{window} {part} [W]"
+        for part in data["solar_part"].values
+        for window in data["energy_window"].values
+    ]
+    _write_over_time(path, data, np.concatenate(figures), heads)
+
+
+def _write_over_time(
+    path: str | Path, data: xr.Dataset, figures: np.ndarray, heads: list[str]
+) -> None:
+    # Table with a line per time step and a column for each row of figures
     head = [table_cell(text) for text in heads]
     times = pd.Index(data["time"].values, name="time").strftime("%Y-%m-%d %H:%M")
     table = pd.DataFrame(figures.T, times, head)

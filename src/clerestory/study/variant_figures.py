@@ -212,6 +212,16 @@ def _grid_glare(results: Results) -> Iterator[VariantFigure]:
 
 
 def _energy(data: xr.Dataset) -> Iterator[VariantFigure]:
+    # Energy of the building, simulated by EnergyPlus, and of the luminaires
+    if "annual_energy" in data:
+        uses = ("heating", "cooling", "lighting")
+        found = [float(data["annual_energy"].sel(energy_use=use)) for use in uses]
+        named = {"heating, cooling and lighting": sum(found)}
+        named |= dict(zip(uses[:2], found, strict=False))
+        for use, kwh in named.items():
+            yield VariantFigure(
+                use, "building", "kWh", "energy", kwh, 0.0, rising=False
+            )
     if "lighting_energy" not in data:
         return
     name, value = "lighting energy", float(data["lighting_energy"].sum()) / 1000

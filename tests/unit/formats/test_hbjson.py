@@ -6,7 +6,7 @@ from contextlib import suppress
 
 import numpy as np
 import pytest
-from honeybee_models import GLASS, aperture, box, honeybee_model
+from honeybee_models import GLASS, aperture, box, building, honeybee_model
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -212,3 +212,13 @@ def test_a_damaged_model_is_refused_in_words(read, data):
         at = at[key]
     with suppress(InputError, ClerestoryWarning):
         read(value)
+
+
+def test_windows_of_plain_glass_become_groups_of_one_room_on_request(tmp_path):
+    """Two offices side by side: their windows are in one plane, of one glass."""
+    path = tmp_path / "model.hbjson"
+    path.write_text(json.dumps(building(2)))
+    assert not read_hbjson(path).windows
+    windows = read_hbjson(path, window_groups=True).windows
+    assert [group.name for group in windows] == ["r0 pane", "r1 pane"]
+    assert [len(group.polygons) for group in windows] == [1, 1]

@@ -35,6 +35,29 @@ def test_the_demo_room_is_that_of_the_paper(tmp_path):
     np.testing.assert_allclose(window.frame.normal, [0, 1, 0], atol=1e-12)
 
 
+def test_the_demo_takes_a_product_of_ones_own(tmp_path):
+    write_demo(tmp_path / "first")
+    blind = tmp_path / "first" / "venetian_blind.xml"
+    blind.rename(tmp_path / 'my "blind".xml')
+    study = read_study(write_demo(tmp_path / "a", bsdf=tmp_path / 'my "blind".xml'))
+    assert study.title == 'FLEXLAB test room, my "blind"'
+    assert study.window[0].bsdf.samefile(tmp_path / 'my "blind".xml')
+    named = read_study(write_demo(tmp_path / "b", bsdf="library:double-clear-6"))
+    assert str(named.window[0].bsdf) == "library:double-clear-6"
+    assert named.title == "FLEXLAB test room, double-clear-6"
+
+
+@pytest.mark.parametrize(
+    ("folder", "bsdf", "words"),
+    [("first", "library:double-clear-6", "a study is here"), ("b", "no.xml", "read")],
+)
+def test_a_product_that_the_demo_cannot_take(tmp_path, folder, bsdf, words):
+    write_demo(tmp_path / "first")
+    with pytest.raises(InputError, match=words):
+        write_demo(tmp_path / folder, bsdf=bsdf)
+    assert not (tmp_path / "b").exists()
+
+
 def test_writing_the_demo_again_keeps_what_was_changed(tmp_path):
     write_demo(tmp_path)
     (tmp_path / "desks.pts").write_text("1 1 0.76 0 0 1\n")

@@ -88,7 +88,9 @@ class ViewBsdf:
     """Write an interactive HTML view of a BSDF for selectable incident directions."""
 
     file: common.BsdfFile
-    output: Path = required("Self-contained HTML file to write.", "-o")
+    output: Path | None = option(
+        None, "Self-contained HTML file to write; default: the name with .html.", "-o"
+    )
 
 
 @command("bsdf:insert", "traced.xml window.xml -o layer.xml")

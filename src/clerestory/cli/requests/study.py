@@ -74,6 +74,9 @@ class Demo:
     folder: Path = argument(
         "Folder for the study and its results.", "DIR", default=Path("clerestory_demo")
     )
+    bsdf: Path | None = option(
+        None, "BSDF file (.xml), or library:NAME, instead of the blind.", metavar="F"
+    )
     device: DeviceChoice = None
     seed: SeedChoice = None
     quiet: common.Quiet = False

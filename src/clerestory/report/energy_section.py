@@ -1,0 +1,194 @@
+"""Energy of the building: months, sunlight at the windows, and two weeks."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float
+
+from clerestory.report.content import ReportContent
+from clerestory.report.markup import Markup, drawing, element, render
+from clerestory.report.section import Section
+from clerestory.report.uncertain_value import number
+
+_COLOURS = {
+    "heating": "#b5482e",
+    "cooling": "#2f6f9f",
+    "lighting": "#d9a521",
+    "equipment": "#8a8a8a",
+}
+_SUN = {"transmitted": "#e3b341", "absorbed": "#e0926f", "reflected": "#c9c4b8"}
+_MONTHS = "JFMAMJJASOND"
+
+# Size of the drawings, and margins of their axes
+_WIDTH, _HEIGHT, _LEFT, _FOOT, _TOP = 560.0, 180.0, 64.0, 22.0, 10.0
+_BAR = 26.0
+
+# Weeks that are drawn: title, first day of the year, counted from 0
+_WEEKS = (("A week of January", 14), ("A week of July", 195))
+_HOURS = 168
+
+
+def energy_section(content: ReportContent) -> Section:
+    """Return the section of EnergyPlus' results; empty without them."""
+    data = content.data
+    if "annual_energy" not in data:
+        return Section()
+    uses = [use for use in _COLOURS if use in data["energy_use"].values]
+    rows = [
+        (
+            use,
+            number(float(data["annual_energy"].sel(energy_use=use))),
+            number(float(data["peak_power"].sel(energy_use=use))),
+        )
+        for use in uses
+    ]
+    weeks = [(title, _week(data, uses, day, title)) for title, day in _WEEKS]
+    return Section(
+        render(
+            "energy.html",
+            rows=rows,
+            comfort=_comfort(data),
+            months=_months(data, uses),
+            sun=_sun(data),
+            sun_words=_sun_words(data),
+            keys=[(use, _COLOURS[use]) for use in uses],
+            weeks=[(title, drawn) for title, drawn in weeks if drawn],
+        )
+    )
+
+
+def _comfort(data: xr.Dataset) -> list[str]:
+    low, high = np.ravel(data["hours_out_of_comfort"].attrs["comfort_c"])
+    return [
+        f"{zone}: {number(hours)} occupied hours with an operative temperature outside"
+        f" {low:g} to {high:g} °C."
+        for zone, hours in zip(
+            data["thermal_zone"].values.tolist(),
+            data["hours_out_of_comfort"].values.tolist(),
+            strict=True,
+        )
+    ]
+
+
+def _months(data: xr.Dataset, uses: Sequence[str]) -> Markup:
+    # Stacked bars of energy by month
+    month = data["time"].dt.month.values - 1
+    sums = np.array(
+        [
+            np.bincount(month, np.nan_to_num(data["energy"].sel(energy_use=u)), 12)
+            for u in uses
+        ]
+    )
+    top = max(float(sums.sum(axis=0).max()), 1e-9)
+    step = (_WIDTH - _LEFT) / 12
+    marks = _axis(top, "kWh")
+    for k in range(12):
+        x, base = _LEFT + (k + 0.15) * step, 0.0
+        for use, value in zip(uses, sums[:, k].tolist(), strict=True):
+            tall = _HEIGHT * value / top
+            marks.append(
+                element(
+                    "rect",
+                    element("title", f"{use}: {number(value)} kWh"),
+                    x=f"{x:.1f}",
+                    y=f"{_TOP + _HEIGHT - base - tall:.1f}",
+                    width=f"{0.7 * step:.1f}",
+                    height=f"{tall:.1f}",
+                    fill=_COLOURS[use],
+                )
+            )
+            base += tall
+        place = {"x": f"{x + 0.35 * step:.1f}", "y": _TOP + _HEIGHT + 15}
+        marks.append(element("text", _MONTHS[k], text_anchor="middle", **place))
+    label = "Energy by month: " + "; ".join(
+        f"{use} {number(float(total))} kWh in the year"
+        for use, total in zip(uses, sums.sum(axis=1), strict=True)
+    )
+    return drawing(label, *marks, width=_WIDTH, height=_TOP + _HEIGHT + _FOOT)
+
+
+def _axis(top: float, unit: str) -> list[Markup]:
+    # Lines and labels of a quarter, a half … of a round number below the largest value
+    power = 10.0 ** np.floor(np.log10(top))
+    step = next(m * power for m in (5, 2, 1, 0.5, 0.2) if top / (m * power) >= 2)
+    marks = []
+    for value in np.arange(0, top * 1.0001, step).tolist():
+        y = f"{_TOP + _HEIGHT * (1 - value / top):.1f}"
+        line = f"M{_LEFT},{y}H{_WIDTH}"
+        marks.append(element("path", d=line, stroke="#d8d4ca", stroke_width=0.7))
+        text = f"{number(value)} {unit}" if value else "0"
+        marks.append(element("text", text, x=_LEFT - 5, y=y, text_anchor="end"))
+    return marks
+
+
+def _shares(data: xr.Dataset) -> dict[str, float]:
+    # Shares of the sun on all windows; what is neither transmitted nor absorbed is
+    # reflected
+    parts = data["annual_window_solar"].sum("energy_window")
+    kwh = dict(zip(parts["solar_part"].values.tolist(), parts.values, strict=True))
+    kwh = {name: float(value) for name, value in kwh.items()}
+    incident = max(kwh["incident"], 1e-9)
+    found = {name: kwh[name] / incident for name in ("transmitted", "absorbed")}
+    return found | {"reflected": max(1 - sum(found.values()), 0.0)}
+
+
+def _sun(data: xr.Dataset) -> Markup:
+    # One bar, divided into what is transmitted, absorbed and reflected
+    marks, x = list[Markup](), 0.0
+    for name, share in _shares(data).items():
+        wide = _WIDTH * share
+        marks.append(
+            element(
+                "rect",
+                x=f"{x:.1f}",
+                y=0,
+                width=f"{wide:.1f}",
+                height=_BAR,
+                fill=_SUN[name],
+            )
+        )
+        if share > 0.12:
+            place = {"x": f"{x + wide / 2:.1f}", "y": 17, "text_anchor": "middle"}
+            text = f"{name} {100 * share:.0f} %"
+            marks.append(element("text", text, style="fill:#222", **place))
+        x += wide
+    return drawing(_sun_words(data), *marks, width=_WIDTH, height=_BAR)
+
+
+def _sun_words(data: xr.Dataset) -> str:
+    kwh = float(data["annual_window_solar"].sel(solar_part="incident").sum())
+    parts = ", ".join(f"{100 * v:.0f} % {name}" for name, v in _shares(data).items())
+    return f"Solar radiation on the windows in the year: {number(kwh)} kWh; {parts}."
+
+
+def _week(data: xr.Dataset, uses: Sequence[str], day: int, title: str) -> Markup:
+    # Power of each use, hour by hour
+    steps = data.sizes["time"] // 8760
+    if not steps:
+        return Markup("")
+    chosen = slice(day * 24 * steps, (day * 24 + _HOURS) * steps)
+    power = np.nan_to_num(data["energy"].isel(time=chosen).values) * steps
+    top = max(float(power.max()), 1e-9)
+    marks = _axis(top, "kW")
+    for k in range(8):
+        x = f"{_LEFT + (_WIDTH - _LEFT) * k / 7:.1f}"
+        line = f"M{x},{_TOP}V{_TOP + _HEIGHT}"
+        marks.append(element("path", d=line, stroke="#d8d4ca", stroke_width=0.7))
+    known = data["energy_use"].values.tolist()
+    marks += [_curve(power[known.index(use)], top, _COLOURS[use]) for use in uses]
+    return drawing(
+        f"{title}: heating, cooling, lighting and equipment power",
+        *marks,
+        width=_WIDTH,
+        height=_TOP + _HEIGHT + 6,
+    )
+
+
+def _curve(values: Float[np.ndarray, " step"], top: float, colour: str) -> Markup:
+    x = np.linspace(_LEFT, _WIDTH, len(values))
+    y = _TOP + _HEIGHT * (1 - values / top)
+    points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))
+    return element(
+        "polyline", points=points, fill="none", stroke=colour, stroke_width=1.4
+    )

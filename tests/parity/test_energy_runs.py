@@ -1,0 +1,219 @@
+"""A year of EnergyPlus with the shades and lights of a study."""
+
+import importlib.util
+import json
+import re
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from clerestory.bsdf.analytic import lambertian
+from clerestory.bsdf.xml_writer import write_bsdf
+from clerestory.cli.main import main
+from clerestory.energyplus.building_model import read_building_model
+from clerestory.energyplus.complex_fenestration import complex_fenestration
+from clerestory.energyplus.engine_run import AnnualRun, Output, simulate
+from clerestory.energyplus.input_objects import as_idf
+from clerestory.errors import InputError
+from clerestory.glazing.glazing_system import Gap, GlazingSystem
+from clerestory.glazing.layer import Glass
+from clerestory.glazing.pane import grey_pane
+from clerestory.glazing.slat_cell import SlatGeometry
+from clerestory.glazing.stack import stack_layers
+from clerestory.glazing.venetian import VenetianBlind
+from clerestory.hemisphere.klems import klems
+from energy_models import PLAIN, office
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(
+        importlib.util.find_spec("pyenergyplus") is None,
+        reason="EnergyPlus is not installed (extra energy)",
+    ),
+]
+
+ROOM = Path(__file__).parents[1] / "cli" / "room"
+BASIS = klems("quarter")
+PANE = Glass(replace(grey_pane(0.834, 0.075), thickness=0.003962, conductivity=1.0))
+SLAT = replace(
+    grey_pane(0.0, 0.7, name="slat"),
+    thickness=0.0006,
+    conductivity=160.0,
+    emissivity_front=0.9,
+    emissivity_back=0.9,
+)
+BLIND = VenetianBlind(
+    SLAT, SlatGeometry(width=0.025, spacing=0.02, tilt=np.radians(45))
+)
+SYSTEMS = {
+    "clear": GlazingSystem("clear", (PANE, PANE), (Gap(0.012),)),
+    "blind": GlazingSystem("blind", (PANE, PANE, BLIND), (Gap(0.012), Gap(0.05))),
+}
+METERS = (
+    "Heating:EnergyTransfer",
+    "Cooling:EnergyTransfer",
+    "InteriorLights:Electricity",
+)
+STUDY = """
+method = "3-phase"
+[scene]
+files = ["room.rad"]
+[[window]]
+name = "south"
+file = "window.rad"
+[[window.state]]
+name = "clear"
+bsdf = "bright.xml"
+[[window.state]]
+name = "blind"
+bsdf = "dark.xml"
+[window.control]
+rule = "schedule"
+file = "states.csv"
+[[sensors]]
+file = "desk.pts"
+[[luminaire]]
+file = "lamp.rad"
+power = 90
+[[lighting]]
+grid = "desk"
+[weather]
+file = "weather.epw"
+[sky]
+subdivision = 1
+[trace]
+samples = 64
+[energy]
+model = "office.idf"
+[[energy.window]]
+name = "south"
+surfaces = ["South Window"]
+constructions = ["clear", "blind"]
+[[energy.lights]]
+lights = "Office Lights"
+"""
+LAMP = """void light lamp 0 0 3 90 90 90
+lamp polygon panel 0 0 12 1.5 2 2.9 1.5 3 2.9 2.5 3 2.9 2.5 2 2.9
+"""
+
+
+def state(name, basis):
+    """IDF text of a complex fenestration state."""
+    light = stack_layers(SYSTEMS[name].layers, partition=basis)
+    return as_idf(complex_fenestration(SYSTEMS[name], light, name=name))
+
+
+@pytest.fixture(scope="module")
+def states():
+    """IDF text of all complex fenestration states."""
+    return "\n".join(state(name, BASIS) for name in SYSTEMS)
+
+
+@pytest.fixture
+def folder(tmp_path, states, shared_data, monkeypatch):
+    """Folder of a study whose window and lights are those of the office."""
+    shutil.copytree(ROOM, tmp_path, dirs_exist_ok=True)
+    shutil.copy(shared_data / "weather" / "chicago.epw", tmp_path / "weather.epw")
+    write_bsdf(tmp_path / "bright.xml", lambertian(0.7, BASIS))
+    write_bsdf(tmp_path / "dark.xml", lambertian(0.1, BASIS))
+    (tmp_path / "lamp.rad").write_text(LAMP)
+    (tmp_path / "office.idf").write_text(office("clear", states))
+    (tmp_path / "study.toml").write_text(STUDY)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def schedule(chosen_state):
+    """Write the states of all hours of a year: one, or a function of the hour."""
+    hours = np.arange("1990-01-01T00", "1991-01-01T00", dtype="datetime64[h]")
+    given = chosen_state if callable(chosen_state) else lambda _: chosen_state
+    chosen = [given(k % 24) for k in range(len(hours))]
+    times = [str(hour).replace("T", " ") + ":30" for hour in hours]
+    rows = "\n".join(f"{t},{s}" for t, s in zip(times, chosen, strict=True))
+    Path("states.csv").write_text(f"time,south\n{rows}\n")
+
+
+def alone(construction, *objects):
+    """Energy [kWh] of the office by EnergyPlus without any actuator."""
+    Path("alone.idf").write_text(office(construction, *objects))
+    model = read_building_model("alone.idf").objects
+    outputs = [Output(meter, sum=True) for meter in METERS]
+    values = simulate(AnnualRun(model, Path("weather.epw"), [], outputs))
+    return values.sum(axis=1) / 3.6e6
+
+
+def run():
+    assert main(["run", "study.toml", "--out", "results", "--quiet"]) == 0
+    return xr.load_dataset("results/results.nc", engine="h5netcdf")
+
+
+@pytest.mark.parametrize("state", [0, 1])
+def test_a_constant_state_is_the_construction_of_the_model(state, folder, states):
+    schedule(state)
+    text = STUDY.partition("[[energy.lights]]")[0]
+    Path("study.toml").write_text(text)
+    found = run()["annual_energy"].sel(energy_use=["heating", "cooling", "lighting"])
+    expected = alone(("clear", "blind")[state], states)
+    assert expected[:2].min() > 100
+    np.testing.assert_allclose(found, expected, rtol=1e-5)
+
+
+def test_shades_and_lights_follow_the_study(folder):
+    schedule(lambda hour: int(10 <= hour < 16))
+    data = run()
+    lights = data["energy"].sel(energy_use="lighting").values
+    np.testing.assert_allclose(lights, data["lighting_power"][0] / 1000, rtol=1e-4)
+    closed = data["state"][0].values == 1
+    incident, transmitted, absorbed = data["window_solar"].values[:, 0]
+    lit = incident > 100
+    share = transmitted[lit] / incident[lit]
+    assert share[closed[lit]].max() < 0.4 < share[~closed[lit]].mean()
+    assert (transmitted + absorbed)[lit].sum() < incident[lit].sum()
+    facts = json.loads(Path("results/run.json").read_text())
+    assert facts["warnings"] == []
+    table = Path("results/energy.csv").read_text().splitlines()
+    assert len(table) == 8761
+    assert table[0].startswith("time,heating [kWh],cooling [kWh],lighting [kWh]")
+
+
+def test_complex_fenestration_has_the_loads_of_ordinary_windows(folder):
+    """Clear double glazing in a year of Chicago; shares of the sum of both loads."""
+    plain = alone("plain", PLAIN)[:2]
+    found = alone("clear", state("clear", klems("full")))[:2]
+    np.testing.assert_allclose(found, plain, rtol=0, atol=0.02 * plain.sum())
+    assert found[1] == pytest.approx(plain[1], rel=0.02)
+
+
+WRONG = {
+    "surface": ('surfaces = ["South Window"]', 'surfaces = ["Door"]', 'no .*"Door"'),
+    "construction": ('["clear", "blind"]', '["clear", "dark"]', 'construction "dark"'),
+    "states": ('["clear", "blind"]', '["clear"]', "1 constructions of .*2 states"),
+    "window": ('name = "south"\nsurfaces', 'name = "n"\nsurfaces', 'window "n"'),
+    "lights": ('lights = "Office Lights"', 'lights = "Desk"', 'no Lights "Desk"'),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_what_does_not_fit_is_one_line_before_tracing(name, folder, capsys):
+    old, new, message = WRONG[name]
+    assert STUDY.count(old) == 1
+    Path("study.toml").write_text(STUDY.replace(old, new))
+    schedule(0)
+    assert main(["run", "study.toml", "--out", "results", "--quiet"]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert re.search(message, said)
+    assert not list(Path("results").rglob("*.nc"))
+
+
+def test_errors_of_the_engine_are_its_own_message(folder, states):
+    text = office("clear", states).replace("Construction,Slab", "Construction,Slap")
+    Path("bad.idf").write_text(text)
+    model = read_building_model("bad.idf").objects
+    outputs = [Output(METERS[0], sum=True)]
+    with pytest.raises(InputError, match=r"EnergyPlus: .*[Cc]onstruction.*SLAB"):
+        simulate(AnnualRun(model, Path("weather.epw"), [], outputs))
