@@ -58,9 +58,11 @@ class SurfaceEmitters(Source):
         cell = dr.select(same, cell, self.images.cells.number(si.p))
         return state, pdf, dr.select(same, length + si.t, 0), cell
 
-    def met(self, path: Path, si, shape, active) -> tuple[Emission, mi.Bool]:
+    def met(self, path: Path, si, shape, active) -> tuple[Emission, mi.Bool] | None:
         """Return the radiance of the front of an emitter; camera rays pass illums."""
         emitters = self.model.emitters
+        if emitters.count == 0:
+            return None
         role = dr.gather(mi.UInt32, self.model.emitter_of_shape, shape, active)
         ended = active & (role > 0)
         number, cosine = role - 1, -dr.dot(path.ray.d, si.n)

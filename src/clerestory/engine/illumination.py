@@ -3,7 +3,10 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
+import mitsuba as mi
+
 from clerestory.engine.caustic_lobes import Caustics
+from clerestory.engine.conditional_evaluation import where_needed
 from clerestory.engine.distant_emitters import DistantEmitters
 from clerestory.engine.emitter_sampling import SurfaceEmitters
 from clerestory.engine.lower import LoweredScene, lower
@@ -29,7 +32,12 @@ class Environment(Source):
 
     def escaped(self, path: Path, active) -> Emission:
         """Return the radiance of sky and ground in the direction of an escaped path."""
-        return Emission(self.distant.environment_radiance(path.ray.d), active)
+        radiance = where_needed(
+            active,
+            lambda _: self.distant.environment_radiance(path.ray.d),
+            lambda: mi.Color3f(0),
+        )
+        return Emission(radiance, active)
 
 
 @dataclass

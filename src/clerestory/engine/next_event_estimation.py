@@ -18,6 +18,7 @@ import drjit as dr
 import mitsuba as mi
 
 from clerestory.engine.caustic_lobes import Cones
+from clerestory.engine.conditional_evaluation import where_needed
 from clerestory.engine.sampler import PathNumbers
 
 # Values in three channels, or in all bands of a scene
@@ -64,6 +65,8 @@ class Vertex:
     ----------
     leave : function of direction and mask that returns the vertex point, offset from
         the surface
+    faces : function of a direction that returns whether light from there can be
+        scattered
     scatter : function of a direction, and of a flag for light directly from a
         luminaire or the sun (`materials.lamp_context`), that returns BSDF × cosine and
         the density of BSDF sampling [1/sr]
@@ -81,6 +84,7 @@ class Vertex:
 
     point: mi.Point3f
     leave: Callable[[mi.Vector3f, mi.Bool], mi.Point3f]
+    faces: Callable[[mi.Vector3f], mi.Bool]
     scatter: Callable[..., tuple[mi.Color3f, mi.Float]]
     densities: Callable[[mi.Vector3f, mi.Float, mi.Bool], Densities]
     active: mi.Bool
@@ -193,18 +197,48 @@ class LightSample:
 
     def estimate(self, vertex: Vertex, active):
         """Return the estimate of scattered radiance, and the mask of nonzero values."""
-        value, own = vertex.scatter(self.direction, self.luminaire)
-        lit = active & self.active & (dr.max(value) > 0)
-        arriving = self.arriving(vertex, lit)
-        lit &= dr.max(arriving) > 0
-        densities = None
-        if self.heuristic is not None:
-            densities = vertex.densities(self.direction, own, lit)
-        pdf = self.pdf(densities) if callable(self.pdf) else self.pdf
-        weight = dr.rcp(pdf)
-        if densities is not None and self.heuristic is not None:
-            weight = self.heuristic(pdf, densities.path)
-        return value * arriving * weight, lit & (pdf > 0)
+        active = active & self.active & vertex.faces(self.direction)
+        arriving = self.arriving(vertex, active)
+        active &= dr.max(arriving) > 0
+
+        def scattered(active):
+            value, own = vertex.scatter(self.direction, self.luminaire)
+            lit = active & (dr.max(value) > 0)
+            densities = None
+            if self.heuristic is not None:
+                densities = vertex.densities(self.direction, own, lit)
+            pdf = self.pdf(densities) if callable(self.pdf) else self.pdf
+            weight = dr.rcp(pdf)
+            if densities is not None and self.heuristic is not None:
+                weight = self.heuristic(pdf, densities.path)
+            return value * arriving * weight, lit & (pdf > 0)
+
+        return where_needed(active, scattered, nothing)
+
+
+@dataclass
+class ConditionalSample:
+    """A direction that is sampled in packets with active lanes only.
+
+    `sampled` returns the sample; see `LightSample`.
+    """
+
+    active: mi.Bool
+    sampled: Callable[[], LightSample]
+    column: ClassVar[mi.UInt32 | None] = None
+
+    def estimate(self, vertex: Vertex, active):
+        """Return the estimate of scattered radiance, and the mask of nonzero values."""
+
+        def estimated(active):
+            return self.sampled().estimate(vertex, active)
+
+        return where_needed(active & self.active, estimated, nothing)
+
+
+def nothing() -> tuple[mi.Color3f, mi.Bool]:
+    """Return no radiance, and an empty mask."""
+    return mi.Color3f(0), mi.Bool(False)
 
 
 class Source:
@@ -224,7 +258,7 @@ class Source:
 
     def samples(
         self, vertex: Vertex, path: Path | None, numbers: PathNumbers
-    ) -> Iterable[LightSample]:
+    ) -> Iterable[LightSample | ConditionalSample]:
         """Yield samples of directions from a vertex to the source.
 
         `path` is the path that led to the vertex, or None at a sensor.

@@ -200,7 +200,7 @@ class Portals:
         surfaces.
         """
         onward, sunlit = mi.Float(0), mi.Float(0)
-        left = self.met(origin, direction)
+        left = dr.select(active, self.met(origin, direction), 0)
         while active & (left != 0):
             number = dr.tzcnt(left)
             at = cell * self.slots + number

@@ -13,11 +13,13 @@ from typing import ClassVar
 import drjit as dr
 import mitsuba as mi
 
+from clerestory.engine.conditional_evaluation import where_needed
 from clerestory.engine.distant_emitters import DistantEmitters, SunSample
 from clerestory.engine.lower import LoweredScene
 from clerestory.engine.mirror_images import MirrorImages
 from clerestory.engine.mirrors import by_mirrors
 from clerestory.engine.next_event_estimation import (
+    ConditionalSample,
     Densities,
     Emission,
     LightSample,
@@ -100,28 +102,38 @@ class Suns(Source):
         u, v = numbers.sobol(CONNECT_U), numbers.sobol(CONNECT_V)
         pick = numbers.extra(0) if self.distant.suns > 1 else mi.Float(0)
         sun = self.distant.sample_sun(pick, u, v)
-        share = mi.Float(1)
-        if path is not None and self.seeks_sunlit:
-            share = self._share_of_path(vertex, path, sun)
-        yield self._direct(sun, share)
+        shared = self.seeks_sunlit and path is not None
+        yield self._direct(sun, path if shared else None)
         if self.seeks_sunlit:
-            yield self._on_surfaces(vertex, sun, numbers)
+            yield ConditionalSample(
+                vertex.opaque & vertex.continues,
+                lambda: self._on_surfaces(vertex, sun, numbers),
+            )
         if self.images.count:
             yield self.by_image(vertex, numbers)
 
-    def _share_of_path(self, vertex: Vertex, path: Path, sun: SunSample):
+    def _share_of_path(self, vertex: Vertex, path: Path, sun: SunSample, active):
         # MIS weight of a path at a surface also sampled by rays to sunlit surfaces
         _, sunlit = path.memory[self.name]
         other = self._sunlit_pdf(sun, path.ray.d, sunlit)
         shared = (sunlit >= 0) & (path.pdf > 0)
-        shared &= _is_sought(self.model, vertex.shape, vertex.active)
+        shared &= _is_sought(self.model, vertex.shape, active)
         share = path.pdf * balance_heuristic(path.pdf, other)
         return dr.select(shared, share, 1)
 
-    def _direct(self, sun: SunSample, share) -> LightSample:
+    def _direct(self, sun: SunSample, path: Path | None = None) -> LightSample:
+        # `path`: path to be weighted against rays to sunlit surfaces
         def arriving(vertex: Vertex, active):
             start = vertex.leave(sun.direction, active)
-            return sun.radiance * self._seen(start, sun, active) * share
+            light = sun.radiance * self._seen(start, sun, active)
+            if path is None:
+                return light
+            lit = active & (dr.max(light) > 0)
+            return light * where_needed(
+                lit,
+                lambda lit: self._share_of_path(vertex, path, sun, lit),
+                lambda: mi.Float(0),
+            )
 
         always = mi.Bool(True)
         return LightSample(
@@ -150,7 +162,6 @@ class Suns(Source):
             chosen = pick < _LOBES if portals else mi.Bool(True)
             direction = dr.select(chosen, lobe, direction)
             valid |= chosen
-        active = vertex.opaque & vertex.continues & valid
 
         def arriving(vertex: Vertex, active):
             ray = mi.Ray3f(vertex.leave(direction, active), direction)
@@ -159,7 +170,7 @@ class Suns(Source):
         def pdf(densities: Densities):
             return self._sunlit_pdf(sun, direction, densities.sunlit)
 
-        return LightSample(direction, pdf, active, arriving)
+        return LightSample(direction, pdf, valid, arriving)
 
     def on_surface(self, sun: SunSample, ray: mi.Ray3f, active):
         """Return the radiance of sunlight scattered along a ray by the surface hit.
@@ -172,7 +183,7 @@ class Suns(Source):
         shape = dr.reinterpret_array(mi.UInt32, si.shape)
         active &= _is_sought(self.model, shape, active)
         vertex = surface_vertex(self.model, None, si, shape, active, mi.Bool(False))
-        light, lit = self._direct(sun, mi.Float(1)).estimate(vertex, active)
+        light, lit = self._direct(sun).estimate(vertex, active)
         return dr.select(lit, light, 0)
 
     def _sunlit_pdf(self, sun: SunSample, direction, in_portals):
@@ -187,7 +198,7 @@ class Suns(Source):
     def direct(self, vertex: Vertex, numbers: PathNumbers) -> LightSample:
         """Return a sampled direction to a sun."""
         sun = self.distant.sample_sun(*(numbers.extra(n) for n in (4, 5, 6)))
-        return self._direct(sun, mi.Float(1))
+        return self._direct(sun)
 
     def by_image(
         self, vertex: Vertex, numbers: PathNumbers, image: mi.UInt32 | None = None

@@ -34,12 +34,15 @@ def sensor_vertex(
         cosine = dr.maximum(dr.dot(normal, direction), 0)
         return mi.Color3f(cosine), cosine * dr.inv_pi
 
+    def faces(direction):
+        return dr.dot(normal, direction) > 0
+
     always = mi.Bool(True)
     cones = None if caustics is None else caustics.at(point, normal, always)
     cell, chance, densities = _guiding(portals, cones, point, normal, mi.Float(1))
     return Vertex(
-        point, lambda direction, active: point, scatter, densities, active=always,
-        shape=None, flags=mi.UInt32(0), cell=cell, chance=chance,
+        point, lambda direction, active: point, faces, scatter, densities,
+        active=always, shape=None, flags=mi.UInt32(0), cell=cell, chance=chance,
         opaque=always, continues=always, cones=cones,
     )  # fmt: skip
 
@@ -78,14 +81,18 @@ def surface_vertex(
         through = dr.dot(direction, si.n) * si.wi.z < 0
         return dr.select(through, moved - si.n * thickness, moved)
 
+    def faces(direction):
+        return ~opaque | (dr.dot(facing, direction) > 0)
+
     def scatter(direction, luminaire=False):
         local = si.to_local(direction)
         return bsdf.eval_pdf(contexts[luminaire], si, local, active)
 
     bands = model.throughput
     return Vertex(
-        si.p, leave, scatter, densities, active=active, shape=shape, flags=flags,
-        cell=cell, chance=chance, opaque=opaque, continues=continues, cones=cones,
+        si.p, leave, faces, scatter, densities, active=active, shape=shape,
+        flags=flags, cell=cell, chance=chance, opaque=opaque, continues=continues,
+        cones=cones,
         in_bands=None if bands is None else bands.at(shape, active),
     )  # fmt: skip
 
