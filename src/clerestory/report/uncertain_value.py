@@ -7,6 +7,9 @@ from typing import Any
 # Number of items above which lists are abbreviated to the first and last item
 _MOST_ITEMS = 8
 
+# Units of settings by the last word of their key
+_UNITS = {"c": "°C", "cm": "cm", "deg": "°", "gb": "GB", "lux": "lux", "m": "m"}
+
 
 @dataclass(frozen=True)
 class Figure:
@@ -44,11 +47,12 @@ def number(value: float) -> str:
 def setting_label(key: str) -> str:
     """Return the name of a setting in the study file as words with a unit.
 
-    >>> setting_label("tilt_deg"), setting_label("target_lux")
-    ('tilt [°]', 'target [lux]')
+    >>> setting_label("tilt_deg"), setting_label("target_lux"), setting_label("seed")
+    ('tilt [°]', 'target [lux]', 'seed')
     """
-    words = key.replace("_deg", " [°]").replace("_lux", " [lux]").replace("_", " ")
-    return words.replace("bsdf", "BSDF")
+    name, _, last = key.rpartition("_")
+    words = f"{name} [{_UNITS[last]}]" if name and last in _UNITS else key
+    return words.replace("_", " ").replace("bsdf", "BSDF")
 
 
 def setting_rows(settings: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
@@ -67,7 +71,8 @@ def setting_words(value: Any) -> str:
     if isinstance(value, float):
         return f"{value:.4g}"
     if isinstance(value, dict):
-        return ", ".join(f"{label} {text}" for label, text in setting_rows(value))
+        rows = setting_rows(value)
+        return ", ".join(f"{setting_label(key)} {text}" for key, text in rows)
     if isinstance(value, list | tuple):
         if len(value) > _MOST_ITEMS:
             ends = f"{setting_words(value[0])} to {setting_words(value[-1])}"

@@ -24,6 +24,7 @@ from clerestory.study.config_tables import Distinct, require_rule
 from clerestory.study.energy_tables import EnergyTable
 from clerestory.study.lighting_tables import LightingTable, LuminaireTable
 from clerestory.study.report_tables import ReportTable
+from clerestory.study.table_names import require_names
 from clerestory.study.view_grid_tables import ViewGridTable
 from clerestory.study.window_tables import WindowTable
 from clerestory.toml_lines import key_lines
@@ -142,48 +143,8 @@ class Study(Table):
 
     @model_validator(mode="after")
     def _names_that_exist(self) -> "Study":
-        # Control rules, lighting zones, view grids and luminaires name other tables
-        grids = [table.label for table in self.sensors]
-        views = [table.label for table in self.view]
-        view_grids = [table.label for table in self.view_grid]
-        for window in self.window:
-            if window.control is not None:
-                rule = f'rule "{window.control.rule}" of window "{window.label}"'
-                _require(rule, "grid", [window.control.grid], grids)
-                _require(rule, "view", window.control.views, views)
-                _require(rule, "view grid", window.control.view_grids, view_grids)
-                self._require_views(window)
-        for table in self.view_grid:
-            _require(f'view grid "{table.label}"', "grid", [table.grid], grids)
-        self._require_energy_names(zones=[table.label for table in self.lighting])
-        for space in self.space:
-            _require(f'space "{space.name}"', "grid", space.grids, grids)
-            _require(f'space "{space.name}"', "view", space.views, views)
-        zones = [table.label for table in self.lighting]
-        for zone in self.lighting:
-            _require(f'lighting "{zone.label}"', "grid", [zone.grid], grids)
-        for lamp in self.luminaire:
-            what = f'luminaire "{lamp.label}"'
-            _require(what, "lighting zone", [lamp.zone], zones)
-            require_rule(
-                lamp.zone or len(zones) < 2,
-                f"{what} without zone; one of {', '.join(zones)} expected",
-            )
-        require_rule(
-            bool(self.luminaire) == bool(self.lighting),
-            "[[luminaire]] or [[lighting]] without the other table; both expected",
-        )
+        require_names(self)
         return self
-
-    def _require_energy_names(self, *, zones: list[str]) -> None:
-        if self.energy is not None:
-            windows = [window.label for window in self.window]
-            named = [each.name for each in self.energy.window]
-            _require("[energy]", "window", named, windows)
-            for each in self.energy.lights:
-                message = f'[energy] refers to lighting zone "{each.zone}"; one of'
-                known = ", ".join(zones) or "none"
-                require_rule(each.zone in zones, f"{message} {known} expected")
 
     @model_validator(mode="after")
     def _states_for_the_output(self) -> "Study":
@@ -195,17 +156,6 @@ class Study(Table):
             " [[window.state]], and a method with windows, expected",
         )
         return self
-
-    def _require_views(self, window: WindowTable) -> None:
-        control = window.control
-        if control is None or (control.rule == "glare" and control.grid):
-            return
-        glare = control.rule == "glare" or "glare" in control.needs
-        require_rule(
-            self.view or self.view_grid or not (glare or control.dgp_below is not None),
-            f'rule "{control.rule}" of window "{window.label}" depends on glare, but'
-            " there is no view; a table [[view]] or [[view_grid]] expected",
-        )
 
     @property
     def method(self) -> MethodName:
@@ -279,15 +229,6 @@ class Study(Table):
     def to_json(self) -> str:
         """Return all keys and values of the study file as JSON."""
         return json.dumps(self.facts(), sort_keys=True)
-
-
-def _require(what: str, kind: str, names: list[str], known: list[str]) -> None:
-    for name in names:
-        require_rule(
-            not name or name in known,
-            f'{what} refers to {kind} "{name}"; one of {", ".join(known) or "none"}'
-            " expected",
-        )
 
 
 def read_study(path: str | Path) -> Study:

@@ -304,3 +304,29 @@ def test_sunlight_needs_openings(study_file):
     first = text[0].replace("3-phase", "2-phase")
     study_file.write_text(f"{first}[[sensors]]{rest}\n[sunlight]\n")
     assert "[sunlight] without a window" in str(complaint(study_file))
+
+
+ENERGY = '[energy]\nmodel = "office.idf"\n'
+WRONG_ENERGY = {
+    "window": (
+        '[[energy.window]]\nname = "roof"\nsurfaces = ["s"]\nconstructions = ["c"]\n',
+        '[energy] refers to window "roof"',
+    ),
+    "zone": (
+        '[[energy.lights]]\nlights = "lamps"\n',
+        '[energy] refers to lighting zone ""; one of none expected',
+    ),
+    "surface": (
+        '[[energy.window]]\nname = "a"\nsurfaces = ["s", "S"]\nconstructions = ["c"]\n',
+        'surface "s" is named twice',
+    ),
+    "comfort": ("comfort_c = [26.0, 20.0]\n", "the lower limit first"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG_ENERGY)
+def test_energy_refers_to_tables_of_the_study(study_file, case):
+    table, words = WRONG_ENERGY[case]
+    (study_file.parent / "office.idf").touch()
+    study_file.write_text(f"{study_file.read_text()}\n{ENERGY}{table}")
+    assert words in str(complaint(study_file))
