@@ -1,4 +1,31 @@
-"""An office of one zone for EnergyPlus, made for the tests."""
+"""An office of one zone for EnergyPlus, with panes and blinds, made for the tests."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from clerestory.glazing.layer import Glass
+from clerestory.glazing.pane import grey_pane
+from clerestory.glazing.slat_cell import SlatGeometry
+from clerestory.glazing.venetian import VenetianBlind
+from clerestory.hemisphere.klems import klems
+
+BASIS = klems("quarter")
+PANE = Glass(replace(grey_pane(0.834, 0.075), thickness=0.003962, conductivity=1.0))
+SLAT = replace(
+    grey_pane(0.0, 0.7, name="slat"),
+    thickness=0.0006,
+    conductivity=160.0,
+    emissivity_front=0.9,
+    emissivity_back=0.9,
+)
+
+
+def blind(tilt_deg):
+    """A blind of 25 mm slats every 20 mm."""
+    slats = SlatGeometry(width=0.025, spacing=0.02, tilt=np.radians(tilt_deg))
+    return VenetianBlind(SLAT, slats)
+
 
 OFFICE = """
 Version,25.2;

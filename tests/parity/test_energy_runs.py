@@ -4,7 +4,6 @@ import importlib.util
 import json
 import re
 import shutil
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -20,13 +19,9 @@ from clerestory.energyplus.engine_run import AnnualRun, Output, simulate
 from clerestory.energyplus.input_objects import as_idf
 from clerestory.errors import InputError
 from clerestory.glazing.glazing_system import Gap, GlazingSystem
-from clerestory.glazing.layer import Glass
-from clerestory.glazing.pane import grey_pane
-from clerestory.glazing.slat_cell import SlatGeometry
 from clerestory.glazing.stack import stack_layers
-from clerestory.glazing.venetian import VenetianBlind
 from clerestory.hemisphere.klems import klems
-from energy_models import PLAIN, office
+from energy_models import BASIS, PANE, PLAIN, blind, office
 
 pytestmark = [
     pytest.mark.slow,
@@ -37,21 +32,9 @@ pytestmark = [
 ]
 
 ROOM = Path(__file__).parents[1] / "cli" / "room"
-BASIS = klems("quarter")
-PANE = Glass(replace(grey_pane(0.834, 0.075), thickness=0.003962, conductivity=1.0))
-SLAT = replace(
-    grey_pane(0.0, 0.7, name="slat"),
-    thickness=0.0006,
-    conductivity=160.0,
-    emissivity_front=0.9,
-    emissivity_back=0.9,
-)
-BLIND = VenetianBlind(
-    SLAT, SlatGeometry(width=0.025, spacing=0.02, tilt=np.radians(45))
-)
 SYSTEMS = {
     "clear": GlazingSystem("clear", (PANE, PANE), (Gap(0.012),)),
-    "blind": GlazingSystem("blind", (PANE, PANE, BLIND), (Gap(0.012), Gap(0.05))),
+    "blind": GlazingSystem("blind", (PANE, PANE, blind(45)), (Gap(0.012), Gap(0.05))),
 }
 METERS = (
     "Heating:EnergyTransfer",

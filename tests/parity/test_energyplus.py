@@ -18,13 +18,11 @@ from clerestory.glazing.bsdf_layer import BsdfLayer
 from clerestory.glazing.glazing_system import Gap, GlazingSystem
 from clerestory.glazing.layer import Glass
 from clerestory.glazing.optics import Optics
-from clerestory.glazing.pane import grey_pane, two_band_pane
+from clerestory.glazing.pane import two_band_pane
 from clerestory.glazing.screen import WovenShade
-from clerestory.glazing.slat_cell import SlatGeometry
 from clerestory.glazing.stack import stack_layers
 from clerestory.glazing.thermal import thermal_figures
-from clerestory.glazing.venetian import VenetianBlind
-from clerestory.hemisphere.klems import klems
+from energy_models import BASIS, PANE, SLAT, blind
 
 pytestmark = [
     pytest.mark.slow,
@@ -46,21 +44,6 @@ OUTPUTS = (
     "Surface Window Transmitted Beam Solar Radiation Rate",
     "Surface Window Transmitted Solar Radiation Rate",
 )
-BASIS = klems("quarter")
-PANE = Glass(replace(grey_pane(0.834, 0.075), thickness=0.003962, conductivity=1.0))
-SLAT = replace(
-    grey_pane(0.0, 0.7, name="slat"),
-    thickness=0.0006,
-    conductivity=160.0,
-    emissivity_front=0.9,
-    emissivity_back=0.9,
-)
-
-
-def blind(tilt_deg):
-    """A blind of 25 mm slats every 20 mm."""
-    slats = SlatGeometry(width=0.025, spacing=0.02, tilt=np.radians(tilt_deg))
-    return VenetianBlind(SLAT, slats)
 
 
 @pytest.fixture(scope="module")
