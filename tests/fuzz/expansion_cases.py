@@ -5,6 +5,7 @@
 reads one in this process and prints seconds, megabytes added and the message as JSON.
 """
 
+import builtins
 import json
 import resource
 import sys
@@ -509,17 +510,42 @@ def legal_array_with_its_material(folder):
     return rad(folder, a=array.format("b"), **files)
 
 
+class Imports:
+    """Processor time of the imports within a `with` block [s]."""
+
+    def __enter__(self) -> "Imports":
+        self.seconds, self.within, self.plain = 0.0, False, builtins.__import__
+        builtins.__import__ = self._timed
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        builtins.__import__ = self.plain
+
+    def _timed(self, *words, **more):
+        if self.within:
+            return self.plain(*words, **more)
+        self.within, started = True, time.process_time()
+        try:
+            return self.plain(*words, **more)
+        finally:
+            self.within = False
+            self.seconds += time.process_time() - started
+
+
 def measured(name: str) -> dict[str, object]:
-    """Read a case; return seconds, megabytes added and the result or the message."""
+    """Read a case; return seconds, megabytes added and the result or the message.
+
+    The seconds are processor time without that of imports.
+    """
     warnings.simplefilter("ignore")
-    with tempfile.TemporaryDirectory() as place:
+    with tempfile.TemporaryDirectory() as place, Imports() as imports:
         try:
             before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
             started = time.process_time()
             outcome = f"read: {CASES[name](Path(place))}"
         except ClerestoryError as error:
             outcome = f"refused: {str(error).replace(place, '')}"
-        took = time.process_time() - started
+        took = time.process_time() - started - imports.seconds
         peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return {"seconds": took, "megabytes": (peak - before) / 1024, "outcome": outcome}
 

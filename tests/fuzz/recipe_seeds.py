@@ -30,6 +30,14 @@ def _model(_: Path) -> list[bytes]:
     return [json.dumps(honeybee_model(room)).encode() for room in rooms]
 
 
+def _viewed(_: Path) -> list[bytes]:
+    model = honeybee_model(office())
+    seen = {"position": [1, 2, 1.2], "direction": [0, -1, 0], "up_vector": [0, 0, 1]}
+    view = {"type": "View", "identifier": "desk", "view_type": "v", **seen}
+    model["properties"].setdefault("radiance", {})["views"] = [view]
+    return [json.dumps(model).encode()]
+
+
 def _inputs(found, path):
     from clerestory.recipes.recipe import RECIPES
 
@@ -67,6 +75,9 @@ READERS = {
     ),
     "recipe model": Reader(
         "recipes.model:read_model", "model.hbjson", make=_model, use=_written
+    ),
+    "recipe views": Reader(
+        "recipes.model:read_model_views", "model.hbjson", make=_viewed
     ),
     "positions": Reader("scene.sensors:read_positions", "eyes.txt", (POSITIONS,)),
 }

@@ -34,7 +34,7 @@ LINEAR = {
     "json_names_taken": 6,
     "names_defined_again": 8,
 }
-REFUSED_S = 2  # half of which is the import of the readers
+REFUSED_S = 2
 
 
 def _limited():

@@ -35,6 +35,7 @@ LEFT_OUT = {
     "energyplus.engine_run:simulate": "reads what the engine has written",
     "energyplus.engine_run:_reason": "reads what the engine has written",
     "energyplus.engine_process:simulate": "reads what this package has written",
+    "study.new_study:_replace_blind": "reads what it has written",
     "cli.compat:_picture": "copies standard input to a file, which is then read",
     "study.new_study:write_demo": "copies files of the package",
 }

@@ -69,7 +69,13 @@ from clerestory.report.page_assets import content_policy
 from clerestory.report.variants_page import write_variants_page
 from clerestory.scene.model import Mirror, Mixture, Plastic, Polygon, Scene
 from clerestory.study.model_import import write_building_model
-from clerestory.study.outputs import _METRICS, write_hourly, write_metrics
+from clerestory.study.outputs import (
+    _METRICS,
+    write_energy,
+    write_hourly,
+    write_lighting,
+    write_metrics,
+)
 from clerestory.study.results import Results, read_results, save_results
 from clerestory.study.study_files import study_text, window_text
 from clerestory.study.title_block import TitleBlock
@@ -426,6 +432,32 @@ def test_tables_hold_no_formulas(folder):
     assert len({row[0] for row in rows[1:]}) == len(ALL)
 
 
+def test_tables_over_time_hold_no_formulas(folder):
+    """Names of objects of EnergyPlus, and of lighting zones."""
+    names, one = np.array(ALL, object), np.zeros((len(ALL), 1))
+    data = xr.Dataset(
+        {
+            "energy": (("energy_use", "time"), np.zeros((1, 1))),
+            "operative_temperature": (("thermal_zone", "time"), one),
+            "window_solar": (("solar_part", "energy_window", "time"), one[None]),
+            "dimming": (("zone", "time"), one),
+            "lighting_power": (("zone", "time"), one),
+        },
+        {
+            "energy_use": ["heating"],
+            "solar_part": ["incident"],
+            "thermal_zone": names,
+            "energy_window": names,
+            "zone": names,
+            "time": np.array(["2001-06-21T12:00"], "datetime64[ns]"),
+        },
+    )
+    write_energy(Results(data), folder / "energy.csv")
+    assert len(no_formulas(folder / "energy.csv")) == 2
+    write_lighting(Results(data), folder / "lighting.csv")
+    assert len(no_formulas(folder / "lighting.csv")) == 2
+
+
 def test_schedules_return_their_groups(folder):
     names = [escaping.printable(n).strip() for n in ALL if n.strip()]
     names = list(dict.fromkeys(names))
@@ -623,6 +655,8 @@ WRITERS = {
     "cli.irradiance.irradiance": "numbers",
     "cli.metrics.metrics": test_tables_hold_no_formulas,
     "cli.sky.sun": "numbers",
+    "energyplus.engine_run.convert_to_json": "a copy of the input, for the engine",
+    "energyplus.engine_run.simulate": "JSON, for the engine",
     "energyplus.input_objects.write_objects": test_energyplus_input_holds_any_name,
     "comparison.comparison_output._write_csv": test_tables_hold_no_formulas,
     "comparison.comparison_output.write_tables": "JSON",
@@ -672,9 +706,10 @@ WRITERS = {
     "study.model_import._bsdf_text": test_imports_of_models_run_no_name,
     "study.model_import.write_building_model": test_imports_of_models_run_no_name,
     "study.new_study.begin_study": test_study_files_hold_any_text,
+    "study.new_study._replace_blind": "a text and a path by toml_value",
     "study.new_study.write_demo": "files of the package",
     "study.outputs._write_lines": test_results_of_hostile_grids_are_tables,
-    "study.outputs.write_lighting": test_tables_hold_no_formulas,
+    "study.outputs._write_over_time": test_tables_over_time_hold_no_formulas,
     "study.outputs.write_metrics": test_results_of_hostile_grids_are_tables,
     "study.results.save_results": test_results_hold_any_name,
     "study.study_files.write_sensors": "numbers",

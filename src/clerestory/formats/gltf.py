@@ -80,18 +80,22 @@ def read_gltf(
         large = f"a matrix of nodes exceeds {LARGEST:.0e} m"
         require(bool(np.abs(places).max(initial=0) <= LARGEST), large)
         mirrored = np.linalg.det(places[:, :3, :3]) < 0
-        known: dict[int, list[tuple[np.ndarray, np.ndarray, str]]] = {}
-        for node, place, turned in zip(
-            nodes, turn @ places[:, :3], mirrored, strict=True
-        ):
+        places = turn @ places[:, :3]
+        turned_by_node = mirrored.tolist()
+        known: dict[int, list[tuple[np.ndarray, np.ndarray, np.ndarray, str]]] = {}
+        for k, node in enumerate(nodes):
             number = node.mesh or 0
             mesh = element(document.meshes, "meshes", number)
             if number not in known:
-                known[number] = list(parts(mesh))
+                known[number] = [
+                    (faces, faces[:, ::-1], vertices, key)
+                    for faces, vertices, key in parts(mesh)
+                ]
             name = _word(node.name or mesh.name)
-            for faces, vertices, key in known[number]:
-                moved = vertices @ place[:, :3].T + place[:, 3]
-                seen = faces[:, ::-1] if turned else faces
+            for faces, back, vertices, key in known[number]:
+                moved = vertices @ places[k, :, :3].T
+                moved += places[k, :, 3]
+                seen = back if turned_by_node[k] else faces
                 surfaces.append(TriangleMesh(moved, seen, key, name))
         require(surfaces, "no triangles; a mesh expected")
     return Scene(used, tuple(surfaces))

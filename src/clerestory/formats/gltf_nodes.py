@@ -19,11 +19,11 @@ def placed_nodes(document: GltfDocument) -> tuple[list[GltfNode], np.ndarray]:
     own = _transforms(document.nodes)
     found: list[GltfNode] = []
     places: list[np.ndarray] = []
-    waiting = [(number, np.eye(4)) for number in start]
+    waiting: list[tuple[int, np.ndarray | None]] = [(number, None) for number in start]
     while waiting:
-        number, place = waiting.pop()
+        number, outer = waiting.pop()
         node = element(document.nodes, "nodes", number)
-        place = place @ own[number]
+        place = own[number] if outer is None else outer @ own[number]
         if node.mesh is not None:
             found.append(node)
             places.append(place)

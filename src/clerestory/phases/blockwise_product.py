@@ -263,9 +263,9 @@ class BlockwiseProduct:
     def _arriving(
         self,
         term: Term,
-        inside: Int[np.ndarray, " step"],
+        inside: Int[np.ndarray, " every"],
         daylight: TransferMatrix,
-        steps: Int[np.ndarray, " chosen"],
+        steps: Int[np.ndarray, " step"],
         weights: Float[np.ndarray, "channel band"],
         make: Callable[[], Received],
     ) -> Received:

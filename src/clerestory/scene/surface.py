@@ -94,16 +94,17 @@ class TriangleMesh:
     __repr__ = brief
 
     def __post_init__(self) -> None:
-        low, high = self.faces.min(initial=0), self.faces.max(initial=0)
-        require(
-            0 <= low <= high < len(self.vertices),
-            f'mesh "{self.name}" refers to vertices {low} to {high};'
-            f" 0 to {len(self.vertices) - 1} expected",
-        )
-        require(
-            bool(np.abs(self.vertices).max(initial=0) <= LARGEST),
-            f'mesh "{self.name}": a coordinate exceeds {LARGEST:.0e} m',
-        )
+        low = np.minimum.reduce(self.faces, axis=None, initial=0)
+        high = np.maximum.reduce(self.faces, axis=None, initial=0)
+        if not 0 <= low <= high < len(self.vertices):
+            raise InputError(
+                f'mesh "{self.name}" refers to vertices {low} to {high};'
+                f" 0 to {len(self.vertices) - 1} expected"
+            )
+        size = np.abs(self.vertices)
+        if not np.maximum.reduce(size, axis=None, initial=0) <= LARGEST:
+            message = f'mesh "{self.name}": a coordinate exceeds {LARGEST:.0e} m'
+            raise InputError(message)
 
 
 Surface = Polygon | Sphere | Cone | Ring | TriangleMesh

@@ -7,7 +7,7 @@ A sphere becomes 1280 triangles with the exact surface area and mean projected a
 the sphere; points deviate by at most 0.5 % of the radius.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import permutations
@@ -54,67 +54,73 @@ def meshes(scene: Scene) -> tuple[Mesh, ...]:
     surfaces have no triangles has no mesh: an outline that is run through twice is
     filled nowhere.
     """
-    groups: dict[str, list[int]] = {}
-    for i, surface in enumerate(scene.surfaces):
-        groups.setdefault(surface.material, []).append(i)
-    convex = _convex_polygons(scene.surfaces)
-    made = (
-        _mesh(scene.materials[key], scene.surfaces, groups[key], convex)
-        for key in scene.materials
-        if key in groups
+    if not scene.surfaces:
+        return ()
+    parts, surface = zip(*_parts(scene.surfaces), strict=True)
+    start = np.cumsum([0, *(len(part.vertices) for part in parts[:-1])])
+    faces = np.concatenate(
+        [part.faces + first for part, first in zip(parts, start, strict=True)]
     )
-    return tuple(mesh for mesh in made if len(mesh.faces))
-
-
-def _mesh(
-    material: Material,
-    surfaces: Sequence[Surface],
-    chosen: list[int],
-    convex: Bool[np.ndarray, " surface"],
-) -> Mesh:
-    parts, surface = zip(*_parts(surfaces, chosen, convex), strict=True)
-    start = np.cumsum([0, *(len(p.vertices) for p in parts[:-1])])
-    faces = [p.faces + s for p, s in zip(parts, start, strict=True)]
-    return Mesh(
-        material,
-        np.concatenate([p.vertices for p in parts]),
-        np.concatenate(faces).astype(np.int32),
-        np.concatenate(surface).astype(np.int32),
+    number = {name: k for k, name in enumerate(scene.materials)}
+    material = np.array([number[each.material] for each in scene.surfaces])
+    vertices = np.concatenate([part.vertices for part in parts])
+    return tuple(
+        _by_material(scene, vertices, faces, np.concatenate(surface), material)
     )
 
 
-def _convex_polygons(surfaces: Sequence[Surface]) -> Bool[np.ndarray, " surface"]:
-    # Whether each surface is a convex polygon; those of as many corners at once
-    convex = np.zeros(len(surfaces), dtype=bool)
-    for alike in _by_corners(surfaces, range(len(surfaces))).values():
-        convex[alike] = _convex(_corners(surfaces, alike))
-    return convex
-
-
-def _by_corners(
-    surfaces: Sequence[Surface], chosen: Iterable[int]
-) -> dict[int, list[int]]:
-    groups: dict[int, list[int]] = {}
-    for i in chosen:
-        surface = surfaces[i]
-        if isinstance(surface, Polygon):
-            groups.setdefault(len(surface.vertices), []).append(i)
-    return groups
+def _by_material(
+    scene: Scene,
+    vertices: Vertices,
+    faces: Faces,
+    surface: Int[np.ndarray, " triangles"],
+    material: Int[np.ndarray, " surfaces"],
+) -> Iterator[Mesh]:
+    # Triangles and their vertices in the order of the materials; `owner` has the
+    # material of each vertex, but the last one for vertices without a triangle
+    owner = np.full(len(vertices), len(scene.materials) - 1)
+    owner[faces] = material[surface][:, None]
+    place = np.argsort(owner, kind="stable")
+    rank = np.empty_like(place)
+    rank[place] = np.arange(len(place))
+    order = np.argsort(material[surface], kind="stable")
+    vertices, faces, surface = vertices[place], rank[faces[order]], surface[order]
+    names = range(len(scene.materials) + 1)
+    vertex_of = np.searchsorted(owner[place], names)
+    face_of = np.searchsorted(material[surface], names)
+    for k, name in enumerate(scene.materials):
+        own = slice(face_of[k], face_of[k + 1])
+        if face_of[k] < face_of[k + 1]:
+            first, end = vertex_of[k], vertex_of[k + 1]
+            yield Mesh(
+                scene.materials[name],
+                vertices[first:end],
+                (faces[own] - first).astype(np.int32),
+                surface[own].astype(np.int32),
+            )
 
 
 def _parts(
     surfaces: Sequence[Surface],
-    chosen: list[int],
-    convex: Bool[np.ndarray, " surface"],
 ) -> Iterator[tuple[Triangles, Int[np.ndarray, " triangles"]]]:
     # Yields triangles and surface indices; convex polygons are grouped by corner count
-    for alike in _by_corners(surfaces, (i for i in chosen if convex[i])).values():
-        corner = _corners(surfaces, alike)
-        yield _fans(corner), np.repeat(alike, corner.shape[1] - 2)
-    for i in chosen:
-        if not convex[i]:
-            triangles = _triangles(surfaces[i])
-            yield triangles, np.full(len(triangles.faces), i)
+    by_corners: dict[int, list[int]] = {}
+    rest: list[int] = []
+    for i, surface in enumerate(surfaces):
+        if isinstance(surface, Polygon):
+            by_corners.setdefault(len(surface.vertices), []).append(i)
+        else:
+            rest.append(i)
+    for alike in by_corners.values():
+        index, corner = np.array(alike), _corners(surfaces, alike)
+        convex = _convex(corner)
+        rest += index[~convex].tolist()
+        if convex.any():
+            fans = _fans(corner[convex])
+            yield fans, np.repeat(index[convex], corner.shape[1] - 2)
+    for i in rest:
+        triangles = _triangles(surfaces[i])
+        yield triangles, np.full(len(triangles.faces), i)
 
 
 def _triangles(surface: Surface) -> Triangles:
