@@ -61,13 +61,15 @@ class GridLabel:
 class RoomFloor:
     """The floor of a room: an outline per face, joined with its holes [m].
 
-    `top` is the height of the highest corner of the room [m].
+    `top` is the height of the highest corner of the room [m], `program` the name of
+    its use in the model.
     """
 
     identifier: str
     name: str
     outlines: tuple[Float[np.ndarray, "_ 3"], ...]
     top: float
+    program: str = ""
 
     def contains(self, points: Float[np.ndarray, "point 3"]) -> bool:
         """Whether at least one of the points is above the floor and in the room."""

@@ -26,6 +26,7 @@ def room_floor(room: Room, scale: float) -> RoomFloor:
         room.display_name or room.identifier,
         tuple(seamed(face.loops()) * scale for face in floors),
         max(tops, default=0.0),
+        room.program if isinstance(room.program, str) else "",
     )
 
 

@@ -79,6 +79,7 @@ class Room(Item):
     multiplier: Number = 1.0
     faces: tuple[Part, ...] = ()
     modifier_set: str | None = _at("properties.radiance.modifier_set", None)
+    program: object = _at("properties.energy.program_type", None)
     outdoor_shades: tuple[Part, ...] = ()
     indoor_shades: tuple[Part, ...] = ()
 

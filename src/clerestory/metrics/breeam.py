@@ -6,7 +6,8 @@ criterion: the mean daylight factor reaches a limit, and so does either the unif
 or the minimum daylight factor.
 
 Reference: BRE Global, BREEAM UK New Construction 2018 (SD5078), Hea 01, tables 5.1
-and 5.2. Limits differ by building type; the defaults are those of offices.
+and 5.2. Limits differ by building type, see `breeam_space_types`; the defaults are
+those of offices.
 """
 
 from typing import NamedTuple
@@ -20,9 +21,6 @@ from clerestory.metrics.daylight_factor import DaylightFactors, room_factors
 # Limits for offices: illuminance [lux] and hours a year; daylight factors
 MEAN_LUX, WORST_LUX, HOURS = 300.0, 90.0, 2000.0
 MEAN_FACTOR, UNIFORMITY = 0.02, 0.3
-
-# Credits of offices, and share of the floor area that must meet the criterion
-CREDITS, SHARE_OF_AREA = 2, 0.8
 
 
 class IlluminanceCriterion(NamedTuple):

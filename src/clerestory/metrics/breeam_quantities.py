@@ -6,13 +6,15 @@ import numpy as np
 import xarray as xr
 
 from clerestory.metrics.breeam import (
-    HOURS,
     MEAN_FACTOR,
-    MEAN_LUX,
     UNIFORMITY,
-    WORST_LUX,
     factors_pass,
     illuminance_criterion,
+)
+from clerestory.metrics.breeam_space_types import (
+    OFFICE,
+    IlluminanceLimits,
+    space_type,
 )
 from clerestory.metrics.compliance import Quantity, Requirement
 from clerestory.metrics.daylight_factor import DaylightFactors, room_factors
@@ -22,32 +24,57 @@ from clerestory.metrics.replicates import hourly_replicates, replicates
 from clerestory.metrics.space import Space
 
 
+def type_of(space: Space) -> str:
+    """Return the name of the space type: `breeam_type` of [[space]], or offices."""
+    for table in space.study.get("space", ()):
+        if table.get("name") == space.name:
+            return str(table.get("breeam_type", OFFICE))
+    return OFFICE
+
+
 def illuminance(space: Space) -> Sequence[Quantity]:
     """Return the hours in which mean and lowest illuminance reach their limits."""
+    limits = _limits(space)
 
     def hours(lux: xr.DataArray) -> tuple[float, float]:
-        found = illuminance_criterion(lux, step_hours=space.step_hours)
+        found = illuminance_criterion(
+            lux,
+            mean_lux=limits.mean_lux,
+            worst_lux=limits.worst_lux,
+            hours=limits.hours,
+            step_hours=space.step_hours,
+        )
         return found.mean_hours, found.worst_hours
 
     value = hours(space.data["illuminance"])
     varied = [hours(lux) for lux in hourly_replicates(space.data)]
-    names = (
-        f"mean illuminance of {MEAN_LUX:.0f} lux",
-        f"lowest illuminance of {WORST_LUX:.0f} lux",
-    )
+    names = [f"mean illuminance of {limits.mean_lux:.0f} lux"]
+    if limits.worst_lux:
+        names.append(f"lowest illuminance of {limits.worst_lux:.0f} lux")
+    expected = f"{limits.hours:.0f} h"
     return tuple(
-        Quantity(name, value[k], "h", f"{HOURS:.0f} h", tuple(v[k] for v in varied))
+        Quantity(name, value[k], "h", expected, tuple(v[k] for v in varied))
         for k, name in enumerate(names)
     )
 
 
-def illuminance_level(values: Sequence[float], _: Space) -> int:
+def illuminance_level(values: Sequence[float], space: Space) -> int:
     """Level 1 if both illuminances reach their limits for enough hours, otherwise 0."""
-    return int(min(values) >= HOURS)
+    return int(min(values) >= _limits(space).hours)
+
+
+def _limits(space: Space) -> IlluminanceLimits:
+    # Limits of the fewest credits
+    return space_type(type_of(space)).limits[-1]
 
 
 def factors(space: Space) -> Sequence[Quantity]:
-    """Return mean, uniformity and minimum of the daylight factor."""
+    """Return mean, uniformity and minimum of the daylight factor.
+
+    The limits of other space types than offices are not known: no quantities.
+    """
+    if type_of(space) != OFFICE:
+        return ()
     rows = (
         ("mean daylight factor", 100, "%", f"{100 * MEAN_FACTOR:g} %"),
         ("uniformity", 1, "", f"{UNIFORMITY:g}, or"),

@@ -159,7 +159,7 @@ _EN17037 = Standard(
 
 _BREEAM = Standard(
     "BREEAM",
-    "BREEAM UK New Construction 2018, Hea 01, daylighting of offices",
+    "BREEAM UK New Construction 2018, Hea 01, daylighting",
     (
         Criterion(
             "Illuminance",

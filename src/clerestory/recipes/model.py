@@ -1,6 +1,6 @@
 """Model of a recipe: its selected sensor grids, and their records for results."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import final
@@ -21,10 +21,15 @@ _SPACING, _HEIGHT = 0.5, 0.76
 @final
 @dataclass(frozen=True, eq=False)
 class RecipeModel:
-    """A model whose grids are those to simulate, with a record for each grid."""
+    """A model whose grids are those to simulate, with a record for each grid.
+
+    `programs` are the names of the uses of the rooms, by identifier of the grid; rooms
+    without one are left out.
+    """
 
     model: BuildingModel
     records: dict[str, GridRecord]
+    programs: dict[str, str] = field(default_factory=dict)
 
     @property
     def grids(self) -> tuple[GridRecord, ...]:
@@ -72,7 +77,14 @@ def read_model(
         require(chosen, message)
     grids = {name: model.grids[name] for name in chosen}
     labels = {name: model.labels[name] for name in chosen}
-    return RecipeModel(replace(model, grids=grids, labels=labels, rooms=()), chosen)
+    uses = {room.identifier: room.program for room in model.rooms if room.program}
+    programs = {
+        record.full_id: uses[labels[name].room]
+        for name, record in chosen.items()
+        if labels[name].room in uses
+    }
+    selected = replace(model, grids=grids, labels=labels, rooms=())
+    return RecipeModel(selected, chosen, programs)
 
 
 def read_model_views(path: Path, *, view_filter: str = "*") -> RecipeModel:

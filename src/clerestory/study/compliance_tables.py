@@ -6,6 +6,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from clerestory.documents import Number, Positive, Table
+from clerestory.metrics.breeam_space_types import OFFICE, SPACE_TYPES
 from clerestory.metrics.standards import ALIASES, STANDARDS
 from clerestory.metrics.view_out import EYE_HEIGHT
 from clerestory.study.config_tables import Named, require_one_of
@@ -16,6 +17,13 @@ _NAMES = (*STANDARDS, *ALIASES)
 def _standard(value: Any) -> Any:
     if value not in _NAMES:
         names = ", ".join(f'"{name}"' for name in _NAMES)
+        raise PydanticCustomError("choice", f"one of {names}")
+    return value
+
+
+def _space_type(value: Any) -> Any:
+    if value not in SPACE_TYPES:
+        names = ", ".join(f'"{name}"' for name in SPACE_TYPES)
         raise PydanticCustomError("choice", f"one of {names}")
     return value
 
@@ -34,6 +42,7 @@ class SpaceTable(Named):
     )
     area: Positive | None = None
     views: list[str] = Field([], description="a list of names of [[view]]")
+    breeam_type: Annotated[str, BeforeValidator(_space_type)] = OFFICE
 
     @model_validator(mode="after")
     def _one_way(self) -> "SpaceTable":

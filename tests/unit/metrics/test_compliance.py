@@ -157,6 +157,35 @@ def test_breeam_counts_hours_and_factors():
     assert level(uneven, "BREEAM", "Daylight factor", "north").words == "not met"
 
 
+@pytest.mark.parametrize(
+    ("kind", "mean", "lowest", "hours"),
+    [
+        ("office", 300, 90, 2000),
+        ("school", 300, 90, 2000),
+        ("healthcare patients", 300, 90, 2000),
+        ("residential kitchen", 100, 30, 3450),
+        ("residential communal", 200, 60, 2650),
+        ("prison association", 300, 210, 2650),
+        ("prison cell", 100, 0, 3150),
+    ],
+)
+def test_breeam_requires_what_its_table_says_for_a_type_of_space(
+    kind, mean, lowest, hours
+):
+    """Figures of table 5.3 as Pollination's documentation of its recipe repeats it."""
+    study = {"space": [{"name": "south", "breeam_type": kind}]}
+    rows = np.flatnonzero(office()["grid"] == "south")
+    lit = np.flatnonzero(DAY)
+    for change, words in ((0, "met"), (-1, "not met")):
+        data = office(lux={"south": 0.0}, study=study)
+        bright = (mean * len(rows) - lowest) / (len(rows) - 1) + 1e-6
+        for row, lux in zip(rows, [lowest, *[bright] * len(rows)], strict=False):
+            data["illuminance"][row, lit[: hours + change]] = lux
+        assert level(data, "BREEAM", "Illuminance", "south").words == words
+    factor = level(data, "BREEAM", "Daylight factor", "south").words
+    assert factor == ("met" if kind == "office" else "not known")
+
+
 def test_a_standard_that_lacks_an_input_is_not_known():
     names = "sun_hours direct_open daylight_hours daylight_factor view_width"
     data = office().drop_vars([*names.split(), "sun_reaches", "glare_dgp"])

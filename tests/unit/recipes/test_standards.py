@@ -110,6 +110,60 @@ def test_credits_of_breeam_require_2000_hours_on_80_percent(
     assert lowest["a"]["pos"] == chosen.model.grids["a"].position[2].tolist()
 
 
+def test_limits_of_breeam_follow_from_the_program_of_a_room(tmp_path):
+    """Hospital rooms have two credits at 2,650 h, one at 2,000 h; a shop needs 200 lux.
+
+    Of two rooms for patients of equal area, one has fewer hours; rooms without a
+    program of BREEAM are offices.
+    """
+    programs = {
+        "ward": "BREEAM::Healthcare_buildings::Patients_areas_and_consulting_rooms",
+        "surgery": "BREEAM::Healthcare_buildings::Patients_areas_and_consulting_rooms",
+        "shop": "BREEAM::Retail_buildings::Sales_areas",
+        "hall": "2019::MediumOffice::ClosedOffice",
+    }
+    rooms = [office(name, x=10.0 * k) for k, name in enumerate(programs)]
+    for room in rooms:
+        energy = {"program_type": programs[room["identifier"]]}
+        room.setdefault("properties", {})["energy"] = energy
+    grids = [
+        grid(name, 4, 0.5) | {"room_identifier": name}
+        for name in (*programs, "nowhere")
+    ]
+    path = tmp_path / "model.hbjson"
+    path.write_text(json.dumps(honeybee_model(*rooms, sensor_grids=grids)))
+    chosen = read_model(path)
+    lux = {name: np.zeros((4, 8760)) for name in (*programs, "nowhere")}
+    for name, level, hours in (
+        *(("ward", 300, 2650), ("surgery", 300, 2100), ("shop", 200, 2650)),
+        *(("hall", 300, 2000), ("nowhere", 300, 1999)),
+    ):
+        lux[name][:, :hours] = level
+    write_credits(tmp_path, chosen, light_of(chosen, [lux]))
+    kinds = saved(tmp_path, "grid_summary")
+    assert kinds["hall"]["program-type"] == "BREEAM::Office_buildings::Occupied_spaces"
+    assert {name: row["type"] for name, row in kinds.items()} == {
+        "ward": "Healthcare buildings",
+        "surgery": "Healthcare buildings",
+        "shop": "Retail buildings",
+        "hall": "Office buildings",
+        "nowhere": "Office buildings",
+    }
+    found = {row["type"]: row["credits"] for row in saved(tmp_path, "summary")}
+    assert found == {
+        "Healthcare buildings": 1,
+        "Retail buildings": 1,
+        "Office buildings": 0,
+    }
+    health = saved(tmp_path, "program_summary")[0]
+    assert health["area_comply_%"] == 100
+    assert health["average-illuminance-hours"] == pytest.approx((2650 + 2100) / 2)
+    grades = {
+        name: set(np.loadtxt(tmp_path / "pass_fail" / f"{name}.pf")) for name in lux
+    }
+    assert grades == {name: {0 if name == "nowhere" else 3} for name in lux}
+
+
 def sunny_office():
     """Sun of 2000 lux on a quarter of "a" in 300 occupied hours; 400 lux elsewhere.
 
