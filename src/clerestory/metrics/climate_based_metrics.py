@@ -14,7 +14,7 @@ from typing import Literal
 
 import numpy as np
 import xarray as xr
-from jaxtyping import Bool
+from jaxtyping import Bool, Float
 
 from clerestory.checks import require
 from clerestory.metrics.occupied_hours import within_hours
@@ -39,12 +39,9 @@ def annual_statistic(
     >>> float(annual_statistic(lux, np.array([True, True, False]), "mean")[0])
     200.0
     """
-    counted = within_hours(data, hours)
-    if statistic == "mean":
-        counted = counted.astype(float)
-    reduce = getattr(counted, statistic)
-    found: xr.DataArray = reduce("time", skipna=False, keep_attrs=True)
-    return found.astype(float)
+    counted = within_hours(data, hours).transpose(..., "time")
+    found = statistic_over_time(counted.values, statistic)
+    return _over_sensors(counted, found).assign_attrs(data.attrs)
 
 
 def daylight_autonomy(
@@ -59,8 +56,9 @@ def daylight_autonomy(
     >>> float(daylight_autonomy(lux, np.ones(4, bool))[0])
     0.75
     """
-    counted = within_hours(illuminance, hours)
-    return _share_at(counted, target_lux).assign_attrs(units="1")
+    counted = within_hours(illuminance, hours).transpose(..., "time")
+    share = share_at(counted.values, target_lux)
+    return _over_sensors(counted, share).assign_attrs(units="1")
 
 
 def continuous_autonomy(
@@ -75,10 +73,9 @@ def continuous_autonomy(
     >>> float(continuous_autonomy(lux, np.ones(2, bool))[0])
     0.75
     """
-    counted = within_hours(illuminance, hours).astype(float)
-
-    # To avoid bias, negative illuminance (noise of direct correction) is not clipped
-    return (counted / target_lux).clip(max=1).mean("time").assign_attrs(units="1")
+    counted = within_hours(illuminance, hours).transpose(..., "time")
+    share = continuous_share(counted.values, target_lux)
+    return _over_sensors(counted, share).assign_attrs(units="1")
 
 
 def useful_illuminance(
@@ -100,22 +97,57 @@ def useful_illuminance(
     increasing = 0 < limits_lux[0] < limits_lux[1] < limits_lux[2]
     message = f"limits are {limits_lux} lux; three increasing numbers expected"
     require(increasing, message)
-    counted = within_hours(illuminance, hours)
-    low, middle, high = (_share_at(counted, limit) for limit in limits_lux)
-    shares = [1 - low, low - middle, middle - high, high]
-    band = xr.DataArray(list(USEFUL_RANGES), dims="band", name="band")
-    return xr.concat(shares, dim=band).assign_attrs(units="1")
+    counted = within_hours(illuminance, hours).transpose(..., "time")
+    shares = useful_shares(counted.values, limits_lux)
+    each = _over_sensors(counted, shares[0])
+    found = each.expand_dims(band=list(USEFUL_RANGES)).copy(data=shares)
+    return found.assign_attrs(units="1")
 
 
-def _share_at(illuminance: xr.DataArray, limit: float) -> xr.DataArray:
-    # Fraction of the hours at a limit or above it: NumPy counts whole rows faster than
-    # it averages
-    lit = illuminance.transpose(..., "time")
-    reached = lit.values >= limit
+def statistic_over_time(
+    lux: Float[np.ndarray, "... time"], statistic: Literal["mean", "median", "max"]
+) -> Float[np.ndarray, "..."]:
+    """Mean, median or maximum of each row; see `annual_statistic`."""
+    if statistic == "mean":
+        return np.asarray(lux.mean(axis=-1, dtype=float))
+    reduce = np.median if statistic == "median" else np.max
+    return np.asarray(reduce(lux, axis=-1), dtype=float)
+
+
+def share_at(
+    lux: Float[np.ndarray, "... time"], limit: float
+) -> Float[np.ndarray, "..."]:
+    """Fraction of the values of each row at a limit or above it, 0…1."""
+    # NumPy counts whole rows faster than it averages
+    reached = lux >= limit
     rows = reached.reshape(-1, reached.shape[-1])
     count = np.fromiter(map(np.count_nonzero, rows), float, len(rows))
-    share = count.reshape(reached.shape[:-1]) / reached.shape[-1]
-    return lit.isel(time=0, drop=True).copy(data=share).drop_attrs()
+    return count.reshape(reached.shape[:-1]) / reached.shape[-1]
+
+
+def continuous_share(
+    lux: Float[np.ndarray, "... time"], target_lux: float
+) -> Float[np.ndarray, "..."]:
+    """Continuous autonomy of each row, 0…1; see `continuous_autonomy`."""
+    # To avoid bias, negative illuminance (noise of direct correction) is not clipped
+    counted = np.minimum(lux, target_lux)
+    return np.asarray(counted.mean(axis=-1, dtype=float) / target_lux)
+
+
+def useful_shares(
+    lux: Float[np.ndarray, "... time"],
+    limits_lux: tuple[float, float, float] = USEFUL_LIMITS_LUX,
+) -> Float[np.ndarray, "band ..."]:
+    """Fraction of each row in each range; see `useful_illuminance`."""
+    low, middle, high = (share_at(lux, limit) for limit in limits_lux)
+    return np.stack([1 - low, low - middle, middle - high, high])
+
+
+def _over_sensors(counted: xr.DataArray, values: np.ndarray) -> xr.DataArray:
+    # Values of the sensors with the labels of hourly data, of which time is last
+    found = counted.isel(time=0, drop=True).copy(data=values)
+    found.attrs = {}
+    return found
 
 
 def light_exposure(

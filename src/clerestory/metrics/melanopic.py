@@ -9,10 +9,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Bool, Float
 
-from clerestory.metrics.climate_based_metrics import (
-    annual_statistic,
-    daylight_autonomy,
-)
+from clerestory.metrics.climate_based_metrics import share_at, statistic_over_time
 from clerestory.metrics.replicates import with_errors
 
 # Recommended melanopic EDI by day [lux]
@@ -43,20 +40,21 @@ def melanopic_metrics(
     all days with it for four hours that begin by noon; each with `…_error` and
     `…_components`
     """
-    times = hourly["time"].values
+    times, units = hourly["time"].values, hourly["illuminance"].attrs
+    share = {"units": "1"}
 
-    def metrics(lux: xr.DataArray) -> xr.Dataset:
-        return xr.Dataset(
-            {
-                "mean_melanopic_edi": annual_statistic(lux, hours, "mean"),
-                "melanopic_autonomy": daylight_autonomy(
-                    lux, hours, target_lux=target_lux
-                ),
-                "melanopic_days": bright_days(
-                    lux, times, step_hours=step_hours, target_lux=target_lux
-                ),
-            }
-        )
+    def metrics(lux: Float[np.ndarray, "sensor time"]) -> dict[str, xr.Variable]:
+        occupied = lux[:, hours]
+        days = _bright_days(lux, times, step_hours=step_hours, target_lux=target_lux)
+        return {
+            "mean_melanopic_edi": xr.Variable(
+                "sensor", statistic_over_time(occupied, "mean"), units
+            ),
+            "melanopic_autonomy": xr.Variable(
+                "sensor", share_at(occupied, target_lux), share
+            ),
+            "melanopic_days": xr.Variable("sensor", days, share),
+        }
 
     found = with_errors(hourly, metrics)
     return found.assign_attrs(melanopic_target_lux=target_lux)
@@ -85,6 +83,20 @@ def bright_days(
     >>> float(bright_days(lux, times)[0])
     1.0
     """
+    share = _bright_days(
+        illuminance.values, times, step_hours=step_hours, target_lux=target_lux
+    )
+    return xr.DataArray(share, dims="sensor", attrs={"units": "1"})
+
+
+def _bright_days(
+    lux: Float[np.ndarray, "sensor time"],
+    times: np.ndarray,
+    *,
+    step_hours: float,
+    target_lux: float,
+) -> Float[np.ndarray, " sensor"]:
+    # Fraction of the days with a bright period of each sensor
     count = max(1, round(_BRIGHT_HOURS / step_hours))
     half = np.timedelta64(round(1800 * step_hours), "s")
     begins = times.astype("datetime64[s]") - half
@@ -94,10 +106,9 @@ def bright_days(
     whole &= np.arange(len(times)) + count <= len(times)
     by_noon = begins - day[number] <= np.timedelta64(round(3600 * _NOON), "s")
     may_begin = whole & by_noon & (number == number[ends])
-    bright = np.asarray(illuminance.values >= target_lux)
+    bright = np.asarray(lux >= target_lux)
     found = _any_by_day(_runs(bright, count) & may_begin, number, len(day))
-    share = found.mean(axis=-1)
-    return xr.DataArray(share, dims="sensor", attrs={"units": "1"})
+    return np.asarray(found.mean(axis=-1))
 
 
 def _runs(

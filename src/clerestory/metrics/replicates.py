@@ -10,7 +10,7 @@ Reference: P. J. McCarthy, "Pseudo-replication: half samples", Review of the
 International Statistical Institute 37 (3), 1969.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TypedDict
 
 import numpy as np
@@ -49,12 +49,23 @@ def replicates(
         yield illuminance + standard_error
         yield illuminance - standard_error
         return
+    ordered = illuminance.transpose("sensor", "time")
+    for values in _array_replicates(ordered, standard_error, components):
+        found = ordered.copy(data=values)
+        found.attrs = {}
+        yield found
+
+
+def _array_replicates(
+    illuminance: xr.DataArray, standard_error: xr.DataArray, components: xr.DataArray
+) -> Iterator[Float[np.ndarray, "sensor time"]]:
     sums = signed_sums(components.transpose("sensor", "component", "time").values)
-    scale = standard_error / np.float32(UNIT)
+    scale = standard_error.transpose("sensor", "time").values / np.float32(UNIT)
+    lux = illuminance.transpose("sensor", "time").values
     for number in range(COUNT):
         deviation = scale * sums[:, number]
-        yield illuminance + deviation
-        yield illuminance - deviation
+        yield lux + deviation
+        yield lux - deviation
 
 
 def hourly_replicates(hourly: xr.Dataset) -> Iterator[xr.DataArray]:
@@ -63,22 +74,33 @@ def hourly_replicates(hourly: xr.Dataset) -> Iterator[xr.DataArray]:
 
 
 def with_errors(
-    hourly: xr.Dataset, metrics: Callable[[xr.DataArray], xr.Dataset]
+    hourly: xr.Dataset,
+    metrics: Callable[[Float[np.ndarray, "sensor time"]], Mapping[str, xr.Variable]],
 ) -> xr.Dataset:
     """Return metrics of the illuminance of a run, with their errors.
 
-    `…_error` is the standard error of a metric and `…_components` its error components,
-    over (replicate, …).
+    `metrics` returns metrics of each sensor by name, over (…, sensor). `…_error` is the
+    standard error of a metric and `…_components` its error components, over
+    (replicate, …).
     """
-    result = metrics(hourly["illuminance"])
-    varied = [metrics(lux) for lux in hourly_replicates(hourly)]
-    for name, metric in dict(result).items():
+    lux, errors = hourly["illuminance"], errors_of(hourly)
+    found = metrics(lux.transpose("sensor", "time").values)
+    if errors["standard_error"] is None or errors["components"] is None:
+        each = (x.transpose("sensor", "time").values for x in replicates(lux, **errors))
+    else:
+        each = _array_replicates(lux, errors["standard_error"], errors["components"])
+    varied = [metrics(values) for values in each]
+    result = {}
+    for name, metric in found.items():
         parts = metric_components(metric.values, [x[name].values for x in varied])
         axes, attrs = ("replicate", *metric.dims), metric.attrs
         error = np.linalg.norm(parts, axis=0)
-        result[f"{name}_error"] = metric.dims, error, attrs
-        result[f"{name}_components"] = axes, parts.astype(np.float32), attrs
-    return result
+        result[name] = metric
+        result[f"{name}_error"] = xr.Variable(metric.dims, error, attrs)
+        single = parts.astype(np.float32)
+        result[f"{name}_components"] = xr.Variable(axes, single, attrs)
+    of_sensors = {k: v for k, v in lux.coords.items() if v.dims[:1] == ("sensor",)}
+    return xr.Dataset(result, coords=of_sensors)
 
 
 def errors_of(hourly: xr.Dataset) -> IlluminanceErrors:

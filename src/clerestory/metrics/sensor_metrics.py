@@ -4,23 +4,28 @@ The variance of a metric, or of its mean over sensors, is the sum of the squares
 error components (`metrics.replicates`).
 """
 
+from collections.abc import Mapping
 from functools import partial
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
-from jaxtyping import Bool
+from jaxtyping import Bool, Float
 
 from clerestory.metrics.climate_based_metrics import (
     TARGET_LUX,
     USEFUL_LIMITS_LUX,
     USEFUL_RANGES,
-    annual_statistic,
-    continuous_autonomy,
-    daylight_autonomy,
-    useful_illuminance,
+    continuous_share,
+    share_at,
+    statistic_over_time,
+    useful_shares,
 )
 from clerestory.metrics.occupied_hours import within_hours
 from clerestory.metrics.replicates import with_errors
+
+# Attributes of fractions
+_SHARE = {"units": "1"}
 
 
 def sensor_metrics(
@@ -43,7 +48,9 @@ def sensor_metrics(
     for name, values in dict(counted).items():
         rows = np.ascontiguousarray(values.values)
         counted[name] = values.dims, rows, values.attrs
-    result = with_errors(counted, partial(_metrics, target_lux=target_lux))
+    units = counted["illuminance"].attrs
+    result = with_errors(counted, partial(_metrics, target_lux=target_lux, units=units))
+    result = result.assign_coords(band=list(USEFUL_RANGES))
     attrs = {
         "target_lux": target_lux,
         "useful_limits_lux": list(USEFUL_LIMITS_LUX),
@@ -52,20 +59,24 @@ def sensor_metrics(
     return result.assign_attrs(attrs)
 
 
-def _metrics(lux: xr.DataArray, target_lux: float) -> xr.Dataset:
+def _metrics(
+    lux: Float[np.ndarray, "sensor time"],
+    *,
+    target_lux: float,
+    units: Mapping[str, Any],
+) -> dict[str, xr.Variable]:
     # All time steps count
-    hours = np.full(lux.sizes["time"], fill_value=True)
-    bands = useful_illuminance(lux, hours)
-    return xr.Dataset(
-        {
-            "mean_illuminance": annual_statistic(lux, hours, "mean"),
-            "median_illuminance": annual_statistic(lux, hours, "median"),
-            "maximum_illuminance": annual_statistic(lux, hours, "max"),
-            "daylight_autonomy": daylight_autonomy(lux, hours, target_lux=target_lux),
-            "continuous_autonomy": continuous_autonomy(
-                lux, hours, target_lux=target_lux
-            ),
-            "useful": bands.sel(band=list(USEFUL_RANGES[1:3])).sum("band"),
-            "useful_bands": bands,
-        }
-    )
+    bands = useful_shares(lux)
+    statistics: tuple[Literal["mean", "median", "max"], ...] = "mean", "median", "max"
+    mean, median, highest = (statistic_over_time(lux, name) for name in statistics)
+    return {
+        "mean_illuminance": xr.Variable("sensor", mean, units),
+        "median_illuminance": xr.Variable("sensor", median, units),
+        "maximum_illuminance": xr.Variable("sensor", highest, units),
+        "daylight_autonomy": xr.Variable("sensor", share_at(lux, target_lux), _SHARE),
+        "continuous_autonomy": xr.Variable(
+            "sensor", continuous_share(lux, target_lux), _SHARE
+        ),
+        "useful": xr.Variable("sensor", bands[1:3].sum(axis=0), _SHARE),
+        "useful_bands": xr.Variable(("band", "sensor"), bands, _SHARE),
+    }

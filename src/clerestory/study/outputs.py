@@ -195,10 +195,9 @@ def write_hourly(results: Results, path: str | Path, *, grid: str) -> None:
     chosen = _grid(results, grid)
     names = [str(name) for name in chosen["sensor"].values]
     head = csv_line(["time", *names])
-    lines = (
-        f"{str(moment.astype('datetime64[m]')).replace('T', ' ')}{row}"
-        for moment, row in _steps(chosen, ",%.1f")
-    )
+    stamps = np.datetime_as_string(chosen["time"].values, unit="m").tolist()
+    rows = zip(stamps, _steps(chosen, ",%.1f"), strict=True)
+    lines = (f"{stamp.replace('T', ' ')}{row}" for stamp, row in rows)
     _write_lines(path, itertools.chain([head], lines))
 
 
@@ -212,19 +211,21 @@ def write_ill(results: Results, path: str | Path, *, grid: str) -> None:
         path,
         (
             f"{month} {day} {hour:.3f} {row}"
-            for (month, day, hour), (_, row) in zip(stamps, rows, strict=True)
+            for (month, day, hour), row in zip(stamps, rows, strict=True)
         ),
     )
 
 
-def _steps(chosen: xr.Dataset, form: str) -> Iterator[tuple[np.datetime64, str]]:
-    # Time, and row of sensor illuminances as text, for each time step; read in blocks
-    moments, line = chosen["time"].values, form * chosen.sizes["sensor"]
-    for first in range(0, len(moments), _BLOCK):
+def _steps(chosen: xr.Dataset, form: str) -> Iterator[str]:
+    # Row of sensor illuminances as text for each time step; read in blocks
+    count, steps = chosen.sizes["sensor"], chosen.sizes["time"]
+    line, dark = form * count, (form % 0.0) * count
+    for first in range(0, steps, _BLOCK):
         block = slice(first, first + _BLOCK)
-        part = chosen["illuminance"].isel(time=block).values
-        for moment, row in zip(moments[block], part.T, strict=True):
-            yield moment, line % tuple(row.tolist())
+        part = chosen["illuminance"].isel(time=block).values.T
+        lit = part.any(axis=1).tolist()
+        for row, light in zip(part.tolist(), lit, strict=True):
+            yield line % tuple(row) if light else dark
 
 
 def _write_lines(path: str | Path, lines: Iterable[str]) -> None:
