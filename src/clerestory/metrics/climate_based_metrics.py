@@ -110,8 +110,8 @@ def statistic_over_time(
     """Mean, median or maximum of each row; see `annual_statistic`."""
     if statistic == "mean":
         return np.asarray(lux.mean(axis=-1, dtype=float))
-    reduce = np.median if statistic == "median" else np.max
-    return np.asarray(reduce(lux, axis=-1), dtype=float)
+    found = np.median(lux, axis=-1) if statistic == "median" else lux.max(axis=-1)
+    return np.asarray(found, dtype=float)
 
 
 def share_at(
@@ -122,7 +122,7 @@ def share_at(
     reached = lux >= limit
     rows = reached.reshape(-1, reached.shape[-1])
     count = np.fromiter(map(np.count_nonzero, rows), float, len(rows))
-    return count.reshape(reached.shape[:-1]) / reached.shape[-1]
+    return np.asarray(count.reshape(reached.shape[:-1]) / reached.shape[-1])
 
 
 def continuous_share(

@@ -83,22 +83,23 @@ def with_errors(
     standard error of a metric and `…_components` its error components, over
     (replicate, …).
     """
-    lux, errors = hourly["illuminance"], errors_of(hourly)
-    found = metrics(lux.transpose("sensor", "time").values)
-    if errors["standard_error"] is None or errors["components"] is None:
-        each = (x.transpose("sensor", "time").values for x in replicates(lux, **errors))
+    lux, axes = hourly["illuminance"], ("sensor", "time")
+    error, components = hourly.get("standard_error"), hourly.get("error_components")
+    found = metrics(lux.transpose(*axes).values)
+    if error is None or components is None:
+        each = replicates(lux, error, components)
+        varied = [metrics(own.transpose(*axes).values) for own in each]
     else:
-        each = _array_replicates(lux, errors["standard_error"], errors["components"])
-    varied = [metrics(values) for values in each]
+        arrays = _array_replicates(lux, error, components)
+        varied = [metrics(values) for values in arrays]
     result = {}
     for name, metric in found.items():
         parts = metric_components(metric.values, [x[name].values for x in varied])
-        axes, attrs = ("replicate", *metric.dims), metric.attrs
-        error = np.linalg.norm(parts, axis=0)
+        dims, attrs = ("replicate", *metric.dims), metric.attrs
+        spread, single = np.linalg.norm(parts, axis=0), parts.astype(np.float32)
         result[name] = metric
-        result[f"{name}_error"] = xr.Variable(metric.dims, error, attrs)
-        single = parts.astype(np.float32)
-        result[f"{name}_components"] = xr.Variable(axes, single, attrs)
+        result[f"{name}_error"] = xr.Variable(metric.dims, spread, attrs)
+        result[f"{name}_components"] = xr.Variable(dims, single, attrs)
     of_sensors = {k: v for k, v in lux.coords.items() if v.dims[:1] == ("sensor",)}
     return xr.Dataset(result, coords=of_sensors)
 

@@ -223,8 +223,7 @@ def _steps(chosen: xr.Dataset, form: str) -> Iterator[str]:
     for first in range(0, steps, _BLOCK):
         block = slice(first, first + _BLOCK)
         part = chosen["illuminance"].isel(time=block).values.T
-        lit = part.any(axis=1).tolist()
-        for row, light in zip(part.tolist(), lit, strict=True):
+        for row, light in zip(part.tolist(), np.any(part, axis=1), strict=True):
             yield line % tuple(row) if light else dark
 
 
