@@ -136,7 +136,7 @@ def run_method(
         data = _simulate(job, log, states, out=out)
         if model is not None:
             with log.phase("energy"):
-                data = data.merge(annual_energy(model, data, display("EnergyPlus")))
+                data = data.merge(annual_energy(job, model, data))
         with log.phase("write"):
             write_tables(study, Results(data), out)
         facts = _run_facts(job, data, log)

@@ -207,6 +207,14 @@ def _views(job: Job, *, stored: bool) -> Sequence[TransferMatrix | StoredColumns
     return stored_columns(views, windows)
 
 
+def daylight_and_direct(job: Job, number: int) -> tuple[TransferMatrix, TransferMatrix]:
+    """Return D and D_d of a window group without ports, D_d for direct light alone."""
+    black = replace(job.inputs, scene=blackened(job.scene))
+    group = job.inputs.groups[number]
+    direct = replace(job, inputs=black, direct=True)
+    return _daylight(job, group, number)[0], _daylight(direct, group, number)[0]
+
+
 def _daylight(job: Job, group: WindowGroup, number: int) -> list[TransferMatrix]:
     # D, common to all shade states, or F D of each shade state
     if METHODS[job.study.method].facade and group.ports:
