@@ -1,9 +1,9 @@
 """Solar radiation that EnergyPlus takes from schedules instead of its own calculation.
 
 Objects `SurfaceProperty:SolarIncidentInside` give the radiation on inside surfaces, and
-`ComplexFenestrationProperty:SolarAbsorbedLayers` the radiation that layers absorb. Their
-schedules are constants that actuators set at each time step (EnergyPlus, *Input Output
-Reference*, group "Advanced Construction, Surface, Zone Concepts").
+`ComplexFenestrationProperty:SolarAbsorbedLayers` the radiation that layers absorb.
+Their schedules are constants that actuators set at each time step (EnergyPlus, *Input
+Output Reference*, group "Advanced Construction, Surface, Zone Concepts").
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,13 +13,11 @@ import numpy as np
 from jaxtyping import Float
 
 from clerestory.energyplus.engine_run import Actuator
+from clerestory.energyplus.zone_enclosure import Objects
 
 _SCHEDULE = "Schedule:Constant"
 _INSIDE = "SurfaceProperty:SolarIncidentInside"
 _LAYERS = "ComplexFenestrationProperty:SolarAbsorbedLayers"
-
-# Objects by class and name
-Objects = dict[str, dict[str, Any]]
 
 
 def surface_radiation(
@@ -32,7 +30,7 @@ def surface_radiation(
         "construction_name": construction,
         "inside_surface_incident_sun_solar_radiation_schedule_name": schedule,
     }
-    objects = {
+    objects: Objects = {
         _SCHEDULE: {schedule: {"hourly_value": 0.0}},
         _INSIDE: {f"{schedule} inside": fields},
     }

@@ -7,13 +7,17 @@ Elements").
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from clerestory.array_types import Vector, Vertices
 from clerestory.brief_repr import brief
 from clerestory.checks import require
-from clerestory.energyplus.building_model import WINDOW_CLASS, BuildingModel, Object
+from clerestory.energyplus.building_model import WINDOW_CLASS, BuildingModel
+
+# Objects by class and name
+Objects = dict[str, dict[str, Any]]
 
 _SURFACE = "BuildingSurface:Detailed"
 _MATERIALS = ("Material", "Material:NoMass")
@@ -62,6 +66,11 @@ class InsideSurface:
 
     __repr__ = brief
 
+    @property
+    def scheduled(self) -> str:
+        """Name of the construction with a black inside face, see `black_inside`."""
+        return f"{self.name} with given sun"
+
 
 def inside_surfaces(building: BuildingModel, zone: str) -> list[InsideSurface]:
     """Return the inside surfaces of a zone.
@@ -80,7 +89,7 @@ def inside_surfaces(building: BuildingModel, zone: str) -> list[InsideSurface]:
             continue
         rows, outward = building.polygon(name, one)
         construction = str(one.get("construction_name", ""))
-        inner = _innermost(building, construction)
+        inner = building.find(_layers(building, construction)[1][-1], *_MATERIALS)[1]
         absorptance = building.number(inner, "solar_absorptance", _ABSORPTANCE)
         normal = -outward / np.linalg.norm(outward)
         found.append(InsideSurface(name, construction, rows, normal, absorptance))
@@ -103,18 +112,46 @@ def other_windows(
     ]
 
 
-def _innermost(building: BuildingModel, construction: str) -> Object:
+def black_inside(building: BuildingModel, surface: InsideSurface) -> Objects:
+    """Return objects that give a surface an inside face of solar absorptance 1.
+
+    EnergyPlus distributes what inside faces reflect over the zone; with black faces,
+    given radiation is absorbed where it is given. The outside face keeps its
+    absorptance: a construction of one layer is divided into two. A surface of two zones
+    keeps its construction, as both sides must have the same layers; its objects are
+    none.
+    """
+    own, one = building.find(surface.name, _SURFACE)
+    other = str(one.get("outside_boundary_condition_object", ""))
+    if other.casefold() not in ("", own.casefold()):
+        return {}
+    title, layers = _layers(building, surface.construction)
+    materials = {kind: building.of(kind) for kind in _MATERIALS}
+    inner, _ = building.find(layers[-1], *_MATERIALS)
+    kind = next(k for k, members in materials.items() if inner in members)
+    fields = dict(materials[kind][inner])
+    added: Objects = {kind: {}}
+    if len(layers) == 1:
+        size = "thickness" if kind == "Material" else "thermal_resistance"
+        fields[size] = building.number(fields, size) / 2
+        layers = [f"{title} half", layers[-1]]
+        added[kind][layers[0]] = dict(fields)
+    layers[-1] = f"{title} inside"
+    added[kind][layers[-1]] = {**fields, "solar_absorptance": 1.0}
+    named = {"outside_layer": layers[0]}
+    named |= {f"layer_{n}": layer for n, layer in enumerate(layers[1:], 2)}
+    added["Construction"] = {surface.scheduled: named}
+    added[_SURFACE] = {own: {**one, "construction_name": surface.scheduled}}
+    return added
+
+
+def _layers(building: BuildingModel, construction: str) -> tuple[str, list[str]]:
     name, found = building.find(construction, "Construction")
-    layers = [
-        value
-        for field, value in found.items()
-        if field == "outside_layer" or field.startswith("layer_")
-    ]
-    require(layers, f'construction "{name}" has no layers', file=building.source)
+    outer = found.get("outside_layer")
+    require(outer, f'construction "{name}" has no layers', file=building.source)
     order = sorted(
         (int(field.split("_")[1]), str(value))
         for field, value in found.items()
         if field.startswith("layer_")
     )
-    last = order[-1][1] if order else str(found["outside_layer"])
-    return building.find(last, *_MATERIALS)[1]
+    return name, [str(outer), *(layer for _, layer in order)]

@@ -115,8 +115,8 @@ def run_building(
     Parameters
     ----------
     states : shade state of each window group at each time step
-    power : power of the luminaires of each lighting zone [W]; those without are operated
-        by the model
+    power : power of the luminaires of each lighting zone [W]; luminaires of other zones
+        are operated by the model
     solar : solar radiation of windows and surfaces; default: that of EnergyPlus
     """
     actuators = [*_shades(model, states), *_lights(model, power)]

@@ -9,7 +9,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import xarray as xr
 from jaxtyping import Float, Int
 
 from clerestory.brief_repr import brief
@@ -20,11 +19,15 @@ from clerestory.energyplus.building_model import ModelWindow
 from clerestory.energyplus.complex_optics import ComplexOptics, complex_optics
 from clerestory.energyplus.engine_run import Actuator
 from clerestory.energyplus.scheduled_solar import (
-    Objects,
     layer_radiation,
     surface_radiation,
 )
-from clerestory.energyplus.zone_enclosure import inside_surfaces, other_windows
+from clerestory.energyplus.zone_enclosure import (
+    Objects,
+    black_inside,
+    inside_surfaces,
+    other_windows,
+)
 from clerestory.phases.methods import METHODS
 from clerestory.study.energy_model import EnergyModel
 from clerestory.study.job import Job
@@ -61,9 +64,9 @@ class WindowRadiation:
 class SolarRadiation:
     """Solar radiation of all windows and zones of a model, and EnergyPlus' input.
 
-    `closure` is the radiation absorbed in each zone per radiation of its windows, before
-    the scaling of view matrices; `objects` and `actuators` set the radiation of the
-    model.
+    `closure` is the radiation absorbed in each zone per radiation of its windows,
+    before the scaling of view matrices; `objects` and `actuators` set the radiation of
+    the model.
     """
 
     windows: Sequence[WindowRadiation]
@@ -118,10 +121,11 @@ def solar_radiation(
         closure[zone] = float(transfer.closure.mean())
         walls, received = _inside(own, transfer)
         for surface, values in zip(transfer.surfaces, walls, strict=True):
-            added, actuator = surface_radiation(
-                surface.name, surface.construction, model.over_year(values)
-            )
-            objects.append(added)
+            black = black_inside(model.building, surface)
+            name = surface.scheduled if black else surface.construction
+            absorbed = model.over_year(surface.absorptance * values)
+            added, actuator = surface_radiation(surface.name, name, absorbed)
+            objects += [black, added]
             actuators.append(actuator)
         for pane, back in zip(own, received, strict=True):
             found = _radiation(job, pane, back)
@@ -171,7 +175,7 @@ def _transfer(
     message = f'zone "{zone}" has windows without [[energy.window]]: '
     require(
         not others,
-        f'{message}{", ".join(others[:4])}; all of them expected for solar = "matrices"',
+        f'{message}{", ".join(others[:4])}; all expected for solar = "matrices"',
         file=model.table.model,
     )
     windows = [(pane.window, pane.optics[0].partition) for pane in panes]
@@ -239,7 +243,7 @@ def _padded(
 
 
 def _reflectance(bsdf: Bsdf, optics: ComplexOptics) -> np.ndarray | None:
-    # Solar reflectance of the study's BSDF by incident patch, if it is the construction's
+    # Solar reflectance of the study's BSDF by incident patch of the construction
     if ("solar", "reflection_front") not in bsdf.functions:
         return None
     found = bsdf.direct_hemispherical("reflection_front", channel="solar")

@@ -33,8 +33,8 @@ class EnergyTable(Table):
     """Heating and cooling by EnergyPlus, with the shades and lights of the study.
 
     `solar` is the source of the solar radiation of windows and rooms: EnergyPlus, or
-    the matrices of the study. `comfort_c` is the range of operative temperature in which
-    occupants are comfortable [°C].
+    the matrices of the study. `comfort_c` is the range of operative temperature in
+    which occupants are comfortable [°C].
     """
 
     model: InputFile = Field(description="a model of EnergyPlus, .idf or .epJSON")

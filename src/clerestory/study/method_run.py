@@ -40,7 +40,7 @@ from clerestory.study.compliance_table import compliance_table
 from clerestory.study.config import Study
 from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.electric_lighting import lighting
-from clerestory.study.energy_model import energy_model
+from clerestory.study.energy_model import EnergyModel, energy_model
 from clerestory.study.energy_simulation import annual_energy
 from clerestory.study.glazed_grid_points import grid_points
 from clerestory.study.illuminance_by_state import every_state, results_by_state
@@ -133,7 +133,7 @@ def run_method(
             scratch=scratch,
             recent=recent,
         )
-        data = _simulate(job, log, states, out=out)
+        data = _simulate(job, log, states, model, out=out)
         if model is not None:
             with log.phase("energy"):
                 data = data.merge(annual_energy(job, model, data))
@@ -151,7 +151,14 @@ def run_method(
     return results
 
 
-def _simulate(job: Job, log: RunLog, states: States | None, *, out: Path) -> xr.Dataset:
+def _simulate(
+    job: Job,
+    log: RunLog,
+    states: States | None,
+    model: EnergyModel | None,
+    *,
+    out: Path,
+) -> xr.Dataset:
     study, inputs, display = job.study, job.inputs, job.display
     with log.phase("trace"):
         matrices = trace_study(job)
@@ -167,7 +174,9 @@ def _simulate(job: Job, log: RunLog, states: States | None, *, out: Path) -> xr.
             glare_function(views, skies, display=display),
             grid_glare_function(points, display=display),
         )
-        signals = ControlInputs(study, inputs, matrices, skies, *largest_dgp)
+        signals = ControlInputs(
+            study, inputs, matrices, skies, *largest_dgp, job, lamps, model
+        )
         acts = operate(signals) if states is None else ShadeOperation(list(states))
     with log.phase("multiply"):
         hourly = matrices.illuminance(skies, acts.states, progress=display("multiply"))
@@ -197,6 +206,8 @@ def _simulate(job: Job, log: RunLog, states: States | None, *, out: Path) -> xr.
         parts = [electric, glare, grids, compliance_inputs(study, inputs, matrices)]
         parts += _melanopic(matrices, signals, acts.states)
         parts.append(results_by_state(signals))
+        if signals.building is not None:
+            parts.append(signals.building.results())
         data = label_results(hourly, parts, signals, acts)
     if study.compliance is None:
         return data

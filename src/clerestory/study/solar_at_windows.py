@@ -26,7 +26,7 @@ from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.study.job import Job
 from clerestory.study.study_tracing import daylight_and_direct
 
-# Points of a window group at which the sun may be hidden, and their distance from it [m]
+# Points of a window group at which the sun may be hidden; distance from it [m]
 _POINTS, _DISTANCE = 256, 1e-3
 
 
@@ -59,7 +59,7 @@ def incident_radiation(
     found = flux
     if not outer.matches(partition):
         found = patch_weights(partition, outer.centres()) @ flux
-    return found + _sunlight(job, number, partition)
+    return np.asarray(found + _sunlight(job, number, partition))
 
 
 def _radiance(

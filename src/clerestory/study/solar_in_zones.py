@@ -1,7 +1,7 @@
 """Solar radiation in zones of a model: irradiance of the inside surfaces.
 
-View matrices V of the zone, whose windows are black, give the irradiance of surfaces and
-windows for the radiance of the windows' patches. Windows reflect diffusely:
+View matrices V of the zone, whose windows are black, give the irradiance of surfaces
+and windows for the radiance of the windows' patches. Windows reflect diffusely:
 
     e = e₀ + G ρ e,   G = V 1/π
 
@@ -48,8 +48,8 @@ class ZoneTransfer:
     surfaces : inside surfaces
     areas : areas of the surfaces, without windows [m²]
     windows : windows of the zone
-    to_surfaces, to_windows : mean irradiance of each surface and window, per radiance of
-        the patches of each window [sr]
+    to_surfaces, to_windows : mean irradiance of each surface and window, per radiance
+        of the patches of each window [sr]
     closure : absorbed radiation per radiation of each window before the scaling, for
         patches of equal radiance
     """

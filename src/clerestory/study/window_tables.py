@@ -35,6 +35,8 @@ RuleName = Literal[
     "LM-83",
     "schedule",
     "python",
+    "cooling season",
+    "predictive",
 ]
 Quantity = Literal[
     "facade irradiance",
@@ -44,8 +46,15 @@ Quantity = Literal[
     "diffuse horizontal",
     "direct normal",
     "illuminance",
+    "outdoor temperature",
+    "zone temperature",
+    "heating load",
+    "cooling load",
 ]
 Need = Literal["illuminance", "glare"]
+
+# Keys of the glare limit of rules that know the zone
+_GLARE = ("dgp_below", "views", "view_grids", "eye_grid")
 
 # Required and optional keys of each rule
 _KEYS: dict[RuleName, tuple[tuple[str, ...], tuple[str, ...]]] = {
@@ -67,6 +76,21 @@ _KEYS: dict[RuleName, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "LM-83": ((), ("grid", "sun_lux", "most_sensors")),
     "schedule": (("file",), ()),
     "python": (("function",), ("needs", "views", "view_grids")),
+    "cooling season": (("grid",), ("target_lux", "season_above", *_GLARE)),
+    "predictive": (
+        (),
+        (
+            "horizon",
+            "temperature_error",
+            "gain_error",
+            "heating_weight",
+            "cooling_weight",
+            "lighting_weight",
+            "movement_cost",
+            "view_cost",
+            *_GLARE,
+        ),
+    ),
 }
 _EVERY_RULE = ("rule", "when_empty")
 
@@ -180,6 +204,16 @@ class ControlTable(Table):
     lux_below: float | None = Field(None, gt=0)
     sun_lux: float = Field(SUN_LUX, gt=0)
     most_sensors: float = Field(MOST_SENSORS, ge=0, le=1)
+    eye_grid: str = ""
+    season_above: float | None = Field(None, ge=-50, le=50, description="degrees C")
+    horizon: float = Field(24.0, gt=0, le=168, description="hours")
+    temperature_error: float = Field(0.0, ge=0, le=20, description="kelvins")
+    gain_error: float = Field(0.0, ge=0, le=1)
+    heating_weight: float = Field(1.0, ge=0)
+    cooling_weight: float = Field(1.0, ge=0)
+    lighting_weight: float = Field(1.0, ge=0)
+    movement_cost: float = Field(0.0, ge=0, description="kWh")
+    view_cost: float = Field(0.0, ge=0, description="kWh")
     file: InputFile | None = Field(None, description="a file of states (.csv)")
     function: str = Field(
         "",
