@@ -1,8 +1,8 @@
 """The demo room as an office with a venetian blind, for daylight and EnergyPlus.
 
-The room of `clerestory demo` is 6.1 m wide and 9.1 m deep; its south window has clear double
-glazing and, indoors, slats of 25 mm every 20 mm. The model of EnergyPlus is a zone of the
-same size above and below others.
+The room of `clerestory demo` is 6.1 m wide and 9.1 m deep; its south window has clear
+double glazing and, indoors, slats of 25 mm every 20 mm. The model of EnergyPlus is a
+zone of the same size between other storeys.
 """
 
 import shutil
@@ -128,7 +128,7 @@ constructions = [{constructions}]
 lights = "Office Lights"
 """
 
-LAMP = """void light lamp 0 0 3 60 60 60
+LAMP = """void light lamp 0 0 3 1.3 1.3 1.3
 lamp polygon panel 0 0 12 1 2 2.69 1 7 2.69 5 7 2.69 5 2 2.69
 """
 

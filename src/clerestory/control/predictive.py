@@ -172,9 +172,9 @@ class _Plan:
         light = self.weights.lighting * shades.lighting / 1000 * hours
         view = self.weights.view * hours * closed * shades.occupied
         excess = np.maximum(shades.excess, 0) * shades.occupied
-        return light + view + _EXCESS * excess
+        return np.asarray(light + view + _EXCESS * excess)
 
-    def place(self, mass: Values) -> tuple[Values, Values]:
+    def place(self, mass: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the place between two nodes (0…1), and the index of the lower one."""
         width = self.nodes[1] - self.nodes[0]
         where = np.clip((mass - self.nodes[0]) / width, 0, _NODES - 1.000001)

@@ -24,7 +24,7 @@ from clerestory.brief_repr import brief
 from clerestory.checks import has_shape, positive, require
 
 # Periods of the fit, and time before each that is simulated without being compared [h]
-_PERIOD, _WARM_UP = 336.0, 96.0
+_PERIOD, _WARM_UP = 336.0, 48.0
 
 # Temperature difference that counts as much as the mean load [K]
 _DEGREES = 1.0
@@ -193,8 +193,8 @@ class ZoneFit:
 def fit_zone(data: ZoneData, runs: Sequence[ZoneRun]) -> ZoneFit:
     """Fit a zone model to simulated years by least squares.
 
-    Periods of two weeks of all runs are simulated together, each after four days whose
-    results are not compared.
+    Periods of two weeks of all runs are simulated together, each after two days whose
+    results are not compared. The mass begins with the temperature that balances the air.
 
     Parameters
     ----------
@@ -209,7 +209,7 @@ def fit_zone(data: ZoneData, runs: Sequence[ZoneRun]) -> ZoneFit:
     hours = data.step_hours
     length, before = (round(h / hours) for h in (_PERIOD, _WARM_UP))
     count = (len(data.outdoor) - before) // length
-    require(count > 0, "less than 18 days of a zone's data; a longer run expected")
+    require(count > 0, "less than 16 days of a zone's data; a longer run expected")
     starts = np.arange(count) * length
     index = starts[:, None] + np.arange(before + length)
 
@@ -221,8 +221,9 @@ def fit_zone(data: ZoneData, runs: Sequence[ZoneRun]) -> ZoneFit:
     scale = max(float(np.abs(load).mean()), 1.0)
     part = data.select(index)
 
-    def residuals(vector: Values) -> Values:
-        zone, begin = _model(vector), air[..., 0]
+    def residuals(vector: np.ndarray) -> np.ndarray:
+        zone = _model(vector)
+        begin = _mass(zone, part, window, lighting, air=air, load=load)
         found, heat, cold = simulate_zone(zone, part, window, lighting, start=begin)
         apart = [(found - air) / _DEGREES, (heat - cold - load) / scale]
         return np.concatenate([each[..., before:].ravel() for each in apart])
@@ -230,7 +231,7 @@ def fit_zone(data: ZoneData, runs: Sequence[ZoneRun]) -> ZoneFit:
     span = float(np.ptp(data.outdoor)) or 1.0
     size = float(np.abs(load).max()) / span + 1.0
     first = np.array([*np.log([size, size / 10, 5 * size, 50 * size]), 0.0, 0.0, 0.0])
-    best = least_squares(residuals, first, x_scale="jac", max_nfev=60)
+    best = least_squares(residuals, first, max_nfev=60)
     model = _model(best.x)
     return ZoneFit(model, *_errors(model, data, runs))
 
@@ -242,6 +243,22 @@ def _model(vector: Values) -> ZoneModel:
     return ZoneModel(*map(float, (*conductances, *shares, 100 * vector[6])))
 
 
+def _mass(
+    model: ZoneModel,
+    data: ZoneData,
+    window: Float[np.ndarray, "*lane time"],
+    lighting: Float[np.ndarray, "*lane time"],
+    *,
+    air: Float[np.ndarray, "*lane time"],
+    load: Float[np.ndarray, "*lane time"],
+) -> np.ndarray:
+    # Temperature of the mass at the first step, from the balance of the air
+    internal = data.internal[..., 0] + lighting[..., 0]
+    gains = model.window_to_air * window[..., 0] + model.internal_to_air * internal
+    outdoors = model.air_outdoors * (data.outdoor[..., 0] - air[..., 0])
+    return np.asarray(air[..., 0] - (outdoors + gains + load[..., 0]) / model.air_mass)
+
+
 def _errors(
     model: ZoneModel, data: ZoneData, runs: Sequence[ZoneRun]
 ) -> tuple[float, float, float]:
@@ -250,7 +267,8 @@ def _errors(
         for name in ("window", "lighting", "air")
     )
     load = np.stack([run.heating - run.cooling for run in runs])
-    found, heat, cold = simulate_zone(model, data, window, lighting, start=air[:, 0])
+    start = _mass(model, data, window, lighting, air=air, load=load)
+    found, heat, cold = simulate_zone(model, data, window, lighting, start=start)
     apart = np.sqrt(np.mean((found - air) ** 2))
     of_load = np.sqrt(np.mean((heat - cold - load) ** 2) / max(np.mean(load**2), 1e-9))
     year = np.abs(load).sum(axis=1)

@@ -133,4 +133,5 @@ def seasonal_states(
     best = np.where(within & wanted, gain, np.inf).argmin(axis=0)
     brightest = np.where(within, lux, -np.inf).argmax(axis=0)
     found = np.where((within & wanted).any(axis=0), best, brightest)
-    return np.where(within.any(axis=0), found, shades.excess.argmin(axis=0))
+    least = shades.excess.argmin(axis=0)
+    return np.asarray(np.where(within.any(axis=0), found, least))

@@ -59,7 +59,7 @@ def incident_radiation(
     found = flux
     if not outer.matches(partition):
         found = patch_weights(partition, outer.centres()) @ flux
-    return np.asarray(found + _sunlight(job, number, partition))
+    return np.asarray(found + sunlight(job, number, partition))
 
 
 def _radiance(
@@ -72,10 +72,10 @@ def _radiance(
     return np.asarray(lux / LUMINOUS_EFFICACY)
 
 
-def _sunlight(
+def sunlight(
     job: Job, number: int, partition: RingPartition
 ) -> Float[np.ndarray, "patch time"]:
-    # Irradiance by the unscattered sun, interpolated to patches
+    """Return the radiation of the unscattered sun, interpolated to patches [W/m²]."""
     group, weather = job.inputs.groups[number], job.inputs.weather
     rotation = job.study.sky.rotation_deg
     suns = sun_over(weather, rotation_deg=rotation).directions()
