@@ -1,8 +1,9 @@
 """Energy and glare of shade control rules in several climates, with EnergyPlus.
 
-The demo room with a venetian blind in five states is simulated for a year by every rule,
-with the same limit of simplified DGP at five eyes. Rules with a fixed state keep to the limit,
-too: where it is exceeded, the blind takes the most open state within it. The table of
+The demo room with a venetian blind in five states is simulated for a year by every
+rule, with the same limit of simplified DGP at five eyes. Fixed states are simulated as
+they are, and within the limit: where they exceed it, the blind takes the most open
+state that does not. The table of
 `docs/benchmarks/energy.md` is made by
 
     python benchmarks/energy_control.py chicago.epw Oslo.epw barcelona.epw
@@ -16,6 +17,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
+from energy_office import systems, write_glazing, write_study
 
 import clerestory as cl
 from clerestory.control.state_choice import Limit, least_closed
@@ -31,7 +33,6 @@ from clerestory.study.job import Job
 from clerestory.study.luminaire_matrices import trace_lamps
 from clerestory.study.shade_operation import operate
 from clerestory.study.study_tracing import study_skies, trace_study
-from energy_office import systems, write_glazing, write_study
 
 LIMIT = 0.40
 RULES = {

@@ -194,7 +194,7 @@ def fit_zone(data: ZoneData, runs: Sequence[ZoneRun]) -> ZoneFit:
     """Fit a zone model to simulated years by least squares.
 
     Periods of two weeks of all runs are simulated together, each after two days whose
-    results are not compared. The mass begins with the temperature that balances the air.
+    results are not compared. The mass begins at the temperature that balances the air.
 
     Parameters
     ----------

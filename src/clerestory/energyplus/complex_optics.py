@@ -100,9 +100,7 @@ def complex_optics(building: BuildingModel, construction: str) -> ComplexOptics:
     return optics
 
 
-def _same(
-    basis: Float[np.ndarray, "ring 2"], known: Float[np.ndarray, "ring 2"]
-) -> bool:
+def _same(basis: np.ndarray, known: np.ndarray) -> bool:
     return basis.shape == known.shape and bool(np.allclose(basis, known, atol=0.6))
 
 

@@ -36,7 +36,7 @@ class Flow:
 
 
 def solar_flows(data: xr.Dataset) -> tuple[list[Flow], list[Flow]]:
-    """Return the parts of the radiation on all windows, and those of the transmitted."""
+    """Return the parts of the radiation on all windows, and of the transmitted."""
     parts = data["annual_window_solar"].sum("energy_window")
     kwh = dict(zip(parts["solar_part"].values.tolist(), parts.values, strict=True))
     found = {name: max(float(value), 0.0) for name, value in kwh.items()}

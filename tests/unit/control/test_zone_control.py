@@ -48,7 +48,7 @@ def sunlight(hours):
 
 
 def test_air_is_in_balance_and_mass_follows_its_differential_equation():
-    """The mass, with the air of each hour, against an integration by Runge and Kutta."""
+    """The mass, with the air of each hour, against integration by Runge and Kutta."""
     data, sun, mass = conditions(48), sunlight(48), 21.0
     for at in range(48):
         limits = data.heating_setpoint[at], data.cooling_setpoint[at]
