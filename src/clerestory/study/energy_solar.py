@@ -5,6 +5,7 @@ constructions by incident patch. The radiation that the zone returns is absorbed
 layers from indoors, transmitted outwards, or reflected.
 """
 
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -28,11 +29,15 @@ from clerestory.energyplus.zone_enclosure import (
     inside_surfaces,
     other_windows,
 )
+from clerestory.errors import ClerestoryWarning
 from clerestory.phases.methods import METHODS
 from clerestory.study.energy_model import EnergyModel
 from clerestory.study.job import Job
 from clerestory.study.solar_at_windows import incident_radiation
 from clerestory.study.solar_in_zones import ZoneTransfer, zone_transfer
+
+# Difference of the energy balance that causes a warning
+_BALANCE = 0.005
 
 # Parts of the solar radiation on a window [W/m²]
 PARTS = ("incident", "reflected", "absorbed", "transmitted", "returned")
@@ -215,6 +220,7 @@ def _radiation(
         reflected = pane.by_state([row[None] for row in known])[0]
         lit = incident > 0
         balance[lit] = (through - reflected)[lit] / incident[lit]
+        _check_balance(job, pane, balance[lit])
 
     # Radiation that the room returns
     figures = [one.diffuse_back() for one in pane.optics]
@@ -233,6 +239,20 @@ def _radiation(
         "returned": received * (1 - reflects) - back_layers.sum(axis=0),
     }
     return WindowRadiation(pane.window, parts, layers, balance)
+
+
+def _check_balance(job: Job, pane: _Pane, balance: Float[np.ndarray, " step"]) -> None:
+    worst = float(np.abs(balance).max(initial=0.0))
+    if worst > _BALANCE:
+        group = job.inputs.groups[pane.number].name
+        warnings.warn(
+            f'window "{group}": reflected, absorbed and transmitted solar radiation'
+            f" differ from the incident one by up to {100 * worst:.2g} %; the same"
+            " layers in the BSDFs of its states and in the constructions of"
+            f' "{pane.window.name}" expected',
+            ClerestoryWarning,
+            stacklevel=2,
+        )
 
 
 def _padded(

@@ -6,13 +6,11 @@ as it is complete, everything else is computed again, and results.nc is written 
 
 import platform
 import shutil
-import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -20,7 +18,6 @@ import xarray as xr
 
 from clerestory import __version__
 from clerestory.engine.work_units import Executor
-from clerestory.errors import ClerestoryWarning
 from clerestory.files import make_folder
 from clerestory.metrics.compliance import assess
 from clerestory.metrics.standards import standards_named
@@ -54,6 +51,7 @@ from clerestory.study.labels import (
 from clerestory.study.luminaire_matrices import trace_lamps
 from clerestory.study.outputs import write_tables
 from clerestory.study.results import Results, read_results, save_results
+from clerestory.study.run_log import RunLog
 from clerestory.study.shade_operation import ShadeOperation, operate
 from clerestory.study.study_matrices import StudyMatrices
 from clerestory.study.study_tracing import study_skies, trace_study
@@ -71,32 +69,6 @@ SCRATCH_FOLDER = "unfinished"
 
 # Packages whose versions are recorded in run.json
 _PACKAGES = ("mitsuba", "drjit", "numpy", "xarray", "pvlib")
-
-
-@dataclass
-class RunLog:
-    """Duration of each stage of a run [s], and warnings of the run by kind."""
-
-    seconds: dict[str, float] = field(default_factory=dict)
-    warnings: WarningLog = field(default_factory=WarningLog)
-
-    @contextmanager
-    def phase(self, name: str) -> Iterator[None]:
-        """Measure the duration of a stage; record warnings, issue each kind once."""
-        start, caught = perf_counter(), []
-        try:
-            with warnings.catch_warnings(record=True) as caught:
-                warnings.simplefilter("always", ClerestoryWarning)
-                yield
-        finally:
-            spent = self.seconds.get(name, 0.0) + perf_counter() - start
-            self.seconds[name] = round(spent, 3)
-            for item in caught:
-                ours = issubclass(item.category, ClerestoryWarning)
-                if not ours or self.warnings.add(str(item.message)):
-                    warnings.warn_explicit(
-                        item.message, item.category, item.filename, item.lineno
-                    )
 
 
 def run_method(
