@@ -23,6 +23,9 @@ spots metal shiny
 0
 0
 5 .8 .8 .8 .9 .1
+void spectrum oak 0 0 6 400 700 .1 .3 .4 .5
+oak specfunc dark 2 spot x.cal 0 2 400 700
+dark plastic wood 0 0 5 .9 .9 .9 0 0
 void colordata map 9 noop noop noop t.dat t.dat t.dat . 1 0 0 0
 void glass pane 0 0 4 .9 .9 .9 1.52
 void trans cloth 0 0 7 .5 .5 .5 .05 .1 .5 .2
