@@ -255,9 +255,7 @@ def _check_balance(job: Job, pane: _Pane, balance: Float[np.ndarray, " step"]) -
         )
 
 
-def _padded(
-    rows: Float[np.ndarray, "layer patch"], count: int
-) -> Float[np.ndarray, "layer patch"]:
+def _padded(rows: np.ndarray, count: int) -> np.ndarray:
     # Rows of zeros for layers that other states have
     return np.pad(rows, ((0, count - len(rows)), (0, 0)))
 

@@ -55,11 +55,11 @@ class ZoneTransfer:
     """
 
     surfaces: Sequence[InsideSurface]
-    areas: Values
+    areas: Float[np.ndarray, " surface"]
     windows: Sequence[ModelWindow]
     to_surfaces: Sequence[Float[np.ndarray, "surface _"]]
     to_windows: Sequence[Float[np.ndarray, "window _"]]
-    closure: Values
+    closure: Float[np.ndarray, " window"]
 
     __repr__ = brief
 
@@ -206,7 +206,7 @@ def _within(window: Window, points: Float[np.ndarray, "point 3"]) -> np.ndarray:
     return found
 
 
-def _side(point: Float[np.ndarray, "point 2"], edge: Values) -> Values:
+def _side(point: np.ndarray, edge: np.ndarray) -> np.ndarray:
     return np.asarray(edge[0] * point[:, 1] - edge[1] * point[:, 0])
 
 
