@@ -23,7 +23,7 @@ _COLOURS = {
 
 # Size of the drawing, width of nodes, places of the columns, and gap between ribbons
 _WIDTH, _HEIGHT, _NODE, _GAP, _TOP = 560.0, 190.0, 8.0, 14.0, 8.0
-_COLUMNS = (0.0, 210.0, 420.0)
+_COLUMNS = (0.0, 170.0, 345.0)
 
 
 @dataclass(frozen=True)
@@ -84,9 +84,12 @@ def solar_drawing(data: xr.Dataset) -> Markup:
     begin, top = _TOP, _TOP
     for flow in first:
         tall = flow.energy * scale
-        marks += _ribbon(_COLUMNS[0], _COLUMNS[1], (begin, top), tall, flow)
+        divided = flow.name == "transmitted" and bool(second)
+        marks += _ribbon(
+            _COLUMNS[0], _COLUMNS[1], (begin, top), tall, flow, divided=divided
+        )
         if flow.name == "transmitted":
-            start, end = top, top - _GAP * (len(second) > 1)
+            start = end = top
             for part in second:
                 marks += _ribbon(
                     _COLUMNS[1], _COLUMNS[2], (start, end), part.energy * scale, part
@@ -105,9 +108,16 @@ def _node(x: float, top: float, tall: float, colour: str) -> Markup:
 
 
 def _ribbon(
-    left: float, right: float, tops: tuple[float, float], tall: float, flow: Flow
+    left: float,
+    right: float,
+    tops: tuple[float, float],
+    tall: float,
+    flow: Flow,
+    *,
+    divided: bool = False,
 ) -> list[Markup]:
-    # Ribbon between two columns, its node at the right, and its label
+    # Ribbon between two columns, its node at the right, and its label beside it, or
+    # before it if the node is divided further
     x0, x1 = left + _NODE, right
     middle = (x0 + x1) / 2
     (a, b), tall = tops, max(tall, 0.5)
@@ -118,10 +128,11 @@ def _ribbon(
     )
     title = element("title", f"{flow.name}: {number(flow.energy)} kWh")
     text = f"{flow.name}, {number(flow.energy)} kWh"
-    place = {
-        "x": f"{x1 + _NODE + 4:.1f}",
-        "y": f"{b + np.clip(tall / 2, 3, 60) + 4:.1f}",
-    }
+    place = {"y": f"{b + np.clip(tall / 2, 3, 60) + 4:.1f}"}
+    if divided:
+        place |= {"x": f"{x1 - 4:.1f}", "text_anchor": "end"}
+    else:
+        place |= {"x": f"{x1 + _NODE + 4:.1f}"}
     return [
         element("path", title, d=path, fill=flow.colour, fill_opacity=0.6),
         _node(x1, b, tall, flow.colour),
