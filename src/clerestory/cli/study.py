@@ -116,6 +116,9 @@ def _run(study: Study, folder: Path, *, quiet: bool) -> None:
         Console().print(_summary(results))
         if view_grids(results):
             Console().print(_glare_summary(results))
+        if "band_errors" in results.data.attrs:
+            errors = results.data.attrs["band_errors"]
+            say(f"bands: after two materials of this study {errors} of those at 1 nm")
         for name, words in _verdicts(results):
             say(f"{name}: {words}")
         say(f"results: {folder}", f"report:  {page.resolve().as_uri()}")
