@@ -70,8 +70,8 @@ def band_errors(bands: Bands, spectra: Sequence[Spectrum] = ()) -> BandErrors:
     --------
     >>> from clerestory.spectral.band_sets import band_set
     >>> oak = Spectrum(np.array([400.0, 500.0, 600.0]), np.array([0.1, 0.25, 0.45]))
-    >>> print(band_errors(band_set("20"), [oak]))
-    illuminance within 0.1 %, melanopic EDI within 0.2 %, colour temperature within 12 K
+    >>> print(band_errors(band_set("melanopic+photopic"), [oak]))
+    illuminance within 7.9 %, melanopic EDI within 11.0 %
     """
     errors: dict[str, list[float]] = {}
     for kelvin in _KELVIN:
