@@ -23,7 +23,7 @@ from clerestory.engine.upload import on_device, vectors
 # Probability that a path continues along a cone where there are any.
 _CHANCE = 0.4
 
-# Largest number of cones in a cell, and of those from larger cells.
+# Largest number of cones in a cell, and of those taken from a larger one.
 _MOST, _RARE = 96, 16
 
 # Fraction of the samples in a wider cone about each axis, and the ratio of the widths,
@@ -60,22 +60,20 @@ class Level:
         key = keys(self.place[owned] // ratio, self.side[owned])
         there = key & (len(wider.owner) - 1)
         owned, there = (part[wider.owner[there] == key] for part in (owned, there))
-        # All cones of the larger cell, for each cell
-        other = wider.cones.strongest(_MOST)
+        # The strongest cones of the larger cell, for each cell
+        other = wider.cones.strongest(_RARE)
         first, end = (np.searchsorted(other.slot, there + n) for n in (0, 1))
         slot = np.repeat(owned, end - first)
-        before = np.cumsum(end - first) - (end - first) - first
+        before = np.cumsum(end - first) - end
         number = np.arange(len(slot)) - np.repeat(before, end - first)
-        other = replace(other.some(number), slot=slot)
+        own, match = _matching(self.cones, slot, other.kind[number])
+        rare = other.some(number[match < 0])
         # Weights are roots of power, which is proportional to the areas of the cells
-        other = replace(other, weight=other.weight / ratio)
-        own, match = _matching(self.cones, other)
-        rare = other.some(np.flatnonzero(match < 0)).strongest(_RARE)
-        narrower = np.flatnonzero(match >= 0)
-        narrower = narrower[other.size[narrower] < own.size[match[narrower]]]
-        return replace(
-            self, cones=own.replaced(match[narrower], other.some(narrower)) + rare
-        )
+        rare = replace(rare, slot=slot[match < 0], weight=rare.weight / ratio)
+        known, number = match[match >= 0], number[match >= 0]
+        narrower = other.size[number] < own.size[known]
+        own = own.reshaped(known[narrower], other.some(number[narrower]))
+        return replace(self, cones=own + rare)
 
 
 @dataclass
@@ -234,13 +232,13 @@ class Cones:
 
 
 def _matching(
-    own: ConeArrays, other: ConeArrays
-) -> tuple[ConeArrays, Int[np.ndarray, " other"]]:
-    # Own cones in order, and the index of the one of equal slot and kind, or -1
+    own: ConeArrays, slot: Int[np.ndarray, " n"], kind: Int[np.ndarray, " n"]
+) -> tuple[ConeArrays, Int[np.ndarray, " n"]]:
+    # Own cones in order, and the index of the one of each slot and kind, or -1
     own = own.some(np.lexsort((own.kind, own.slot)))
-    mine, theirs = ((each.slot << 32) + each.kind for each in (own, other))
-    place = np.minimum(np.searchsorted(mine, theirs), len(mine) - 1)
-    return own, np.where(mine[place] == theirs, place, -1)
+    mine, wanted = (own.slot << 32) + own.kind, (slot << 32) + kind
+    place = np.minimum(np.searchsorted(mine, wanted), len(mine) - 1)
+    return own, np.where(mine[place] == wanted, place, -1)
 
 
 def keys(

@@ -58,13 +58,13 @@ class ConeArrays:
         """Solid angles over π [sr]."""
         return np.asarray(self.width.prod(axis=1))
 
-    def replaced(
-        self, number: Int[np.ndarray, " other"], by: "ConeArrays"
+    def reshaped(
+        self, number: Int[np.ndarray, " other"], like: "ConeArrays"
     ) -> "ConeArrays":
-        """Return the cones with the shapes of others at given indices."""
+        """Return the cones; those of given indices have the shapes of others."""
         parts = {name: part.copy() for name, part in vars(self).items()}
         for name in ("point", "axis", "gradient", "across", "width"):
-            parts[name][number] = getattr(by, name)
+            parts[name][number] = getattr(like, name)
         return ConeArrays(**parts)
 
     def strongest(self, most: int) -> "ConeArrays":
