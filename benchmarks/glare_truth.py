@@ -20,7 +20,7 @@ from duel import stamp
 from five_phase_truth import dgp, kept
 from truth import methods
 from truth.setting import EDGE, Kind, kinds, weather
-from truth.traced import Traced
+from truth.slats import Slats
 
 # Blocks of the truth's paths, and largest standard error of hours that are compared
 BLOCKS, LARGEST = 4, 0.004
@@ -31,7 +31,7 @@ ROWS, COEFFICIENTS = 16384, 128
 
 def truth(kind: Kind, pixel: int) -> dict[str, np.ndarray]:
     """Return DGP (eye, step) of all paths, of blocks, and of all but one block."""
-    slats, times = Traced(kind), [time.item() for time in weather().times]
+    slats, times = Slats(kind), [time.item() for time in weather().times]
     blocks = []
     for block in range(BLOCKS):
         seed = 1000 * (block + 1)

@@ -1,8 +1,6 @@
 """The demo's room, its eyes, its sunny hours, and the systems in its window."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 from importlib import resources
 
 import numpy as np
@@ -13,7 +11,7 @@ from clerestory.bsdfgen.film_geometry import prismatic
 from clerestory.bsdfgen.shading_system import System
 from clerestory.bsdfgen.venetian_geometry import microlouvre, venetian
 from clerestory.image.camera import Camera
-from clerestory.scene.model import Dielectric, Glass, Polygon, Scene
+from clerestory.scene.model import Dielectric, Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.view import View
 from clerestory.scene.window import Window
@@ -26,20 +24,11 @@ FACE = -0.25
 # Pixels along the edge of the eyes' pictures
 EDGE = 140
 
-_SLATS = {"slat_width": 0.08, "spacing": 0.072, "reflectance": 0.48}
-_POLISHED = {
-    "slat_width": 0.08, "spacing": 0.072, "rise": 0.005, "tilt_deg": 45.0,
-    "reflectance": 0.3, "specularity": 0.6, "roughness": 0.03,
-}  # fmt: skip
-_LOUVRE = {"slat_width": 1.25e-3, "thickness": 0.22e-3, "reflectance": 0.1}
-_LOUVRE["spacing"] = 0.22e-3 + 1.25e-3 * np.tan(np.radians(40.0))
+_BLIND = {"slat_width": 0.08, "spacing": 0.072, "reflectance": 0.48}
 _PRISMS = {"upper_angle_deg": 60.0, "lower_angle_deg": 75.0}
 
 # Prisms as large as these bend light as small ones do, and cost fewer polygons
 _PITCH, _BASE = 5e-3, 1e-3
-
-# Panes of a double façade: transmissivity, and the distance to the blind between [m]
-_PANE, _APART = Glass("glass", np.full(3, 0.96)), 0.03
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,80 +39,41 @@ class Kind:
     ----------
     name : for the tables
     cell : from which its BSDF is made
-    whole : makes the system as large as the window, its inner side at z = 0
     peak : whether sun passes it straight
     clear : whether it is made of prisms, through which no shadow ray finds the sun
     """
 
     name: str
     cell: System
-    whole: Callable[[], Scene]
     peak: bool = True
     clear: bool = False
 
     def geometry(self) -> Scene:
         """Return the system across the whole window, in the room's frame."""
-        return _across(self.whole())
+        if self.clear:
+            return _across(_film(), HEIGHT / 2)
+        tilt = 45.0 if "45" in self.name else 0.0
+        slat, pitch, thick, tone = 0.08, 0.072, 0.0, 0.48
+        if self.name.startswith("microlouvre"):
+            slat, thick, tone = 1.25e-3, 0.22e-3, 0.1
+            pitch = thick + slat * np.tan(np.radians(40.0))
+        slats = venetian(
+            slat_width=slat, spacing=pitch, tilt_deg=tilt, thickness=thick,
+            reflectance=tone, slats=round(HEIGHT / pitch), length=WIDTH,
+        )  # fmt: skip
+        return _across(slats.scene, slats.scene.bounds().mean(axis=0)[1])
 
 
 def kinds() -> dict[str, Kind]:
     """Return the systems by a short name."""
-    prisms = prismatic(**_PRISMS)
     return {
-        "flat": _blind("venetian blind, 0°", **_SLATS),
-        "tilted": _blind("venetian blind, 45°", **_SLATS, tilt_deg=45.0),
-        "polished": _blind("polished curved slats, 45°", **_POLISHED),
-        "louvre": Kind(
-            "microlouvre, 40° cut-off", microlouvre(), partial(_slats, **_LOUVRE)
+        "flat": Kind("venetian blind, 0°", venetian(tilt_deg=0, **_BLIND)),
+        "tilted": Kind("venetian blind, 45°", venetian(tilt_deg=45, **_BLIND)),
+        "louvre": Kind("microlouvre, 40° cut-off", microlouvre()),
+        "film": Kind(
+            "prismatic film, 60° and 75°", prismatic(**_PRISMS), peak=False, clear=True
         ),
-        "film": Kind("prismatic film, 60° and 75°", prisms, _film, False, True),
-        "facade": _facade("double façade with a blind, 45°", **_SLATS, tilt_deg=45.0),
     }
-
-
-def _blind(name: str, **shape: float) -> Kind:
-    return Kind(name, venetian(**shape), partial(_slats, **shape))
-
-
-def _slats(**shape: float) -> Scene:
-    """Return slats enough for the window's height, as long as it is wide."""
-    number = round(HEIGHT / shape["spacing"])
-    return venetian(**shape, slats=number, length=WIDTH).scene
-
-
-def _facade(name: str, **shape: float) -> Kind:
-    """Return a blind between two panes, in the depth of the wall."""
-    cell = venetian(**shape)
-    low, high = cell.area.bounds
-    panes, size = _panes(low, high), np.array([0, 0, _APART])
-    area = replace(cell.area, bounds=np.stack([low - 2 * size, high]))
-    inside = replace(cell, scene=_moved(cell.scene, -size) + panes, area=area)
-
-    def whole() -> Scene:
-        slats = _slats(**shape)
-        ends = np.array([[0, 0, low[2]], [WIDTH, HEIGHT, 0]])
-        return _moved(slats, -size) + _panes(*ends)
-
-    return Kind(name, inside, whole)
-
-
-def _panes(low: np.ndarray, high: np.ndarray) -> Scene:
-    # The inner pane at z = 0, the outer one behind the blind
-    (x0, y0, depth), (x1, y1, _) = low, high
-    panes = [
-        Polygon(
-            np.array([(x0, y0, z), (x1, y0, z), (x1, y1, z), (x0, y1, z)]),
-            "glass",
-            "pane",
-        )
-        for z in (0.0, depth - 2 * _APART)
-    ]
-    return Scene({"glass": _PANE}, tuple(panes))
-
-
-def _moved(scene: Scene, shift: np.ndarray) -> Scene:
-    moved = [replace(each, vertices=each.vertices + shift) for each in scene.surfaces]
-    return replace(scene, surfaces=tuple(moved))
 
 
 def _film() -> Scene:
@@ -145,10 +95,9 @@ def _film() -> Scene:
     return Scene({"film": Dielectric("film", np.ones(3), 1.49)}, tuple(surfaces))
 
 
-def _across(scene: Scene) -> Scene:
+def _across(scene: Scene, middle: float) -> Scene:
     """Return a system with its inner side in the window's plane."""
     low, high = scene.bounds()
-    middle = (low[1] + high[1]) / 2
     moved = []
     for surface in scene.surfaces:
         x, y, z = surface.vertices.T

@@ -1,4 +1,4 @@
-"""Truth behind a system: path tracing of its geometry under the sun's disc."""
+"""Truth behind slats: path tracing of their geometry under the sun's disc."""
 
 from datetime import datetime
 
@@ -11,7 +11,7 @@ from clerestory.scene.window import Window
 from truth.setting import Kind, cameras, demo
 
 
-class Traced:
+class Slats:
     """The truth behind one system."""
 
     def __init__(self, kind: Kind):
@@ -19,21 +19,21 @@ class Traced:
         self.room = scene + kind.geometry() + portal(window)
 
     def illuminance(
-        self, hours: cl.Weather, moment: datetime, *, seed: int, **effort: float
+        self, hours: cl.Weather, moment: datetime, *, samples: int, seed: int
     ) -> np.ndarray:
         """Illuminance of the sensors [lux]."""
         lit = self.room + cl.sky_at(hours, moment)
-        return irradiance(lit, self.sensors, seed=seed, **effort).illuminance()
+        return irradiance(lit, self.sensors, samples=samples, seed=seed).illuminance()
 
     def pictures(
-        self, hours: cl.Weather, moment: datetime, *, seed: int, **effort
+        self, hours: cl.Weather, moment: datetime, *, samples: int, seed: int
     ) -> list[np.ndarray]:
         """Radiance of the pixels of each eye's picture (pixel, channel)."""
         lit = self.room + cl.sky_at(hours, moment)
         made = [
             cl.render(
                 lit, camera.view, columns=camera.columns, rows=camera.rows,
-                seed=seed + number, **effort,
+                samples=samples, seed=seed + number,
             )
             for number, camera in enumerate(cameras())
         ]  # fmt: skip
