@@ -8,9 +8,11 @@ import ast
 import csv
 import importlib.resources
 import json
+import re
 import subprocess
 import tomllib
 import warnings
+import zipfile
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
@@ -82,6 +84,7 @@ from clerestory.study.title_block import TitleBlock
 from clerestory.study.variant_figures import RunFigures, VariantFigure
 from clerestory.study.variant_outputs import write_variants
 from clerestory.study.view_grid_outputs import write_grid_dgp, write_grid_views
+from clerestory.study.vtkjs import Surfaces, write_vtkjs
 
 pyradiance = pytest.importorskip("pyradiance", reason="Radiance reads the files")
 BIN = Path(pyradiance.__file__).parent / "bin"
@@ -643,6 +646,18 @@ def test_energyplus_input_holds_any_name(folder):
     assert len(document["Zone"]) == len(NAMES)
 
 
+def test_scenes_for_viewers_hold_any_name(folder):
+    """Names of datasets and of values in JSON; members of the archive are numbers."""
+    corners = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]])
+    given = [Surfaces(name, corners, {name: np.ones(1)}) for name in NAMES]
+    write_vtkjs(folder / "a.vtkjs", given)
+    archive = zipfile.ZipFile(folder / "a.vtkjs")
+    scene = json.loads(archive.read("index.json"))["scene"]
+    assert [each["name"] for each in scene] == list(NAMES)
+    members = re.compile(r"(\d+/)?(index.json|data/[0-9a-f]+)")
+    assert all(map(members.fullmatch, archive.namelist()))
+
+
 # ----------------------------- Check of the class -----------------------------
 # Functions that write files; each is tested above, or writes no text from outside
 WRITERS = {
@@ -715,6 +730,7 @@ WRITERS = {
     "study.study_files.write_sensors": "numbers",
     "study.variant_outputs.write_variants": test_figures_of_variants_hold_any_name,
     "study.variant_run.run_variants": "hashes, and names in JSON",
+    "study.vtkjs.write_vtkjs": test_scenes_for_viewers_hold_any_name,
     "report.variants_page.write_variants_page": test_figures_of_variants_hold_any_name,
 }
 _WRITING = {"write_text", "write_bytes", "replace_file", "replace_path", "mkstemp"}
