@@ -583,7 +583,9 @@ def test_recipe_results_hold_any_name(folder):
     light = {g.full_id: np.full((g.count, 1), 1.0) for g in grids}
     arrays = {"total": light, "direct": light}
     times = np.array(["2023-01-01T12:30"], "datetime64[s]")
-    annual = AnnualLight(grids, times, 1, {STATIC: {"default": arrays}})
+    annual = AnnualLight(
+        grids, times, 1, {STATIC: {"default": arrays}}, np.ones(len(times), bool)
+    )
     _write_hourly(out / "hourly", annual, "total")
     write_levels(out / "en17037", chosen, annual, np.ones(1, bool))
     write_credits(out / "breeam", chosen, annual)

@@ -70,6 +70,7 @@ def study_skies(
         subdivision=study.sky.subdivision,
         ground_reflectance=study.sky.ground_reflectance,
         rotation_deg=study.sky.rotation_deg,
+        sun_formula=study.sky.sun_formula,
         bands=inputs.scene.bands,
         daylight=_daylight_spectra(study) if spectrum == "visible" else None,
         spectrum=spectrum,
@@ -109,6 +110,7 @@ def study_suns(
     return make(
         weather,
         rotation_deg=study.sky.rotation_deg,
+        sun_formula=study.sky.sun_formula,
         spectrum=spectrum,
         bands=band_set(study.scene.bands),
         daylight=_daylight_spectra(study) if spectrum == "visible" else None,
