@@ -678,6 +678,7 @@ WRITERS = {
     "comparison.comparison_output._write_csv": test_tables_hold_no_formulas,
     "comparison.comparison_output.write_tables": "JSON",
     "comparison.mapping.write_layout_sensors": "numbers",
+    "compat.genskyvec._described": "a copy of standard input in a temporary folder",
     "compat.programs.install_programs": "names of programs, quoted for a shell",
     "compat.streams.write_matrix": "bytes that write_rows has written",
     "control.schedule.write_schedule": test_schedules_return_their_groups,

@@ -15,7 +15,7 @@ from clerestory.formats.building_model import BuildingModel, RoomFloor, SitePosi
 from clerestory.formats.ifc_glazing import Found, Glazing, glazing_of
 from clerestory.formats.ifc_materials import Materials
 from clerestory.formats.ifc_process import Content, Mesh, Product, read_products
-from clerestory.formats.triangle_outlines import area_normals, outlines
+from clerestory.formats.triangle_outlines import area_normals, lowest, outlines
 from clerestory.scene.model import (
     Material,
     Polygon,
@@ -32,6 +32,9 @@ _FARTHEST = 10_000.0
 # Floors of a space: sine of the steepest, distance of levels that are one [m], and
 # height [m] and fraction of area of a sill, which is not a floor
 _STEEP, _LEVEL, _SILL, _SMALL = 0.5, 0.05, 0.3, 0.1
+
+# Fraction of the area that is not balanced in a surface that is not closed
+_OPEN = 1e-3
 
 _HOW: dict[Found, str] = {
     "shape": "panes: thin plates, as no style is glass",
@@ -164,17 +167,23 @@ def _placed(mesh: Mesh, offset: Vector, path: str | Path) -> Mesh:
 
 
 def _floor(mesh: Mesh) -> RoomFloor:
-    # Faces that look down, without the sills of windows
+    # Faces that look down, without the sills of windows. In a surface that is not closed,
+    # faces look anywhere: then the lowest ones
     corners = mesh.vertices[mesh.faces]
     area = area_normals(corners)
-    down = area[:, 2] < -_STEEP * np.linalg.norm(area, axis=1)
-    floors = outlines(corners[down], gap=_LEVEL)
-    size = [abs(area_vector(outline)[2]) for outline in floors]
-    lowest = min((outline[:, 2].min() for outline in floors), default=0.0)
+    size = np.linalg.norm(area, axis=1)
+    if np.linalg.norm(area.sum(axis=0)) < _OPEN * size.sum():
+        chosen = corners[area[:, 2] < -_STEEP * size]
+    else:
+        level = corners[np.abs(area[:, 2]) > _STEEP * size]
+        chosen = level[lowest(level, gap=_LEVEL)]
+    floors = outlines(chosen, gap=_LEVEL)
+    areas = [abs(area_vector(outline)[2]) for outline in floors]
+    bottom = min((outline[:, 2].min() for outline in floors), default=0.0)
     kept = tuple(
         outline
-        for outline, each in zip(floors, size, strict=True)
-        if outline[:, 2].min() <= lowest + _SILL or each >= _SMALL * max(size)
+        for outline, each in zip(floors, areas, strict=True)
+        if outline[:, 2].min() <= bottom + _SILL or each >= _SMALL * max(areas)
     )
     top = float(mesh.vertices[:, 2].max())
     return RoomFloor(mesh.product.guid, _space(mesh.product), kept, top)
