@@ -33,9 +33,6 @@ _FARTHEST = 10_000.0
 # height [m] and fraction of area of a sill, which is not a floor
 _STEEP, _LEVEL, _SILL, _SMALL = 0.5, 0.05, 0.3, 0.1
 
-# Fraction of the area that is not balanced in a surface that is not closed
-_OPEN = 1e-3
-
 _HOW: dict[Found, str] = {
     "shape": "panes: thin plates, as no style is glass",
     "outline": "pane: the outline, as there are neither glass nor thin plates",
@@ -167,16 +164,11 @@ def _placed(mesh: Mesh, offset: Vector, path: str | Path) -> Mesh:
 
 
 def _floor(mesh: Mesh) -> RoomFloor:
-    # Faces that look down, without the sills of windows. In a surface that is not closed,
-    # faces look anywhere: then the lowest ones
+    # Lowest faces, without the sills of windows; in some files faces look anywhere
     corners = mesh.vertices[mesh.faces]
     area = area_normals(corners)
-    size = np.linalg.norm(area, axis=1)
-    if np.linalg.norm(area.sum(axis=0)) < _OPEN * size.sum():
-        chosen = corners[area[:, 2] < -_STEEP * size]
-    else:
-        level = corners[np.abs(area[:, 2]) > _STEEP * size]
-        chosen = level[lowest(level, gap=_LEVEL)]
+    level = corners[np.abs(area[:, 2]) > _STEEP * np.linalg.norm(area, axis=1)]
+    chosen = level[lowest(level, gap=_LEVEL)]
     floors = outlines(chosen, gap=_LEVEL)
     areas = [abs(area_vector(outline)[2]) for outline in floors]
     bottom = min((outline[:, 2].min() for outline in floors), default=0.0)
