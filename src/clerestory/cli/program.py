@@ -22,6 +22,7 @@ _TOP = {
     "glare": "glare",
     "metrics": "study",
     "compare": "study",
+    "calibrate": "calibration",
     "import": "study",
     "recipe": "study",
     "doctor": "study",

@@ -25,6 +25,7 @@ from clerestory.study.energy_tables import EnergyTable
 from clerestory.study.lighting_tables import LightingTable, LuminaireTable
 from clerestory.study.report_tables import ReportTable
 from clerestory.study.table_names import require_names
+from clerestory.study.uncertainty_tables import UncertaintyTable
 from clerestory.study.view_grid_tables import ViewGridTable
 from clerestory.study.window_tables import WindowTable
 from clerestory.toml_lines import key_lines
@@ -79,6 +80,9 @@ class Study(Table):
     space: Annotated[list[SpaceTable], Distinct] = Field([])
     compliance: ComplianceTable | None = Field(None, description="a table [compliance]")
     energy: EnergyTable | None = Field(None, description="a table [energy]")
+    uncertainty: UncertaintyTable | None = Field(
+        None, description="a table [uncertainty]"
+    )
     report: ReportTable = ReportTable()
     output: tables.OutputTable = tables.OutputTable()
 

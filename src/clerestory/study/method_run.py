@@ -57,6 +57,7 @@ from clerestory.study.results import Results, read_results, save_results
 from clerestory.study.shade_operation import ShadeOperation, operate
 from clerestory.study.study_matrices import StudyMatrices
 from clerestory.study.study_tracing import study_skies, trace_study
+from clerestory.study.total_uncertainty import total_uncertainty
 from clerestory.study.view_grid_pictures import write_worst_pictures
 from clerestory.study.view_grid_points import (
     Positions,
@@ -198,11 +199,12 @@ def _simulate(job: Job, log: RunLog, states: States | None, *, out: Path) -> xr.
         parts += _melanopic(matrices, signals, acts.states)
         parts.append(results_by_state(signals))
         data = label_results(hourly, parts, signals, acts)
-    if study.compliance is None:
-        return data
-    with log.phase("compliance"):
-        standards = standards_named(study.compliance.standards)
-        return data.merge(compliance_table(assess(data, standards)))
+    if study.compliance is not None:
+        with log.phase("compliance"):
+            standards = standards_named(study.compliance.standards)
+            data = data.merge(compliance_table(assess(data, standards)))
+    with log.phase("uncertainty"):
+        return data.merge(total_uncertainty(job, signals, acts.states, data))
 
 
 def _melanopic(

@@ -62,6 +62,8 @@ def study_skies(
 ) -> Skies:
     """Return sky matrices S and, if required, S_ds and S_sun, in the scene's bands.
 
+    S_ds is required by terms of direct light, and if the sun alone is uncertain.
+
     `recent` has the skies of other variants of the study.
     """
     make = partial(
@@ -74,7 +76,7 @@ def study_skies(
         daylight=_daylight_spectra(study) if spectrum == "visible" else None,
         spectrum=spectrum,
     )
-    direct = needs_direct(study)
+    direct = needs_direct(study) or _separates_sun(study)
     key = fingerprint(study.sky.model_dump(), inputs.scene.bands, spectrum, direct)
 
     def skies() -> Skies:
@@ -83,6 +85,11 @@ def study_skies(
     return (recent or RecentValues()).value(
         ("skies", key), skies, size=_bytes, of=(inputs.weather, suns)
     )
+
+
+def _separates_sun(study: Study) -> bool:
+    table = study.uncertainty
+    return table is not None and any(u.kind in ("sky", "sun") for u in table.unknown)
 
 
 def _bytes(skies: Skies) -> float:
