@@ -9,6 +9,7 @@ from clerestory.comparison.calibration_output import (
 from clerestory.comparison.calibration_run import CalibratedStudy, calibrate_study
 from clerestory.comparison.series_comparison import Rules
 from clerestory.files import make_folder
+from clerestory.metrics.agreement import Agreement
 from clerestory.report.calibration_page import PAGE_FILE, write_calibration_page
 from clerestory.report.uncertain_value import number
 from clerestory.study.config import read_study
@@ -43,15 +44,17 @@ def _tell(found: CalibratedStudy, *, quiet: bool) -> None:
         was = number(found.quantities.reference[unknown.name])
         words = f"{number(value)} ± {spread:.2g} {unknown.unit}".rstrip()
         say(f"{unknown.name}: {words} (study: {was})", quiet=quiet)
-    before, after = found.agreements()
     say(
-        f"bias {100 * before.relative_bias:+.1f} % to {100 * after.relative_bias:+.1f} %,"
-        f" CV(RMSE) {100 * before.variation:.1f} % to {100 * after.variation:.1f} %",
+        f"all days: {_change(*found.agreements())}",
         *(
-            f"{one.day}, not used: bias {100 * one.before.relative_bias:+.1f} % to"
-            f" {100 * one.after.relative_bias:+.1f} %, CV(RMSE)"
-            f" {100 * one.before.variation:.1f} % to {100 * one.after.variation:.1f} %"
+            f"{one.day}, not used: {_change(one.before, one.after)}"
             for one in found.held_out
         ),
         quiet=quiet,
     )
+
+
+def _change(before: Agreement, after: Agreement) -> str:
+    bias = [f"{100 * own.relative_bias:+.1f} %" for own in (before, after)]
+    scatter = [f"{100 * own.variation:.1f} %" for own in (before, after)]
+    return f"bias {' to '.join(bias)}, CV(RMSE) {' to '.join(scatter)}"

@@ -23,6 +23,7 @@ _TOP = {
     "metrics": "study",
     "compare": "study",
     "calibrate": "calibration",
+    "optimise": "calibration",
     "import": "study",
     "recipe": "study",
     "doctor": "study",

@@ -86,7 +86,7 @@ class CalibrationModel:
         place = np.clip((minutes - self.shifts[0]) / _STEP, 0, len(self.shifts) - 1)
         low = min(int(place), len(self.shifts) - 2)
         ends = [_values(self.expansions[low + k], named) for k in (0, 1)]
-        return ends[0] + (place - low) * (ends[1] - ends[0])
+        return np.asarray(ends[0] + (place - low) * (ends[1] - ends[0]))
 
     def of(self, chosen: np.ndarray) -> "CalibrationModel":
         """Return the model of some pairs, by mask."""
@@ -180,7 +180,8 @@ def _expanded(
             simulated.step_minutes,
             simulated.utc_offset_hours,
         )
-        return value_pairs(measured, own, rules, minutes).simulated[rows][:, None]
+        found = value_pairs(measured, own, rules, minutes)
+        return np.asarray(found.simulated[rows][:, None])
 
     parts = tuple(
         Part(

@@ -68,8 +68,8 @@ def _lead(found: CalibratedStudy, before: Agreement, after: Agreement) -> str:
         return words + " All values are of one day: no day is left to test the result."
     better = sum(one.after.variation < one.before.variation for one in found.held_out)
     return words + (
-        f" On days that were not used for the fit, the scatter is smaller on {better} of"
-        f" {len(found.held_out)}."
+        " On days that were not used for the fit, the scatter is smaller on"
+        f" {better} of {len(found.held_out)}."
     )
 
 
@@ -81,8 +81,10 @@ def _rows(
     found: CalibratedStudy, before: Agreement, after: Agreement
 ) -> list[tuple[str, list[str]]]:
     rows = [("all days, used for the fit", _cells(before, after))]
-    for one in found.held_out:
-        rows.append((f"{one.day}, not used", _cells(one.before, one.after)))
+    rows += [
+        (f"{one.day}, not used", _cells(one.before, one.after))
+        for one in found.held_out
+    ]
     return rows
 
 

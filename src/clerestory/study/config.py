@@ -23,6 +23,7 @@ from clerestory.study.compliance_tables import ComplianceTable, SpaceTable
 from clerestory.study.config_tables import Distinct, require_rule
 from clerestory.study.energy_tables import EnergyTable
 from clerestory.study.lighting_tables import LightingTable, LuminaireTable
+from clerestory.study.optimise_tables import OptimiseTable
 from clerestory.study.report_tables import ReportTable
 from clerestory.study.table_names import require_names
 from clerestory.study.uncertainty_tables import UncertaintyTable
@@ -83,6 +84,7 @@ class Study(Table):
     uncertainty: UncertaintyTable | None = Field(
         None, description="a table [uncertainty]"
     )
+    optimise: OptimiseTable | None = Field(None, description="a table [optimise]")
     report: ReportTable = ReportTable()
     output: tables.OutputTable = tables.OutputTable()
 

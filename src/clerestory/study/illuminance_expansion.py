@@ -115,10 +115,10 @@ def _parts(
         value, own = reference[name], of[name].distribution
         room = min(_LARGEST_STEP * value, max(own.high - value, 0.02 * value))
         sizes[name] = min(own.standard_deviation, room)
-    value, first, second = by_differences(evaluate, reference, sizes)
+    values_there, first, second = by_differences(evaluate, reference, sizes)
     return tuple(
         Part(
-            value[k].astype(np.float32),
+            values_there[k].astype(np.float32),
             factors,
             {n: own[k].astype(np.float32) for n, own in first.items()},
             {n: own[k].astype(np.float32) for n, own in second.items()},

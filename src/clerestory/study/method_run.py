@@ -58,6 +58,7 @@ from clerestory.study.shade_operation import ShadeOperation, operate
 from clerestory.study.study_matrices import StudyMatrices
 from clerestory.study.study_tracing import study_skies, trace_study
 from clerestory.study.total_uncertainty import total_uncertainty
+from clerestory.study.unknown_quantities import unknown_quantities
 from clerestory.study.view_grid_pictures import write_worst_pictures
 from clerestory.study.view_grid_points import (
     Positions,
@@ -121,6 +122,9 @@ def run_method(
     with log.phase("read"):
         inputs = read_inputs(study, recent=recent)
         model = energy_model(study, inputs)
+        if study.uncertainty is not None:
+            # Refuse wrong quantities before anything is traced
+            unknown_quantities(study, inputs, study.uncertainty.unknown)
         title_block = study.report.title_block()
     with log.phase("check"):
         warn_of_inputs(study, inputs, recent=recent)

@@ -12,6 +12,7 @@ from jaxtyping import Float
 
 from clerestory.phases.matrix_equation import Skies, States
 from clerestory.scene.material_parameters import with_parameters
+from clerestory.sky.weather import Weather
 from clerestory.study.job import Job
 from clerestory.study.study_matrices import StudyMatrices
 from clerestory.study.study_tracing import study_skies, trace_study
@@ -43,7 +44,7 @@ class Situation:
     ) -> Float[np.ndarray, "sensor time"]:
         """Return the illuminance through one window group, or all [lux]."""
         if source == "sky":
-            return self.lux(group) - self.lux(group, "sun")
+            return np.asarray(self.lux(group) - self.lux(group, "sun"))
         matrices, states = self.matrices, self.states
         if group is not None:
             matrices = replace(matrices, windows=(matrices.windows[group],))
@@ -69,7 +70,7 @@ def retraced(job: Job, values: Mapping[str, float], situation: Situation) -> Sit
     return replace(situation, matrices=trace_study(changed))
 
 
-def with_weather(job: Job, weather: object, situation: Situation) -> Situation:
+def with_weather(job: Job, weather: Weather, situation: Situation) -> Situation:
     """Return the situation in another year, with the same shade states."""
     changed = replace(job, inputs=replace(job.inputs, weather=weather))
     matrices = trace_study(changed)

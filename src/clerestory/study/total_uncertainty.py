@@ -265,9 +265,10 @@ def _warn(
     )
     warnings.warn(
         "uncertainty: far from the model the expansion fails in"
-        f" {wrong.any(axis=1).sum()} of {len(wrong)} checks: {name} of {place} is {expanded[check, figure]:.4g}"
-        f" {unit} by the expansion and {traced[check, figure]:.4g} {unit} if traced"
-        " again; narrower distributions of materials expected",
+        f" {wrong.any(axis=1).sum()} of {len(wrong)} checks: {name} of {place} is"
+        f" {expanded[check, figure]:.4g} {unit} by the expansion and"
+        f" {traced[check, figure]:.4g} {unit} if traced again; narrower distributions"
+        " of materials expected",
         ClerestoryWarning,
         stacklevel=2,
     )

@@ -76,7 +76,7 @@ class FigureModel:
         return np.stack(rows)
 
     def _sunny(self, lux: np.ndarray) -> np.ndarray:
-        return (lux > SUN_LUX).sum(axis=-1)[None] * self.step_hours
+        return np.asarray((lux > SUN_LUX).sum(axis=-1)[None] * self.step_hours)
 
 
 def light(lux: Float[np.ndarray, "... time"], target_lux: float) -> np.ndarray:
@@ -101,7 +101,9 @@ def grid_figures(
     return rows
 
 
-def sun_figures(hours: Float[np.ndarray, "draw sensor"], grid: np.ndarray) -> list:
+def sun_figures(
+    hours: Float[np.ndarray, "draw sensor"], grid: np.ndarray
+) -> list[np.ndarray]:
     """Return the area with direct sun of each grid [%], each over the draws."""
     names = dict.fromkeys(grid.tolist())
     return [

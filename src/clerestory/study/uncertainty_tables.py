@@ -64,7 +64,8 @@ USUAL_DIRT = (0.85, 0.94, 1.0)
 OF_MEASUREMENTS = ("clock", "gain")
 
 
-def _power_of_two(value: int) -> int:
+def power_of_two(value: int) -> int:
+    """Return a number of draws, or refuse it unless it is a power of two."""
     require_rule(
         isinstance(value, int) and value >= 4 and value & (value - 1) == 0,
         f"{value} draws; a power of two such as 2048 expected",
@@ -166,7 +167,7 @@ class UncertaintyTable(Table):
     correlated: list[CorrelatedTable] = Field(
         default_factory=list, description="tables [[uncertainty.correlated]]"
     )
-    draws: Annotated[int, BeforeValidator(_power_of_two), Field(le=65_536)] = 2048
+    draws: Annotated[int, BeforeValidator(power_of_two), Field(le=65_536)] = 2048
     checks: int = Field(4, ge=0, le=50)
     seed: int = Field(1, ge=0, lt=2**32)
 

@@ -137,14 +137,17 @@ def _unknown(table: UnknownTable, scene: Scene) -> Unknown:
         # The weather of the study is the first choice
         return Unknown(table.label, choice(len(table.files) + 1), 0.0)
     usual, reference = USUAL[table.kind], 0.0 if table.kind == "clock" else 1.0
-    if table.material:
-        (parameter,) = material_parameters(scene, [table.material])
-        reference = parameter.value
-        colour = scene.materials[table.material]
-        usual = usual._replace(high=_highest(colour, reference, usual.high))
-    return Unknown(
-        table.label, _distribution(table, usual, reference), reference, usual.unit
-    )
+    try:
+        if table.material:
+            (parameter,) = material_parameters(scene, [table.material])
+            reference = parameter.value
+            colour = scene.materials[table.material]
+            usual = usual._replace(high=_highest(colour, reference, usual.high))
+        shape = _distribution(table, usual, reference)
+    except InputError as error:
+        message = f'quantity "{table.label}": {error.message}'
+        raise InputError(message) from error
+    return Unknown(table.label, shape, reference, usual.unit)
 
 
 def _highest(material: object, reference: float, limit: float) -> float:
@@ -156,25 +159,21 @@ def _highest(material: object, reference: float, limit: float) -> float:
 
 
 def _distribution(table: UnknownTable, usual: Usual, reference: float) -> Distribution:
-    try:
-        if table.kind == "dirt" and table.low is None:
-            return triangular(*USUAL_DIRT)
-        low, high = usual.low, usual.high
-        if table.low is not None and table.high is not None and table.shape != "normal":
-            inside = low <= table.low and table.high <= high
-            ends = f"range {table.low:g} to {table.high:g}"
-            require(inside, f"{ends}; values from {low:g} to {high:.4g} expected")
-            if table.shape == "uniform":
-                return uniform(table.low, table.high)
-            mode = reference if table.mode is None else table.mode
-            return triangular(table.low, mode, table.high)
-        scale = reference if usual.relative else 1.0
-        return normal(
-            reference if table.mean is None else table.mean,
-            table.standard_deviation or usual.deviation * scale,
-            low=low if table.low is None else max(low, table.low),
-            high=high if table.high is None else min(high, table.high),
-        )
-    except InputError as error:
-        message = f'quantity "{table.label}": {error.message}'
-        raise InputError(message) from error
+    if table.kind == "dirt" and table.low is None:
+        return triangular(*USUAL_DIRT)
+    low, high = usual.low, usual.high
+    if table.low is not None and table.high is not None and table.shape != "normal":
+        inside = low <= table.low and table.high <= high
+        ends = f"range {table.low:g} to {table.high:g}"
+        require(inside, f"{ends}; values from {low:g} to {high:.4g} expected")
+        if table.shape == "uniform":
+            return uniform(table.low, table.high)
+        mode = reference if table.mode is None else table.mode
+        return triangular(table.low, mode, table.high)
+    scale = reference if usual.relative else 1.0
+    return normal(
+        reference if table.mean is None else table.mean,
+        table.standard_deviation or usual.deviation * scale,
+        low=low if table.low is None else max(low, table.low),
+        high=high if table.high is None else min(high, table.high),
+    )

@@ -175,7 +175,7 @@ def profile(
     ends = np.clip(
         [found.values[number] - reach, found.values[number] + reach], own.low, own.high
     )
-    places = np.linspace(*ends, count)
+    places = np.linspace(float(ends[0]), float(ends[1]), count)
     error = found.relative_error * np.sqrt(found.design_effect)
     weight = 1 / (error * _scale(predict(found.values)))
     others = [k for k in range(len(found.unknowns)) if k != number]
@@ -263,7 +263,8 @@ def _posterior(
 
 def _scale(predicted: np.ndarray) -> np.ndarray:
     # Values to which errors are relative
-    return np.maximum(np.abs(predicted), _LOW * float(np.median(np.abs(predicted))))
+    size = np.abs(predicted)
+    return np.asarray(np.maximum(size, _LOW * float(np.median(size))))
 
 
 def _inside(unknowns: Sequence[Unknown], values: np.ndarray) -> np.ndarray:

@@ -27,3 +27,16 @@ class Calibrate:
         0.75, "Smallest fraction of a time step with measurements.", least=0, most=1
     )
     quiet: common.Quiet = False
+
+
+@command("optimise:optimise", "study.toml -o designs")
+class Optimise:
+    """Find designs of a study that are best for its goals, within its limits.
+
+    Variables, goals and limits are those of [optimise] in the study file; [[variant]]
+    or [sweep] are the discrete choices. The best designs are run in full and compared.
+    """
+
+    study: Path = argument("Study file with a table [optimise].", "STUDY.toml")
+    output: Path = option(Path("designs"), "Folder for the runs and the page.", "-o")
+    quiet: common.Quiet = False
