@@ -137,7 +137,7 @@ def test_closed_furnace_of_translucent_walls(device):
 
 
 def test_two_endless_planes_of_two_materials(device):
-    """Under a sheet of τ = ct, r = c(1 − t), over ground ρ: E = π ct / (1 − ρ c(1 − t))."""
+    """Under a sheet of τ = ct and r = c(1 − t), over ground ρ: E = π ct / (1 − ρr)."""
     rho, c, t = 0.6, 0.8, 0.3
     scene = Scene(
         {

@@ -95,7 +95,6 @@ def at_two_reflectances(scene: Scene) -> Scene:
 
     The other two channels have the reflectance of the brightest band.
     """
-
     materials = {n: two_reflectances(m) for n, m in scene.materials.items()}
     return replace(scene, materials=materials, bands=RGB)
 

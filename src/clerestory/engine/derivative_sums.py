@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-
 from clerestory.engine.sums import Sums, estimated
 from clerestory.matrix.derivatives import Derivatives, Parameter, pair_indices
 

@@ -9,7 +9,7 @@ derivative of the logarithm of the factor of vertex v by the logarithm of its pa
 
 where q_v θ⁻² is the relative second derivative of one factor. For n vertices of a
 diffuse material, the sums are n and n (n − 1). One vertex and one pair of vertices are
-chosen at random along the path (reservoir sampling) and stand for the sums; their number
+chosen at random along the path (reservoir sampling) and stand for the sums; the cost
 does not depend on the number of parameters. Sampling densities are held constant.
 
 References: J. Vitter, "Random sampling with a reservoir", ACM Transactions on
@@ -17,12 +17,11 @@ Mathematical Software 11 (1), 1985; P. Glynn, "Likelihood ratio gradient estimat
 stochastic systems", Communications of the ACM 33 (10), 1990.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import drjit as dr
 import mitsuba as mi
-import numpy as np
 
 from clerestory.engine import materials
 from clerestory.engine.channels import two_reflectances
@@ -42,14 +41,11 @@ from clerestory.engine.visibility import ShadowRay, interaction, offset
 from clerestory.scene.material_parameters import compared_material
 from clerestory.scene.model import Material, Scene
 
-# First dimension of the random numbers that choose vertices, and their number per vertex
+# First dimension of the random numbers that choose vertices; their number per vertex
 _CHOICES, _PER_VERTEX = 0x40000, 64
 
-# Largest number of samples of a source at a vertex; random number of the first pane
-_SAMPLES, _FIRST_PANE = 4, 8
-
-# Least divisor
-_SMALL = 1e-30
+# Largest number of samples of a source at a vertex, first pane of a ray, least divisor
+_SAMPLES, _FIRST_PANE, _SMALL = 4, 8, 1e-30
 
 
 @dataclass
@@ -185,9 +181,7 @@ class MaterialDerivatives:
             sharp = dr.select(after.null, straight, flat)
             return dr.select(after.null | after.delta, sharp, value)
 
-        return self._met(
-            scores, vertex.shape, si, values, _pick(numbers, 0), active
-        )
+        return self._met(scores, vertex.shape, si, values, _pick(numbers, 0), active)
 
     def connected(
         self,
@@ -238,10 +232,7 @@ class MaterialDerivatives:
             si = interaction(hit, ray, looking)
             shape = dr.reinterpret_array(mi.UInt32, si.shape)
             depth = dr.gather(mi.Float, model.thickness_of_shape, shape, looking)
-
-            def values(bsdf, active):
-                return bsdf.eval_null_transmission(si, active)
-
+            values = _straight(si)
             pick = _pick(numbers, pane)
             crossing = looking & (depth == 0)
             scores = self._met(scores, shape, si, values, pick, crossing)
@@ -287,6 +278,10 @@ class MaterialDerivatives:
             power = dr.log(dr.maximum(share, _SMALL)) / dr.log(1 - step)
             change = dr.select((step > 0) & (step < 1), power, change)
         return dr.select((step > 0) & (own > 0), change, dr.select(step > 0, 0, 1))
+
+
+def _straight(si: mi.SurfaceInteraction3f) -> Callable[[mi.BSDF, mi.Bool], mi.Color3f]:
+    return lambda bsdf, active: bsdf.eval_null_transmission(si, active)
 
 
 def _in_channels(

@@ -86,7 +86,9 @@ class DerivativeSink(MatrixSink):
         places = self._places
         batch = self.batch + places.batches * (1 + scores.parameter)
         first = places.unit_of_first * scores.count
-        self._add(batch, column, value, first, scores.value, active & (scores.count > 0))
+        self._add(
+            batch, column, value, first, scores.value, active & (scores.count > 0)
+        )
 
         # Pairs of vertices, in either order if both have the same parameter
         one = dr.minimum(scores.one, scores.other)

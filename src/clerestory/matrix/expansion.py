@@ -1,6 +1,6 @@
 """Second-order Taylor expansion of results in parameters of materials.
 
-    E(θ + δ) ≈ E + Σ_i E_i δ_i + ½ Σ_ij E_ij δ_i δ_j
+E(θ + δ) ≈ E + Σ_i E_i δ_i + ½ Σ_ij E_ij δ_i δ_j
 """
 
 import importlib
@@ -32,11 +32,11 @@ _BLOCK = 1 << 27
 
 
 def expanded(
-    value: Float[np.ndarray, "*entry"],
-    first: Float[np.ndarray, "parameter *entry"],
-    second: Float[np.ndarray, "pair *entry"] | None,
+    value: Float[np.ndarray, "..."],
+    first: Float[np.ndarray, "parameter ..."],
+    second: Float[np.ndarray, "pair ..."] | None,
     changes: Float[np.ndarray, "draw parameter"],
-) -> Float[np.ndarray, "draw *entry"]:
+) -> Float[np.ndarray, "draw ..."]:
     """Return values at changed parameters, by the second-order expansion.
 
     Without second derivatives, the expansion is linear.

@@ -3,9 +3,10 @@
 A NetCDF-4 file, readable by xarray, Panoply or ncdump, has a variable `values`
 (channel, row, column), a variable `components` (component, channel, row, column) if
 there is a statistical error, and variables `rows` and `columns` whose attributes label
-the axes. A differentiated matrix has `derivatives` (parameter, …), `second_derivatives`
-(pair, …) and `derivative_components`. Attributes of `values` name the spectral bands; files without these attributes
-are in RGB or grey. Equal matrices are written as identical bytes.
+the axes. A differentiated matrix has `derivatives` (parameter, …),
+`second_derivatives` (pair, …) and `derivative_components`. Attributes of `values` name
+the spectral bands; files without these attributes are in RGB or grey. Equal matrices
+are written as identical bytes.
 
 A SHA-256 checksum follows the NetCDF data. It is checked before the file is opened,
 since libhdf5 may hang on a damaged file. Files are written with h5netcdf, which follows

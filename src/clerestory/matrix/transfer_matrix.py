@@ -23,14 +23,13 @@ from clerestory.brief_repr import brief
 from clerestory.checks import has_shape, require
 from clerestory.errors import MatrixError
 from clerestory.matrix.axis import Axis
-from clerestory.matrix.derivatives import (
-    Derivatives,
+from clerestory.matrix.derivatives import Derivatives
+from clerestory.matrix.expansion import with_derivatives
+from clerestory.matrix.product_rule import (
     Factor,
     product_derivatives,
     sum_derivatives,
 )
-
-from clerestory.matrix.expansion import with_derivatives
 
 if TYPE_CHECKING:
     import xarray as xr

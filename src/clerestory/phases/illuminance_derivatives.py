@@ -16,11 +16,11 @@ from clerestory.errors import MatrixError
 from clerestory.matrix.axis import sensor_axis
 from clerestory.matrix.derivatives import (
     Parameter,
-    common_parameters,
     pair_indices,
 )
 from clerestory.matrix.error_components import UNIT, compressed
 from clerestory.matrix.expansion import labelled_derivatives
+from clerestory.matrix.product_rule import common_parameters
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.phases.illuminance import PARTS, illuminance
 from clerestory.phases.matrix_equation import (

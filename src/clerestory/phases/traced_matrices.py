@@ -272,9 +272,7 @@ def split_columns(
             if components is not None:
                 components = np.ascontiguousarray(components)
         derivatives = estimated.derivatives and estimated.derivatives.columns(part)
-        found[name] = TransferMatrix(
-            values, rows, axis, components, bands, derivatives
-        )
+        found[name] = TransferMatrix(values, rows, axis, components, bands, derivatives)
         first = part.stop
     return found
 

@@ -109,7 +109,9 @@ def test_sums_and_weighted_channels(factors):
     other = Polynomial(rng, ("ground",), (1, 2, 4))
 
     def total(theta):
-        return (factors[0].matrix(theta) + other.matrix(theta)).weighted(np.array([1.0, 2.0, 3.0]))
+        return (factors[0].matrix(theta) + other.matrix(theta)).weighted(
+            np.array([1.0, 2.0, 3.0])
+        )
 
     compare(total(THETA), total)
     rows = total(THETA).select_rows(slice(1, 2))
@@ -119,7 +121,7 @@ def test_sums_and_weighted_channels(factors):
 
 def test_matrices_of_different_scenes_are_refused(factors):
     other = factors[1].matrix(changed("wall", 0.1))
-    with pytest.raises(MatrixError, match='by "wall" at 0.5 and at 0.6'):
+    with pytest.raises(MatrixError, match=r'by "wall" at 0\.5 and at 0\.6'):
         factors[0].matrix(THETA) @ other
 
 
