@@ -10,17 +10,28 @@ from collections.abc import Mapping
 import numpy as np
 
 from clerestory.errors import InputError
-from clerestory.phases.matrix_equation import Skies
+from clerestory.matrix.derivatives import pair_indices
+from clerestory.phases.illuminance_derivatives import illuminance_derivatives
+from clerestory.phases.matrix_equation import Skies, Term
+from clerestory.phases.methods import METHODS
 from clerestory.study.inputs import study_weather
 from clerestory.study.job import Job
 from clerestory.study.retracing import (
     Situation,
+    Source,
     linear_parts,
+    part_values,
     retraced,
     with_weather,
 )
+from clerestory.study.study_tracing import differentiated_matrices
 from clerestory.study.unknown_quantities import UnknownQuantities
-from clerestory.uncertainty.expansion import Expansion, Part, by_differences
+from clerestory.uncertainty.expansion import Expansion, Pair, Part, by_differences
+
+# First and second derivatives by name, over (part, sensor, time)
+Derivatives = tuple[dict[str, np.ndarray], dict[Pair, np.ndarray]]
+
+_WHOLE = Term("illuminance", "whole")
 
 # Largest step of a difference, as a share of the value
 _LARGEST_STEP = 0.5
@@ -94,34 +105,88 @@ def _parts(
     chosen = situation.at(steps)
     kinds = linear_parts(situation, unknowns)
 
-    def values(one: Situation) -> np.ndarray:
-        return np.stack([one.lux(group, source) for _, group, source in kinds])
-
-    names = {name: own for name, own in unknowns.materials.items()}
+    names = unknowns.materials
     if not names:
+        values = part_values(chosen, kinds)
         return tuple(
             Part(lux, factors)
-            for (factors, _, _), lux in zip(kinds, values(chosen), strict=True)
+            for (factors, _, _), lux in zip(kinds, values, strict=True)
         )
+    if _by_differences(job, names):
+        found = _differences(job, unknowns, chosen)
+    else:
+        found = _traced_derivatives(job, unknowns, chosen)
+    first, second = found
+    return tuple(
+        Part(
+            lux,
+            factors,
+            {name: own[k].astype(np.float32) for name, own in first.items()},
+            {pair: own[k].astype(np.float32) for pair, own in second.items()},
+        )
+        for k, ((factors, _, _), lux) in enumerate(
+            zip(kinds, part_values(chosen, kinds), strict=True)
+        )
+    )
+
+
+def _by_differences(job: Job, names: Mapping[str, str]) -> bool:
+    # Matrices of direct light have no derivatives, but depend on panes of the scene
+    direct = any(term.part != "whole" for term in job.study.terms)
+    panes = any(not job.scene.materials[own].opaque for own in names.values())
+    return (direct and panes) or METHODS[job.study.method].facade
+
+
+def _traced_derivatives(
+    job: Job, unknowns: UnknownQuantities, situation: Situation
+) -> Derivatives:
+    # From the paths of the matrices, for each part
+    names = {material: name for name, material in unknowns.materials.items()}
+    windows = differentiated_matrices(job, list(names))
+    firsts, seconds = [], []
+    for _, group, source in linear_parts(situation, unknowns):
+        own = windows if group is None else windows[group : group + 1]
+        states = situation.states
+        if group is not None:
+            states = states[group : group + 1]
+        found = [
+            illuminance_derivatives(own, (_WHOLE,), skies, states)
+            for skies in _sources(situation.skies, source)
+        ]
+        one = found[0] if len(found) == 1 else found[0] - found[1]
+        firsts.append(one["illuminance_derivative"].values)
+        seconds.append(one["illuminance_second_derivative"].values)
+    order = [names[own] for own in names]
+    pairs = [(order[i], order[j]) for i, j in pair_indices(len(order))]
+    first, second = np.stack(firsts, axis=1), np.stack(seconds, axis=1)
+    return dict(zip(order, first, strict=True)), dict(zip(pairs, second, strict=True))
+
+
+def _sources(skies: Skies, source: Source) -> list[Skies]:
+    # Skies whose light is that of a source, or the difference of two
+    if source == "both":
+        return [skies]
+    assert skies.sun is not None
+    sun = Skies(skies.sun, skies.sun, skies.suns)
+    return [sun] if source == "sun" else [skies, sun]
+
+
+def _differences(
+    job: Job, unknowns: UnknownQuantities, situation: Situation
+) -> Derivatives:
+    # Central differences of rooms that are traced again, for each part
+    names, of = unknowns.materials, {own.name: own for own in unknowns.unknowns}
+    kinds = linear_parts(situation, unknowns)
 
     def evaluate(at: Mapping[str, float]) -> np.ndarray:
         changed = {names[n]: v for n, v in at.items() if v != unknowns.reference[n]}
-        return values(retraced(job, changed, chosen)).astype(float)
+        again = retraced(job, changed, situation)
+        return np.stack(part_values(again, kinds)).astype(float)
 
-    of = {own.name: own for own in unknowns.unknowns}
-    reference = {name: of[name].reference for name in names}
-    sizes = {}
-    for name in names:
-        value, own = reference[name], of[name].distribution
+    reference, sizes = {name: of[name].reference for name in names}, {}
+    for name, value in reference.items():
+        own = of[name].distribution
         room = min(_LARGEST_STEP * value, max(own.high - value, 0.02 * value))
         sizes[name] = min(own.standard_deviation, room)
-    values_there, first, second = by_differences(evaluate, reference, sizes)
-    return tuple(
-        Part(
-            values_there[k].astype(np.float32),
-            factors,
-            {n: own[k].astype(np.float32) for n, own in first.items()},
-            {n: own[k].astype(np.float32) for n, own in second.items()},
-        )
-        for k, (factors, _, _) in enumerate(kinds)
-    )
+    _, first, second = by_differences(evaluate, reference, sizes)
+    return first, second

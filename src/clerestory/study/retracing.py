@@ -4,7 +4,7 @@ The seeds are those of the study, so that the results have most of their statist
 error in common with those of the study.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -76,6 +76,13 @@ def with_weather(job: Job, weather: Weather, situation: Situation) -> Situation:
     matrices = trace_study(changed)
     skies = study_skies(changed.study, changed.inputs, matrices.suns)
     return Situation(matrices, skies, situation.states)
+
+
+def part_values(
+    situation: Situation, kinds: Sequence[tuple[tuple[str, ...], int | None, Source]]
+) -> list[Float[np.ndarray, "sensor time"]]:
+    """Return the illuminance of each part [lux]; see `linear_parts`."""
+    return [situation.lux(group, source) for _, group, source in kinds]
 
 
 def whole_illuminance(

@@ -168,6 +168,27 @@ def trace_study(job: Job, *, spectrum: Spectrum = "visible") -> StudyMatrices:
     )
 
 
+def differentiated_matrices(job: Job, names: Sequence[str]) -> list[WindowMatrices]:
+    """Return the matrices of all light, with derivatives by materials of the scene.
+
+    View matrices are in memory. The direct light of a method has no derivatives by
+    reflectances: it is scattered by windows only.
+
+    Raises
+    ------
+    InputError : an exterior shade in ports, or derivatives that do not fit into memory
+    """
+    study = job.study
+    if METHODS[study.method].facade:
+        raise InputError(
+            f'derivatives with method "{study.method}"; a method without ports expected'
+        )
+    job = replace(job, derivatives=tuple(names))
+    if not METHODS[study.method].windows:
+        return coefficients(job, direct=False)
+    return [WindowMatrices(chain) for chain in _window_chains(job, stored=False)]
+
+
 def _windows(
     job: Job, black: Job, *, direct: bool, stored: bool
 ) -> list[WindowMatrices]:
@@ -199,7 +220,9 @@ def _views(job: Job, *, stored: bool) -> Sequence[TransferMatrix | StoredColumns
         # The path from the sensor to the window counts as one bounce
         effort = replace(effort, bounces=1)
     if not stored:
-        trace = partial(view_matrices, job.scene, windows, sensors=sensors)
+        trace = partial(
+            view_matrices, job.scene, windows, sensors=sensors, **job.differentiated
+        )
         found = job.matrices("view", windows, trace, effort, shown="view matrices")
         return list(found.values())
     key = fingerprint("views", job.scene_key, windows, sensors, effort)
@@ -224,7 +247,13 @@ def _daylight(job: Job, group: WindowGroup, number: int) -> list[TransferMatrix]
     subdivision = job.study.sky.subdivision
     matrix = job.matrix(
         f"daylight-{group.name}",
-        partial(daylight_matrix, job.scene, group.outer, subdivision=subdivision),
+        partial(
+            daylight_matrix,
+            job.scene,
+            group.outer,
+            subdivision=subdivision,
+            **job.differentiated,
+        ),
         _outside_effort(job, 1 + number),
         shown=f"daylight matrix of {group.name}",
     )
