@@ -153,9 +153,12 @@ def _traced_derivatives(
             illuminance_derivatives(own, (_WHOLE,), skies, states)
             for skies in _sources(situation.skies, source)
         ]
-        one = found[0] if len(found) == 1 else found[0] - found[1]
-        firsts.append(one["illuminance_derivative"].values)
-        seconds.append(one["illuminance_second_derivative"].values)
+        for sums, name in (
+            (firsts, "illuminance_derivative"),
+            (seconds, "illuminance_second_derivative"),
+        ):
+            plus, *minus = (one[name].values for one in found)
+            sums.append(plus - minus[0] if minus else plus)
     order = [names[own] for own in names]
     pairs = [(order[i], order[j]) for i, j in pair_indices(len(order))]
     first, second = np.stack(firsts, axis=1), np.stack(seconds, axis=1)
