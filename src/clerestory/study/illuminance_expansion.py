@@ -143,7 +143,8 @@ def _traced_derivatives(
     # From the paths of the matrices, for each part
     names = {material: name for name, material in unknowns.materials.items()}
     windows = differentiated_matrices(job, list(names))
-    firsts, seconds = [], []
+    firsts: list[np.ndarray] = []
+    seconds: list[np.ndarray] = []
     for _, group, source in linear_parts(situation, unknowns):
         own = windows if group is None else windows[group : group + 1]
         states = situation.states

@@ -58,7 +58,7 @@ class Job:
     derivatives: tuple[str, ...] = ()
 
     @property
-    def differentiated(self) -> dict[str, tuple[str, ...]]:
+    def differentiated(self) -> dict[str, Any]:
         """Keywords of tracing functions for derivatives; empty without them."""
         named = bool(self.derivatives) and not self.direct
         return {"derivatives": self.derivatives} if named else {}
