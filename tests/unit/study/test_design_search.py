@@ -4,7 +4,6 @@ import csv
 
 import numpy as np
 import pytest
-from uncertain_room import write_room
 
 from clerestory.errors import InputError
 from clerestory.radiance.window_reader import read_windows
@@ -18,6 +17,7 @@ from clerestory.study.design_search import (
 )
 from clerestory.study.optimise_tables import GoalTable
 from clerestory.study.variants import read_variants
+from uncertain_room import write_room
 
 VARIABLES = """[optimise]
 candidates = 64
