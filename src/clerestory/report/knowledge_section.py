@@ -60,7 +60,7 @@ def knowledge_section(content: ReportContent) -> Section:
             bars=_shares(data),
             keys=list(zip(_groups(data), _palette(data), strict=True)),
             unknowns=_unknowns(data),
-            chances=_chances(data),
+            chances=probabilities(data),
             checks=_checks(data),
             case_names=[f"Case {k + 1}" for k in range(data.sizes.get("check", 0))],
             together=_together(data),
@@ -272,8 +272,8 @@ def _unknowns(data: xr.Dataset) -> list[tuple[str, list[str]]]:
     return rows
 
 
-def _chances(data: xr.Dataset) -> list[tuple[str, list[str]]]:
-    # Standard and criterion, then the level and its probability
+def probabilities(data: xr.Dataset) -> list[tuple[str, list[str]]]:
+    """Return standard and criterion, then space, level and its probability."""
     if "probability" not in data:
         return []
     rows = []
