@@ -139,21 +139,19 @@ def calibrate(
     require(unknowns, "no quantity to calibrate; one or more expected")
     start = _inside(unknowns, np.array([each.reference for each in unknowns]))
     same_length(measured, predict(start), "measured values", "predicted values")
-    values, error = start, relative_error or 0.1
+    values, error, effect = start, relative_error or 0.1, 1.0
     for _ in range(_REWEIGHTED):
-        before = values, error
-        weight = 1 / (error * _scale(predict(values)))
+        before = values, error * np.sqrt(effect)
+        weight = 1 / (before[1] * _scale(predict(values)))
         values = _solve(predict, measured, unknowns, weight, start=values)
         residual = (measured - predict(values)) / _scale(predict(values))
-        told = max(len(measured) - len(unknowns), 1)
         if relative_error is None:
+            told = max(len(measured) - len(unknowns), 1)
             error = max(float(np.sqrt(np.sum(residual**2) / told)), 1e-6)
-        if (
-            np.allclose(before[0], values, rtol=1e-6)
-            and abs(before[1] / error - 1) < 1e-4
-        ):
+        effect = max([1.0, *(_design_effect(residual, own) for own in clusters)])
+        same = np.allclose(before[0], values, rtol=1e-6)
+        if same and abs(before[1] / (error * np.sqrt(effect)) - 1) < 1e-4:
             break
-    effect = max([1.0, *(_design_effect(residual, own) for own in clusters)])
     return _posterior(predict, unknowns, values, error, effect)
 
 
