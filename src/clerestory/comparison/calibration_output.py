@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from clerestory.comparison.calibration_run import CalibratedStudy
-from clerestory.escaping import csv_line
+from clerestory.escaping import csv_line, toml_value
 from clerestory.files import read_text, write_text
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.rad_writer import format_rad
@@ -22,7 +22,7 @@ _VARIANT = """
 # Added by `clerestory calibrate`: the same study with the fitted materials
 [[variant]]
 name = "calibrated"
-scene.files = ["{file}"]
+scene.files = {files}
 """
 
 
@@ -96,8 +96,6 @@ def write_calibrated_study(
     write_text(folder / SCENE_FILE, format_rad(scene, bsdf_file={}) + "\n")
     named = Path(os.path.relpath(folder.resolve() / SCENE_FILE, file.resolve().parent))
     made = file.with_name(f"{file.stem}_calibrated.toml")
-    write_text(
-        made,
-        read_text(file).rstrip("\n") + "\n" + _VARIANT.format(file=named.as_posix()),
-    )
+    added = _VARIANT.format(files=toml_value([named.as_posix()]))
+    write_text(made, read_text(file).rstrip("\n") + "\n" + added)
     return made

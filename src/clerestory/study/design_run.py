@@ -27,6 +27,7 @@ from clerestory.study.design_search import (
 )
 from clerestory.study.job import Display, Job
 from clerestory.study.optimise_tables import OptimiseTable
+from clerestory.study.study_files import window_text
 from clerestory.study.study_run import MATRIX_FOLDER
 from clerestory.study.variant_figures import RunFigures
 from clerestory.study.variant_run import run_variants
@@ -132,7 +133,7 @@ def with_values(study: Study, values: Mapping[str, float], folder: Path) -> Stud
         share = shares.pop(window.label, None)
         if share is not None:
             file = folder / f"{file_stem(window.label)}.rad"
-            write_text(file, window_text(read_windows(window.file), share))
+            write_text(file, reduced_windows(read_windows(window.file), share))
             window = window.model_copy(update={"file": file, "name": window.label})
         windows.append(window)
     for name in shares:
@@ -141,24 +142,20 @@ def with_values(study: Study, values: Mapping[str, float], folder: Path) -> Stud
     return study.model_copy(update={"window": windows})
 
 
-def window_text(windows: Sequence[Window], share: float) -> str:
+def reduced_windows(windows: Sequence[Window], share: float) -> str:
     """Return windows of a share of their area, about the middle of each polygon."""
     require(0 < share <= 1, f"window share is {share:g}; above 0, at most 1, expected")
-    lines = []
+    texts = []
     for window in windows:
-        up = ",".join(f"{x:.9g}" for x in window.frame.up)
-        basis = {145: "kf", 73: "kh", 77: "kh", 41: "kq"}.get(len(window.partition))
+        basis = {145: "kf", 73: "kh", 77: "kh", 41: "kq"}.get(len(window.partition), "")
         require(basis, f'window "{window.name}" has no Klems basis; one expected')
-        lines.append(f"#@rfluxmtx h={basis} u={up}")
+        outlines = []
         for polygon in window.polygons:
             centre = polygon.vertices.mean(axis=0)
-            corners = centre + np.sqrt(share) * (polygon.vertices - centre)
-            numbers = " ".join(f"{x:.9g}" for x in corners.ravel())
-            lines.append(
-                f"{window.name} polygon {polygon.name or 'pane'} 0 0"
-                f" {corners.size} {numbers}"
-            )
-    return "\n".join(lines) + "\n"
+            outlines.append(centre + np.sqrt(share) * (polygon.vertices - centre))
+        up = window.frame.up
+        texts.append(window_text(window.name, outlines, basis=basis, up=up))
+    return "\n".join(texts)
 
 
 def designs_table(found: Optimised) -> str:

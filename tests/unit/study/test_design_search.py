@@ -8,7 +8,7 @@ import pytest
 from clerestory.errors import InputError
 from clerestory.radiance.window_reader import read_windows
 from clerestory.study.config import read_study
-from clerestory.study.design_run import optimise_study, window_text
+from clerestory.study.design_run import optimise_study, reduced_windows
 from clerestory.study.design_search import (
     figure_names,
     named_figure,
@@ -61,7 +61,7 @@ def test_a_share_of_a_window_has_that_area_about_the_same_centre(tmp_path):
     text += "g polygon pane 0 0 12 0 0 1 0 0 3 2 0 3 2 0 1\n"
     (tmp_path / "whole.rad").write_text(text)
     whole = read_windows(tmp_path / "whole.rad")
-    (tmp_path / "half.rad").write_text(window_text(whole, 0.5))
+    (tmp_path / "half.rad").write_text(reduced_windows(whole, 0.5))
     (half,) = read_windows(tmp_path / "half.rad")
     assert half.area == pytest.approx(0.5 * whole[0].area)
     centres = [w.polygons[0].vertices.mean(axis=0) for w in (half, whole[0])]
