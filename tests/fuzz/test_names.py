@@ -746,7 +746,7 @@ WRITERS = {
     "report.pdf.write_pdf": "a page that is listed here",
     "study.annual_view_grids._hourly_file": "numbers",
     "study.design_run.optimise_study": "a table by csv_line",
-    "study.design_run.with_values": "windows and scenes by writers that are tested here",
+    "study.design_run.with_values": "by writers that are tested here",
     "study.illuminance_by_state.results_by_state": "numbers",
     "study.method_comparison.compare_methods": test_tables_hold_no_formulas,
     "study.view_grid_outputs.write_grid_dgp": test_view_grids_are_tables,

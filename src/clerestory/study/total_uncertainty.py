@@ -164,7 +164,7 @@ def far_draws(draws: np.ndarray, columns: Sequence[int], count: int) -> list[int
     next one is the farthest from those chosen.
 
     >>> far_draws(np.linspace(-1, 1, 101)[:, None], [0], 2)
-    [3, 97]
+    [2, 98]
     """
     own = draws[:, columns]
     scaled = (own - own.mean(axis=0)) / np.maximum(own.std(axis=0), 1e-12)
