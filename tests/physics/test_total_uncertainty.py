@@ -120,3 +120,32 @@ def test_results_are_reproducible(tmp_path):
         run_study(read_study(file), out=tmp_path / "out").data for _ in range(2)
     )
     xr.testing.assert_identical(one.drop_attrs(), other.drop_attrs())
+
+
+def test_years_of_weather_are_mixed(tmp_path):
+    """A second year of half the irradiance: a quarter of the mean as deviation."""
+    head = "place x\nlatitude 40\nlongitude 0\ntime_zone 0\nsite_elevation 0\n"
+    head += "weather_data_file_units 1\n"
+    for name, share in (("one", 1.0), ("two", 0.5)):
+        hours = [f"6 21 {h + 0.5} {600 * share} {120 * share}" for h in range(6, 19)]
+        (tmp_path / f"{name}.wea").write_text(head + "\n".join(hours) + "\n")
+    more = """
+[[uncertainty.unknown]]
+kind = "weather"
+files = ["two.wea"]
+"""
+    file = write_room(tmp_path, more=uncertain((), 0.05, more=more))
+    text = file.read_text()
+    start = text.index("[weather]")
+    end = text.index("[sky]")
+    weather = '[weather]\nfile = "one.wea"\nfrom_hour = 8\nto_hour = 18\n\n'
+    file.write_text(text[:start] + weather + text[end:])
+    data = run_study(read_study(file), out=tmp_path / "out").data
+    value, mean, spread = (
+        float(data[f"known_figure_{part}"][0])
+        for part in ("value", "mean", "deviation")
+    )
+    # The luminance of the sky depends on more than its irradiance
+    assert mean == pytest.approx(0.75 * value, rel=0.1)
+    assert spread == pytest.approx(0.25 * value, rel=0.3)
+    assert len(np.unique(data["known_figure_draws"].values[0].round(3))) == 2
