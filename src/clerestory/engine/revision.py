@@ -5,7 +5,14 @@ increments the revision if the code that matrices depend on has changed, as requ
 a test.
 """
 
+<<<<<<< HEAD
+ESTIMATOR_REVISION = 34
+
+# SHA-256 of the sources of this revision
+ESTIMATOR_DIGEST = "2ea5ef8352b64857e608ea18420c9a1fe15c9d311766117e465d616f48e50b13"
+=======
 ESTIMATOR_REVISION = 33
 
 # SHA-256 of the sources of this revision
-ESTIMATOR_DIGEST = "39ae78ebbb6a5b9ee12b667d3808fec4cbc34a5c66724ec9a8648a70e5a2b5f0"
+ESTIMATOR_DIGEST = "2ea5ef8352b64857e608ea18420c9a1fe15c9d311766117e465d616f48e50b13"
+>>>>>>> main
