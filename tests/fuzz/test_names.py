@@ -90,14 +90,11 @@ from clerestory.study.unknown_quantities import UnknownQuantities
 from clerestory.study.variant_figures import RunFigures, VariantFigure
 from clerestory.study.variant_outputs import write_variants
 from clerestory.study.view_grid_outputs import write_grid_dgp, write_grid_views
-<<<<<<< HEAD
 from clerestory.study.vtkjs import Surfaces, write_vtkjs
-=======
 from clerestory.uncertainty.calibration import calibrate
 from clerestory.uncertainty.distributions import normal
 from clerestory.uncertainty.draws import Unknown
 from clerestory.uncertainty.expansion import Expansion, Part
->>>>>>> main
 
 pyradiance = pytest.importorskip("pyradiance", reason="Radiance reads the files")
 BIN = Path(pyradiance.__file__).parent / "bin"
@@ -661,7 +658,6 @@ def test_energyplus_input_holds_any_name(folder):
     assert len(document["Zone"]) == len(NAMES)
 
 
-<<<<<<< HEAD
 def test_scenes_for_viewers_hold_any_name(folder):
     """Names of datasets and of values in JSON; members of the archive are numbers."""
     corners = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]])
@@ -672,7 +668,8 @@ def test_scenes_for_viewers_hold_any_name(folder):
     assert [each["name"] for each in scene] == list(NAMES)
     members = re.compile(r"(\d+/)?(index.json|data/[0-9a-f]+)")
     assert all(map(members.fullmatch, archive.namelist()))
-=======
+
+
 def _calibrated(names):
     """A fit of quantities and series of the given names."""
     unknowns = tuple(Unknown(name, normal(0.5, 0.1), 0.5) for name in names)
@@ -705,7 +702,6 @@ def test_calibrations_hold_any_name(folder):
     write_calibration_page(folder / "page.html", found, title=names[0])
     assert "<script" not in (folder / "page.html").read_text(encoding="utf-8")
     require_no_marker(folder)
->>>>>>> main
 
 
 # ----------------------------- Check of the class -----------------------------

@@ -23,12 +23,7 @@ from clerestory.report.embedded_data import image_address
 from clerestory.report.markdown import markdown
 from clerestory.report.markup import Markup, drawing, element, render
 from clerestory.report.page_assets import asset, content_policy
-<<<<<<< HEAD
-from clerestory.report.pareto_plot import objectives, pareto_plot
-=======
 from clerestory.report.pareto_plot import Objectives, objectives, pareto_plot
-from clerestory.report.sensor_cells import sensor_cells
->>>>>>> main
 from clerestory.report.uncertain_value import Figure
 from clerestory.scene.sensor_cells import sensor_cells
 from clerestory.study.title_block import TitleBlock
