@@ -15,7 +15,7 @@ from clerestory.control.state_choice import when_occupied
 from clerestory.study.control_inputs import ControlInputs
 from clerestory.study.control_rules import INSIDE, OUTSIDE, Case
 from clerestory.study.window_groups import WindowGroup
-from clerestory.study.window_tables import ControlTable
+from clerestory.study.window_tables import INTERIOR, ControlTable
 from clerestory.study.zone_control_rules import (
     ZONE_QUANTITIES,
     ZONES,
@@ -62,7 +62,7 @@ def _looks_inside(group: WindowGroup) -> bool:
     return control is not None and (
         control.rule in INSIDE
         or control.rule in ZONES
-        or control.quantity in ("illuminance", *ZONE_QUANTITIES)
+        or control.quantity in (*INTERIOR, *ZONE_QUANTITIES)
     )
 
 

@@ -18,13 +18,14 @@ from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.patch_interpolation import patch_weights
 from clerestory.matrix.axis import sensor_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
+from clerestory.phases.direct_light import blackened
 from clerestory.phases.unscattered_light import sun_visible
 from clerestory.scene.window_zones import spread_points
 from clerestory.sky.patch_radiance import SkyMatrix
 from clerestory.sky.sky_conditions import sun_over
 from clerestory.sky.sky_matrix import sky_matrix
 from clerestory.study.job import Job
-from clerestory.study.study_tracing import daylight_and_direct
+from clerestory.study.study_tracing import window_daylight
 
 # Points of a window group at which the sun may be hidden; distance from it [m]
 _POINTS, _DISTANCE = 256, 1e-3
@@ -50,7 +51,11 @@ def incident_radiation(
         bands=job.inputs.scene.bands,
         spectrum="solar",
     )
-    whole, direct = daylight_and_direct(job, number)
+    black = replace(job.inputs, scene=blackened(job.scene))
+    whole, direct = (
+        window_daylight(each, group, number)[0]
+        for each in (job, replace(job, inputs=black, direct=True))
+    )
     sun = make(include="sun")
     scattered = _radiance(whole, sun) - _radiance(direct, sun)
     radiance = _radiance(whole, make(include="sky")) + np.maximum(scattered, 0)
