@@ -616,3 +616,26 @@ def test_rough_plastic_reflects_the_sun(device):
         {"wall": replace(grey(0.4), specularity=0.05, roughness=0.2)}, room.surfaces
     )
     against_pairs(glossy, [south], blind("full"), device=device)
+
+
+@pytest.mark.parametrize("kind", ["Klems", "rank 4"])
+def test_lambertian_surfaces_reflect_what_paths_find(device, kind):
+    """Paths are traced where a material has a highlight, here one of 10⁻⁶."""
+    scene, windows = two_windows((0.7, 0.4, 0.1))
+    screen = quad((1.5, 1, 0), (2.5, 1, 0), (2.5, 1, 2), (1.5, 1, 2))
+    found = []
+    for specularity in (0.0, 1e-6):
+        matt = replace(scene.materials["wall"], specularity=specularity, roughness=0.2)
+        room = Scene({"wall": matt}, (*scene.surfaces, screen))
+        paths = picture_window_paths(
+            room, windows, camera(size=48), samples=16, device=device
+        )
+        suns = np.array([towards(200, 30), towards(235, 22)])
+        lit = in_sunlight(paths, "south", BSDFS[kind](), suns=suns, peak=True)
+        found.append(lit.received(csc_array(np.diag([500.0, 800.0])), np.eye(3)))
+    even, traced = (each.batches for each in found)
+    assert (even > 0.02 * even.max()).mean() > 0.1
+    # Single points at the edges of shadows may be lit or not by rounding
+    equal = np.isclose(even, traced, rtol=1e-4, atol=1e-5 * float(even.max()))
+    assert equal.mean() > 0.999
+    np.testing.assert_allclose(even.sum(axis=2), traced.sum(axis=2), rtol=1e-3)

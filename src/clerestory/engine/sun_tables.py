@@ -18,7 +18,7 @@ from clerestory.directions import Frame, unit
 from clerestory.engine.channels import band_groups, channels_of
 from clerestory.engine.lower import lower
 from clerestory.engine.materials.bsdf_file import forward_table
-from clerestory.engine.peak_extraction import PeakTable, peak_cells
+from clerestory.engine.peak_extraction import INWARDS, PeakTable, peak_cells
 from clerestory.engine.unusual_lengths import scene_factor
 from clerestory.engine.upload import launching, on_device, vectors
 from clerestory.engine.visibility import ROUNDING, along, transmittance
@@ -47,7 +47,7 @@ class SunlitBsdf:
         cells: Callable[[Float[np.ndarray, "ray 3"]], Int[np.ndarray, " ray"]],
     ):
         self.table = forward_table(bsdf)
-        self.peak = PeakTable(bsdf) if peak else None
+        self.peak = PeakTable(bsdf, INWARDS) if peak else None
         self.axes = np.array([frame.right, frame.up, frame.normal])
         self.cells = cells
 

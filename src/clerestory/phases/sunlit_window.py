@@ -6,7 +6,7 @@ the tables.
 """
 
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from clerestory.bsdf.spectral_channels import band_groups_of
 from clerestory.directions import Frame
 from clerestory.engine import device as devices
 from clerestory.engine.device import Device
-from clerestory.phases.exit_cells import ExitCells, incident_cells
+from clerestory.phases.exit_cells import ExitCells, IncidentCells
 from clerestory.scene.model import Scene
 from clerestory.scene.window import Window
 from clerestory.scene.window_zones import WindowZones
@@ -75,7 +75,7 @@ class SunlitWindow:
     @cached_property
     def _tables(self) -> list[Any]:
         # One for each group of three bands, or one if the BSDF is the same in all
-        cells = partial(incident_cells, self.bsdf)
+        cells = IncidentCells.of(self.bsdf).find
         engine: Any = self._engine("sun_tables")
         return [
             engine.SunlitBsdf(part, self.frame, peak=self.peak, cells=cells)
