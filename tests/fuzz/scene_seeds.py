@@ -23,6 +23,9 @@ spots metal shiny
 0
 0
 5 .8 .8 .8 .9 .1
+void spectrum oak 0 0 6 400 700 .1 .3 .4 .5
+oak specfunc dark 2 wave x.cal 0 2 400 700
+dark plastic wood 0 0 5 .9 .9 .9 0 0
 void colordata map 9 noop noop noop t.dat t.dat t.dat . 1 0 0 0
 void glass pane 0 0 4 .9 .9 .9 1.52
 void trans cloth 0 0 7 .5 .5 .5 .05 .1 .5 .2
@@ -51,6 +54,7 @@ CAL = """{ spots }
 spot(a) = if(mod(Px, a) - .5, noise3(Px, Py, Pz), A1 * sqrt(abs(Py)));
 tri(n) = if(n - 1, n + tri(n - 1), 1);
 t : select(2, 1, 2, 3);
+wave(nm) = nm / 1000;
 """
 TABLE = "2\n0 1 3\n0 2 2\n1 2 3 4 5 6\n"
 VIEW = "rvu -vth -vp 1 2 1.5 -vd 0 -1 0 -vu 0 0 1 -vh 180 -vv 180 -vo 0 -va 0\n"

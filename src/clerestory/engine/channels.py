@@ -95,15 +95,18 @@ def at_two_reflectances(scene: Scene) -> Scene:
 
     The other two channels have the reflectance of the brightest band.
     """
+    materials = {n: two_reflectances(m) for n, m in scene.materials.items()}
+    return replace(scene, materials=materials, bands=RGB)
+
+
+def two_reflectances(material: Material) -> Material:
+    """Return a material that is black in the first channel if it is coloured."""
 
     def black_and_brightest(colour: Colour) -> Colour:
         most = colour.max()
         return np.array([most if np.ptp(colour) == 0 else 0.0, most, most])
 
-    materials = {
-        n: with_colours(m, black_and_brightest) for n, m in scene.materials.items()
-    }
-    return replace(scene, materials=materials, bands=RGB)
+    return with_colours(material, black_and_brightest)
 
 
 def shares_of_brightest(material: Material, count: int) -> Colour:

@@ -19,9 +19,11 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from clerestory.engine.batch_lengths import BatchLengths, Growth
+from clerestory.engine.derivative_sums import derivatives_of, joined, values_of
 from clerestory.engine.effort import Effort
 from clerestory.engine.sums import Estimate, Sums, estimated
 from clerestory.engine.work_units import Job, Unit, UnitSize, evenly_spaced
+from clerestory.matrix.derivatives import Derivatives, Parameter, pair_indices
 from clerestory.progress import share_of_progress
 
 # Largest number of consecutive sample points in one work unit
@@ -40,13 +42,15 @@ class EstimatedJob(Job):
     """A job with batches of increasing length, by default with fixed-point sums.
 
     `together` tells whether convergence is tested for all rows together. A fixed-point
-    sum can hold 2^22 paths of weight π. `cut` is the largest size of a unit; by default
+    sum can hold 2^22 paths of weight π. `derivatives` are the parameters by which a
+    matrix is differentiated. `cut` is the largest size of a unit; by default
     the executor chooses it: fixed-point sums do not depend on the division into units.
     """
 
     together: ClassVar[bool]
     growth: ClassVar[Growth] = Growth(pilot=32, longest=1 << 22, most=32)
     cut: ClassVar[UnitSize | None] = None
+    derivatives: tuple[Parameter, ...] = ()
 
     @abstractmethod
     def error(self, sums: Sums) -> float | Float[np.ndarray, " row"]:
@@ -58,7 +62,7 @@ class EstimatedJob(Job):
 
     def pilot_unit(self, paths: int) -> Unit:
         """Return a pilot unit of rows that are evenly distributed over the matrix."""
-        rows, batches, _, _ = self.shape
+        rows, batches = self.shape[0], self.batches
         few = np.arange(rows) if self.together else evenly_spaced(rows, _PILOT_ROWS)
         count = int(np.clip(paths // (len(few) * batches), 1, _LONGEST_RANGE))
         return Unit(few, 0, count)
@@ -84,10 +88,11 @@ def estimate(job: EstimatedJob, effort: Effort) -> Estimate:
     """Estimate a matrix, one block of rows after another."""
     if not effort.executor.accepts(job, effort.goal):
         return _blank(job, effort)
-    rows, batches, columns, channels = job.shape
+    rows, _, columns, channels = job.shape
     # Blocks are copied one by one, so that the matrix is not held twice
     values = np.empty((channels, rows, columns))
-    shape = batches, channels, rows, columns
+    shape = job.batches, channels, rows, columns
+    derivatives = []
     components = np.empty(shape, np.float32) if effort.components else None
     paths, reached = 0, True
     for part in row_blocks(job):
@@ -97,8 +102,12 @@ def estimate(job: EstimatedJob, effort: Effort) -> Estimate:
         values[:, part] = block.values
         if components is not None:
             components[:, :, part] = block.components
+        if block.derivatives is not None:
+            derivatives.append(block.derivatives)
         paths, reached = paths + block.paths, reached and block.reached
-    return Estimate(values, components, paths, reached)
+    return Estimate(
+        values, components, paths, reached, joined(derivatives) if derivatives else None
+    )
 
 
 def row_blocks(job: EstimatedJob) -> list[slice]:
@@ -118,7 +127,13 @@ def row_bytes(job: Job) -> int:
 def estimate_rows(job: EstimatedJob, rows: slice, effort: Effort) -> Estimate:
     """Estimate one block of rows (see `row_blocks`) independently of other blocks."""
     sums, reached = sum_rows(job, rows, effort)
-    return estimated(sums, reached=reached, components=effort.components)
+    values = values_of(sums, job.batches) if job.derivatives else sums
+    found = estimated(values, reached=reached, components=effort.components)
+    if not job.derivatives:
+        return found
+    given = job.batches, job.derivatives
+    derivatives = derivatives_of(sums, *given, components=effort.components)
+    return replace(found, derivatives=derivatives)
 
 
 def sum_rows(job: EstimatedJob, rows: slice, effort: Effort) -> tuple[Sums, bool]:
@@ -186,8 +201,18 @@ def traced_units(
 
 def _blank(job: EstimatedJob, effort: Effort) -> Estimate:
     # Estimate of zeros in the shape of the matrix, which occupies hardly any memory
-    rows, batches, columns, channels = job.shape
-    values = np.broadcast_to(0.0, (channels, rows, columns))
-    none = np.float32(0)
-    components = np.broadcast_to(none, (batches, channels, rows, columns))
-    return Estimate(values, components if effort.components else None, 0, True)
+    rows, _, columns, channels = job.shape
+    batches, count = job.batches, len(job.derivatives)
+    entries, none = (channels, rows, columns), np.float32(0)
+    values = np.broadcast_to(0.0, entries)
+    components = np.broadcast_to(none, (batches, *entries))
+    derivatives = Derivatives(
+        job.derivatives,
+        np.broadcast_to(0.0, (count, *entries)),
+        np.broadcast_to(0.0, (len(pair_indices(count)), *entries)),
+        np.broadcast_to(none, (batches, count, *entries)),
+    )
+    return Estimate(
+        values, components if effort.components else None, 0, True,
+        derivatives if count else None,
+    )  # fmt: skip

@@ -47,6 +47,7 @@ class LoweredScene:
     material_of_shape : name of the material; "" for emitters, windows, and shapes that
         are no meshes
     lambertian_of_shape : whether the material is Lambertian
+    name_of_shape : as `material_of_shape`, also for shapes that are no meshes
     proxies : whether any shape has a thickness
     smooth : faces that reflect like a mirror
     throughput : throughput of paths in the bands of a coloured scene with bands other
@@ -65,6 +66,7 @@ class LoweredScene:
     thickness_of_shape: mi.Float
     layer_of_shape: mi.Bool
     material_of_shape: Shaped[np.ndarray, " shape"]
+    name_of_shape: Shaped[np.ndarray, " shape"]
     flags_of_shape: mi.UInt32
     lambertian_of_shape: mi.Bool
     proxies: bool
@@ -172,6 +174,7 @@ def _lowered(
         thickness_of_shape=by_shape(mi.Float, [thickness.get(n, 0.0) for n in names]),
         layer_of_shape=by_shape(mi.Bool, [name in layers for name in names]),
         material_of_shape=by_index([material_names.get(n, "") for n in names]),
+        name_of_shape=by_index(colours_of),
         flags_of_shape=by_shape(mi.UInt32, flags),
         lambertian_of_shape=by_shape(
             mi.Bool,

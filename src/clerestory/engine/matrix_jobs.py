@@ -19,6 +19,7 @@ from jaxtyping import Float, Int
 
 from clerestory.engine.channels import channels_of
 from clerestory.engine.controller import EstimatedJob
+from clerestory.engine.derivative_sums import Places, values_of
 from clerestory.engine.sums import Sums, variance
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.reinhart import SkyPartition
@@ -41,9 +42,14 @@ class MatrixJob(EstimatedJob):
 
     @cached_property
     def shape(self) -> tuple[int, int, int, int]:
-        """Numbers of rows, batches, columns and channels."""
+        """Numbers of rows, places (`derivative_sums`), columns and channels."""
         rows, columns = self.size
-        return rows, self.batches, columns, channels_of(self.scene)
+        return rows, self.places.count, columns, channels_of(self.scene)
+
+    @property
+    def places(self) -> Places:
+        """Places of a row: batches, and those of the derivatives."""
+        return Places(self.batches, len(self.derivatives))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -57,7 +63,7 @@ class _SensorJob(MatrixJob):
 
     def error(self, sums: Sums) -> Float[np.ndarray, " row"]:
         """Relative error of the irradiance of each sensor from all columns together."""
-        return row_errors(sums)
+        return row_errors(values_of(sums, self.batches))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -110,7 +116,8 @@ class _WindowJob(MatrixJob):
         any sky patch, not only to a uniform sky.
         """
         projected = self.window.partition.projected_solid_angles()
-        irradiance = np.einsum("r,rbcx->bcx", projected, sums.means())
+        means = values_of(sums, self.batches).means()
+        irradiance = np.einsum("r,rbcx->bcx", projected, means)
         return mean_error(irradiance, axis=0)
 
 
@@ -168,7 +175,7 @@ class PixelViewJob(MatrixJob):
 
     def error(self, sums: Sums) -> float:
         """RMS error of pixels for windows of equal radiance, relative to the mean."""
-        return mean_error(sums.collected(), axis=1)
+        return mean_error(values_of(sums, self.batches).collected(), axis=1)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

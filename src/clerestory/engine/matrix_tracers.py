@@ -14,7 +14,9 @@ from jaxtyping import UInt64
 
 from clerestory.engine.camera_rays import camera_rays
 from clerestory.engine.controller import EstimatedJob
+from clerestory.engine.derivative_sums import Places
 from clerestory.engine.lower import LoweredScene, lower
+from clerestory.engine.material_derivatives import MaterialDerivatives
 from clerestory.engine.matrix_jobs import (
     CoefficientsJob,
     DaylightJob,
@@ -28,7 +30,7 @@ from clerestory.engine.patches import SkyTable
 from clerestory.engine.path_tracer import PathTracer, segments_of
 from clerestory.engine.primary_rays import Lanes, lanes, window_ray
 from clerestory.engine.sampler import DIRECTION_U, DIRECTION_V, points
-from clerestory.engine.sinks import MatrixSink
+from clerestory.engine.sinks import DerivativeSink, MatrixSink
 from clerestory.engine.upload import launching, vectors
 from clerestory.engine.window_sampling import (
     SeparatedSkyPatches,
@@ -38,8 +40,6 @@ from clerestory.engine.window_sampling import (
 from clerestory.engine.windows import window_shapes
 from clerestory.engine.work_units import Tracer, Unit
 from clerestory.errors import DeviceError
-from clerestory.hemisphere.reinhart import SkyPartition
-from clerestory.scene.model import Scene
 
 # Random number streams, which differ so that errors of V and D are independent. View
 # matrices of pictures may use either stream.
@@ -62,32 +62,32 @@ def prepare_view(job: ViewJob) -> Tracer:
     """Return the tracer of view matrices from sensors to windows."""
     origin = np.mean(job.sensors.position, axis=0)
     model = lower(job.scene, origin=origin, receivers=job.windows)
-    return _from_sensors(job, _to_windows(model), origin)
+    return _from_sensors(job, _to_windows(job, model, origin), origin)
 
 
 def prepare_coefficients(job: CoefficientsJob) -> Tracer:
     """Return the tracer of daylight coefficients from sensors to the sky."""
     origin = np.mean(job.sensors.position, axis=0)
     if not job.separate:
-        return _from_sensors(job, _to_sky(job.scene, job.sky, origin), origin)
+        return _from_sensors(job, _to_sky(job, origin), origin)
     model, size = lower(job.scene, origin=origin), len(job.sky)
     windows = model.of_materials(job.windows) if job.windows else None
     patches = SeparatedSkyPatches(SkyTable.of(job.sky), size, 0, windows)
-    return _from_sensors(job, _sky_tracer(model, patches), origin)
+    return _from_sensors(job, _sky_tracer(job, model, patches, origin), origin)
 
 
 def prepare_daylight(job: DaylightJob) -> Tracer:
     """Return the tracer of daylight matrices from a window to the sky."""
     origin = window_origin(job.scene, job.window)
-    tracer = _to_sky(job.scene, job.sky, origin)
-    return _from_window(job, tracer, job.seed, origin)
+    return _from_window(job, _to_sky(job, origin), job.seed, origin)
 
 
 def prepare_facade(job: FacadeJob) -> Tracer:
     """Return the tracer of facade matrices from a window to the ports around it."""
     origin = middle_of_window(job.window)
     model = lower(job.scene, origin=origin, receivers=job.ports)
-    return _from_window(job, _to_windows(model), job.seed ^ _FACADE_SEED, origin)
+    tracer = _to_windows(job, model, origin)
+    return _from_window(job, tracer, job.seed ^ _FACADE_SEED, origin)
 
 
 def prepare_pixel_view(job: PixelViewJob) -> Tracer:
@@ -98,7 +98,7 @@ def prepare_pixel_view(job: PixelViewJob) -> Tracer:
     """
     origin = np.asarray(job.camera.position, dtype=float)
     model = lower(job.scene, origin=origin, receivers=job.windows)
-    tracer = _to_windows(model, light=job.light)
+    tracer = _to_windows(job, model, origin, light=job.light)
     rays = camera_rays(job.camera)
     limit = segments_of(job.bounces)
 
@@ -112,20 +112,36 @@ def prepare_pixel_view(job: PixelViewJob) -> Tracer:
     return matrix_tracer(job, launch, stream=stream)
 
 
-def _to_windows(model: LoweredScene, *, light: str = "all") -> PathTracer:
+def _to_windows(
+    job: EstimatedJob, model: LoweredScene, origin: Origin, *, light: str = "all"
+) -> PathTracer:
     windows = WindowPatches(model, direct=light == "direct")
     return PathTracer(
         model, (windows,), _ROULETTE_TO_WINDOWS, bounce_to_source=True,
         direct_only=light == "direct", without_direct=light == "reflected",
+        derivatives=_derivatives(job, model, origin),
     )  # fmt: skip
 
 
-def _to_sky(scene: Scene, sky: SkyPartition, origin: Origin) -> PathTracer:
-    return _sky_tracer(lower(scene, origin=origin), SkyPatches(SkyTable.of(sky)))
+def _to_sky(job: DaylightJob | CoefficientsJob, origin: Origin) -> PathTracer:
+    model, patches = lower(job.scene, origin=origin), SkyPatches(SkyTable.of(job.sky))
+    return _sky_tracer(job, model, patches, origin)
 
 
-def _sky_tracer(model: LoweredScene, patches: Source) -> PathTracer:
-    return PathTracer(model, (patches,), _ROULETTE_TO_SKY, bounce_to_source=True)
+def _sky_tracer(
+    job: EstimatedJob, model: LoweredScene, patches: Source, origin: Origin
+) -> PathTracer:
+    return PathTracer(
+        model, (patches,), _ROULETTE_TO_SKY, bounce_to_source=True,
+        derivatives=_derivatives(job, model, origin),
+    )  # fmt: skip
+
+
+def _derivatives(
+    job: EstimatedJob, model: LoweredScene, origin: Origin
+) -> MaterialDerivatives | None:
+    names = [parameter.name for parameter in job.derivatives]
+    return MaterialDerivatives.of(job.scene, names, model, origin)
 
 
 def _from_window(
@@ -165,25 +181,44 @@ def matrix_tracer(
     `launch` traces the paths of a work unit and adds their weights to a sink. `stream`
     and `seed` (by default the job's seed) determine the random numbers.
     """
-    _, batches, columns, channels = job.shape
-    start = job.seed if seed is None else seed
+    _, places, columns, channels = job.shape
+    batches, start = job.batches, job.seed if seed is None else seed
     stretch = lru_cache(maxsize=1)(points)
 
-    def trace(unit: Unit) -> UInt64[np.ndarray, "row batch column channel"]:
-        size = len(unit.rows) * batches * columns * channels
+    def trace(unit: Unit) -> UInt64[np.ndarray, "row place column channel"]:
+        size = len(unit.rows) * places * columns * channels
         sums = dr.zeros(mi.UInt64, size + 1)
         with launching():
             sequence = stretch(unit.first, unit.count)
             paths = lanes(
                 sequence, rows=unit.rows, batches=batches, seed=start, stream=stream
             )
-            sink = MatrixSink(sums, columns, channels, paths.slot)
+            sink = matrix_sink(job, sums, paths.row, paths.slot)
             launch(sink, paths, unit)
             added = sink.sums.numpy()
         refuse_out_of_range(int(added[0]))
-        return added[1:].reshape(len(unit.rows), batches, columns, channels)
+        return added[1:].reshape(len(unit.rows), places, columns, channels)
 
     return trace
+
+
+def matrix_sink(
+    job: EstimatedJob, sums: mi.UInt64, row: mi.UInt32, slot: mi.UInt32
+) -> MatrixSink:
+    """Return the sink of a matrix and, if the job asks for them, its derivatives.
+
+    `slot` is the index of the paths' row and batch.
+    """
+    _, _, columns, channels = job.shape
+    if not job.derivatives:
+        return MatrixSink(sums, columns, channels, slot)
+    places = Places(job.batches, len(job.derivatives))
+    batch = slot - row * places.batches
+    value = row * places.count + batch
+    count = len(job.derivatives)
+    return DerivativeSink(
+        sums, columns, channels, value, job.batches, count, row, batch
+    )
 
 
 def refuse_out_of_range(number: int) -> None:

@@ -114,6 +114,7 @@ class Path:
     camera : whether the segment is a camera ray, possibly after mirror reflection or
         direct transmission
     memory : values returned by `Source.begin` or `Source.remember`, by source name
+    scores : vertices chosen for derivatives; None if nothing is differentiated
     """
 
     ray: mi.Ray3f
@@ -122,6 +123,7 @@ class Path:
     pdf: mi.Float
     camera: mi.Bool
     memory: dict
+    scores: Any = None
 
 
 @dataclass
@@ -185,6 +187,7 @@ class LightSample:
     heuristic : heuristic that weights the sample and continued paths; None if continued
         paths never meet the source
     luminaire : whether the source is a luminaire or the sun, and not a window or sky
+    shadow_ray : function from an origin to the ray to the sampled point
     """
 
     direction: mi.Vector3f
@@ -194,6 +197,7 @@ class LightSample:
     column: mi.UInt32 | None = None
     heuristic: Heuristic | None = balance_heuristic
     luminaire: bool = False
+    shadow_ray: Callable[[mi.Point3f], mi.Ray3f] | None = None
 
     def estimate(self, vertex: Vertex, active):
         """Return the estimate of scattered radiance, and the mask of nonzero values."""

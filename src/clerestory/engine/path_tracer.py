@@ -16,6 +16,7 @@ import mitsuba as mi
 
 from clerestory.engine.caustic_lobes import Caustics
 from clerestory.engine.lower import LoweredScene
+from clerestory.engine.material_derivatives import MaterialDerivatives
 from clerestory.engine.next_event_estimation import (
     Bandwise,
     Emission,
@@ -72,6 +73,7 @@ class PathTracer:
         one reflection, other than in a mirror, at the first surface
     bounce_to_source : whether the segment to a source is counted as a bounce, as for
         the windows of a matrix
+    derivatives : parameters by which matrices are differentiated; None without any
     """
 
     model: LoweredScene
@@ -83,6 +85,7 @@ class PathTracer:
     without_direct: bool = False
     bounce_to_source: bool = False
     split_lobes: bool = False
+    derivatives: MaterialDerivatives | None = None
 
     def path(self, ray, throughput, pdf, *, sunlit=NOT_SAMPLED, camera=False) -> Path:
         """Return a path at its first segment; see `Path` and `Source.begin`."""
@@ -91,6 +94,7 @@ class PathTracer:
         return Path(
             mi.Ray3f(ray), self._uniform(throughput), mi.Point3f(ray.o), pdf,
             mi.Bool(camera), {name: each for name, each in memory.items() if each},
+            self.derivatives and self.derivatives.begin(),
         )  # fmt: skip
 
     def camera_path(self, ray: mi.Ray3f) -> Path:
@@ -126,16 +130,22 @@ class PathTracer:
         throughput: Bandwise,
         path: Path | None = None,
         counted: mi.Bool | bool = True,
+        si: mi.SurfaceInteraction3f | None = None,
     ) -> mi.Color3f | None:
         """Add the contributions of next-event estimation at a vertex."""
         active = vertex.active & counted
         if self.bounce_to_source:
             active = active & vertex.continues
         for source in self.sources:
-            for sample in source.samples(vertex, path, numbers):
+            for number, sample in enumerate(source.samples(vertex, path, numbers)):
                 light, lit = sample.estimate(vertex, active)
                 value = throughput * vertex.scattered(light)
                 total = sink.add(total, sample.column, value, lit)
+                if self.derivatives is not None:
+                    scores = self.derivatives.connected(
+                        path, vertex, si, sample, numbers, number, lit
+                    )
+                    sink.differentiate(sample.column, value, scores, lit)
         return total
 
     def _uniform(self, throughput) -> Bandwise:
@@ -199,7 +209,7 @@ class PathTracer:
                 self.caustics and self.caustics.surfaces,
             )  # fmt: skip
             total = self.sample_sources(
-                sink, total, vertex, numbers, path.throughput, path, order > 0
+                sink, total, vertex, numbers, path.throughput, path, order > 0, si
             )
 
             if dr.hint(self.direct_only and not model.panes, mode="scalar"):
@@ -212,7 +222,7 @@ class PathTracer:
                 )  # fmt: skip
                 if dr.hint(model.proxies, mode="scalar"):
                     after.pass_straight(passed, si)
-                path = self._continued(path, vertex, si, after, active)
+                path = self._continued(path, vertex, si, after, numbers, active)
                 diffuse = mi.has_flag(after.flags, mi.BSDFFlags.Diffuse)
                 diffuse &= ~after.null & ~after.delta
                 depth += dr.select(diffuse, mi.UInt32(1), mi.UInt32(0))
@@ -238,9 +248,15 @@ class PathTracer:
         return total
 
     def _continued(
-        self, path: Path, vertex: Vertex, si, after: Scattering, active
+        self, path: Path, vertex: Vertex, si, after: Scattering, numbers, active
     ) -> Path:
         # Next segment of a path
+        scores = path.scores
+        if self.derivatives is not None:
+            works = vertex.active
+            scores = self.derivatives.continued(
+                scores, vertex, si, after, numbers, works
+            )
         sampled = ~after.delta
         if self.bounce_to_source:
             sampled &= vertex.continues
@@ -257,6 +273,7 @@ class PathTracer:
             dr.select(after.null, path.pdf, pdf),
             path.camera & (after.null | after.delta),
             memory,
+            scores,
         )
 
 
@@ -268,4 +285,6 @@ def _collect(sink: Sink, total, path: Path, found: Emission | None, counted):
     if not isinstance(path.throughput, mi.Color3f):
         arriving = arriving[0]  # receivers are the same in all bands
     value = path.throughput * arriving * found.share(path)
+    if path.scores is not None:
+        sink.differentiate(found.column, value, path.scores, found.active & counted)
     return sink.add(total, found.column, value, found.active & counted)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import drjit as dr
 import mitsuba as mi
 
+from clerestory.engine.derivative_sums import Places
 from clerestory.engine.sums import FIXED_POINT
 
 # A weight is converted as two integers of at least 20 bits, which is fastest on CPUs.
@@ -38,20 +39,79 @@ class MatrixSink:
 
     def add(self, _total: None, column, value, active) -> None:
         """Add the contribution of a path to the sum of a row, batch and column."""
-        index = (self.slot * self.columns + column) * self.channels + 1
-        mode = _reduction()
         fits = mi.Bool(True)
         for channel in range(self.channels):
             fits &= (value[channel] >= 0) & (value[channel] < _LARGEST)
         one, first = mi.UInt64(1), mi.UInt32(0)
-        dr.scatter_add(self.sums, one, first, active & ~fits, mode)
-        for channel in range(self.channels):
-            weight = value[channel]
+        dr.scatter_add(self.sums, one, first, active & ~fits, _reduction())
+        weights = [value[channel] for channel in range(self.channels)]
+        self._scatter(self.slot, column, weights, active & fits)
+
+    def _scatter(
+        self, slot, column, weights: list[mi.Float], active, *, signed: bool = False
+    ) -> None:
+        # Add weights in fixed point to the channels of a row and column
+        index = (slot * self.columns + column) * self.channels + 1
+        for channel, weight in enumerate(weights):
             scaled = weight * _HALF
-            whole = mi.UInt32(mi.Int32(scaled))
-            rest = mi.UInt32(mi.Int32((scaled - mi.Float(whole)) * _HALF))
-            amount = (mi.UInt64(whole) << 20) + mi.UInt64(rest)
-            dr.scatter_add(self.sums, amount, index + channel, active & fits, mode)
+            high, low = mi.UInt32, mi.UInt64
+            if signed:
+                high, low = mi.Int32, mi.Int64
+            whole = high(mi.Int32(scaled))
+            rest = high(mi.Int32((scaled - mi.Float(whole)) * _HALF))
+            amount = mi.UInt64((low(whole) << 20) + low(rest))
+            dr.scatter_add(self.sums, amount, index + channel, active, _reduction())
+
+
+@dataclass
+class DerivativeSink(MatrixSink):
+    """Sums of a matrix and of its derivatives in fixed point.
+
+    The places of a row are the batches of the matrix, those of the derivative by each
+    parameter, and one for each pair of parameters; see `derivative_sums`. Derivatives
+    are logarithmic, and added in smaller units.
+    """
+
+    batches: int = 1
+    parameters: int = 0
+    row: mi.UInt32 | int = 0
+    batch: mi.UInt32 | int = 0
+
+    @property
+    def _places(self) -> Places:
+        return Places(self.batches, self.parameters)
+
+    def differentiate(self, column, value, scores, active) -> None:
+        """Add the derivatives of the contribution of a path."""
+        places = self._places
+        batch = self.batch + places.batches * (1 + scores.parameter)
+        first = places.unit_of_first * scores.count
+        self._add(
+            batch, column, value, first, scores.value, active & (scores.count > 0)
+        )
+
+        # Pairs of vertices, in either order if both have the same parameter
+        one = dr.minimum(scores.one, scores.other)
+        other = dr.maximum(scores.one, scores.other)
+        pairs = 0.5 * scores.count * (scores.count - 1)
+        pairs *= dr.select(one == other, mi.Float(2), mi.Float(1))
+        both = active & (scores.count > 1)
+        second = places.unit_of_second * pairs
+        place = places.pair(one, other)
+        self._add(place, column, value, second, scores.product, both)
+        if scores.curved is not None:
+            own = scores.parameter
+            factor, place = places.unit_of_second * scores.count, places.pair(own, own)
+            self._add(place, column, value, factor, scores.curved, active)
+
+    def _add(self, place, column, value, factor, score, active) -> None:
+        # Add a derivative, which may be negative
+        slot = self.row * self._places.count + place
+        weights = [value[channel] * factor for channel in range(self.channels)]
+        if score is not None:
+            weights = [w * score[channel] for channel, w in enumerate(weights)]
+        kept = [dr.clip(w, 1 - _LARGEST, _LARGEST - 1) for w in weights]
+        self._scatter(slot, column, kept, active, signed=True)
 
 
 class RadianceSink:

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
+from clerestory.matrix.derivatives import Derivatives
+
 # Default number of independent batches per row
 BATCHES = 16
 
@@ -27,12 +29,14 @@ class Estimate:
 
     The variance of a value is the sum of its squared error components, which are
     optional. `reached` tells whether all rows reached the target relative error.
+    `derivatives` are those asked for by a matrix job.
     """
 
     values: Float[np.ndarray, "channel row column"]
     components: Float[np.ndarray, "component channel row column"] | None
     paths: int
     reached: bool
+    derivatives: Derivatives | None = None
 
 
 @dataclass

@@ -131,8 +131,10 @@ class WindowPatches(Source):
             vertex.point, u, v
         )
 
+        shadow_ray = towards(point)
+
         def arriving(vertex: Vertex, active):
-            start, ray = vertex.leave(direction, active), towards(point)
+            start, ray = vertex.leave(direction, active), shadow_ray
             return transmittance(
                 model, start, ray, active, direct=self.direct, through_illums=True
             )
@@ -144,6 +146,7 @@ class WindowPatches(Source):
             arriving,
             self.column(window, -direction, point),
             heuristic=None if self.direct else balance_heuristic,
+            shadow_ray=shadow_ray,
         )
 
 

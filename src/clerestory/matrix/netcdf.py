@@ -3,8 +3,10 @@
 A NetCDF-4 file, readable by xarray, Panoply or ncdump, has a variable `values`
 (channel, row, column), a variable `components` (component, channel, row, column) if
 there is a statistical error, and variables `rows` and `columns` whose attributes label
-the axes. Attributes of `values` name the spectral bands; files without these attributes
-are in RGB or grey. Equal matrices are written as identical bytes.
+the axes. A differentiated matrix has `derivatives` (parameter, …),
+`second_derivatives` (pair, …) and `derivative_components`. Attributes of `values` name
+the spectral bands; files without these attributes are in RGB or grey. Equal matrices
+are written as identical bytes.
 
 A SHA-256 checksum follows the NetCDF data. It is checked before the file is opened,
 since libhdf5 may hang on a damaged file. Files are written with h5netcdf, which follows
@@ -29,6 +31,7 @@ from clerestory.files import read_bytes, replace_file
 from clerestory.hemisphere.partition import RingPartition
 from clerestory.hemisphere.reinhart import reinhart
 from clerestory.matrix.axis import Axis, Kind
+from clerestory.matrix.derivatives import Derivatives, Parameter, Quantity
 from clerestory.matrix.transfer_matrix import TransferMatrix
 
 _FORMAT = "Clerestory transfer matrix 1"
@@ -53,6 +56,8 @@ def write_netcdf(path: str | Path, matrix: TransferMatrix) -> None:
             file.dimensions["component"] = len(matrix.components)
             dimensions = "component", "channel", "row", "column"
             _add(file, "components", dimensions, matrix.components)
+        if matrix.derivatives is not None:
+            _write_derivatives(file, matrix.derivatives)
         _write_axis(file, "row", matrix.rows)
         _write_axis(file, "column", matrix.columns)
     with replace_file(path) as stream:
@@ -89,7 +94,9 @@ def _read(data: bytes) -> TransferMatrix:
             components = _read_floats(file, "components", size)
         values = _read_floats(file, "values", size)
         axes = _read_axis(file, "row"), _read_axis(file, "column")
-        return TransferMatrix(values, *axes, components, _read_bands(file["values"]))
+        bands = _read_bands(file["values"])
+        derivatives = _read_derivatives(file, size) if "derivatives" in file else None
+        return TransferMatrix(values, *axes, components, bands, derivatives)
 
 
 def seal(data: memoryview) -> bytes:
@@ -131,6 +138,44 @@ def _read_bands(variable: h5py.Dataset) -> Bands:
         None if efficacy is None else tuple(np.ravel(efficacy).tolist()),
         tuple(map(tuple, limits.tolist())) or None,
         None if weightings is None else tuple(weightings.split("\n")),
+    )
+
+
+def _write_derivatives(file: h5netcdf.File, derivatives: Derivatives) -> None:
+    entries = "channel", "row", "column"
+    file.dimensions["parameter"] = len(derivatives.parameters)
+    file.dimensions["pair"] = len(derivatives.second)
+    first = _add(file, "derivatives", ("parameter", *entries), derivatives.first)
+    parameters = derivatives.parameters
+    first.attrs["names"] = "\n".join(printable(each.name) for each in parameters)
+    first.attrs["values"] = np.array([each.value for each in parameters])
+    first.attrs["quantities"] = "\n".join(each.quantity for each in parameters)
+    _add(file, "second_derivatives", ("pair", *entries), derivatives.second)
+    if derivatives.components is not None:
+        axes = "component", "parameter", *entries
+        if "component" not in file.dimensions:
+            file.dimensions["component"] = len(derivatives.components)
+        _add(file, "derivative_components", axes, derivatives.components)
+
+
+def _read_derivatives(file: h5py.File, size: int) -> Derivatives:
+    attributes = file["derivatives"].attrs
+    names = str(attributes["names"]).split("\n")
+    quantities = str(attributes["quantities"]).split("\n")
+    values = np.ravel(attributes["values"]).tolist()
+    parameters = []
+    for name, value, quantity in zip(names, values, quantities, strict=True):
+        kind: Any = quantity
+        one_of(kind, "quantity of a parameter", choices=get_args(Quantity))
+        parameters.append(Parameter(name, value, kind))
+    components = None
+    if "derivative_components" in file:
+        components = _read_floats(file, "derivative_components", size)
+    return Derivatives(
+        tuple(parameters),
+        _read_floats(file, "derivatives", size),
+        _read_floats(file, "second_derivatives", size),
+        components,
     )
 
 

@@ -23,6 +23,13 @@ from clerestory.brief_repr import brief
 from clerestory.checks import has_shape, require
 from clerestory.errors import MatrixError
 from clerestory.matrix.axis import Axis
+from clerestory.matrix.derivatives import Derivatives
+from clerestory.matrix.expansion import with_derivatives
+from clerestory.matrix.product_rule import (
+    Factor,
+    product_derivatives,
+    sum_derivatives,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -48,6 +55,8 @@ class TransferMatrix:
     rows, columns : receivers and senders
     components : error components; None for a matrix without statistical error
     bands : spectral bands of the channels
+    derivatives : first and second derivatives by parameters of materials; None if not
+        asked for
 
     Raises
     ------
@@ -59,6 +68,7 @@ class TransferMatrix:
     columns: Axis
     components: Float[np.ndarray, "component channel row column"] | None = None
     bands: Bands = RGB
+    derivatives: Derivatives | None = None
 
     __repr__ = brief
 
@@ -76,6 +86,9 @@ class TransferMatrix:
         if parts is not None:
             expected = len(parts), *shape
             has_shape(parts, expected, "array of error components", error=MatrixError)
+        if self.derivatives is not None:
+            of = self.derivatives.first.shape[1:]
+            has_shape(self.values, of, "array of values", error=MatrixError)
         finite = np.all(np.isfinite(self.values))
         require_matrix(finite, "values are not finite; finite numbers expected")
 
@@ -86,6 +99,44 @@ class TransferMatrix:
             return np.zeros_like(self.values)
         error: np.ndarray = np.sqrt(np.sum(np.square(self.components), axis=0))
         return error
+
+    def derivative(self, name: str) -> "TransferMatrix":
+        """Return the derivative by the parameter of a material, with its error.
+
+        Raises
+        ------
+        MatrixError : the matrix has no derivatives
+        InputError : no derivative by this parameter
+        """
+        of = self._differentiated()
+        number, parts = of.number(name), of.components
+        return replace(
+            self,
+            values=of.first[number],
+            components=None if parts is None else parts[:, number],
+            derivatives=None,
+        )
+
+    def second_derivative(self, one: str, other: str) -> "TransferMatrix":
+        """Return the second derivative by two parameters, without error.
+
+        Raises
+        ------
+        MatrixError : the matrix has no derivatives
+        InputError : no derivative by one of these parameters
+        """
+        of = self._differentiated()
+        values = of.second[of.pair(one, other)]
+        return replace(self, values=values, components=None, derivatives=None)
+
+    def _differentiated(self) -> Derivatives:
+        if self.derivatives is None:
+            message = "matrix without derivatives; traced with `derivatives` expected"
+            raise MatrixError(message)
+        return self.derivatives
+
+    def _factor(self) -> Factor:
+        return Factor(self.values, self.components, self.derivatives)
 
     def __matmul__(self, other: object) -> "TransferMatrix":
         """Return the matrix product.
@@ -111,7 +162,8 @@ class TransferMatrix:
 
         rows = self.rows.at_window(other.rows.window)
         columns = other.columns.at_window(self.columns.window)
-        return TransferMatrix(values, rows, columns, components, bands)
+        derivatives = product_derivatives(self._factor(), other._factor())
+        return TransferMatrix(values, rows, columns, components, bands, derivatives)
 
     def __add__(self, other: "TransferMatrix") -> "TransferMatrix":
         """Return the sum of two statistically independent matrices."""
@@ -128,7 +180,10 @@ class TransferMatrix:
         parts = [m.components for m in (self, other) if m.components is not None]
         components = _concatenated(parts, values.shape)
         columns = replace(self.columns, window=None)
-        return TransferMatrix(values, self.rows, columns, components, bands)
+        derivatives = sum_derivatives(self._factor(), other._factor(), values.shape)
+        return TransferMatrix(
+            values, self.rows, columns, components, bands, derivatives
+        )
 
     def _common_bands(self, other: "TransferMatrix") -> Bands:
         return common_bands((m.bands, len(m.values)) for m in (self, other))
@@ -143,7 +198,13 @@ class TransferMatrix:
         names = self.rows.names[rows] if self.rows.names else None
         axis = replace(self.rows, size=len(range(self.rows.size)[rows]), names=names)
         values, components = self.read(rows)
-        return replace(self, values=values, rows=axis, components=components)
+        return replace(
+            self,
+            values=values,
+            rows=axis,
+            components=components,
+            derivatives=self.derivatives and self.derivatives.rows(rows),
+        )
 
     def weighted(
         self, weights: Sequence[float] | Float[np.ndarray, " band"]
@@ -156,14 +217,20 @@ class TransferMatrix:
         components = self.components
         if components is not None:
             components = weighted_sum(components, factor, axis=1)[:, None]
-        values = weighted_sum(self.values, factor, axis=0)[None]
-        return replace(self, values=values, components=components, bands=GREY)
+        return replace(
+            self,
+            values=weighted_sum(self.values, factor, axis=0)[None],
+            components=components,
+            bands=GREY,
+            derivatives=self.derivatives and self.derivatives.weighted(factor),
+        )
 
     def illuminance(self) -> "xr.Dataset":
         """Illuminance [lux] of the sensors at each time step, with its standard error.
 
         The coefficients must be irradiance [W/m²] in bands of known luminous efficacy.
-        In RGB, illuminance is 179 lm/W times 0.265 R + 0.670 G + 0.065 B.
+        In RGB, illuminance is 179 lm/W times 0.265 R + 0.670 G + 0.065 B. Derivatives
+        of the matrix give those of the illuminance.
 
         Raises
         ------
@@ -174,6 +241,9 @@ class TransferMatrix:
             self.columns.kind in ("time", "unknown"),
             f"columns are {self.columns.describe()}; multiply by a sky matrix first",
         )
+        return with_derivatives(self, TransferMatrix._illuminance)
+
+    def _illuminance(self) -> "xr.Dataset":
         lux = self.weighted(self.bands.weights)
         return illuminance_dataset(
             lux.values[0], lux.standard_error[0], sensors=self.rows, times=self.columns

@@ -29,9 +29,13 @@ from clerestory.hemisphere.reinhart import reinhart
 from clerestory.matrix.axis import Axis, sensor_axis, sky_axis, window_axis
 from clerestory.matrix.transfer_matrix import TransferMatrix
 from clerestory.progress import share_of_progress
+from clerestory.scene.material_parameters import material_parameters
 from clerestory.scene.model import Scene
 from clerestory.scene.sensors import Sensors
 from clerestory.scene.window import Window
+
+# Names of materials by which a matrix is differentiated
+Differentiated = Sequence[str] | Literal["all"]
 
 # Default, if neither samples nor relative_error is given
 _DEFAULT = Goal(samples=None, relative_error=0.01)
@@ -42,6 +46,7 @@ def view_matrix(
     window: Window,
     *,
     sensors: Sensors,
+    derivatives: Differentiated = (),
     **keywords: Unpack[EffortKeywords],
 ) -> TransferMatrix:
     """View matrix of one window: sensor irradiance per patch radiance [sr].
@@ -53,6 +58,8 @@ def view_matrix(
     scene : room surfaces, without the window
     window : polygons whose front faces the room
     sensors : points and directions of irradiance sensors
+    derivatives : names of materials of the scene, or "all", by whose reflectance or
+        transmissivity the matrix is differentiated; see `TransferMatrix.derivatives`
     samples : number of paths per sensor
     relative_error : instead of samples: target standard error at every sensor, relative
         to its irradiance for a window of uniform radiance, or to 1 % of the mean over
@@ -70,7 +77,10 @@ def view_matrix(
     DeviceError : no usable compute device
     """
     effort = matrix_effort(view_matrix, keywords)
-    return view_matrices(scene, [window], sensors=sensors, effort=effort)[window.name]
+    found = view_matrices(
+        scene, [window], sensors=sensors, derivatives=derivatives, effort=effort
+    )
+    return found[window.name]
 
 
 def view_matrices(
@@ -78,6 +88,7 @@ def view_matrices(
     windows: Sequence[Window],
     *,
     sensors: Sensors,
+    derivatives: Differentiated = (),
     **keywords: Unpack[EffortKeywords],
 ) -> dict[str, TransferMatrix]:
     """View matrices of several windows, traced together, by window name.
@@ -86,19 +97,27 @@ def view_matrices(
     `view_matrix` for the parameters.
     """
     effort = matrix_effort(view_matrices, keywords)
-    job = view_job(scene, windows, sensors, effort)
+    job = view_job(scene, windows, sensors, effort, derivatives)
     rows, columns = sensors_axis(sensors), patch_axes(windows, "interior")
     return _traced(job, effort, "view matrix", rows, columns)
 
 
 def view_job(
-    scene: Scene, windows: Sequence[Window], sensors: Sensors, effort: Effort
+    scene: Scene,
+    windows: Sequence[Window],
+    sensors: Sensors,
+    effort: Effort,
+    derivatives: Differentiated = (),
 ) -> ViewJob:
     """Return the tracing job of view matrices."""
     require_distinct(windows)
     require_sensors(sensors, effort)
     return ViewJob(
-        scene=scene, windows=tuple(windows), sensors=sensors, **effort.job_options()
+        scene=scene,
+        windows=tuple(windows),
+        sensors=sensors,
+        derivatives=material_parameters(scene, derivatives),
+        **effort.job_options(),
     )
 
 
@@ -107,6 +126,7 @@ def daylight_matrix(
     window: Window,
     *,
     subdivision: int = 4,
+    derivatives: Differentiated = (),
     **keywords: Unpack[EffortKeywords],
 ) -> TransferMatrix:
     """Daylight matrix of one window: window patch radiance per sky patch radiance.
@@ -125,7 +145,11 @@ def daylight_matrix(
     """
     effort = matrix_effort(daylight_matrix, keywords)
     sky = reinhart(subdivision)
-    job = DaylightJob(scene=scene, window=window, sky=sky, **effort.job_options())
+    parameters = material_parameters(scene, derivatives)
+    options = effort.job_options()
+    job = DaylightJob(
+        scene=scene, window=window, sky=sky, derivatives=parameters, **options
+    )
     rows = window_axis("exterior", window.partition, window.name)
     what = f"daylight matrix of {window.name!r}"
     return _traced(job, effort, what, rows, {"": sky_axis(sky)})[""]
@@ -136,6 +160,7 @@ def daylight_matrices(
     windows: Sequence[Window],
     *,
     subdivision: int = 4,
+    derivatives: Differentiated = (),
     **keywords: Unpack[EffortKeywords],
 ) -> dict[str, TransferMatrix]:
     """Daylight matrices of several windows by window name; see `daylight_matrix`.
@@ -151,7 +176,7 @@ def daylight_matrices(
         )
         own = replace(effort, seed=effort.seed + number, progress=progress)
         found[window.name] = daylight_matrix(
-            scene, window, subdivision=subdivision, effort=own
+            scene, window, subdivision=subdivision, derivatives=derivatives, effort=own
         )
     return found
 
@@ -161,6 +186,7 @@ def daylight_coefficients(
     *,
     sensors: Sensors,
     subdivision: int = 4,
+    derivatives: Differentiated = (),
     **keywords: Unpack[EffortKeywords],
 ) -> TransferMatrix:
     """Daylight coefficients: irradiance of sensors per radiance of sky patches [sr].
@@ -173,7 +199,10 @@ def daylight_coefficients(
     require_sensors(sensors, effort)
     sky = reinhart(subdivision)
     options = effort.job_options()
-    job = CoefficientsJob(scene=scene, sky=sky, sensors=sensors, **options)
+    parameters = material_parameters(scene, derivatives)
+    job = CoefficientsJob(
+        scene=scene, sky=sky, sensors=sensors, derivatives=parameters, **options
+    )
     rows, columns = sensors_axis(sensors), {"": sky_axis(sky)}
     return _traced(job, effort, "daylight coefficients", rows, columns)[""]
 
@@ -242,7 +271,8 @@ def split_columns(
             values = np.ascontiguousarray(values)
             if components is not None:
                 components = np.ascontiguousarray(components)
-        found[name] = TransferMatrix(values, rows, axis, components, bands)
+        derivatives = estimated.derivatives and estimated.derivatives.columns(part)
+        found[name] = TransferMatrix(values, rows, axis, components, bands, derivatives)
         first = part.stop
     return found
 

@@ -33,6 +33,7 @@ from clerestory.radiance.function_pattern import (
 from clerestory.radiance.generators.luminaire import intensity_table
 from clerestory.radiance.modifiers import Modifiers
 from clerestory.radiance.search_path import library_file
+from clerestory.radiance.spectrum_reader import SPECTRAL_KINDS, read_spectral
 from clerestory.scene.pattern import Pattern
 from clerestory.scene.primitive import Arguments
 from clerestory.scene.transform import Transform
@@ -43,6 +44,8 @@ def read_modifiers(given: Arguments, *, placed: Transform) -> Modifiers:
 
     `placed` is the transform of the scene file that contains the primitive.
     """
+    if given.item.kind in SPECTRAL_KINDS:
+        return Modifiers(spectra=(read_spectral(given, _definitions),))
     made = _read(given, placed)
     textured = given.item.kind in _TEXTURES
     return Modifiers((), (made,)) if textured else Modifiers((made,))
@@ -115,7 +118,7 @@ def _pattern(
         f"{len(strings) - at - 1} coordinate(s) given, but the data file has"
         f" {end - at - 1} axes; one coordinate per axis expected",
     )
-    program = _program(given, at)
+    program = _definitions(given, at)
     places = tuple(_expression(given, text) for text in strings[at + 1 : end])
     functions: tuple[Node, ...] = tuple(
         Name(text) if files else _expression(given, text)
@@ -139,7 +142,7 @@ _FORMS: Mapping[str, tuple[int, int, int]] = {
     "mixdata": (1, 2, 1),
 }
 _TEXTURES = ("texfunc", "texdata")
-PATTERN_KINDS = frozenset(_FORMS) - {"mixfunc", "mixdata"}
+PATTERN_KINDS = (frozenset(_FORMS) - {"mixfunc", "mixdata"}) | SPECTRAL_KINDS
 
 
 def _table(given: Arguments, name: str) -> DataArray:
@@ -164,7 +167,7 @@ def _expression(given: Arguments, text: str) -> Node:
         return parse_expression(text)
 
 
-def _program(given: Arguments, at: int) -> Program:
+def _definitions(given: Arguments, at: int) -> Program:
     # Definitions in the function file, string argument `at`; "." is no file
     name = given.item.strings[at]
     if name == ".":

@@ -12,7 +12,10 @@ from clerestory.checks import require, within
 from clerestory.errors import InputError
 from clerestory.scene.material import (
     Colour,
+    Emitter,
     Material,
+    altered,
+    colour_fields,
     colours,
     error_at,
     parts,
@@ -21,6 +24,7 @@ from clerestory.scene.material import (
 from clerestory.scene.materials.bsdf_surface import BsdfSurface
 from clerestory.scene.materials.glass import Glass, transmissivity
 from clerestory.scene.model import Scene
+from clerestory.scene.tint import Tint, without_tint
 from clerestory.spectra import Spectrum
 from clerestory.spectral.band_sets import band_means
 
@@ -42,7 +46,8 @@ def in_bands(
 
     Grey materials have the same value in all bands. Coloured materials require a
     spectrum, or an `upsampling` such as `step_spectrum`, since RGB does not determine
-    their spectrum.
+    their spectrum. Spectra that are in the scene files (Radiance's spectrum, specfile,
+    specfunc and specdata) multiply the values.
 
     Parameters
     ----------
@@ -80,11 +85,31 @@ def in_bands(
             continue
         if upsampling is None:
             _require_grey(material)
-        material = with_colours(material, converted)
+        material = _in_bands(material, bands, converted)
         if isinstance(material, BsdfSurface):
             material = replace(material, bsdf=bsdf_in_bands(material.bsdf, bands))
         materials[name] = material
     return replace(scene, materials=materials, bands=bands)
+
+
+def _in_bands(
+    material: Material, bands: Bands, converted: Callable[[Rgb], Colour]
+) -> Material:
+    # A material and its component materials, with the spectra of their tints
+    changed: dict[str, object] = {
+        key: _in_bands(part, bands, converted)
+        for key, part in vars(material).items()
+        if isinstance(part, Material)
+    }
+    tint: Tint | None = getattr(material, "tint", None)
+    for name in colour_fields(material):
+        if tint is None:
+            changed[name] = converted(getattr(material, name))
+            continue
+        light = isinstance(material, Emitter)
+        changed[name] = converted(tint.plain) * tint.values(bands, light=light)
+        changed["tint"] = None
+    return altered(material, **changed)
 
 
 def _with_spectrum(material: Material, spectrum: Spectrum, bands: Bands) -> Material:
@@ -101,7 +126,7 @@ def _with_spectrum(material: Material, spectrum: Spectrum, bands: Bands) -> Mate
     values = band_means(spectrum, bands)
     if isinstance(material, Glass):
         values = transmissivity(values, material.index)
-    return with_colours(material, lambda _: values)
+    return with_colours(without_tint(material), lambda _: values)
 
 
 def step_spectrum(rgb: Rgb, bands: Bands) -> Colour:
@@ -127,7 +152,9 @@ def step_spectrum(rgb: Rgb, bands: Bands) -> Colour:
 
 
 def _require_grey(material: Material) -> None:
-    if any(np.ptp(colour) > 0 for colour in colours(material)):
+    tint: Tint | None = getattr(material, "tint", None)
+    own = colours(material) if tint is None else [tint.plain]
+    if any(np.ptp(colour) > 0 for colour in own):
         raise error_at(
             material.source,
             f'the material "{material.name}" is coloured, and RGB does not determine'

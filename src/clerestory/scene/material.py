@@ -116,8 +116,13 @@ def parts(material: Material) -> Iterator[Material]:
 
 def colours(material: Material) -> Iterator[Colour]:
     """Yield the colours of a material, but not of its component materials."""
+    return (getattr(material, name) for name in colour_fields(material))
+
+
+def colour_fields(material: Material) -> tuple[str, ...]:
+    """Names of the fields of a material that are colours."""
     known = fields(material)  # type: ignore[arg-type]
-    return (getattr(material, f.name) for f in known if f.type is Colour)
+    return tuple(f.name for f in known if f.type is Colour)
 
 
 def with_colours(

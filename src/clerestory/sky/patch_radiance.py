@@ -22,6 +22,7 @@ from clerestory.checks import require
 from clerestory.errors import MatrixError
 from clerestory.hemisphere.reinhart import SkyPartition
 from clerestory.matrix.axis import Axis, sky_axis, time_axis
+from clerestory.matrix.expansion import with_derivatives
 from clerestory.matrix.transfer_matrix import (
     TransferMatrix,
     illuminance_dataset,
@@ -246,8 +247,15 @@ class SkyResponse:
         """Illuminance and its standard error at each sensor and time step [lux].
 
         The bands are summed, weighted by luminous efficacy, before the matrix product;
-        steps without sky and sun radiance are skipped.
+        steps without sky and sun radiance are skipped. Derivatives of the transfer
+        matrix give those of the illuminance.
         """
+        evaluate = SkyResponse._illuminance
+        return with_derivatives(
+            self.transfer, lambda transfer: evaluate(SkyResponse(transfer, self.sky))
+        )
+
+    def _illuminance(self) -> "xr.Dataset":
         weights, sky = common_bands(self._parts()).weights, self.sky
         lit = lit_steps(sky.diffuse, sky.sun)
         values, components = self.transfer.values[None], self.transfer.components

@@ -40,14 +40,7 @@ INSTEAD: Mapping[str, str] = {
     ),
     "ashik2": "plastic2 or metal2",
     "WGMDfunc": "plastic, metal or trans",
-    **dict.fromkeys(
-        ("spectrum", "specfile"),
-        "a colour, and its spectrum in [[scene.spectrum]] of the study file,",
-    ),
-    **dict.fromkeys(
-        ("specfunc", "specdata", "specpict"),
-        "colorfunc, colordata or a colour without a pattern",
-    ),
+    "specpict": "spectrum or specfile without a picture",
     "antimatter": "the remaining surfaces without antimatter",
     "mist": "a scene without participating media",
     "colorpict": "colordata or colorfunc, or a plain colour",

@@ -23,6 +23,7 @@ from clerestory.scene.material import (
 from clerestory.scene.materials.mixture import Void
 from clerestory.scene.pattern import Pattern
 from clerestory.scene.primitive import Definition, Readers
+from clerestory.scene.tint import Tint
 
 
 def _black(_: Emitter) -> Plugin:
@@ -37,6 +38,7 @@ class Light(Emitter):
     radiance: Colour
     source: Source | None = None
     pattern: Pattern | None = None
+    tint: Tint | None = None
     opaque, plugin = True, _black
 
     def specification(self) -> Specification:
@@ -55,6 +57,7 @@ class Glow(Emitter):
     radius: float = 0.0
     source: Source | None = None
     pattern: Pattern | None = None
+    tint: Tint | None = None
     opaque, plugin = True, _black
 
     def specification(self) -> Specification:
@@ -75,6 +78,7 @@ class Spotlight(Emitter):
     length: float
     source: Source | None = None
     pattern: Pattern | None = None
+    tint: Tint | None = None
     opaque, plugin = True, _black
 
     def specification(self) -> Specification:
@@ -92,6 +96,7 @@ class Illum(Emitter):
     alternate: Material = field(default_factory=Void)
     source: Source | None = None
     pattern: Pattern | None = None
+    tint: Tint | None = None
 
     @property
     def opaque(self) -> bool:

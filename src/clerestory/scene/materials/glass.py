@@ -8,6 +8,7 @@ from jaxtyping import Float
 from clerestory.checks import require
 from clerestory.scene.material import Colour, Material, Plugin, Source, Specification
 from clerestory.scene.primitive import Definition, Readers
+from clerestory.scene.tint import Tint
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,6 +26,7 @@ class Glass(Material):
     transmissivity: Colour
     index: float = 1.52
     source: Source | None = None
+    tint: Tint | None = None
     takes_pattern = True
     opaque = False
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from clerestory.scene.material import Colour, Material, Plugin, Source, Specification
 from clerestory.scene.primitive import Definition, Readers
+from clerestory.scene.tint import Tint
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,6 +20,7 @@ class Mirror(Material):
     reflectance: Colour
     alternate: Material | None = None
     source: Source | None = None
+    tint: Tint | None = None
     takes_pattern = True
 
     @property

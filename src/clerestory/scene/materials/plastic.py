@@ -26,6 +26,7 @@ from clerestory.scene.material import (
 )
 from clerestory.scene.pattern import Pattern
 from clerestory.scene.primitive import Definition, Readers
+from clerestory.scene.tint import Tint
 
 # Minimum roughness of anisotropic highlights (Radiance's FTINY)
 _TINY = 1e-6
@@ -60,6 +61,7 @@ class Plastic(Material):
     roughness: Roughness = 0.0
     source: Source | None = None
     up: Up = None
+    tint: Tint | None = None
     takes_pattern = True
     opaque = True
 
@@ -88,6 +90,7 @@ class Metal(Material):
     roughness: Roughness = 0.0
     source: Source | None = None
     up: Up = None
+    tint: Tint | None = None
     takes_pattern = True
     opaque = True
 

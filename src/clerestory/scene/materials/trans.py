@@ -13,6 +13,7 @@ from clerestory.scene.materials.plastic import (
     smooth_specularity,
 )
 from clerestory.scene.primitive import Definition, Readers
+from clerestory.scene.tint import Tint
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +37,7 @@ class Trans(Material):
     transmitted_specular: float = 0.0
     source: Source | None = None
     up: Up = None
+    tint: Tint | None = None
     takes_pattern = True
 
     @property
