@@ -35,6 +35,7 @@ from clerestory.phases.sunlit import in_sunlight
 from clerestory.phases.window_paths import picture_window_paths
 from clerestory.scene.model import Glass, Plastic, Scene
 from clerestory.scene.view import View, solid_angles
+from clerestory.scene.window_zones import fills_rectangle
 from clerestory.spectral.band_sets import wavelength_bands
 
 KLEMS = klems("full")
@@ -318,6 +319,21 @@ def two_windows(reflectance=0.5):
     west = window(quad((0, 0, 1), (0, 3, 1), (0, 3, 3), (0, 0, 3)), name="west")
     walls = tuple(w for n, w in enumerate(scene.surfaces) if n != 2)
     return Scene(scene.materials, (*walls, sill, side)), [south, west]
+
+
+def test_beams_cross_a_window_by_crossing_its_rectangle():
+    """Only if it fills the rectangle, and no window is between it and the room."""
+    whole = window(quad((0, 0, 0), (0, 0, 3), (4, 0, 3), (4, 0, 0)))
+    beside = window(quad((4, 0, 0), (4, 0, 3), (6, 0, 3), (6, 0, 0)))
+    triangle = window(quad((0, 0, 0), (0, 0, 3), (4, 0, 0)))
+    both = window(*whole.polygons, *beside.polygons)
+    before = window(quad((1, 1, 1), (1, 1, 2), (2, 1, 2), (2, 1, 1)))
+    assert fills_rectangle(0, [whole])
+    assert fills_rectangle(0, [both])
+    assert fills_rectangle(1, [whole, beside])
+    assert not fills_rectangle(0, [triangle])
+    assert not fills_rectangle(0, [whole, before])
+    assert fills_rectangle(1, [whole, before])
 
 
 @pytest.mark.parametrize("number", [0, 1], ids=["south", "west"])
