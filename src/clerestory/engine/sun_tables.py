@@ -27,8 +27,8 @@ from clerestory.scene.scaling import scaled
 from clerestory.sky.solar_disc import GOLDEN_TURN, disc_points
 
 # Numbers of points of the solar disc: for the transmittance from the sun, and for the
-# shares of incident cells. With 64 points, the radiance of a blind was up to 10 % off in
-# single exit cells, where the disc lies in incident cells of unlike transmission.
+# shares of incident cells. With 64 points, the radiance of a blind was up to 10 % off
+# in single exit cells, where the disc lies in incident cells of unlike transmission.
 _DISC, _FINE = 16, 1024
 
 
