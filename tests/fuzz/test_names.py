@@ -706,6 +706,7 @@ WRITERS = {
     "study.model_import._bsdf_text": test_imports_of_models_run_no_name,
     "study.model_import.write_building_model": test_imports_of_models_run_no_name,
     "study.new_study.begin_study": test_study_files_hold_any_text,
+    "study.new_study._files": test_study_files_hold_any_text,
     "study.new_study._replace_blind": "a text and a path by toml_value",
     "study.new_study.write_demo": "files of the package",
     "study.outputs._write_lines": test_results_of_hostile_grids_are_tables,

@@ -38,7 +38,8 @@ def new(request: requests.NewStudy) -> None:
     begun = begin_study(
         request.folder,
         scene=request.scene,
-        windows=request.window,
+        windows=request.window or (),
+        glazing=request.glazing or (),
         bsdf=request.bsdf or GLAZING,
         weather=request.weather,
         sensors=request.sensors,
@@ -48,6 +49,7 @@ def new(request: requests.NewStudy) -> None:
         views=request.views,
     )
     rooms = f" in {begun.rooms} rooms" if begun.rooms > 1 else ""
+    rooms += f", {begun.windows} windows" if begun.windows > 1 else ""
     views = f", {begun.views} views" if begun.views else ""
     say(
         *(f'window "{n}" reversed: its front must face the room' for n in begun.turned),

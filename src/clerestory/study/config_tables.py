@@ -118,6 +118,9 @@ class SceneTable(Table):
         min_length=1, description="a list of Radiance scene files"
     )
     units: Unit = "metres"
+    glazing: list[str] = Field(
+        default_factory=list, description="a list of names of materials"
+    )
     bands: Annotated[str, AfterValidator(_known_bands)] = "RGB"
     spectrum: list[SpectrumTable] = Field(
         default_factory=list, description="tables [[scene.spectrum]]"
