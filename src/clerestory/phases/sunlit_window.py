@@ -6,7 +6,7 @@ the tables.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -85,11 +85,9 @@ class SunlitWindow:
     @cached_property
     def transmittance(self) -> Float32[np.ndarray, "channel zone sun"]:
         """Transmittance from the suns to the zones of the window."""
-        zones, polygons = WindowZones.of(self.windows), self.windows[self.number]
-        points = zones.points(self.number, polygons.polygons, _ZONE_POINTS)
-        engine: Any = self._engine("sun_tables")
-        return np.asarray(
-            engine.sun_transmittance(self.scene, points, self.frame.normal, self.suns)
+        where = self.scene, self.windows, self.number
+        return _transmittance(
+            *where, np.asarray(self.suns, float).tobytes(), self.device
         )
 
     @cached_property
@@ -101,3 +99,16 @@ class SunlitWindow:
 
     def _engine(self, module: str) -> Any:
         return devices.load(self.device, module)
+
+
+@lru_cache(maxsize=4)
+def _transmittance(
+    scene: Scene, windows: tuple[Window, ...], number: int, suns: bytes, device: Device
+) -> Float32[np.ndarray, "channel zone sun"]:
+    # The same for all shade states without exterior shades
+    window = windows[number]
+    zones = WindowZones.of(windows).points(number, window.polygons, _ZONE_POINTS)
+    engine: Any = devices.load(device, "sun_tables")
+    directions = np.frombuffer(suns).reshape(-1, 3)
+    found = engine.sun_transmittance(scene, zones, window.frame.normal, directions)
+    return np.asarray(found)
