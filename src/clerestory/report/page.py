@@ -18,6 +18,7 @@ from clerestory.report.electric_lighting import lamps_section
 from clerestory.report.energy_section import energy_section
 from clerestory.report.equation_terms import equation_section
 from clerestory.report.headline import headline
+from clerestory.report.knowledge_section import knowledge_section
 from clerestory.report.main_sections import (
     accuracy_section,
     computation_section,
@@ -25,6 +26,7 @@ from clerestory.report.main_sections import (
     room_section,
 )
 from clerestory.report.markup import element, join
+from clerestory.report.melanopic_section import melanopic_section
 from clerestory.report.method_table import methods_section
 from clerestory.report.notes_section import notes_section
 from clerestory.report.page_assets import asset, render_page
@@ -86,6 +88,7 @@ def picture_folder(folder: Path, results: Results) -> Path:
 _SECTIONS: tuple[tuple[str, str, Callable[[ReportContent], Section]], ...] = (
     ("plans", "Plans", plans_section),
     ("year", "Year", year_section),
+    ("melanopic", "Melanopic daylight", melanopic_section),
     ("states", "States of windows", states_section),
     ("film", "A day in pictures", film_section),
     ("pictures", "Pictures", pictures_section),
@@ -98,6 +101,7 @@ _SECTIONS: tuple[tuple[str, str, Callable[[ReportContent], Section]], ...] = (
     ("methods", "Methods", methods_section),
     ("layers", "BSDFs", layers_section),
     ("room", "Room", room_section),
+    ("knowledge", "What is not known", knowledge_section),
     ("accuracy", "Uncertainty", accuracy_section),
     ("making", "Computation", computation_section),
     ("words", "Glossary", glossary_section),

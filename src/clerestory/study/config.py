@@ -18,13 +18,16 @@ from clerestory.escaping import printable
 from clerestory.files import read_text
 from clerestory.phases.matrix_equation import Term
 from clerestory.phases.methods import METHODS, MethodName
+from clerestory.spectral.band_sets import band_set, gives
 from clerestory.study import config_tables as tables
 from clerestory.study.compliance_tables import ComplianceTable, SpaceTable
 from clerestory.study.config_tables import Distinct, require_rule
 from clerestory.study.energy_tables import EnergyTable
 from clerestory.study.lighting_tables import LightingTable, LuminaireTable
+from clerestory.study.optimise_tables import OptimiseTable
 from clerestory.study.report_tables import ReportTable
 from clerestory.study.table_names import require_names
+from clerestory.study.uncertainty_tables import UncertaintyTable
 from clerestory.study.view_grid_tables import ViewGridTable
 from clerestory.study.window_tables import WindowTable
 from clerestory.toml_lines import key_lines
@@ -79,6 +82,10 @@ class Study(Table):
     space: Annotated[list[SpaceTable], Distinct] = Field([])
     compliance: ComplianceTable | None = Field(None, description="a table [compliance]")
     energy: EnergyTable | None = Field(None, description="a table [energy]")
+    uncertainty: UncertaintyTable | None = Field(
+        None, description="a table [uncertainty]"
+    )
+    optimise: OptimiseTable | None = Field(None, description="a table [optimise]")
     report: ReportTable = ReportTable()
     output: tables.OutputTable = tables.OutputTable()
 
@@ -155,6 +162,24 @@ class Study(Table):
             '"by_state" without a window that has several states; tables'
             " [[window.state]], and a method with windows, expected",
         )
+        return self
+
+    @model_validator(mode="after")
+    def _bands_for_the_output(self) -> "Study":
+        bands = band_set(self.scene.bands)
+        require_rule(
+            not self.output.spectral or gives(bands, "melanopic"),
+            f'"spectral" with the bands "{self.scene.bands}"; bands such as'
+            ' "melanopic+photopic" or "20" expected',
+        )
+        for window in self.window:
+            require_rule(
+                not (window.control and window.control.melanopic)
+                or gives(bands, "melanopic"),
+                f'a control rule of window "{window.label}" depends on melanopic light,'
+                f' with the bands "{self.scene.bands}"; bands such as'
+                ' "melanopic+photopic" or "20" expected',
+            )
         return self
 
     @property

@@ -81,8 +81,12 @@ class ControlInputs:
     @cached_property
     def sun(self) -> Float[np.ndarray, "time 3"]:
         """Unit vectors to the sun, in the coordinate system of the scene."""
-        rotation = self.study.sky.rotation_deg
-        return sun_over(self.inputs.weather, rotation_deg=rotation).directions()
+        table = self.study.sky
+        return sun_over(
+            self.inputs.weather,
+            rotation_deg=table.rotation_deg,
+            sun_formula=table.sun_formula,
+        ).directions()
 
     def profile(
         self, group: int, *, vertical: bool = False
@@ -114,6 +118,7 @@ class ControlInputs:
             subdivision=table.subdivision,
             ground_reflectance=table.ground_reflectance,
             rotation_deg=table.rotation_deg,
+            sun_formula=table.sun_formula,
             spectrum="solar",
             bands=self.skies.whole.bands,
         )
@@ -151,6 +156,15 @@ class ControlInputs:
         everything = range(len(self.inputs.groups))
         part = self.matrices.reduced(everything, self.inputs.rows(grid))
         found = part.illuminance(self.skies, states)
+        return np.asarray(found["illuminance"].values)
+
+    def melanopic_edi(
+        self, states: States, grid: str
+    ) -> Float[np.ndarray, "sensor time"]:
+        """Return the melanopic EDI of a grid [lux] for given shade states."""
+        everything = range(len(self.inputs.groups))
+        part = self.matrices.reduced(everything, self.inputs.rows(grid))
+        found = part.melanopic_edi(self.skies, states)
         return np.asarray(found["illuminance"].values)
 
     def dgp(
