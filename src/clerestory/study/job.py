@@ -42,7 +42,8 @@ class Job:
     `found` records which matrix files were in the cache. Results do not depend on the
     executor. The folder `scratch` is for hourly results that do not fit into memory.
     With `direct`, the job traces matrices of direct light (V_d, D_d, C_d). `recent` has
-    values that variants of the study have in common.
+    values that variants of the study have in common. Matrices of all light have
+    derivatives by the materials named in `derivatives`.
     """
 
     study: Study
@@ -54,6 +55,13 @@ class Job:
     scratch: Path = Path()
     direct: bool = False
     recent: RecentValues = field(default_factory=RecentValues)
+    derivatives: tuple[str, ...] = ()
+
+    @property
+    def differentiated(self) -> dict[str, Any]:
+        """Keywords of tracing functions for derivatives; empty without them."""
+        named = bool(self.derivatives) and not self.direct
+        return {"derivatives": self.derivatives} if named else {}
 
     @property
     def prefix(self) -> str:

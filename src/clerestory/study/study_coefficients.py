@@ -128,8 +128,11 @@ def _traced(
         )
         return job.pair((name, f"direct-{name}"), both, effort, shown=shown)
     C, C_d = (
-        partial(trace, scene, sensors=sensors, subdivision=subdivision)
-        for trace in (daylight_coefficients, unscattered_coefficients)
+        partial(trace, scene, sensors=sensors, subdivision=subdivision, **more)
+        for trace, more in (
+            (daylight_coefficients, job.differentiated),
+            (unscattered_coefficients, {}),
+        )
     )
     whole = job.matrix(name, C, effort, shown=shown)
     if not direct:

@@ -62,6 +62,8 @@ def study_skies(
 ) -> Skies:
     """Return sky matrices S and, if required, S_ds and S_sun, in the scene's bands.
 
+    S_ds is required by terms of direct light, and if the sun alone is uncertain.
+
     `recent` has the skies of other variants of the study.
     """
     make = partial(
@@ -70,11 +72,12 @@ def study_skies(
         subdivision=study.sky.subdivision,
         ground_reflectance=study.sky.ground_reflectance,
         rotation_deg=study.sky.rotation_deg,
+        sun_formula=study.sky.sun_formula,
         bands=inputs.scene.bands,
         daylight=_daylight_spectra(study) if spectrum == "visible" else None,
         spectrum=spectrum,
     )
-    direct = needs_direct(study)
+    direct = needs_direct(study) or _separates_sun(study)
     key = fingerprint(study.sky.model_dump(), inputs.scene.bands, spectrum, direct)
 
     def skies() -> Skies:
@@ -83,6 +86,11 @@ def study_skies(
     return (recent or RecentValues()).value(
         ("skies", key), skies, size=_bytes, of=(inputs.weather, suns)
     )
+
+
+def _separates_sun(study: Study) -> bool:
+    table = study.uncertainty
+    return table is not None and any(u.kind in ("sky", "sun") for u in table.unknown)
 
 
 def _bytes(skies: Skies) -> float:
@@ -109,6 +117,7 @@ def study_suns(
     return make(
         weather,
         rotation_deg=study.sky.rotation_deg,
+        sun_formula=study.sky.sun_formula,
         spectrum=spectrum,
         bands=band_set(study.scene.bands),
         daylight=_daylight_spectra(study) if spectrum == "visible" else None,
@@ -161,6 +170,27 @@ def trace_study(job: Job, *, spectrum: Spectrum = "visible") -> StudyMatrices:
     )
 
 
+def differentiated_matrices(job: Job, names: Sequence[str]) -> list[WindowMatrices]:
+    """Return the matrices of all light, with derivatives by materials of the scene.
+
+    View matrices are in memory. The direct light of a method has no derivatives by
+    reflectances: it is scattered by windows only.
+
+    Raises
+    ------
+    InputError : an exterior shade in ports, or derivatives that do not fit into memory
+    """
+    study = job.study
+    if METHODS[study.method].facade:
+        raise InputError(
+            f'derivatives with method "{study.method}"; a method without ports expected'
+        )
+    job = replace(job, derivatives=tuple(names))
+    if not METHODS[study.method].windows:
+        return coefficients(job, direct=False)
+    return [WindowMatrices(chain) for chain in _window_chains(job, stored=False)]
+
+
 def _windows(
     job: Job, black: Job, *, direct: bool, stored: bool
 ) -> list[WindowMatrices]:
@@ -192,7 +222,9 @@ def _views(job: Job, *, stored: bool) -> Sequence[TransferMatrix | StoredColumns
         # The path from the sensor to the window counts as one bounce
         effort = replace(effort, bounces=1)
     if not stored:
-        trace = partial(view_matrices, job.scene, windows, sensors=sensors)
+        trace = partial(
+            view_matrices, job.scene, windows, sensors=sensors, **job.differentiated
+        )
         found = job.matrices("view", windows, trace, effort, shown="view matrices")
         return list(found.values())
     key = fingerprint("views", job.scene_key, windows, sensors, effort)
@@ -217,7 +249,13 @@ def _daylight(job: Job, group: WindowGroup, number: int) -> list[TransferMatrix]
     subdivision = job.study.sky.subdivision
     matrix = job.matrix(
         f"daylight-{group.name}",
-        partial(daylight_matrix, job.scene, group.outer, subdivision=subdivision),
+        partial(
+            daylight_matrix,
+            job.scene,
+            group.outer,
+            subdivision=subdivision,
+            **job.differentiated,
+        ),
         _outside_effort(job, 1 + number),
         shown=f"daylight matrix of {group.name}",
     )
