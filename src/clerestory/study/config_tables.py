@@ -343,3 +343,6 @@ class OutputTable(Table):
     csv: bool = True
     ill: bool = False
     by_state: bool = False
+    spectral: list[str] = Field(
+        default_factory=list, description="a list of grids of eyes"
+    )

@@ -29,6 +29,7 @@ from clerestory.sky.station_file import read_with
 from clerestory.sky.weather import Weather
 from clerestory.sky.weather_formats import read_weather
 from clerestory.sky.weather_selection import select_days
+from clerestory.spectra import Spectrum
 from clerestory.spectral.band_sets import band_set
 from clerestory.spectral.spectrum_file import read_spectrum
 from clerestory.study.config import Study
@@ -42,7 +43,7 @@ class Inputs:
     """Content of the input files of a study; `scene` is the room without its windows.
 
     `grids` has sensors by grid name; `cameras` and `view_grids` have the order of the
-    study.
+    study. `spectra` are those of materials and glazings.
     """
 
     scene: Scene
@@ -51,6 +52,7 @@ class Inputs:
     cameras: tuple[Camera, ...]
     weather: Weather
     view_grids: tuple[ViewGrid, ...] = ()
+    spectra: tuple[Spectrum, ...] = ()
 
     __repr__ = brief
 
@@ -91,7 +93,7 @@ def read_inputs(study: Study, *, recent: RecentValues | None = None) -> Inputs:
     for group in groups:
         if group.control is not None and group.control.file is not None:
             group.schedule()
-    scene = recent.value(
+    scene, spectra = recent.value(
         ("scene", study.scene.model_dump_json()),
         lambda: _scene(study.scene),
     )
@@ -114,6 +116,7 @@ def read_inputs(study: Study, *, recent: RecentValues | None = None) -> Inputs:
             lambda: study_weather(study),
         ),
         view_grids=tuple(place(table, metres=metres) for table in study.view_grid),
+        spectra=(*spectra, *map(read_spectrum, _glazing_spectra(study))),
     )
 
 
@@ -121,14 +124,27 @@ def _layer(path: Path, *, recent: RecentValues) -> Bsdf:
     return recent.value(("layer", path), lambda: read_bsdf(path))
 
 
-def _scene(table: SceneTable) -> Scene:
-    # The scene without panes that windows replace, in the bands of the study
+def _scene(table: SceneTable) -> tuple[Scene, tuple[Spectrum, ...]]:
+    # The scene without panes that windows replace, in the bands of the study, and the
+    # spectra of its materials
     bands, whole = band_set(table.bands), read_rad(*table.files)
     scene = scaled(without_glazing(whole, table.glazing), table.metres)
     if bands == RGB:
-        return scene
+        return scene, ()
     given = {one.material: read_spectrum(one.file) for one in table.spectrum}
-    return in_bands(scene, bands, spectra=given)
+    tints = [
+        tint.spectrum()
+        for name, material in scene.materials.items()
+        if (tint := getattr(material, "tint", None)) and name not in given
+    ]
+    return in_bands(scene, bands, spectra=given), (*given.values(), *tints)
+
+
+def _glazing_spectra(study: Study) -> list[Path]:
+    # Files of the transmittances of windows, each once
+    tables = [state for window in study.window for state in window.states()]
+    files = [table.spectrum for table in tables if table.spectrum is not None]
+    return list(dict.fromkeys(files))
 
 
 def _camera(table: ViewTable, metres: float) -> Camera:
