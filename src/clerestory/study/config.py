@@ -24,6 +24,7 @@ from clerestory.study.config_tables import Distinct, require_rule
 from clerestory.study.energy_tables import EnergyTable
 from clerestory.study.lighting_tables import LightingTable, LuminaireTable
 from clerestory.study.report_tables import ReportTable
+from clerestory.study.sensitivity_table import SensitivityTable
 from clerestory.study.table_names import require_names
 from clerestory.study.view_grid_tables import ViewGridTable
 from clerestory.study.window_tables import WindowTable
@@ -79,6 +80,9 @@ class Study(Table):
     space: Annotated[list[SpaceTable], Distinct] = Field([])
     compliance: ComplianceTable | None = Field(None, description="a table [compliance]")
     energy: EnergyTable | None = Field(None, description="a table [energy]")
+    sensitivity: SensitivityTable | None = Field(
+        None, description="a table [sensitivity]"
+    )
     report: ReportTable = ReportTable()
     output: tables.OutputTable = tables.OutputTable()
 

@@ -126,11 +126,13 @@ def _traced(
             subdivision=subdivision,
             windows=windows,
         )
+        both = job.differentiated(both, scene)
         return job.pair((name, f"direct-{name}"), both, effort, shown=shown)
     C, C_d = (
         partial(trace, scene, sensors=sensors, subdivision=subdivision)
         for trace in (daylight_coefficients, unscattered_coefficients)
     )
+    C = job.differentiated(C, scene)
     whole = job.matrix(name, C, effort, shown=shown)
     if not direct:
         return whole, None

@@ -41,6 +41,7 @@ from clerestory.sky.sun_matrix import SunMatrix, patch_suns, sun_matrix
 from clerestory.sky.weather import Weather
 from clerestory.spectral.band_sets import band_set
 from clerestory.study.config import Study
+from clerestory.study.differentiated_materials import check_parameters
 from clerestory.study.inputs import Inputs
 from clerestory.study.job import STATE, Job
 from clerestory.study.memory_size import is_stored, most_sensors
@@ -135,6 +136,7 @@ def trace_study(job: Job, *, spectrum: Spectrum = "visible") -> StudyMatrices:
             f'rule "LM-83" with the {study.method} method requires direct light;'
             ' [sun] places = "exact" expected'
         )
+    check_parameters(study, job.scene, stored=stored)
     weather = job.inputs.weather
     tables = study.sun.model_dump(), study.sky.model_dump(), study.scene.bands
     suns = job.recent.value(
@@ -146,6 +148,7 @@ def trace_study(job: Job, *, spectrum: Spectrum = "visible") -> StudyMatrices:
     if job.inputs.groups:
         # Direct light is scattered by windows only: all other surfaces are black
         black = replace(job, inputs=replace(job.inputs, scene=blackened(job.scene)))
+        black = replace(black, whole=job.scene)
     if method.windows:
         windows = _windows(job, black, direct=direct, stored=stored)
     else:
@@ -193,6 +196,7 @@ def _views(job: Job, *, stored: bool) -> Sequence[TransferMatrix | StoredColumns
         effort = replace(effort, bounces=1)
     if not stored:
         trace = partial(view_matrices, job.scene, windows, sensors=sensors)
+        trace = job.differentiated(trace)
         found = job.matrices("view", windows, trace, effort, shown="view matrices")
         return list(found.values())
     key = fingerprint("views", job.scene_key, windows, sensors, effort)
@@ -215,9 +219,10 @@ def _daylight(job: Job, group: WindowGroup, number: int) -> list[TransferMatrix]
         return [facade_daylight(_facade(job, group, number, at), D) for at in states]
     # The random seed differs between windows, and from the seed of view matrices
     subdivision = job.study.sky.subdivision
+    trace = partial(daylight_matrix, job.scene, group.outer, subdivision=subdivision)
     matrix = job.matrix(
         f"daylight-{group.name}",
-        partial(daylight_matrix, job.scene, group.outer, subdivision=subdivision),
+        job.differentiated(trace),
         _outside_effort(job, 1 + number),
         shown=f"daylight matrix of {group.name}",
     )
@@ -234,10 +239,11 @@ def _port_daylight(
 ) -> dict[str, TransferMatrix]:
     # D of each port, traced without the exterior shade
     subdivision = job.study.sky.subdivision
+    trace = partial(daylight_matrices, job.scene, group.ports, subdivision=subdivision)
     return job.matrices(
         f"daylight-{group.name}",
         group.ports,
-        partial(daylight_matrices, job.scene, group.ports, subdivision=subdivision),
+        job.differentiated(trace),
         _outside_effort(job, PORTS + STATE * number),
         shown=f"daylight matrices of the ports of {group.name}",
     )
