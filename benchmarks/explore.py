@@ -2,27 +2,23 @@
 
 A year of hours of 2,088 sensors behind a blind of three states: light of two parts of
 the sky and of a sun patch that moves over the floor, with independent errors of 1 % of
-each sensor and part. Times are measured in Chromium, by the clock of the page.
+each sensor and part. Times are those of the page's main thread in Chromium.
 
     python benchmarks/explore.py [--write docs/benchmarks/explore.md]
 """
 
 import argparse
 import datetime
-import http.server
-import json
+import os
 import platform
-import re
-import shutil
-import subprocess
 import sys
 import tempfile
-import threading
 from pathlib import Path
-from time import process_time
+from time import perf_counter, process_time
 
 import numpy as np
 import xarray as xr
+from chromium_pipe import Page
 
 import clerestory
 from clerestory.report.explore_page import write_explorer
@@ -31,46 +27,33 @@ from clerestory.study.results import Results
 COLUMNS, ROWS, ERROR, REPEATS = 58, 36, 0.01, 15
 SHARES = (1.0, 0.3, 0.08)
 
-PROBE = """
-const wait = setInterval(async () => {
-  if (!document.documentElement.dataset.scripts) return;
-  clearInterval(wait);
-  const opened = document.documentElement.dataset.opened, times = {};
-  const pause = () => new Promise(done => setTimeout(done, 0));
-  const measure = async (name, count, act) => {
-    const found = [];
-    for (let k = 0; k < count; k++) {
-      const start = performance.now();
-      await act(k);
-      explorer.year.canvas.getContext("2d").getImageData(0, 0, 1, 1);
-      found.push(performance.now() - start);
-      await pause();
-    }
-    times[name] = found;
-  };
-  const set = (name, value) => { byId(name).value = value; };
-  const limit = k => { set("low", 200 + 10 * k); explorer.showYear(); };
-  const hour = k => { set("hour", 8 + k % 10); explorer.showMoment(); };
-  const operate = async kind => {
-    set("kind-a", kind);
-    await explorer.load();
-    explorer.showYear();
-  };
-  await measure("limit of daylight autonomy", REPEATS, limit);
-  set("metric", "useful");
-  await measure("limit of useful illuminance", REPEATS, limit);
-  set("hours", "own"); set("from-hour", 0); set("to-hour", 24);
-  await measure("the same over 24 hours a day", REPEATS, limit);
-  await measure("date or time", REPEATS, hour);
-  if (byId("kind-a")) {
-    await measure("a state, read for the first time", 1, () => operate("all:1"));
-    await measure("a rule, whose states are read", 1, () => operate("rule"));
-    await measure("a state, read before", 1, () => operate("all:1"));
-  }
-  const body = JSON.stringify({ "page opened": [+opened], ...times });
-  fetch("/times", { method: "POST", body });
-}, 20);
+# Waits for the page, and returns the time since its request
+OPENED = """
+const root = () => document.documentElement;
+while (!root()?.dataset.scripts) await new Promise(done => setTimeout(done, 5));
+return +root().dataset.opened;
 """
+
+# Steps of the page by name; K is the number of the repetition
+YEAR = "explorer.showYear();"
+STEPS = {
+    "limit of daylight autonomy": "set('low', 200 + 10 * K);" + YEAR,
+    "limit of useful illuminance": (
+        "set('metric', 'useful'); set('low', 200 + 10 * K);" + YEAR
+    ),
+    "the same over 24 hours a day": (
+        "set('hours', 'own'); set('from-hour', 0); set('to-hour', 24);"
+        "set('low', 200 + 10 * K);" + YEAR
+    ),
+    "date or time": "set('hour', 8 + K % 10); explorer.showMoment();",
+}
+OPERATIONS = {
+    "a state, read for the first time": "all:1",
+    "a rule, whose states are read": "rule",
+    "a state, read before": "all:1",
+}
+PAINT = "explorer.year.canvas.getContext('2d').getImageData(0, 0, 1, 1);"
+SET = "const set = (name, value) => { byId(name).value = value; };"
 
 
 def large_results():
@@ -131,47 +114,29 @@ def results_of(lux, times, place, irradiance):
     return Results(data)
 
 
-def browser_times(page):
-    """Times [ms] that Chromium measures in the page, by name."""
-    found, done = {}, threading.Event()
-    text = re.sub(r"<meta http-equiv[^>]*>", "", page.read_text(encoding="utf-8"))
-    probe = PROBE.replace("REPEATS", str(REPEATS))
-    body = text.replace("</body>", f"<script>{probe}</script></body>").encode()
+def browser_times(file):
+    """Clock and processor times [ms] of the steps of a page, by name."""
+    found = {}
+    with Page() as page:
+        page.call("Performance.enable", timeDomain="threadTicks")
 
-    class Handler(http.server.BaseHTTPRequestHandler):
-        def do_GET(self):
-            self.send_response(200)
-            self.send_header("Content-Type", "text/html; charset=utf-8")
-            self.end_headers()
-            self.wfile.write(body)
+        def measure(name, script, count):
+            times = []
+            for number in range(count):
+                start, before = perf_counter(), page.processor_time()
+                page.evaluate(script.replace("K", str(number)))
+                times.append((perf_counter() - start, page.processor_time() - before))
+            found[name] = 1000 * np.array(times)
 
-        def do_POST(self):
-            length = int(self.headers["Content-Length"])
-            found.update(json.loads(self.rfile.read(length)))
-            self.send_response(204)
-            self.end_headers()
-            done.set()
-
-        def log_message(self, *_words):
-            pass
-
-    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Handler)
-    threading.Thread(target=server.serve_forever, daemon=True).start()
-    command = shutil.which("chromium") or shutil.which("google-chrome")
-    flags = ["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run"]
-    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
-        address = f"http://127.0.0.1:{server.server_port}/"
-        browser = subprocess.Popen(
-            [
-                *(command, *flags, f"--user-data-dir={profile}"),
-                *("--remote-debugging-port=0", address),
-            ],
-            stderr=subprocess.DEVNULL,
-        )
-        done.wait(300)
-        browser.terminate()
-        browser.wait()
-    server.shutdown()
+        page.call("Page.navigate", url=file.resolve().as_uri())
+        opened = page.evaluate(OPENED)
+        found["page opened"] = np.array([[opened, 1000 * page.processor_time()]])
+        for name, script in STEPS.items():
+            measure(name, SET + script + PAINT, REPEATS)
+        if page.evaluate("return Boolean(byId('kind-a'));"):
+            for name, kind in OPERATIONS.items():
+                load = f"set('kind-a', '{kind}'); await explorer.load();"
+                measure(name, SET + load + YEAR + PAINT, 1)
     return found
 
 
@@ -193,19 +158,20 @@ def main():
                 f"| {name}: {size:.1f} MB, {held}; {spent:.1f} s to write | | |"
             )
             for what, times in browser_times(page).items():
-                middle, shortest = np.median(times), np.min(times)
-                rows.append(f"| {what} | {middle:.0f} | {shortest:.0f} |")
+                clock, spent = np.median(times, axis=0)
+                rows.append(f"| {what} | {spent:.0f} | {clock:.0f} |")
             fewer = results.data.drop_vars("illuminance_by_state", errors="ignore")
             results = Results(fewer)
     today = datetime.datetime.now(tz=datetime.UTC).date()
     lines = [
         "# The interactive page of a large study",
         "",
-        f"`benchmarks/explore.py`: {COLUMNS * ROWS:,} sensors, 8,760 hours. Times are"
-        " by the clock of the page: other work on the computer lengthens them, and the"
-        " shortest is nearest to those without it.",
+        f"`benchmarks/explore.py`: {COLUMNS * ROWS:,} sensors, 8,760 hours; medians of"
+        f" {REPEATS} repetitions. Processor time is that of the page's main thread."
+        f" Time by the clock grows with other work on the computer: {os.cpu_count()}"
+        f" cores had a load of {os.getloadavg()[0]:.0f}.",
         "",
-        "| step in the page | median [ms] | shortest [ms] |",
+        "| step in the page | processor time [ms] | by the clock [ms] |",
         "|---|---|---|",
         *rows,
         "",

@@ -50,7 +50,8 @@ Notes:
 
 - The agreement is poor; the knowledge of the room limits it, for Radiance as well.
   Materials are those that the authors measured: glass of transmissivity 0.88, floor
-  reflectance 0.30, gallery 0.36. Nothing is calibrated. With these values their own
+  reflectance 0.30, gallery 0.36. Nothing is calibrated here; see
+  [the calibrated room](measured-room-calibrated.md). With these values their own
   Radiance runs are too bright as well; to match the measurements, they reduce the
   transmissivity of the glass to 0.70 to 0.80 and the reflectance of the floors. The
   corners beside the windows are darker than in the model, whose windows may extend too

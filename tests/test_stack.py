@@ -39,7 +39,7 @@ STACK = (
     ("engine",),
     ("cluster",),
     ("bsdfgen", "phases"),
-    ("glare", "control", "metrics"),
+    ("glare", "control", "metrics", "uncertainty"),
     ("study",),
     ("comparison", "compat", "recipes"),
     ("report",),

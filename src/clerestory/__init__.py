@@ -114,6 +114,7 @@ _HOME = {
     "annual_glare": "glare.annual_glare",
     "trace_view_point": "glare.view_point_tracer",
     "glazed_view_glare": "glare.glazed_view_points",
+    "calibrate_study": "comparison.calibration_run",
     "compare_series": "comparison.series_comparison",
     "simulated_series": "comparison.series",
     "read_measured_series": "comparison.mapping",

@@ -8,6 +8,7 @@ import pytest
 from clerestory.radiance.view_text import read_view
 from clerestory.radiance.window_reader import read_windows
 from clerestory.study.config import read_study
+from clerestory.study.inputs import read_inputs
 from clerestory.study.new_study import write_demo
 
 COMMAND = (
@@ -156,3 +157,95 @@ def test_a_desk_before_a_partition_is_reported(call, demo):
     outcome = call(*words, "--views")
     assert outcome.status == 0, outcome.err
     assert "faces a partition or a wall less than 1 m away: 1 of 2 views" in outcome.err
+
+
+def box(name, west, east):
+    """A room of 4 m × 3 m without its south side."""
+    quads = {
+        "floor": "0 0 0  1 0 0  1 4 0  0 4 0",
+        "ceiling": "0 0 3  0 4 3  1 4 3  1 0 3",
+        "north": "0 4 0  1 4 0  1 4 3  0 4 3",
+        "west": "0 0 0  0 4 0  0 4 3  0 0 3",
+        "east": "1 0 0  1 0 3  1 4 3  1 4 0",
+    }
+    lines = []
+    for side, text in quads.items():
+        points = np.array(text.split(), float).reshape(-1, 3)
+        points[:, 0] = west + points[:, 0] * (east - west)
+        numbers = " ".join(f"{x:g}" for x in points.ravel())
+        lines.append(f"grey polygon {name}_{side} 0 0 12 {numbers}\n")
+    return "".join(lines)
+
+
+def pane(name, corners):
+    return f"clear polygon {name} 0 0 12 {corners}\n"
+
+
+@pytest.fixture
+def export(demo):
+    """Two rooms in a file with their panes, one of which faces outdoors."""
+    grey = "void plastic grey 0 0 5 .5 .5 .5 0 0\nvoid glass clear 0 0 3 .9 .9 .9\n"
+    (demo / "materials.rad").write_text(grey)
+    rooms = box("a", 0, 5) + box("b", 5.2, 8)
+    panes = pane("p", "0 0 0  0 0 3  5 0 3  5 0 0")
+    panes += pane("q", "5.2 0 0  8 0 0  8 0 3  5.2 0 3")
+    (demo / "rooms.rad").write_text(rooms)
+    (demo / "panes.rad").write_text(panes)
+    (demo / "export.rad").write_text(rooms + panes)
+    return demo
+
+
+EXPORT = "new office --weather 723170TYA.CSV --spacing 1 --scene materials.rad"
+
+
+@pytest.mark.parametrize(
+    "words", ["export.rad --glazing clear", "rooms.rad --window panes.rad"]
+)
+def test_panes_of_two_rooms_are_two_windows_with_grids(call, export, words):
+    """Rooms of 5 × 4 m and 2.8 × 4 m: 20 and 8 or 12 sensors of a metre."""
+    outcome = call(*EXPORT.split(), *words.split())
+    assert outcome.status == 0, outcome.err
+    assert outcome.err == ""
+    assert "in 2 rooms, 2 windows" in outcome.out
+    study = read_study(export / "office" / "study.toml")
+    inputs = read_inputs(study)
+    assert [len(surface.vertices) for surface in inputs.scene.surfaces] == [4] * 10
+    assert [group.name for group in inputs.groups] == ["panes_1", "panes_2"]
+    for group, east in zip(inputs.groups, (2.5, 6.6), strict=True):
+        corners = group.inner.polygons[0].vertices
+        assert corners.mean(axis=0).tolist() == pytest.approx([east, 0, 1.5])
+        assert group.inner.frame.normal.tolist() == pytest.approx([0, 1, 0])
+    grids = [grid.position[:, 0] for grid in inputs.grids.values()]
+    assert len(grids[0]) == 20
+    assert grids[0].max() < 5 < 5.2 < grids[1].min()
+
+
+def test_panes_of_two_orientations_are_two_windows(call, export):
+    east = pane("r", "5 1 1  5 3 1  5 3 2  5 1 2")
+    room = box("a", 0, 5).replace("5 0 3 5 4 3 5 4 0", "5 0 1 5 4 1 5 4 0")
+    room += "grey polygon up 0 0 12 5 0 2 5 0 3 5 4 3 5 4 2\n"
+    room += "grey polygon left 0 0 12 5 0 1 5 0 2 5 1 2 5 1 1\n"
+    room += "grey polygon right 0 0 12 5 3 1 5 3 2 5 4 2 5 4 1\n"
+    south = pane("p", "0 0 0  0 0 3  5 0 3  5 0 0")
+    (export / "export.rad").write_text(room + south + east)
+    outcome = call(*EXPORT.split(), "export.rad", "--glazing", "clear", "--views")
+    assert outcome.status == 0, outcome.err
+    assert "20 sensors, 2 windows" in outcome.out
+    inputs = read_inputs(read_study(export / "office" / "study.toml"))
+    normals = [group.inner.frame.normal.tolist() for group in inputs.groups]
+    assert normals == [pytest.approx([0, 1, 0]), pytest.approx([-1, 0, 0])]
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        ("--glazing glass", 'made of the glazing "glass"; one of clear, grey expected'),
+        ("", "neither window files nor materials of the glazing; one of them expected"),
+        ("--glazing clear --window panes.rad", "both window files and materials"),
+    ],
+)
+def test_glazing_that_is_not_there_is_an_error(call, export, words, expected):
+    outcome = call(*EXPORT.split(), "export.rad", *words.split())
+    assert outcome.status == 2
+    assert expected in outcome.err
+    assert not (export / "office").exists()

@@ -8,9 +8,11 @@ import ast
 import csv
 import importlib.resources
 import json
+import re
 import subprocess
 import tomllib
 import warnings
+import zipfile
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
@@ -33,7 +35,11 @@ from clerestory.bsdf.xml_writer import write_bsdf
 from clerestory.bsdfgen.mgf_text import mgf_text
 from clerestory.bsdfgen.shading_system import SampleArea
 from clerestory.cli.progress import _bars, say
+from clerestory.comparison.calibration_model import CalibrationModel
+from clerestory.comparison.calibration_output import write_calibration
+from clerestory.comparison.calibration_run import CalibratedStudy
 from clerestory.comparison.comparison_output import _write_csv
+from clerestory.comparison.time_alignment import Pairs
 from clerestory.control.schedule import StateSchedule, read_schedule, write_schedule
 from clerestory.energyplus.input_objects import InputObject, object_name, write_objects
 from clerestory.escaping import terminal_text
@@ -63,6 +69,7 @@ from clerestory.recipes.leed_credits import write_points
 from clerestory.recipes.model import read_model
 from clerestory.recipes.outputs import _write_hourly
 from clerestory.report.bsdf_plot import share_figure
+from clerestory.report.calibration_page import write_calibration_page
 from clerestory.report.embedded_data import figure_png
 from clerestory.report.markup import element, embedded_json, render
 from clerestory.report.page_assets import content_policy
@@ -79,9 +86,15 @@ from clerestory.study.outputs import (
 from clerestory.study.results import Results, read_results, save_results
 from clerestory.study.study_files import study_text, window_text
 from clerestory.study.title_block import TitleBlock
+from clerestory.study.unknown_quantities import UnknownQuantities
 from clerestory.study.variant_figures import RunFigures, VariantFigure
 from clerestory.study.variant_outputs import write_variants
 from clerestory.study.view_grid_outputs import write_grid_dgp, write_grid_views
+from clerestory.study.vtkjs import Surfaces, write_vtkjs
+from clerestory.uncertainty.calibration import calibrate
+from clerestory.uncertainty.distributions import normal
+from clerestory.uncertainty.draws import Unknown
+from clerestory.uncertainty.expansion import Expansion, Part
 
 pyradiance = pytest.importorskip("pyradiance", reason="Radiance reads the files")
 BIN = Path(pyradiance.__file__).parent / "bin"
@@ -580,7 +593,9 @@ def test_recipe_results_hold_any_name(folder):
     light = {g.full_id: np.full((g.count, 1), 1.0) for g in grids}
     arrays = {"total": light, "direct": light}
     times = np.array(["2023-01-01T12:30"], "datetime64[s]")
-    annual = AnnualLight(grids, times, 1, {STATIC: {"default": arrays}})
+    annual = AnnualLight(
+        grids, times, 1, {STATIC: {"default": arrays}}, np.ones(len(times), bool)
+    )
     _write_hourly(out / "hourly", annual, "total")
     write_levels(out / "en17037", chosen, annual, np.ones(1, bool))
     write_credits(out / "breeam", chosen, annual)
@@ -643,6 +658,52 @@ def test_energyplus_input_holds_any_name(folder):
     assert len(document["Zone"]) == len(NAMES)
 
 
+def test_scenes_for_viewers_hold_any_name(folder):
+    """Names of datasets and of values in JSON; members of the archive are numbers."""
+    corners = np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]])
+    given = [Surfaces(name, corners, {name: np.ones(1)}) for name in NAMES]
+    write_vtkjs(folder / "a.vtkjs", given)
+    archive = zipfile.ZipFile(folder / "a.vtkjs")
+    scene = json.loads(archive.read("index.json"))["scene"]
+    assert [each["name"] for each in scene] == list(NAMES)
+    members = re.compile(r"(\d+/)?(index.json|data/[0-9a-f]+)")
+    assert all(map(members.fullmatch, archive.namelist()))
+
+
+def _calibrated(names):
+    """A fit of quantities and series of the given names."""
+    unknowns = tuple(Unknown(name, normal(0.5, 0.1), 0.5) for name in names)
+    times = np.datetime64("2024-06-21T12:00", "s") + np.arange(len(names))
+    ones, none = np.ones(len(names)), np.zeros(len(names), int)
+    rows = np.arange(len(names))
+    pairs = Pairs(tuple(names), rows, times, ones, ones, ones, none, none)
+    part = Part(np.ones((len(names), 1)), tuple(names))
+    reference = dict.fromkeys(names, 0.5)
+    model = CalibrationModel(
+        unknowns, pairs, (0.0,), (Expansion(reference, ((part,),)),), None, {}
+    )
+    quantities = UnknownQuantities(unknowns, {}, {}, (), (), "", "", {}, {})
+    fit = calibrate(model.predict, pairs.measured, unknowns, relative_error=0.1)
+    profiles = ((np.array([0.4, 0.6]), np.array([1.0, 1.0])),) * len(names)
+    return CalibratedStudy(fit, quantities, model, ones, ones, (), profiles, 1)
+
+
+def test_calibrations_hold_any_name(folder):
+    """Names of quantities and series in the table, in JSON and in the page."""
+    names = [*NAMES, *more_names(6)]
+    found = _calibrated(names)
+    write_calibration(found, folder)
+    with (folder / "calibration_pairs.csv").open(encoding="utf-8", newline="") as f:
+        rows = list(csv.reader(f))
+    assert len(rows) == len(names) + 1
+    assert not any(cell.startswith(("=", "@")) for row in rows for cell in row)
+    facts = json.loads((folder / "calibration.json").read_text(encoding="utf-8"))
+    assert len(facts["quantities"]) == len(set(names))
+    write_calibration_page(folder / "page.html", found, title=names[0])
+    assert "<script" not in (folder / "page.html").read_text(encoding="utf-8")
+    require_no_marker(folder)
+
+
 # ----------------------------- Check of the class -----------------------------
 # Functions that write files; each is tested above, or writes no text from outside
 WRITERS = {
@@ -658,9 +719,12 @@ WRITERS = {
     "energyplus.engine_run.convert_to_json": "a copy of the input, for the engine",
     "energyplus.engine_run.simulate": "JSON, for the engine",
     "energyplus.input_objects.write_objects": test_energyplus_input_holds_any_name,
+    "comparison.calibration_output.write_calibration": test_calibrations_hold_any_name,
+    "comparison.calibration_output.write_calibrated_study": "a path by toml_value",
     "comparison.comparison_output._write_csv": test_tables_hold_no_formulas,
     "comparison.comparison_output.write_tables": "JSON",
     "comparison.mapping.write_layout_sensors": "numbers",
+    "compat.genskyvec._described": "a copy of standard input in a temporary folder",
     "compat.programs.install_programs": "names of programs, quoted for a shell",
     "compat.streams.write_matrix": "bytes that write_rows has written",
     "control.schedule.write_schedule": test_schedules_return_their_groups,
@@ -692,12 +756,15 @@ WRITERS = {
     "recipes.outputs._write_hourly": test_recipe_results_hold_any_name,
     "recipes.view_outputs.point_in_time_view": "names of files by file_stems, JSON",
     "report.bsdf_view.write_view": test_pages_hold_any_text,
+    "report.calibration_page.write_calibration_page": test_calibrations_hold_any_name,
     "report.comparison_page.write_comparison": test_pages_hold_any_text,
     "report.explore_page.write_explorer": test_pages_hold_any_text,
     "report.figure_file.write_figure": "pixels",
     "report.page.write_report": test_pages_hold_any_text,
     "report.pdf.write_pdf": "a page that is listed here",
     "study.annual_view_grids._hourly_file": "numbers",
+    "study.design_run.optimise_study": "a table by csv_line",
+    "study.design_run.with_values": "by writers that are tested here",
     "study.illuminance_by_state.results_by_state": "numbers",
     "study.method_comparison.compare_methods": test_tables_hold_no_formulas,
     "study.view_grid_outputs.write_grid_dgp": test_view_grids_are_tables,
@@ -706,6 +773,7 @@ WRITERS = {
     "study.model_import._bsdf_text": test_imports_of_models_run_no_name,
     "study.model_import.write_building_model": test_imports_of_models_run_no_name,
     "study.new_study.begin_study": test_study_files_hold_any_text,
+    "study.new_study._files": test_study_files_hold_any_text,
     "study.new_study._replace_blind": "a text and a path by toml_value",
     "study.new_study.write_demo": "files of the package",
     "study.outputs._write_lines": test_results_of_hostile_grids_are_tables,
@@ -715,6 +783,7 @@ WRITERS = {
     "study.study_files.write_sensors": "numbers",
     "study.variant_outputs.write_variants": test_figures_of_variants_hold_any_name,
     "study.variant_run.run_variants": "hashes, and names in JSON",
+    "study.vtkjs.write_vtkjs": test_scenes_for_viewers_hold_any_name,
     "report.variants_page.write_variants_page": test_figures_of_variants_hold_any_name,
 }
 _WRITING = {"write_text", "write_bytes", "replace_file", "replace_path", "mkstemp"}

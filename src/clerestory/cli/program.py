@@ -22,6 +22,8 @@ _TOP = {
     "glare": "glare",
     "metrics": "study",
     "compare": "study",
+    "calibrate": "calibration",
+    "optimise": "calibration",
     "import": "study",
     "recipe": "study",
     "doctor": "study",

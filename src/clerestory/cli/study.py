@@ -13,6 +13,7 @@ from clerestory.cli.variants import run_all
 from clerestory.cli.view import view_command
 from clerestory.metrics.replicates import error_of_group_mean
 from clerestory.report.compliance_words import verdict_words
+from clerestory.report.knowledge_section import known_figures, probabilities
 from clerestory.report.page import REPORT_FILE, picture_folder, write_report
 from clerestory.report.pdf import find_browser, write_pdf
 from clerestory.report.uncertain_value import Figure
@@ -38,7 +39,8 @@ def new(request: requests.NewStudy) -> None:
     begun = begin_study(
         request.folder,
         scene=request.scene,
-        windows=request.window,
+        windows=request.window or (),
+        glazing=request.glazing or (),
         bsdf=request.bsdf or GLAZING,
         weather=request.weather,
         sensors=request.sensors,
@@ -48,6 +50,7 @@ def new(request: requests.NewStudy) -> None:
         views=request.views,
     )
     rooms = f" in {begun.rooms} rooms" if begun.rooms > 1 else ""
+    rooms += f", {begun.windows} windows" if begun.windows > 1 else ""
     views = f", {begun.views} views" if begun.views else ""
     say(
         *(f'window "{n}" reversed: its front must face the room' for n in begun.turned),
@@ -116,7 +119,7 @@ def _run(study: Study, folder: Path, *, quiet: bool) -> None:
         Console().print(_summary(results))
         if view_grids(results):
             Console().print(_glare_summary(results))
-        for name, words in _verdicts(results):
+        for name, words in (*_verdicts(results), *_known(results)):
             say(f"{name}: {words}")
         say(f"results: {folder}", f"report:  {page.resolve().as_uri()}")
         say(f"explore: {view_command(folder)}")
@@ -186,6 +189,17 @@ def _verdicts(results: Results) -> Iterator[tuple[str, str]]:
         count = sum(line.status == "not fulfilled" for line in lines)
         if count:
             yield name, f"requirements not fulfilled: {count}, listed in the report"
+
+
+def _known(results: Results) -> Iterator[tuple[str, str]]:
+    # Both errors of each figure, and probabilities of standards, with [uncertainty]
+    if "known_figure_value" not in results.data:
+        return
+    for one in known_figures(results.data):
+        words = f"{one.simulation} (simulation), {one.knowledge} (what is known)"
+        yield f"{one.name}, {one.place}", words
+    for name, (space, level, chance) in probabilities(results.data):
+        yield name, f"{space}: {level} or better with a probability of {chance}"
 
 
 def _mean(part: xr.Dataset, name: str, factor: float, unit: str) -> str:

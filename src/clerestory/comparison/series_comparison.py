@@ -156,12 +156,9 @@ def compare_series(
     ((0.5, 0.5, 1.0), 35.0)
     """
     rules = rules or Rules()
-    known = _selected(measured, simulated.names)
-    example = f'names such as "{simulated.names[0]}" expected'
-    require(known, f"no measured series has the name of a simulated one; {example}")
-    moved, ignored = _in_the_same_years(known, simulated)
-    pairs = _pairs(moved, simulated, rules, rules.shift_minutes)
-    counts = _counts(pairs, rules)
+    moved, ignored = matched_series(measured, simulated)
+    pairs = value_pairs(moved, simulated, rules, rules.shift_minutes)
+    counts = counted(pairs, rules)
     below = np.bincount(pairs.series[~counts], minlength=len(pairs.names))
     chosen = pairs.where(counts)
     if not chosen.measured.size:
@@ -179,6 +176,19 @@ def compare_series(
     )
 
 
+def matched_series(
+    measured: Sequence[Series], simulated: Series
+) -> tuple[list[Series], bool]:
+    """Return the measured series that were simulated, in the years of the simulation.
+
+    The second value tells whether the years were ignored.
+    """
+    known = _selected(measured, simulated.names)
+    example = f'names such as "{simulated.names[0]}" expected'
+    require(known, f"no measured series has the name of a simulated one; {example}")
+    return _in_the_same_years(known, simulated)
+
+
 def _selected(measured: Sequence[Series], names: Sequence[str]) -> list[Series]:
     # Measured series with the given names
     found = [
@@ -187,17 +197,18 @@ def _selected(measured: Sequence[Series], names: Sequence[str]) -> list[Series]:
     return [series for series in found if series.names]
 
 
-def _pairs(
+def value_pairs(
     measured: Sequence[Series], simulated: Series, rules: Rules, minutes: float
 ) -> Pairs:
+    """Return pairs of all values, with minutes added to the measured times."""
     shifted = [series.shifted(minutes) for series in measured]
     same = [simulated.select(list(series.names)) for series in measured]
     pair = partial(pair_series, coverage=rules.coverage)
     return join_pairs(list(map(pair, shifted, same)))
 
 
-def _counts(pairs: Pairs, rules: Rules) -> np.ndarray:
-    # Include illuminances above the limit and glare indices above 0
+def counted(pairs: Pairs, rules: Rules) -> np.ndarray:
+    """Return which pairs count: illuminances above the limit, glare indices above 0."""
     lux = np.array([quantity_of(name) == ILLUMINANCE for name in pairs.names])
     limit = np.where(lux[pairs.series], rules.above_lux, 0.0)
     return np.asarray(pairs.measured > limit)
@@ -219,8 +230,8 @@ def _offsets(
         parts = _selected(measured, [n for n in names if quantity_of(n) == kind])
 
         def at(minutes: int, parts: Sequence[Series] = parts) -> Pairs:
-            pairs = _pairs(parts, simulated, rules, rules.shift_minutes + minutes)
-            return pairs.where(_counts(pairs, rules))
+            pairs = value_pairs(parts, simulated, rules, rules.shift_minutes + minutes)
+            return pairs.where(counted(pairs, rules))
 
         best = _search_offset(at)
         if best is not None:

@@ -4,6 +4,7 @@ A comment `#@rfluxmtx h=kf u=Z` gives angular basis and up vector of the polygon
 it. The default basis is Klems full; up is +z, or +y for a horizontal window.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -42,7 +43,7 @@ def read_window(path: str | Path) -> Window:
     >>> window.name, window.area, window.frame.normal.tolist()
     ('south', 0.5, [0.0, 1.0, 0.0])
     """
-    groups = _groups(path)
+    groups = read_panes(path)
     names = list(groups)
     name = names[0] if len(names) == 1 and names[0] != "void" else Path(path).stem
     return window_of_panes(name, [pane for group in groups.values() for pane in group])
@@ -52,7 +53,7 @@ def read_windows(*paths: str | Path) -> tuple[Window, ...]:
     """Read windows from .rad files, one for each modifier, in order of appearance."""
     groups: dict[str, list[Pane]] = {}
     for path in paths:
-        for name, panes in _groups(path).items():
+        for name, panes in read_panes(path).items():
             groups.setdefault(name, []).extend(panes)
     return tuple(window_of_panes(name, panes) for name, panes in groups.items())
 
@@ -66,8 +67,8 @@ class Pane:
     up: Vector | None
 
 
-def _groups(path: str | Path) -> dict[str, list[Pane]]:
-    # Polygons of a file by modifier
+def read_panes(path: str | Path) -> dict[str, list[Pane]]:
+    """Read the polygons of windows in a .rad file, by modifier."""
     groups: dict[str, list[Pane]] = {}
     basis, up = "full", None
     for placed in placed_items(path):
@@ -100,7 +101,7 @@ def _refuse_surface(placed: Placed) -> None:
         )
 
 
-def window_of_panes(name: str, panes: list[Pane]) -> Window:
+def window_of_panes(name: str, panes: Sequence[Pane]) -> Window:
     """Return the window of some panes; the first one gives basis and up vector."""
     polygons, first = tuple(pane.polygon for pane in panes), panes[0]
     return window_of(polygons, name=name, up=first.up, partition=klems(first.basis))

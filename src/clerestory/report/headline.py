@@ -8,6 +8,7 @@ from clerestory.metrics.climate_based_metrics import USEFUL_LIMITS_LUX
 from clerestory.report.compliance_section import verdict_rows
 from clerestory.report.content import ReportContent
 from clerestory.report.embedded_data import image_address
+from clerestory.report.knowledge_section import knowledge_error
 from clerestory.report.markup import Markup, render
 from clerestory.report.metric_maps import MetricMap, metric_maps, useful_share
 from clerestory.report.orientation import orientation
@@ -107,8 +108,9 @@ def _grid_figures(
 
 def _key_figures(
     content: ReportContent, maps: dict[str, MetricMap]
-) -> list[tuple[str, str, str, str]]:
-    # For each key figure of the first grid: title, value, unit with error, note
+) -> list[tuple[str, str, str, str, str]]:
+    # For each key figure of the first grid: title, value, unit with error of the
+    # simulation, note, error of what is not known
     members = next(iter(content.sensors.by_grid().values()))
     low, _, high = (f"{limit:,.0f}" for limit in USEFUL_LIMITS_LUX)
     notes = (
@@ -120,7 +122,10 @@ def _key_figures(
     words = [
         str(figure).partition(" ") for figure in _grid_figures(content, maps, members)
     ]
+    known = [knowledge_error(content.data, k) for k in range(len(_TITLES))]
     return [
-        (title, value, unit, note)
-        for title, (value, _, unit), note in zip(_TITLES, words, notes, strict=True)
+        (title, value, unit, note, more)
+        for title, (value, _, unit), note, more in zip(
+            _TITLES, words, notes, known, strict=True
+        )
     ]

@@ -18,6 +18,7 @@ from clerestory.report.electric_lighting import lamps_section
 from clerestory.report.energy_section import energy_section
 from clerestory.report.equation_terms import equation_section
 from clerestory.report.headline import headline
+from clerestory.report.knowledge_section import knowledge_section
 from clerestory.report.main_sections import (
     accuracy_section,
     computation_section,
@@ -100,6 +101,7 @@ _SECTIONS: tuple[tuple[str, str, Callable[[ReportContent], Section]], ...] = (
     ("methods", "Methods", methods_section),
     ("layers", "BSDFs", layers_section),
     ("room", "Room", room_section),
+    ("knowledge", "What is not known", knowledge_section),
     ("accuracy", "Uncertainty", accuracy_section),
     ("making", "Computation", computation_section),
     ("words", "Glossary", glossary_section),

@@ -5,7 +5,7 @@ quantities shown and better in one of them.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -14,6 +14,7 @@ from clerestory.image.colour_scale import ColourScale
 from clerestory.report.colour import colour_bar, hexadecimal, value_colours
 from clerestory.report.markup import Markup, drawing, element, join
 from clerestory.report.uncertain_value import number
+from clerestory.study.optimise_tables import GoalTable
 from clerestory.study.variant_figures import RunFigures, VariantFigure
 
 _WIDTH, _HEIGHT = 640.0, 400.0
@@ -72,6 +73,26 @@ def objectives(runs: Sequence[RunFigures]) -> Objectives | None:
         return None
     energy = _first(runs, "energy", 0)
     return Objectives(across, light, energy if len(energy) == len(runs) else None)
+
+
+def goal_objectives(
+    runs: Sequence[RunFigures], goals: Sequence[GoalTable]
+) -> Objectives | None:
+    """Return the goals of an optimisation, up to three; None for a single goal."""
+    found = []
+    for goal in goals:
+        own = next(
+            figure
+            for figure in runs[0].figures
+            if figure.name == goal.figure
+            and figure.place == (goal.place or figure.place)
+        )
+        rising = own.rising if goal.aim is None else goal.aim == "more"
+        each = [run.of(own.key) for run in runs]
+        found.append([replace(one, rising=rising) for one in each if one is not None])
+    if len(found) < 2 or any(len(own) < len(runs) for own in found):
+        return None
+    return Objectives(found[1], found[0], found[2] if len(found) > 2 else None)
 
 
 def _first(runs: Sequence[RunFigures], aspect: str, number: int) -> list[VariantFigure]:

@@ -23,9 +23,9 @@ from clerestory.report.embedded_data import image_address
 from clerestory.report.markdown import markdown
 from clerestory.report.markup import Markup, drawing, element, render
 from clerestory.report.page_assets import asset, content_policy
-from clerestory.report.pareto_plot import objectives, pareto_plot
-from clerestory.report.sensor_cells import sensor_cells
+from clerestory.report.pareto_plot import Objectives, objectives, pareto_plot
 from clerestory.report.uncertain_value import Figure
+from clerestory.scene.sensor_cells import sensor_cells
 from clerestory.study.title_block import TitleBlock
 from clerestory.study.variant_figures import (
     RunFigures,
@@ -75,16 +75,25 @@ def write_variants_page(
     *,
     title: str,
     title_block: TitleBlock | None = None,
+    goals: Objectives | None = None,
 ) -> None:
-    """Write the page that compares several runs."""
-    write_text(path, variants_page(runs, title=title, title_block=title_block))
+    """Write the page that compares several runs; see `variants_page`."""
+    page = variants_page(runs, title=title, title_block=title_block, goals=goals)
+    write_text(path, page)
 
 
 def variants_page(
-    runs: Sequence[RunFigures], *, title: str, title_block: TitleBlock | None = None
+    runs: Sequence[RunFigures],
+    *,
+    title: str,
+    title_block: TitleBlock | None = None,
+    goals: Objectives | None = None,
 ) -> str:
-    """Return the page that compares several runs, as HTML."""
-    shown, block = objectives(runs), title_block or TitleBlock()
+    """Return the page that compares several runs, as HTML.
+
+    `goals` are plotted against each other; by default light against glare and energy.
+    """
+    shown, block = goals or objectives(runs), title_block or TitleBlock()
     return render(
         "variants.html",
         version=clerestory.__version__,
@@ -100,6 +109,7 @@ def variants_page(
         pareto=pareto_plot(runs, shown) if shown else "",
         efficient=shown.efficient().tolist() if shown else [False] * len(runs),
         with_glare=bool(shown and shown.across[0].aspect == "glare"),
+        with_goals=goals is not None,
         plans=grid_plans(runs),
         scale=colour_bar(percent_scale()),
     )

@@ -42,14 +42,13 @@ def room_grids(
         inside = filled_room(
             scene, first, others=[w for w in windows if w is not first], spacing=spacing
         )
-        within = {
-            window.name
+        own = tuple(
+            window
             for window in waiting
             if window is first or _reaches(inside, scene, window, spacing)
-        }
-        own = tuple(window for window in waiting if window.name in within)
+        )
         found.append(RoomGrid(own, grid_below(scene, windows, inside, height=height)))
-        waiting = [window for window in waiting if window.name not in within]
+        waiting = [window for window in waiting if window not in own]
     return found
 
 

@@ -23,9 +23,11 @@ from clerestory.study.compliance_tables import ComplianceTable, SpaceTable
 from clerestory.study.config_tables import Distinct, require_rule
 from clerestory.study.energy_tables import EnergyTable
 from clerestory.study.lighting_tables import LightingTable, LuminaireTable
+from clerestory.study.optimise_tables import OptimiseTable
 from clerestory.study.report_tables import ReportTable
 from clerestory.study.sensitivity_table import SensitivityTable
 from clerestory.study.table_names import require_names
+from clerestory.study.uncertainty_tables import UncertaintyTable
 from clerestory.study.view_grid_tables import ViewGridTable
 from clerestory.study.window_tables import WindowTable
 from clerestory.toml_lines import key_lines
@@ -83,6 +85,10 @@ class Study(Table):
     sensitivity: SensitivityTable | None = Field(
         None, description="a table [sensitivity]"
     )
+    uncertainty: UncertaintyTable | None = Field(
+        None, description="a table [uncertainty]"
+    )
+    optimise: OptimiseTable | None = Field(None, description="a table [optimise]")
     report: ReportTable = ReportTable()
     output: tables.OutputTable = tables.OutputTable()
 

@@ -19,6 +19,7 @@ from clerestory.phases.recent_values import RecentValues
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.view_text import read_view
 from clerestory.scene.band_conversion import in_bands
+from clerestory.scene.glazing import without_glazing
 from clerestory.scene.model import Scene
 from clerestory.scene.scaling import scaled
 from clerestory.scene.sensors import Sensors, read_sensors
@@ -92,7 +93,7 @@ def read_inputs(study: Study, *, recent: RecentValues | None = None) -> Inputs:
             group.schedule()
     scene = recent.value(
         ("scene", study.scene.model_dump_json()),
-        lambda: _spectral(scaled(read_rad(*study.scene.files), metres), study.scene),
+        lambda: _scene(study.scene),
     )
     grids = {
         table.label: scaled(read_sensors(table.file), metres) for table in study.sensors
@@ -120,9 +121,10 @@ def _layer(path: Path, *, recent: RecentValues) -> Bsdf:
     return recent.value(("layer", path), lambda: read_bsdf(path))
 
 
-def _spectral(scene: Scene, table: SceneTable) -> Scene:
-    # The scene in the bands of the study
-    bands = band_set(table.bands)
+def _scene(table: SceneTable) -> Scene:
+    # The scene without panes that windows replace, in the bands of the study
+    bands, whole = band_set(table.bands), read_rad(*table.files)
+    scene = scaled(without_glazing(whole, table.glazing), table.metres)
     if bands == RGB:
         return scene
     given = {one.material: read_spectrum(one.file) for one in table.spectrum}

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from pathlib import Path
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal
 
 from clerestory.engine.effort import Effort
 from clerestory.engine.work_units import Executor, Local
@@ -16,11 +16,7 @@ from clerestory.progress import Progress
 from clerestory.scene.model import Scene
 from clerestory.scene.window import Window
 from clerestory.study.config import Study
-from clerestory.study.differentiated_materials import differentiated
 from clerestory.study.inputs import Inputs
-
-# Result of a tracing function
-Traced = TypeVar("Traced")
 
 # Function that starts the progress display of a phase, given its name
 Display = Callable[[str], Progress]
@@ -45,9 +41,9 @@ class Job:
 
     `found` records which matrix files were in the cache. Results do not depend on the
     executor. The folder `scratch` is for hourly results that do not fit into memory.
-    With `direct`, the job traces matrices of direct light (V_d, D_d, C_d), and `whole`
-    is the scene before its surfaces were made black. `recent` has values that variants
-    of the study have in common.
+    With `direct`, the job traces matrices of direct light (V_d, D_d, C_d). `recent` has
+    values that variants of the study have in common. Matrices of all light have
+    derivatives by the materials named in `derivatives`.
     """
 
     study: Study
@@ -58,8 +54,14 @@ class Job:
     executor: Executor = field(default_factory=Local)
     scratch: Path = Path()
     direct: bool = False
-    whole: Scene | None = None
     recent: RecentValues = field(default_factory=RecentValues)
+    derivatives: tuple[str, ...] = ()
+
+    @property
+    def differentiated(self) -> dict[str, Any]:
+        """Keywords of tracing functions for derivatives; empty without them."""
+        named = bool(self.derivatives) and not self.direct
+        return {"derivatives": self.derivatives} if named else {}
 
     @property
     def prefix(self) -> str:
@@ -80,17 +82,6 @@ class Job:
     def device(self) -> Literal["cpu", "cuda"]:
         """Compute device for tracing."""
         return self.executor.resolve(self.study.trace.device)
-
-    def differentiated(
-        self, trace: "partial[Traced]", scene: Scene | None = None
-    ) -> "partial[Traced]":
-        """Return a tracing function that also traces the derivatives of the study.
-
-        `scene` is the traced scene, by default that of the job.
-        """
-        of = self.study, self.whole or self.scene
-        names = differentiated(*of, self.scene if scene is None else scene)
-        return partial(trace, derivatives=names) if names else trace
 
     def effort(self, stream: int = 0) -> Effort:
         """Return the sampling effort of a matrix; `stream` is added to the seed."""

@@ -55,6 +55,8 @@ from clerestory.study.sensitivity_results import sensitivity_results
 from clerestory.study.shade_operation import ShadeOperation, operate
 from clerestory.study.study_matrices import StudyMatrices
 from clerestory.study.study_tracing import study_skies, trace_study
+from clerestory.study.total_uncertainty import total_uncertainty
+from clerestory.study.unknown_quantities import unknown_quantities
 from clerestory.study.view_grid_pictures import write_worst_pictures
 from clerestory.study.view_grid_points import (
     Positions,
@@ -118,6 +120,9 @@ def run_method(
     with log.phase("read"):
         inputs = read_inputs(study, recent=recent)
         model = energy_model(study, inputs)
+        if study.uncertainty is not None:
+            # Refuse wrong quantities before anything is traced
+            unknown_quantities(study, inputs, study.uncertainty.unknown)
         title_block = study.report.title_block()
     with log.phase("check"):
         warn_of_inputs(study, inputs, recent=recent)
@@ -197,11 +202,12 @@ def _simulate(job: Job, log: RunLog, states: States | None, *, out: Path) -> xr.
         parts.append(sensitivity_results(signals, acts.states, hourly))
         parts.append(results_by_state(signals))
         data = label_results(hourly, parts, signals, acts)
-    if study.compliance is None:
-        return data
-    with log.phase("compliance"):
-        standards = standards_named(study.compliance.standards)
-        return data.merge(compliance_table(assess(data, standards)))
+    if study.compliance is not None:
+        with log.phase("compliance"):
+            standards = standards_named(study.compliance.standards)
+            data = data.merge(compliance_table(assess(data, standards)))
+    with log.phase("uncertainty"):
+        return data.merge(total_uncertainty(job, signals, acts.states, data))
 
 
 def _melanopic(

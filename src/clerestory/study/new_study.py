@@ -13,10 +13,11 @@ from clerestory.files import make_folder, replace_file, write_text
 from clerestory.library.bsdf_source import PREFIX, is_library_name, read_bsdf
 from clerestory.radiance.rad_reader import read_rad
 from clerestory.radiance.view_text import format_view
-from clerestory.radiance.window_reader import read_windows
+from clerestory.radiance.window_reader import Pane, read_panes
 from clerestory.scene.desk_views import DESK_VIEWS, desk_views
-from clerestory.scene.floor_grid import room_side
-from clerestory.scene.room_grids import RoomGrid, room_grids
+from clerestory.scene.glazing import glazing_panes, without_glazing
+from clerestory.scene.model import Scene
+from clerestory.scene.room_grids import RoomGrid
 from clerestory.scene.scaling import METRES, Unit, scaled
 from clerestory.scene.scene_checks import warn_of_scene
 from clerestory.scene.sensors import read_sensors
@@ -24,8 +25,12 @@ from clerestory.scene.view import View
 from clerestory.scene.window import Window
 from clerestory.sky.weather_formats import read_weather
 from clerestory.study import study_files
+from clerestory.study.new_windows import NewWindow, Panes, sorted_windows
 
 STUDY_FILE, SENSOR_FILE, VIEW_FILE = "study.toml", "workplane.pts", "desk.vf"
+
+# Window file of panes that are taken out of the scene
+WINDOW_FILE = "panes.rad"
 
 # Glazing of windows for which no BSDF is given
 GLAZING = f"{PREFIX}double-lowe-6"
@@ -44,22 +49,24 @@ _DEMO_BLIND = ("FLEXLAB test room, venetian blind", "venetian_blind.xml")
 
 @dataclass(frozen=True)
 class NewStudy:
-    """Study file, numbers of sensors, rooms and views, and names of flipped windows."""
+    """Study file, numbers of sensors, rooms, windows and views; reversed windows."""
 
     study: Path
     sensors: int
     turned: tuple[str, ...]
     rooms: int = 1
     views: int = 0
+    windows: int = 1
 
 
 def begin_study(
     folder: str | Path,
     *,
     scene: Sequence[str | Path],
-    windows: Sequence[str | Path],
     bsdf: str | Path,
     weather: str | Path,
+    windows: Sequence[str | Path] = (),
+    glazing: Sequence[str] = (),
     sensors: str | Path | None = None,
     spacing: float = 0.5,
     height: float = 0.76,
@@ -72,25 +79,33 @@ def begin_study(
     `views`, fisheye views are proposed at the desk nearest to the windows of each room,
     along and towards the façade, for pictures and glare.
 
-    A window whose back faces the room is flipped in a copy of its file. Warnings are
-    issued for probable mistakes, such as glazing left in the scene. `units` is the unit
-    of length of the scene, the windows and the sensors; `spacing` and `height` are in
-    metres.
+    Panes are the polygons of the files `windows`, or those of the materials `glazing`
+    in the scene. Panes whose back faces the room are turned in a copy; those of several
+    rooms or orientations are written as several windows. Warnings are issued for
+    probable mistakes, such as glazing left in the scene. `units` is the unit of length
+    of the scene, the windows and the sensors; `spacing` and `height` are in metres.
     """
     one_of(units, "units", choices=METRES)
     metres = METRES[units]
     folder = Path(folder)
     exists = (folder / STUDY_FILE).exists()
     require(not exists, "contains a study; a new folder expected", file=folder)
-    room = scaled(read_rad(*scene), metres)
-    groups = {Path(file): read_windows(file) for file in windows}
+    words = "both window files and" if windows else "neither window files nor"
+    require(
+        bool(windows) != bool(glazing),
+        f"{words} materials of the glazing; one of them expected",
+    )
+    whole = read_rad(*scene)
+    files = _panes(whole, windows, glazing)
+    room = scaled(without_glazing(whole, glazing), metres)
     read_bsdf(bsdf)
     read_weather(weather)
-    every = {file: scaled(found, metres) for file, found in groups.items()}
-    all_windows = [window for found in every.values() for window in found]
-    warn_of_scene(room, all_windows)
-    place = {"spacing": spacing, "height": height}
-    rooms = [] if sensors and not views else room_grids(room, all_windows, **place)
+    grid = {"spacing": spacing, "height": height}
+    groups, rooms = sorted_windows(
+        room, files, metres=metres, grid=None if sensors and not views else grid
+    )
+    every = [group for found in groups.values() for group in found]
+    warn_of_scene(room, [scaled(group.window, metres) for group in every])
     grids = (
         [each.sensors for each in rooms]
         if sensors is None
@@ -99,20 +114,18 @@ def begin_study(
     eyes = [desk_views(room, each, height=height) if views else [] for each in rooms]
     _warn_of_omitted(rooms, eyes if views else [])
 
-    # Flip windows to face the room; write files only after all input files are read
+    # Write files only after all input files are read
     make_folder(folder)
-    shown, turned = [], []
-    for file, found in groups.items():
-        wrong = [w.name for w in every[file] if room_side(room, w) < 0]
-        shown.append(folder / file.name if wrong else file)
-        turned += wrong
-        if wrong:
-            write_text(shown[-1], "\n".join(_facing_room(w, wrong) for w in found))
-    files: list[str | Path] = [] if sensors is None else [sensors]
+    shown = [
+        file
+        for given, found in groups.items()
+        for file in _files(folder, given, found, copied=bool(glazing))
+    ]
+    kept: list[str | Path] = [] if sensors is None else [sensors]
     if sensors is None:
-        files += [
-            study_files.write_sensors(folder / name, scaled(grid, 1 / metres))
-            for name, grid in zip(_numbered(SENSOR_FILE, grids), grids, strict=True)
+        kept += [
+            study_files.write_sensors(folder / name, scaled(one, 1 / metres))
+            for name, one in zip(_numbered(SENSOR_FILE, grids), grids, strict=True)
         ]
     seen = [scaled(view, 1 / metres) for each in eyes for view in each]
     for name, view in zip(_numbered(VIEW_FILE, seen), seen, strict=True):
@@ -126,11 +139,12 @@ def begin_study(
         "scene": {
             "files": [study_files.relative_path(file, folder) for file in scene],
             **({} if units == "metres" else {"units": units}),
+            **({"glazing": list(glazing)} if glazing else {}),
         },
         "window": [
             {"file": study_files.relative_path(f, folder), "bsdf": layer} for f in shown
         ],
-        "sensors": [{"file": study_files.relative_path(f, folder)} for f in files],
+        "sensors": [{"file": study_files.relative_path(f, folder)} for f in kept],
         **({"view": [{"file": f} for f in _numbered(VIEW_FILE, seen)]} if seen else {}),
         "weather": {"file": study_files.relative_path(weather, folder)},
         "sky": {"rotation_deg": 0.0},
@@ -138,10 +152,45 @@ def begin_study(
         "schedule": {"from_hour": 8, "to_hour": 18},
     }
     write_text(folder / STUDY_FILE, _HEAD + study_files.study_text(tables))
-    count = sum(map(len, grids))
     return NewStudy(
-        folder / STUDY_FILE, count, tuple(turned), len(rooms) or 1, len(seen)
+        folder / STUDY_FILE,
+        sum(map(len, grids)),
+        tuple(dict.fromkeys(g.window.name for g in every if g.turned)),
+        rooms=len(rooms) or 1,
+        views=len(seen),
+        windows=len(every),
     )
+
+
+def _panes(
+    scene: Scene, windows: Sequence[str | Path], glazing: Sequence[str]
+) -> dict[Path, Panes]:
+    # Panes by file and modifier; those of the scene are written to a file
+    if windows:
+        return {Path(file): read_panes(file) for file in windows}
+    found = glazing_panes(scene, glazing)
+    return {
+        Path(WINDOW_FILE): {
+            name: [Pane(polygon, "full", None) for polygon in polygons]
+            for name, polygons in found.items()
+        }
+    }
+
+
+def _files(
+    folder: Path, given: Path, found: Sequence[NewWindow], *, copied: bool
+) -> list[Path]:
+    # The given file, a copy with panes turned, or a file for each window group
+    copied |= any(group.turned for group in found)
+    if all(group.whole for group in found):
+        if copied:
+            text = "\n".join(_text(group.window) for group in found)
+            write_text(folder / given.name, text)
+        return [folder / given.name if copied else given]
+    names = _numbered(given.name, found)
+    for name, group in zip(names, found, strict=True):
+        write_text(folder / name, _text(group.window))
+    return [folder / name for name in names]
 
 
 def _warn_of_omitted(rooms: Sequence[RoomGrid], eyes: Sequence[Sequence[View]]) -> None:
@@ -158,15 +207,14 @@ def _warn_of_omitted(rooms: Sequence[RoomGrid], eyes: Sequence[Sequence[View]]) 
 
 def _numbered(name: str, of: Sequence[object]) -> list[str]:
     # A name for each item: the name itself if there is only one
-    stem, suffix = name.split(".")
+    stem, suffix = name.rsplit(".", 1) if "." in name else (name, "rad")
     several = [f"{stem}_{number}.{suffix}" for number, _ in enumerate(of, start=1)]
     return several if len(of) > 1 else [name] * len(of)
 
 
-def _facing_room(window: Window, turned: Sequence[str]) -> str:
+def _text(window: Window) -> str:
     # Radiance text of a window; vertices are counter-clockwise as seen from the room
-    sign = -1 if window.name in turned else 1
-    outlines = [polygon.vertices[::sign] for polygon in window.polygons]
+    outlines = [polygon.vertices for polygon in window.polygons]
     return study_files.window_text(window.name, outlines, up=window.frame.up)
 
 

@@ -125,14 +125,16 @@ def _traced(
             sensors=sensors,
             subdivision=subdivision,
             windows=windows,
+            **job.differentiated,
         )
-        both = job.differentiated(both, scene)
         return job.pair((name, f"direct-{name}"), both, effort, shown=shown)
     C, C_d = (
-        partial(trace, scene, sensors=sensors, subdivision=subdivision)
-        for trace in (daylight_coefficients, unscattered_coefficients)
+        partial(trace, scene, sensors=sensors, subdivision=subdivision, **more)
+        for trace, more in (
+            (daylight_coefficients, job.differentiated),
+            (unscattered_coefficients, {}),
+        )
     )
-    C = job.differentiated(C, scene)
     whole = job.matrix(name, C, effort, shown=shown)
     if not direct:
         return whole, None

@@ -41,7 +41,7 @@ from clerestory.sky.sun_matrix import SunMatrix, patch_suns, sun_matrix
 from clerestory.sky.weather import Weather
 from clerestory.spectral.band_sets import band_set
 from clerestory.study.config import Study
-from clerestory.study.differentiated_materials import check_parameters
+from clerestory.study.differentiated_materials import checked_materials
 from clerestory.study.inputs import Inputs
 from clerestory.study.job import STATE, Job
 from clerestory.study.memory_size import is_stored, most_sensors
@@ -63,6 +63,8 @@ def study_skies(
 ) -> Skies:
     """Return sky matrices S and, if required, S_ds and S_sun, in the scene's bands.
 
+    S_ds is required by terms of direct light, and if the sun alone is uncertain.
+
     `recent` has the skies of other variants of the study.
     """
     make = partial(
@@ -71,11 +73,12 @@ def study_skies(
         subdivision=study.sky.subdivision,
         ground_reflectance=study.sky.ground_reflectance,
         rotation_deg=study.sky.rotation_deg,
+        sun_formula=study.sky.sun_formula,
         bands=inputs.scene.bands,
         daylight=_daylight_spectra(study) if spectrum == "visible" else None,
         spectrum=spectrum,
     )
-    direct = needs_direct(study)
+    direct = needs_direct(study) or _separates_sun(study)
     key = fingerprint(study.sky.model_dump(), inputs.scene.bands, spectrum, direct)
 
     def skies() -> Skies:
@@ -84,6 +87,11 @@ def study_skies(
     return (recent or RecentValues()).value(
         ("skies", key), skies, size=_bytes, of=(inputs.weather, suns)
     )
+
+
+def _separates_sun(study: Study) -> bool:
+    table = study.uncertainty
+    return table is not None and any(u.kind in ("sky", "sun") for u in table.unknown)
 
 
 def _bytes(skies: Skies) -> float:
@@ -110,6 +118,7 @@ def study_suns(
     return make(
         weather,
         rotation_deg=study.sky.rotation_deg,
+        sun_formula=study.sky.sun_formula,
         spectrum=spectrum,
         bands=band_set(study.scene.bands),
         daylight=_daylight_spectra(study) if spectrum == "visible" else None,
@@ -136,7 +145,7 @@ def trace_study(job: Job, *, spectrum: Spectrum = "visible") -> StudyMatrices:
             f'rule "LM-83" with the {study.method} method requires direct light;'
             ' [sun] places = "exact" expected'
         )
-    check_parameters(study, job.scene, stored=stored)
+    job = replace(job, derivatives=checked_materials(study, job.scene, stored=stored))
     weather = job.inputs.weather
     tables = study.sun.model_dump(), study.sky.model_dump(), study.scene.bands
     suns = job.recent.value(
@@ -148,7 +157,6 @@ def trace_study(job: Job, *, spectrum: Spectrum = "visible") -> StudyMatrices:
     if job.inputs.groups:
         # Direct light is scattered by windows only: all other surfaces are black
         black = replace(job, inputs=replace(job.inputs, scene=blackened(job.scene)))
-        black = replace(black, whole=job.scene)
     if method.windows:
         windows = _windows(job, black, direct=direct, stored=stored)
     else:
@@ -162,6 +170,27 @@ def trace_study(job: Job, *, spectrum: Spectrum = "visible") -> StudyMatrices:
     return StudyMatrices(
         study.terms, tuple(windows), suns, job.scratch, most, recent=job.recent
     )
+
+
+def differentiated_matrices(job: Job, names: Sequence[str]) -> list[WindowMatrices]:
+    """Return the matrices of all light, with derivatives by materials of the scene.
+
+    View matrices are in memory. The direct light of a method has no derivatives by
+    reflectances: it is scattered by windows only.
+
+    Raises
+    ------
+    InputError : an exterior shade in ports, or derivatives that do not fit into memory
+    """
+    study = job.study
+    if METHODS[study.method].facade:
+        raise InputError(
+            f'derivatives with method "{study.method}"; a method without ports expected'
+        )
+    job = replace(job, derivatives=tuple(names))
+    if not METHODS[study.method].windows:
+        return coefficients(job, direct=False)
+    return [WindowMatrices(chain) for chain in _window_chains(job, stored=False)]
 
 
 def _windows(
@@ -195,8 +224,9 @@ def _views(job: Job, *, stored: bool) -> Sequence[TransferMatrix | StoredColumns
         # The path from the sensor to the window counts as one bounce
         effort = replace(effort, bounces=1)
     if not stored:
-        trace = partial(view_matrices, job.scene, windows, sensors=sensors)
-        trace = job.differentiated(trace)
+        trace = partial(
+            view_matrices, job.scene, windows, sensors=sensors, **job.differentiated
+        )
         found = job.matrices("view", windows, trace, effort, shown="view matrices")
         return list(found.values())
     key = fingerprint("views", job.scene_key, windows, sensors, effort)
@@ -219,10 +249,15 @@ def _daylight(job: Job, group: WindowGroup, number: int) -> list[TransferMatrix]
         return [facade_daylight(_facade(job, group, number, at), D) for at in states]
     # The random seed differs between windows, and from the seed of view matrices
     subdivision = job.study.sky.subdivision
-    trace = partial(daylight_matrix, job.scene, group.outer, subdivision=subdivision)
     matrix = job.matrix(
         f"daylight-{group.name}",
-        job.differentiated(trace),
+        partial(
+            daylight_matrix,
+            job.scene,
+            group.outer,
+            subdivision=subdivision,
+            **job.differentiated,
+        ),
         _outside_effort(job, 1 + number),
         shown=f"daylight matrix of {group.name}",
     )
@@ -239,11 +274,10 @@ def _port_daylight(
 ) -> dict[str, TransferMatrix]:
     # D of each port, traced without the exterior shade
     subdivision = job.study.sky.subdivision
-    trace = partial(daylight_matrices, job.scene, group.ports, subdivision=subdivision)
     return job.matrices(
         f"daylight-{group.name}",
         group.ports,
-        job.differentiated(trace),
+        partial(daylight_matrices, job.scene, group.ports, subdivision=subdivision),
         _outside_effort(job, PORTS + STATE * number),
         shown=f"daylight matrices of the ports of {group.name}",
     )

@@ -24,14 +24,23 @@ SeedChoice = Annotated[
 class NewStudy:
     """Write a study file: rooms, their windows, a grid over each floor, the weather.
 
-    The scene is the rooms without the window glazing, which the BSDF replaces. Windows
-    whose front does not face the room are reversed in a copy of their file.
+    The BSDF replaces the glazing of the windows: polygons in files of their own, or all
+    polygons of materials that --glazing names. Panes whose front does not face the room
+    are reversed in a copy; those of several rooms or orientations become several
+    windows.
     """
 
     folder: Path = argument("Folder for the study; created if missing.", "DIR")
     scene: common.SceneFiles
-    window: common.WindowFiles
     weather: Path = required("Weather file (.epw, .wea, .csv).")
+    window: list[Path] | None = option(
+        None, "Radiance files of windows that face the room.", metavar="F…"
+    )
+    glazing: list[str] | None = option(
+        None,
+        "Materials of the panes in the scene files, instead of --window.",
+        metavar="NAME…",
+    )
     bsdf: Path | None = option(
         None, "BSDF file (.xml), or library:NAME; default: low-e double glazing."
     )
@@ -108,11 +117,14 @@ class View:
     """Show the results of a run in the browser: hours, limits, states, glare.
 
     The page is served on the loopback address, for reading alone, at an address with a
-    random token. With -o it is written as one offline file of up to 12 MB instead.
+    random token. With -o it is written as one offline file of up to 12 MB instead, or,
+    with the extension .vtkjs, room and metrics as a scene for viewers of VTK.
     """
 
     results: Path = argument("Results folder or results.nc.", "RESULTS")
-    output: Path | None = option(None, "HTML file to write, instead of serving.", "-o")
+    output: Path | None = option(
+        None, "HTML or .vtkjs file to write, instead of serving.", "-o"
+    )
     port: int = option(
         0, "Port of the address; default: a free one.", least=0, most=65535
     )

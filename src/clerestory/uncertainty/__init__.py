@@ -1,0 +1,1 @@
+"""Uncertainty of results from what is known about a building."""

@@ -1,0 +1,138 @@
+"""Search of designs: Pareto fronts by brute force, windows, and whole optimisations."""
+
+import csv
+
+import numpy as np
+import pytest
+
+from clerestory.errors import InputError
+from clerestory.radiance.window_reader import read_windows
+from clerestory.study.config import read_study
+from clerestory.study.design_run import optimise_study, reduced_windows
+from clerestory.study.design_search import (
+    figure_names,
+    named_figure,
+    non_dominated,
+    spread,
+)
+from clerestory.study.optimise_tables import GoalTable
+from clerestory.study.variants import read_variants
+from uncertain_room import write_room
+
+VARIABLES = """[optimise]
+candidates = 64
+designs = 3
+
+[[optimise.variable]]
+kind = "reflectance"
+material = "ceiling"
+low = 0.5
+high = 0.9
+
+[[optimise.variable]]
+kind = "reflectance"
+material = "wall"
+low = 0.3
+high = 0.7
+"""
+LIGHT = '[[optimise.goal]]\nfigure = "mean illuminance"\n'
+DARK = '[[optimise.goal]]\nfigure = "hours above the useful range"\naim = "less"\n'
+
+
+def test_the_front_is_that_of_all_pairs():
+    values = np.random.default_rng(1).integers(0, 12, (200, 3)).astype(float)
+    found = non_dominated(values)
+    for k, own in enumerate(values):
+        better = (values >= own).all(axis=1) & (values > own).any(axis=1)
+        equal = (values == own).all(axis=1)
+        first = np.flatnonzero(equal)[0] == k
+        assert found[k] == (not better.any() and first)
+
+
+def test_chosen_designs_have_the_best_of_each_goal():
+    angle = np.linspace(0, np.pi / 2, 101)
+    front = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    chosen = spread(front, 3)
+    assert sorted(chosen) == [0, 50, 100]
+
+
+def test_a_share_of_a_window_has_that_area_about_the_same_centre(tmp_path):
+    text = "#@rfluxmtx h=kf u=+Z\nvoid glow g 0 0 4 1 1 1 0\n"
+    text += "g polygon pane 0 0 12 0 0 1 0 0 3 2 0 3 2 0 1\n"
+    (tmp_path / "whole.rad").write_text(text)
+    whole = read_windows(tmp_path / "whole.rad")
+    (tmp_path / "half.rad").write_text(reduced_windows(whole, 0.5))
+    (half,) = read_windows(tmp_path / "half.rad")
+    assert half.area == pytest.approx(0.5 * whole[0].area)
+    centres = [w.polygons[0].vertices.mean(axis=0) for w in (half, whole[0])]
+    assert centres[0] == pytest.approx(centres[1])
+    assert half.frame.up == pytest.approx(whole[0].frame.up)
+    assert half.frame.normal == pytest.approx(whole[0].frame.normal)
+    assert len(half.partition) == len(whole[0].partition)
+
+
+def test_an_unknown_figure_is_refused_with_the_known_ones():
+    keys = figure_names(300, ["desks"])
+    with pytest.raises(InputError, match="mean illuminance; hours with 300 lux"):
+        named_figure(GoalTable(figure="brightness"), keys)
+    with pytest.raises(InputError, match='grid "eyes"; one of desks expected'):
+        named_figure(GoalTable(figure="mean illuminance", place="eyes"), keys)
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        (VARIABLES, "goal"),
+        (VARIABLES.replace("0.5\n", "0.95\n") + LIGHT, '"low" is not below "high"'),
+        (
+            VARIABLES.replace('material = "wall"', 'window = "wall"') + LIGHT,
+            'kind "reflectance"; "material", and no "window", expected',
+        ),
+        (VARIABLES + LIGHT + '[[optimise.limit]]\nfigure = "x"\n', 'without "least"'),
+        (VARIABLES.replace("64", "60") + LIGHT, "a power of two"),
+    ],
+)
+def test_wrong_tables_are_refused(tmp_path, table, message):
+    with pytest.raises(InputError) as caught:
+        read_study(write_room(tmp_path, more=table))
+    assert message in str(caught.value)
+
+
+def optimised(folder, goals):
+    more = VARIABLES + goals
+    file = write_room(folder, more=more, first="06-21", last="06-21", samples=1000)
+    return optimise_study(read_variants(file), out=folder / "out")
+
+
+def test_most_light_is_that_of_the_brightest_surfaces(tmp_path):
+    found = optimised(tmp_path, LIGHT)
+    (best,) = found.designs
+    assert best.values == pytest.approx(
+        {"ceiling reflectance": 0.9, "wall reflectance": 0.7}
+    )
+    key = "mean illuminance", "desks"
+    assert found.runs[1].of(key).value > found.runs[0].of(key).value
+    # The run in full agrees with the expansion
+    assert found.runs[1].of(key).value == pytest.approx(best.figures[key], rel=0.03)
+
+
+def test_a_limit_is_kept_and_the_table_tells_what_was_run(tmp_path):
+    limit = '[[optimise.limit]]\nfigure = "mean illuminance"\nmost = 2000\n'
+    found = optimised(tmp_path, LIGHT + DARK + limit)
+    key = "mean illuminance", "desks"
+    assert 1 <= len(found.designs) <= 3
+    for design in found.designs:
+        assert design.figures[key] <= 2000
+        assert 0.5 <= design.values["ceiling reflectance"] <= 0.9
+    with (tmp_path / "out" / "designs.csv").open() as stream:
+        rows = list(csv.DictReader(stream))
+    assert {row["within limits"] for row in rows} <= {"yes", "no"}
+    own = [row for row in rows if row["figure"] == "mean illuminance"]
+    for row, run in zip(own, found.runs[1:], strict=True):
+        assert float(row["run"]) == pytest.approx(run.of(key).value, rel=1e-4)
+
+
+def test_impossible_limits_are_refused(tmp_path):
+    limit = '[[optimise.limit]]\nfigure = "mean illuminance"\nleast = 1e6\n'
+    with pytest.raises(InputError, match="no design is within the limits"):
+        optimised(tmp_path, LIGHT + limit)
