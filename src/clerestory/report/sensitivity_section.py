@@ -158,7 +158,7 @@ def _lines(data: xr.Dataset) -> list[_Line]:
 
 def _signed(value: float, error: float, unit: str) -> str:
     text = str(Figure(value, error, unit)).strip()
-    return text if value < 0 else f"+{text}"
+    return f"+{text}" if value > 0 else text
 
 
 def _example(data: xr.Dataset) -> str:
